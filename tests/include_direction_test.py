@@ -40,11 +40,14 @@ ALLOWED = {
     "engine_client/decider/pooling": DECISION,
     "engine_client/decider/audit": DECISION,
     "engine_client/decider/embedded": DECIDER | ENGINE,
-    "engine_client/telemetry": DECIDER | ENGINE | {"engine_client/decider/embedded", "engine_client/telemetry/tls", "proto"},
+    "engine_client/telemetry": DECIDER | ENGINE | {
+        "engine_client/decider/embedded", "engine_client/telemetry/conversion", "engine_client/telemetry/tls", "proto"},
+    "engine_client/telemetry/conversion": DECIDER | {"engine_client/decider/embedded", "proto"},
     "engine_client/telemetry/tls": set(),
     "engine_client/c_api": ENGINE | {"engine_client/decider/embedded", "engine_client/telemetry"},
     "engine_client/c_api/flavours": set(),
-    "engine_client/cli": DECIDER | ENGINE | {"engine_client/decider/embedded", "engine_client/telemetry", "proto"},
+    "engine_client/cli": DECIDER | ENGINE | {
+        "engine_client/decider/embedded", "engine_client/telemetry", "engine_client/telemetry/conversion", "proto"},
     "server/dashboard": set(),
     "server/sessions": DECIDER,
     "server/storage": DECIDER | {"server/sessions"},
@@ -53,7 +56,8 @@ ALLOWED = {
     "server/watch": DECIDER | {"server/sessions"},
     "server/net": set(),
     "server/web": {"server/auth", "server/dashboard", "server/net", "proto"},
-    "server/rpc": DECIDER | {"server/auth", "server/net", "server/sessions", "engine_client/telemetry/tls", "server/watch", "proto"},
+    "server/rpc": DECIDER | {
+        "server/auth", "server/net", "server/sessions", "engine_client/telemetry/conversion", "engine_client/telemetry/tls", "server/watch", "proto"},
     "server/host": {"server/sessions", "server/rpc", "server/storage", "server/web", "proto"},
     "server": DECIDER | {
         "server/auth", "server/host", "server/sessions", "server/storage", "engine_client/telemetry/tls", "server/tls", "server/watch", "server/rpc",
@@ -100,7 +104,7 @@ PUBLIC_FOLDER = "engine_client/include/sweepstake"
 ROOM_ORDER = {
     "engine_client/broad_phase": ("host", "common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
     "engine_client/cli": ("io", "game", "daemon", "priors", ""),
-    "engine_client/telemetry": ("tls", "common", "protocol", ""),
+    "engine_client/telemetry": ("tls", "conversion", "common", "protocol", ""),
     "server/rpc": ("common", "services", ""),
     "server/sessions": ("common", ""),
     "server/web": ("", "api"),
@@ -108,7 +112,7 @@ ROOM_ORDER = {
 
 # Only these folders may use headers of one operating system, gRPC or protobuf.
 PLATFORM_FOLDERS = {
-    "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/telemetry/tls", "engine_client/cli", "server",
+    "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/telemetry/conversion", "engine_client/telemetry/tls", "engine_client/cli", "server",
     "server/auth", "server/host", "server/net", "server/sessions", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web"}
 # These files ask the system for names of threads, cores, processor and memory. If a system does not provide them, they do nothing.
 PLATFORM_FILES = {
@@ -289,7 +293,7 @@ BAD = {
     "engine_client/decider/policy/x.cc": '#include "engine_client/decider/session/decision_session.h"\n',
     "engine_client/decider/y.cc": '#include "engine_client/decider/policy/policy.h"\n',
     "server/rpc/z.cc": '#include "tests/laboratory/policies/study_policies.h"\n',
-    "engine_client/telemetry/common/z.cc": '#include "engine_client/telemetry/proto_conversion.h"\n',
+    "engine_client/telemetry/common/z.cc": '#include "engine_client/telemetry/conversion/proto_conversion.h"\n',
     "engine_client/telemetry/aa.cc": '#include "tests/laboratory/policies/study_policies.h"\n',
     "engine_client/decider/audit/ab.cc": '#include "server/sessions/prior_store.h"\n',
     "engine_client/decider/audit/ac.cc": "#include <fstream>\n",

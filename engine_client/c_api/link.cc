@@ -137,7 +137,7 @@ swp_result UseLink(swp_link* link, const Body& body) noexcept {
     if (session == nullptr) {
       return Fail(SWP_FAILED_PRECONDITION, "the session of this link has ended: destroy the link");
     }
-    if (!session->Enter()) return Ended(*link, Session::kName);
+    if (!session->Enter()) return Ended(*link, LiveSession::kName);
     const auto leave = [](swp_session* entered) { entered->Leave(); };
     const std::unique_ptr<swp_session, decltype(leave)> stay(session, leave);
     const std::lock_guard lock(live.mutex);
@@ -206,7 +206,7 @@ swp_result swp_link_options_init(swp_link_options* options) {
 }
 
 swp_result swp_link_create(swp_session* session, const swp_link_options* options, swp_link** link) {
-  return Use(session, [&](Session& /*live*/) {
+  return Use(session, [&](LiveSession& /*live*/) {
     if (link == nullptr) return NullArgument("link");
     swp_link_options known = DefaultLinkOptions();
     swp_result wrong = TakeOptions("swp_link_options", options, known);

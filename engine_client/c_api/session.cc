@@ -86,7 +86,7 @@ AdaptiveOptions ToAdaptiveOptions(const swp_session_options& given) {
 }
 
 swp_result CreateSession(const swp_session_options& options, swp_session** session) {
-  auto created = std::make_unique<Session>(options.queue_frames);
+  auto created = std::make_unique<LiveSession>(options.queue_frames);
   const swp_result wrong = MakeExecutor(options.thread_count, options.executor, created->executor);
   if (wrong != SWP_OK) return wrong;
   AdaptiveOptions chosen = ToAdaptiveOptions(options);
@@ -119,7 +119,7 @@ swp_result swp_session_create(const swp_session_options* options, swp_session** 
 void swp_session_destroy(swp_session* session) { Destroy(session); }
 
 swp_result swp_session_begin_frame(swp_session* session) {
-  return Use(session, [](Session& live) {
+  return Use(session, [](LiveSession& live) {
     if (live.in_frame) {
       return Fail(SWP_FAILED_PRECONDITION,
                   "a frame is already running: call swp_session_end_frame first");
@@ -132,7 +132,7 @@ swp_result swp_session_begin_frame(swp_session* session) {
 }
 
 swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes, uint32_t box_count) {
-  return Use(session, [&](Session& live) {
+  return Use(session, [&](LiveSession& live) {
     live.pairs.reset();
     if (const swp_result wrong = CheckBoxes(boxes, box_count); wrong != SWP_OK) return wrong;
     if (!live.in_frame) {
@@ -144,14 +144,14 @@ swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes, u
 }
 
 swp_result swp_session_pairs(const swp_session* session, const swp_pair** pairs, uint64_t* count) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (!live.pairs) return Fail(SWP_FAILED_PRECONDITION, "call swp_session_find_pairs first");
     return GivePairs(*live.pairs, pairs, count);
   });
 }
 
 swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns, uint32_t flags) {
-  return Use(session, [&](Session& live) {
+  return Use(session, [&](LiveSession& live) {
     if ((flags & ~static_cast<uint32_t>(SWP_FRAME_PAUSED | SWP_FRAME_LOADING)) != 0) {
       return Fail(SWP_INVALID_ARGUMENT,
                   "flags may hold SWP_FRAME_PAUSED and SWP_FRAME_LOADING only");
@@ -166,7 +166,7 @@ swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns, u
 }
 
 swp_result swp_session_trim(swp_session* session) {
-  return Use(session, [](Session& live) {
+  return Use(session, [](LiveSession& live) {
     if (live.in_frame) {
       return Fail(SWP_FAILED_PRECONDITION, "a frame is running: call swp_session_end_frame first");
     }
@@ -177,13 +177,13 @@ swp_result swp_session_trim(swp_session* session) {
 }
 
 swp_result swp_session_select_arm(swp_session* session, const char* arm) {
-  return Use(session, [&](Session& live) {
+  return Use(session, [&](LiveSession& live) {
     return arm == nullptr ? NullArgument("arm") : ToResult(live.adaptive->SelectArm(arm));
   });
 }
 
 swp_result swp_session_set_mode(swp_session* session, swp_mode mode) {
-  return Use(session, [&](Session& live) {
+  return Use(session, [&](LiveSession& live) {
     if (!IsMode(mode)) return WrongMode();
     const auto chosen = static_cast<Mode>(mode);
     live.adaptive->SetMode(chosen);
@@ -193,7 +193,7 @@ swp_result swp_session_set_mode(swp_session* session, swp_mode mode) {
 }
 
 swp_result swp_session_mode(const swp_session* session, swp_mode* mode) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (mode == nullptr) return NullArgument("mode");
     *mode = static_cast<swp_mode>(live.adaptive->mode());
     return kOk;
@@ -201,7 +201,7 @@ swp_result swp_session_mode(const swp_session* session, swp_mode* mode) {
 }
 
 swp_result swp_session_active_arm(const swp_session* session, uint32_t* arm) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (arm == nullptr) return NullArgument("arm");
     *arm = live.adaptive->active_arm();
     return kOk;
@@ -209,7 +209,7 @@ swp_result swp_session_active_arm(const swp_session* session, uint32_t* arm) {
 }
 
 swp_result swp_session_switch_epoch(const swp_session* session, uint32_t* switch_epoch) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (switch_epoch == nullptr) return NullArgument("switch_epoch");
     *switch_epoch = live.adaptive->switch_epoch();
     return kOk;
@@ -217,7 +217,7 @@ swp_result swp_session_switch_epoch(const swp_session* session, uint32_t* switch
 }
 
 swp_result swp_session_last_sample(const swp_session* session, swp_frame_sample* sample) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (sample == nullptr) return NullArgument("sample");
     std::memcpy(sample, &live.adaptive->last_sample(), sizeof *sample);
     return kOk;

@@ -21,12 +21,12 @@ struct LinkedSession {
 };
 
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): grouped by thread, one per game.
-struct Session {
+struct LiveSession {
   static constexpr swp_kind kKind = SWP_KIND_SESSION;
   static constexpr std::string_view kName = "session";
 
-  explicit Session(uint32_t queue_frames) : queue(queue_frames) {}
-  ~Session() {
+  explicit LiveSession(uint32_t queue_frames) : queue(queue_frames) {}
+  ~LiveSession() {
     if (LinkedSession* const attached = link) attached->session = nullptr;
   }
 
@@ -49,6 +49,6 @@ struct Session {
 
 }  // namespace sweepstake::c_api
 
-struct swp_session final : sweepstake::c_api::Handle<sweepstake::c_api::Session> {
+struct swp_session final : sweepstake::c_api::Handle<sweepstake::c_api::LiveSession> {
   using Handle::Handle;
 };

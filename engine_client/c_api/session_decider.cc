@@ -74,7 +74,7 @@ void TellActiveArm(const AdaptiveBroadPhase& adaptive, EmbeddedDecider& decider,
       now_ns);
 }
 
-swp_result Attach(Session& session, EmbeddedOptions options, uint64_t now_ns) {
+swp_result Attach(LiveSession& session, EmbeddedOptions options, uint64_t now_ns) {
   AdaptiveBroadPhase& adaptive = *session.adaptive;
   options.mode = adaptive.mode();
   options.settling_ns = session.settling_ns;
@@ -106,7 +106,7 @@ swp_result swp_decider_options_init(swp_decider_options* options) {
 
 swp_result swp_session_attach_decider(swp_session* session, const swp_decider_options* options,
                                       uint64_t now_ns) {
-  return Use(session, [&](Session& live) {
+  return Use(session, [&](LiveSession& live) {
     if (live.decider_loop || live.link != nullptr) {
       return Fail(SWP_FAILED_PRECONDITION, "a decider or a link is already attached: end it first");
     }
@@ -117,7 +117,7 @@ swp_result swp_session_attach_decider(swp_session* session, const swp_decider_op
 }
 
 swp_result swp_session_freeze(swp_session* session, const swp_decider_options* options) {
-  return Use(session, [&](Session& live) {
+  return Use(session, [&](LiveSession& live) {
     AdaptiveBroadPhase& adaptive = *live.adaptive;
     EmbeddedOptions priors;
     if (const swp_result wrong = Take(options, priors); wrong != SWP_OK) return wrong;
@@ -135,7 +135,7 @@ swp_result swp_session_freeze(swp_session* session, const swp_decider_options* o
 }
 
 swp_result swp_session_detach_decider(swp_session* session) {
-  return Use(session, [](Session& live) {
+  return Use(session, [](LiveSession& live) {
     if (!live.decider_loop) return NoDecider();
     live.adaptive->SetDeciderPresent(false);
     live.adaptive->SetSettling(live.settling_ns);
@@ -146,7 +146,7 @@ swp_result swp_session_detach_decider(swp_session* session) {
 
 swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
                                     swp_switch_command* command, uint32_t* commanded) {
-  return Use(session, [&](Session& live) {
+  return Use(session, [&](LiveSession& live) {
     if (!live.decider_loop) return NoDecider();
     const std::optional<SwitchCommand> posted = Poll(*live.decider_loop, now_ns);
     if (commanded != nullptr) *commanded = posted ? 1 : 0;
@@ -159,7 +159,7 @@ swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
 
 swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs, uint32_t capacity,
                                uint32_t* count) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (count == nullptr) return NullArgument("count");
     if (beliefs == nullptr && capacity > 0) return NullArgument("beliefs");
     if (!live.decider_loop) return NoDecider();
@@ -172,7 +172,7 @@ swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs, 
 }
 
 swp_result swp_session_decision_count(const swp_session* session, uint64_t* count) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (count == nullptr) return NullArgument("count");
     if (!live.decider_loop) return NoDecider();
     *count = live.decider_loop->decider().decision_count();
@@ -181,7 +181,7 @@ swp_result swp_session_decision_count(const swp_session* session, uint64_t* coun
 }
 
 swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (count == nullptr) return NullArgument("count");
     if (!live.decider_loop) return NoDecider();
     *count = live.decider_loop->decider().prior_source_count();
@@ -191,7 +191,7 @@ swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* 
 
 swp_result swp_session_export_priors(const swp_session* session, char* data, uint64_t capacity,
                                      uint64_t* bytes) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (bytes == nullptr) return NullArgument("bytes");
     if (data == nullptr && capacity > 0) return NullArgument("data");
     if (!live.decider_loop) return NoDecider();

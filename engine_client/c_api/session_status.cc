@@ -36,7 +36,7 @@ void Tell(const LastDecision& decision, swp_decision& told) {
             told.best_probability);
 }
 
-swp_result CheckArm(const Session& session, uint32_t arm) {
+swp_result CheckArm(const LiveSession& session, uint32_t arm) {
   if (arm < session.adaptive->arms().size()) return SWP_OK;
   return Fail(SWP_INVALID_ARGUMENT, "arm must be below swp_session_arm_count");
 }
@@ -44,7 +44,7 @@ swp_result CheckArm(const Session& session, uint32_t arm) {
 }  // namespace
 
 swp_result swp_session_arm_count(const swp_session* session, uint32_t* count) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (count == nullptr) return NullArgument("count");
     *count = static_cast<uint32_t>(live.adaptive->arms().size());
     return kOk;
@@ -52,7 +52,7 @@ swp_result swp_session_arm_count(const swp_session* session, uint32_t* count) {
 }
 
 swp_result swp_session_arm_name(const swp_session* session, uint32_t arm, const char** name) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (name == nullptr) return NullArgument("name");
     if (const swp_result wrong = CheckArm(live, arm); wrong != SWP_OK) return wrong;
     *name = live.adaptive->arms()[arm].c_str();
@@ -62,7 +62,7 @@ swp_result swp_session_arm_name(const swp_session* session, uint32_t arm, const 
 
 swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
                                    uint32_t* backend_version) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (backend_version == nullptr) return NullArgument("backend_version");
     if (const swp_result wrong = CheckArm(live, arm); wrong != SWP_OK) return wrong;
     *backend_version = live.adaptive->arm_versions()[arm];
@@ -71,7 +71,7 @@ swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
 }
 
 swp_result swp_session_verdict(const swp_session* session, swp_verdict* verdict) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (verdict == nullptr) return NullArgument("verdict");
     *verdict = ToC(live.adaptive->verdict());
     return kOk;
@@ -80,7 +80,7 @@ swp_result swp_session_verdict(const swp_session* session, swp_verdict* verdict)
 
 swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
                                uint64_t* note_count) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (sample_count != nullptr) *sample_count = live.queue.dropped_frame_count();
     if (note_count != nullptr) {
       *note_count = live.queue.dropped_note_count();
@@ -89,7 +89,7 @@ swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_coun
 }
 
 swp_result swp_session_last_decision(const swp_session* session, swp_decision* decision) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     const std::optional<LastDecision> latest = live.adaptive->last_decision();
     swp_decision told{};
     told.candidate_arm = told.command_arm = SWP_NO_ARM;
@@ -99,7 +99,7 @@ swp_result swp_session_last_decision(const swp_session* session, swp_decision* d
 }
 
 swp_result swp_session_last_outcome(const swp_session* session, swp_switch_outcome* outcome) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     if (outcome == nullptr) return NullArgument("outcome");
     const SwitchOutcome none{.reason = SwitchReason{0}};
     const SwitchOutcome latest = live.adaptive->last_outcome().value_or(none);
@@ -109,7 +109,7 @@ swp_result swp_session_last_outcome(const swp_session* session, swp_switch_outco
 }
 
 swp_result swp_session_shadow_stats(const swp_session* session, swp_shadow_stats* stats) {
-  return Use(session, [&](const Session& live) {
+  return Use(session, [&](const LiveSession& live) {
     const ShadowStats seen = live.adaptive->shadow_stats();
     const swp_shadow_stats now = {sizeof now,
                                   static_cast<swp_shadow_state>(seen.state),

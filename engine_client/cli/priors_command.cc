@@ -134,7 +134,7 @@ std::string SumsText(uint64_t count) {
          "contains\n";
 }
 
-std::string WaitsText(const PriorsOptions& options, const ImportResult& result) {
+std::string WaitsText(const PriorsOptions& options, const ImportCounts& result) {
   if (options.promote || result.applied_count == 0) return "";
   return "they are in quarantine, and count after `sweepstake priors promote`\n";
 }

@@ -71,26 +71,6 @@ struct Diagnosis {
   Verdict verdict = Verdict::kUnknown;
 };
 
-// A ratio of two costs: its median, and the interval that contains it with a probability of 95 %.
-struct CostRatio {
-  double median = 1;
-  double low = 1;
-  double high = 1;
-  bool operator==(const CostRatio&) const = default;
-};
-
-// A session's measurements of an arm, in readable units.
-struct ArmStanding {
-  uint64_t live_window_count = 0;  // windows that the session learnt from
-  uint64_t lane_visit_count = 0;   // visits of the shadow lane that it learnt from
-  // The width of the posterior, as the number of live windows of an unchanging arm that would give
-  // it. It includes priors and visits.
-  double effective_window_count = 0;
-  // Cost ÷ the leader's cost. Absent while nothing is learnt, and if rewards do not depend on the
-  // cost alone (log_cost.h).
-  std::optional<CostRatio> cost_ratio;
-};
-
 // The terms of the switch-cost gate for the candidate, which passes if horizon_s · gain −
 // cooldown_s · loss − cost_s > 0. The difference d is the log-cost of the active arm minus that of
 // the candidate.

@@ -87,7 +87,7 @@ class ChangingScene : public Scene {
       : kind_(kind),
         regime_frames_(regime_frames == 0 ? kind.regime_frames : regime_frames),
         side_(static_cast<float>(math::CubeRoot(object_count))),
-        kicks_(seed, RandomStream::kKick),
+        kicks_(seed, SceneDraw::kKick),
         bodies_(object_count),
         boxes_(object_count) {
     Spawn(seed);
@@ -131,9 +131,9 @@ class ChangingScene : public Scene {
   }
 
   void Spawn(uint64_t seed) {
-    const CounterRandom size(seed, RandomStream::kSize);
-    const CounterRandom place(seed, RandomStream::kPosition);
-    const CounterRandom velocity(seed, RandomStream::kVelocity);
+    const CounterRandom size(seed, SceneDraw::kSize);
+    const CounterRandom place(seed, SceneDraw::kPosition);
+    const CounterRandom velocity(seed, SceneDraw::kVelocity);
     for (uint32_t i = 0; i < bodies_.size(); ++i) {
       Body& body = bodies_[i];
       for (int axis = 0; axis < 3; ++axis) {

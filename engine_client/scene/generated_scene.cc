@@ -37,7 +37,7 @@ Aabb CentredWorld(float half_extent) {
 }
 
 void SpawnSizes(const SceneOptions& options, Bodies& bodies) {
-  const CounterRandom random(options.spawn_seed, RandomStream::kSize);
+  const CounterRandom random(options.spawn_seed, SceneDraw::kSize);
   const double min = options.half_extent_min;
   const double log_ratio = math::Log(options.half_extent_max / min);
   for (uint32_t i = 0; i < options.object_count; ++i) {
@@ -50,7 +50,7 @@ void SpawnSizes(const SceneOptions& options, Bodies& bodies) {
 }
 
 void SpawnInsideWalls(const SceneOptions& options, Bodies& bodies) {
-  const CounterRandom random(options.spawn_seed, RandomStream::kPosition);
+  const CounterRandom random(options.spawn_seed, SceneDraw::kPosition);
   for (uint32_t i = 0; i < options.object_count; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       const float reach = options.world_half_extent - bodies.half_extent[axis][i];

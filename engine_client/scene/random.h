@@ -21,12 +21,12 @@ inline float UnitFloat(uint64_t bits) {
 }
 
 // The purpose of a number. The values enter every seed: append new ones, never reorder them.
-enum class RandomStream : uint64_t { kSize = 1, kPosition, kVelocity, kDirection, kKick, kPhase };
+enum class SceneDraw : uint64_t { kSize = 1, kPosition, kVelocity, kDirection, kKick, kPhase };
 
 // Immutable.
 class CounterRandom {
  public:
-  CounterRandom(uint64_t seed, RandomStream stream)
+  CounterRandom(uint64_t seed, SceneDraw stream)
       : key_(math::Mix64(math::Mix64(seed + math::kGoldenGamma) +
                          static_cast<uint64_t>(stream) * math::kGoldenGamma)) {}
 

@@ -26,7 +26,7 @@ class BrownianScene final : public GeneratedScene {
       : GeneratedScene("brownian", CentredWorld(options.world_half_extent), options.object_count),
         kick_(options.speed * options.fixed_step_s),
         world_half_extent_(options.world_half_extent),
-        random_(options.motion_seed, RandomStream::kKick) {
+        random_(options.motion_seed, SceneDraw::kKick) {
     SpawnSizes(options, bodies());
     SpawnInsideWalls(options, bodies());
     ShowBodies();
@@ -114,7 +114,7 @@ FallingScene::FallingScene(std::string_view name, const SceneOptions& options, G
       world_half_extent_(options.world_half_extent),
       steps_per_direction_(WholeSteps(options.direction_interval_s, options.fixed_step_s)),
       gravity_(std::move(gravity)),
-      scatter_(options.motion_seed, RandomStream::kKick) {
+      scatter_(options.motion_seed, SceneDraw::kKick) {
   SpawnSizes(options, bodies());
   SpawnInsideWalls(options, bodies());
   SpawnVelocities(options);
@@ -122,7 +122,7 @@ FallingScene::FallingScene(std::string_view name, const SceneOptions& options, G
 }
 
 void FallingScene::SpawnVelocities(const SceneOptions& options) {
-  const CounterRandom random(options.motion_seed, RandomStream::kVelocity);
+  const CounterRandom random(options.motion_seed, SceneDraw::kVelocity);
   for (int axis = 0; axis < 3; ++axis) {
     velocity_[axis].resize(options.object_count);
     for (uint32_t i = 0; i < options.object_count; ++i) {
@@ -205,7 +205,7 @@ HurricaneScene::HurricaneScene(const SceneOptions& options)
       step_s_(options.fixed_step_s),
       rise_(kRise * options.speed * options.fixed_step_s),
       world_half_extent_(options.world_half_extent),
-      kicks_(options.motion_seed, RandomStream::kKick),
+      kicks_(options.motion_seed, SceneDraw::kKick),
       radius_(options.object_count),
       angle_(options.object_count),
       phase_(options.object_count),
@@ -217,8 +217,8 @@ HurricaneScene::HurricaneScene(const SceneOptions& options)
 }
 
 void HurricaneScene::SpawnOrbits(const SceneOptions& options) {
-  const CounterRandom position(options.spawn_seed, RandomStream::kPosition);
-  const CounterRandom phase(options.spawn_seed, RandomStream::kPhase);
+  const CounterRandom position(options.spawn_seed, SceneDraw::kPosition);
+  const CounterRandom phase(options.spawn_seed, SceneDraw::kPhase);
   const float outermost = world_half_extent_ / (1 + kBreathing);
   const float core = kCore * world_half_extent_;
   for (uint32_t i = 0; i < options.object_count; ++i) {
@@ -265,7 +265,7 @@ std::unique_ptr<Scene> MakeRotatingGravity(const SceneOptions& options) {
 }
 
 std::unique_ptr<Scene> MakeRandomGravity(const SceneOptions& options) {
-  const CounterRandom random(options.motion_seed, RandomStream::kDirection);
+  const CounterRandom random(options.motion_seed, SceneDraw::kDirection);
   Gravity gravity{{}, true};
   gravity.directions.reserve(options.object_count);
   for (uint32_t i = 0; i < options.object_count; ++i) {

@@ -19,7 +19,7 @@ void BoxViews::Connect(ClientStream& link, bool shows) {
   link_ = &link;
   shows_ = shows;
   if (shows) return Ask();
-  for (BoxViewer* viewer : std::exchange(viewers_, {}))
+  for (BoxViewListener* viewer : std::exchange(viewers_, {}))
     viewer->OnEnd(Refused(reasons::kBoxesNotShown, "the game no longer shows its boxes"));
 }
 
@@ -30,10 +30,10 @@ void BoxViews::Disconnect() {
 
 void BoxViews::End() {
   Disconnect();
-  for (BoxViewer* viewer : std::exchange(viewers_, {})) viewer->OnEnd(absl::OkStatus());
+  for (BoxViewListener* viewer : std::exchange(viewers_, {})) viewer->OnEnd(absl::OkStatus());
 }
 
-absl::Status BoxViews::Add(BoxViewer& viewer) {
+absl::Status BoxViews::Add(BoxViewListener& viewer) {
   if (!shows_) {
     return Refused(reasons::kBoxesNotShown,
                    "this game does not show its boxes; build it with allow_box_view");
@@ -47,7 +47,7 @@ absl::Status BoxViews::Add(BoxViewer& viewer) {
   return absl::OkStatus();
 }
 
-void BoxViews::Remove(BoxViewer& viewer) {
+void BoxViews::Remove(BoxViewListener& viewer) {
   if (std::erase(viewers_, &viewer) == 0 || !viewers_.empty()) return;
   if (link_ != nullptr) link_->SendBoxRequest(0, 0, 0);
   ++*turn_;
@@ -55,8 +55,8 @@ void BoxViews::Remove(BoxViewer& viewer) {
 
 void BoxViews::OnView(const BoxView& view) {
   // This is a copy, because a viewer that ends is removed meanwhile.
-  const std::vector<BoxViewer*> viewers = viewers_;
-  for (BoxViewer* viewer : viewers) viewer->OnView(view);
+  const std::vector<BoxViewListener*> viewers = viewers_;
+  for (BoxViewListener* viewer : viewers) viewer->OnView(view);
 }
 
 void BoxViews::Ask() {

@@ -18,9 +18,9 @@ namespace sweepstake::sessions {
 class ClientStream;
 
 // A viewer of a session's boxes.
-class BoxViewer {
+class BoxViewListener {
  public:
-  virtual ~BoxViewer() = default;
+  virtual ~BoxViewListener() = default;
 
   // The newest view.
   virtual void OnView(const BoxView& view) = 0;
@@ -48,9 +48,9 @@ class BoxViews {
 
   // Errors: FAILED_PRECONDITION (the game does not show its boxes), RESOURCE_EXHAUSTED (there are
   // already kMaxViewers viewers).
-  absl::Status Add(BoxViewer& viewer);
+  absl::Status Add(BoxViewListener& viewer);
   // Does nothing if the viewer was not added.
-  void Remove(BoxViewer& viewer);
+  void Remove(BoxViewListener& viewer);
   // Drops the view if there are no viewers.
   void OnView(const BoxView& view);
 
@@ -61,7 +61,7 @@ class BoxViews {
   DecisionLoop& loop_;
   ClientStream* link_ = nullptr;  // null while the game is not connected
   bool shows_ = false;
-  std::vector<BoxViewer*> viewers_;
+  std::vector<BoxViewListener*> viewers_;
   // The number of the latest request. Timers of earlier requests do nothing.
   std::shared_ptr<uint64_t> turn_ = std::make_shared<uint64_t>(0);
 };

@@ -65,7 +65,7 @@ class ClientStream {
 
 // The objects that the sessions share. They outlive every session.
 struct SessionContext {
-  const SessionOptions& options;
+  const HostedSessionOptions& options;
   DecisionLoop& loop;
   priors::AsyncPriorStore& store;
   SessionCounters& counters;

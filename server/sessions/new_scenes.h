@@ -29,7 +29,7 @@ struct UnstoredScene {
 
 class NewScenes {
  public:
-  explicit NewScenes(const SessionOptions& options) : options_(options) {}
+  explicit NewScenes(const HostedSessionOptions& options) : options_(options) {}
 
   // One session's claim to a scene. Movable.
   class Hold {
@@ -72,7 +72,7 @@ class NewScenes {
 
   void Release(const priors::SceneKey& scene);
 
-  const SessionOptions& options_;
+  const HostedSessionOptions& options_;
   std::map<std::string, Project> projects_;
 };
 

@@ -1,7 +1,7 @@
 // The proof that a client may resume a session. A session's id is public, so resuming also requires
 // its resume token, which only its client has. It is the HMAC-SHA-256 of the session's id and of
-// the id of the token with which the client authenticated, under SessionOptions::resume_secret. It
-// is not stored. Pure functions.
+// the id of the token with which the client authenticated, under
+// HostedSessionOptions::resume_secret. It is not stored. Pure functions.
 #pragma once
 
 #include <cstdint>

@@ -6,7 +6,7 @@
 
 namespace sweepstake::sessions {
 
-absl::Status CheckProjectCount(uint64_t count, const SessionOptions& options) {
+absl::Status CheckProjectCount(uint64_t count, const HostedSessionOptions& options) {
   const uint32_t max_projects = options.max_projects;
   if (count <= max_projects) return absl::OkStatus();
   return Refused(reasons::kTooManyProjects,
@@ -15,7 +15,7 @@ absl::Status CheckProjectCount(uint64_t count, const SessionOptions& options) {
                               "or raise --max-projects"));
 }
 
-absl::Status CheckSceneCount(const priors::SceneCount& count, const SessionOptions& options) {
+absl::Status CheckSceneCount(const priors::SceneCount& count, const HostedSessionOptions& options) {
   const uint32_t max_scenes = options.max_scenes;
   if (count.names <= max_scenes && count.keys <= uint64_t{max_scenes} * SceneQuota::kKeysPerScene)
     return absl::OkStatus();

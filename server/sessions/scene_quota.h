@@ -21,9 +21,9 @@
 namespace sweepstake::sessions {
 
 // Error: RESOURCE_EXHAUSTED (`count` exceeds the maximum number of projects).
-absl::Status CheckProjectCount(uint64_t count, const SessionOptions& options);
+absl::Status CheckProjectCount(uint64_t count, const HostedSessionOptions& options);
 // Error: RESOURCE_EXHAUSTED (`count` exceeds the maximum number of scenes of a project).
-absl::Status CheckSceneCount(const priors::SceneCount& count, const SessionOptions& options);
+absl::Status CheckSceneCount(const priors::SceneCount& count, const HostedSessionOptions& options);
 
 class SceneQuota {
  public:
@@ -34,7 +34,7 @@ class SceneQuota {
 
   // Without `counts`, a scene that is not stored is allowed and not counted. A second check with
   // `counts` must follow.
-  SceneQuota(priors::PriorReader& store, const SessionOptions& options, bool counts = true)
+  SceneQuota(priors::PriorReader& store, const HostedSessionOptions& options, bool counts = true)
       : store_(store), options_(options), counts_(counts) {}
 
   // Checks that the scene and its arm may be stored in addition to the stored and the added ones.
@@ -66,7 +66,7 @@ class SceneQuota {
   Project& FindProject(const std::string& name);
 
   priors::PriorReader& store_;
-  const SessionOptions& options_;
+  const HostedSessionOptions& options_;
   const bool counts_;
   std::map<std::string, Project> projects_;
   uint64_t new_project_count_ = 0;                           // new projects in projects_

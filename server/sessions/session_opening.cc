@@ -74,7 +74,7 @@ bool SessionOpening::SubmitRead() {
     });
   };
   priors::AsyncPriorStore& store = context().store;
-  const SessionOptions& options = context().options;
+  const HostedSessionOptions& options = context().options;
   if (!hello_.session_id.empty()) {
     return store.Submit([deliver, hello = hello_, &options](priors::PriorStore& writer) {
       StoredStart start = LoadStart(writer, hello, options, /*is_writing_thread=*/true);

@@ -22,7 +22,7 @@ using priors::EvidenceKey;
 constexpr uint32_t kMaxOtherScenes = 200;
 constexpr int kMaxOtherPages = 5;
 
-std::string NewSessionId(const SessionOptions& options) {
+std::string NewSessionId(const HostedSessionOptions& options) {
   const uint64_t first = options.random_bits();
   return absl::StrFormat("%016x%016x", first, options.random_bits());
 }
@@ -195,7 +195,7 @@ bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>
 }
 
 // Sets `refusal` and `new_scene`.
-void CheckQuota(priors::PriorReader& store, const Hello& hello, const SessionOptions& options,
+void CheckQuota(priors::PriorReader& store, const Hello& hello, const HostedSessionOptions& options,
                 bool counts, StoredStart& start) {
   SceneQuota quota(store, options, counts);
   for (const ArmKey& arm : hello.arms) {
@@ -205,14 +205,14 @@ void CheckQuota(priors::PriorReader& store, const Hello& hello, const SessionOpt
   start.new_scene = quota.unstored();
 }
 
-decision::DecisionOptions OptionsOf(const Hello& hello, const SessionOptions& options) {
+decision::DecisionOptions OptionsOf(const Hello& hello, const HostedSessionOptions& options) {
   decision::DecisionOptions scaled = options.decision;
   scaled.policy = hello.policy;
   return hello.time_scale > 1 ? scaled.Scaled(hello.time_scale) : scaled;
 }
 
 SessionIdentity IdentityOf(const Hello& hello, const StoredStart& start, int64_t token_id,
-                           const SessionOptions& options) {
+                           const HostedSessionOptions& options) {
   SessionIdentity identity;
   identity.token_id = token_id;
   identity.build = hello.build;
@@ -254,8 +254,8 @@ decision::SessionSetup SetupOf(const Hello& hello, const SessionIdentity& identi
 
 }  // namespace
 
-StoredStart LoadStart(priors::PriorReader& store, const Hello& hello, const SessionOptions& options,
-                      bool is_writing_thread) {
+StoredStart LoadStart(priors::PriorReader& store, const Hello& hello,
+                      const HostedSessionOptions& options, bool is_writing_thread) {
   StoredStart start;
   CheckQuota(store, hello, options, /*counts=*/false, start);
   if (!start.refusal.ok()) return start;
@@ -273,7 +273,7 @@ StoredStart LoadStart(priors::PriorReader& store, const Hello& hello, const Sess
   return start;
 }
 
-void CountScene(priors::PriorReader& store, const Hello& hello, const SessionOptions& options,
+void CountScene(priors::PriorReader& store, const Hello& hello, const HostedSessionOptions& options,
                 StoredStart& start) {
   if (start.new_scene) CheckQuota(store, hello, options, /*counts=*/true, start);
 }

@@ -1,10 +1,10 @@
 // The sessions in memory: connected ones, and lost ones that may be resumed. It is used on the
 // decision loop only.
 //
-// SessionOptions::max_sessions and resume_window_ns limit its size; sessions that have left can be
-// read from the store. The evidence of a lost session that is not on disk is offered to the store
-// again every two seconds. A session that has said goodbye stays until that has succeeded, because
-// no client would resend its evidence. The clients of other lost sessions still have the
+// HostedSessionOptions::max_sessions and resume_window_ns limit its size; sessions that have left
+// can be read from the store. The evidence of a lost session that is not on disk is offered to the
+// store again every two seconds. A session that has said goodbye stays until that has succeeded,
+// because no client would resend its evidence. The clients of other lost sessions still have the
 // unacknowledged messages.
 //
 // If such a client never returns, only the bail-outs since the last tick would be lost. They are

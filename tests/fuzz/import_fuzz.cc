@@ -122,7 +122,7 @@ std::optional<std::vector<PriorRecord>> Read(std::string_view bytes) {
   std::vector<PriorRecord> records;
   for (const v1::PriorRecord& record : request.records()) {
     if (!rpc::CheckPriorRecord(record).ok()) return std::nullopt;
-    records.push_back(rpc::FromProto(record));
+    records.push_back(FromProto(record));
   }
   return records;
 }

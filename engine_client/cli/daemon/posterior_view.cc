@@ -13,7 +13,7 @@
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/decider/audit/cell_text.h"
 #include "engine_client/decider/types.h"
-#include "engine_client/telemetry/proto_conversion.h"
+#include "engine_client/telemetry/conversion/proto_conversion.h"
 
 namespace sweepstake::cli {
 namespace {

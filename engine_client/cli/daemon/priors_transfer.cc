@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine_client/cli/daemon/daemon_client.h"
-#include "engine_client/telemetry/proto_conversion.h"
+#include "engine_client/telemetry/conversion/proto_conversion.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 
 namespace sweepstake::cli {
@@ -91,7 +91,7 @@ Status StreamPriors(const DaemonOptions& daemon, const std::string& project,
   return ToStatus(reader->Finish(), daemon);
 }
 
-Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
+Result<ImportCounts> ImportPriors(const DaemonOptions& daemon,
                                   std::span<const PriorRecord> all_records, bool promote) {
   const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
@@ -113,12 +113,12 @@ Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
   writer->WritesDone();
   const Status status = ToStatus(writer->Finish(), daemon);
   if (!status.ok()) return status;
-  ImportResult result = {response.applied_count(), response.unchanged_count()};
+  ImportCounts result = {response.applied_count(), response.unchanged_count()};
   if (result.unchanged_count > 0) result.absent_count = CountAbsent(daemon, all_records);
   return result;
 }
 
-Result<RevokeResult> RevokePriors(const DaemonOptions& daemon, const SourceChoice& sources,
+Result<RevokeCounts> RevokePriors(const DaemonOptions& daemon, const SourceChoice& sources,
                                   bool preview) {
   const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
@@ -131,13 +131,13 @@ Result<RevokeResult> RevokePriors(const DaemonOptions& daemon, const SourceChoic
   v1::RevokePriorsResponse response;
   const Status status = ToStatus(stub->RevokePriors(&context, request, &response), daemon);
   if (!status.ok()) return status;
-  return RevokeResult{.source_count = response.source_count(),
+  return RevokeCounts{.source_count = response.source_count(),
                       .record_count = response.record_count(),
                       .window_count = response.window_count(),
                       .leader_changes = LeadersOf(response.leader_changes())};
 }
 
-Result<PromoteResult> PromotePriors(const DaemonOptions& daemon, const SourceChoice& sources,
+Result<PromoteCounts> PromotePriors(const DaemonOptions& daemon, const SourceChoice& sources,
                                     bool preview) {
   const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
@@ -150,7 +150,7 @@ Result<PromoteResult> PromotePriors(const DaemonOptions& daemon, const SourceCho
   v1::PromotePriorsResponse response;
   const Status status = ToStatus(stub->PromotePriors(&context, request, &response), daemon);
   if (!status.ok()) return status;
-  return PromoteResult{.source_count = response.source_count(),
+  return PromoteCounts{.source_count = response.source_count(),
                        .record_count = response.record_count(),
                        .window_count = response.window_count(),
                        .scene_count = response.scene_count(),

@@ -12,7 +12,7 @@
 
 namespace sweepstake::cli {
 
-struct ImportResult {
+struct ImportCounts {
   uint64_t applied_count = 0;
   uint64_t unchanged_count = 0;
   // The unchanged records that the daemon does not have under their project and scene, because
@@ -36,7 +36,7 @@ Status StreamPriors(const DaemonOptions& daemon, const std::string& project,
                     const std::function<void(PriorRecord)>& on_record);
 // Adds all records or, on an error, none. They go to the quarantine or, with `promote`, count at
 // once.
-Result<ImportResult> ImportPriors(const DaemonOptions& daemon, std::span<const PriorRecord> records,
+Result<ImportCounts> ImportPriors(const DaemonOptions& daemon, std::span<const PriorRecord> records,
                                   bool promote = false);
 
 // Selects the sources that match all fields that are set.
@@ -69,14 +69,14 @@ struct LeaderChanges {
   uint64_t scene_count = 0;
 };
 
-struct RevokeResult {
+struct RevokeCounts {
   uint64_t source_count = 0;
   uint64_t record_count = 0;
   uint64_t window_count = 0;
   LeaderChanges leader_changes = {};
 };
 
-struct PromoteResult {
+struct PromoteCounts {
   uint64_t source_count = 0;
   uint64_t record_count = 0;
   uint64_t window_count = 0;
@@ -86,12 +86,12 @@ struct PromoteResult {
 
 // Makes quarantined evidence of the sources count. With `preview` it only returns what would
 // change.
-Result<PromoteResult> PromotePriors(const DaemonOptions& daemon, const SourceChoice& sources,
+Result<PromoteCounts> PromotePriors(const DaemonOptions& daemon, const SourceChoice& sources,
                                     bool preview);
 
 // Removes the evidence of the sources from the daemon. With `preview` it only returns what would
 // change.
-Result<RevokeResult> RevokePriors(const DaemonOptions& daemon, const SourceChoice& sources,
+Result<RevokeCounts> RevokePriors(const DaemonOptions& daemon, const SourceChoice& sources,
                                   bool preview);
 
 }  // namespace sweepstake::cli

@@ -35,18 +35,8 @@ SceneVerdict FromDecision(const decision::Diagnosis& diagnosis) {
           .leader_probability = diagnosis.best_probability[diagnosis.leader]};
 }
 
-ArmStanding FromDecision(const decision::ArmStanding& standing) {
-  ArmStanding result{.live_window_count = standing.live_window_count,
-                     .lane_visit_count = standing.lane_visit_count,
-                     .effective_window_count = standing.effective_window_count,
-                     .cost_ratio = {}};
-  if (const auto& ratio = standing.cost_ratio)
-    result.cost_ratio = CostRatio{.median = ratio->median, .low = ratio->low, .high = ratio->high};
-  return result;
-}
-
 std::vector<ArmBelief> FromDecision(std::span<const decision::BetaPosterior> posteriors,
-                                    std::span<const decision::ArmStanding> standings,
+                                    std::span<const ArmStanding> standings,
                                     const decision::Diagnosis& diagnosis,
                                     std::span<const std::string> arms) {
   std::vector<ArmBelief> beliefs;
@@ -54,9 +44,7 @@ std::vector<ArmBelief> FromDecision(std::span<const decision::BetaPosterior> pos
   for (size_t arm = 0; arm < posteriors.size(); ++arm) {
     ArmBelief& belief =
         beliefs.emplace_back(ArmBelief{arms[arm], posteriors[arm].alpha, posteriors[arm].beta});
-    if (diagnosis.best_probability.empty()) continue;
-    belief.standing = FromDecision(standings[arm]);
-    belief.standing->best_probability = diagnosis.best_probability[arm];
+    if (!diagnosis.best_probability.empty()) belief.standing = standings[arm];
   }
   return beliefs;
 }

@@ -18,7 +18,7 @@ decision::SwitchCost SwitchCostOf(const SwitchOutcome& outcome);
 
 SceneVerdict FromDecision(const decision::Diagnosis& diagnosis);
 std::vector<ArmBelief> FromDecision(std::span<const decision::BetaPosterior> posteriors,
-                                    std::span<const decision::ArmStanding> standings,
+                                    std::span<const ArmStanding> standings,
                                     const decision::Diagnosis& diagnosis,
                                     std::span<const std::string> arms);
 DecisionEvent FromDecision(const decision::Decision& decision, std::span<const std::string> arms);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "engine_client/math/portable_math.h"
+
 namespace sweepstake::decision {
 namespace {
 
@@ -18,7 +20,7 @@ std::optional<double> RatioOf(const std::optional<PriorsArm>& arm) {
 double ArmComparison::log_change() const {
   const std::optional<double> old_ratio = RatioOf(before);
   const std::optional<double> new_ratio = RatioOf(after);
-  return old_ratio && new_ratio ? std::log(*new_ratio / *old_ratio) : 0;
+  return old_ratio && new_ratio ? math::Log(*new_ratio / *old_ratio) : 0;
 }
 
 bool ArmComparison::changed() const {

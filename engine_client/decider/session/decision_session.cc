@@ -232,15 +232,17 @@ Decision DecisionSession::Open(int64_t now_ns) {
 
 void DecisionSession::UpdateStandings() {
   const std::vector<BetaPosterior>& posteriors = policy_->posteriors();
-  const bool tells_costs = goes_by_cost() && !diagnosis_.best_probability.empty();
+  const bool is_diagnosed = !diagnosis_.best_probability.empty();
   for (uint32_t arm = 0; arm < standings_.size(); ++arm) {
+    ArmStanding& standing = standings_[arm];
     const double evidence = std::max(posteriors[arm].evidence() - BetaPosterior().evidence(), 0.0);
-    standings_[arm].effective_window_count = evidence / policy_->WindowEvidence(arm);
-    standings_[arm].cost_ratio.reset();
-    if (!tells_costs) continue;
-    standings_[arm].cost_ratio = arm == diagnosis_.leader
-                                     ? CostRatio{}
-                                     : CostRatioOf(posteriors[arm], posteriors[diagnosis_.leader]);
+    standing.effective_window_count = evidence / policy_->WindowEvidence(arm);
+    standing.best_probability = is_diagnosed ? diagnosis_.best_probability[arm] : 0;
+    standing.cost_ratio.reset();
+    if (!is_diagnosed || !goes_by_cost()) continue;
+    standing.cost_ratio = arm == diagnosis_.leader
+                              ? CostRatio{}
+                              : CostRatioOf(posteriors[arm], posteriors[diagnosis_.leader]);
   }
 }
 

@@ -28,32 +28,12 @@
 
 namespace sweepstake {
 
-// An arm's cost ÷ that of the leader, the arm most probably the best. The true ratio is below the
-// median with a probability of 50 %, and between low and high with 95 %.
-struct CostRatio {
-  double median = 1;
-  double low = 1;
-  double high = 1;
-};
-
-// A session's measurements of an arm, and the conclusions from them in readable units.
-struct ArmStanding {
-  uint64_t live_window_count = 0;  // windows with this arm active that the policy learnt from
-  uint64_t lane_visit_count = 0;   // visits of the shadow lane that the policy learnt from
-  // The width of the posterior, expressed as the number of live windows of an unchanging arm that
-  // would give the same width. Priors and evidence of the lane are included.
-  double effective_window_count = 0;
-  double best_probability = 0;  // the probability that this arm is the best
-  // Absent while nothing is known, and if the policy's reward does not depend on the cost alone.
-  std::optional<CostRatio> cost_ratio;
-};
-
 // A posterior of an arm's reward, Beta(alpha, beta).
 struct ArmBelief {
   std::string arm;
   double alpha = 1;
   double beta = 1;
-  // Absent while nothing is learnt, and if a daemon does not send it.
+  // Absent while nothing is learnt.
   std::optional<ArmStanding> standing{};
 };
 

@@ -119,6 +119,27 @@ struct SceneVerdict {
   double leader_probability = 0;  // the probability that it is the best, 0–1, to seven digits
 };
 
+// An arm's cost ÷ that of the leader, the arm most probably the best. The true ratio is below the
+// median with a probability of 50 %, and between low and high with 95 %.
+struct CostRatio {
+  double median = 1;
+  double low = 1;
+  double high = 1;
+  bool operator==(const CostRatio&) const = default;
+};
+
+// A session's measurements of an arm, and the conclusions from them in readable units.
+struct ArmStanding {
+  uint64_t live_window_count = 0;  // windows with this arm active that the policy learnt from
+  uint64_t lane_visit_count = 0;   // visits of the shadow lane that the policy learnt from
+  // The width of the posterior, expressed as the number of live windows of an unchanging arm that
+  // would give the same width. Priors and evidence of the lane are included.
+  double effective_window_count = 0;
+  double best_probability = 0;  // the probability that this arm is the best
+  // Absent while nothing is known, and if the policy's reward does not depend on the cost alone.
+  std::optional<CostRatio> cost_ratio;
+};
+
 // The outcome of a decision's candidate; the same values as sweepstake.v1.DecisionOutcome.
 enum class DecisionOutcome : uint32_t {
   kKept = 1,

@@ -6,7 +6,7 @@
 
 #include "engine_client/telemetry/common/sample_queue.h"
 #include "engine_client/telemetry/protocol/messages.h"
-#include "engine_client/telemetry/protocol/session_state.h"
+#include "engine_client/telemetry/protocol/resumable_session.h"
 #include "sweepstake/frame_sample.h"
 
 namespace sweepstake {
@@ -69,7 +69,7 @@ class FrameBatcher {
 class EvidenceIntake {
  public:
   // The queue and the state must outlive the intake.
-  EvidenceIntake(SampleQueue& queue, SessionState& state, const BatchLimits& limits)
+  EvidenceIntake(SampleQueue& queue, ResumableSession& state, const BatchLimits& limits)
       : queue_(queue), state_(state), batcher_(limits) {}
 
   void SetLimits(const BatchLimits& limits) { batcher_.SetLimits(limits); }
@@ -87,7 +87,7 @@ class EvidenceIntake {
   void TakeFrame(const FrameSample& sample, uint64_t now_ns);
 
   SampleQueue& queue_;
-  SessionState& state_;
+  ResumableSession& state_;
   FrameBatcher batcher_;
 };
 

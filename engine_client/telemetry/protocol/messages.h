@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/math/beta_distribution.h"
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/frame_sample.h"
 
@@ -73,11 +74,6 @@ struct BoxView {
   std::string pairs;
 };
 
-struct BetaPosterior {
-  double alpha = 0;
-  double beta = 0;
-};
-
 struct Welcome {
   std::string session_id;
   bool resumed = false;
@@ -91,7 +87,7 @@ struct Welcome {
   std::string daemon_version;
   std::string policy;
   uint64_t seed = 0;
-  std::vector<BetaPosterior> priors;
+  std::vector<decision::BetaPosterior> priors;
   uint64_t prior_source_count = 0;
   std::string resume_token;
   bool priors_unavailable = false;
@@ -104,7 +100,7 @@ struct Acknowledgement {
 };
 
 struct PosteriorSnapshot {
-  std::vector<BetaPosterior> arms;
+  std::vector<decision::BetaPosterior> arms;
   SceneVerdict verdict;
   std::vector<ArmStanding> standings;
 };

@@ -130,7 +130,7 @@ bool IsKnown(SwitchReason reason) {
   return reason >= SwitchReason::kPolicy && reason <= SwitchReason::kManual;
 }
 
-bool IsBeta(const protocol::BetaPosterior& posterior) {
+bool IsBeta(const decision::BetaPosterior& posterior) {
   return std::isfinite(posterior.alpha) && std::isfinite(posterior.beta) && posterior.alpha > 0 &&
          posterior.beta > 0;
 }
@@ -325,12 +325,12 @@ void SessionLink::Answer(std::string message) {
 }
 
 // Accepts the beliefs only if all are valid and there is one per arm.
-void SessionLink::TakeBeliefs(const std::vector<protocol::BetaPosterior>& posteriors) {
+void SessionLink::TakeBeliefs(const std::vector<decision::BetaPosterior>& posteriors) {
   const std::span<const std::string> arms = adaptive_.arms();
   if (posteriors.size() != arms.size()) return;
   if (!std::all_of(posteriors.begin(), posteriors.end(), IsBeta)) return;
   beliefs_.clear();
-  for (const protocol::BetaPosterior& posterior : posteriors)
+  for (const decision::BetaPosterior& posterior : posteriors)
     beliefs_.push_back({arms[beliefs_.size()], posterior.alpha, posterior.beta});
   SetPosteriorMeans(beliefs_, adaptive_);
 }
@@ -439,7 +439,7 @@ void SessionLink::GiveUp() {
 }
 
 SessionStats SessionLink::stats() const {
-  const SessionState::Counts& counts = state_.counts();
+  const ResumableSession::Counts& counts = state_.counts();
   SessionStats stats;
   stats.state = !stream_ || stream_->given_up ? ConnectionState::kOffline
                 : state_.online()             ? ConnectionState::kOnline

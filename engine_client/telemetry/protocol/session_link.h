@@ -26,7 +26,7 @@
 #include "engine_client/telemetry/protocol/box_viewer.h"
 #include "engine_client/telemetry/protocol/evidence_intake.h"
 #include "engine_client/telemetry/protocol/messages.h"
-#include "engine_client/telemetry/protocol/session_state.h"
+#include "engine_client/telemetry/protocol/resumable_session.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/session.h"
 #include "sweepstake/status.h"
@@ -119,7 +119,7 @@ class SessionLink {
   void OnCommand(const SwitchCommand& command, uint64_t now_ns);
   void OnOrder(const OperatorOrder& order);
   void Answer(std::string message);
-  void TakeBeliefs(const std::vector<protocol::BetaPosterior>& posteriors);
+  void TakeBeliefs(const std::vector<decision::BetaPosterior>& posteriors);
   void TakeStandings(const std::vector<ArmStanding>& standings);
   void TakeVerdict(const SceneVerdict& verdict);
   bool Explain(const StreamEnd& end, const std::string& reason, const LinkStream& stream);
@@ -129,7 +129,7 @@ class SessionLink {
   const SessionOptions options_;
   const std::string daemon_;
   AdaptiveBroadPhase& adaptive_;
-  SessionState state_;
+  ResumableSession state_;
   EvidenceIntake intake_;
   BoxViewer boxes_;
   Backoff backoff_;

@@ -76,7 +76,7 @@ void Fields(auto& f, const BoxView& m) {
   f(1, m.frame_index, m.object_count, m.stride, m.bounds, m.boxes, m.pairs);
 }
 
-void Fields(auto& f, BetaPosterior& m) { f(1, m.alpha, m.beta); }
+void Fields(auto& f, decision::BetaPosterior& m) { f(1, m.alpha, m.beta); }
 
 void Fields(auto& f, Welcome& m) {
   f(1, m.session_id, m.resumed, m.acknowledged_sequence, m.max_batch_frames, m.max_message_bytes,
@@ -188,6 +188,7 @@ template <typename Message>
 Message Absent() {
   if constexpr (std::is_same_v<Message, SwitchCommand>) return {.reason = SwitchReason{}};
   if constexpr (std::is_same_v<Message, OperatorOrder>) return {.mode = Mode{}, .arm = {}};
+  if constexpr (std::is_same_v<Message, decision::BetaPosterior>) return {.alpha = 0, .beta = 0};
   if constexpr (std::is_same_v<Message, CostRatio>) return {.median = 0, .low = 0, .high = 0};
   return {};
 }

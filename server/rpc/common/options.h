@@ -56,7 +56,7 @@ inline constexpr int kDecisionsPerMessage = 100;
 inline constexpr size_t kWatcherQueueBytes = 256 * 1024;
 
 // RpcServer::Adjust changes the Adjustable members; changes take effect at once.
-struct RpcOptions : sessions::SessionOptions {
+struct RpcOptions : sessions::HostedSessionOptions {
   // Called on the decision loop with all updates that wait for the store: every few seconds while
   // the store cannot be written, once after it has recovered, and at the end of Drain. May be
   // empty.

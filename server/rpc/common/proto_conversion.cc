@@ -86,31 +86,13 @@ void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& messag
   message.set_beta(posterior.beta);
 }
 
-namespace {
-
-void ToProto(const decision::CostRatio& ratio, v1::CostRatio& message) {
-  message.set_median(ratio.median);
-  message.set_low(ratio.low);
-  message.set_high(ratio.high);
-}
-
-}  // namespace
-
-void ToProto(const decision::DecisionRecord& record, uint32_t arm, v1::ArmStanding& message) {
-  const decision::ArmStanding& standing = record.standings[arm];
-  message.set_best_probability(record.diagnosis.best_probability[arm]);
-  message.set_live_window_count(standing.live_window_count);
-  message.set_lane_visit_count(standing.lane_visit_count);
-  message.set_effective_window_count(standing.effective_window_count);
-  if (standing.cost_ratio) ToProto(*standing.cost_ratio, *message.mutable_cost_ratio());
-}
+namespace {}  // namespace
 
 void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& message) {
   for (const auto& posterior : record.posteriors) ToProto(posterior, *message.add_arms());
   const decision::Diagnosis& diagnosis = record.diagnosis;
   if (diagnosis.best_probability.empty()) return;
-  for (uint32_t arm = 0; arm < record.standings.size(); ++arm)
-    ToProto(record, arm, *message.add_standings());
+  for (const ArmStanding& standing : record.standings) *message.add_standings() = ToProto(standing);
   message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
   message.set_leader_arm(diagnosis.leader);
   message.set_leader_probability(diagnosis.best_probability[diagnosis.leader]);
@@ -233,8 +215,7 @@ void ToProto(const sessions::DecisionEvent& event, v1::DecisionEvent& message) {
   message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
   if (diagnosis.best_probability.empty()) return;
   message.mutable_arms()->Add(identity.arms.begin(), identity.arms.end());
-  for (uint32_t arm = 0; arm < record.standings.size(); ++arm)
-    ToProto(record, arm, *message.add_standings());
+  for (const ArmStanding& standing : record.standings) *message.add_standings() = ToProto(standing);
 }
 
 void ToProto(const sessions::GameSession& session, const sessions::Hello& hello,
@@ -288,26 +269,6 @@ void ToProto(const watch::EventStamp& stamp, v1::EventStamp& message) {
   message.set_boot(stamp.boot);
   message.set_sequence(stamp.sequence);
   message.set_unix_ms(stamp.unix_ms);
-}
-
-void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message) {
-  message.set_project(record.key.project);
-  message.set_scene(record.key.scene);
-  message.set_measured_by(record.key.measured_by);
-  message.set_arm(record.key.arm);
-  message.set_backend_version(record.key.backend_version);
-  message.set_machine_class(record.key.machine_class);
-  message.set_reward_version(record.key.reward_version);
-  message.set_source_id(record.source_id);
-  message.set_source_sequence(record.source_sequence);
-  message.set_alpha_increment(record.evidence.alpha);
-  message.set_beta_increment(record.evidence.beta);
-  message.set_window_count(record.evidence.window_count);
-  message.set_bail_out_count(record.evidence.bail_out_count);
-  message.set_build(record.build);
-  message.set_unix_last_seen_s(static_cast<int64_t>(record.last_seen_unix_s));
-  message.set_is_imported(record.is_imported);
-  message.set_is_quarantined(record.is_quarantined);
 }
 
 namespace {
@@ -519,24 +480,6 @@ sessions::BoxView FromProto(const v1::BoxView& message) {
 
 priors::SceneKey FromProto(const v1::ScenePosterior& message) {
   return {message.project(), message.scene(), message.machine_class(), message.reward_version()};
-}
-
-priors::PriorRecord FromProto(const v1::PriorRecord& message) {
-  return {.key = {.project = message.project(),
-                  .scene = message.scene(),
-                  .measured_by = message.measured_by(),
-                  .arm = message.arm(),
-                  .backend_version = message.backend_version(),
-                  .machine_class = message.machine_class(),
-                  .reward_version = message.reward_version()},
-          .source_id = message.source_id(),
-          .source_sequence = message.source_sequence(),
-          .evidence = {.alpha = message.alpha_increment(),
-                       .beta = message.beta_increment(),
-                       .window_count = message.window_count(),
-                       .bail_out_count = message.bail_out_count()},
-          .build = message.build(),
-          .last_seen_unix_s = static_cast<uint64_t>(message.unix_last_seen_s())};
 }
 
 }  // namespace sweepstake::rpc

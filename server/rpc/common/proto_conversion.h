@@ -13,6 +13,7 @@
 #include "engine_client/decider/pooling/scene_prior.h"
 #include "engine_client/decider/session/decision_observer.h"
 #include "engine_client/decider/types.h"
+#include "engine_client/telemetry/conversion/proto_conversion.h"
 #include "server/rpc/common/options.h"
 #include "server/sessions/client_messages.h"
 #include "server/sessions/prior_store.h"
@@ -37,8 +38,6 @@ void ToProto(const SwitchCommand& command, v1::SwitchCommand& message);
 // The caller sets order_id.
 void ToProto(const decision::OrderReport& order, v1::OperatorOrder& message);
 void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& message);
-// REQUIRES: the record has posteriors.
-void ToProto(const decision::DecisionRecord& record, uint32_t arm, v1::ArmStanding& message);
 void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& message);
 // Sets only the key.
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
@@ -56,7 +55,6 @@ void ToProto(const sessions::GameSession& session, const sessions::Hello& hello,
 void ToProto(const sessions::SessionView& session, v1::SessionInfo& message);
 void ToProto(const sessions::BoxView& view, v1::BoxView& message);
 void ToProto(const watch::EventStamp& stamp, v1::EventStamp& message);
-void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message);
 // The caller sets builds.
 void ToProto(const decision::SceneComparison& scene, v1::SceneComparison& message);
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
@@ -71,6 +69,5 @@ void FromProto(const v1::StreamTelemetryRequest& request, sessions::Telemetry& t
 sessions::BoxView FromProto(const v1::BoxView& message);
 // Reads only the key.
 priors::SceneKey FromProto(const v1::ScenePosterior& message);
-priors::PriorRecord FromProto(const v1::PriorRecord& message);
 
 }  // namespace sweepstake::rpc

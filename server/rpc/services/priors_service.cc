@@ -48,7 +48,7 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
   sessions::SourceWeights weights(store);
   for (const PriorRecord& record : stored->records) {
     v1::PriorRecord& message = *page.response.add_records();
-    ToProto(record, message);
+    message = ToProto(record);
     if (!with_weights) continue;
     const auto weight = weights.Of(record);
     if (!weight.ok()) return weight.status();
@@ -225,7 +225,8 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
       }
       if (absl::Status allowed = CheckProject(caller_, record.project()); !allowed.ok())
         return allowed;
-      records_.push_back(FromProto(record));
+      records_.push_back(sweepstake::FromProto(record));
+      records_.back().is_quarantined = false;  // imports ignore it
       ++collected_count_;
     }
     return absl::OkStatus();

@@ -54,7 +54,7 @@ class SessionWatcher final : public Watcher {
 
 // The stream of one who looks at the boxes of a session's objects. One that reads slowly gets the
 // newest view, and no other is kept.
-class BoxWatcher final : public Watcher, public sessions::BoxViewer {
+class BoxWatcher final : public Watcher, public sessions::BoxViewListener {
  public:
   BoxWatcher(ServiceContext& context, SessionsService& service, grpc::CallbackServerContext& call,
              auth::Principal caller)

@@ -24,7 +24,7 @@ inline constexpr size_t kMaxWaitingAuditBytesOfSession = 64 * 1024;
 inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024 * 1024;
 
 // Adjustable members may change at any time.
-struct SessionOptions {
+struct HostedSessionOptions {
   // The policy in it applies to sessions that name none.
   decision::DecisionOptions decision;
   std::string daemon_version;  // version of the program, as in Welcome and the audit log

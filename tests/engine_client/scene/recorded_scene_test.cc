@@ -224,7 +224,7 @@ TEST_F(RecordedFile, CorruptFilesNeverCrashTheReader) {
   const std::string originals[] = {
       FileBytes().Header(2, 2).Boxes(6).str(),
       FileBytes().Header(3, 3, 1).Boxes(6).Int(1).Int(3).Int(0).Int(2).str()};
-  const CounterRandom random(20240607, RandomStream::kKick);
+  const CounterRandom random(20240607, SceneDraw::kKick);
   int legal = 0;
   for (uint64_t round = 0; round < 4000; ++round) {
     const std::string bytes = Mutated(originals[round % 2], random, round);

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/proto_conversion.h"
+#include "engine_client/telemetry/conversion/proto_conversion.h"
 
 #include <gtest/gtest.h>
 

@@ -229,7 +229,7 @@ TEST_F(PosteriorsTest, TheFiguresOfASceneEqualThoseOfTheDeciderBitByBit) {
       ASSERT_EQ(arm.has_best_probability(), wanted.best_probability.has_value());
       EXPECT_EQ(arm.best_probability(), wanted.best_probability.value_or(0));
       ASSERT_EQ(arm.has_cost_ratio(), wanted.cost_ratio.has_value());
-      const decision::CostRatio ratio = wanted.cost_ratio.value_or(decision::CostRatio{0, 0, 0});
+      const CostRatio ratio = wanted.cost_ratio.value_or(CostRatio{0, 0, 0});
       EXPECT_EQ(arm.cost_ratio().median(), ratio.median);
       EXPECT_EQ(arm.cost_ratio().low(), ratio.low);
       EXPECT_EQ(arm.cost_ratio().high(), ratio.high);

@@ -105,7 +105,7 @@ class SessionOpeningTest : public ::testing::Test {
   }
   std::string ReasonOfEnd() const { return ReasonNameOf(opened_->status()); }
 
-  SessionOptions options_;
+  HostedSessionOptions options_;
   ManualClock clock_;
   QueuedStore store_;
   SessionCounters counters_;

@@ -1,5 +1,5 @@
-// A game as the daemon sees it, with the client's own protocol (SessionState). It sends batches of
-// frames, bail-outs and results of switches. It loses its connection, also just before an
+// A game as the daemon sees it, with the client's own protocol (ResumableSession). It sends batches
+// of frames, bail-outs and results of switches. It loses its connection, also just before an
 // acknowledgement or while it resumes, and resumes. It records every message with its number, and
 // what was acknowledged.
 #pragma once
@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/telemetry/protocol/session_state.h"
+#include "engine_client/telemetry/protocol/resumable_session.h"
 #include "tests/server/simulation/connection.h"
 #include "tests/server/simulation/world.h"
 
@@ -75,7 +75,7 @@ class SimulatedGame final : public ConnectionUser {
   const v1::Hello hello_;
   const Network network_;
   const std::function<void(const std::string&)> complain_;
-  SessionState state_;
+  ResumableSession state_;
   std::map<std::string, SentSession> sessions_;
 
   std::shared_ptr<Connection> connection_;  // null if not connected

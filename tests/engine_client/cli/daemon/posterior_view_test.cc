@@ -116,7 +116,7 @@ TEST(StandingsText, ShowsWhatTheSessionHasLearntAboutEachArm) {
       HasSubstr("session 0af3 of arena after decision 7 of policy adaptive, active arm SAP\n"));
   EXPECT_THAT(text, ContainsRegex("SAP +1.25 +1.06 +12.5 +0.875 +9.8 +38 +123\n"));
   EXPECT_THAT(text, ContainsRegex("Grid +- +- +- +0.000 +0.0 +0 +0\n"));
-  EXPECT_EQ(StandingsText({}), "") << "older daemons send no standings";
+  EXPECT_EQ(StandingsText({}), "") << "nothing is learnt";
 }
 
 TEST(StandingsText, IsEmptyForAnInvalidMessage) {

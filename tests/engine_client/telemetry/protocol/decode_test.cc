@@ -13,8 +13,8 @@ namespace sweepstake::protocol {
 namespace {
 
 template <typename To>
-void Write(const std::vector<BetaPosterior>& posteriors, To& to) {
-  for (const BetaPosterior& posterior : posteriors) {
+void Write(const std::vector<decision::BetaPosterior>& posteriors, To& to) {
+  for (const decision::BetaPosterior& posterior : posteriors) {
     v1::BetaPosterior& message = *to.Add();
     message.set_alpha(posterior.alpha);
     message.set_beta(posterior.beta);

@@ -1,7 +1,7 @@
 // Compares the client's encoder with protobuf byte by byte: each message with each of its fields.
 #include <gtest/gtest.h>
 
-#include "engine_client/telemetry/proto_conversion.h"
+#include "engine_client/telemetry/conversion/proto_conversion.h"
 #include "engine_client/telemetry/protocol/wire.h"
 #include "sweepstake/v1/telemetry.pb.h"
 #include "tests/engine_client/telemetry/protocol/random_messages.h"

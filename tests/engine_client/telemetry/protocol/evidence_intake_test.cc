@@ -37,7 +37,7 @@ class EvidenceIntakeTest : public ::testing::Test {
   }
 
   SampleQueue queue_{64};
-  SessionState state_{protocol::Hello(), 4};
+  ResumableSession state_{protocol::Hello(), 4};
   EvidenceIntake intake_{queue_, state_, {.interval_ns = 100, .frames = 3, .bytes = 16384}};
   uint64_t next_index_ = 0;
 };

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/protocol/session_state.h"
+#include "engine_client/telemetry/protocol/resumable_session.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/proto_conversion.h"
+#include "engine_client/telemetry/conversion/proto_conversion.h"
 
 #include <cmath>
 
@@ -34,6 +34,22 @@ std::optional<ArmBelief> FromProto(const v1::BetaPosterior& posterior, const std
   return ArmBelief{arm, alpha, beta};
 }
 
+void ToProto(const CostRatio& ratio, v1::CostRatio& message) {
+  message.set_median(ratio.median);
+  message.set_low(ratio.low);
+  message.set_high(ratio.high);
+}
+
+v1::ArmStanding ToProto(const ArmStanding& standing) {
+  v1::ArmStanding message;
+  message.set_live_window_count(standing.live_window_count);
+  message.set_lane_visit_count(standing.lane_visit_count);
+  message.set_effective_window_count(standing.effective_window_count);
+  message.set_best_probability(standing.best_probability);
+  if (standing.cost_ratio) ToProto(*standing.cost_ratio, *message.mutable_cost_ratio());
+  return message;
+}
+
 ArmStanding FromProto(const v1::ArmStanding& standing) {
   ArmStanding result{.live_window_count = standing.live_window_count(),
                      .lane_visit_count = standing.lane_visit_count(),
@@ -65,6 +81,8 @@ v1::PriorRecord ToProto(const PriorRecord& record) {
   message.set_bail_out_count(record.evidence.bail_out_count);
   message.set_build(record.build);
   message.set_unix_last_seen_s(static_cast<int64_t>(record.last_seen_unix_s));
+  message.set_is_imported(record.is_imported);
+  message.set_is_quarantined(record.is_quarantined);
   return message;
 }
 

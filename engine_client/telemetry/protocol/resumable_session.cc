@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/protocol/session_state.h"
+#include "engine_client/telemetry/protocol/resumable_session.h"
 
 #include <algorithm>
 #include <cassert>
@@ -50,10 +50,10 @@ const EvidenceMessage* ResendBuffer::FirstBatch() const {
   return first == entries_.end() ? nullptr : &first->evidence;
 }
 
-SessionState::SessionState(protocol::Hello hello, size_t unacknowledged_max)
+ResumableSession::ResumableSession(protocol::Hello hello, size_t unacknowledged_max)
     : hello_(std::move(hello)), buffer_(unacknowledged_max) {}
 
-protocol::Hello SessionState::Connect(const Position& position) {
+protocol::Hello ResumableSession::Connect(const Position& position) {
   online_ = false;
   protocol::Hello hello = hello_;
   hello.session_id = session_id_;
@@ -65,7 +65,7 @@ protocol::Hello SessionState::Connect(const Position& position) {
   return hello;
 }
 
-void SessionState::OnWelcome(const protocol::Welcome& welcome) {
+void ResumableSession::OnWelcome(const protocol::Welcome& welcome) {
   const bool resumed = welcome.resumed && welcome.session_id == session_id_;
   // The daemon could not read its store, which may already contain the sent messages under the old
   // session. They must not count again in a new session.
@@ -82,19 +82,19 @@ void SessionState::OnWelcome(const protocol::Welcome& welcome) {
   OnAcknowledgement(welcome.acknowledged_sequence);
 }
 
-void SessionState::BeginSession() {
+void ResumableSession::BeginSession() {
   buffer_.Renumber();
   counts_.acknowledged_sequence = 0;
   counts_.sent_sequence = 0;
 }
 
-void SessionState::OnAcknowledgement(uint64_t sequence) {
+void ResumableSession::OnAcknowledgement(uint64_t sequence) {
   if (sequence > counts_.sent_sequence) return;
   buffer_.Acknowledge(sequence);
   counts_.acknowledged_sequence = std::max(counts_.acknowledged_sequence, sequence);
 }
 
-void SessionState::MarkSent() {
+void ResumableSession::MarkSent() {
   const ResendBuffer::Entry& entry = *buffer_.Next();
   if (entry.sent_before) {
     ++counts_.resent_message_count;
@@ -105,14 +105,14 @@ void SessionState::MarkSent() {
   buffer_.MarkSent();
 }
 
-void SessionState::Disconnect(bool unknown_session, bool refused) {
+void ResumableSession::Disconnect(bool unknown_session, bool refused) {
   if (refused && online_) counts_.discarded_frame_count += buffer_.DiscardSent();
   if (refused && !online_) ForgetSession();
   if (unknown_session) session_id_.clear();
   online_ = false;
 }
 
-void SessionState::ForgetSession() {
+void ResumableSession::ForgetSession() {
   counts_.discarded_frame_count += buffer_.DiscardSent();
   session_id_.clear();
 }

@@ -1,13 +1,12 @@
-// The only converter between the public plain structs and protobuf's messages of sweepstake.v1, for
-// messages that the command line exchanges with a daemon and writes to files. (A session encodes
-// its messages without protobuf: protocol/wire.h.) ToProto makes a message, FromProto reads one.
-// Pure functions.
+// Converts between public structs and protobuf messages of sweepstake.v1. ToProto makes a message,
+// FromProto reads one. The command line and the daemon use it. (A session encodes its messages
+// without protobuf: telemetry/protocol/wire.h.) Pure functions.
 #pragma once
 
 #include <optional>
 #include <string>
 
-#include "engine_client/decider/embedded/priors_file.h"
+#include "engine_client/decider/pooling/prior_record.h"
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/frame_sample.h"
 #include "sweepstake/v1/priors.pb.h"
@@ -20,6 +19,8 @@ SceneDescriptor FromProto(const v1::SceneDescriptor& message);
 
 // Returns nullopt if a parameter of the posterior is not finite or not above 0.
 std::optional<ArmBelief> FromProto(const v1::BetaPosterior& posterior, const std::string& arm);
+void ToProto(const CostRatio& ratio, v1::CostRatio& message);
+v1::ArmStanding ToProto(const ArmStanding& standing);
 ArmStanding FromProto(const v1::ArmStanding& standing);
 v1::PriorRecord ToProto(const PriorRecord& record);
 PriorRecord FromProto(const v1::PriorRecord& message);

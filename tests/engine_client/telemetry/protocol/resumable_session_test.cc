@@ -1,11 +1,11 @@
-#include "engine_client/telemetry/protocol/session_state.h"
+#include "engine_client/telemetry/protocol/resumable_session.h"
 
 #include <gtest/gtest.h>
 
 namespace sweepstake {
 namespace {
 
-constexpr SessionState::Position kPosition{
+constexpr ResumableSession::Position kPosition{
     .active_arm = 2, .switch_epoch = 5, .mode = Mode::kManual};
 
 EvidenceMessage Batch(uint32_t arm = 0, uint32_t epoch = 0) {
@@ -44,7 +44,7 @@ class SessionStateTest : public ::testing::Test {
   }
 
   using Sequences = std::vector<uint64_t>;
-  SessionState state_{BaseHello(), 8};
+  ResumableSession state_{BaseHello(), 8};
 };
 
 TEST_F(SessionStateTest, BeginsANewSessionWithoutAnId) {

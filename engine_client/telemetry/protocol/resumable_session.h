@@ -80,7 +80,7 @@ class ResendBuffer {
   uint64_t next_sequence_ = 1;
 };
 
-class SessionState {
+class ResumableSession {
  public:
   // The state in which the session's next frame will be measured.
   struct Position {
@@ -100,7 +100,7 @@ class SessionState {
   };
 
   // `hello` has the fields that do not change: project, scene, arms and so on.
-  SessionState(protocol::Hello hello, size_t unacknowledged_max);
+  ResumableSession(protocol::Hello hello, size_t unacknowledged_max);
 
   // Adds evidence, in the order in which it happened. The caller must not add evidence while full()
   // returns true.
