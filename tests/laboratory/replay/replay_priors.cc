@@ -1,8 +1,11 @@
 #include "tests/laboratory/replay/replay_priors.h"
 
 #include <algorithm>
+#include <utility>
 
-#include "engine_client/decider/pooling/source_prior.h"
+#include "engine_client/decider/policy/log_cost.h"
+#include "engine_client/decider/pooling/prior.h"
+#include "engine_client/math/hash.h"
 #include "engine_client/math/portable_math.h"
 #include "engine_client/math/random.h"
 #include "tests/laboratory/policies/study_policies.h"
@@ -10,22 +13,32 @@
 namespace sweepstake::cli {
 namespace {
 
-using decision::EvidenceSum;
-using Sums = std::vector<EvidenceSum>;
+using decision::ArmEvidence;
 
-double MeanOf(const EvidenceSum& sum) { return sum.alpha / sum.evidence(); }
+constexpr char kProject[] = "project";
+constexpr char kScene[] = "scene";
+constexpr char kMachineClass[] = "class";
+
+// The stored evidence of a game, per arm.
+struct PlayedGame {
+  std::string scene = kScene;
+  std::string machine_class = kMachineClass;
+  std::vector<ArmEvidence> arms;
+};
 
 // Reverses the ranking of the arms that have evidence; the other arms are unchanged.
-Sums Reversed(const Sums& sums) {
+std::vector<ArmEvidence> Reversed(const std::vector<ArmEvidence>& arms) {
+  const std::vector<decision::EvidenceSum> pooled = decision::PoolEvidence(arms);
   std::vector<size_t> ranking;
-  for (size_t arm = 0; arm < sums.size(); ++arm) {
-    if (sums[arm].evidence() > 0) ranking.push_back(arm);
+  for (size_t arm = 0; arm < arms.size(); ++arm) {
+    if (pooled[arm].evidence() > 0) ranking.push_back(arm);
   }
+  const auto mean = [&](size_t arm) { return pooled[arm].alpha / pooled[arm].evidence(); };
   std::stable_sort(ranking.begin(), ranking.end(),
-                   [&](size_t a, size_t b) { return MeanOf(sums[a]) > MeanOf(sums[b]); });
-  Sums reversed = sums;
+                   [&](size_t a, size_t b) { return mean(a) > mean(b); });
+  std::vector<ArmEvidence> reversed = arms;
   for (size_t i = 0; i < ranking.size(); ++i)
-    reversed[ranking[i]] = sums[ranking[ranking.size() - 1 - i]];
+    reversed[ranking[i]] = arms[ranking[ranking.size() - 1 - i]];
   return reversed;
 }
 
@@ -38,20 +51,30 @@ std::vector<double> ClassRatios(uint32_t arm_count, uint64_t seed) {
   return ratios;
 }
 
-// Returns the prior sums of a session that has no evidence of its own, from one source.
-Sums OfSource(const Sums& taught, const decision::SourceRelation& relation) {
-  const double weight = decision::PowerPriorWeight(relation);
-  decision::SourceEvidence source;
-  for (const EvidenceSum& sum : taught) source.push_back({sum, weight});
-  return decision::CombineSources({&source, 1}, Sums(taught.size()));
-}
-
-Sums OfOtherScenes(std::span<const ReplayScene* const> others, size_t arm_count,
-                   const Teach& teach) {
-  std::vector<Sums> scenes;
-  for (const ReplayScene* other : others)
-    scenes.push_back(decision::PoolEvidence(teach(*other).taught));
-  return decision::WithOtherScenes(Sums(arm_count), scenes);
+// Returns the priors of a new session of kScene on kMachineClass, in the build of the games.
+std::vector<decision::BetaPosterior> PriorsAfter(std::span<const PlayedGame> games,
+                                                 uint32_t arm_count, bool compares) {
+  decision::PriorKey key{.project = kProject,
+                         .scene = kScene,
+                         .machine_class = kMachineClass,
+                         .reward_version = decision::kLogCostRewardVersion,
+                         .arms = {},
+                         .backend_versions = std::vector<uint32_t>(arm_count, 1),
+                         .compares_sources = compares};
+  for (uint32_t arm = 0; arm < arm_count; ++arm) key.arms.push_back(math::HexOf(arm));
+  std::vector<decision::ArmRecord> records;
+  for (const PlayedGame& game : games) {
+    for (uint32_t arm = 0; arm < arm_count; ++arm)
+      records.push_back({.project = kProject,
+                         .scene = game.scene,
+                         .machine_class = game.machine_class,
+                         .reward_version = key.reward_version,
+                         .source = "game",
+                         .build = {},
+                         .arm = key.arms[arm],
+                         .evidence = game.arms[arm]});
+  }
+  return decision::PriorFor(records, key).posteriors();
 }
 
 }  // namespace
@@ -62,31 +85,29 @@ std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::
                                                   uint64_t seed, const Teach& teach) {
   const bool compares =
       decision::PolicyKindOf(policy, decision::StudyPolicies()).starts_from_priors;
-  const decision::SourceRelation own{.same_build = true,
-                                     .same_machine_class = kind != ReplayPriors::kClass};
-  Sums sums;
+  std::vector<PlayedGame> games;
   switch (kind) {
     case ReplayPriors::kNone:
       return {};
     case ReplayPriors::kRight:
+      games.push_back({.arms = teach(scene).taught});
+      break;
     case ReplayPriors::kWrong:
-      sums = decision::PoolEvidence(teach(scene).taught);
-      if (kind == ReplayPriors::kWrong) sums = Reversed(sums);
+      games.push_back({.arms = Reversed(teach(scene).taught)});
       break;
     case ReplayPriors::kClass:
-      sums = decision::PoolEvidence(
-          teach(scene.WithArmRatios(ClassRatios(scene.arm_count(), seed))).taught);
+      games.push_back(
+          {.machine_class = "another class",
+           .arms = teach(scene.WithArmRatios(ClassRatios(scene.arm_count(), seed))).taught});
       break;
     case ReplayPriors::kScenes:
-      if (compares) sums = OfOtherScenes(others, scene.arm_count(), teach);
+      if (!compares) return {};
+      // Names of equal length keep the order of the scenes.
+      for (const ReplayScene* other : others)
+        games.push_back({.scene = math::HexOf(games.size()), .arms = teach(*other).taught});
       break;
   }
-  // A policy whose rewards cannot be compared between sources starts with the sums of all sources.
-  if (compares && kind != ReplayPriors::kScenes) sums = OfSource(sums, own);
-  if (!decision::IsAnythingKnown(sums)) return {};
-  std::vector<decision::BetaPosterior> priors;
-  for (const EvidenceSum& sum : sums) priors.push_back({1 + sum.alpha, 1 + sum.beta});
-  return priors;
+  return PriorsAfter(games, scene.arm_count(), compares);
 }
 
 }  // namespace sweepstake::cli

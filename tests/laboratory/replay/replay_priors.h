@@ -1,5 +1,4 @@
-// The priors that a daemon serves to a game after other games (server/sessions/session_start.h).
-// They are computed from the stored evidence of those games, not from their posteriors.
+// The priors that a daemon serves to a game after other games: those of decision::PriorFor.
 #pragma once
 
 #include <array>
