@@ -2,7 +2,7 @@
 // pixel. Pure functions. Parameters are from 1 to 1e15, which covers Beta(1, 1) plus evidence; others are clamped to that range.
 
 export interface Beta { readonly alpha: number; readonly beta: number }
-/** Low and high end. */
+/** The lower and the upper end. */
 export type Interval = readonly [number, number];
 
 const MIN_SHAPE = 1;

@@ -6,7 +6,7 @@ const PAIR_BYTES = 4;
 const STEPS = 65_535; // coordinates are 16-bit fractions of the bounds
 
 export interface Boxes {
-  /** Per box the smallest x, y and z, then the largest ones, in world units. */
+  /** For each box the smallest x, y and z, then the largest, in world units. */
   readonly corners: Float32Array;
   readonly count: number;
   readonly pairCount: number;

@@ -1,6 +1,6 @@
 // CSV by RFC 4180: reads exports of the daemon, and writes files for spreadsheets.
 
-/** Returns the cells of one record, whose quoted cells may hold commas, quotes and line breaks; undefined if its quotes are wrong. */
+/** Returns the cells of one record, or undefined if its quotes are invalid. Quoted cells may contain commas, quotes and line breaks. */
 export function parseRecord(record: string): string[] | undefined {
   const cells: string[] = [];
   let at = 0;

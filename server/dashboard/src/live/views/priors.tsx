@@ -1,5 +1,5 @@
-// What the daemon has learnt, scene by scene and arm by arm, from which builds and sources it has it, what two builds say differently, a
-// file of it to take along, letting imports count, and taking out what was measured wrongly.
+// The stored evidence by build, scene, arm and source; the comparison of two builds; the download of a priors file; promotion and
+// revocation.
 import { useEffect, useState } from 'preact/hooks';
 import { PriorsService } from '../../gen/sweepstake/v1/priors_pb';
 import { grouped } from '../../format';
@@ -25,7 +25,7 @@ interface Answer {
   error?: ApiError;
 }
 
-// Reads all evidence of a project, or of all of them. What breaks off is shown as far as it came.
+// Reads all evidence of a project, or of all projects. If the call fails, the evidence received so far is shown.
 async function read(project: string, cancel: AbortSignal, show: (answer: Answer) => void): Promise<void> {
   const evidence = noEvidence();
   let isWhole = false;
@@ -62,7 +62,7 @@ function Notes({ evidence, project }: { evidence: Evidence; project: string }) {
   );
 }
 
-// It stands on top, since it needs a person.
+// It stands on top, because it needs an action.
 function Quarantine({ evidence, project }: { evidence: Evidence; project: string }) {
   return (
     <section>

@@ -1,4 +1,4 @@
-// Taking the evidence of sources out of the daemon, and letting imports that wait count: what that would change is shown first.
+// The dialog that revokes the evidence of sources, or promotes imports in quarantine. It shows a preview first.
 import { signal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
 import { type LeaderChanges, PriorsService } from '../../../gen/sweepstake/v1/priors_pb';
@@ -12,7 +12,7 @@ import { visible } from '../../parts/visible';
 import { account, isOperator } from '../../state/account';
 import { type ApiError, asApiError, call } from '../../transport/calls';
 
-/** Which sources: those that match all that is set. Times are seconds since 1970, of when they began. */
+/** Selects the sources that match all fields that are set. Times are when a source began, in seconds since 1970. */
 export interface Scope { project?: string; sourceId?: string; build?: string; tokenId?: bigint; unixFromS?: bigint; unixUntilS?: bigint }
 
 type Action = 'promote' | 'revoke';
@@ -25,14 +25,14 @@ const DEEDS = {
     none: 'Nothing would count: nothing that matches waits.', method: PriorsService.method.promotePriors },
 } as const;
 
-interface Asked { action: Action; scope: Scope; isOpen: boolean } // open: the reader says which
+interface Asked { action: Action; scope: Scope; isOpen: boolean } // open: the user selects the sources in the dialog
 
 const asked = signal<Asked | undefined>(undefined);
 const REASON_ID = 'priors-reason';
 
 export const operatorReason = () => (isOperator.value ? '' : `Promoting and revoking need the role operator; yours is ${account.value?.role ?? 'not known'}.`);
 
-/** Why the buttons do nothing, where they do nothing. */
+/** The reason why the buttons are disabled, if they are. */
 export const OperatorReason = () => <span id={REASON_ID} class="soft">{operatorReason()}</span>;
 
 interface ButtonProps { action: Action; scope: Scope; of?: string; isOpen?: boolean; children: string }
@@ -45,11 +45,11 @@ function QuestionButton({ action, scope, of, isOpen = false, children }: ButtonP
   );
 }
 
-/** Asks about the sources of the scope, or, without `of`, lets the reader say which. */
+/** Opens the dialog for the sources of the scope. Without `of`, the user selects the sources. */
 export const RevokeButton = ({ scope, of }: { scope: Scope; of?: string }) =>
   <QuestionButton action="revoke" scope={scope} {...(of ? { of } : { isOpen: true })}>Revoke …</QuestionButton>;
 
-/** Asks about what waits of the scope's sources, or, without `of`, of all of them. */
+/** Opens the dialog for the scope's evidence in quarantine. Without `of`, it is all of it. */
 export const PromoteButton = ({ scope, of }: { scope: Scope; of?: string }) =>
   <QuestionButton action="promote" scope={scope} {...(of ? { of } : {})}>{of ? 'Promote …' : 'Promote all …'}</QuestionButton>;
 
@@ -58,7 +58,7 @@ const countsText = ({ sourceCount, recordCount, windowCount, sceneCount }: Count
   `${many(sourceCount, 'source')} with ${many(recordCount, 'record')} of ${many(windowCount, 'window or visit', 'windows and visits')}${
     sceneCount === undefined ? '' : ` for ${many(sceneCount, 'scene')}`}`;
 
-// What is asked about: a scope, what the daemon says would change, or why it does not say so.
+// The state of the dialog: the scope, and the daemon's preview or the error.
 interface Preview { scope: Scope; counts?: Counts; error?: ApiError }
 
 const ask = (action: Action, sources: Scope, preview: boolean): Promise<Counts> =>
@@ -102,7 +102,6 @@ function ScopeWords({ action, scope: { project, sourceId, build, tokenId, unixFr
   );
 }
 
-// What old sessions taught together is that of no source.
 const isAny = ({ sourceCount, recordCount }: Counts) => sourceCount > 0n || recordCount > 0n;
 
 function PreviewWords({ action, preview }: { action: Action; preview: Preview | undefined }) {
@@ -112,7 +111,7 @@ function PreviewWords({ action, preview }: { action: Action; preview: Preview | 
   return isAny(preview.counts!) ? <b>{countsText(preview.counts!)} {would}.</b> : <>{none}</>;
 }
 
-// In which scenes another arm would be believed to cost least.
+// The scenes in which another arm would become the leader.
 function Leaders({ changes }: { changes: LeaderChanges | undefined }) {
   if (!changes) return null;
   const { scenes, sceneCount } = changes;
@@ -135,7 +134,7 @@ function Leaders({ changes }: { changes: LeaderChanges | undefined }) {
 
 const secondsOf = (localTime: string) => (localTime ? BigInt(Math.floor(Date.parse(localTime) / 1000)) : undefined);
 
-// The scope that a form says; undefined fields are any.
+// Returns the scope of the form. Undefined fields match any value.
 function scopeOf(form: HTMLFormElement): Scope {
   const fields = new FormData(form);
   const text = (name: string) => String(fields.get(name) ?? '').trim();
@@ -206,7 +205,7 @@ function Dialog({ question: { action, scope: start, isOpen }, known, onClose, on
   );
 }
 
-/** The dialog of the buttons; `onDone` is called when something may have changed. */
+/** The dialog of the buttons. `onDone` is called when evidence may have changed. */
 export function PriorsQuestion({ known, onDone }: { known: Known; onDone(): void }) {
   const close = () => { asked.value = undefined; };
   useEffect(() => close, []);

@@ -1,4 +1,4 @@
-// The evidence as tables: what waits in quarantine, by build, by scene and arm, and by source.
+// Tables of the evidence: in quarantine, by build, by scene and arm, and by source.
 import { grouped, significant } from '../../../format';
 import { Arm } from '../../parts/arm';
 import { timeText } from '../../parts/clock';
@@ -15,12 +15,12 @@ const LANE = 'lane'; // measured_by of the shadow lane; the frame thread has no 
 type Teacher = BuildSum | SourceSum;
 const list = (names: ReadonlySet<string>) => [...names].join(', ');
 
-// What builds and sources have in common.
+// The columns that builds and sources have in common.
 const TAUGHT: readonly Column<Teacher>[] = [
   { id: 'windows', title: 'Windows', hint: 'Decision windows, and visits of the lane', sort: (row) => row.windowCount, cell: (row) => grouped(row.windowCount) },
   { id: 'bails', title: 'Bail-outs', sort: (row) => row.bailOutCount, cell: (row) => grouped(row.bailOutCount) },
   { id: 'arms', title: 'Arms', sort: (row) => row.arms.size, cell: (row) => grouped(row.arms.size) },
-  { id: 'seen', title: 'Last seen', hint: 'When it taught last, by the clock of its daemon', sort: (row) => row.lastSeenS || undefined,
+  { id: 'seen', title: 'Last seen', hint: 'When it last added evidence, by the clock of its daemon', sort: (row) => row.lastSeenS || undefined,
     csv: (row) => (row.lastSeenS ? new Date(1000 * row.lastSeenS).toISOString() : ''), cell: (row) => (row.lastSeenS ? timeText(1000 * row.lastSeenS) : '–') },
   { id: 'classes', title: 'Machines', isText: true, sort: (row) => list(row.machineClasses), cell: (row) => <Name text={list(row.machineClasses)} /> },
   { id: 'scenes', title: 'Scenes', isText: true, sort: (row) => list(row.scenes), cell: (row) => <Name text={list(row.scenes)} /> },
@@ -41,7 +41,7 @@ const WAITING: readonly Column<BuildSum>[] = [
   ...TAUGHT,
 ];
 
-// A session that is not in memory any more has rows in the audit log.
+// A session that is no longer in memory is shown by its rows in the audit log.
 const sourceHref = (id: string) => (sessions.value.has(id) ? sessionHref(id) : decisionsHref({ session: id }));
 const originOf = ({ isImported }: SourceSum) => (isImported ? 'import' : 'session');
 
