@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine_client/telemetry/common/units.h"
 #include "engine_client/telemetry/daemon_connection.h"
 #include "sweepstake/c_api.h"
 #include "tests/support/daemon_process.h"
@@ -18,8 +19,6 @@ namespace {
 
 using test_support::DaemonProcess;
 using test_support::TemporaryDirectory;
-
-constexpr uint64_t kNsPerMs = 1'000'000;
 
 // Calls the link every 5 ms or more often, as c_link.h requires.
 class LinkHost {

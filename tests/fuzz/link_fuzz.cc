@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "engine_client/telemetry/common/units.h"
 #include "engine_client/telemetry/protocol/session_link.h"
 #include "sweepstake/v1/telemetry.pb.h"
 #include "tests/fuzz/input.h"
@@ -14,8 +15,6 @@ namespace {
 
 using fuzz::Input;
 using fuzz::Require;
-
-constexpr uint64_t kNsPerMs = 1'000'000;
 
 // Returns an AdaptiveBroadPhase that runs no frames, so that its state does not change.
 AdaptiveBroadPhase& Adaptive() {
