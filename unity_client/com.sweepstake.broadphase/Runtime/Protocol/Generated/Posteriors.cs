@@ -3461,7 +3461,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForString(130);
     private readonly pbc::RepeatedField<string> arms_ = new pbc::RepeatedField<string>();
     /// <summary>
-    /// The session's arms, in the order of best_probability and standings. Absent: nothing is learnt, or the daemon is older.
+    /// The session's arms, in the order of best_probability and standings. Absent: nothing is learnt.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

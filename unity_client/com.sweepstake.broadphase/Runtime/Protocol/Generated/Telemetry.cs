@@ -44,112 +44,107 @@ namespace Sweepstake.Protocol.V1 {
             "bmVjdBI0Cg5vcGVyYXRvcl9vcmRlchgGIAEoCzIcLnN3ZWVwc3Rha2UudjEu",
             "T3BlcmF0b3JPcmRlchIuCgtib3hfcmVxdWVzdBgHIAEoCzIZLnN3ZWVwc3Rh",
             "a2UudjEuQm94UmVxdWVzdCIsCgNBcm0SDAoEbmFtZRgBIAEoCRIXCg9iYWNr",
-            "ZW5kX3ZlcnNpb24YAiABKA0irgMKBUhlbGxvEhgKEHByb3RvY29sX3ZlcnNp",
+            "ZW5kX3ZlcnNpb24YAiABKA0i+gIKBUhlbGxvEhgKEHByb3RvY29sX3ZlcnNp",
             "b24YASABKA0SDwoHcHJvamVjdBgCIAEoCRINCgVzY2VuZRgDIAEoCRINCgVi",
             "dWlsZBgEIAEoCRIVCg1tYWNoaW5lX2NsYXNzGAUgASgJEiAKBGFybXMYBiAD",
-            "KAsyEi5zd2VlcHN0YWtlLnYxLkFybRISCgphY3RpdmVfYXJtGAggASgNEiEK",
-            "BG1vZGUYCSABKA4yEy5zd2VlcHN0YWtlLnYxLk1vZGUSEgoKc2Vzc2lvbl9p",
-            "ZBgKIAEoCRISCgp0aW1lX3NjYWxlGAsgASgBEhUKDWlnbm9yZV9wcmlvcnMY",
-            "DCABKAgSDAoEc2VlZBgNIAEoBBIOCgZwb2xpY3kYDiABKAkSFAoMc3dpdGNo",
-            "X2Vwb2NoGA8gASgNEhQKDHJlc3VtZV90b2tlbhgQIAEoDBIcChRtaW5fcHJv",
-            "dG9jb2xfdmVyc2lvbhgRIAEoDRIvCgxjYXBhYmlsaXRpZXMYEiADKA4yGS5z",
-            "d2VlcHN0YWtlLnYxLkNhcGFiaWxpdHlKBAgHEAhSDnJld2FyZF92ZXJzaW9u",
-            "Iu0CCgpGcmFtZUJhdGNoEhUKDWZyYW1lX3RpbWVfbnMYAiADKAQSGQoRZGV0",
-            "ZWN0aW9uX3RpbWVfbnMYAyADKAQSGAoQYWFiYl9jaGVja19jb3VudBgEIAMo",
-            "BBIUCgxuYXRpdmVfYnl0ZXMYBiADKAQSFAoMb2JqZWN0X2NvdW50GAcgAygN",
-            "EgsKA2FybRgIIAMoDRIUCgxzd2l0Y2hfZXBvY2gYCSADKA0SDQoFZmxhZ3MY",
-            "CiADKA0SOAoQc2NlbmVfZGVzY3JpcHRvchgLIAEoCzIeLnN3ZWVwc3Rha2Uu",
-            "djEuU2NlbmVEZXNjcmlwdG9yEhsKE2Ryb3BwZWRfZnJhbWVfY291bnQYDCAB",
-            "KAQSMwoOc2hhZG93X3NhbXBsZXMYDSADKAsyGy5zd2VlcHN0YWtlLnYxLlNo",
-            "YWRvd1NhbXBsZUoECAEQAkoECAUQBlIRZmlyc3RfZnJhbWVfaW5kZXhSCnBh",
-            "aXJfY291bnQi0gEKDFNoYWRvd1NhbXBsZRIZChFmaXJzdF9mcmFtZV9pbmRl",
-            "eBgBIAEoBBILCgNhcm0YAiABKA0SGQoRZGV0ZWN0aW9uX3RpbWVfbnMYAyAB",
-            "KAQSFQoNYnVpbGRfdGltZV9ucxgEIAEoBBIYChBhYWJiX2NoZWNrX2NvdW50",
-            "GAUgASgEEhQKDG5hdGl2ZV9ieXRlcxgGIAEoBBIUCgxvYmplY3RfY291bnQY",
-            "ByABKA0SEwoLZnJhbWVfY291bnQYCCABKA0SDQoFZmxhZ3MYCSABKA0iyQIK",
-            "D1NjZW5lRGVzY3JpcHRvchIZCgxvYmplY3RfY291bnQYASABKAJIAIgBARIa",
-            "Cg1kZW5zaXR5X3JhdGlvGAIgASgCSAGIAQESGAoLc2l6ZV9zcHJlYWQYAyAB",
-            "KAJIAogBARIXCgpzcGVlZF9tZWFuGAQgASgCSAOIAQESGQoMc3BlZWRfc3By",
-            "ZWFkGAUgASgCSASIAQESHQoQY2x1c3RlcmluZ19yYXRpbxgGIAEoAkgFiAEB",
-            "EhkKDHN0YXRpY19yYXRpbxgHIAEoAkgGiAEBQg8KDV9vYmplY3RfY291bnRC",
-            "EAoOX2RlbnNpdHlfcmF0aW9CDgoMX3NpemVfc3ByZWFkQg0KC19zcGVlZF9t",
-            "ZWFuQg8KDV9zcGVlZF9zcHJlYWRCEwoRX2NsdXN0ZXJpbmdfcmF0aW9CDwoN",
-            "X3N0YXRpY19yYXRpbyL5AQoNU3dpdGNoT3V0Y29tZRISCgpjb21tYW5kX2lk",
-            "GAEgASgEEgsKA2FybRgCIAEoDRIUCgxzd2l0Y2hfZXBvY2gYAyABKA0SEAoI",
-            "ZXhlY3V0ZWQYBCABKAgSFwoPcmVidWlsZF90aW1lX25zGAUgASgEEhgKEHNl",
-            "dHRsaW5nX2Nvc3RfbnMYBiABKAQSKwoGcmVhc29uGAggASgOMhsuc3dlZXBz",
-            "dGFrZS52MS5Td2l0Y2hSZWFzb24SHwoXdHJpYWxfZGV0ZWN0aW9uX3RpbWVf",
-            "bnMYCSABKAQSEQoJdHJpYWxfYXJtGAogASgNSgQIBxAIUgVlcnJvciKCAQoH",
-            "QmFpbE91dBITCgtmcmFtZV9pbmRleBgBIAEoBBILCgNhcm0YAiABKA0SFAoM",
-            "c3dpdGNoX2Vwb2NoGAMgASgNEhUKDWZyYW1lX3RpbWVfbnMYBCABKAQSGQoR",
-            "ZGV0ZWN0aW9uX3RpbWVfbnMYBSABKAQSDQoFZmxhZ3MYBiABKA0iVQoKTW9k",
-            "ZUNoYW5nZRIhCgRtb2RlGAEgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhIK",
-            "CmFjdGl2ZV9hcm0YAiABKA0SEAoIb3JkZXJfaWQYAyABKAQiUwoMT3JkZXJS",
-            "ZWZ1c2FsEhAKCG9yZGVyX2lkGAEgASgEEjEKBnJlYXNvbhgCIAEoDjIhLnN3",
-            "ZWVwc3Rha2UudjEuT3JkZXJSZWZ1c2FsUmVhc29uIhcKB0dvb2RieWVKBAgB",
-            "EAJSBnJlYXNvbiKjBAoHV2VsY29tZRISCgpzZXNzaW9uX2lkGAEgASgJEg8K",
-            "B3Jlc3VtZWQYAiABKAgSHQoVYWNrbm93bGVkZ2VkX3NlcXVlbmNlGAMgASgE",
-            "EhgKEG1heF9iYXRjaF9mcmFtZXMYBCABKA0SGQoRbWF4X21lc3NhZ2VfYnl0",
-            "ZXMYBSABKA0SGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYBiABKA0SHAoUZGVjaXNp",
-            "b25faW50ZXJ2YWxfbXMYByABKA0SEwoLc2V0dGxpbmdfbXMYCSABKA0SEwoL",
-            "YmFpbF9vdXRfbXMYCiABKA0SFgoOZGFlbW9uX3ZlcnNpb24YDCABKAkSDgoG",
-            "cG9saWN5GA4gASgJEgwKBHNlZWQYDyABKAQSLAoGcHJpb3JzGBAgAygLMhwu",
-            "c3dlZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEhoKEnByaW9yX3NvdXJjZV9j",
-            "b3VudBgRIAEoBBIUCgxyZXN1bWVfdG9rZW4YEiABKAwSGgoScHJpb3JzX3Vu",
-            "YXZhaWxhYmxlGBMgASgIEhgKEHByb3RvY29sX3ZlcnNpb24YFCABKA0SLwoM",
-            "Y2FwYWJpbGl0aWVzGBUgAygOMhkuc3dlZXBzdGFrZS52MS5DYXBhYmlsaXR5",
-            "SgQICBAJSgQICxAMSgQIDRAOUgtjb29sZG93bl9tc1IQcmVzdW1lX3dpbmRv",
-            "d19tc1IOcmV3YXJkX3ZlcnNpb24iLAoNQmV0YVBvc3RlcmlvchINCgVhbHBo",
-            "YRgBIAEoARIMCgRiZXRhGAIgASgBInoKDVN3aXRjaENvbW1hbmQSEgoKY29t",
-            "bWFuZF9pZBgBIAEoBBILCgNhcm0YAiABKA0SKwoGcmVhc29uGAMgASgOMhsu",
-            "c3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24SGwoTdHJpYWxfbGltaXRfcGVy",
-            "Y2VudBgEIAEoDSI+Cg9BY2tub3dsZWRnZW1lbnQSEAoIc2VxdWVuY2UYASAB",
-            "KAQSGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYAiABKA0ixwEKEVBvc3RlcmlvclNu",
-            "YXBzaG90EioKBGFybXMYASADKAsyHC5zd2VlcHN0YWtlLnYxLkJldGFQb3N0",
-            "ZXJpb3ISJwoHdmVyZGljdBgCIAEoDjIWLnN3ZWVwc3Rha2UudjEuVmVyZGlj",
-            "dBISCgpsZWFkZXJfYXJtGAMgASgNEhoKEmxlYWRlcl9wcm9iYWJpbGl0eRgE",
-            "IAEoARItCglzdGFuZGluZ3MYBSADKAsyGi5zd2VlcHN0YWtlLnYxLkFybVN0",
-            "YW5kaW5nIqoBCgtBcm1TdGFuZGluZxIZChFsaXZlX3dpbmRvd19jb3VudBgB",
-            "IAEoBBIYChBsYW5lX3Zpc2l0X2NvdW50GAIgASgEEh4KFmVmZmVjdGl2ZV93",
-            "aW5kb3dfY291bnQYAyABKAESGAoQYmVzdF9wcm9iYWJpbGl0eRgEIAEoARIs",
-            "Cgpjb3N0X3JhdGlvGAUgASgLMhguc3dlZXBzdGFrZS52MS5Db3N0UmF0aW8i",
-            "NgoJQ29zdFJhdGlvEg4KBm1lZGlhbhgBIAEoARILCgNsb3cYAiABKAESDAoE",
-            "aGlnaBgDIAEoASIsCglSZWNvbm5lY3QSEAoIZGVsYXlfbXMYAiABKA1KBAgB",
-            "EAJSB2FkZHJlc3MiXgoNT3BlcmF0b3JPcmRlchIQCghvcmRlcl9pZBgBIAEo",
-            "BBIhCgRtb2RlGAIgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhAKA2FybRgD",
-            "IAEoDUgAiAEBQgYKBF9hcm0iRgoKQm94UmVxdWVzdBITCgtpbnRlcnZhbF9t",
-            "cxgBIAEoDRIRCgltYXhfYnl0ZXMYAiABKA0SEAoIdW50aWxfbXMYAyABKA0i",
-            "cgoHQm94VmlldxITCgtmcmFtZV9pbmRleBgBIAEoBBIUCgxvYmplY3RfY291",
-            "bnQYAiABKA0SDgoGc3RyaWRlGAMgASgNEg4KBmJvdW5kcxgEIAMoAhINCgVi",
-            "b3hlcxgFIAEoDBINCgVwYWlycxgGIAEoDCo6CgRNb2RlEhQKEE1PREVfVU5T",
-            "UEVDSUZJRUQQABIPCgtNT0RFX01BTlVBTBABEgsKB01PREVfQUkQAiqcAQoM",
-            "U3dpdGNoUmVhc29uEh0KGVNXSVRDSF9SRUFTT05fVU5TUEVDSUZJRUQQABIY",
-            "ChRTV0lUQ0hfUkVBU09OX1BPTElDWRABEh0KGVNXSVRDSF9SRUFTT05fRVhQ",
-            "TE9SQVRJT04QAhIaChZTV0lUQ0hfUkVBU09OX0JBSUxfT1VUEAMSGAoUU1dJ",
-            "VENIX1JFQVNPTl9NQU5VQUwQBCphCgpDYXBhYmlsaXR5EhoKFkNBUEFCSUxJ",
-            "VFlfVU5TUEVDSUZJRUQQABIeChpDQVBBQklMSVRZX09QRVJBVE9SX09SREVS",
-            "UxABEhcKE0NBUEFCSUxJVFlfQk9YX1ZJRVcQAipZCgpTaGFkb3dGbGFnEhsK",
-            "F1NIQURPV19GTEFHX1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNU",
-            "SVZFEAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIqhwEKCUZyYW1lRmxhZxIa",
-            "ChZGUkFNRV9GTEFHX1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJV",
-            "SUxEEAESFQoRRlJBTUVfRkxBR19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xP",
-            "QURJTkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgqggEKEk9yZGVyUmVm",
-            "dXNhbFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklF",
-            "RBAAEiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAESIAoc",
-            "T1JERVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoT",
-            "VkVSRElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoL",
-            "VkVSRElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJ",
-            "Q1RfREVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRl",
-            "bGVtZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVz",
-            "dBomLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATAB",
-            "QhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "KAsyEi5zd2VlcHN0YWtlLnYxLkFybRISCgphY3RpdmVfYXJtGAcgASgNEiEK",
+            "BG1vZGUYCCABKA4yEy5zd2VlcHN0YWtlLnYxLk1vZGUSEgoKc2Vzc2lvbl9p",
+            "ZBgJIAEoCRISCgp0aW1lX3NjYWxlGAogASgBEhUKDWlnbm9yZV9wcmlvcnMY",
+            "CyABKAgSDAoEc2VlZBgMIAEoBBIOCgZwb2xpY3kYDSABKAkSFAoMc3dpdGNo",
+            "X2Vwb2NoGA4gASgNEhQKDHJlc3VtZV90b2tlbhgPIAEoDBIvCgxjYXBhYmls",
+            "aXRpZXMYECADKA4yGS5zd2VlcHN0YWtlLnYxLkNhcGFiaWxpdHkiwgIKCkZy",
+            "YW1lQmF0Y2gSFQoNZnJhbWVfdGltZV9ucxgBIAMoBBIZChFkZXRlY3Rpb25f",
+            "dGltZV9ucxgCIAMoBBIYChBhYWJiX2NoZWNrX2NvdW50GAMgAygEEhQKDG5h",
+            "dGl2ZV9ieXRlcxgEIAMoBBIUCgxvYmplY3RfY291bnQYBSADKA0SCwoDYXJt",
+            "GAYgAygNEhQKDHN3aXRjaF9lcG9jaBgHIAMoDRINCgVmbGFncxgIIAMoDRI4",
+            "ChBzY2VuZV9kZXNjcmlwdG9yGAkgASgLMh4uc3dlZXBzdGFrZS52MS5TY2Vu",
+            "ZURlc2NyaXB0b3ISGwoTZHJvcHBlZF9mcmFtZV9jb3VudBgKIAEoBBIzCg5z",
+            "aGFkb3dfc2FtcGxlcxgLIAMoCzIbLnN3ZWVwc3Rha2UudjEuU2hhZG93U2Ft",
+            "cGxlItIBCgxTaGFkb3dTYW1wbGUSGQoRZmlyc3RfZnJhbWVfaW5kZXgYASAB",
+            "KAQSCwoDYXJtGAIgASgNEhkKEWRldGVjdGlvbl90aW1lX25zGAMgASgEEhUK",
+            "DWJ1aWxkX3RpbWVfbnMYBCABKAQSGAoQYWFiYl9jaGVja19jb3VudBgFIAEo",
+            "BBIUCgxuYXRpdmVfYnl0ZXMYBiABKAQSFAoMb2JqZWN0X2NvdW50GAcgASgN",
+            "EhMKC2ZyYW1lX2NvdW50GAggASgNEg0KBWZsYWdzGAkgASgNIskCCg9TY2Vu",
+            "ZURlc2NyaXB0b3ISGQoMb2JqZWN0X2NvdW50GAEgASgCSACIAQESGgoNZGVu",
+            "c2l0eV9yYXRpbxgCIAEoAkgBiAEBEhgKC3NpemVfc3ByZWFkGAMgASgCSAKI",
+            "AQESFwoKc3BlZWRfbWVhbhgEIAEoAkgDiAEBEhkKDHNwZWVkX3NwcmVhZBgF",
+            "IAEoAkgEiAEBEh0KEGNsdXN0ZXJpbmdfcmF0aW8YBiABKAJIBYgBARIZCgxz",
+            "dGF0aWNfcmF0aW8YByABKAJIBogBAUIPCg1fb2JqZWN0X2NvdW50QhAKDl9k",
+            "ZW5zaXR5X3JhdGlvQg4KDF9zaXplX3NwcmVhZEINCgtfc3BlZWRfbWVhbkIP",
+            "Cg1fc3BlZWRfc3ByZWFkQhMKEV9jbHVzdGVyaW5nX3JhdGlvQg8KDV9zdGF0",
+            "aWNfcmF0aW8i7AEKDVN3aXRjaE91dGNvbWUSEgoKY29tbWFuZF9pZBgBIAEo",
+            "BBILCgNhcm0YAiABKA0SFAoMc3dpdGNoX2Vwb2NoGAMgASgNEhAKCGV4ZWN1",
+            "dGVkGAQgASgIEhcKD3JlYnVpbGRfdGltZV9ucxgFIAEoBBIYChBzZXR0bGlu",
+            "Z19jb3N0X25zGAYgASgEEisKBnJlYXNvbhgHIAEoDjIbLnN3ZWVwc3Rha2Uu",
+            "djEuU3dpdGNoUmVhc29uEh8KF3RyaWFsX2RldGVjdGlvbl90aW1lX25zGAgg",
+            "ASgEEhEKCXRyaWFsX2FybRgJIAEoDSKCAQoHQmFpbE91dBITCgtmcmFtZV9p",
+            "bmRleBgBIAEoBBILCgNhcm0YAiABKA0SFAoMc3dpdGNoX2Vwb2NoGAMgASgN",
+            "EhUKDWZyYW1lX3RpbWVfbnMYBCABKAQSGQoRZGV0ZWN0aW9uX3RpbWVfbnMY",
+            "BSABKAQSDQoFZmxhZ3MYBiABKA0iVQoKTW9kZUNoYW5nZRIhCgRtb2RlGAEg",
+            "ASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhIKCmFjdGl2ZV9hcm0YAiABKA0S",
+            "EAoIb3JkZXJfaWQYAyABKAQiUwoMT3JkZXJSZWZ1c2FsEhAKCG9yZGVyX2lk",
+            "GAEgASgEEjEKBnJlYXNvbhgCIAEoDjIhLnN3ZWVwc3Rha2UudjEuT3JkZXJS",
+            "ZWZ1c2FsUmVhc29uIgkKB0dvb2RieWUiyAMKB1dlbGNvbWUSEgoKc2Vzc2lv",
+            "bl9pZBgBIAEoCRIPCgdyZXN1bWVkGAIgASgIEh0KFWFja25vd2xlZGdlZF9z",
+            "ZXF1ZW5jZRgDIAEoBBIYChBtYXhfYmF0Y2hfZnJhbWVzGAQgASgNEhkKEW1h",
+            "eF9tZXNzYWdlX2J5dGVzGAUgASgNEhkKEWJhdGNoX2ludGVydmFsX21zGAYg",
+            "ASgNEhwKFGRlY2lzaW9uX2ludGVydmFsX21zGAcgASgNEhMKC3NldHRsaW5n",
+            "X21zGAggASgNEhMKC2JhaWxfb3V0X21zGAkgASgNEhYKDmRhZW1vbl92ZXJz",
+            "aW9uGAogASgJEg4KBnBvbGljeRgLIAEoCRIMCgRzZWVkGAwgASgEEiwKBnBy",
+            "aW9ycxgNIAMoCzIcLnN3ZWVwc3Rha2UudjEuQmV0YVBvc3RlcmlvchIaChJw",
+            "cmlvcl9zb3VyY2VfY291bnQYDiABKAQSFAoMcmVzdW1lX3Rva2VuGA8gASgM",
+            "EhoKEnByaW9yc191bmF2YWlsYWJsZRgQIAEoCBIvCgxjYXBhYmlsaXRpZXMY",
+            "ESADKA4yGS5zd2VlcHN0YWtlLnYxLkNhcGFiaWxpdHkiLAoNQmV0YVBvc3Rl",
+            "cmlvchINCgVhbHBoYRgBIAEoARIMCgRiZXRhGAIgASgBInoKDVN3aXRjaENv",
+            "bW1hbmQSEgoKY29tbWFuZF9pZBgBIAEoBBILCgNhcm0YAiABKA0SKwoGcmVh",
+            "c29uGAMgASgOMhsuc3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24SGwoTdHJp",
+            "YWxfbGltaXRfcGVyY2VudBgEIAEoDSI+Cg9BY2tub3dsZWRnZW1lbnQSEAoI",
+            "c2VxdWVuY2UYASABKAQSGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYAiABKA0ixwEK",
+            "EVBvc3RlcmlvclNuYXBzaG90EioKBGFybXMYASADKAsyHC5zd2VlcHN0YWtl",
+            "LnYxLkJldGFQb3N0ZXJpb3ISJwoHdmVyZGljdBgCIAEoDjIWLnN3ZWVwc3Rh",
+            "a2UudjEuVmVyZGljdBISCgpsZWFkZXJfYXJtGAMgASgNEhoKEmxlYWRlcl9w",
+            "cm9iYWJpbGl0eRgEIAEoARItCglzdGFuZGluZ3MYBSADKAsyGi5zd2VlcHN0",
+            "YWtlLnYxLkFybVN0YW5kaW5nIqoBCgtBcm1TdGFuZGluZxIZChFsaXZlX3dp",
+            "bmRvd19jb3VudBgBIAEoBBIYChBsYW5lX3Zpc2l0X2NvdW50GAIgASgEEh4K",
+            "FmVmZmVjdGl2ZV93aW5kb3dfY291bnQYAyABKAESGAoQYmVzdF9wcm9iYWJp",
+            "bGl0eRgEIAEoARIsCgpjb3N0X3JhdGlvGAUgASgLMhguc3dlZXBzdGFrZS52",
+            "MS5Db3N0UmF0aW8iNgoJQ29zdFJhdGlvEg4KBm1lZGlhbhgBIAEoARILCgNs",
+            "b3cYAiABKAESDAoEaGlnaBgDIAEoASIdCglSZWNvbm5lY3QSEAoIZGVsYXlf",
+            "bXMYASABKA0iXgoNT3BlcmF0b3JPcmRlchIQCghvcmRlcl9pZBgBIAEoBBIh",
+            "CgRtb2RlGAIgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhAKA2FybRgDIAEo",
+            "DUgAiAEBQgYKBF9hcm0iRgoKQm94UmVxdWVzdBITCgtpbnRlcnZhbF9tcxgB",
+            "IAEoDRIRCgltYXhfYnl0ZXMYAiABKA0SEAoIdW50aWxfbXMYAyABKA0icgoH",
+            "Qm94VmlldxITCgtmcmFtZV9pbmRleBgBIAEoBBIUCgxvYmplY3RfY291bnQY",
+            "AiABKA0SDgoGc3RyaWRlGAMgASgNEg4KBmJvdW5kcxgEIAMoAhINCgVib3hl",
+            "cxgFIAEoDBINCgVwYWlycxgGIAEoDCo6CgRNb2RlEhQKEE1PREVfVU5TUEVD",
+            "SUZJRUQQABIPCgtNT0RFX01BTlVBTBABEgsKB01PREVfQUkQAiqcAQoMU3dp",
+            "dGNoUmVhc29uEh0KGVNXSVRDSF9SRUFTT05fVU5TUEVDSUZJRUQQABIYChRT",
+            "V0lUQ0hfUkVBU09OX1BPTElDWRABEh0KGVNXSVRDSF9SRUFTT05fRVhQTE9S",
+            "QVRJT04QAhIaChZTV0lUQ0hfUkVBU09OX0JBSUxfT1VUEAMSGAoUU1dJVENI",
+            "X1JFQVNPTl9NQU5VQUwQBCphCgpDYXBhYmlsaXR5EhoKFkNBUEFCSUxJVFlf",
+            "VU5TUEVDSUZJRUQQABIeChpDQVBBQklMSVRZX09QRVJBVE9SX09SREVSUxAB",
+            "EhcKE0NBUEFCSUxJVFlfQk9YX1ZJRVcQAipZCgpTaGFkb3dGbGFnEhsKF1NI",
+            "QURPV19GTEFHX1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZF",
+            "EAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIqhwEKCUZyYW1lRmxhZxIaChZG",
+            "UkFNRV9GTEFHX1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxE",
+            "EAESFQoRRlJBTUVfRkxBR19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJ",
+            "TkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgqggEKEk9yZGVyUmVmdXNh",
+            "bFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklFRBAA",
+            "EiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAESIAocT1JE",
+            "RVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoTVkVS",
+            "RElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoLVkVS",
+            "RElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJQ1Rf",
+            "REVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRlbGVt",
+            "ZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVzdBom",
+            "LnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATABQhmq",
+            "AhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryRequest), global::Sweepstake.Protocol.V1.StreamTelemetryRequest.Parser, new[]{ "Sequence", "Hello", "FrameBatch", "SwitchOutcome", "BailOut", "ModeChange", "Goodbye", "OrderRefusal", "BoxView" }, new[]{ "Message" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryResponse), global::Sweepstake.Protocol.V1.StreamTelemetryResponse.Parser, new[]{ "Welcome", "SwitchCommand", "Acknowledgement", "PosteriorSnapshot", "Reconnect", "OperatorOrder", "BoxRequest" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Arm), global::Sweepstake.Protocol.V1.Arm.Parser, new[]{ "Name", "BackendVersion" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Hello), global::Sweepstake.Protocol.V1.Hello.Parser, new[]{ "ProtocolVersion", "Project", "Scene", "Build", "MachineClass", "Arms", "ActiveArm", "Mode", "SessionId", "TimeScale", "IgnorePriors", "Seed", "Policy", "SwitchEpoch", "ResumeToken", "MinProtocolVersion", "Capabilities" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Hello), global::Sweepstake.Protocol.V1.Hello.Parser, new[]{ "ProtocolVersion", "Project", "Scene", "Build", "MachineClass", "Arms", "ActiveArm", "Mode", "SessionId", "TimeScale", "IgnorePriors", "Seed", "Policy", "SwitchEpoch", "ResumeToken", "Capabilities" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameBatch), global::Sweepstake.Protocol.V1.FrameBatch.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "Arm", "SwitchEpoch", "Flags", "SceneDescriptor", "DroppedFrameCount", "ShadowSamples" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ShadowSample), global::Sweepstake.Protocol.V1.ShadowSample.Parser, new[]{ "FirstFrameIndex", "Arm", "DetectionTimeNs", "BuildTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "FrameCount", "Flags" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneDescriptor), global::Sweepstake.Protocol.V1.SceneDescriptor.Parser, new[]{ "ObjectCount", "DensityRatio", "SizeSpread", "SpeedMean", "SpeedSpread", "ClusteringRatio", "StaticRatio" }, new[]{ "ObjectCount", "DensityRatio", "SizeSpread", "SpeedMean", "SpeedSpread", "ClusteringRatio", "StaticRatio" }, null, null, null),
@@ -158,7 +153,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ModeChange), global::Sweepstake.Protocol.V1.ModeChange.Parser, new[]{ "Mode", "ActiveArm", "OrderId" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.OrderRefusal), global::Sweepstake.Protocol.V1.OrderRefusal.Parser, new[]{ "OrderId", "Reason" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Goodbye), global::Sweepstake.Protocol.V1.Goodbye.Parser, null, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Welcome), global::Sweepstake.Protocol.V1.Welcome.Parser, new[]{ "SessionId", "Resumed", "AcknowledgedSequence", "MaxBatchFrames", "MaxMessageBytes", "BatchIntervalMs", "DecisionIntervalMs", "SettlingMs", "BailOutMs", "DaemonVersion", "Policy", "Seed", "Priors", "PriorSourceCount", "ResumeToken", "PriorsUnavailable", "ProtocolVersion", "Capabilities" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Welcome), global::Sweepstake.Protocol.V1.Welcome.Parser, new[]{ "SessionId", "Resumed", "AcknowledgedSequence", "MaxBatchFrames", "MaxMessageBytes", "BatchIntervalMs", "DecisionIntervalMs", "SettlingMs", "BailOutMs", "DaemonVersion", "Policy", "Seed", "Priors", "PriorSourceCount", "ResumeToken", "PriorsUnavailable", "Capabilities" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.BetaPosterior), global::Sweepstake.Protocol.V1.BetaPosterior.Parser, new[]{ "Alpha", "Beta" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SwitchCommand), global::Sweepstake.Protocol.V1.SwitchCommand.Parser, new[]{ "CommandId", "Arm", "Reason", "TrialLimitPercent" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Acknowledgement), global::Sweepstake.Protocol.V1.Acknowledgement.Parser, new[]{ "Sequence", "BatchIntervalMs" }, null, null, null, null),
@@ -1012,7 +1007,7 @@ namespace Sweepstake.Protocol.V1 {
 
   /// <summary>
   /// A message from the daemon to the game: everything that has changed since the previous response. The client processes the
-  /// fields one by one in this order, and ignores unknown ones. In version 1 of the protocol a response has one field only.
+  /// fields one by one in this order, and ignores unknown ones.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class StreamTelemetryResponse : pb::IMessage<StreamTelemetryResponse>
@@ -1815,7 +1810,6 @@ namespace Sweepstake.Protocol.V1 {
       policy_ = other.policy_;
       switchEpoch_ = other.switchEpoch_;
       resumeToken_ = other.resumeToken_;
-      minProtocolVersion_ = other.minProtocolVersion_;
       capabilities_ = other.capabilities_.Clone();
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
@@ -1830,7 +1824,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProtocolVersionFieldNumber = 1;
     private uint protocolVersion_;
     /// <summary>
-    /// The newest version of this protocol that the client supports; 2. Absent (0): an error.
+    /// The client's version of this protocol: 1. The daemon refuses every other version. Absent (0): an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1916,7 +1910,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "active_arm" field.</summary>
-    public const int ActiveArmFieldNumber = 8;
+    public const int ActiveArmFieldNumber = 7;
     private uint activeArm_;
     /// <summary>
     /// Index of the active arm. Absent: 0, the first arm.
@@ -1931,7 +1925,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "mode" field.</summary>
-    public const int ModeFieldNumber = 9;
+    public const int ModeFieldNumber = 8;
     private global::Sweepstake.Protocol.V1.Mode mode_ = global::Sweepstake.Protocol.V1.Mode.Unspecified;
     /// <summary>
     /// The mode. Absent: an error.
@@ -1946,7 +1940,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "session_id" field.</summary>
-    public const int SessionIdFieldNumber = 10;
+    public const int SessionIdFieldNumber = 9;
     private string sessionId_ = "";
     /// <summary>
     /// The session to resume, from an earlier Welcome. A new session begins if the daemon does not know it, or if its scene, machine
@@ -1962,7 +1956,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "time_scale" field.</summary>
-    public const int TimeScaleFieldNumber = 11;
+    public const int TimeScaleFieldNumber = 10;
     private double timeScale_;
     /// <summary>
     /// A divisor, 1–1000, of every interval of the decision side except the bail-out limit, for experiments that run faster than
@@ -1978,7 +1972,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "ignore_priors" field.</summary>
-    public const int IgnorePriorsFieldNumber = 12;
+    public const int IgnorePriorsFieldNumber = 11;
     private bool ignorePriors_;
     /// <summary>
     /// True: start from Beta(1,1) whatever the store contains, as the paper's experiments do. Absent: use the store's priors.
@@ -1993,7 +1987,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "seed" field.</summary>
-    public const int SeedFieldNumber = 13;
+    public const int SeedFieldNumber = 12;
     private ulong seed_;
     /// <summary>
     /// Seed of the session's random draws. Absent (0): the daemon chooses one and reports it.
@@ -2008,7 +2002,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "policy" field.</summary>
-    public const int PolicyFieldNumber = 14;
+    public const int PolicyFieldNumber = 13;
     private string policy_ = "";
     /// <summary>
     /// Name of the policy, such as "paper". Absent: the daemon's default.
@@ -2023,7 +2017,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "switch_epoch" field.</summary>
-    public const int SwitchEpochFieldNumber = 15;
+    public const int SwitchEpochFieldNumber = 14;
     private uint switchEpoch_;
     /// <summary>
     /// The switch epoch of the frames that follow: 0 at first, incremented by each executed switch. Absent: 0.
@@ -2038,7 +2032,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "resume_token" field.</summary>
-    public const int ResumeTokenFieldNumber = 16;
+    public const int ResumeTokenFieldNumber = 15;
     private pb::ByteString resumeToken_ = pb::ByteString.Empty;
     /// <summary>
     /// The token of session_id, from the same Welcome. Absent or wrong: the session is treated as unknown.
@@ -2052,26 +2046,10 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
-    /// <summary>Field number for the "min_protocol_version" field.</summary>
-    public const int MinProtocolVersionFieldNumber = 17;
-    private uint minProtocolVersion_;
-    /// <summary>
-    /// The oldest version of this protocol that the client supports. The newest version that both sides support is used; without a
-    /// common one the stream fails. Absent (0): protocol_version only.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public uint MinProtocolVersion {
-      get { return minProtocolVersion_; }
-      set {
-        minProtocolVersion_ = value;
-      }
-    }
-
     /// <summary>Field number for the "capabilities" field.</summary>
-    public const int CapabilitiesFieldNumber = 18;
+    public const int CapabilitiesFieldNumber = 16;
     private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.Capability> _repeated_capabilities_codec
-        = pb::FieldCodec.ForEnum(146, x => (int) x, x => (global::Sweepstake.Protocol.V1.Capability) x);
+        = pb::FieldCodec.ForEnum(130, x => (int) x, x => (global::Sweepstake.Protocol.V1.Capability) x);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.Capability> capabilities_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.Capability>();
     /// <summary>
     /// The client's capabilities. Absent: none.
@@ -2112,7 +2090,6 @@ namespace Sweepstake.Protocol.V1 {
       if (Policy != other.Policy) return false;
       if (SwitchEpoch != other.SwitchEpoch) return false;
       if (ResumeToken != other.ResumeToken) return false;
-      if (MinProtocolVersion != other.MinProtocolVersion) return false;
       if(!capabilities_.Equals(other.capabilities_)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
@@ -2136,7 +2113,6 @@ namespace Sweepstake.Protocol.V1 {
       if (Policy.Length != 0) hash ^= Policy.GetHashCode();
       if (SwitchEpoch != 0) hash ^= SwitchEpoch.GetHashCode();
       if (ResumeToken.Length != 0) hash ^= ResumeToken.GetHashCode();
-      if (MinProtocolVersion != 0) hash ^= MinProtocolVersion.GetHashCode();
       hash ^= capabilities_.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
@@ -2178,44 +2154,40 @@ namespace Sweepstake.Protocol.V1 {
       }
       arms_.WriteTo(output, _repeated_arms_codec);
       if (ActiveArm != 0) {
-        output.WriteRawTag(64);
+        output.WriteRawTag(56);
         output.WriteUInt32(ActiveArm);
       }
       if (Mode != global::Sweepstake.Protocol.V1.Mode.Unspecified) {
-        output.WriteRawTag(72);
+        output.WriteRawTag(64);
         output.WriteEnum((int) Mode);
       }
       if (SessionId.Length != 0) {
-        output.WriteRawTag(82);
+        output.WriteRawTag(74);
         output.WriteString(SessionId);
       }
       if (TimeScale != 0D) {
-        output.WriteRawTag(89);
+        output.WriteRawTag(81);
         output.WriteDouble(TimeScale);
       }
       if (IgnorePriors != false) {
-        output.WriteRawTag(96);
+        output.WriteRawTag(88);
         output.WriteBool(IgnorePriors);
       }
       if (Seed != 0UL) {
-        output.WriteRawTag(104);
+        output.WriteRawTag(96);
         output.WriteUInt64(Seed);
       }
       if (Policy.Length != 0) {
-        output.WriteRawTag(114);
+        output.WriteRawTag(106);
         output.WriteString(Policy);
       }
       if (SwitchEpoch != 0) {
-        output.WriteRawTag(120);
+        output.WriteRawTag(112);
         output.WriteUInt32(SwitchEpoch);
       }
       if (ResumeToken.Length != 0) {
-        output.WriteRawTag(130, 1);
+        output.WriteRawTag(122);
         output.WriteBytes(ResumeToken);
-      }
-      if (MinProtocolVersion != 0) {
-        output.WriteRawTag(136, 1);
-        output.WriteUInt32(MinProtocolVersion);
       }
       capabilities_.WriteTo(output, _repeated_capabilities_codec);
       if (_unknownFields != null) {
@@ -2250,44 +2222,40 @@ namespace Sweepstake.Protocol.V1 {
       }
       arms_.WriteTo(ref output, _repeated_arms_codec);
       if (ActiveArm != 0) {
-        output.WriteRawTag(64);
+        output.WriteRawTag(56);
         output.WriteUInt32(ActiveArm);
       }
       if (Mode != global::Sweepstake.Protocol.V1.Mode.Unspecified) {
-        output.WriteRawTag(72);
+        output.WriteRawTag(64);
         output.WriteEnum((int) Mode);
       }
       if (SessionId.Length != 0) {
-        output.WriteRawTag(82);
+        output.WriteRawTag(74);
         output.WriteString(SessionId);
       }
       if (TimeScale != 0D) {
-        output.WriteRawTag(89);
+        output.WriteRawTag(81);
         output.WriteDouble(TimeScale);
       }
       if (IgnorePriors != false) {
-        output.WriteRawTag(96);
+        output.WriteRawTag(88);
         output.WriteBool(IgnorePriors);
       }
       if (Seed != 0UL) {
-        output.WriteRawTag(104);
+        output.WriteRawTag(96);
         output.WriteUInt64(Seed);
       }
       if (Policy.Length != 0) {
-        output.WriteRawTag(114);
+        output.WriteRawTag(106);
         output.WriteString(Policy);
       }
       if (SwitchEpoch != 0) {
-        output.WriteRawTag(120);
+        output.WriteRawTag(112);
         output.WriteUInt32(SwitchEpoch);
       }
       if (ResumeToken.Length != 0) {
-        output.WriteRawTag(130, 1);
+        output.WriteRawTag(122);
         output.WriteBytes(ResumeToken);
-      }
-      if (MinProtocolVersion != 0) {
-        output.WriteRawTag(136, 1);
-        output.WriteUInt32(MinProtocolVersion);
       }
       capabilities_.WriteTo(ref output, _repeated_capabilities_codec);
       if (_unknownFields != null) {
@@ -2341,10 +2309,7 @@ namespace Sweepstake.Protocol.V1 {
         size += 1 + pb::CodedOutputStream.ComputeUInt32Size(SwitchEpoch);
       }
       if (ResumeToken.Length != 0) {
-        size += 2 + pb::CodedOutputStream.ComputeBytesSize(ResumeToken);
-      }
-      if (MinProtocolVersion != 0) {
-        size += 2 + pb::CodedOutputStream.ComputeUInt32Size(MinProtocolVersion);
+        size += 1 + pb::CodedOutputStream.ComputeBytesSize(ResumeToken);
       }
       size += capabilities_.CalculateSize(_repeated_capabilities_codec);
       if (_unknownFields != null) {
@@ -2402,9 +2367,6 @@ namespace Sweepstake.Protocol.V1 {
       if (other.ResumeToken.Length != 0) {
         ResumeToken = other.ResumeToken;
       }
-      if (other.MinProtocolVersion != 0) {
-        MinProtocolVersion = other.MinProtocolVersion;
-      }
       capabilities_.Add(other.capabilities_);
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2449,48 +2411,44 @@ namespace Sweepstake.Protocol.V1 {
             arms_.AddEntriesFrom(input, _repeated_arms_codec);
             break;
           }
-          case 64: {
+          case 56: {
             ActiveArm = input.ReadUInt32();
             break;
           }
-          case 72: {
+          case 64: {
             Mode = (global::Sweepstake.Protocol.V1.Mode) input.ReadEnum();
             break;
           }
-          case 82: {
+          case 74: {
             SessionId = input.ReadString();
             break;
           }
-          case 89: {
+          case 81: {
             TimeScale = input.ReadDouble();
             break;
           }
-          case 96: {
+          case 88: {
             IgnorePriors = input.ReadBool();
             break;
           }
-          case 104: {
+          case 96: {
             Seed = input.ReadUInt64();
             break;
           }
-          case 114: {
+          case 106: {
             Policy = input.ReadString();
             break;
           }
-          case 120: {
+          case 112: {
             SwitchEpoch = input.ReadUInt32();
             break;
           }
-          case 130: {
+          case 122: {
             ResumeToken = input.ReadBytes();
             break;
           }
-          case 136: {
-            MinProtocolVersion = input.ReadUInt32();
-            break;
-          }
-          case 146:
-          case 144: {
+          case 130:
+          case 128: {
             capabilities_.AddEntriesFrom(input, _repeated_capabilities_codec);
             break;
           }
@@ -2537,48 +2495,44 @@ namespace Sweepstake.Protocol.V1 {
             arms_.AddEntriesFrom(ref input, _repeated_arms_codec);
             break;
           }
-          case 64: {
+          case 56: {
             ActiveArm = input.ReadUInt32();
             break;
           }
-          case 72: {
+          case 64: {
             Mode = (global::Sweepstake.Protocol.V1.Mode) input.ReadEnum();
             break;
           }
-          case 82: {
+          case 74: {
             SessionId = input.ReadString();
             break;
           }
-          case 89: {
+          case 81: {
             TimeScale = input.ReadDouble();
             break;
           }
-          case 96: {
+          case 88: {
             IgnorePriors = input.ReadBool();
             break;
           }
-          case 104: {
+          case 96: {
             Seed = input.ReadUInt64();
             break;
           }
-          case 114: {
+          case 106: {
             Policy = input.ReadString();
             break;
           }
-          case 120: {
+          case 112: {
             SwitchEpoch = input.ReadUInt32();
             break;
           }
-          case 130: {
+          case 122: {
             ResumeToken = input.ReadBytes();
             break;
           }
-          case 136: {
-            MinProtocolVersion = input.ReadUInt32();
-            break;
-          }
-          case 146:
-          case 144: {
+          case 130:
+          case 128: {
             capabilities_.AddEntriesFrom(ref input, _repeated_capabilities_codec);
             break;
           }
@@ -2649,9 +2603,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "frame_time_ns" field.</summary>
-    public const int FrameTimeNsFieldNumber = 2;
+    public const int FrameTimeNsFieldNumber = 1;
     private static readonly pb::FieldCodec<ulong> _repeated_frameTimeNs_codec
-        = pb::FieldCodec.ForUInt64(18);
+        = pb::FieldCodec.ForUInt64(10);
     private readonly pbc::RepeatedField<ulong> frameTimeNs_ = new pbc::RepeatedField<ulong>();
     /// <summary>
     /// Unscaled time of the whole frame. Absent: an error.
@@ -2663,9 +2617,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "detection_time_ns" field.</summary>
-    public const int DetectionTimeNsFieldNumber = 3;
+    public const int DetectionTimeNsFieldNumber = 2;
     private static readonly pb::FieldCodec<ulong> _repeated_detectionTimeNs_codec
-        = pb::FieldCodec.ForUInt64(26);
+        = pb::FieldCodec.ForUInt64(18);
     private readonly pbc::RepeatedField<ulong> detectionTimeNs_ = new pbc::RepeatedField<ulong>();
     /// <summary>
     /// Broad phase only: update and search, rendering excluded. Absent: an error.
@@ -2677,9 +2631,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "aabb_check_count" field.</summary>
-    public const int AabbCheckCountFieldNumber = 4;
+    public const int AabbCheckCountFieldNumber = 3;
     private static readonly pb::FieldCodec<ulong> _repeated_aabbCheckCount_codec
-        = pb::FieldCodec.ForUInt64(34);
+        = pb::FieldCodec.ForUInt64(26);
     private readonly pbc::RepeatedField<ulong> aabbCheckCount_ = new pbc::RepeatedField<ulong>();
     /// <summary>
     /// AABB–AABB checks. Absent: an error.
@@ -2691,9 +2645,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "native_bytes" field.</summary>
-    public const int NativeBytesFieldNumber = 6;
+    public const int NativeBytesFieldNumber = 4;
     private static readonly pb::FieldCodec<ulong> _repeated_nativeBytes_codec
-        = pb::FieldCodec.ForUInt64(50);
+        = pb::FieldCodec.ForUInt64(34);
     private readonly pbc::RepeatedField<ulong> nativeBytes_ = new pbc::RepeatedField<ulong>();
     /// <summary>
     /// Bytes held by the backend's own buffers. Absent: an error.
@@ -2705,9 +2659,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "object_count" field.</summary>
-    public const int ObjectCountFieldNumber = 7;
+    public const int ObjectCountFieldNumber = 5;
     private static readonly pb::FieldCodec<uint> _repeated_objectCount_codec
-        = pb::FieldCodec.ForUInt32(58);
+        = pb::FieldCodec.ForUInt32(42);
     private readonly pbc::RepeatedField<uint> objectCount_ = new pbc::RepeatedField<uint>();
     /// <summary>
     /// Objects in the broad phase. Absent: an error.
@@ -2719,9 +2673,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "arm" field.</summary>
-    public const int ArmFieldNumber = 8;
+    public const int ArmFieldNumber = 6;
     private static readonly pb::FieldCodec<uint> _repeated_arm_codec
-        = pb::FieldCodec.ForUInt32(66);
+        = pb::FieldCodec.ForUInt32(50);
     private readonly pbc::RepeatedField<uint> arm_ = new pbc::RepeatedField<uint>();
     /// <summary>
     /// Index of the arm that ran. Absent: an error.
@@ -2733,9 +2687,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "switch_epoch" field.</summary>
-    public const int SwitchEpochFieldNumber = 9;
+    public const int SwitchEpochFieldNumber = 7;
     private static readonly pb::FieldCodec<uint> _repeated_switchEpoch_codec
-        = pb::FieldCodec.ForUInt32(74);
+        = pb::FieldCodec.ForUInt32(58);
     private readonly pbc::RepeatedField<uint> switchEpoch_ = new pbc::RepeatedField<uint>();
     /// <summary>
     /// Number of executed switches before the frame. Absent: an error.
@@ -2747,9 +2701,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "flags" field.</summary>
-    public const int FlagsFieldNumber = 10;
+    public const int FlagsFieldNumber = 8;
     private static readonly pb::FieldCodec<uint> _repeated_flags_codec
-        = pb::FieldCodec.ForUInt32(82);
+        = pb::FieldCodec.ForUInt32(66);
     private readonly pbc::RepeatedField<uint> flags_ = new pbc::RepeatedField<uint>();
     /// <summary>
     /// Bits of FrameFlag. Absent: an error.
@@ -2761,7 +2715,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "scene_descriptor" field.</summary>
-    public const int SceneDescriptorFieldNumber = 11;
+    public const int SceneDescriptorFieldNumber = 9;
     private global::Sweepstake.Protocol.V1.SceneDescriptor sceneDescriptor_;
     /// <summary>
     /// The scene during these frames. Absent: not measured.
@@ -2776,7 +2730,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "dropped_frame_count" field.</summary>
-    public const int DroppedFrameCountFieldNumber = 12;
+    public const int DroppedFrameCountFieldNumber = 10;
     private ulong droppedFrameCount_;
     /// <summary>
     /// Frames dropped by the client's queue since the last batch. Absent (0): none.
@@ -2791,9 +2745,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "shadow_samples" field.</summary>
-    public const int ShadowSamplesFieldNumber = 13;
+    public const int ShadowSamplesFieldNumber = 11;
     private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.ShadowSample> _repeated_shadowSamples_codec
-        = pb::FieldCodec.ForMessage(106, global::Sweepstake.Protocol.V1.ShadowSample.Parser);
+        = pb::FieldCodec.ForMessage(90, global::Sweepstake.Protocol.V1.ShadowSample.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.ShadowSample> shadowSamples_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.ShadowSample>();
     /// <summary>
     /// Measurements of the shadow lane during these frames; up to 64. Absent: none.
@@ -2875,11 +2829,11 @@ namespace Sweepstake.Protocol.V1 {
       switchEpoch_.WriteTo(output, _repeated_switchEpoch_codec);
       flags_.WriteTo(output, _repeated_flags_codec);
       if (sceneDescriptor_ != null) {
-        output.WriteRawTag(90);
+        output.WriteRawTag(74);
         output.WriteMessage(SceneDescriptor);
       }
       if (DroppedFrameCount != 0UL) {
-        output.WriteRawTag(96);
+        output.WriteRawTag(80);
         output.WriteUInt64(DroppedFrameCount);
       }
       shadowSamples_.WriteTo(output, _repeated_shadowSamples_codec);
@@ -2902,11 +2856,11 @@ namespace Sweepstake.Protocol.V1 {
       switchEpoch_.WriteTo(ref output, _repeated_switchEpoch_codec);
       flags_.WriteTo(ref output, _repeated_flags_codec);
       if (sceneDescriptor_ != null) {
-        output.WriteRawTag(90);
+        output.WriteRawTag(74);
         output.WriteMessage(SceneDescriptor);
       }
       if (DroppedFrameCount != 0UL) {
-        output.WriteRawTag(96);
+        output.WriteRawTag(80);
         output.WriteUInt64(DroppedFrameCount);
       }
       shadowSamples_.WriteTo(ref output, _repeated_shadowSamples_codec);
@@ -2984,58 +2938,58 @@ namespace Sweepstake.Protocol.V1 {
           default:
             _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
             break;
+          case 10:
+          case 8: {
+            frameTimeNs_.AddEntriesFrom(input, _repeated_frameTimeNs_codec);
+            break;
+          }
           case 18:
           case 16: {
-            frameTimeNs_.AddEntriesFrom(input, _repeated_frameTimeNs_codec);
+            detectionTimeNs_.AddEntriesFrom(input, _repeated_detectionTimeNs_codec);
             break;
           }
           case 26:
           case 24: {
-            detectionTimeNs_.AddEntriesFrom(input, _repeated_detectionTimeNs_codec);
+            aabbCheckCount_.AddEntriesFrom(input, _repeated_aabbCheckCount_codec);
             break;
           }
           case 34:
           case 32: {
-            aabbCheckCount_.AddEntriesFrom(input, _repeated_aabbCheckCount_codec);
+            nativeBytes_.AddEntriesFrom(input, _repeated_nativeBytes_codec);
+            break;
+          }
+          case 42:
+          case 40: {
+            objectCount_.AddEntriesFrom(input, _repeated_objectCount_codec);
             break;
           }
           case 50:
           case 48: {
-            nativeBytes_.AddEntriesFrom(input, _repeated_nativeBytes_codec);
+            arm_.AddEntriesFrom(input, _repeated_arm_codec);
             break;
           }
           case 58:
           case 56: {
-            objectCount_.AddEntriesFrom(input, _repeated_objectCount_codec);
+            switchEpoch_.AddEntriesFrom(input, _repeated_switchEpoch_codec);
             break;
           }
           case 66:
           case 64: {
-            arm_.AddEntriesFrom(input, _repeated_arm_codec);
-            break;
-          }
-          case 74:
-          case 72: {
-            switchEpoch_.AddEntriesFrom(input, _repeated_switchEpoch_codec);
-            break;
-          }
-          case 82:
-          case 80: {
             flags_.AddEntriesFrom(input, _repeated_flags_codec);
             break;
           }
-          case 90: {
+          case 74: {
             if (sceneDescriptor_ == null) {
               SceneDescriptor = new global::Sweepstake.Protocol.V1.SceneDescriptor();
             }
             input.ReadMessage(SceneDescriptor);
             break;
           }
-          case 96: {
+          case 80: {
             DroppedFrameCount = input.ReadUInt64();
             break;
           }
-          case 106: {
+          case 90: {
             shadowSamples_.AddEntriesFrom(input, _repeated_shadowSamples_codec);
             break;
           }
@@ -3058,58 +3012,58 @@ namespace Sweepstake.Protocol.V1 {
           default:
             _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
             break;
+          case 10:
+          case 8: {
+            frameTimeNs_.AddEntriesFrom(ref input, _repeated_frameTimeNs_codec);
+            break;
+          }
           case 18:
           case 16: {
-            frameTimeNs_.AddEntriesFrom(ref input, _repeated_frameTimeNs_codec);
+            detectionTimeNs_.AddEntriesFrom(ref input, _repeated_detectionTimeNs_codec);
             break;
           }
           case 26:
           case 24: {
-            detectionTimeNs_.AddEntriesFrom(ref input, _repeated_detectionTimeNs_codec);
+            aabbCheckCount_.AddEntriesFrom(ref input, _repeated_aabbCheckCount_codec);
             break;
           }
           case 34:
           case 32: {
-            aabbCheckCount_.AddEntriesFrom(ref input, _repeated_aabbCheckCount_codec);
+            nativeBytes_.AddEntriesFrom(ref input, _repeated_nativeBytes_codec);
+            break;
+          }
+          case 42:
+          case 40: {
+            objectCount_.AddEntriesFrom(ref input, _repeated_objectCount_codec);
             break;
           }
           case 50:
           case 48: {
-            nativeBytes_.AddEntriesFrom(ref input, _repeated_nativeBytes_codec);
+            arm_.AddEntriesFrom(ref input, _repeated_arm_codec);
             break;
           }
           case 58:
           case 56: {
-            objectCount_.AddEntriesFrom(ref input, _repeated_objectCount_codec);
+            switchEpoch_.AddEntriesFrom(ref input, _repeated_switchEpoch_codec);
             break;
           }
           case 66:
           case 64: {
-            arm_.AddEntriesFrom(ref input, _repeated_arm_codec);
-            break;
-          }
-          case 74:
-          case 72: {
-            switchEpoch_.AddEntriesFrom(ref input, _repeated_switchEpoch_codec);
-            break;
-          }
-          case 82:
-          case 80: {
             flags_.AddEntriesFrom(ref input, _repeated_flags_codec);
             break;
           }
-          case 90: {
+          case 74: {
             if (sceneDescriptor_ == null) {
               SceneDescriptor = new global::Sweepstake.Protocol.V1.SceneDescriptor();
             }
             input.ReadMessage(SceneDescriptor);
             break;
           }
-          case 96: {
+          case 80: {
             DroppedFrameCount = input.ReadUInt64();
             break;
           }
-          case 106: {
+          case 90: {
             shadowSamples_.AddEntriesFrom(ref input, _repeated_shadowSamples_codec);
             break;
           }
@@ -4344,7 +4298,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "reason" field.</summary>
-    public const int ReasonFieldNumber = 8;
+    public const int ReasonFieldNumber = 7;
     private global::Sweepstake.Protocol.V1.SwitchReason reason_ = global::Sweepstake.Protocol.V1.SwitchReason.Unspecified;
     /// <summary>
     /// The reason of the switch. Absent: an error.
@@ -4359,7 +4313,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "trial_detection_time_ns" field.</summary>
-    public const int TrialDetectionTimeNsFieldNumber = 9;
+    public const int TrialDetectionTimeNsFieldNumber = 8;
     private ulong trialDetectionTimeNs_;
     /// <summary>
     /// Detection time that ended a trial early (SwitchCommand.trial_limit_percent): that of the shorter of the two frames over the
@@ -4375,7 +4329,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "trial_arm" field.</summary>
-    public const int TrialArmFieldNumber = 10;
+    public const int TrialArmFieldNumber = 9;
     private uint trialArm_;
     /// <summary>
     /// The arm that was tried. Absent: 0, the first arm.
@@ -4472,15 +4426,15 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteUInt64(SettlingCostNs);
       }
       if (Reason != global::Sweepstake.Protocol.V1.SwitchReason.Unspecified) {
-        output.WriteRawTag(64);
+        output.WriteRawTag(56);
         output.WriteEnum((int) Reason);
       }
       if (TrialDetectionTimeNs != 0UL) {
-        output.WriteRawTag(72);
+        output.WriteRawTag(64);
         output.WriteUInt64(TrialDetectionTimeNs);
       }
       if (TrialArm != 0) {
-        output.WriteRawTag(80);
+        output.WriteRawTag(72);
         output.WriteUInt32(TrialArm);
       }
       if (_unknownFields != null) {
@@ -4518,15 +4472,15 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteUInt64(SettlingCostNs);
       }
       if (Reason != global::Sweepstake.Protocol.V1.SwitchReason.Unspecified) {
-        output.WriteRawTag(64);
+        output.WriteRawTag(56);
         output.WriteEnum((int) Reason);
       }
       if (TrialDetectionTimeNs != 0UL) {
-        output.WriteRawTag(72);
+        output.WriteRawTag(64);
         output.WriteUInt64(TrialDetectionTimeNs);
       }
       if (TrialArm != 0) {
-        output.WriteRawTag(80);
+        output.WriteRawTag(72);
         output.WriteUInt32(TrialArm);
       }
       if (_unknownFields != null) {
@@ -4648,15 +4602,15 @@ namespace Sweepstake.Protocol.V1 {
             SettlingCostNs = input.ReadUInt64();
             break;
           }
-          case 64: {
+          case 56: {
             Reason = (global::Sweepstake.Protocol.V1.SwitchReason) input.ReadEnum();
             break;
           }
-          case 72: {
+          case 64: {
             TrialDetectionTimeNs = input.ReadUInt64();
             break;
           }
-          case 80: {
+          case 72: {
             TrialArm = input.ReadUInt32();
             break;
           }
@@ -4703,15 +4657,15 @@ namespace Sweepstake.Protocol.V1 {
             SettlingCostNs = input.ReadUInt64();
             break;
           }
-          case 64: {
+          case 56: {
             Reason = (global::Sweepstake.Protocol.V1.SwitchReason) input.ReadEnum();
             break;
           }
-          case 72: {
+          case 64: {
             TrialDetectionTimeNs = input.ReadUInt64();
             break;
           }
-          case 80: {
+          case 72: {
             TrialArm = input.ReadUInt32();
             break;
           }
@@ -5873,7 +5827,6 @@ namespace Sweepstake.Protocol.V1 {
       priorSourceCount_ = other.priorSourceCount_;
       resumeToken_ = other.resumeToken_;
       priorsUnavailable_ = other.priorsUnavailable_;
-      protocolVersion_ = other.protocolVersion_;
       capabilities_ = other.capabilities_.Clone();
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
@@ -5991,7 +5944,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "settling_ms" field.</summary>
-    public const int SettlingMsFieldNumber = 9;
+    public const int SettlingMsFieldNumber = 8;
     private uint settlingMs_;
     /// <summary>
     /// Frame time after a switch that is excluded from learning, time scale applied. Absent: 0.
@@ -6006,7 +5959,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "bail_out_ms" field.</summary>
-    public const int BailOutMsFieldNumber = 10;
+    public const int BailOutMsFieldNumber = 9;
     private uint bailOutMs_;
     /// <summary>
     /// The bail-out limit, which replaces the client's own. Absent (0): the client keeps its own.
@@ -6021,7 +5974,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "daemon_version" field.</summary>
-    public const int DaemonVersionFieldNumber = 12;
+    public const int DaemonVersionFieldNumber = 10;
     private string daemonVersion_ = "";
     /// <summary>
     /// Version of the daemon, for the game's log. Absent: empty.
@@ -6036,7 +5989,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "policy" field.</summary>
-    public const int PolicyFieldNumber = 14;
+    public const int PolicyFieldNumber = 11;
     private string policy_ = "";
     /// <summary>
     /// Policy in use, for the game's log. Absent: empty.
@@ -6051,7 +6004,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "seed" field.</summary>
-    public const int SeedFieldNumber = 15;
+    public const int SeedFieldNumber = 12;
     private ulong seed_;
     /// <summary>
     /// Seed of the session's random draws; the same seed gives the same draws. Absent: 0.
@@ -6066,9 +6019,9 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "priors" field.</summary>
-    public const int PriorsFieldNumber = 16;
+    public const int PriorsFieldNumber = 13;
     private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.BetaPosterior> _repeated_priors_codec
-        = pb::FieldCodec.ForMessage(130, global::Sweepstake.Protocol.V1.BetaPosterior.Parser);
+        = pb::FieldCodec.ForMessage(106, global::Sweepstake.Protocol.V1.BetaPosterior.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.BetaPosterior> priors_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.BetaPosterior>();
     /// <summary>
     /// The initial posterior of each arm, in Hello's order. Absent: unknown.
@@ -6080,7 +6033,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "prior_source_count" field.</summary>
-    public const int PriorSourceCountFieldNumber = 17;
+    public const int PriorSourceCountFieldNumber = 14;
     private ulong priorSourceCount_;
     /// <summary>
     /// Sessions whose evidence is in these priors; 0: they start at Beta(1,1). Absent: 0.
@@ -6095,7 +6048,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "resume_token" field.</summary>
-    public const int ResumeTokenFieldNumber = 18;
+    public const int ResumeTokenFieldNumber = 15;
     private pb::ByteString resumeToken_ = pb::ByteString.Empty;
     /// <summary>
     /// Secret that is required with the name to resume the session; 32 bytes. Absent: it cannot be resumed.
@@ -6110,7 +6063,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "priors_unavailable" field.</summary>
-    public const int PriorsUnavailableFieldNumber = 19;
+    public const int PriorsUnavailableFieldNumber = 16;
     private bool priorsUnavailable_;
     /// <summary>
     /// True: the daemon could not read all of its evidence, and the priors lack the missing part. Absent: false.
@@ -6124,26 +6077,10 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
-    /// <summary>Field number for the "protocol_version" field.</summary>
-    public const int ProtocolVersionFieldNumber = 20;
-    private uint protocolVersion_;
-    /// <summary>
-    /// The protocol version in use: the newest that both sides support. A client ends the stream if it does not support this
-    /// version. Absent (0): 1.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public uint ProtocolVersion {
-      get { return protocolVersion_; }
-      set {
-        protocolVersion_ = value;
-      }
-    }
-
     /// <summary>Field number for the "capabilities" field.</summary>
-    public const int CapabilitiesFieldNumber = 21;
+    public const int CapabilitiesFieldNumber = 17;
     private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.Capability> _repeated_capabilities_codec
-        = pb::FieldCodec.ForEnum(170, x => (int) x, x => (global::Sweepstake.Protocol.V1.Capability) x);
+        = pb::FieldCodec.ForEnum(138, x => (int) x, x => (global::Sweepstake.Protocol.V1.Capability) x);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.Capability> capabilities_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.Capability>();
     /// <summary>
     /// The capabilities of Hello that the daemon uses. Absent: none.
@@ -6185,7 +6122,6 @@ namespace Sweepstake.Protocol.V1 {
       if (PriorSourceCount != other.PriorSourceCount) return false;
       if (ResumeToken != other.ResumeToken) return false;
       if (PriorsUnavailable != other.PriorsUnavailable) return false;
-      if (ProtocolVersion != other.ProtocolVersion) return false;
       if(!capabilities_.Equals(other.capabilities_)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
@@ -6210,7 +6146,6 @@ namespace Sweepstake.Protocol.V1 {
       if (PriorSourceCount != 0UL) hash ^= PriorSourceCount.GetHashCode();
       if (ResumeToken.Length != 0) hash ^= ResumeToken.GetHashCode();
       if (PriorsUnavailable != false) hash ^= PriorsUnavailable.GetHashCode();
-      if (ProtocolVersion != 0) hash ^= ProtocolVersion.GetHashCode();
       hash ^= capabilities_.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
@@ -6259,41 +6194,37 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteUInt32(DecisionIntervalMs);
       }
       if (SettlingMs != 0) {
-        output.WriteRawTag(72);
+        output.WriteRawTag(64);
         output.WriteUInt32(SettlingMs);
       }
       if (BailOutMs != 0) {
-        output.WriteRawTag(80);
+        output.WriteRawTag(72);
         output.WriteUInt32(BailOutMs);
       }
       if (DaemonVersion.Length != 0) {
-        output.WriteRawTag(98);
+        output.WriteRawTag(82);
         output.WriteString(DaemonVersion);
       }
       if (Policy.Length != 0) {
-        output.WriteRawTag(114);
+        output.WriteRawTag(90);
         output.WriteString(Policy);
       }
       if (Seed != 0UL) {
-        output.WriteRawTag(120);
+        output.WriteRawTag(96);
         output.WriteUInt64(Seed);
       }
       priors_.WriteTo(output, _repeated_priors_codec);
       if (PriorSourceCount != 0UL) {
-        output.WriteRawTag(136, 1);
+        output.WriteRawTag(112);
         output.WriteUInt64(PriorSourceCount);
       }
       if (ResumeToken.Length != 0) {
-        output.WriteRawTag(146, 1);
+        output.WriteRawTag(122);
         output.WriteBytes(ResumeToken);
       }
       if (PriorsUnavailable != false) {
-        output.WriteRawTag(152, 1);
+        output.WriteRawTag(128, 1);
         output.WriteBool(PriorsUnavailable);
-      }
-      if (ProtocolVersion != 0) {
-        output.WriteRawTag(160, 1);
-        output.WriteUInt32(ProtocolVersion);
       }
       capabilities_.WriteTo(output, _repeated_capabilities_codec);
       if (_unknownFields != null) {
@@ -6335,41 +6266,37 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteUInt32(DecisionIntervalMs);
       }
       if (SettlingMs != 0) {
-        output.WriteRawTag(72);
+        output.WriteRawTag(64);
         output.WriteUInt32(SettlingMs);
       }
       if (BailOutMs != 0) {
-        output.WriteRawTag(80);
+        output.WriteRawTag(72);
         output.WriteUInt32(BailOutMs);
       }
       if (DaemonVersion.Length != 0) {
-        output.WriteRawTag(98);
+        output.WriteRawTag(82);
         output.WriteString(DaemonVersion);
       }
       if (Policy.Length != 0) {
-        output.WriteRawTag(114);
+        output.WriteRawTag(90);
         output.WriteString(Policy);
       }
       if (Seed != 0UL) {
-        output.WriteRawTag(120);
+        output.WriteRawTag(96);
         output.WriteUInt64(Seed);
       }
       priors_.WriteTo(ref output, _repeated_priors_codec);
       if (PriorSourceCount != 0UL) {
-        output.WriteRawTag(136, 1);
+        output.WriteRawTag(112);
         output.WriteUInt64(PriorSourceCount);
       }
       if (ResumeToken.Length != 0) {
-        output.WriteRawTag(146, 1);
+        output.WriteRawTag(122);
         output.WriteBytes(ResumeToken);
       }
       if (PriorsUnavailable != false) {
-        output.WriteRawTag(152, 1);
+        output.WriteRawTag(128, 1);
         output.WriteBool(PriorsUnavailable);
-      }
-      if (ProtocolVersion != 0) {
-        output.WriteRawTag(160, 1);
-        output.WriteUInt32(ProtocolVersion);
       }
       capabilities_.WriteTo(ref output, _repeated_capabilities_codec);
       if (_unknownFields != null) {
@@ -6420,16 +6347,13 @@ namespace Sweepstake.Protocol.V1 {
       }
       size += priors_.CalculateSize(_repeated_priors_codec);
       if (PriorSourceCount != 0UL) {
-        size += 2 + pb::CodedOutputStream.ComputeUInt64Size(PriorSourceCount);
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(PriorSourceCount);
       }
       if (ResumeToken.Length != 0) {
-        size += 2 + pb::CodedOutputStream.ComputeBytesSize(ResumeToken);
+        size += 1 + pb::CodedOutputStream.ComputeBytesSize(ResumeToken);
       }
       if (PriorsUnavailable != false) {
         size += 2 + 1;
-      }
-      if (ProtocolVersion != 0) {
-        size += 2 + pb::CodedOutputStream.ComputeUInt32Size(ProtocolVersion);
       }
       size += capabilities_.CalculateSize(_repeated_capabilities_codec);
       if (_unknownFields != null) {
@@ -6490,9 +6414,6 @@ namespace Sweepstake.Protocol.V1 {
       if (other.PriorsUnavailable != false) {
         PriorsUnavailable = other.PriorsUnavailable;
       }
-      if (other.ProtocolVersion != 0) {
-        ProtocolVersion = other.ProtocolVersion;
-      }
       capabilities_.Add(other.capabilities_);
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -6541,48 +6462,44 @@ namespace Sweepstake.Protocol.V1 {
             DecisionIntervalMs = input.ReadUInt32();
             break;
           }
-          case 72: {
+          case 64: {
             SettlingMs = input.ReadUInt32();
             break;
           }
-          case 80: {
+          case 72: {
             BailOutMs = input.ReadUInt32();
             break;
           }
-          case 98: {
+          case 82: {
             DaemonVersion = input.ReadString();
             break;
           }
-          case 114: {
+          case 90: {
             Policy = input.ReadString();
             break;
           }
-          case 120: {
+          case 96: {
             Seed = input.ReadUInt64();
             break;
           }
-          case 130: {
+          case 106: {
             priors_.AddEntriesFrom(input, _repeated_priors_codec);
             break;
           }
-          case 136: {
+          case 112: {
             PriorSourceCount = input.ReadUInt64();
             break;
           }
-          case 146: {
+          case 122: {
             ResumeToken = input.ReadBytes();
             break;
           }
-          case 152: {
+          case 128: {
             PriorsUnavailable = input.ReadBool();
             break;
           }
-          case 160: {
-            ProtocolVersion = input.ReadUInt32();
-            break;
-          }
-          case 170:
-          case 168: {
+          case 138:
+          case 136: {
             capabilities_.AddEntriesFrom(input, _repeated_capabilities_codec);
             break;
           }
@@ -6633,48 +6550,44 @@ namespace Sweepstake.Protocol.V1 {
             DecisionIntervalMs = input.ReadUInt32();
             break;
           }
-          case 72: {
+          case 64: {
             SettlingMs = input.ReadUInt32();
             break;
           }
-          case 80: {
+          case 72: {
             BailOutMs = input.ReadUInt32();
             break;
           }
-          case 98: {
+          case 82: {
             DaemonVersion = input.ReadString();
             break;
           }
-          case 114: {
+          case 90: {
             Policy = input.ReadString();
             break;
           }
-          case 120: {
+          case 96: {
             Seed = input.ReadUInt64();
             break;
           }
-          case 130: {
+          case 106: {
             priors_.AddEntriesFrom(ref input, _repeated_priors_codec);
             break;
           }
-          case 136: {
+          case 112: {
             PriorSourceCount = input.ReadUInt64();
             break;
           }
-          case 146: {
+          case 122: {
             ResumeToken = input.ReadBytes();
             break;
           }
-          case 152: {
+          case 128: {
             PriorsUnavailable = input.ReadBool();
             break;
           }
-          case 160: {
-            ProtocolVersion = input.ReadUInt32();
-            break;
-          }
-          case 170:
-          case 168: {
+          case 138:
+          case 136: {
             capabilities_.AddEntriesFrom(ref input, _repeated_capabilities_codec);
             break;
           }
@@ -7616,7 +7529,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(42, global::Sweepstake.Protocol.V1.ArmStanding.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding> standings_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding>();
     /// <summary>
-    /// The session's measurements of each of the arms, and the conclusions. Absent: nothing is learnt, or the daemon is older.
+    /// The session's measurements of each of the arms, and the conclusions. Absent: nothing is learnt.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -8548,7 +8461,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "delay_ms" field.</summary>
-    public const int DelayMsFieldNumber = 2;
+    public const int DelayMsFieldNumber = 1;
     private uint delayMs_;
     /// <summary>
     /// The minimum time to wait before connecting; the client adds jitter. Absent: 0.
@@ -8605,7 +8518,7 @@ namespace Sweepstake.Protocol.V1 {
       output.WriteRawMessage(this);
     #else
       if (DelayMs != 0) {
-        output.WriteRawTag(16);
+        output.WriteRawTag(8);
         output.WriteUInt32(DelayMs);
       }
       if (_unknownFields != null) {
@@ -8619,7 +8532,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
       if (DelayMs != 0) {
-        output.WriteRawTag(16);
+        output.WriteRawTag(8);
         output.WriteUInt32(DelayMs);
       }
       if (_unknownFields != null) {
@@ -8669,7 +8582,7 @@ namespace Sweepstake.Protocol.V1 {
           default:
             _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
             break;
-          case 16: {
+          case 8: {
             DelayMs = input.ReadUInt32();
             break;
           }
@@ -8692,7 +8605,7 @@ namespace Sweepstake.Protocol.V1 {
           default:
             _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
             break;
-          case 16: {
+          case 8: {
             DelayMs = input.ReadUInt32();
             break;
           }
