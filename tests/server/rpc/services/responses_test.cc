@@ -54,7 +54,7 @@ TEST_F(ResponseTest, ATickSendsASnapshotAndAnAcknowledgement) {
   EXPECT_EQ(snapshot.standings(static_cast<int>(snapshot.leader_arm())).best_probability(),
             snapshot.leader_probability());
   EXPECT_FALSE(snapshot.standings(0).has_cost_ratio())
-      << "the reward of the policy " paper " has no costs";
+      << "the reward of the policy paper has no costs";
   EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
   ASSERT_EQ(Stored().arms.size(), 1u);
   EXPECT_EQ(Stored().arms[0].name, "Grid");
