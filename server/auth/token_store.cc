@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using storage::Explain;
 using storage::SqliteDatabase;
 using storage::SqliteRow;
-using storage::SqliteTransaction;
+using storage::SqlTransaction;
 
 constexpr int64_t kApplicationId = 0x53575431;  // "SWT1"
 constexpr int64_t kSchemaVersion = 1;
@@ -248,7 +248,7 @@ absl::StatusOr<std::string> TokenStore::Create(const TokenRequest& request, int6
   if (!status.ok()) return status;
   auto token = RandomToken();
   if (!token.ok()) return token.status();
-  SqliteTransaction transaction(database_);
+  SqlTransaction transaction(database_);
   if (!transaction.begun().ok()) return transaction.begun();
   const auto count = database_.QueryInteger("SELECT count(*) FROM token");
   if (!count.ok()) return count.status();
@@ -310,7 +310,7 @@ absl::StatusOr<std::vector<StoredToken>> TokenStore::Load() {
 }
 
 absl::Status TokenStore::MarkUsed(std::span<const std::pair<int64_t, int64_t>> uses) {
-  SqliteTransaction transaction(database_);
+  SqlTransaction transaction(database_);
   if (!transaction.begun().ok()) return transaction.begun();
   auto update = database_.Prepare("UPDATE token SET last_used_unix_s = ?2 WHERE id = ?1");
   if (!update.ok()) return update.status();

@@ -8,7 +8,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine_client/math/hash.h"
-#include "server/storage/private_file.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -71,13 +70,22 @@ void NextHash(sqlite3_context* context, int /*count*/, sqlite3_value** values) {
                                     sqlite3_value_int64(values[2]));
 }
 
+void OctetLength(sqlite3_context* context, int /*count*/, sqlite3_value** values) {
+  sqlite3_result_int64(context, sqlite3_value_bytes(values[0]));
+}
+
 int AddFunctions(sqlite3* database) {
-  constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS;
-  const int code = sqlite3_create_function_v2(database, "row_hash", /*nArg=*/-1, kFlags, nullptr,
-                                              &RowHash, nullptr, nullptr, nullptr);
-  if (code != SQLITE_OK) return code;
-  return sqlite3_create_function_v2(database, "next_hash", /*nArg=*/3, kFlags, nullptr, &NextHash,
-                                    nullptr, nullptr, nullptr);
+  int code = SQLITE_OK;
+  const auto add = [&](const char* name, int arguments, auto* function) {
+    constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS;
+    if (code == SQLITE_OK)
+      code = sqlite3_create_function_v2(database, name, arguments, kFlags, nullptr, function,
+                                        nullptr, nullptr, nullptr);
+  };
+  add("row_hash", /*arguments=*/-1, &RowHash);
+  add("next_hash", 3, &NextHash);
+  add("octet_length", 1, &OctetLength);
+  return code;
 }
 
 // Writes the bytes of the file again. After a failed sync, readers see them though they may not be
@@ -103,17 +111,24 @@ std::string SqliteRow::Text(int column) const {
   return {text, static_cast<size_t>(sqlite3_column_bytes(statement_, column))};
 }
 
-std::string LineList(std::span<const std::string> lines) {
-  std::string list;
-  for (const std::string& line : lines)
-    absl::StrAppend(&list, list.empty() ? "\n" : "", line, "\n");
-  return list;
-}
-
-void SqliteStatement::Bind(int index, std::string_view text) {
-  // SQLite takes the null pointer of an empty view for NULL.
-  const char* begin = text.empty() ? "" : text.data();
-  sqlite3_bind_text64(statement_.get(), index, begin, text.size(), SQLITE_STATIC, SQLITE_UTF8);
+void SqliteStatement::Bind(int index, const SqlValue& value) {
+  sqlite3_stmt* const statement = statement_.get();
+  const auto bind_text = [&](std::string_view text) {
+    // SQLite takes the null pointer of an empty view for NULL.
+    const char* begin = text.empty() ? "" : text.data();
+    sqlite3_bind_text64(statement, index, begin, text.size(), SQLITE_STATIC, SQLITE_UTF8);
+  };
+  if (const auto* integer = std::get_if<int64_t>(&value)) {
+    sqlite3_bind_int64(statement, index, *integer);
+  } else if (const auto* boolean = std::get_if<bool>(&value)) {
+    sqlite3_bind_int64(statement, index, *boolean ? 1 : 0);
+  } else if (const auto* amount = std::get_if<SqlAmount>(&value)) {
+    sqlite3_bind_double(statement, index, amount->value);
+  } else if (const auto* bytes = std::get_if<SqlBytes>(&value)) {
+    bind_text(bytes->value);
+  } else {
+    bind_text(std::get<std::string_view>(value));
+  }
 }
 
 absl::Status SqliteStatement::Error(int code) const {
@@ -277,7 +292,7 @@ absl::StatusOr<sqlite3_file*> SqliteDatabase::LogFile() {
 }
 
 absl::Status SqliteDatabase::SyncLog() {
-  const SqliteTransaction others_wait(*this);
+  const SqlTransaction others_wait(*this);
   if (!others_wait.begun().ok()) return others_wait.begun();
   auto log = LogFile();
   if (!log.ok()) return log.status();
@@ -299,15 +314,38 @@ absl::Status SqliteDatabase::TimeSyncs(OnSync on_sync) {
   return absl::OkStatus();
 }
 
-SqliteTransaction::~SqliteTransaction() {
-  // After some errors SQLite has rolled back already. Then this rollback fails, which is harmless.
-  if (begun_.ok() && !committed_) database_.Execute("ROLLBACK").IgnoreError();
+absl::Status SqliteDatabase::SetPlace(const std::filesystem::path& path) {
+  absl::Status status = files_.Add(path);
+  return status.ok() ? files_.Add(path.string() + "-wal") : status;
 }
 
-absl::Status SqliteTransaction::Commit() {
-  absl::Status status = database_.Execute("COMMIT");
-  committed_ = status.ok();
-  return status;
+absl::Status SqliteDatabase::Begin() {
+  const absl::Status place = CheckPlace();
+  return place.ok() ? Execute("BEGIN IMMEDIATE") : absl::UnavailableError(place.message());
+}
+
+void SqliteDatabase::Rollback() {
+  if (in_transaction()) Execute("ROLLBACK").IgnoreError();
+}
+
+absl::StatusOr<uint64_t> SqliteDatabase::RunRows(const char* sql, std::span<const SqlValue> values,
+                                                 size_t columns, OnRow on_row) {
+  auto found = statements_.find(sql);
+  if (found == statements_.end()) {
+    auto statement = Prepare(SqliteText(sql));
+    if (!statement.ok()) return statement.status();
+    found = statements_.emplace(sql, *std::move(statement)).first;
+  }
+  SqliteStatement& statement = found->second;
+  if (statement.empty()) return uint64_t{0};
+  uint64_t changed = 0;
+  do {
+    const auto row = values.first(columns);
+    values = values.subspan(columns);
+    if (absl::Status status = statement.ForEachRowOf(row, on_row); !status.ok()) return status;
+    changed += static_cast<uint64_t>(sqlite3_changes(database_.get()));
+  } while (!values.empty());
+  return changed;
 }
 
 }  // namespace sweepstake::storage

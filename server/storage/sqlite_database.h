@@ -6,13 +6,15 @@
 // (a CHECK failed), CANCELLED (see StopWhen) and INTERNAL (our SQL is wrong); the message is
 // SQLite's.
 //
-// Every connection has two functions of its own. row_hash(values...) is a 64-bit hash of numbers
+// Every connection has three functions of its own. row_hash(values...) is a 64-bit hash of numbers
 // and texts. next_hash(hash, before, after) is `after` if hash equals `before`, that is, if the row
 // was undamaged. Otherwise it is a wrong hash, so that a change does not hide the damage.
+// octet_length(text) is the number of its bytes, as in PostgreSQL and in SQLite from 3.43 on.
 #pragma once
 
 #include <sqlite3.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -22,30 +24,30 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "server/storage/private_file.h"
+#include "server/storage/sql/sql_database.h"
 
 namespace sweepstake::storage {
 
 // The columns of the current row, from 0.
-class SqliteRow {
+class SqliteRow final : public SqlRow {
  public:
   explicit SqliteRow(sqlite3_stmt* statement) : statement_(statement) {}
 
-  int64_t Integer(int column) const { return sqlite3_column_int64(statement_, column); }
-  // Counts are stored as integers below 2^63, seeds as the same 64 bits.
-  uint64_t Unsigned(int column) const { return static_cast<uint64_t>(Integer(column)); }
-  double Real(int column) const { return sqlite3_column_double(statement_, column); }
-  std::string Text(int column) const;
+  int64_t Integer(int column) const override { return sqlite3_column_int64(statement_, column); }
+  bool Boolean(int column) const override { return Integer(column) != 0; }
+  double Amount(int column) const override { return sqlite3_column_double(statement_, column); }
+  uint64_t Count(int column) const override { return Unsigned(column); }
+  std::string Text(int column) const override;
+  std::string Bytes(int column) const override { return Text(column); }
 
  private:
   sqlite3_stmt* statement_;
 };
-
-// Returns the lines with a line end before and after each, for instr() in SQL; empty for no lines.
-// REQUIRES: no line contains a line end, as no name does.
-std::string LineList(std::span<const std::string> lines);
 
 // A prepared statement, whose first argument is `?1`.
 class SqliteStatement {
@@ -53,16 +55,22 @@ class SqliteStatement {
   SqliteStatement() = default;
   explicit SqliteStatement(sqlite3_stmt* statement) : statement_(statement) {}
 
+  // Returns whether the text has no statement.
+  bool empty() const { return statement_ == nullptr; }
   // Runs the statement to its end and calls `on_row(const SqliteRow&)` for each row.
+  template <typename OnRow>
+  absl::Status ForEachRowOf(std::span<const SqlValue> values, OnRow on_row) {
+    const Resetter resetter{statement_.get()};
+    for (size_t i = 0; i < values.size(); ++i) Bind(static_cast<int>(i) + 1, values[i]);
+    const SqliteRow row(statement_.get());
+    int code = SQLITE_ROW;
+    while ((code = sqlite3_step(statement_.get())) == SQLITE_ROW) on_row(row);
+    return code == SQLITE_DONE ? absl::OkStatus() : Error(code);
+  }
   template <typename OnRow, typename... Args>
   absl::Status ForEachRow(OnRow on_row, const Args&... args) {
-    const Resetter resetter{statement_.get()};
-    int index = 0;
-    (Bind(++index, args), ...);
-    int code = SQLITE_ROW;
-    while ((code = sqlite3_step(statement_.get())) == SQLITE_ROW)
-      on_row(SqliteRow(statement_.get()));
-    return code == SQLITE_DONE ? absl::OkStatus() : Error(code);
+    const std::array<SqlValue, sizeof...(args)> values = {ToSql(args)...};
+    return ForEachRowOf(values, on_row);
   }
 
   template <typename... Args>
@@ -83,14 +91,7 @@ class SqliteStatement {
     }
   };
 
-  void Bind(int index, uint64_t value) {
-    sqlite3_bind_int64(statement_.get(), index, static_cast<int64_t>(value));
-  }
-  void Bind(int index, uint32_t value) { sqlite3_bind_int64(statement_.get(), index, value); }
-  void Bind(int index, int64_t value) { sqlite3_bind_int64(statement_.get(), index, value); }
-  void Bind(int index, double value) { sqlite3_bind_double(statement_.get(), index, value); }
-  // The text must live until the statement has run, as the arguments of ForEachRow do.
-  void Bind(int index, std::string_view text);
+  void Bind(int index, const SqlValue& value);
   absl::Status Error(int code) const;
 
   std::unique_ptr<sqlite3_stmt, Finalizer> statement_;
@@ -102,11 +103,11 @@ absl::Status Explain(const std::filesystem::path& path, const absl::Status& stat
 // Receives the duration of an fsync.
 using OnSync = std::function<void(std::chrono::nanoseconds)>;
 
-class SqliteDatabase {
+class SqliteDatabase final : public SqlDatabase {
  public:
   enum class OpenMode { kExisting, kCreate, kReadOnly };
 
-  ~SqliteDatabase();
+  ~SqliteDatabase() override;
   SqliteDatabase(SqliteDatabase&&) noexcept;
   SqliteDatabase& operator=(SqliteDatabase&&) = delete;
 
@@ -117,8 +118,7 @@ class SqliteDatabase {
   // the checks of what is read, and that a commit is on disk when it returns.
   absl::Status Configure();
   absl::StatusOr<SqliteStatement> Prepare(std::string_view sql);
-  // Runs several statements without arguments and rows.
-  absl::Status Execute(const std::string& sql);
+  absl::Status Execute(const std::string& sql) override;
   // Return the single value of a pragma or query.
   absl::StatusOr<int64_t> QueryInteger(std::string_view sql);
   absl::StatusOr<std::string> QueryText(std::string_view sql);
@@ -130,8 +130,16 @@ class SqliteDatabase {
   // Makes statements and copies end with CANCELLED soon after the flag is set. The flag must
   // outlive the connection.
   void StopWhen(const std::atomic<bool>& flag);
-  // Returns false also if an error, such as a full disk, has ended the transaction.
-  bool in_transaction() const { return sqlite3_get_autocommit(database_.get()) == 0; }
+  // Makes CheckPlace compare the file and its log from now on with the ones that are there now.
+  absl::Status SetPlace(const std::filesystem::path& path);
+
+  bool shared() const override { return false; }
+  absl::Status CheckPlace() override { return files_.Check(); }
+  absl::Status Begin() override;
+  absl::Status BeginRead() override { return Execute("BEGIN"); }
+  absl::Status Commit() override { return Execute("COMMIT"); }
+  void Rollback() override;
+  bool in_transaction() const override { return sqlite3_get_autocommit(database_.get()) == 0; }
   // Limits the size of the file, at least to its present size. Writes that need more fail as on a
   // full disk.
   absl::Status LimitSize(uint64_t max_bytes);
@@ -154,6 +162,8 @@ class SqliteDatabase {
     void operator()(sqlite3* database) const { sqlite3_close_v2(database); }
   };
   explicit SqliteDatabase(sqlite3* database);
+  absl::StatusOr<uint64_t> RunRows(const char* sql, std::span<const SqlValue> values,
+                                   size_t columns, OnRow on_row) override;
   absl::Status Error(int code) const;
   // Overwrites the copy's file with the pages of this one.
   absl::Status CopyPagesTo(SqliteDatabase& copy);
@@ -163,24 +173,8 @@ class SqliteDatabase {
   const std::atomic<bool>* stop_ = nullptr;
   std::unique_ptr<TimedFile> timed_log_;  // used by the connection, which ends before it
   std::unique_ptr<sqlite3, Closer> database_;
-};
-
-// Runs BEGIN IMMEDIATE at once, and ROLLBACK at the end of the scope unless it was committed.
-class SqliteTransaction {
- public:
-  explicit SqliteTransaction(SqliteDatabase& database)
-      : database_(database), begun_(database.Execute("BEGIN IMMEDIATE")) {}
-  ~SqliteTransaction();
-  SqliteTransaction(const SqliteTransaction&) = delete;
-  SqliteTransaction& operator=(const SqliteTransaction&) = delete;
-
-  const absl::Status& begun() const { return begun_; }
-  absl::Status Commit();
-
- private:
-  SqliteDatabase& database_;
-  absl::Status begun_;
-  bool committed_ = false;
+  std::unordered_map<const char*, SqliteStatement> statements_;  // by text, end before it
+  FilesInUse files_;
 };
 
 }  // namespace sweepstake::storage

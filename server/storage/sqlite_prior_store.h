@@ -4,8 +4,7 @@
 // Before each change the store checks that the file and its log still have their names, because
 // data in a file without a name is lost with the process. Nothing is written until they are back.
 //
-// A commit takes one fsync, for any number of increments. Import and Revoke compute the sums of the
-// changed keys from one row per source. Reads are those of SqlitePriorReader.
+// A commit takes one fsync, for any number of increments.
 #pragma once
 
 #include <chrono>
@@ -17,6 +16,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "server/sessions/prior_store.h"
+#include "server/storage/read_thread.h"
 #include "server/storage/sqlite_database.h"
 
 namespace sweepstake::storage {
@@ -31,6 +31,11 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
 // Opens a new store in memory, which is lost when it is destroyed: for tests.
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenMemoryPriorStore(
     const priors::AuditLimits& audit_limits = {});
+
+// Opens a connection that only reads, beside the store of that file. It must end before the store,
+// and be opened again with it. The errors are those of OpenPriorDatabase.
+absl::StatusOr<std::unique_ptr<ReadConnection>> OpenSqliteReadConnection(
+    const std::filesystem::path& path);
 
 // Changes the limits of the audit log, whose rows beyond them are removed, and the maximum size of
 // the file, at least to its present size. REQUIRES: `store` is of OpenSqlitePriorStore.

@@ -9,145 +9,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "server/storage/private_file.h"
+#include "server/storage/sql/sql_schema.h"
 
 namespace sweepstake::storage {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int64_t kSchemaVersion = 1;
-
-// Every bound has two sides, because `alpha >= 0` alone would accept +Inf.
-//
-// evidence_key holds the sums of its rows of evidence, and scene the number of its sources, so that
-// readers need not visit the sources. A row of scene_source says that the source has evidence about
-// the scene.
-constexpr const char* kSchema = R"sql(
-  CREATE TABLE store (id TEXT NOT NULL CHECK (length(id) = 32)) STRICT;
-  INSERT INTO store VALUES (lower(hex(randomblob(16))));
-
-  CREATE TABLE source (
-    id INTEGER PRIMARY KEY,
-    name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
-    is_session INTEGER NOT NULL CHECK (is_session IN (0, 1)),
-    revoked INTEGER NOT NULL CHECK (revoked IN (0, 1)),
-    commit_sequence INTEGER NOT NULL CHECK (commit_sequence BETWEEN 0 AND 9223372036854775807),
-    message_sequence INTEGER NOT NULL CHECK (message_sequence BETWEEN 0 AND 9223372036854775807),
-    explored_arm_count INTEGER NOT NULL CHECK (explored_arm_count BETWEEN 0 AND 4294967295),
-    decision_count INTEGER NOT NULL CHECK (decision_count BETWEEN 0 AND 9223372036854775807),
-    frame_count INTEGER NOT NULL CHECK (frame_count BETWEEN 0 AND 9223372036854775807),
-    seed INTEGER NOT NULL,
-    created_unix_s INTEGER NOT NULL DEFAULT 0
-      CHECK (created_unix_s BETWEEN 0 AND 9223372036854775807),
-    last_seen_unix_s INTEGER NOT NULL DEFAULT 0
-      CHECK (last_seen_unix_s BETWEEN 0 AND 9223372036854775807),
-    build TEXT NOT NULL DEFAULT '' CHECK (length(CAST(build AS BLOB)) BETWEEN 0 AND 128),
-    token_id INTEGER NOT NULL DEFAULT 0 CHECK (token_id BETWEEN 0 AND 9223372036854775807),
-    hash INTEGER NOT NULL,
-    content_hash INTEGER GENERATED ALWAYS AS (
-      row_hash(name, is_session, revoked, commit_sequence, message_sequence, explored_arm_count,
-               decision_count, frame_count, seed, created_unix_s, last_seen_unix_s, build,
-               token_id)) VIRTUAL
-  ) STRICT;
-
-  CREATE TABLE scene (
-    id INTEGER PRIMARY KEY,
-    project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
-    scene TEXT NOT NULL CHECK (length(CAST(scene AS BLOB)) BETWEEN 1 AND 128),
-    machine_class TEXT NOT NULL CHECK (length(CAST(machine_class AS BLOB)) BETWEEN 0 AND 128),
-    reward_version INTEGER NOT NULL CHECK (reward_version BETWEEN 1 AND 4294967295),
-    source_count INTEGER NOT NULL CHECK (source_count BETWEEN 0 AND 9223372036854775807),
-    hash INTEGER NOT NULL,
-    content_hash INTEGER GENERATED ALWAYS AS (
-      row_hash(project, scene, machine_class, reward_version, source_count)) VIRTUAL,
-    UNIQUE (project, scene, machine_class, reward_version)
-  ) STRICT;
-
-  CREATE TABLE scene_source (
-    source_id INTEGER NOT NULL REFERENCES source (id),
-    scene_id INTEGER NOT NULL REFERENCES scene (id),
-    PRIMARY KEY (source_id, scene_id)
-  ) STRICT, WITHOUT ROWID;
-
-  CREATE TABLE evidence_key (
-    id INTEGER PRIMARY KEY,
-    project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
-    scene TEXT NOT NULL CHECK (length(CAST(scene AS BLOB)) BETWEEN 1 AND 128),
-    measured_by TEXT NOT NULL CHECK (length(CAST(measured_by AS BLOB)) BETWEEN 0 AND 128),
-    arm TEXT NOT NULL CHECK (length(CAST(arm AS BLOB)) BETWEEN 1 AND 128),
-    backend_version INTEGER NOT NULL CHECK (backend_version BETWEEN 1 AND 4294967295),
-    machine_class TEXT NOT NULL CHECK (length(CAST(machine_class AS BLOB)) BETWEEN 0 AND 128),
-    reward_version INTEGER NOT NULL CHECK (reward_version BETWEEN 1 AND 4294967295),
-    scene_id INTEGER NOT NULL REFERENCES scene (id),
-    alpha_sum REAL NOT NULL DEFAULT 0 CHECK (alpha_sum >= 0 AND alpha_sum < 1e300),
-    beta_sum REAL NOT NULL DEFAULT 0 CHECK (beta_sum >= 0 AND beta_sum < 1e300),
-    window_sum INTEGER NOT NULL DEFAULT 0 CHECK (window_sum BETWEEN 0 AND 9223372036854775807),
-    bail_out_sum INTEGER NOT NULL DEFAULT 0
-      CHECK (bail_out_sum BETWEEN 0 AND 9223372036854775807),
-    source_count INTEGER NOT NULL DEFAULT 0
-      CHECK (source_count BETWEEN 0 AND 9223372036854775807),
-    hash INTEGER NOT NULL,
-    content_hash INTEGER GENERATED ALWAYS AS (
-      row_hash(project, scene, measured_by, arm, backend_version, machine_class, reward_version,
-               scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum, source_count)) VIRTUAL,
-    UNIQUE (project, scene, measured_by, arm, backend_version, machine_class, reward_version)
-  ) STRICT;
-  CREATE INDEX evidence_key_by_scene ON evidence_key (scene_id, arm, backend_version);
-
-  CREATE TABLE evidence (
-    key_id INTEGER NOT NULL REFERENCES evidence_key (id),
-    source_id INTEGER NOT NULL REFERENCES source (id),
-    sequence INTEGER NOT NULL CHECK (sequence BETWEEN 1 AND 9223372036854775807),
-    alpha REAL NOT NULL CHECK (alpha >= 0 AND alpha < 1e15),
-    beta REAL NOT NULL CHECK (beta >= 0 AND beta < 1e15),
-    window_count INTEGER NOT NULL CHECK (window_count BETWEEN 0 AND 9223372036854775807),
-    bail_out_count INTEGER NOT NULL CHECK (bail_out_count BETWEEN 0 AND 9223372036854775807),
-    hash INTEGER NOT NULL,
-    content_hash INTEGER GENERATED ALWAYS AS (
-      row_hash(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)) VIRTUAL,
-    PRIMARY KEY (key_id, source_id)
-  ) STRICT, WITHOUT ROWID;
-  CREATE INDEX evidence_by_source ON evidence (source_id);
-
-  CREATE TABLE quarantined_evidence (
-    key_id INTEGER NOT NULL REFERENCES evidence_key (id),
-    source_id INTEGER NOT NULL REFERENCES source (id),
-    sequence INTEGER NOT NULL CHECK (sequence BETWEEN 1 AND 9223372036854775807),
-    alpha REAL NOT NULL CHECK (alpha >= 0 AND alpha < 1e15),
-    beta REAL NOT NULL CHECK (beta >= 0 AND beta < 1e15),
-    window_count INTEGER NOT NULL CHECK (window_count BETWEEN 0 AND 9223372036854775807),
-    bail_out_count INTEGER NOT NULL CHECK (bail_out_count BETWEEN 0 AND 9223372036854775807),
-    hash INTEGER NOT NULL,
-    content_hash INTEGER GENERATED ALWAYS AS (
-      row_hash(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)) VIRTUAL,
-    PRIMARY KEY (key_id, source_id)
-  ) STRICT, WITHOUT ROWID;
-  CREATE INDEX quarantined_evidence_by_source ON quarantined_evidence (source_id);
-
-  CREATE TABLE audit_segment (
-    id INTEGER PRIMARY KEY,
-    session TEXT NOT NULL CHECK (length(CAST(session AS BLOB)) BETWEEN 1 AND 128),
-    segment INTEGER NOT NULL CHECK (segment BETWEEN 1 AND 4294967295),
-    project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
-    scene TEXT NOT NULL CHECK (length(CAST(scene AS BLOB)) BETWEEN 1 AND 128),
-    unix_start_ms INTEGER NOT NULL,
-    UNIQUE (session, segment)
-  ) STRICT;
-
-  CREATE TABLE audit_row (
-    id INTEGER PRIMARY KEY,
-    segment_id INTEGER NOT NULL REFERENCES audit_segment (id),
-    number INTEGER NOT NULL CHECK (number BETWEEN 1 AND 9223372036854775807),
-    text TEXT NOT NULL CHECK (length(CAST(text AS BLOB)) BETWEEN 1 AND 65536),
-    UNIQUE (segment_id, number)
-  ) STRICT;
-
-  CREATE TABLE audit_chunk (
-    first_row_id INTEGER PRIMARY KEY,
-    unix_start_s INTEGER NOT NULL CHECK (unix_start_s BETWEEN 0 AND 9223372036854775807),
-    byte_count INTEGER NOT NULL CHECK (byte_count BETWEEN 0 AND 9223372036854775807)
-  ) STRICT;
-)sql";
 
 absl::Status UseWriteAheadLog(SqliteDatabase& database) {
   auto mode = database.QueryText("PRAGMA journal_mode = WAL");
@@ -190,12 +57,12 @@ absl::Status CheckId(SqliteDatabase& database, const fs::path& path) {
 }
 
 absl::Status CreateTables(SqliteDatabase& database) {
-  SqliteTransaction transaction(database);
+  SqlTransaction transaction(database);
   absl::Status status = transaction.begun();
   if (status.ok()) {
-    status =
-        database.Execute(absl::StrCat("PRAGMA application_id = ", kSqliteApplicationId,
-                                      "; PRAGMA user_version = ", kSchemaVersion, ";", kSchema));
+    status = database.Execute(absl::StrCat("PRAGMA application_id = ", kSqliteApplicationId,
+                                           "; PRAGMA user_version = ", kSchemaVersion, ";",
+                                           SqliteSchema()));
   }
   return status.ok() ? transaction.Commit() : status;
 }

@@ -4,10 +4,6 @@
 // The file store-id beside it names the database that was there at the last start. If that database
 // is missing, or another is in its place, both files stay as they are and opening fails.
 //
-// Each row of the evidence has a hash of its values (row_hash of sqlite_database.h), because
-// SQLite's own checks miss a value that was changed on the disk. `content_hash` is computed from
-// the values at each use. A row whose `hash` differs is damaged.
-//
 // A file that exists is never created again or taken over: an empty file (a lost copy, a full disk)
 // and one of another program are errors, so that priors never become empty silently. A new file is
 // built beside its place and renamed into it, so that a crash leaves a complete file or none.

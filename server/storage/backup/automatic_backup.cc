@@ -14,7 +14,6 @@
 #include "server/sessions/common/unix_time.h"
 #include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/private_file.h"
-#include "server/storage/sqlite_prior_reader.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "server/storage/sqlite_schema.h"
 

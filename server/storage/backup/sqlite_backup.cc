@@ -161,7 +161,7 @@ int64_t LeaveOutDamagedRows(SqliteDatabase& copy) {
   if (!count.ok() || *count == 0) return 0;
   const auto verdict = copy.QueryText("PRAGMA integrity_check(1)");
   if (!verdict.ok() || *verdict != "ok") return 0;
-  SqliteTransaction transaction(copy);
+  SqlTransaction transaction(copy);
   absl::Status status = transaction.begun();
   if (status.ok()) {
     status = copy.Execute(

@@ -46,7 +46,7 @@ absl::StatusOr<Outbox> Outbox::Open(const fs::path& path) {
 }
 
 absl::Status Outbox::Replace(std::span<const priors::SourceUpdate> updates) {
-  SqliteTransaction transaction(database_);
+  SqlTransaction transaction(database_);
   absl::Status status = transaction.begun();
   if (status.ok()) status = database_.Execute("DELETE FROM waiting");
   auto insert = database_.Prepare("INSERT INTO waiting (body) VALUES (?1)");

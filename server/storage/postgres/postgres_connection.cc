@@ -2,10 +2,17 @@
 
 #include <array>
 #include <charconv>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <limits>
 
 #include "absl/strings/escaping.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "absl/strings/strip.h"
+#include "server/storage/postgres/postgres_schema.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -19,7 +26,7 @@ constexpr std::array kDefaults = {
     std::pair("application_name", "sweepstaked"), std::pair("client_encoding", "UTF8")};
 constexpr const char* kSetUp =
     "SET search_path = sweepstake; SET lock_timeout = '10s'; SET client_min_messages = warning; "
-    "SET standard_conforming_strings = on; SET synchronous_commit = on";
+    "SET standard_conforming_strings = on; SET synchronous_commit = on; ";
 
 absl::StatusCode CodeOf(std::string_view sql_state) {
   if (sql_state == "40001" || sql_state == "40P01") return absl::StatusCode::kAborted;
@@ -33,67 +40,98 @@ std::string Line(const char* message) {
   return std::string(absl::StripTrailingAsciiWhitespace(message));
 }
 
-}  // namespace
-
-Units UnitsOf(double amount) { return Units(amount * kUnitsPerOne); }
-
-double AmountOf(Units units) { return static_cast<double>(units) / kUnitsPerOne; }
-
-std::string TextOf(Units value) {
-  const auto small = static_cast<int64_t>(value);
-  if (Units(small) == value) return absl::StrCat(small);
-  const bool negative = value < 0;
-  std::string digits;
-  do {
-    const int digit = static_cast<int>(value % 10);
-    digits.insert(digits.begin(), static_cast<char>('0' + (digit < 0 ? -digit : digit)));
-    value /= 10;
-  } while (value != 0);
-  return negative ? "-" + digits : digits;
+// Returns the whole units of an amount below 1e15, which are below 2⁷⁰.
+std::string UnitsOf(double amount) {
+  const double units = amount * kUnitsPerOne;
+  if (units < 0x1p62) return absl::StrCat(static_cast<int64_t>(units));
+  std::array<char, 32> digits;
+  const int size = std::snprintf(digits.data(), digits.size(), "%.0f", units);
+  return {digits.data(), static_cast<size_t>(size)};
 }
 
-void PostgresArray::Add(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted.push_back('\\');
-    quoted.push_back(c);
+struct TypeName {
+  const char* operator()(int64_t) const { return "bigint"; }
+  const char* operator()(bool) const { return "boolean"; }
+  const char* operator()(SqlAmount) const { return "numeric"; }
+  const char* operator()(std::string_view) const { return "text"; }
+  const char* operator()(SqlBytes) const { return "bytea"; }
+};
+
+struct ParameterText {
+  std::string operator()(int64_t value) const { return absl::StrCat(value); }
+  std::string operator()(bool value) const { return value ? "t" : "f"; }
+  std::string operator()(SqlAmount amount) const { return UnitsOf(amount.value); }
+  std::string operator()(std::string_view text) const { return std::string(text); }
+  std::string operator()(SqlBytes bytes) const {
+    return absl::StrCat("\\x", absl::BytesToHexString({bytes.value.data(), bytes.value.size()}));
   }
-  Append(quoted + "\"");
+};
+
+// Returns the column of the rows of parameters as an array.
+std::string ArrayText(std::span<const SqlValue> values, size_t columns, size_t column) {
+  std::string array = "{";
+  for (size_t i = column; i < values.size(); i += columns) {
+    if (i > column) array.push_back(',');
+    const std::string text = std::visit(ParameterText(), values[i]);
+    const bool is_text = std::holds_alternative<std::string_view>(values[i]) ||
+                         std::holds_alternative<SqlBytes>(values[i]);
+    if (is_text) {
+      absl::StrAppend(&array, "\"", absl::StrReplaceAll(text, {{"\\", "\\\\"}, {"\"", "\\\""}}),
+                      "\"");
+    } else {
+      array += text;
+    }
+  }
+  return array + "}";
 }
 
-void PostgresArray::AddBytes(std::string_view bytes) {
-  Append(absl::StrCat("\"\\\\x", absl::BytesToHexString({bytes.data(), bytes.size()}), "\""));
-}
+class PostgresRow final : public SqlRow {
+ public:
+  PostgresRow(const PGresult* result, int row) : result_(result), row_(row) {}
 
-int64_t PostgresRow::Integer(int column) const {
-  const char* text = PQgetvalue(result_, row_, column);
-  int64_t value = 0;
-  std::from_chars(text, text + PQgetlength(result_, row_, column), value);
-  return value;
-}
+  int64_t Integer(int column) const override {
+    const char* text = Value(column);
+    int64_t value = 0;
+    const auto read = std::from_chars(text, text + PQgetlength(result_, row_, column), value);
+    return read.ec == std::errc() ? value : std::numeric_limits<int64_t>::max();
+  }
+  bool Boolean(int column) const override { return *Value(column) == 't'; }
+  double Amount(int column) const override {
+    return std::strtod(Value(column), nullptr) / kUnitsPerOne;
+  }
+  uint64_t Count(int column) const override { return Unsigned(column); }
+  std::string Text(int column) const override {
+    return {Value(column), static_cast<size_t>(PQgetlength(result_, row_, column))};
+  }
+  std::string Bytes(int column) const override {
+    return absl::HexStringToBytes(Value(column) + std::strlen("\\x"));
+  }
 
-Units PostgresRow::Number(int column) const {
-  Units value = 0;
-  const char* text = PQgetvalue(result_, row_, column);
-  const bool negative = *text == '-';
-  for (text += negative ? 1 : 0; *text >= '0' && *text <= '9'; ++text)
-    value = value * 10 + (*text - '0');
-  return negative ? -value : value;
-}
+ private:
+  const char* Value(int column) const { return PQgetvalue(result_, row_, column); }
 
-std::string PostgresRow::Text(int column) const {
-  return {PQgetvalue(result_, row_, column),
-          static_cast<size_t>(PQgetlength(result_, row_, column))};
-}
+  const PGresult* result_;
+  int row_;
+};
 
-std::string PostgresRow::Bytes(int column) const {
-  return absl::HexStringToBytes(Text(column).substr(std::strlen("\\x")));
-}
+}  // namespace
 
 absl::Status PostgresConnection::Connect() {
   if (connection_ != nullptr && PQstatus(connection_.get()) == CONNECTION_OK)
     return absl::OkStatus();
   prepared_.clear();
+  absl::Status status = Open();
+  if (status.ok()) status = Execute(kSetUp + settings_);
+  if (status.ok()) status = CheckStoreId();
+  if (status.ok()) {
+    ++incarnation_;
+  } else {
+    connection_.reset();
+  }
+  return status;
+}
+
+absl::Status PostgresConnection::Open() {
   // A URL in the place of a database name overrides the parameters before it.
   std::vector<const char*> names;
   std::vector<const char*> values;
@@ -105,79 +143,104 @@ absl::Status PostgresConnection::Connect() {
   values.insert(values.end(), {url_.c_str(), nullptr});
   connection_.reset(PQconnectdbParams(names.data(), values.data(), /*expand_dbname=*/1));
   if (PQstatus(connection_.get()) != CONNECTION_OK) {
-    const std::string why = Line(PQerrorMessage(connection_.get()));
-    connection_.reset();
     return absl::UnavailableError(absl::StrCat(
-        "PostgreSQL cannot be reached: ", why,
+        "PostgreSQL cannot be reached: ", Line(PQerrorMessage(connection_.get())),
         "; see that the server runs, that the URL is its, and that it lets this user in"));
   }
   // libpq would print warnings to stderr, which the daemon uses for its log.
   PQsetNoticeProcessor(
       connection_.get(), [](void*, const char*) {}, nullptr);
-  ++incarnation_;
-  return Execute(kSetUp);
+  return absl::OkStatus();
 }
 
-absl::Status PostgresConnection::Execute(const std::string& sql) {
-  if (connection_ == nullptr) return absl::UnavailableError("there is no connection to PostgreSQL");
-  const Result result(PQexec(connection_.get(), sql.c_str()));
-  return Check(result.get());
+absl::Status PostgresConnection::CheckStoreId() {
+  if (store_id_.empty()) return absl::OkStatus();
+  const auto id = PostgresStoreId(*this);
+  if (!id.ok() || *id == store_id_) return id.status();
+  return absl::UnavailableError(
+      "the database in PostgreSQL is not the one that was there before; put that one back, or "
+      "restart the daemon to use this one");
 }
 
-absl::StatusOr<PostgresConnection::Result> PostgresConnection::RunPrepared(
-    const char* sql, const std::vector<std::string>& texts) {
-  if (connection_ == nullptr) return absl::UnavailableError("there is no connection to PostgreSQL");
-  std::string& name = prepared_[sql];
-  if (name.empty()) {
-    const std::string given = absl::StrCat("s", prepared_.size());
-    const Result result(PQprepare(connection_.get(), given.c_str(), sql, 0, nullptr));
-    if (absl::Status status = Check(result.get()); !status.ok()) {
-      prepared_.erase(sql);
-      return status;
-    }
-    name = given;
-  }
-  std::vector<const char*> values;
-  for (const std::string& text : texts) values.push_back(text.c_str());
-  Result result(PQexecPrepared(connection_.get(), name.c_str(), static_cast<int>(values.size()),
-                               values.data(), nullptr, nullptr, /*resultFormat=*/0));
-  if (absl::Status status = Check(result.get()); !status.ok()) return status;
-  return result;
+absl::Status PostgresConnection::Begin() {
+  absl::Status status = Connect();
+  return status.ok() ? Execute("BEGIN") : status;
 }
 
-absl::Status PostgresConnection::RunOnce(const std::string& sql,
-                                         const std::vector<PostgresArray>& arrays) {
+absl::Status PostgresConnection::BeginRead() {
+  absl::Status status = Connect();
+  return status.ok() ? Execute("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY") : status;
+}
+
+absl::Status PostgresConnection::Commit() {
+  const auto result = Query("COMMIT");
+  if (!result.ok()) return result.status();
+  // A transaction that an error has ended is rolled back, which is not an error of COMMIT.
+  if (std::string_view(PQcmdStatus(result->get())) == "COMMIT") return absl::OkStatus();
+  return absl::UnavailableError("PostgreSQL has rolled the transaction back");
+}
+
+void PostgresConnection::Rollback() {
+  if (in_transaction()) Execute("ROLLBACK").IgnoreError();
+}
+
+bool PostgresConnection::in_transaction() const {
+  if (connection_ == nullptr) return false;
+  const PGTransactionStatusType status = PQtransactionStatus(connection_.get());
+  return status == PQTRANS_INTRANS || status == PQTRANS_INERROR;
+}
+
+absl::StatusOr<PostgresConnection::Statement> PostgresConnection::Prepare(
+    const char* sql, std::span<const SqlValue> row) {
+  const auto found = prepared_.find(sql);
+  if (found != prepared_.end()) return found->second;
+  std::vector<const char*> types;
+  for (const SqlValue& value : row) types.push_back(std::visit(TypeName(), value));
+  const Statement statement{.name = absl::StrCat("s", prepared_.size()),
+                            .is_batch = absl::StrContains(sql, "@given")};
+  const auto result = Check(PQprepare(connection_.get(), statement.name.c_str(),
+                                      PostgresText(sql, types).c_str(), 0, nullptr));
+  if (!result.ok()) return result.status();
+  prepared_.emplace(sql, statement);
+  return statement;
+}
+
+absl::StatusOr<uint64_t> PostgresConnection::RunRows(const char* sql,
+                                                     std::span<const SqlValue> values,
+                                                     size_t columns, OnRow on_row) {
   if (connection_ == nullptr) return absl::UnavailableError("there is no connection to PostgreSQL");
+  const auto statement = Prepare(sql, values.first(columns));
+  if (!statement.ok()) return statement.status();
   std::vector<std::string> texts;
-  std::vector<const char*> values;
-  for (const PostgresArray& array : arrays) texts.push_back(array.text());
-  for (const std::string& text : texts) values.push_back(text.c_str());
-  const Result result(PQexecParams(connection_.get(), sql.c_str(), static_cast<int>(values.size()),
-                                   nullptr, values.data(), nullptr, nullptr, /*resultFormat=*/0));
-  return Check(result.get());
+  std::vector<const char*> parameters;
+  for (size_t i = 0; i < columns; ++i)
+    texts.push_back(statement->is_batch ? ArrayText(values, columns, i)
+                                        : std::visit(ParameterText(), values[i]));
+  for (const std::string& text : texts) parameters.push_back(text.c_str());
+  const auto result = Check(PQexecPrepared(connection_.get(), statement->name.c_str(),
+                                           static_cast<int>(parameters.size()), parameters.data(),
+                                           nullptr, nullptr, /*resultFormat=*/0));
+  if (!result.ok()) return result.status();
+  for (int row = 0; row < PQntuples(result->get()); ++row) on_row(PostgresRow(result->get(), row));
+  return std::strtoull(PQcmdTuples(result->get()), nullptr, 10);
 }
 
-absl::Status PostgresConnection::Check(const PGresult* result) const {
+absl::StatusOr<PostgresConnection::Result> PostgresConnection::Query(const std::string& sql) {
+  if (connection_ == nullptr) return absl::UnavailableError("there is no connection to PostgreSQL");
+  return Check(PQexec(connection_.get(), sql.c_str()));
+}
+
+absl::StatusOr<PostgresConnection::Result> PostgresConnection::Check(PGresult* result) const {
+  Result owned(result);
   const ExecStatusType status = PQresultStatus(result);
-  if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) return absl::OkStatus();
+  if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) return owned;
   if (result == nullptr || PQstatus(connection_.get()) != CONNECTION_OK) {
     return absl::UnavailableError(absl::StrCat("the connection to PostgreSQL was lost: ",
                                                Line(PQerrorMessage(connection_.get()))));
   }
   const char* state = PQresultErrorField(result, PG_DIAG_SQLSTATE);
-  return {CodeOf(state == nullptr ? "" : state),
-          absl::StrCat("PostgreSQL: ", Line(PQresultErrorMessage(result)))};
-}
-
-PostgresSnapshot::PostgresSnapshot(PostgresConnection& connection)
-    : connection_(connection), status_(connection.Connect()) {
-  if (!status_.ok() || PQtransactionStatus(connection_.connection_.get()) != PQTRANS_IDLE) return;
-  status_ = connection_.Execute("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY");
-  begun_ = status_.ok();
-}
-
-PostgresSnapshot::~PostgresSnapshot() {
-  if (begun_) connection_.Execute("ROLLBACK").IgnoreError();
+  return absl::Status(CodeOf(state == nullptr ? "" : state),
+                      absl::StrCat("PostgreSQL: ", Line(PQresultErrorMessage(result))));
 }
 
 }  // namespace sweepstake::storage

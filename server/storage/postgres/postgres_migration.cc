@@ -1,13 +1,12 @@
 #include "server/storage/postgres/postgres_migration.h"
 
-#include <functional>
-#include <optional>
+#include <deque>
+#include <span>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "server/storage/data_directory.h"
 #include "server/storage/outbox/outbox.h"
 #include "server/storage/postgres/postgres_connection.h"
@@ -20,24 +19,59 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Kind { kInteger, kBoolean, kText, kUnits, kCount, kBytes };
+enum class Kind { kInteger, kBoolean, kText, kAmount, kBytes };
 
 struct Column {
   const char* name;
   Kind kind = Kind::kInteger;
 };
 
-// A table of both stores. Tables are listed so that rows refer to earlier ones only. The first
-// columns are its key, and are numbers.
+// A table of both stores. The first columns are its key, and are numbers above 0.
 struct Table {
   const char* name;
   size_t key_columns;
   bool is_hashed;  // SQLite keeps a hash of each row
   std::vector<Column> columns;
+  // The statements about it, which live as long as it.
+  std::string count = {};
+  std::string select = {};  // a page behind a key
+  std::string insert = {};
 };
 
-const std::vector<Table>& Tables() {
-  static const std::vector<Table> tables = {
+constexpr uint64_t kRowsPerPage = 5'000;
+
+// Fills in the statements.
+Table WithStatements(Table table) {
+  std::string columns, values;
+  for (size_t i = 0; i < table.columns.size(); ++i) {
+    const char* comma = i == 0 ? "" : ", ";
+    absl::StrAppend(&columns, comma, table.columns[i].name);
+    absl::StrAppend(&values, comma, "?", i + 1);
+  }
+  const bool is_pair = table.key_columns == 2;
+  const std::string key = absl::StrCat(table.columns[0].name, is_pair ? ", " : "",
+                                       is_pair ? table.columns[1].name : "");
+  table.count = absl::StrCat("SELECT count(*) FROM ", table.name);
+  table.select =
+      absl::StrCat("SELECT ", columns, " FROM ", table.name, " WHERE (", key, ") > (",
+                   is_pair ? "?1, ?2" : "?1", ") ORDER BY ", key, " LIMIT ", kRowsPerPage);
+  // The hashes are computed when all rows are there.
+  table.insert =
+      absl::StrCat("INSERT INTO ", table.name, " (", columns, table.is_hashed ? "[, hash]" : "",
+                   ") {OVERRIDING SYSTEM VALUE} SELECT ", values, table.is_hashed ? "[, 0]" : "",
+                   " {FROM @given}");
+  return table;
+}
+
+std::vector<Table> MakeTables() {
+  const std::vector<Column> evidence = {{"key_id"},
+                                        {"source_id"},
+                                        {"sequence"},
+                                        {"alpha", Kind::kAmount},
+                                        {"beta", Kind::kAmount},
+                                        {"window_count"},
+                                        {"bail_out_count"}};
+  std::vector<Table> tables = {
       {"source",
        1,
        true,
@@ -76,26 +110,8 @@ const std::vector<Table>& Tables() {
         {"backend_version"},
         {"machine_class", Kind::kText},
         {"reward_version"}}},
-      {"evidence",
-       2,
-       true,
-       {{"key_id"},
-        {"source_id"},
-        {"sequence"},
-        {"alpha", Kind::kUnits},
-        {"beta", Kind::kUnits},
-        {"window_count", Kind::kCount},
-        {"bail_out_count", Kind::kCount}}},
-      {"quarantined_evidence",
-       2,
-       true,
-       {{"key_id"},
-        {"source_id"},
-        {"sequence"},
-        {"alpha", Kind::kUnits},
-        {"beta", Kind::kUnits},
-        {"window_count", Kind::kCount},
-        {"bail_out_count", Kind::kCount}}},
+      {"evidence", 2, true, evidence},
+      {"quarantined_evidence", 2, true, evidence},
       {"scene_source", 2, false, {{"source_id"}, {"scene_id"}}},
       {"audit_segment",
        1,
@@ -108,92 +124,36 @@ const std::vector<Table>& Tables() {
         {"unix_start_ms"}}},
       {"audit_row", 1, false, {{"id"}, {"segment_id"}, {"number"}, {"text", Kind::kBytes}}},
       {"audit_chunk", 1, false, {{"first_row_id"}, {"unix_start_s"}, {"byte_count"}}}};
+  for (Table& table : tables) table = WithStatements(std::move(table));
   return tables;
 }
 
-constexpr uint64_t kRowsPerBatch = 5'000;
+// Returns all tables. Rows refer to those of earlier tables only.
+const std::vector<Table>& Tables() {
+  static const auto& tables = *new std::vector<Table>(MakeTables());
+  return tables;
+}
 
 constexpr const char* kMakeSums = R"sql(
     UPDATE evidence_key
-    SET alpha_sum = a, beta_sum = b, window_sum = w, bail_out_sum = o, source_count = n
-    FROM (SELECT key_id, sum(alpha) AS a, sum(beta) AS b, sum(window_count) AS w,
-                 sum(bail_out_count) AS o, count(*) AS n
-          FROM evidence GROUP BY key_id) s
-    WHERE key_id = id)sql";
-// Counts end at a column's maximum.
-constexpr const char* kMakeSqliteSums = R"sql(
-    UPDATE evidence_key
     SET (alpha_sum, beta_sum, window_sum, bail_out_sum, source_count) =
-          (SELECT total(alpha), total(beta), CAST(total(window_count) AS INTEGER),
-                  CAST(total(bail_out_count) AS INTEGER), count(*)
+          (SELECT [total(alpha)]{coalesce(sum(alpha), 0)}, [total(beta)]{coalesce(sum(beta), 0)},
+                  [CAST(total(window_count) AS INTEGER)]{coalesce(sum(window_count), 0)},
+                  [CAST(total(bail_out_count) AS INTEGER)]{coalesce(sum(bail_out_count), 0)},
+                  count(*)
            FROM evidence WHERE key_id = evidence_key.id))sql";
-constexpr const char* kSetNumbers = R"sql(
+constexpr const char* kSetNumbers = R"sql({
     SELECT setval('source_number', (SELECT max(id) FROM source)),
            setval(pg_get_serial_sequence('scene', 'id'), (SELECT max(id) FROM scene)),
            setval(pg_get_serial_sequence('evidence_key', 'id'), (SELECT max(id) FROM evidence_key)),
            setval(pg_get_serial_sequence('audit_segment', 'id'),
                   (SELECT max(id) FROM audit_segment)),
-           setval(pg_get_serial_sequence('audit_row', 'id'), (SELECT max(id) FROM audit_row)))sql";
+           setval(pg_get_serial_sequence('audit_row', 'id'), (SELECT max(id) FROM audit_row))})sql";
 
-std::string NamesOf(const Table& table) {
-  return absl::StrJoin(table.columns, ", ", [](std::string* out, const Column& column) {
-    absl::StrAppend(out, column.name);
-  });
-}
-
-const char* ArrayTypeOf(Kind kind) {
-  switch (kind) {
-    case Kind::kBoolean:
-      return "boolean[]";
-    case Kind::kText:
-      return "text[]";
-    case Kind::kUnits:
-    case Kind::kCount:
-      return "numeric[]";
-    case Kind::kBytes:
-      return "bytea[]";
-    default:
-      return "bigint[]";
-  }
-}
-
-// Returns the statement that inserts arrays of the columns into PostgreSQL.
-std::string InsertSql(const Table& table) {
-  std::string parameters;
-  for (size_t i = 0; i < table.columns.size(); ++i)
-    absl::StrAppend(&parameters, i == 0 ? "" : ", ", "$", i + 1,
-                    "::", ArrayTypeOf(table.columns[i].kind));
-  return absl::StrCat("INSERT INTO ", table.name, " (", NamesOf(table),
-                      ") OVERRIDING SYSTEM VALUE SELECT * FROM unnest(", parameters, ")");
-}
-
-void AddTo(PostgresArray& array, const SqliteRow& row, int index, Kind kind) {
-  switch (kind) {
-    case Kind::kText:
-      return array.Add(row.Text(index));
-    case Kind::kBytes:
-      return array.AddBytes(row.Text(index));
-    case Kind::kUnits:
-      return array.Add(UnitsOf(row.Real(index)));
-    default:
-      return array.Add(row.Integer(index));
-  }
-}
-
-std::string CountSql(const Table& table) {
-  return absl::StrCat("SELECT count(*) FROM ", table.name);
-}
-
-absl::StatusOr<uint64_t> CountRows(const Table& table, SqliteDatabase& file) {
-  const auto count = file.QueryInteger(CountSql(table));
-  if (!count.ok()) return count.status();
-  return static_cast<uint64_t>(*count);
-}
-
-absl::StatusOr<uint64_t> CountRows(const Table& table, PostgresConnection& server) {
+absl::StatusOr<uint64_t> CountRows(const Table& table, SqlDatabase& database) {
   uint64_t count = 0;
-  absl::Status status = server.ForEachRow(CountSql(table).c_str(),
-                                          [&](const PostgresRow& row) { count = row.Unsigned(0); });
+  absl::Status status =
+      database.ForEachRow(table.count.c_str(), [&](const SqlRow& row) { count = row.Unsigned(0); });
   if (!status.ok()) return status;
   return count;
 }
@@ -218,149 +178,110 @@ class Progress {
   uint64_t rows_ = 0;
 };
 
-absl::Status CopyTable(const Table& table, SqliteDatabase& from, PostgresConnection& to,
+// A page of a table's rows.
+class Page {
+ public:
+  explicit Page(const Table& table) : table_(table) {}
+
+  void Add(const SqlRow& row) {
+    std::vector<SqlValue> values;
+    for (int i = 0; i < static_cast<int>(table_.columns.size()); ++i) {
+      switch (table_.columns[static_cast<size_t>(i)].kind) {
+        case Kind::kInteger:
+          values.push_back(ToSql(row.Integer(i)));
+          break;
+        case Kind::kBoolean:
+          values.push_back(ToSql(row.Boolean(i)));
+          break;
+        case Kind::kAmount:
+          values.push_back(SqlAmount{row.Amount(i)});
+          break;
+        case Kind::kText:
+          values.push_back(ToSql(texts_.emplace_back(row.Text(i))));
+          break;
+        case Kind::kBytes:
+          values.push_back(SqlBytes{texts_.emplace_back(row.Bytes(i))});
+      }
+    }
+    rows_.Add(std::span<const SqlValue>(values));
+    ++count_;
+    last_ = {row.Integer(0), row.Integer(1)};
+  }
+  uint64_t count() const { return count_; }
+  const SqlBatch& rows() const { return rows_; }
+  const std::pair<int64_t, int64_t>& last() const { return last_; }  // its first two columns
+
+ private:
+  const Table& table_;
+  std::deque<std::string> texts_;
+  SqlBatch rows_;
+  uint64_t count_ = 0;
+  std::pair<int64_t, int64_t> last_;
+};
+
+absl::Status CopyTable(const Table& table, SqlDatabase& from, SqlDatabase& to,
                        const OnMigrated& on_migrated) {
   const auto row_count = CountRows(table, from);
   if (!row_count.ok()) return row_count.status();
   Progress progress(table, *row_count, on_migrated);
-  auto statement = from.Prepare(absl::StrCat("SELECT ", NamesOf(table), " FROM ", table.name));
-  if (!statement.ok()) return statement.status();
-  const std::string insert = InsertSql(table);
-  absl::Status written;
-  std::vector<PostgresArray> arrays(table.columns.size());
-  uint64_t count = 0;
-  const auto write = [&] {
-    if (written.ok() && count > 0) written = to.RunOnce(insert, arrays);
-    if (written.ok()) progress.Add(count);
-    arrays.assign(table.columns.size(), PostgresArray());
-    count = 0;
-  };
-  absl::Status status = statement->ForEachRow([&](const SqliteRow& row) {
-    for (size_t i = 0; i < table.columns.size(); ++i)
-      AddTo(arrays[i], row, static_cast<int>(i), table.columns[i].kind);
-    if (++count == kRowsPerBatch) write();
-  });
-  write();
-  return status.ok() ? written : status;
-}
-
-// Returns an expression whose value is exact in JSON, in the form that SQLite stores.
-std::string ToJson(const Column& column) {
-  switch (column.kind) {
-    case Kind::kBoolean:
-      return absl::StrCat(column.name, "::int");
-    case Kind::kBytes:
-      return absl::StrCat("convert_from(", column.name, ", 'UTF8')");
-    default:
-      return column.name;
-  }
-}
-
-// Returns the statement that reads a page of the table as a JSON array of its rows.
-std::string PageSql(const Table& table) {
-  const std::string values = absl::StrJoin(
-      table.columns, ", ",
-      [](std::string* out, const Column& column) { absl::StrAppend(out, ToJson(column)); });
-  std::string key = table.columns[0].name;
-  if (table.key_columns == 2) absl::StrAppend(&key, ", ", table.columns[1].name);
-  return absl::StrCat("SELECT count(*), json_agg(json_build_array(", values,
-                      ")) FROM (SELECT * FROM ", table.name, " ORDER BY ", key,
-                      " LIMIT $1::bigint OFFSET $2::bigint) page");
-}
-
-// Returns the statement that inserts such a page into SQLite.
-std::string InsertPageSql(const Table& table) {
-  std::string values;
-  for (size_t i = 0; i < table.columns.size(); ++i) {
-    absl::StrAppend(&values, i == 0 ? "" : ", ", "json_extract(value, '$[", i, "]')",
-                    table.columns[i].kind == Kind::kUnits ? " * 1.0 / 1048576.0" : "");
-  }
-  // The hashes are computed when all rows are there.
-  return absl::StrCat("INSERT INTO ", table.name, " (", NamesOf(table),
-                      table.is_hashed ? ", hash" : "", ") SELECT ", values,
-                      table.is_hashed ? ", 0" : "", " FROM json_each(?1)");
-}
-
-absl::Status CopyTable(const Table& table, PostgresConnection& from, SqliteDatabase& to,
-                       const OnMigrated& on_migrated) {
-  auto insert = to.Prepare(InsertPageSql(table));
-  if (!insert.ok()) return insert.status();
-  const auto row_count = CountRows(table, from);
-  if (!row_count.ok()) return row_count.status();
-  Progress progress(table, *row_count, on_migrated);
-  const std::string select = PageSql(table);
-  uint64_t count = kRowsPerBatch;
-  for (uint64_t offset = 0; count == kRowsPerBatch; offset += count) {
-    std::string page;
-    absl::Status status = from.ForEachRow(
-        select.c_str(),
-        [&](const PostgresRow& row) {
-          count = row.Unsigned(0);
-          page = row.Text(1);
-        },
-        kRowsPerBatch, offset);
-    if (status.ok() && count > 0) status = insert->Run(page);
+  std::pair<int64_t, int64_t> last;
+  uint64_t count = kRowsPerPage;
+  while (count == kRowsPerPage) {
+    Page page(table);
+    const auto add = [&](const SqlRow& row) { page.Add(row); };
+    absl::Status status = table.key_columns == 1
+                              ? from.ForEachRow(table.select.c_str(), add, last.first)
+                              : from.ForEachRow(table.select.c_str(), add, last.first, last.second);
+    if (status.ok()) status = to.Run(table.insert.c_str(), page.rows());
     if (!status.ok()) return status;
+    last = page.last();
+    count = page.count();
     progress.Add(count);
   }
   return absl::OkStatus();
 }
 
 // Compares the numbers of rows.
-absl::Status CheckCounts(SqliteDatabase& file, PostgresConnection& server) {
+absl::Status CheckCounts(SqlDatabase& from, SqlDatabase& to) {
   for (const Table& table : Tables()) {
-    const auto in_file = CountRows(table, file);
-    if (!in_file.ok()) return in_file.status();
-    const auto in_server = CountRows(table, server);
-    if (!in_server.ok()) return in_server.status();
-    if (*in_file != *in_server) {
-      return absl::DataLossError(absl::StrCat("of ", table.name, " ", *in_file,
-                                              " rows are in the file and ", *in_server,
-                                              " in PostgreSQL; nothing was changed"));
+    const auto before = CountRows(table, from);
+    if (!before.ok()) return before.status();
+    const auto after = CountRows(table, to);
+    if (!after.ok()) return after.status();
+    if (*before != *after) {
+      return absl::DataLossError(absl::StrCat("of the ", *before, " rows of ", table.name, " ",
+                                              *after, " were copied; nothing was changed"));
     }
   }
   return absl::OkStatus();
 }
 
-absl::Status CheckEmpty(PostgresConnection& connection) {
-  bool any = false;
-  absl::Status status =
-      connection.ForEachRow("SELECT EXISTS (SELECT 1 FROM source)",
-                            [&](const PostgresRow& row) { any = row.Boolean(0); });
-  if (!status.ok() || !any) return status;
+absl::Status CheckEmpty(SqlDatabase& database) {
+  const auto count = CountRows(Tables().front(), database);
+  if (!count.ok() || *count == 0) return count.status();
   return absl::AlreadyExistsError(
       "the store in PostgreSQL has sources; name another database, or export from one and import "
       "into the other");
 }
 
-absl::Status WriteAll(SqliteDatabase& file, PostgresConnection& connection,
-                      const OnMigrated& on_migrated) {
-  absl::Status status = connection.Execute("BEGIN; LOCK TABLE source IN EXCLUSIVE MODE");
-  if (status.ok()) status = CheckEmpty(connection);
-  for (const Table& table : Tables()) {
-    if (status.ok()) status = CopyTable(table, file, connection, on_migrated);
-  }
-  if (status.ok()) status = connection.Execute(kMakeSums);
-  if (status.ok()) status = connection.Execute(kSetNumbers);
-  if (status.ok()) status = CheckCounts(file, connection);
-  return status.ok() ? connection.Execute("COMMIT") : status;
-}
-
-absl::Status ReadAll(PostgresConnection& connection, SqliteDatabase& file,
-                     const OnMigrated& on_migrated) {
-  const PostgresSnapshot snapshot(connection);
+// Copies all rows into an empty database, in one transaction.
+absl::Status CopyAll(SqlDatabase& from, SqlDatabase& to, const OnMigrated& on_migrated) {
+  const SqlSnapshot snapshot(from);
   if (!snapshot.status().ok()) return snapshot.status();
-  SqliteTransaction transaction(file);
+  SqlTransaction transaction(to);
   absl::Status status = transaction.begun();
+  if (status.ok() && to.shared()) status = to.Execute("LOCK TABLE source IN EXCLUSIVE MODE");
+  if (status.ok()) status = CheckEmpty(to);
   for (const Table& table : Tables()) {
-    if (status.ok()) status = CopyTable(table, connection, file, on_migrated);
+    if (status.ok()) status = CopyTable(table, from, to, on_migrated);
   }
-  if (status.ok()) status = file.Execute(kMakeSqliteSums);
+  if (status.ok()) status = to.Run(kMakeSums);
+  if (status.ok()) status = to.Run(kSetNumbers);
   for (const Table& table : Tables()) {
-    if (status.ok() && table.is_hashed)
-      status = file.Execute(absl::StrCat("UPDATE ", table.name, " SET hash = content_hash"));
+    if (status.ok() && table.is_hashed && !to.shared())
+      status = to.Execute(absl::StrCat("UPDATE ", table.name, " SET hash = content_hash"));
   }
-  if (status.ok()) status = CheckCounts(file, connection);
+  if (status.ok()) status = CheckCounts(from, to);
   return status.ok() ? transaction.Commit() : status;
 }
 
@@ -395,7 +316,7 @@ absl::Status MakeDatabase(PostgresConnection& connection, const fs::path& direct
   if (!data.ok()) return data.status();
   auto file = OpenPriorDatabase(data->database());
   if (!file.ok()) return file.status();
-  return ReadAll(connection, *file, on_migrated);
+  return CopyAll(connection, *file, on_migrated);
 }
 
 }  // namespace
@@ -415,7 +336,7 @@ absl::StatusOr<StoreContents> MigrateToPostgres(const fs::path& directory, const
   if (!file.ok()) return file.status();
   PostgresConnection connection(url);
   absl::Status status = Prepare(connection);
-  if (status.ok()) status = WriteAll(*file, connection, on_migrated);
+  if (status.ok()) status = CopyAll(*file, connection, on_migrated);
   if (!status.ok()) return status;
   return contents;
 }

@@ -4,7 +4,6 @@
 
 #ifdef SWEEPSTAKE_WITH_POSTGRES
 #include "server/storage/postgres/postgres_prior_store.h"
-#include "server/storage/postgres/postgres_reader.h"
 #endif
 
 namespace sweepstake::storage {

@@ -202,7 +202,7 @@ TEST_F(TokenStoreTest, AFailedFirstTokenDoesNotCountAsALostFile) {
   {
     auto other =
         storage::SqliteDatabase::Open(path_.string(), storage::SqliteDatabase::OpenMode::kExisting);
-    const storage::SqliteTransaction locked(*other);
+    const storage::SqlTransaction locked(*other);
     EXPECT_TRUE(absl::IsUnavailable(store.Create(Named("game"), 1).status()));
   }
   EXPECT_FALSE(store.WereMade());

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/storage/sqlite_prior_reader.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/simulation/troubled_store.h"
 

@@ -32,6 +32,9 @@ class DamagedBackupTest : public ::testing::Test {
     const absl::Status status = file.Execute(sql);
     ASSERT_TRUE(status.ok()) << status;
   }
+  static std::string HarbourGrid() {
+    return "key_id IN (SELECT id FROM evidence_key WHERE scene = 'harbour' AND arm = 'Grid')";
+  }
   // Backs up, and opens the copy as the database of another directory.
   std::unique_ptr<PriorStore> RestoredBackup(int64_t damaged_row_count) {
     const auto made = BackUpStore(data_, file_);
@@ -65,7 +68,7 @@ class DamagedBackupTest : public ::testing::Test {
 };
 
 TEST_F(DamagedBackupTest, DamagedEvidenceIsOmittedAndTheRestIsKept) {
-  Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
+  Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND " + HarbourGrid());
   const auto store = RestoredBackup(1);
   const KeySum grid = SumOf(*store, Key("Grid"));
   EXPECT_EQ(grid.evidence.alpha, 0.75);
@@ -80,7 +83,9 @@ TEST_F(DamagedBackupTest, DamagedEvidenceIsOmittedAndTheRestIsKept) {
 }
 
 TEST_F(DamagedBackupTest, ASceneLosesASourceWhoseOnlyEvidenceIsDamaged) {
-  Damage("evidence SET hash = hash + 1 WHERE key_id = 3");
+  Damage(
+      "evidence SET hash = hash + 1 WHERE key_id IN "
+      "(SELECT id FROM evidence_key WHERE scene = 'desert')");
   const auto store = RestoredBackup(1);
   EXPECT_EQ(SumOf(*store, Key("Grid", "desert")).source_count, 0u);
   EXPECT_FALSE((*store->LoadSource("b"))->evidence.empty());
@@ -99,8 +104,8 @@ TEST_F(DamagedBackupTest, ADamagedSourceIsOmittedWithAllItsEvidence) {
 
 TEST_F(DamagedBackupTest, DamagedSumsAndCountsAreRecomputedAndNothingIsLost) {
   const KeySum before = SumOf(*store_, Key("Grid"));
-  Damage("evidence_key SET alpha_sum = 1000 WHERE id = 1");
-  Damage("evidence_key SET hash = 7 WHERE id = 2");
+  Damage("evidence_key SET alpha_sum = 1000 WHERE scene = 'harbour' AND arm = 'Grid'");
+  Damage("evidence_key SET hash = 7 WHERE arm = 'SAP'");
   Damage("scene SET source_count = 7 WHERE scene = 'desert'");
   const auto store = RestoredBackup(3);
   EXPECT_EQ(SumOf(*store, Key("Grid")).evidence.alpha, before.evidence.alpha);
@@ -109,7 +114,7 @@ TEST_F(DamagedBackupTest, DamagedSumsAndCountsAreRecomputedAndNothingIsLost) {
 }
 
 TEST_F(DamagedBackupTest, TheDatabaseItselfIsNotChanged) {
-  Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
+  Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND " + HarbourGrid());
   RestoredBackup(1);
   auto live = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
   EXPECT_EQ(*CountDamagedRows(live), 1);
@@ -117,13 +122,13 @@ TEST_F(DamagedBackupTest, TheDatabaseItselfIsNotChanged) {
 }
 
 TEST_F(DamagedBackupTest, OtherFaultsAreStillReported) {
-  Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
+  Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND " + HarbourGrid());
   Damage("scene_source SET scene_id = 3 - scene_id WHERE source_id = 1");
   EXPECT_TRUE(absl::IsDataLoss(BackUpStore(data_, file_).status()));
 }
 
 TEST_F(DamagedBackupTest, TheDaemonMakesBackupsAndReportsHowManyRowsTheyLack) {
-  Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
+  Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND " + HarbourGrid());
   std::promise<absl::StatusOr<MadeBackup>> made;
   {
     AutomaticBackups backups(path_, {.patience = std::chrono::milliseconds(0)},
@@ -143,7 +148,7 @@ TEST_F(DamagedBackupTest, TheDaemonMakesBackupsAndReportsHowManyRowsTheyLack) {
 }
 
 TEST_F(DamagedBackupTest, ASavedMisplacedStoreWithADamagedRowCanBeRestored) {
-  Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND key_id = 1");
+  Damage("evidence SET alpha = 1000 WHERE source_id = 1 AND " + HarbourGrid());
   std::filesystem::rename(path_, data_ / "moved");
   const auto saved = SaveMisplacedStore(*store_, path_);
   ASSERT_TRUE(saved.ok()) << saved.status();

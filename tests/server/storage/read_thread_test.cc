@@ -8,7 +8,6 @@
 #include <atomic>
 #include <future>
 
-#include "server/storage/sqlite_prior_reader.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "server/storage/store_thread.h"
 #include "tests/server/storage/evidence_samples.h"

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "server/storage/sqlite_prior_reader.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
 #include "tests/server/storage/failing_disk.h"
@@ -35,8 +34,7 @@ class SceneCountsTest : public ::testing::Test {
   // Returns the store's counts, after a comparison with a count of the rows.
   Count Counts() {
     const auto kept = *store_->CountScenes("game");
-    auto database = *SqliteDatabase::Open(path_, SqliteDatabase::OpenMode::kReadOnly);
-    const auto counted = *SqlitePriorReader::Prepare(database)->CountScenes("game");
+    const auto counted = *(*OpenSqliteReadConnection(path_))->Begin().CountScenes("game");
     EXPECT_EQ(Count(kept.names, kept.keys), Count(counted.names, counted.keys));
     return {kept.names, kept.keys};
   }

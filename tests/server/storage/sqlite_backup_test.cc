@@ -135,8 +135,8 @@ TEST_F(SqliteBackupTest, ReportsSourcesThatDifferFromTheEvidence) {
               HasSubstr("2 sources that their scene does not have"));
   Execute("UPDATE scene_source SET scene_id = 3 - scene_id");
   EXPECT_TRUE(VerifyStore(file_).ok());
-  Execute("INSERT INTO scene_source VALUES (1, 2)");
-  Execute("UPDATE scene SET source_count = 2 WHERE id = 2");
+  Execute("INSERT INTO scene_source SELECT 1, id FROM scene WHERE scene = 'desert'");
+  Execute("UPDATE scene SET source_count = 2 WHERE scene = 'desert'");
   Execute("UPDATE scene SET hash = content_hash");
   EXPECT_THAT(std::string(VerifyStore(file_).status().message()),
               HasSubstr("1 sources of scenes without their evidence"));

@@ -1,7 +1,11 @@
-// Reads a prior store in PostgreSQL over one connection. A call sees one state of the store, and so
-// do several calls in the scope of one PostgresSnapshot.
+// The reads of the prior store, for the store itself and for a second connection, which sees what
+// the store has committed and does not block it. Used by one thread at a time.
+//
+// LoadScene and List read stored sums, and LoadSources reads some of the latest sources, so that
+// their cost does not depend on the number of sources.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -11,15 +15,22 @@
 
 #include "absl/status/statusor.h"
 #include "server/sessions/prior_store.h"
-#include "server/storage/postgres/postgres_connection.h"
 #include "server/storage/read_thread.h"
+#include "server/storage/sql/sql_database.h"
 
 namespace sweepstake::storage {
 
-class PostgresReader : public priors::PriorReader {
+// The statement about evidence that counts, and about that in quarantine: TABLE in `sql` is theirs.
+using EvidenceStatements = std::array<std::string, 2>;
+EvidenceStatements ForBothTables(const char* sql);
+
+// Reads alpha, beta, window_count and bail_out_count, from column `first` on.
+priors::Evidence EvidenceOf(const SqlRow& row, int first);
+
+class SqlPriorReader final : public priors::PriorReader {
  public:
-  // `connection` must outlive it. Each call connects if necessary.
-  explicit PostgresReader(PostgresConnection& connection) : connection_(connection) {}
+  // `database` must outlive it.
+  explicit SqlPriorReader(SqlDatabase& database) : database_(database) {}
 
   absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
       const priors::SceneKey& scene) override;
@@ -34,10 +45,14 @@ class PostgresReader : public priors::PriorReader {
   absl::StatusOr<uint64_t> CountProjects() override;
   absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
                                             const priors::ExportPlace& after,
-                                            uint32_t limit) override;
+                                            uint32_t limit) override {
+    return ExportAll(filter, after, limit, /*quarantined=*/false);
+  }
   absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
                                                        const priors::ExportPlace& after,
-                                                       uint32_t limit) override;
+                                                       uint32_t limit) override {
+    return ExportAll(filter, after, limit, /*quarantined=*/true);
+  }
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override;
@@ -46,34 +61,45 @@ class PostgresReader : public priors::PriorReader {
                                                           size_t max_bytes) override;
 
   // Returns the scenes whose evidence was changed by transactions from `since` on. Sets `since` to
-  // the first transaction that was not finished yet, so that no change is left out.
+  // the first transaction that was not finished yet, so that no change is left out. REQUIRES: the
+  // database is shared.
   absl::StatusOr<std::vector<priors::SceneKey>> LoadChangedScenes(std::string& since);
 
  private:
   struct ExportKey {
     priors::EvidenceKey key;
     int64_t id = 0;  // 0: missing
+    bool damaged = false;
   };
+  // The key of an arm's evidence in a scene, and how many of its sources are used.
+  struct ArmKey {
+    size_t class_number = 0;
+    uint32_t source_limit = 0;
+    std::string arm;
+    uint32_t backend_version = 1;
+    std::string measured_by;
+  };
+  using ArmKeys = std::map<int64_t, ArmKey>;  // by the ids of evidence_key
 
-  // Appends the evidence of up to `limit` sources about each arm of a scene, ordered by source.
-  absl::Status AppendSources(int64_t scene_id, const priors::SceneKey& scene, uint32_t limit,
-                             std::vector<priors::SceneSource>& sources);
+  // Appends to `chosen` the ids of each key and of the sources to use for it.
+  absl::Status ChooseSources(const ArmKeys& keys, SqlBatch& chosen);
   absl::Status LoadArms(const std::map<int64_t, priors::SceneEvidence*>& scenes);
+  // Exports the evidence that counts, or that in quarantine.
   absl::StatusOr<priors::ExportPage> ExportAll(const priors::SceneFilter& filter,
                                                const priors::ExportPlace& after, uint32_t limit,
                                                bool quarantined);
-  // Returns the first key from `first` on that has evidence, or evidence in quarantine.
+  // Returns the first matching key from `first` on, but with the given reward version.
   absl::StatusOr<ExportKey> NextKey(const priors::SceneFilter& filter,
                                     const priors::EvidenceKey& first, int64_t first_reward_version,
                                     bool quarantined);
-  // Appends the key's records until the page has `limit` of them.
+  // Appends the key's records behind the page's place until the page has `limit` of them.
   absl::Status AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,
                               priors::ExportPage& page);
 
-  PostgresConnection& connection_;
+  SqlDatabase& database_;
 };
 
-// Opens a connection for a ReadThread. If the server does not answer, reads return UNAVAILABLE.
-std::unique_ptr<ReadConnection> OpenPostgresReadConnection(const std::string& url);
+// Returns a connection for a ReadThread. If its snapshot fails, each read returns the error.
+std::unique_ptr<ReadConnection> MakeReadConnection(std::unique_ptr<SqlDatabase> database);
 
 }  // namespace sweepstake::storage

@@ -1,0 +1,58 @@
+// The audit log in the prior store's database. It has a table of segments, a table of rows, whose
+// ids grow in the order of arrival, and a table of chunks, each a range of those ids. The oldest
+// chunk is removed as a whole. Rows of kAdminSession are in no chunk, and have a limit of their
+// own. In a shared database the limits are those of the daemon that writes. SqlPriorReader reads
+// the log. Used by one thread at a time.
+//
+// Removed rows free space for new ones, but a file does not shrink.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "server/sessions/prior_store.h"
+#include "server/storage/sql/sql_database.h"
+
+namespace sweepstake::storage {
+
+class SqlAuditLog {
+ public:
+  // `database` must outlive it.
+  SqlAuditLog(SqlDatabase& database, const priors::AuditLimits& limits)
+      : database_(database), limits_(limits) {}
+
+  // Changes the limits. Trim and Append remove rows beyond them.
+  void Limit(const priors::AuditLimits& limits) { limits_ = limits; }
+  // Removes rows beyond the limits, in the caller's transaction.
+  absl::Status Trim(uint64_t unix_now_s);
+  // Appends the rows of the updates in the caller's transaction. Returns how many could not be
+  // written: invalid rows or, after an error, all rows. After an error the transaction is as
+  // before, or SQLite has ended it. Errors, in a shared database: UNAVAILABLE and ABORTED, after
+  // which the whole transaction must be repeated.
+  absl::StatusOr<uint64_t> Append(std::span<const priors::SourceUpdate* const> updates);
+
+ private:
+  // A stored segment.
+  struct Segment {
+    int64_t id = 0;  // 0: missing
+    uint64_t last_row = 0;
+  };
+
+  absl::Status AppendAll(std::span<const priors::SourceUpdate* const> updates, uint64_t& lost);
+  absl::Status AppendOne(const priors::SourceUpdate& update, uint64_t& lost);
+  absl::StatusOr<Segment> Find(const std::string& session_id, uint32_t segment);
+  absl::StatusOr<int64_t> Add(const std::string& session_id, const priors::AuditRows& rows);
+  // Adds to the bytes of the latest chunk, or of a new one if that is full.
+  absl::Status GrowChunk(uint64_t bytes, uint64_t unix_now_s);
+  // Runs a statement that removes rows and returns their segments. Removes the segments that are
+  // empty then.
+  template <typename... Args>
+  absl::Status RemoveRows(const char* sql, const Args&... args);
+
+  SqlDatabase& database_;
+  priors::AuditLimits limits_;
+};
+
+}  // namespace sweepstake::storage

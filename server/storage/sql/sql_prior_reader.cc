@@ -1,0 +1,527 @@
+#include "server/storage/sql/sql_prior_reader.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "engine_client/decider/pooling/source_choice.h"
+
+namespace sweepstake::storage {
+namespace {
+
+using priors::EvidenceKey;
+using priors::SceneEvidence;
+using priors::SceneFilter;
+using priors::SceneKey;
+
+// The scene's classes of machines: the given one first, then the newest ones.
+constexpr const char* kSceneClasses = R"sql(
+    SELECT id, machine_class, [hash = content_hash]{true} FROM scene
+    WHERE project = ?1 AND scene = ?2 AND reward_version = ?4 AND source_count > 0
+    ORDER BY machine_class = ?3 DESC, id DESC LIMIT ?5)sql";
+constexpr const char* kSceneKeys = R"sql(
+    SELECT scene_id, id, arm, backend_version, measured_by, [hash = content_hash]{true}
+    FROM evidence_key{, @given} WHERE scene_id = ?1 AND source_count > 0)sql";
+constexpr const char* kLatestSources = R"sql(
+    {SELECT latest.* FROM @given CROSS JOIN LATERAL (}
+    SELECT key_id, source_id FROM evidence WHERE key_id = ?1 ORDER BY source_id DESC LIMIT ?2
+    {) latest ORDER BY 1, 2 DESC})sql";
+constexpr const char* kTokens = "SELECT id, token_id FROM source{, @given} WHERE id = ?1";
+// Rows with a wrong hash were excluded from the sums too.
+constexpr const char* kEvidenceOfSources = R"sql(
+    SELECT key_id, s.id, name, build, last_seen_unix_s, alpha, beta, window_count, bail_out_count
+    FROM evidence e [CROSS] JOIN source s ON s.id = e.source_id{, @given}
+    WHERE key_id = ?1 AND source_id = ?2 [AND e.hash = e.content_hash AND s.hash = s.content_hash]
+    )sql";
+constexpr const char* kLoadSource = R"sql(
+    SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
+           frame_count, seed, created_unix_s, last_seen_unix_s, [hash = content_hash]{true},
+           (SELECT coalesce(max(segment), 0) FROM audit_segment WHERE session = name)
+    FROM source WHERE name = ?1 AND is_session AND NOT revoked)sql";
+constexpr const char* kSourceEvidence = R"sql(
+    SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
+           alpha, beta, window_count, bail_out_count,
+           [k.hash = k.content_hash AND e.hash = e.content_hash]{true}
+    FROM evidence e JOIN evidence_key k ON k.id = key_id WHERE source_id = ?1
+    ORDER BY 1, 2, 3, 4, 5, 6, 7)sql";
+// In SQLite the first row value ends the range of the index at the project and the scene, if given.
+// A blob sorts after every text.
+constexpr const char* kListScenes = R"sql(
+    SELECT id, source_count, project, scene, machine_class, reward_version FROM scene
+    WHERE [(project, scene) <= (iif(?1 = '', x'', ?1), iif(?2 = '', x'', ?2))
+      AND hash = content_hash
+      AND NOT EXISTS (SELECT 1 FROM evidence_key k
+                      WHERE k.scene_id = scene.id AND k.hash <> k.content_hash) AND]
+      (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
+      AND (project, scene, machine_class, reward_version) > (?3, ?4, ?5, ?6)
+      AND source_count > 0
+      AND (?8 = '' OR instr(?8, char(10) || project || char(10)) > 0)
+    ORDER BY project, scene, machine_class, reward_version LIMIT ?7)sql";
+constexpr const char* kFindScene = R"sql(
+    SELECT id, source_count,
+           [hash = content_hash
+             AND NOT EXISTS (SELECT 1 FROM evidence_key k
+                             WHERE k.scene_id = scene.id AND k.hash <> k.content_hash)]{true}
+    FROM scene
+    WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4
+      AND source_count > 0)sql";
+constexpr const char* kSceneArms = R"sql(
+    SELECT scene_id, arm, backend_version, measured_by, alpha_sum, beta_sum, window_sum,
+           bail_out_sum
+    FROM evidence_key{, @given} WHERE scene_id = ?1 AND source_count > 0)sql";
+constexpr const char* kSceneAges = R"sql(
+    SELECT scene_id, arm, backend_version,
+           (SELECT coalesce(max(last_seen_unix_s), 0)
+            FROM (SELECT source_id FROM evidence WHERE key_id = k.id
+                  ORDER BY source_id DESC LIMIT ?2) e
+                 [CROSS] JOIN source s ON s.id = e.source_id [AND s.hash = s.content_hash])
+    FROM evidence_key k{, @given} WHERE scene_id = ?1 AND source_count > 0)sql";
+constexpr const char* kCountScenes =
+    "SELECT count(DISTINCT scene), count(*) FROM scene WHERE project = ?1 AND source_count > 0";
+// Jumps from one project to the next in the index, however many scenes they have.
+constexpr const char* kCountProjects = R"sql(
+    WITH RECURSIVE known(project) AS (
+      SELECT min(project) FROM scene
+      UNION ALL
+      SELECT (SELECT min(s.project) FROM scene s WHERE s.project > known.project)
+      FROM known WHERE known.project IS NOT NULL)
+    SELECT count(*) FROM known
+    WHERE EXISTS (SELECT 1 FROM scene s WHERE s.project = known.project AND source_count > 0))sql";
+// The row value finds its place in the index without reading what comes before it.
+constexpr const char* kNextKey = R"sql(
+    SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
+           id, [hash = content_hash]{true}
+    FROM evidence_key
+    WHERE (project, scene, measured_by, arm, backend_version, machine_class, reward_version)
+          >= (?3, ?4, ?5, ?6, ?7, ?8, ?9)
+      AND (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
+      AND (?10 = '' OR instr(?10, char(10) || project || char(10)) > 0)
+      AND EXISTS (SELECT 1 FROM TABLE WHERE key_id = id)
+    ORDER BY 1, 2, 3, 4, 5, 6, 7 LIMIT 1)sql";
+constexpr const char* kKeyEvidence = R"sql(
+    SELECT s.id, name, sequence, alpha, beta, window_count, bail_out_count,
+           [e.hash = e.content_hash AND s.hash = s.content_hash]{true},
+           build, last_seen_unix_s, is_session
+    FROM TABLE e [CROSS] JOIN source s ON s.id = source_id
+    WHERE key_id = ?1 AND source_id > ?2
+    ORDER BY source_id LIMIT ?3)sql";
+constexpr const char* kListSegments = R"sql(
+    SELECT id, session, segment, project, scene, unix_start_ms,
+           (SELECT min(number) FROM audit_row WHERE segment_id = s.id),
+           (SELECT max(number) FROM audit_row WHERE segment_id = s.id),
+           (SELECT count(*) FROM audit_row WHERE segment_id = s.id)
+    FROM audit_segment s
+    WHERE id > ?4 AND (?1 = '' OR session = ?1) AND (?2 = '' OR project = ?2)
+      AND (?3 = '' OR scene = ?3)
+      AND (?6 = '' OR instr(?6, char(10) || project || char(10)) > 0)
+    ORDER BY id LIMIT ?5)sql";
+constexpr const char* kLoadRows = R"sql(
+    SELECT number, text FROM (
+      SELECT number, text,
+             sum(octet_length(text)) OVER (ORDER BY number) - octet_length(text) AS before
+      FROM (SELECT number, text FROM audit_row
+            WHERE segment_id = ?1 AND number >= ?2 ORDER BY number LIMIT ?3) page) r
+    WHERE before < ?4 ORDER BY number)sql";
+constexpr const char* kChangedScenes = R"sql({
+    SELECT project, scene, machine_class, reward_version FROM scene WHERE changed_in >= ?1::xid8
+    })sql";
+constexpr const char* kOldestTransaction = "{SELECT pg_snapshot_xmin(pg_current_snapshot())}";
+
+EvidenceKey KeyOf(const SqlRow& row) {
+  return {.project = row.Text(0),
+          .scene = row.Text(1),
+          .measured_by = row.Text(2),
+          .arm = row.Text(3),
+          .backend_version = row.Small(4),
+          .machine_class = row.Text(5),
+          .reward_version = row.Small(6)};
+}
+
+absl::Status Damaged(absl::string_view what) {
+  return absl::DataLossError(
+      absl::StrCat("a row of ", what, " is not what was written: it was changed on the disk"));
+}
+
+absl::Status DamagedScene(absl::string_view project, absl::string_view scene) {
+  return Damaged(absl::StrCat("scene ", scene, " of project ", project));
+}
+
+}  // namespace
+
+EvidenceStatements ForBothTables(const char* sql) {
+  return {absl::StrReplaceAll(sql, {{"TABLE", "evidence"}}),
+          absl::StrReplaceAll(sql, {{"TABLE", "quarantined_evidence"}})};
+}
+
+priors::Evidence EvidenceOf(const SqlRow& row, int first) {
+  return {.alpha = row.Amount(first),
+          .beta = row.Amount(first + 1),
+          .window_count = row.Count(first + 2),
+          .bail_out_count = row.Count(first + 3)};
+}
+
+absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
+    const SceneKey& scene) {
+  const SqlSnapshot snapshot(database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  std::vector<SceneKey> classes;
+  std::map<int64_t, size_t> class_of;  // by the ids of scenes
+  SqlBatch ids;
+  bool whole = true;
+  absl::Status status = database_.ForEachRow(
+      kSceneClasses,
+      [&](const SqlRow& row) {
+        class_of[row.Integer(0)] = classes.size();
+        ids.Add(row.Integer(0));
+        classes.push_back(scene);
+        classes.back().machine_class = row.Text(1);
+        whole = whole && row.Boolean(2);
+      },
+      scene.project, scene.scene, scene.machine_class, scene.reward_version,
+      1 + priors::kOtherClasses);
+  if (!status.ok()) return status;
+  ArmKeys keys;
+  status = database_.ForEachRow(
+      kSceneKeys,
+      [&](const SqlRow& row) {
+        const size_t of = class_of.at(row.Integer(0));
+        keys[row.Integer(1)] = {.class_number = of,
+                                .source_limit = classes[of] == scene ? priors::kSourcesOfScene
+                                                                     : priors::kSourcesOfOtherClass,
+                                .arm = row.Text(2),
+                                .backend_version = row.Small(3),
+                                .measured_by = row.Text(4)};
+        whole = whole && row.Boolean(5);
+      },
+      ids);
+  if (status.ok() && !whole) return DamagedScene(scene.project, scene.scene);
+  SqlBatch chosen;
+  if (status.ok()) status = ChooseSources(keys, chosen);
+  if (!status.ok()) return status;
+  std::map<std::pair<size_t, int64_t>, priors::SceneSource> sources;  // by class and source
+  status = database_.ForEachRow(
+      kEvidenceOfSources,
+      [&](const SqlRow& row) {
+        const ArmKey& key = keys.at(row.Integer(0));
+        priors::SceneSource& source = sources[{key.class_number, row.Integer(1)}];
+        source.id = row.Text(2);
+        source.build = row.Text(3);
+        source.last_seen_unix_s = row.Unsigned(4);
+        source.evidence.key = classes[key.class_number];
+        source.evidence.source_count = 1;
+        source.evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by) =
+            EvidenceOf(row, 5);
+      },
+      chosen);
+  if (!status.ok()) return status;
+  std::vector<priors::SceneSource> list;
+  for (auto& [place, source] : sources) list.push_back(std::move(source));
+  return list;
+}
+
+absl::Status SqlPriorReader::ChooseSources(const ArmKeys& keys, SqlBatch& chosen) {
+  SqlBatch places;
+  for (const auto& [id, key] : keys) places.Add(id, decision::kSourcesPerPlace * key.source_limit);
+  std::map<int64_t, std::vector<int64_t>> latest;  // sources by key, the latest one first
+  absl::Status status = database_.ForEachRow(
+      kLatestSources, [&](const SqlRow& row) { latest[row.Integer(0)].push_back(row.Integer(1)); },
+      places);
+  if (!status.ok()) return status;
+  std::map<int64_t, int64_t> token_of;  // by source
+  for (const auto& [key, sources] : latest) {
+    for (const int64_t source : sources) token_of.try_emplace(source, 0);
+  }
+  SqlBatch ids;
+  for (const auto& [source, token] : token_of) ids.Add(source);
+  status = database_.ForEachRow(
+      kTokens, [&](const SqlRow& row) { token_of[row.Integer(0)] = row.Integer(1); }, ids);
+  if (!status.ok()) return status;
+  for (const auto& [key, sources] : latest) {
+    std::vector<int64_t> tokens;
+    for (const int64_t source : sources) tokens.push_back(token_of[source]);
+    for (const size_t i : decision::ChooseSources(tokens, keys.at(key).source_limit))
+      chosen.Add(key, sources[i]);
+  }
+  return status;
+}
+
+absl::StatusOr<std::optional<priors::SourceState>> SqlPriorReader::LoadSource(
+    const std::string& source_id) {
+  const SqlSnapshot snapshot(database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  priors::SourceState state;
+  int64_t id = 0;
+  bool whole = true;
+  absl::Status status = database_.ForEachRow(
+      kLoadSource,
+      [&](const SqlRow& row) {
+        id = row.Integer(0);
+        state.progress = {.source_id = source_id,
+                          .commit_sequence = row.Unsigned(1),
+                          .message_sequence = row.Unsigned(2),
+                          .explored_arm_count = row.Small(3),
+                          .decision_count = row.Unsigned(4),
+                          .frame_count = row.Unsigned(5),
+                          .seed = row.Unsigned(6)};
+        state.created_unix_s = row.Unsigned(7);
+        state.last_seen_unix_s = row.Unsigned(8);
+        whole = row.Boolean(9);
+        state.audit_segment = row.Small(10);
+      },
+      source_id);
+  if (!status.ok()) return status;
+  if (id == 0) return std::nullopt;
+  status = database_.ForEachRow(
+      kSourceEvidence,
+      [&](const SqlRow& row) {
+        state.evidence.push_back({KeyOf(row), EvidenceOf(row, 7)});
+        whole = whole && row.Boolean(11);
+      },
+      id);
+  if (!status.ok()) return status;
+  if (!whole) return Damaged(absl::StrCat("source ", source_id));
+  return state;
+}
+
+absl::Status SqlPriorReader::LoadArms(const std::map<int64_t, SceneEvidence*>& scenes) {
+  SqlBatch ids, ages;
+  for (const auto& [id, scene] : scenes) {
+    ids.Add(id);
+    ages.Add(id, priors::kSourcesOfAge);
+  }
+  const auto arm_of = [&](const SqlRow& row) -> SceneEvidence::Arm& {
+    return scenes.at(row.Integer(0))->ArmOf(row.Text(1), row.Small(2));
+  };
+  absl::Status status = database_.ForEachRow(
+      kSceneArms, [&](const SqlRow& row) { arm_of(row).of(row.Text(3)) += EvidenceOf(row, 4); },
+      ids);
+  if (!status.ok()) return status;
+  // If only the sources are unreadable, the sums are returned and the times are unknown.
+  database_
+      .ForEachRow(
+          kSceneAges,
+          [&](const SqlRow& row) {
+            SceneEvidence::Arm& arm = arm_of(row);
+            arm.last_seen_unix_s = std::max(arm.last_seen_unix_s, row.Unsigned(3));
+          },
+          ages)
+      .IgnoreError();
+  return status;
+}
+
+absl::StatusOr<std::vector<SceneEvidence>> SqlPriorReader::List(
+    const SceneFilter& filter, const std::optional<SceneKey>& after, uint32_t limit) {
+  const SqlSnapshot snapshot(database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  // The start is before all wanted scenes: an empty project is before every project, and a key
+  // without a reward version before those of its scene.
+  const SceneKey start = after.value_or(SceneKey{filter.project, filter.scene, "", 0});
+  std::vector<SceneEvidence> scenes;
+  std::vector<int64_t> ids;
+  absl::Status status = database_.ForEachRow(
+      kListScenes,
+      [&](const SqlRow& row) {
+        ids.push_back(row.Integer(0));
+        scenes.push_back({.key = {row.Text(2), row.Text(3), row.Text(4), row.Small(5)},
+                          .arms = {},
+                          .source_count = row.Unsigned(1)});
+      },
+      filter.project, filter.scene, start.project, start.scene, start.machine_class,
+      start.reward_version, limit, LineList(filter.projects));
+  std::map<int64_t, SceneEvidence*> by_id;
+  for (size_t i = 0; i < scenes.size(); ++i) by_id[ids[i]] = &scenes[i];
+  if (status.ok()) status = LoadArms(by_id);
+  if (!status.ok()) return status;
+  return scenes;
+}
+
+absl::StatusOr<std::optional<SceneEvidence>> SqlPriorReader::LoadScene(const SceneKey& key) {
+  const SqlSnapshot snapshot(database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  SceneEvidence scene{.key = key, .arms = {}, .source_count = 0};
+  int64_t id = 0;
+  bool whole = true;
+  absl::Status status = database_.ForEachRow(
+      kFindScene,
+      [&](const SqlRow& row) {
+        id = row.Integer(0);
+        scene.source_count = row.Unsigned(1);
+        whole = row.Boolean(2);
+      },
+      key.project, key.scene, key.machine_class, key.reward_version);
+  if (status.ok() && id == 0) return std::nullopt;
+  if (!whole) return DamagedScene(key.project, key.scene);
+  if (status.ok()) status = LoadArms({{id, &scene}});
+  if (!status.ok()) return status;
+  return scene;
+}
+
+absl::StatusOr<std::vector<SceneKey>> SqlPriorReader::LoadChangedScenes(std::string& since) {
+  const SqlSnapshot snapshot(database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  std::vector<SceneKey> scenes;
+  absl::Status status = database_.ForEachRow(
+      kChangedScenes,
+      [&](const SqlRow& row) {
+        scenes.push_back({row.Text(0), row.Text(1), row.Text(2), row.Small(3)});
+      },
+      since);
+  if (status.ok())
+    status =
+        database_.ForEachRow(kOldestTransaction, [&](const SqlRow& row) { since = row.Text(0); });
+  if (!status.ok()) return status;
+  return scenes;
+}
+
+absl::StatusOr<priors::SceneCount> SqlPriorReader::CountScenes(const std::string& project) {
+  const SqlSnapshot snapshot(database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  priors::SceneCount count;
+  absl::Status status = database_.ForEachRow(
+      kCountScenes,
+      [&](const SqlRow& row) {
+        count = {row.Unsigned(0), row.Unsigned(1)};
+      },
+      project);
+  if (!status.ok()) return status;
+  return count;
+}
+
+absl::StatusOr<uint64_t> SqlPriorReader::CountProjects() {
+  const SqlSnapshot snapshot(database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  uint64_t count = 0;
+  absl::Status status =
+      database_.ForEachRow(kCountProjects, [&](const SqlRow& row) { count = row.Unsigned(0); });
+  if (!status.ok()) return status;
+  return count;
+}
+
+absl::StatusOr<SqlPriorReader::ExportKey> SqlPriorReader::NextKey(const SceneFilter& filter,
+                                                                  const EvidenceKey& first,
+                                                                  int64_t first_reward_version,
+                                                                  bool quarantined) {
+  static const auto& statements = *new EvidenceStatements(ForBothTables(kNextKey));
+  ExportKey next;
+  absl::Status status = database_.ForEachRow(
+      statements[quarantined ? 1 : 0].c_str(),
+      [&](const SqlRow& row) {
+        next = {.key = KeyOf(row), .id = row.Integer(7), .damaged = !row.Boolean(8)};
+      },
+      filter.project, filter.scene, first.project, first.scene, first.measured_by, first.arm,
+      first.backend_version, first.machine_class, first_reward_version, LineList(filter.projects));
+  if (!status.ok()) return status;
+  return next;
+}
+
+absl::Status SqlPriorReader::AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,
+                                            priors::ExportPage& page) {
+  static const auto& statements = *new EvidenceStatements(ForBothTables(kKeyEvidence));
+  const uint64_t first = page.next.key == key.key ? page.next.source_number : 0;
+  bool damaged = key.damaged;
+  absl::Status status = database_.ForEachRow(
+      statements[quarantined ? 1 : 0].c_str(),
+      [&](const SqlRow& row) {
+        damaged = damaged || !row.Boolean(7);
+        page.records.push_back({key.key, row.Text(1), row.Unsigned(2), EvidenceOf(row, 3),
+                                row.Text(8), row.Unsigned(9), !row.Boolean(10), quarantined});
+        page.next = {key.key, row.Unsigned(0)};
+      },
+      key.id, first, limit - page.records.size());
+  return status.ok() && damaged ? DamagedScene(key.key.project, key.key.scene) : status;
+}
+
+absl::StatusOr<priors::ExportPage> SqlPriorReader::ExportAll(const SceneFilter& filter,
+                                                             const priors::ExportPlace& after,
+                                                             uint32_t limit, bool quarantined) {
+  const SqlSnapshot snapshot(database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  priors::ExportPage page{.records = {}, .next = after};
+  EvidenceKey first = after.key;
+  // Begins at the filter's project in the index.
+  if (first.project < filter.project) {
+    first = EvidenceKey{};
+    first.project = filter.project;
+    first.scene = filter.scene;
+  }
+  int64_t first_reward_version = first.reward_version;
+  while (page.records.size() < limit) {
+    const auto key = NextKey(filter, first, first_reward_version, quarantined);
+    if (!key.ok()) return key.status();
+    if (key->id == 0) break;
+    if (absl::Status status = AppendEvidence(*key, limit, quarantined, page); !status.ok())
+      return status;
+    // The version comes last in the order of keys, and is a whole number.
+    first = key->key;
+    first_reward_version = int64_t{first.reward_version} + 1;
+  }
+  return page;
+}
+
+absl::StatusOr<std::vector<priors::AuditSegment>> SqlPriorReader::ListAudit(
+    const priors::AuditFilter& filter, uint64_t after, uint32_t limit) {
+  const SqlSnapshot snapshot(database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  std::vector<priors::AuditSegment> segments;
+  absl::Status status = database_.ForEachRow(
+      kListSegments,
+      [&](const SqlRow& row) {
+        const uint64_t first = row.Unsigned(6);
+        const uint64_t count = row.Unsigned(8);
+        segments.push_back({.id = row.Unsigned(0),
+                            .session_id = row.Text(1),
+                            .segment = row.Small(2),
+                            .project = row.Text(3),
+                            .scene = row.Text(4),
+                            .unix_start_ms = row.Integer(5),
+                            .first_row = first,
+                            .row_count = count,
+                            .lost_row_count = row.Unsigned(7) - first + 1 - count});
+      },
+      filter.session_id, filter.project, filter.scene, after, limit, LineList(filter.projects));
+  if (!status.ok()) return status;
+  return segments;
+}
+
+absl::StatusOr<std::vector<priors::AuditRow>> SqlPriorReader::LoadAudit(uint64_t segment_id,
+                                                                        uint64_t first_row,
+                                                                        uint32_t limit,
+                                                                        size_t max_bytes) {
+  const SqlSnapshot snapshot(database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  std::vector<priors::AuditRow> rows;
+  absl::Status status = database_.ForEachRow(
+      kLoadRows,
+      [&](const SqlRow& row) { rows.push_back({.number = row.Unsigned(0), .text = row.Bytes(1)}); },
+      segment_id, first_row, limit, max_bytes);
+  if (!status.ok()) return status;
+  return rows;
+}
+
+namespace {
+
+class SqlReadConnection final : public ReadConnection {
+ public:
+  explicit SqlReadConnection(std::unique_ptr<SqlDatabase> database)
+      : database_(std::move(database)), reader_(*database_) {}
+
+  priors::PriorReader& Begin() override {
+    snapshot_.emplace(*database_);
+    return reader_;
+  }
+  void End() override { snapshot_.reset(); }
+
+ private:
+  const std::unique_ptr<SqlDatabase> database_;
+  SqlPriorReader reader_;
+  std::optional<SqlSnapshot> snapshot_;  // present while a job reads
+};
+
+}  // namespace
+
+std::unique_ptr<ReadConnection> MakeReadConnection(std::unique_ptr<SqlDatabase> database) {
+  return std::make_unique<SqlReadConnection>(std::move(database));
+}
+
+}  // namespace sweepstake::storage

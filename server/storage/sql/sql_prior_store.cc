@@ -1,0 +1,795 @@
+#include "server/storage/sql/sql_prior_store.h"
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+#include "absl/strings/str_cat.h"
+#include "engine_client/decider/audit/audit_log.h"
+#include "server/storage/record_limits.h"
+
+namespace sweepstake::storage {
+namespace {
+
+using priors::Evidence;
+using priors::EvidenceKey;
+using priors::ImportResult;
+using priors::PriorRecord;
+using priors::SceneKey;
+using priors::SourceUpdate;
+
+constexpr const char* kFirstTransaction = "0";
+constexpr int kAttempts = 20;              // of a transaction that conflicts with others
+constexpr size_t kMaxKnownKeys = 100'000;  // some 200 bytes each
+
+// In SQLite each statement that writes a row writes its hash (sql_schema.h): row_hash of the values
+// of a new row, and next_hash for a changed one, which keeps a wrong hash wrong.
+
+constexpr const char* kLockSources = R"sql(
+    SELECT name, id, is_session, revoked, commit_sequence, [0]{writer} FROM source{, @given}
+    WHERE name = ?1 {ORDER BY name FOR NO KEY UPDATE OF source})sql";
+constexpr const char* kNextSourceIds = R"sql(
+    [WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < ?1)
+     SELECT i + (SELECT coalesce(max(id), 0) FROM source) FROM n]
+    {SELECT nextval('source_number') FROM generate_series(1, ?1)})sql";
+constexpr const char* kAddSources = R"sql(
+    INSERT INTO source (id, name, build, last_seen_unix_s[, hash])
+    [VALUES (?1, ?2, ?3, ?4, row_hash(?2, 0, 0, 0, 0, 0, 0, 0, 0, 0, ?4, ?3, 0))]
+    {SELECT ?1, ?2, ?3, ?4 FROM @given} ON CONFLICT (name) DO NOTHING RETURNING id)sql";
+// The origin of a source and its start are kept from its first commit on.
+constexpr const char* kUpdateSources = R"sql(
+    UPDATE source
+    SET is_session = true, commit_sequence = ?2, message_sequence = ?3, explored_arm_count = ?4,
+        decision_count = ?5, frame_count = ?6, seed = ?7, last_seen_unix_s = ?8,
+        created_unix_s = CASE WHEN is_session THEN created_unix_s ELSE ?9 END,
+        build = CASE WHEN is_session THEN build ELSE ?10 END,
+        token_id = CASE WHEN is_session THEN token_id ELSE ?11 END
+        {, writer = ?12}
+        [, hash = next_hash(hash, content_hash,
+                            row_hash(name, 1, revoked, ?2, ?3, ?4, ?5, ?6, ?7,
+                                     iif(is_session, created_unix_s, ?9), ?8,
+                                     iif(is_session, build, ?10),
+                                     iif(is_session, token_id, ?11)))]
+    {FROM @given} WHERE id = ?1)sql";
+constexpr const char* kLockMatching = R"sql(
+    SELECT id FROM source
+    WHERE (NOT revoked OR ?8) AND (?1 = '' OR name = ?1) AND (?2 = '' OR build = ?2)
+      AND (?3 = 0 OR token_id = ?3) AND created_unix_s BETWEEN ?4 AND ?5 AND name <> ?7
+      AND (?6 = ''
+           OR EXISTS (SELECT 1 FROM scene_source j JOIN scene s ON s.id = scene_id
+                      WHERE source_id = source.id AND project = ?6)
+           OR EXISTS (SELECT 1 FROM quarantined_evidence q JOIN evidence_key k ON k.id = key_id
+                      WHERE source_id = source.id AND project = ?6))
+      AND (NOT ?8 OR EXISTS (SELECT 1 FROM quarantined_evidence WHERE source_id = source.id))
+    ORDER BY name {FOR NO KEY UPDATE})sql";
+constexpr const char* kBar = R"sql(
+    UPDATE source
+    SET revoked = true
+        [, hash = next_hash(hash, content_hash,
+                            row_hash(name, is_session, 1, commit_sequence, message_sequence,
+                                     explored_arm_count, decision_count, frame_count, seed,
+                                     created_unix_s, last_seen_unix_s, build, token_id))]
+    {FROM @given} WHERE id = ?1)sql";
+
+constexpr const char* kFindKeys = R"sql(
+    SELECT ?8, id, scene_id FROM evidence_key{, @given}
+    WHERE project = ?1 AND scene = ?2 AND measured_by = ?3 AND arm = ?4 AND backend_version = ?5
+      AND machine_class = ?6 AND reward_version = ?7)sql";
+constexpr const char* kAddScenes = R"sql(
+    INSERT INTO scene (project, scene, machine_class, reward_version[, source_count, hash])
+    [VALUES (?1, ?2, ?3, ?4, 0, row_hash(?1, ?2, ?3, ?4, 0))]
+    {SELECT ?1, ?2, ?3, ?4 FROM @given} ON CONFLICT DO NOTHING)sql";
+// Another daemon may have added a key meanwhile.
+constexpr const char* kAddKeys = R"sql(
+    INSERT INTO evidence_key (project, scene, measured_by, arm, backend_version, machine_class,
+                              reward_version, scene_id[, hash])
+    SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7, id
+           [, row_hash(?1, ?2, ?3, ?4, ?5, ?6, ?7, id, 0.0, 0.0, 0, 0, 0)]
+    FROM scene{, @given}
+    WHERE project = ?1 AND scene = ?2 AND machine_class = ?6 AND reward_version = ?7
+    {ORDER BY 1, 2, 3, 4, 5, 6, 7} ON CONFLICT DO NOTHING)sql";
+
+// TABLE is that of the evidence that counts, or of that in quarantine.
+constexpr const char* kLoadSequences = R"sql(
+    SELECT key_id, source_id, sequence FROM TABLE{, @given}
+    WHERE key_id = ?1 AND source_id = ?2)sql";
+constexpr const char* kPutRows = R"sql(
+    INSERT INTO TABLE (key_id, source_id, sequence, alpha, beta, window_count,
+                       bail_out_count[, hash])
+    [VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, row_hash(?1, ?2, ?3, ?4, ?5, ?6, ?7))]
+    {SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 FROM @given}
+    ON CONFLICT (key_id, source_id) DO UPDATE
+      SET sequence = excluded.sequence, alpha = excluded.alpha, beta = excluded.beta,
+          window_count = excluded.window_count, bail_out_count = excluded.bail_out_count
+          [, hash = next_hash(hash, content_hash, excluded.hash)])sql";
+// Without RETURNING, for which SQLite would keep a journal of each row.
+constexpr const char* kAddToRows = R"sql(
+    UPDATE evidence
+    SET sequence = ?3, alpha = alpha + ?4, beta = beta + ?5, window_count = window_count + ?6,
+        bail_out_count = bail_out_count + ?7
+        [, hash = next_hash(hash, content_hash,
+                            row_hash(key_id, source_id, ?3, alpha + ?4, beta + ?5,
+                                     window_count + ?6, bail_out_count + ?7))]
+    {FROM @given} WHERE key_id = ?1 AND source_id = ?2)sql";
+constexpr const char* kLockKeys = R"sql({
+    SELECT 1 FROM evidence_key, @given WHERE id = ?1 ORDER BY id FOR NO KEY UPDATE OF evidence_key
+    })sql";
+// Counts of windows are added by total() or up to their maximum, because an overflow would make a
+// scene unreadable after two imported records.
+constexpr const char* kAddToSums = R"sql(
+    UPDATE evidence_key
+    SET alpha_sum = alpha_sum + ?2, beta_sum = beta_sum + ?3,
+        window_sum = [min(window_sum, 9223372036854775807 - ?4)]{window_sum} + ?4,
+        bail_out_sum = [min(bail_out_sum, 9223372036854775807 - ?5)]{bail_out_sum} + ?5,
+        source_count = source_count + ?6
+        [, hash = next_hash(hash, content_hash,
+                            row_hash(project, scene, measured_by, arm, backend_version,
+                                     machine_class, reward_version, scene_id, alpha_sum + ?2,
+                                     beta_sum + ?3,
+                                     min(window_sum, 9223372036854775807 - ?4) + ?4,
+                                     min(bail_out_sum, 9223372036854775807 - ?5) + ?5,
+                                     source_count + ?6))]
+    {FROM @given} WHERE id = ?1)sql";
+constexpr const char* kRecountSums = R"sql(
+    UPDATE evidence_key
+    SET (alpha_sum, beta_sum, window_sum, bail_out_sum, source_count[, hash]) =
+          (SELECT a, b, w, o, n
+                  [, next_hash(hash, content_hash,
+                               row_hash(project, scene, measured_by, arm, backend_version,
+                                        machine_class, reward_version, scene_id, a, b, w, o, n))]
+           FROM (SELECT [total(alpha)]{coalesce(sum(alpha), 0)} AS a,
+                        [total(beta)]{coalesce(sum(beta), 0)} AS b,
+                        [CAST(total(window_count) AS INTEGER)]{coalesce(sum(window_count), 0)} AS w,
+                        [CAST(total(bail_out_count) AS INTEGER)]
+                        {coalesce(sum(bail_out_count), 0)} AS o, count(*) AS n
+                 FROM evidence WHERE key_id = ?1 [AND evidence.hash = evidence.content_hash]) sums)
+    {FROM @given} WHERE id = ?1)sql";
+constexpr const char* kDeleteEvidence = R"sql(
+    DELETE FROM evidence {USING @given}
+    WHERE source_id = ?1
+      AND (?2 = '' OR (SELECT project FROM evidence_key WHERE id = key_id) = ?2)
+    RETURNING key_id, window_count)sql";
+
+// Returns the scenes that gained a source.
+constexpr const char* kJoinScenes = R"sql(
+    INSERT INTO scene_source (source_id, scene_id) [VALUES (?1, ?2)]{SELECT ?1, ?2 FROM @given}
+    ON CONFLICT DO NOTHING RETURNING scene_id)sql";
+constexpr const char* kLeaveScenes = R"sql(
+    DELETE FROM scene_source {USING @given}
+    WHERE source_id = ?1 AND (?2 = '' OR (SELECT project FROM scene WHERE id = scene_id) = ?2)
+    RETURNING scene_id)sql";
+constexpr const char* kLockScenes =
+    "{SELECT 1 FROM scene, @given WHERE id = ?1 ORDER BY id FOR NO KEY UPDATE OF scene}";
+// In SQLite it returns whether the scene had no sources before.
+constexpr const char* kChangeScenes = R"sql(
+    UPDATE scene
+    SET source_count = source_count + ?2
+        {, changed_in = pg_current_xact_id()}
+        [, hash = next_hash(hash, content_hash,
+                            row_hash(project, scene, machine_class, reward_version,
+                                     source_count + ?2))]
+    {FROM @given} WHERE id = ?1 [RETURNING project, scene, source_count = ?2])sql";
+constexpr const char* kCountKeysOfName = R"sql(
+    SELECT count(*) FROM scene WHERE project = ?1 AND scene = ?2 AND source_count > 0)sql";
+
+constexpr const char* kTakeOut = R"sql(
+    DELETE FROM quarantined_evidence {USING @given}
+    WHERE source_id = ?1
+      AND (?2 = '' OR (SELECT project FROM evidence_key WHERE id = key_id) = ?2)
+      AND (?3 [OR hash = content_hash]{OR true})
+    RETURNING key_id, source_id, sequence, alpha, beta, window_count, bail_out_count,
+              (SELECT scene_id FROM evidence_key WHERE id = key_id))sql";
+constexpr const char* kDropWaiting = R"sql(
+    DELETE FROM quarantined_evidence {USING @given}
+    WHERE key_id = ?1 AND source_id = ?2 AND sequence <= ?3)sql";
+constexpr const char* kCountWaiting = "SELECT count(*) FROM quarantined_evidence";
+
+// Returns the keys and sources of rows.
+template <typename Rows>
+std::set<std::pair<int64_t, int64_t>> PlacesOf(const Rows& rows) {
+  std::set<std::pair<int64_t, int64_t>> places;
+  for (const auto& [place, row] : rows) places.insert(place);
+  return places;
+}
+
+// Counts end at their maximum.
+void AddTo(Evidence& sum, const Evidence& evidence) {
+  sum += evidence;
+  sum.window_count = std::min(sum.window_count, kMaxCount);
+  sum.bail_out_count = std::min(sum.bail_out_count, kMaxCount);
+}
+
+void AddRow(SqlBatch& batch, const std::pair<int64_t, int64_t>& place, uint64_t sequence,
+            const Evidence& evidence) {
+  batch.Add(place.first, place.second, sequence, SqlAmount{evidence.alpha},
+            SqlAmount{evidence.beta}, evidence.window_count, evidence.bail_out_count);
+}
+
+}  // namespace
+
+SqlPriorStore::SqlPriorStore(std::unique_ptr<SqlDatabase> database,
+                             const priors::AuditLimits& audit_limits)
+    : database_(std::move(database)), reader_(*database_), audit_(*database_, audit_limits) {
+  // The limits may be lower than before, and a file that may not grow needs the room.
+  Limit(audit_limits);
+}
+
+void SqlPriorStore::Limit(const priors::AuditLimits& audit_limits) {
+  audit_.Limit(audit_limits);
+  InTransaction([&] { return audit_.Trim(/*unix_now_s=*/0); }).IgnoreError();
+}
+
+void SqlPriorStore::CheckIncarnation() {
+  if (incarnation_ == database_->incarnation()) return;
+  incarnation_ = database_->incarnation();
+  known_keys_.clear();                 // a restored server may have lost some
+  changes_since_ = kFirstTransaction;  // and counts transactions from the start
+}
+
+template <typename Body>
+absl::Status SqlPriorStore::TryTransaction(Body& body) {
+  SqlTransaction transaction(*database_);
+  if (!transaction.begun().ok()) return transaction.begun();
+  CheckIncarnation();
+  new_keys_.clear();
+  added_counts_.clear();
+  absl::Status status = body();
+  if (status.ok()) status = transaction.Commit();
+  if (!status.ok()) return status;
+  if (known_keys_.size() + new_keys_.size() > kMaxKnownKeys) known_keys_.clear();
+  known_keys_.insert(new_keys_.begin(), new_keys_.end());
+  for (const auto& [project, added] : added_counts_) {
+    scene_counts_[project].names += added.names;
+    scene_counts_[project].keys += added.keys;
+  }
+  return status;
+}
+
+template <typename Body>
+absl::Status SqlPriorStore::InTransaction(Body body) {
+  absl::Status status;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    status = TryTransaction(body);
+    if (!absl::IsAborted(status)) return status;
+  }
+  return absl::UnavailableError(status.message());
+}
+
+template <typename Result, typename Change>
+absl::StatusOr<Result> SqlPriorStore::ChangeUnless(const priors::Preview& preview, Change change) {
+  absl::StatusOr<Result> result;
+  absl::Status status = InTransaction([&] {
+    result = change();
+    if (!result.ok() || !preview) return result.status();
+    preview.Show(reader_);
+    return absl::CancelledError("a preview");
+  });
+  return status.ok() || (result.ok() && absl::IsCancelled(status)) ? result : status;
+}
+
+absl::StatusOr<std::vector<SceneKey>> SqlPriorStore::TakeChangedScenes() {
+  if (!database_->shared()) return std::vector<SceneKey>();
+  const SqlSnapshot snapshot(*database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  CheckIncarnation();
+  return reader_.LoadChangedScenes(changes_since_);
+}
+
+absl::StatusOr<priors::SceneCount> SqlPriorStore::CountScenes(const std::string& project) {
+  if (const auto known = scene_counts_.find(project); known != scene_counts_.end())
+    return known->second;
+  auto count = reader_.CountScenes(project);
+  // Unknown projects are not kept, because clients may ask for any number of them.
+  if (count.ok() && count->keys > 0 && !database_->shared()) scene_counts_[project] = *count;
+  return count;
+}
+
+absl::Status SqlPriorStore::Commit(std::span<const SourceUpdate> updates) {
+  if (absl::Status status = CheckUpdates(updates); !status.ok()) return status;
+  uint64_t lost = 0;
+  bool ended = false;
+  absl::Status status = InTransaction([&] {
+    lost = 0;
+    const absl::Status committed = CommitAll(updates, &lost);
+    ended = committed.ok() && !database_->in_transaction();
+    return committed;
+  });
+  // The log must not cost evidence. If the file has no room for the rows, SQLite ends the
+  // transaction, and a second one writes the evidence alone.
+  if (ended && !database_->shared())
+    status = InTransaction([&] { return CommitAll(updates, nullptr); });
+  if (status.ok()) lost_audit_row_count_ += lost;
+  return status;
+}
+
+absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uint64_t* lost) {
+  std::vector<NewSource> names;
+  for (const SourceUpdate& update : updates) names.push_back({update.progress.source_id});
+  auto sources = LockOrAdd(names);
+  if (!sources.ok()) return sources.status();
+  std::vector<const EvidenceKey*> keys;
+  std::vector<std::pair<const Source*, const SourceUpdate*>> applied;
+  std::vector<const SourceUpdate*> audited;
+  Ids begun;  // sources that take no imports any more
+  for (const SourceUpdate& update : updates) {
+    Source& source = sources->at(update.progress.source_id);
+    const auto is_new = Advance(source, update);
+    if (!is_new.ok()) return is_new.status();
+    if (!*is_new) continue;
+    applied.emplace_back(&source, &update);
+    for (const auto& increment : update.increments) keys.push_back(&increment.key);
+    if (!update.audit.rows.empty()) audited.push_back(&update);
+    if (!source.is_session) begun.insert(source.id);
+  }
+  const auto stored_keys = FindOrAddKeys(keys);
+  if (!stored_keys.ok()) return stored_keys.status();
+  Rows rows;
+  auto stored = stored_keys->begin();
+  for (const auto& [source, update] : applied) {
+    for (const auto& [key, evidence] : update->increments) {
+      Row& row = rows[{stored->id, source->id}];
+      row.scene = (stored++)->scene;
+      row.sequence = update->progress.commit_sequence;
+      AddTo(row.evidence, priors::InUnits(evidence));
+    }
+  }
+  absl::Status status = AddEvidence(rows);
+  if (status.ok()) status = TakeOut(begun, "", /*with_damaged=*/true).status();
+  if (status.ok()) status = UpdateSources(*sources);
+  if (!status.ok() || audited.empty() || lost == nullptr) return status;
+  const auto lost_rows = audit_.Append(audited);
+  *lost = lost_rows.value_or(0);
+  return lost_rows.status();
+}
+
+absl::StatusOr<bool> SqlPriorStore::Advance(Source& source, const SourceUpdate& update) const {
+  if (source.revoked) return false;
+  const auto& [writer, resumed_sequence] = update.writer;
+  if (database_->shared() && writer != source.writer && writer != 0 &&
+      resumed_sequence != source.commit_sequence) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("another daemon goes on with session ", update.progress.source_id));
+  }
+  if (update.progress.commit_sequence <= source.commit_sequence) return false;
+  source.commit_sequence = update.progress.commit_sequence;
+  source.writer = writer;
+  if (source.first == nullptr) source.first = &update;
+  source.last = &update;
+  return true;
+}
+
+absl::Status SqlPriorStore::AddEvidence(const Rows& rows) {
+  struct Change {
+    Evidence evidence;
+    int64_t source_count = 0;
+  };
+  static const auto& put = *new EvidenceStatements(ForBothTables(kPutRows));
+  if (rows.empty()) return absl::OkStatus();
+  SqlBatch batch;
+  std::map<int64_t, Change> sums;
+  for (const auto& [place, row] : rows) {
+    AddRow(batch, place, row.sequence, row.evidence);
+    AddTo(sums[place.first].evidence, row.evidence);
+  }
+  const auto changed = database_->Change(kAddToRows, batch);
+  if (!changed.ok()) return changed.status();
+  std::set<std::pair<int64_t, int64_t>> joined;
+  if (*changed < rows.size()) {
+    const auto stored = LoadSequences(PlacesOf(rows), /*quarantined=*/false);
+    if (!stored.ok()) return stored.status();
+    SqlBatch missing;
+    for (const auto& [place, row] : rows) {
+      if (stored->contains(place)) continue;
+      AddRow(missing, place, row.sequence, row.evidence);
+      ++sums[place.first].source_count;
+      joined.emplace(place.second, row.scene);
+    }
+    if (absl::Status status = database_->Run(put[0].c_str(), missing); !status.ok()) return status;
+  }
+  SqlBatch keys, changes;
+  for (const auto& [key, change] : sums) {
+    keys.Add(key);
+    changes.Add(key, SqlAmount{change.evidence.alpha}, SqlAmount{change.evidence.beta},
+                change.evidence.window_count, change.evidence.bail_out_count, change.source_count);
+  }
+  SourceCounts scenes;
+  for (const auto& [place, row] : rows) scenes.try_emplace(row.scene, 0);
+  absl::Status status = database_->Run(kLockKeys, keys);
+  if (status.ok()) status = database_->Run(kAddToSums, changes);
+  if (status.ok()) status = JoinScenes(joined, scenes);
+  return status.ok() ? ChangeScenes(scenes) : status;
+}
+
+absl::StatusOr<SqlPriorStore::Sources> SqlPriorStore::LockOrAdd(
+    std::span<const NewSource> sources) {
+  std::set<std::string_view> names;
+  for (const NewSource& source : sources) names.insert(source.name);
+  SqlBatch batch;
+  for (const std::string_view name : names) batch.Add(name);
+  Sources found;
+  absl::Status status = database_->ForEachRow(
+      kLockSources,
+      [&](const SqlRow& row) {
+        found[row.Text(0)] = {.id = row.Integer(1),
+                              .is_session = row.Boolean(2),
+                              .revoked = row.Boolean(3),
+                              .commit_sequence = row.Unsigned(4),
+                              .writer = row.Unsigned(5)};
+      },
+      batch);
+  std::vector<const NewSource*> unknown;
+  for (const NewSource& source : sources) {
+    if (found.try_emplace(source.name).second) unknown.push_back(&source);
+  }
+  if (status.ok()) status = AddSources(unknown, found);
+  if (!status.ok()) return status;
+  return found;
+}
+
+absl::Status SqlPriorStore::AddSources(std::span<const NewSource* const> sources, Sources& found) {
+  if (sources.empty()) return absl::OkStatus();
+  std::map<std::string_view, const NewSource*> by_name;
+  auto source = sources.begin();
+  absl::Status status = database_->ForEachRow(
+      kNextSourceIds,
+      [&](const SqlRow& row) {
+        by_name[(*source)->name] = *source;
+        found[(*source++)->name].id = row.Integer(0);
+      },
+      sources.size());
+  if (!status.ok()) return status;
+  SqlBatch batch;
+  for (const auto& [name, values] : by_name)
+    batch.Add(found[values->name].id, name, values->build, values->last_seen_unix_s);
+  size_t added = 0;
+  status = database_->ForEachRow(
+      kAddSources, [&](const SqlRow&) { ++added; }, batch);
+  if (!status.ok() || added == sources.size()) return status;
+  return absl::AbortedError("another daemon has added a source at the same time");
+}
+
+absl::Status SqlPriorStore::UpdateSources(const Sources& sources) {
+  SqlBatch batch;
+  for (const auto& [name, source] : sources) {
+    if (source.last == nullptr) continue;
+    const auto& progress = source.last->progress;
+    const auto& origin = source.first->origin;
+    const std::array<SqlValue, 12> values = {ToSql(source.id),
+                                             ToSql(progress.commit_sequence),
+                                             ToSql(progress.message_sequence),
+                                             ToSql(progress.explored_arm_count),
+                                             ToSql(progress.decision_count),
+                                             ToSql(progress.frame_count),
+                                             ToSql(progress.seed),
+                                             ToSql(source.last->unix_time_s),
+                                             ToSql(source.first->unix_time_s),
+                                             ToSql(origin.build),
+                                             ToSql(origin.token_id),
+                                             ToSql(source.writer)};
+    // SQLite has no writer.
+    batch.Add(std::span(values).first(database_->shared() ? values.size() : values.size() - 1));
+  }
+  return database_->Run(kUpdateSources, batch);
+}
+
+absl::StatusOr<SqlPriorStore::Ids> SqlPriorStore::LockMatching(const priors::SourceFilter& filter,
+                                                               bool quarantined) {
+  Ids ids;
+  absl::Status status = database_->ForEachRow(
+      kLockMatching, [&](const SqlRow& row) { ids.insert(row.Integer(0)); }, filter.id,
+      filter.build, filter.token_id, filter.from_unix_s, filter.until_unix_s, filter.project,
+      decision::kAdminSession, quarantined);
+  if (!status.ok()) return status;
+  return ids;
+}
+
+absl::Status SqlPriorStore::Bar(const Ids& sources) {
+  SqlBatch batch;
+  for (const int64_t source : sources) batch.Add(source);
+  return database_->Run(kBar, batch);
+}
+
+absl::StatusOr<std::vector<SqlPriorStore::StoredKey>> SqlPriorStore::FindOrAddKeys(
+    std::span<const EvidenceKey* const> keys) {
+  std::vector<StoredKey> found;
+  std::set<EvidenceKey> unknown;
+  for (const EvidenceKey* key : keys) {
+    const auto known = known_keys_.find(*key);
+    found.push_back(known == known_keys_.end() ? StoredKey() : known->second);
+    if (found.back().id == 0) unknown.insert(*key);
+  }
+  if (unknown.empty()) return found;
+  absl::Status status = FindKeys(unknown);
+  if (status.ok() && !unknown.empty()) {
+    std::set<std::tuple<std::string_view, std::string_view, std::string_view, uint32_t>> scenes;
+    SqlBatch new_scenes, new_keys;
+    for (const EvidenceKey& key : unknown) {
+      scenes.emplace(key.project, key.scene, key.machine_class, key.reward_version);
+      new_keys.Add(key.project, key.scene, key.measured_by, key.arm, key.backend_version,
+                   key.machine_class, key.reward_version);
+    }
+    for (const auto& [project, scene, machine_class, reward_version] : scenes)
+      new_scenes.Add(project, scene, machine_class, reward_version);
+    status = database_->Run(kAddScenes, new_scenes);
+    if (status.ok()) status = database_->Run(kAddKeys, new_keys);
+    if (status.ok()) status = FindKeys(unknown);
+  }
+  if (!status.ok()) return status;
+  for (size_t i = 0; i < keys.size(); ++i) {
+    if (found[i].id == 0) found[i] = new_keys_.at(*keys[i]);
+  }
+  return found;
+}
+
+absl::Status SqlPriorStore::FindKeys(std::set<EvidenceKey>& unknown) {
+  SqlBatch batch;
+  std::vector<const EvidenceKey*> keys;
+  for (const EvidenceKey& key : unknown) {
+    batch.Add(key.project, key.scene, key.measured_by, key.arm, key.backend_version,
+              key.machine_class, key.reward_version, keys.size());
+    keys.push_back(&key);
+  }
+  absl::Status status = database_->ForEachRow(
+      kFindKeys,
+      [&](const SqlRow& row) {
+        new_keys_[*keys[row.Unsigned(0)]] = {.id = row.Integer(1), .scene = row.Integer(2)};
+      },
+      batch);
+  std::erase_if(unknown, [&](const EvidenceKey& key) { return new_keys_.contains(key); });
+  return status;
+}
+
+absl::StatusOr<ImportResult> SqlPriorStore::Import(std::span<const PriorRecord> records) {
+  if (absl::Status status = CheckRecords(records); !status.ok()) return status;
+  return ChangeUnless<ImportResult>(/*preview=*/false, [&] { return ImportAll(records); });
+}
+
+absl::StatusOr<ImportResult> SqlPriorStore::Quarantine(std::span<const PriorRecord> records,
+                                                       uint64_t max_records) {
+  if (absl::Status status = CheckRecords(records); !status.ok()) return status;
+  return ChangeUnless<ImportResult>(/*preview=*/false,
+                                    [&] { return QuarantineAll(records, max_records); });
+}
+
+absl::StatusOr<SqlPriorStore::RowList> SqlPriorStore::RowsOf(std::span<const PriorRecord> records,
+                                                             ImportResult& result) {
+  std::vector<NewSource> names;
+  for (const PriorRecord& record : records)
+    names.push_back({record.source_id, record.build, record.last_seen_unix_s});
+  const auto sources = LockOrAdd(names);
+  if (!sources.ok()) return sources.status();
+  std::vector<const EvidenceKey*> keys;
+  RowList rows;
+  for (const PriorRecord& record : records) {
+    const Source& source = sources->at(record.source_id);
+    if (source.is_session || source.revoked) {
+      ++result.unchanged_count;
+      continue;
+    }
+    keys.push_back(&record.key);
+    rows.push_back({{0, source.id}, {record.source_sequence, priors::InUnits(record.evidence), 0}});
+  }
+  const auto stored = FindOrAddKeys(keys);
+  if (!stored.ok()) return stored.status();
+  for (size_t i = 0; i < rows.size(); ++i) {
+    rows[i].first.first = (*stored)[i].id;
+    rows[i].second.scene = (*stored)[i].scene;
+  }
+  return rows;
+}
+
+absl::StatusOr<ImportResult> SqlPriorStore::ImportAll(std::span<const PriorRecord> records) {
+  ImportResult result;
+  const auto rows = RowsOf(records, result);
+  if (!rows.ok()) return rows.status();
+  const auto stored = LoadSequences(PlacesOf(*rows), /*quarantined=*/false);
+  if (!stored.ok()) return stored.status();
+  absl::Status status = Replace(*stored, *rows, /*quarantined=*/false, result);
+  SqlBatch given;  // rows in quarantine that are not newer are dropped in either case
+  for (const auto& [place, row] : *rows) given.Add(place.first, place.second, row.sequence);
+  if (status.ok()) status = database_->Run(kDropWaiting, given);
+  if (!status.ok()) return status;
+  return result;
+}
+
+absl::StatusOr<ImportResult> SqlPriorStore::QuarantineAll(std::span<const PriorRecord> records,
+                                                          uint64_t max_records) {
+  ImportResult result;
+  const auto rows = RowsOf(records, result);
+  if (!rows.ok()) return rows.status();
+  auto stored = LoadSequences(PlacesOf(*rows), /*quarantined=*/false);
+  if (!stored.ok()) return stored.status();
+  const auto waiting = LoadSequences(PlacesOf(*rows), /*quarantined=*/true);
+  if (!waiting.ok()) return waiting.status();
+  for (const auto& [place, sequence] : *waiting) {
+    uint64_t& newest = (*stored)[place];
+    newest = std::max(newest, sequence);
+  }
+  absl::Status status = Replace(*stored, *rows, /*quarantined=*/true, result);
+  uint64_t count = 0;
+  if (status.ok())
+    status =
+        database_->ForEachRow(kCountWaiting, [&](const SqlRow& row) { count = row.Unsigned(0); });
+  if (status.ok()) status = QuarantineBound(count, max_records);
+  if (!status.ok()) return status;
+  return result;
+}
+
+absl::StatusOr<SqlPriorStore::Sequences> SqlPriorStore::LoadSequences(const std::set<Place>& places,
+                                                                      bool quarantined) {
+  static const auto& load = *new EvidenceStatements(ForBothTables(kLoadSequences));
+  SqlBatch batch;
+  for (const auto& [key, source] : places) batch.Add(key, source);
+  Sequences sequences;
+  absl::Status status = database_->ForEachRow(
+      load[quarantined ? 1 : 0].c_str(),
+      [&](const SqlRow& row) {
+        sequences[{row.Integer(0), row.Integer(1)}] = row.Unsigned(2);
+      },
+      batch);
+  if (!status.ok()) return status;
+  return sequences;
+}
+
+absl::Status SqlPriorStore::Replace(const Sequences& stored, const RowList& rows, bool quarantined,
+                                    ImportResult& result) {
+  static const auto& put = *new EvidenceStatements(ForBothTables(kPutRows));
+  std::map<Place, const Row*> newest;
+  for (const auto& [place, row] : rows) {
+    const auto old = stored.find(place);
+    const auto newer = newest.find(place);
+    const uint64_t sequence = newer != newest.end() ? newer->second->sequence
+                              : old != stored.end() ? old->second
+                                                    : 0;
+    const bool applied = row.sequence > sequence;
+    if (applied) newest[place] = &row;
+    ++(applied ? result.applied_count : result.unchanged_count);
+  }
+  SqlBatch batch;
+  std::set<std::pair<int64_t, int64_t>> joined;
+  Ids keys;
+  SourceCounts scenes;
+  for (const auto& [place, row] : newest) {
+    AddRow(batch, place, row->sequence, row->evidence);
+    keys.insert(place.first);
+    scenes.try_emplace(row->scene, 0);
+    if (!stored.contains(place)) joined.emplace(place.second, row->scene);
+  }
+  absl::Status status = database_->Run(put[quarantined ? 1 : 0].c_str(), batch);
+  if (!status.ok() || quarantined) return status;
+  status = RecountSums(keys);
+  if (status.ok()) status = JoinScenes(joined, scenes);
+  return status.ok() ? ChangeScenes(scenes) : status;
+}
+
+absl::StatusOr<SqlPriorStore::RowList> SqlPriorStore::TakeOut(const Ids& sources,
+                                                              const std::string& project,
+                                                              bool with_damaged) {
+  SqlBatch batch;
+  for (const int64_t source : sources) batch.Add(source, project, with_damaged);
+  RowList taken;
+  absl::Status status = database_->ForEachRow(
+      kTakeOut,
+      [&](const SqlRow& row) {
+        taken.push_back({{row.Integer(0), row.Integer(1)},
+                         {row.Unsigned(2), EvidenceOf(row, 3), row.Integer(7)}});
+      },
+      batch);
+  if (!status.ok()) return status;
+  return taken;
+}
+
+absl::Status SqlPriorStore::RecountSums(const Ids& keys) {
+  SqlBatch batch;
+  for (const int64_t key : keys) batch.Add(key);
+  absl::Status status = database_->Run(kLockKeys, batch);
+  return status.ok() ? database_->Run(kRecountSums, batch) : status;
+}
+
+absl::Status SqlPriorStore::JoinScenes(
+    const std::set<std::pair<int64_t, int64_t>>& sources_and_scenes, SourceCounts& scenes) {
+  SqlBatch batch;
+  for (const auto& [source, scene] : sources_and_scenes) batch.Add(source, scene);
+  return database_->ForEachRow(
+      kJoinScenes, [&](const SqlRow& row) { ++scenes[row.Integer(0)]; }, batch);
+}
+
+absl::Status SqlPriorStore::ChangeScenes(const SourceCounts& changes) {
+  SqlBatch ids, batch;
+  for (const auto& [id, added] : changes) {
+    if (added == 0 && !database_->shared()) continue;
+    ids.Add(id);
+    batch.Add(id, added);
+  }
+  std::map<std::pair<std::string, std::string>, uint64_t> begun;  // scenes by project and name
+  absl::Status status = database_->Run(kLockScenes, ids);
+  if (status.ok())
+    status = database_->ForEachRow(
+        kChangeScenes,
+        [&](const SqlRow& row) {
+          if (row.Boolean(2) && scene_counts_.contains(row.Text(0)))
+            ++begun[{row.Text(0), row.Text(1)}];
+        },
+        batch);
+  for (const auto& [name, count] : begun) {
+    priors::SceneCount& added = added_counts_[name.first];
+    added.keys += count;
+    const auto count_name = [&, count = count](const SqlRow& row) {
+      if (row.Unsigned(0) == count) ++added.names;
+    };
+    if (status.ok())
+      status = database_->ForEachRow(kCountKeysOfName, count_name, name.first, name.second);
+  }
+  return status;
+}
+
+absl::StatusOr<priors::PromoteResult> SqlPriorStore::Promote(const priors::SourceFilter& filter,
+                                                             const priors::Preview& preview) {
+  return ChangeUnless<priors::PromoteResult>(preview, [&] { return PromoteAll(filter); });
+}
+
+absl::StatusOr<priors::PromoteResult> SqlPriorStore::PromoteAll(
+    const priors::SourceFilter& filter) {
+  const auto matching = LockMatching(filter, /*quarantined=*/true);
+  if (!matching.ok()) return matching.status();
+  const auto taken = TakeOut(*matching, filter.project, /*with_damaged=*/false);
+  if (!taken.ok()) return taken.status();
+  const auto stored = LoadSequences(PlacesOf(*taken), /*quarantined=*/false);
+  if (!stored.ok()) return stored.status();
+  ImportResult ignored;
+  absl::Status status = Replace(*stored, *taken, /*quarantined=*/false, ignored);
+  if (!status.ok()) return status;
+  priors::PromoteResult result{.record_count = taken->size()};
+  Ids sources, scenes;
+  for (const auto& [place, row] : *taken) {
+    sources.insert(place.second);
+    scenes.insert(row.scene);
+    result.window_count += row.evidence.window_count;
+  }
+  result.source_count = sources.size();
+  result.scene_count = scenes.size();
+  return result;
+}
+
+absl::StatusOr<priors::RevokeResult> SqlPriorStore::Revoke(const priors::SourceFilter& filter,
+                                                           const priors::Preview& preview) {
+  scene_counts_.clear();  // fewer scenes may have evidence then
+  return ChangeUnless<priors::RevokeResult>(preview, [&] { return RevokeAll(filter); });
+}
+
+absl::StatusOr<priors::RevokeResult> SqlPriorStore::RevokeAll(const priors::SourceFilter& filter) {
+  auto matching = LockMatching(filter, /*quarantined=*/false);
+  if (!matching.ok()) return matching.status();
+  priors::RevokeResult result{.source_count = matching->size()};
+  if (matching->empty() && BarsUnknown(filter)) {
+    const auto added = LockOrAdd(std::vector<NewSource>{{filter.id}});
+    if (!added.ok()) return added.status();
+    matching->insert(added->at(filter.id).id);
+  }
+  SqlBatch sources;
+  for (const int64_t source : *matching) sources.Add(source, filter.project);
+  SourceCounts scenes;
+  Ids keys;
+  absl::Status status = database_->ForEachRow(
+      kLeaveScenes, [&](const SqlRow& row) { --scenes[row.Integer(0)]; }, sources);
+  if (status.ok())
+    status = database_->ForEachRow(
+        kDeleteEvidence,
+        [&](const SqlRow& row) {
+          keys.insert(row.Integer(0));
+          ++result.record_count;
+          result.window_count += row.Count(1);
+        },
+        sources);
+  if (status.ok()) status = RecountSums(keys);
+  if (status.ok()) status = ChangeScenes(scenes);
+  if (!status.ok()) return status;
+  const auto waited = TakeOut(*matching, filter.project, /*with_damaged=*/true);
+  if (!waited.ok()) return waited.status();
+  result.record_count += waited->size();
+  for (const auto& [place, row] : *waited) result.window_count += row.evidence.window_count;
+  if (status = Bar(*matching); !status.ok()) return status;
+  return result;
+}
+
+}  // namespace sweepstake::storage
