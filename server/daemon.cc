@@ -381,9 +381,7 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
 
 void Daemon::LimitStore(const Config& config) {
   if (config.database_bytes == database_bytes_ && config.audit == audit_limits_) return;
-  const auto limit = [shared = shared_, audit = config.audit,
-                      bytes = config.database_bytes](auto& store) {
-    if (shared) return storage::LimitSharedStore(store, audit);
+  const auto limit = [audit = config.audit, bytes = config.database_bytes](auto& store) {
     storage::LimitStore(store, audit, bytes).IgnoreError();  // commits report it
   };
   if (store_->Submit(limit)) {

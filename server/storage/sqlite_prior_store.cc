@@ -49,7 +49,8 @@ absl::StatusOr<std::unique_ptr<ReadConnection>> OpenSqliteReadConnection(
 
 absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,
                         uint64_t max_bytes) {
-  absl::Status status = DatabaseOf(store).LimitSize(max_bytes);
+  absl::Status status;
+  if (!StoreOf(store).database().shared()) status = DatabaseOf(store).LimitSize(max_bytes);
   StoreOf(store).Limit(audit_limits);
   return status;
 }

@@ -38,7 +38,8 @@ absl::StatusOr<std::unique_ptr<ReadConnection>> OpenSqliteReadConnection(
     const std::filesystem::path& path);
 
 // Changes the limits of the audit log, whose rows beyond them are removed, and the maximum size of
-// the file, at least to its present size. REQUIRES: `store` is of OpenSqlitePriorStore.
+// the file, at least to its present size. PostgreSQL has no file to limit. REQUIRES: `store` is of
+// OpenSqlitePriorStore or OpenPostgresPriorStore.
 absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,
                         uint64_t max_bytes);
 

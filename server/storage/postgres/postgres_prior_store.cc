@@ -14,8 +14,6 @@ namespace {
 // the server would read all of it.
 constexpr const char* kPlans =
     "SET enable_hashjoin = off; SET enable_mergejoin = off; SET jit = off";
-constexpr const char* kShareResumeKey =
-    "UPDATE store SET resume_key = coalesce(resume_key, ?1) RETURNING resume_key";
 
 }  // namespace
 
@@ -31,23 +29,6 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenPostgresPriorStore(
 
 std::unique_ptr<ReadConnection> OpenPostgresReadConnection(const std::string& url) {
   return MakeReadConnection(std::make_unique<PostgresConnection>(url));
-}
-
-absl::StatusOr<std::string> ShareResumeKey(priors::PriorStore& store, const std::string& own) {
-  SqlDatabase& database = static_cast<SqlPriorStore&>(store).database();
-  SqlTransaction transaction(database);
-  absl::Status status = transaction.begun();
-  std::string key;
-  if (status.ok())
-    status = database.ForEachRow(
-        kShareResumeKey, [&](const SqlRow& row) { key = row.Bytes(0); }, SqlBytes{own});
-  if (status.ok()) status = transaction.Commit();
-  if (!status.ok()) return status;
-  return key;
-}
-
-void LimitPostgresAudit(priors::PriorStore& store, const priors::AuditLimits& audit_limits) {
-  static_cast<SqlPriorStore&>(store).Limit(audit_limits);
 }
 
 }  // namespace sweepstake::storage

@@ -21,12 +21,4 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenPostgresPriorStore(
 // Opens a connection for a ReadThread. If the server does not answer, reads return UNAVAILABLE.
 std::unique_ptr<ReadConnection> OpenPostgresReadConnection(const std::string& url);
 
-// Returns the key that signs the resume tokens of all daemons of the store, so that a session can
-// continue at any of them. Stores and returns `own` if the store has no key yet. Errors:
-// UNAVAILABLE. REQUIRES: `store` is of OpenPostgresPriorStore.
-absl::StatusOr<std::string> ShareResumeKey(priors::PriorStore& store, const std::string& own);
-
-// Changes the limits of the audit log. REQUIRES: `store` is of OpenPostgresPriorStore.
-void LimitPostgresAudit(priors::PriorStore& store, const priors::AuditLimits& audit_limits);
-
 }  // namespace sweepstake::storage

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "server/storage/sql/sql_prior_store.h"
+
 #ifdef SWEEPSTAKE_WITH_POSTGRES
 #include "server/storage/postgres/postgres_prior_store.h"
 #endif
@@ -43,6 +45,20 @@ absl::Status CheckStoreUrl(const std::string& url) {
   return absl::OkStatus();
 }
 
+absl::StatusOr<std::string> SharedResumeKey(priors::PriorStore& store, const std::string& own) {
+  SqlDatabase& database = static_cast<SqlPriorStore&>(store).database();
+  SqlTransaction transaction(database);
+  absl::Status status = transaction.begun();
+  std::string key;
+  if (status.ok())
+    status = database.ForEachRow(
+        "UPDATE store SET resume_key = coalesce(resume_key, ?1) RETURNING resume_key",
+        [&](const SqlRow& row) { key = row.Bytes(0); }, SqlBytes{own});
+  if (status.ok()) status = transaction.Commit();
+  if (!status.ok()) return status;
+  return key;
+}
+
 #ifdef SWEEPSTAKE_WITH_POSTGRES
 absl::StatusOr<OpenedStore> OpenSharedStore(const std::string& url,
                                             const priors::AuditLimits& audit_limits) {
@@ -52,14 +68,6 @@ absl::StatusOr<OpenedStore> OpenSharedStore(const std::string& url,
                      .reads = OpenPostgresReadConnection(url),
                      .damage = {},
                      .file = {}};
-}
-
-absl::StatusOr<std::string> SharedResumeKey(priors::PriorStore& store, const std::string& own) {
-  return ShareResumeKey(store, own);
-}
-
-void LimitSharedStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits) {
-  LimitPostgresAudit(store, audit_limits);
 }
 
 absl::StatusOr<StoreContents> MigrateToShared(const std::filesystem::path& directory,
@@ -80,13 +88,6 @@ absl::StatusOr<OpenedStore> OpenSharedStore(const std::string& /*url*/,
                                             const priors::AuditLimits& /*limits*/) {
   return NotBuilt();
 }
-
-absl::StatusOr<std::string> SharedResumeKey(priors::PriorStore& /*store*/,
-                                            const std::string& /*own*/) {
-  return NotBuilt();
-}
-
-void LimitSharedStore(priors::PriorStore& /*store*/, const priors::AuditLimits& /*limits*/) {}
 
 absl::StatusOr<StoreContents> MigrateToShared(const std::filesystem::path& /*directory*/,
                                               const std::string& /*url*/,

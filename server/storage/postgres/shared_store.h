@@ -27,9 +27,10 @@ absl::Status CheckStoreUrl(const std::string& url);
 absl::StatusOr<OpenedStore> OpenSharedStore(const std::string& url,
                                             const priors::AuditLimits& audit_limits);
 
-// Operations of shared stores only. REQUIRES: `store` is from OpenSharedStore.
+// Returns the key that signs the resume tokens of all daemons of the store, so that a session can
+// continue at any of them. Stores and returns `own` if the store has no key yet. Errors:
+// UNAVAILABLE. REQUIRES: `store` is from OpenSharedStore.
 absl::StatusOr<std::string> SharedResumeKey(priors::PriorStore& store, const std::string& own);
-void LimitSharedStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits);
 
 // Copies the store in the data directory to the shared one, or back. Errors: those of
 // postgres_migration.h, INVALID_ARGUMENT (the URL is empty), UNIMPLEMENTED.
