@@ -277,7 +277,7 @@ absl::Status Daemon::OpenTokens() {
 void Daemon::ReportToken(const std::string& change) {
   log_->info("{}", change);
   const std::lock_guard lock(mutex_);
-  if (serving_ != nullptr) serving_->RecordAction("action=token", change);
+  if (serving_ != nullptr) serving_->RecordAction("", change);
 }
 
 void Daemon::LookAtSpace(priors::PriorStore& store) {

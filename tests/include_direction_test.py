@@ -3,7 +3,7 @@
 
     include, text, math <- broad_phase <- scene <- adaptive <- decider <- telemetry <- c_api, cli      adaptive <- bullet
     decider <- server/sessions <- server/storage, watch, rpc <- server/host <- daemon <- main      storage <- auth <- rpc, daemon
-    proto <- telemetry, cli, server/rpc, server/web      telemetry/tls <- rpc      net, auth <- rpc, web <- daemon
+    proto <- telemetry, cli, server/rpc, server/web      telemetry <- rpc      net, auth <- rpc, web <- daemon
 
 `a <- b`: b may include a. engine_client never includes server; headers of tests/laboratory may be included only from that
 folder. Within the decider: the decision core (decider, policy, session) and pooling <- audit, embedded.

@@ -14,6 +14,7 @@ import pathlib
 import re
 import sys
 
+READ_BY_NAME = "engine_client/telemetry/conversion/audit_conversion.cc accesses the fields by reflection"
 # Fields that other programs read or write, and why.
 OTHERS = {
     "StatusDetails.code": "google.rpc.Status: clients in other languages read it",
@@ -30,6 +31,17 @@ OTHERS = {
     "PriorRecord.weight": "the dashboard shows the weight of a source",
     "ExportDecisionsRequest.after_segment": "the dashboard reads the new part of a log",
     "ExportDecisionsRequest.after_row": "the dashboard reads the new part of a log",
+    "AuditRow.": READ_BY_NAME,
+    "AuditSetup.": READ_BY_NAME,
+    "AuditRuns.": READ_BY_NAME,
+    "AuditRun.": READ_BY_NAME,
+    "AuditWindow.": READ_BY_NAME,
+    "AuditFrame.": READ_BY_NAME,
+    "AuditSwitchCost.": READ_BY_NAME,
+    "AuditTrialEnd.": READ_BY_NAME,
+    "AuditDecision.": READ_BY_NAME,
+    "AuditIncrement.": READ_BY_NAME,
+    "AuditGate.": READ_BY_NAME,
     "ExportPriorsRequest.with_weights": "the dashboard requests weights; our programs export to files",
     "CompareBuildsRequest.": "the dashboard compares builds; our programs compare files",
     "BuildChoice.": "the dashboard compares builds; our programs compare files",

@@ -16,7 +16,7 @@
 #include "engine_client/cli/io/stop_signal.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
-#include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/decider/audit/audit_csv.h"
 #include "engine_client/telemetry/daemon_session.h"
 #include "sweepstake/machine_class.h"
 #include "sweepstake/session.h"
@@ -129,7 +129,7 @@ Result<RunLogs> MakeLogs(const RunOptions& options) {
   auto decisions = WholeFile::Create(folder / "decisions.csv");
   if (!decisions.ok()) return decisions.status();
   logs.decisions = std::move(*decisions);
-  logs.decisions->Write(std::string(decision::AuditHeader()) + '\n');
+  logs.decisions->Write(decision::AuditHeader() + '\n');
   return logs;
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,6 +60,15 @@ inline constexpr std::array<std::string_view, 11> kOutcomeNames = {
 
 inline constexpr std::array<std::string_view, 5> kVerdictNames = {"unknown", "stable", "tie",
                                                                   "ambiguous", "degraded"};
+
+// Returns the value's word, or its number if it has none. The value may be of an enumeration or a
+// number.
+template <typename Enum>
+std::string NameOf(std::span<const std::string_view> names, Enum value) {
+  const auto number = static_cast<uint32_t>(value);
+  const bool is_named = number < names.size() && !names[number].empty();
+  return is_named ? std::string(names[number]) : std::to_string(number);
+}
 
 // How certain the choice of an arm is.
 struct Diagnosis {

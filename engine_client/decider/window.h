@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <tuple>
 
 #include "engine_client/decider/types.h"
 
@@ -46,15 +45,24 @@ class Window {
   // REQUIRES: !empty().
   WindowMetrics Metrics() const;
 
-  // Returns references to every member of a Window or const Window, for the audit log.
-  template <typename Self>
-  static auto Fields(Self& window) {
+  // Calls visit(name, member) for every member, for the audit log (audit/audit_row.h).
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& window, Visit& visit) {
     auto& [frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns, calm_detection_ns,
            calm_frame_count, long_frame_count, typical_detection_ns, rebuild_detection_ns,
            check_count, pair_count, peak_bytes] = window;
-    return std::tie(frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns,
-                    calm_detection_ns, calm_frame_count, long_frame_count, typical_detection_ns,
-                    rebuild_detection_ns, check_count, pair_count, peak_bytes);
+    visit("frame_count", frame_count);
+    visit("ordinary_frame_count", ordinary_frame_count);
+    visit("time_ns", time_ns);
+    visit("ordinary_detection_ns", ordinary_detection_ns);
+    visit("calm_detection_ns", calm_detection_ns);
+    visit("calm_frame_count", calm_frame_count);
+    visit("long_frame_count", long_frame_count);
+    visit("typical_detection_ns", typical_detection_ns);
+    visit("rebuild_detection_ns", rebuild_detection_ns);
+    visit("check_count", check_count);
+    visit("pair_count", pair_count);
+    visit("peak_bytes", peak_bytes);
   }
 
  private:

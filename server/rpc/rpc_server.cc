@@ -94,7 +94,7 @@ RpcServer::RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPr
       watchers_(context_),
       stalls_(loop_, options_.watcher_patience_ns),
       telemetry_(context_),
-      admin_(loop_, store, counters_),
+      admin_(options_, loop_, store, counters_),
       posteriors_(context_),
       priors_(context_, admin_),
       audit_(context_),

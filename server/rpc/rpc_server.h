@@ -52,9 +52,10 @@ class RpcServer {
 
   int port() const { return port_; }
   const Counters& counters() const { return counters_; }
-  // Writes an action into the audit log. Any thread may call it.
-  void RecordAction(std::string action, std::string who) {
-    admin_.Record(std::move(action), std::move(who));
+  // Writes an action to the audit log: the subject and the rest of a sentence, or all of it as the
+  // rest. Any thread may call it.
+  void RecordAction(std::string who, std::string action) {
+    admin_.Record(std::move(who), std::move(action));
   }
   // A channel to this server's services without the listener. Its calls name their original caller
   // in the metadata kCallerKey. It may outlive the server; calls are UNAVAILABLE then.

@@ -13,14 +13,14 @@ constexpr const char* kAll = "*";
 
 }  // namespace
 
-void AdminLog::Record(std::string action, std::string who) {
-  loop_.Post([this, action = std::move(action), who = std::move(who)]() mutable {
+void AdminLog::Record(std::string who, std::string action) {
+  loop_.Post([this, who = std::move(who), action = std::move(action)]() mutable {
     if (waiting_.size() >= kMaxWaiting) {
       ++counters_.lost_audit_row_count;
       return;
     }
     waiting_.push_back(
-        {std::move(action), std::move(who), loop_.clock().NowNs(), priors::UnixNowMs()});
+        {std::move(who), std::move(action), loop_.clock().NowNs(), priors::UnixNowMs()});
     Write();
   });
 }
@@ -31,7 +31,8 @@ void AdminLog::Write() {
     return action.sequence <= durable;
   });
   for (Action& action : waiting_) {
-    ledger_->AddAuditRow(rows_->Next(action.now_ns, action.unix_ms, action.action, action.who));
+    ledger_->AddAuditRow(options_.encode_audit_row(
+        rows_->Next(action.now_ns, action.unix_ms, action.who, action.action)));
     action.sequence = ++sequence_;
     if (offered_.size() < kMaxWaiting) offered_.push_back(std::move(action));
   }

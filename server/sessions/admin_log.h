@@ -30,11 +30,12 @@ class AdminLog {
   // counted.
   static constexpr size_t kMaxWaiting = 1'000;
 
-  AdminLog(DecisionLoop& loop, priors::AsyncPriorStore& store, SessionCounters& counters)
-      : loop_(loop), store_(store), counters_(counters) {}
+  AdminLog(const HostedSessionOptions& options, DecisionLoop& loop, priors::AsyncPriorStore& store,
+           SessionCounters& counters)
+      : options_(options), loop_(loop), store_(store), counters_(counters) {}
 
-  // `action` and `who` are one line of text each.
-  void Record(std::string action, std::string who);
+  // The subject and the rest of a sentence, without its full stop.
+  void Record(std::string who, std::string action);
 
   // Repeats a read or write that the store failed.
   void Retry();
@@ -47,8 +48,8 @@ class AdminLog {
 
  private:
   struct Action {
-    std::string action;
     std::string who;
+    std::string action;
     int64_t now_ns = 0;
     int64_t unix_ms = 0;
     uint64_t sequence = 0;  // sequence number of its row; 0 until it is added to the ledger
@@ -60,6 +61,7 @@ class AdminLog {
   // Begins a new segment with the unwritten rows, after another daemon has written to the log.
   void StartAgain();
 
+  const HostedSessionOptions& options_;
   DecisionLoop& loop_;
   priors::AsyncPriorStore& store_;
   SessionCounters& counters_;

@@ -1,5 +1,5 @@
-// A session's audit log as a store keeps it: rows of text in segments
-// (engine_client/decider/audit/audit_log.h). Plain values.
+// A session's audit log as a store keeps it: rows of bytes in segments
+// (engine_client/decider/audit/audit_row.h). Plain values.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ inline constexpr size_t kMaxAuditRowBytes = 65'536;  // a longer row is not stor
 
 struct AuditRow {
   uint64_t number = 1;  // position in the segment, from 1
-  std::string text;     // 1 to kMaxAuditRowBytes bytes
+  std::string bytes;    // 1 to kMaxAuditRowBytes: a message sweepstake.v1.AuditRow
 
   friend bool operator==(const AuditRow&, const AuditRow&) = default;
 };
@@ -30,8 +30,7 @@ struct AuditRows {
 // (engine_client/decider/audit/audit_log.h). Above them the oldest rows are removed, 1/32 of the
 // log at a time.
 struct AuditLimits {
-  // bytes of the rows' text, about 1 kB per row of 7 arms; 0 stores nothing
-  uint64_t bytes = 256ull << 20;
+  uint64_t bytes = 256ull << 20;    // about 0.8 kB per row of 7 arms; 0 stores nothing
   uint64_t age_s = 30ull * 86'400;  // age since the commit, by the wall clock
   // Number of the latest rows of kAdminSession that are kept, about 200 bytes each. The other
   // limits do not apply to them, because rows of games would push them out.

@@ -158,7 +158,9 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // sends a Hello its first rows would dominate the cost.
   void MarkActive();
   void StartAudit();
-  void OnAuditRow(std::string_view row) override { ledger_->AddAuditRow(row); }
+  void OnAuditRow(const decision::AuditRow& row) override {
+    ledger_->AddAuditRow(context_.options.encode_audit_row(row));
+  }
 
   // May modify the frames of the message.
   void ApplyMessage(UnknownMessage& /*unknown*/) {}

@@ -43,20 +43,20 @@ void SessionLedger::Add(const priors::KeyedEvidence& increment) {
   open_[increment.key] += increment.evidence;
 }
 
-void SessionLedger::AddAuditRow(std::string_view row) {
+void SessionLedger::AddAuditRow(std::string row) {
   ++audit_row_count_;
-  if (!HasRoomFor(row)) {
+  if (!HasRoomFor(row.size())) {
     ++counters_.lost_audit_row_count;
     return;
   }
-  open_rows_.push_back({.number = audit_row_count_, .text = std::string(row)});
   audit_bytes_ += row.size();
   counters_.waiting_audit_bytes += row.size();
+  open_rows_.push_back({.number = audit_row_count_, .bytes = std::move(row)});
 }
 
-bool SessionLedger::HasRoomFor(std::string_view audit_row) const {
-  return audit_bytes_ + audit_row.size() <= kMaxWaitingAuditBytesOfSession &&
-         counters_.waiting_audit_bytes + audit_row.size() <= kMaxWaitingAuditBytes;
+bool SessionLedger::HasRoomFor(size_t audit_bytes) const {
+  return audit_bytes_ + audit_bytes <= kMaxWaitingAuditBytesOfSession &&
+         counters_.waiting_audit_bytes + audit_bytes <= kMaxWaitingAuditBytes;
 }
 
 void SessionLedger::Checkpoint(const Position& position) {
@@ -121,8 +121,8 @@ void SessionLedger::Offer() {
 
 void SessionLedger::DropOffer() {
   for (const priors::AuditRow& row : offered_->audit.rows) {
-    audit_bytes_ -= row.text.size();
-    counters_.waiting_audit_bytes -= row.text.size();
+    audit_bytes_ -= row.bytes.size();
+    counters_.waiting_audit_bytes -= row.bytes.size();
   }
   offered_.reset();
 }
@@ -131,8 +131,8 @@ void SessionLedger::DropAll() {
   for (const auto* rows : {&audit_.rows, &open_rows_}) {
     counters_.lost_audit_row_count += rows->size();
     for (const priors::AuditRow& row : *rows) {
-      audit_bytes_ -= row.text.size();
-      counters_.waiting_audit_bytes -= row.text.size();
+      audit_bytes_ -= row.bytes.size();
+      counters_.waiting_audit_bytes -= row.bytes.size();
     }
   }
   audit_.rows.clear();

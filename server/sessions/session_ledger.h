@@ -59,8 +59,8 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   void SetOrigin(priors::SourceOrigin origin) { origin_ = std::move(origin); }
   // `head` identifies the session's audit log; it has no rows.
   void StartAudit(priors::AuditRows head) { audit_ = std::move(head); }
-  // Adds the next row. REQUIRES: StartAudit was called.
-  void AddAuditRow(std::string_view row);
+  // Adds the bytes of the next row. REQUIRES: StartAudit was called.
+  void AddAuditRow(std::string row);
   // The progress of a session, as SourceProgress stores it.
   struct Position {
     uint64_t message_sequence = 0;
@@ -86,7 +86,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   bool superseded() const { return superseded_; }
 
  private:
-  bool HasRoomFor(std::string_view audit_row) const;
+  bool HasRoomFor(size_t audit_bytes) const;
   void CommitNext();
   // Returns the update of the latest checkpoint. REQUIRES: `checkpointed_`.
   priors::SourceUpdate NextUpdate() const;

@@ -112,8 +112,8 @@ bool BarsUnknown(const priors::SourceFilter& filter) {
 
 bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row) {
   return IsName(rows.project) && IsName(rows.scene) && rows.segment > 0 && row.number > 0 &&
-         row.number <= kMaxCount && !row.text.empty() &&
-         row.text.size() <= priors::kMaxAuditRowBytes;
+         row.number <= kMaxCount && !row.bytes.empty() &&
+         row.bytes.size() <= priors::kMaxAuditRowBytes;
 }
 
 bool IsFull(const AuditChunk& chunk, const priors::AuditLimits& limits, uint64_t unix_now_s) {

@@ -86,7 +86,10 @@ class LaneModel(unittest.TestCase):
             self.assertEqual((done.returncode, reason in done.stderr), (2, True), done.stderr)
 
     def test_compares_a_visit_with_the_frames_that_it_measured(self):
-        visits = list(lane_model.visits_of("10:500:9000:1:2:0:2000:5:1 10:70:9000:1:2:1:2000:5:0 10:70:9000:1:2:0:2000:2:3"))
+        row = {"shadow_first_frame_index": "10", "shadow_detection_time_ns": "500", "shadow_build_time_ns": "9000", "shadow_flags": "1"}
+        capped = {**row, "shadow_detection_time_ns": "70", "shadow_flags": "3"}
+        of_another_arm = {**capped, "shadow_flags": "0"}
+        visits = [lane_model.visit_of(each) for each in (row, of_another_arm, capped)]
         frames = [1] * 13 + [900, 950, 1000, 1050, 1100] + [1] * 9
         self.assertEqual(lane_model.errors_of(visits, frames), [math.log(0.5)])
         self.assertAlmostEqual(lane_model.spread([-1.349, 0, 1.349] * 9), 2, places=5)

@@ -38,16 +38,13 @@ class LaneGame(live.Game):
 
     def read(self, folder):
         super().read(folder)
-        csv.field_size_limit(1 << 30)
         with open(folder / "decisions.csv", encoding="utf-8", newline="") as file:
-            self.visits = [visit for row in csv.DictReader(file) for visit in visits_of(row["shadow"])]
+            self.visits = [visit_of(row) for row in csv.DictReader(file) if row["shadow_arm"]]
 
 
-def visits_of(text):
-    """Parses the visits in a cell `shadow` of an audit log: first frame, ns per frame, ns of the build, flags."""
-    for sample in text.split():
-        first_frame, detection_ns, build_ns, *_, flags = map(int, sample.split(":"))
-        yield first_frame, detection_ns, build_ns, flags
+def visit_of(row):
+    """Returns a visit in a line of an audit log: first frame, ns per frame, ns of the build, flags."""
+    return tuple(int(row["shadow_" + name]) for name in ("first_frame_index", "detection_time_ns", "build_time_ns", "flags"))
 
 
 def errors_of(visits, detection_ns):

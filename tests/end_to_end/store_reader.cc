@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "server/storage/sqlite_prior_store.h"
-#include "tests/engine_client/decider/audit/audit_csv.h"
+#include "tests/engine_client/decider/audit/stored_audit.h"
 
 namespace sweepstake::test_support {
 namespace {
@@ -37,10 +37,10 @@ std::vector<priors::SceneEvidence> ReadScenes(const std::filesystem::path& data)
   return *std::move(scenes);
 }
 
-std::string ReadAuditLog(const std::filesystem::path& data) {
-  auto csv = AuditCsv(*OpenStore(data));
-  if (!csv.ok()) Die(csv.status().ToString());
-  return *std::move(csv);
+std::vector<decision::AuditRow> ReadAuditLog(const std::filesystem::path& data) {
+  auto rows = StoredAudit(*OpenStore(data));
+  if (!rows.ok()) Die(rows.status().ToString());
+  return *std::move(rows);
 }
 
 priors::Evidence TotalEvidence(const priors::SourceState& source) {

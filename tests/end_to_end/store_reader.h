@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/decider/audit/audit_row.h"
 #include "server/sessions/prior_store.h"
 
 namespace sweepstake::test_support {
@@ -16,8 +17,8 @@ priors::SourceState ReadSource(const std::filesystem::path& data, const std::str
 // Returns all scenes of the store; fails the test if they cannot be read.
 std::vector<priors::SceneEvidence> ReadScenes(const std::filesystem::path& data);
 
-// Returns the audit log of all sessions in the store, in the format of AuditCsv.
-std::string ReadAuditLog(const std::filesystem::path& data);
+// Returns the audit log of all sessions in the store.
+std::vector<decision::AuditRow> ReadAuditLog(const std::filesystem::path& data);
 
 // Returns the evidence of a source, summed over its arms.
 priors::Evidence TotalEvidence(const priors::SourceState& source);

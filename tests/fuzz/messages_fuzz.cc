@@ -5,10 +5,10 @@
 #include <string>
 #include <utility>
 
-#include "engine_client/decider/audit/audit_log.h"
 #include "engine_client/decider/audit/rederive.h"
 #include "server/storage/record_limits.h"
 #include "sweepstake/v1/telemetry.pb.h"
+#include "tests/engine_client/decider/audit/stored_audit.h"
 #include "tests/fuzz/input.h"
 #include "tests/server/rpc/services/prompt_daemon.h"
 
@@ -62,13 +62,8 @@ class Daemon final : public TelemetryTransport {
   void Check() {
     Require(storage::CheckRecords(daemon_.store.store.Export({}, {}, kAll)->records).ok(),
             "stored data is valid");
-    std::string log = decision::AuditHeader() + '\n';
-    const auto segments = daemon_.store.store.ListAudit({}, 0, kAll);
-    for (const priors::AuditSegment& segment : *segments) {
-      const auto rows = daemon_.store.store.LoadAudit(segment.id, 1, kAll, SIZE_MAX);
-      for (const priors::AuditRow& row : *rows) log += row.text + '\n';
-    }
-    const decision::AuditReport report = decision::Rederive(log);
+    const decision::AuditReport report =
+        decision::Rederive(*test_support::StoredAudit(daemon_.store.store));
     if (report.difference) Require(false, report.difference->Text());
   }
 

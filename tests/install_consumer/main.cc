@@ -48,7 +48,7 @@ bool ReportsADecision() {
   }
   return finds_pairs && events.size() == 1 && events[0].decision_id == 1 &&
          events[0].beliefs.size() == (*adaptive)->arms().size() && audit_rows.size() >= 2 &&
-         sweepstake::EmbeddedDecider::AuditHeader().starts_with("session,");
+         sweepstake::EmbeddedDecider::AuditHeader().starts_with("item,session,");
 }
 
 }  // namespace

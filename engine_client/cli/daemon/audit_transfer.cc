@@ -4,6 +4,8 @@
 
 #include "engine_client/cli/daemon/daemon_client.h"
 #include "engine_client/cli/io/whole_file.h"
+#include "engine_client/decider/audit/audit_csv.h"
+#include "engine_client/telemetry/conversion/audit_conversion.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 
 namespace sweepstake::cli {
@@ -53,12 +55,12 @@ Result<uint64_t> ExportAudit(const DaemonOptions& daemon, const AuditSelection& 
   context.set_deadline(std::chrono::system_clock::now() + kExportDeadline);
   const auto reader =
       stub->ExportDecisions(&context, RequestOf<v1::ExportDecisionsRequest>(selection));
+  (*file)->Write(decision::AuditHeader() + '\n');
   uint64_t row_count = 0;
   v1::ExportDecisionsResponse part;
   while (reader->Read(&part)) {
-    // The daemon sends the header, because it may have another version with other columns.
-    if (!part.header().empty()) (*file)->Write(part.header() + '\n');
-    for (const std::string& row : part.rows()) (*file)->Write(row + '\n');
+    for (const v1::AuditRow& row : part.rows())
+      (*file)->Write(decision::AuditLines(FromProto(row)) + '\n');
     row_count += static_cast<uint64_t>(part.rows_size());
   }
   Status status = ToStatus(reader->Finish(), daemon);

@@ -11,7 +11,6 @@
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/standing_cells.h"
 #include "engine_client/cli/io/text_table.h"
-#include "engine_client/decider/audit/cell_text.h"
 #include "engine_client/decider/types.h"
 #include "engine_client/telemetry/conversion/proto_conversion.h"
 

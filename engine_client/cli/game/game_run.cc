@@ -5,7 +5,7 @@
 #include <thread>
 #include <utility>
 
-#include "engine_client/decider/audit/cell_text.h"
+#include "engine_client/decider/types.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -1,38 +1,53 @@
 #include "engine_client/decider/audit/audit_log.h"
 
-#include <charconv>
-#include <functional>
+#include <bit>
 #include <memory>
-#include <optional>
-#include <span>
 #include <utility>
 
-#include "engine_client/decider/audit/cell_text.h"
-#include "engine_client/decider/audit/cells.h"
-#include "engine_client/decider/audit/csv.h"
 #include "engine_client/decider/session/decision_session.h"
-#include "engine_client/math/hash.h"
 
 namespace sweepstake::decision {
 namespace {
 
-// The log names the policy itself, because what "default" stands for may change.
-SessionSetup WithPolicyNamed(SessionSetup setup, const PolicyKind& policy) {
-  setup.options.policy = policy.name;
-  return setup;
-}
+// Hashes fields: a number as the eight bytes of its value, a text and a list after their length,
+// and an optional after whether it is there.
+class FieldHash {
+ public:
+  explicit FieldHash(uint64_t before) : hash_(before) {}
 
-// Ends a row whose other cells are complete. `hash` is the hash of the segment so far.
-void AppendLogHash(std::string& row, uint64_t& hash) {
-  hash = math::Fnv1a(hash, row);
-  char digits[16];
-  const auto end = std::to_chars(digits, digits + sizeof digits, hash, 16);
-  row.append(digits, end.ptr);
-}
+  template <typename T>
+  void operator()(std::string_view name, const T& value) {
+    if constexpr (AuditStruct<const T>) {
+      VisitFields(value, *this);
+    } else if constexpr (kIsOptional<T>) {
+      Add(value ? 1 : 0);
+      if (value) (*this)(name, *value);
+    } else if constexpr (kIsList<T>) {
+      Add(value.size());
+      for (const auto& item : value) (*this)(name, item);
+    } else if constexpr (std::same_as<T, std::string>) {
+      Add(value.size());
+      hash_ = math::Fnv1a(hash_, value);
+    } else if constexpr (std::same_as<T, double>) {
+      Add(std::bit_cast<uint64_t>(value));
+    } else {
+      Add(static_cast<uint64_t>(value));
+    }
+  }
+
+  uint64_t hash() const { return hash_; }
+
+ private:
+  void Add(uint64_t number) {
+    for (const uint64_t word : {number, number >> 32})
+      hash_ = math::Fnv1aOfWord(hash_, static_cast<uint32_t>(word));
+  }
+
+  uint64_t hash_;
+};
 
 // Makes the rows of one session and hands them to the sink. A decision's row is begun with its
-// inputs and ended with the decision, by one call of the session. The buffers are reused: nothing
-// is allocated once a row of each length has been made.
+// inputs and ended with the decision, by one call of the session.
 class AuditRecorder final : public DecisionObserver {
  public:
   // Records the setup's row.
@@ -48,246 +63,147 @@ class AuditRecorder final : public DecisionObserver {
   void OnDecision(const Decision& decision) override;
 
  private:
-  void Begin(AuditKind kind, std::optional<int64_t> now_ns);
+  void Begin(AuditKind kind, std::optional<int64_t> now_ns, std::optional<ArmRuns> runs = {});
   void End();
-  // Completes the row up to this column and returns it, so that the cell can be appended.
-  std::string& Cell(AuditColumn column);
-  template <typename T>
-  void Put(AuditColumn column, const T& value);
-  void PutText(AuditColumn column, std::string_view text);
-  void PutArm(AuditColumn column, uint32_t arm) { PutText(column, arms_[arm]); }
-  void PutRuns(const ArmRuns& runs);
-  template <typename Item, typename ValueOf>
-  void PutList(AuditColumn column, std::span<const Item> items, ValueOf value_of);
-  void PutCommand(const SwitchCommand& command);
-  void PutVersions();
-  void PutRecord(const DecisionRecord& record);
-  void PutIncrement(const Increment& increment);
-  void PutDiagnosis(const Diagnosis& diagnosis);
-  void PutGate(const GateTerms& gate);
 
   AuditSink& sink_;
-  const AuditOrigin origin_;
+  const std::string session_id_;
+  const uint32_t segment_;
   const std::vector<std::string> arms_;
   const PolicyKind& policy_;
-  const uint64_t seed_;
-
   uint64_t row_count_ = 0;
-  uint64_t hash_;
+  uint64_t hash_ = math::kFnv1aStart;
   // Shared by all sessions of a thread: a row is always ended before the next one begins.
-  static thread_local std::string row_;
-  static thread_local std::string text_;  // the text of a cell that may need quotes
-  size_t column_ = 0;                     // the column at the row's end
+  static thread_local AuditRow row_;
 };
 
-thread_local std::string AuditRecorder::row_;
-thread_local std::string AuditRecorder::text_;
+thread_local AuditRow AuditRecorder::row_;
 
 AuditRecorder::AuditRecorder(AuditSink& sink, AuditOrigin origin, const SessionSetup& setup,
                              const PolicyKind& policy)
     : sink_(sink),
-      origin_(std::move(origin)),
+      session_id_(origin.session_id),
+      segment_(origin.segment),
       arms_(setup.arms),
-      policy_(policy),
-      seed_(setup.seed),
-      hash_(math::kFnv1aStart) {
+      policy_(policy) {
   Begin(AuditKind::kSetup, setup.start_ns);
-  text_.clear();
-  AppendSetup(text_, WithPolicyNamed(setup, policy), origin_);
-  AppendCsv(Cell(AuditColumn::kSetup), text_);
-  PutVersions();
+  row_.setup = {std::move(origin), setup};
+  // The log names the policy itself, because what "default" stands for may change.
+  row_.setup->setup.options.policy = policy.name;
   End();
 }
 
 void AuditRecorder::OnSwitch(const SwitchReport& report, const ArmRuns& runs) {
-  Begin(AuditKind::kSwitch, report.now_ns);
-  PutRuns(runs);
-  if (report.cost.ended_trial) Put(AuditColumn::kFrame, FieldsOf(*report.cost.ended_trial));
-  PutArm(AuditColumn::kArm, report.arm);
-  AppendName(Cell(AuditColumn::kReason), kSwitchReasonNames, report.reason);
-  Put(AuditColumn::kSwitchEpoch, report.switch_epoch);
-  Put(AuditColumn::kRebuildTimeNs, report.cost.rebuild_time_ns);
-  Put(AuditColumn::kSettlingCostNs, report.cost.settling_cost_ns);
+  Begin(AuditKind::kSwitch, report.now_ns, runs);
+  row_.arm = arms_[report.arm];
+  row_.reason = report.reason;
+  row_.switch_epoch = report.switch_epoch;
+  row_.switch_cost = report.cost;
   End();
 }
 
 void AuditRecorder::OnRefusal(uint64_t command_id) {
   Begin(AuditKind::kRefusal, std::nullopt);
-  Put(AuditColumn::kCommandId, command_id);
+  row_.command_id = command_id;
   End();
 }
 
 void AuditRecorder::OnMode(Mode mode, uint32_t active_arm, int64_t now_ns, const ArmRuns& runs) {
-  Begin(AuditKind::kMode, now_ns);
-  PutRuns(runs);
-  PutArm(AuditColumn::kArm, active_arm);
-  AppendName(Cell(AuditColumn::kMode), kModeNames, mode);
+  Begin(AuditKind::kMode, now_ns, runs);
+  row_.arm = arms_[active_arm];
+  row_.mode = mode;
   End();
 }
 
 void AuditRecorder::OnOrder(const OrderReport& order) {
   Begin(AuditKind::kOrder, order.now_ns);
-  text_.assign(kOperatorKey).append(order.operator_name);
-  PutText(AuditColumn::kSetup, text_);
-  if (order.arm) PutArm(AuditColumn::kArm, *order.arm);
-  AppendName(Cell(AuditColumn::kMode), kModeNames, order.mode);
+  row_.operator_name = order.operator_name;
+  if (order.arm) row_.arm = arms_[*order.arm];
+  row_.mode = order.mode;
   End();
 }
 
 void AuditRecorder::OnTick(const TickInput& input, const ArmRuns& runs) {
-  Begin(AuditKind::kTick, input.now_ns);
-  PutRuns(runs);
-  PutList(AuditColumn::kShadow, input.shadow_samples,
-          [](const ShadowSample& sample) { return FieldsOf(sample); });
-  if (input.descriptor) Put(AuditColumn::kDescriptor, FieldsOf(*input.descriptor));
+  Begin(AuditKind::kTick, input.now_ns, runs);
+  row_.shadow.assign(input.shadow_samples.begin(), input.shadow_samples.end());
+  row_.scene = input.descriptor;
 }
 
 void AuditRecorder::OnBailOut(const FrameSample& frame, int64_t now_ns, const ArmRuns& runs) {
-  Begin(AuditKind::kBailOut, now_ns);
-  PutRuns(runs);
-  Put(AuditColumn::kFrame, FieldsOf(frame));
+  Begin(AuditKind::kBailOut, now_ns, runs);
+  row_.frame = frame;
 }
 
 void AuditRecorder::OnDecision(const Decision& decision) {
-  if (decision.command) PutCommand(*decision.command);
-  Put(AuditColumn::kDecisionId, decision.record.decision_id);
-  PutVersions();
-  PutRecord(decision.record);
-  if (decision.increment) PutIncrement(*decision.increment);
-  const auto alpha = [](const BetaPosterior& posterior) { return posterior.alpha; };
-  const auto beta = [](const BetaPosterior& posterior) { return posterior.beta; };
-  PutList(AuditColumn::kAlpha, std::span(decision.record.posteriors), alpha);
-  PutList(AuditColumn::kBeta, std::span(decision.record.posteriors), beta);
-  PutList(AuditColumn::kDraws, std::span(decision.record.draws), std::identity());
-  PutDiagnosis(decision.record.diagnosis);
-  if (decision.record.gate) PutGate(*decision.record.gate);
-  Put(AuditColumn::kPropensity, decision.record.propensity);
+  const DecisionRecord& record = decision.record;
+  const Diagnosis& diagnosis = record.diagnosis;
+  if (decision.command) {
+    row_.command_id = decision.command->command_id;
+    row_.arm = arms_[decision.command->arm];
+    row_.reason = decision.command->reason;
+  }
+  const bool is_learnt = !diagnosis.best_probability.empty();
+  row_.decision = {.id = record.decision_id,
+                   .policy = std::string(policy_.name),
+                   .reward_version = policy_.reward_version,
+                   .active_arm = arms_[record.active_arm],
+                   .candidate = record.candidate ? arms_[*record.candidate] : "",
+                   .outcome = record.outcome,
+                   .reward = record.reward,
+                   .increment = decision.increment,
+                   .posteriors = record.posteriors,
+                   .draws = record.draws,
+                   .best_probability = diagnosis.best_probability,
+                   .leader = is_learnt ? arms_[diagnosis.leader] : "",
+                   .expected_loss_ratio = is_learnt ? diagnosis.expected_loss_ratio : 0,
+                   .entropy = is_learnt ? diagnosis.entropy : 0,
+                   .verdict = diagnosis.verdict,
+                   .gate = record.gate,
+                   .propensity = record.propensity};
   End();
 }
 
-void AuditRecorder::Begin(AuditKind kind, std::optional<int64_t> now_ns) {
-  row_.clear();
-  column_ = 0;
-  PutText(AuditColumn::kSession, origin_.session_id);
-  Put(AuditColumn::kSegment, origin_.segment);
-  Put(AuditColumn::kRow, ++row_count_);
-  AppendName(Cell(AuditColumn::kKind), kAuditKindNames, kind);
-  Put(AuditColumn::kTimeNs, now_ns);
+void AuditRecorder::Begin(AuditKind kind, std::optional<int64_t> now_ns,
+                          std::optional<ArmRuns> runs) {
+  row_ = {.session = session_id_,
+          .segment = segment_,
+          .row = ++row_count_,
+          .kind = kind,
+          .time_ns = now_ns,
+          .runs = std::move(runs)};
 }
 
 void AuditRecorder::End() {
-  std::string& row = Cell(AuditColumn::kLogHash);
-  AppendLogHash(row, hash_);
-  sink_.OnAuditRow(row);
-}
-
-std::string& AuditRecorder::Cell(AuditColumn column) {
-  const auto wanted = static_cast<size_t>(column);
-  row_.append(wanted - column_, ',');
-  column_ = wanted;
-  return row_;
-}
-
-template <typename T>
-void AuditRecorder::Put(AuditColumn column, const T& value) {
-  AppendText(Cell(column), value);
-}
-
-void AuditRecorder::PutText(AuditColumn column, std::string_view text) {
-  AppendCsv(Cell(column), text);
-}
-
-void AuditRecorder::PutRuns(const ArmRuns& runs) { AppendRuns(Cell(AuditColumn::kRuns), runs); }
-
-template <typename Item, typename ValueOf>
-void AuditRecorder::PutList(AuditColumn column, std::span<const Item> items, ValueOf value_of) {
-  std::string& row = Cell(column);
-  for (size_t i = 0; i < items.size(); ++i) {
-    if (i > 0) row += ' ';
-    AppendText(row, value_of(items[i]));
-  }
-}
-
-void AuditRecorder::PutCommand(const SwitchCommand& command) {
-  Put(AuditColumn::kCommandId, command.command_id);
-  PutArm(AuditColumn::kArm, command.arm);
-  AppendName(Cell(AuditColumn::kReason), kSwitchReasonNames, command.reason);
-}
-
-void AuditRecorder::PutVersions() {
-  PutText(AuditColumn::kPolicy, policy_.name);
-  Put(AuditColumn::kVersionOfReward, policy_.reward_version);
-  PutText(AuditColumn::kProgramVersion, origin_.program_version);
-  Put(AuditColumn::kSeed, seed_);
-}
-
-void AuditRecorder::PutRecord(const DecisionRecord& record) {
-  PutArm(AuditColumn::kActiveArm, record.active_arm);
-  if (record.candidate) PutArm(AuditColumn::kCandidate, *record.candidate);
-  AppendName(Cell(AuditColumn::kOutcome), kOutcomeNames, record.outcome);
-  Put(AuditColumn::kReward, record.reward);
-}
-
-void AuditRecorder::PutIncrement(const Increment& increment) {
-  PutArm(AuditColumn::kIncrementArm, increment.arm);
-  Put(AuditColumn::kIncrementAlpha, increment.alpha);
-  Put(AuditColumn::kIncrementBeta, increment.beta);
-  Put(AuditColumn::kIncrementWindowCount, increment.window_count);
-  Put(AuditColumn::kIncrementBailOutCount, increment.bail_out_count);
-}
-
-void AuditRecorder::PutDiagnosis(const Diagnosis& diagnosis) {
-  if (!diagnosis.best_probability.empty()) {
-    PutList(AuditColumn::kBestProbability, std::span(diagnosis.best_probability), std::identity());
-    PutArm(AuditColumn::kLeader, diagnosis.leader);
-    Put(AuditColumn::kExpectedLossRatio, diagnosis.expected_loss_ratio);
-    Put(AuditColumn::kEntropy, diagnosis.entropy);
-  }
-  AppendName(Cell(AuditColumn::kVerdict), kVerdictNames, diagnosis.verdict);
-}
-
-void AuditRecorder::PutGate(const GateTerms& gate) {
-  Put(AuditColumn::kGain, gate.gain);
-  Put(AuditColumn::kLoss, gate.loss);
-  Put(AuditColumn::kHorizonS, gate.horizon_s);
-  Put(AuditColumn::kCooldownS, gate.cooldown_s);
-  Put(AuditColumn::kSwitchCostS, gate.cost_s);
+  row_.log_hash = hash_ = AuditHash(hash_, row_);
+  sink_.OnAuditRow(row_);
 }
 
 }  // namespace
 
-std::string AuditHeader() {
-  std::string header;
-  for (const std::string_view name : kAuditColumnNames)
-    header.append(header.empty() ? "" : ",").append(name);
-  return header;
+uint64_t AuditHash(uint64_t before, const AuditRow& row) {
+  FieldHash hash(before);
+  VisitHashedFields(row, hash);
+  return hash.hash();
 }
 
-std::string MissingRow(std::string_view session_id, uint32_t segment, uint64_t row) {
-  std::string text;
-  AppendCsv(text, session_id);
-  AppendText(text += ',', segment);
-  AppendText(text += ',', row);
-  AppendName(text += ',', kAuditKindNames, AuditKind::kMissing);
-  return text.append(kAuditColumnNames.size() - 4, ',');
+AuditRow MissingRow(std::string_view session_id, uint32_t segment, uint64_t row) {
+  return {.session = std::string(session_id),
+          .segment = segment,
+          .row = row,
+          .kind = AuditKind::kMissing};
 }
 
-AdminRows::AdminRows(uint32_t segment) : segment_(segment), hash_(math::kFnv1aStart) {}
-
-std::string AdminRows::Next(int64_t now_ns, int64_t unix_ms, std::string_view action,
-                            std::string_view who) {
-  std::string row(kAdminSession);
-  AppendText(row += ',', segment_);
-  AppendText(row += ',', ++row_count_);
-  AppendName(row += ',', kAuditKindNames, AuditKind::kAdmin);
-  AppendText(row += ',', now_ns);
-  std::string text = "unix_ms=";
-  AppendText(text, unix_ms);
-  AppendEscaped(text += ';', action);
-  AppendEscaped(text.append(";").append(kOperatorKey), who);
-  AppendCsv(row += ',', text);
-  row.append(kAuditColumnNames.size() - static_cast<size_t>(AuditColumn::kSetup) - 1, ',');
-  AppendLogHash(row, hash_);
+AuditRow AdminRows::Next(int64_t now_ns, int64_t unix_ms, std::string operator_name,
+                         std::string action) {
+  AuditRow row{.session = std::string(kAdminSession),
+               .segment = segment_,
+               .row = ++row_count_,
+               .kind = AuditKind::kAdmin,
+               .time_ns = now_ns,
+               .operator_name = std::move(operator_name),
+               .unix_ms = unix_ms,
+               .action = std::move(action)};
+  row.log_hash = hash_ = AuditHash(hash_, row);
   return row;
 }
 

@@ -9,6 +9,7 @@
 #include <random>
 #include <utility>
 
+#include "engine_client/decider/audit/audit_csv.h"
 #include "engine_client/decider/audit/audit_log.h"
 #include "engine_client/decider/embedded/decision_conversion.h"
 #include "engine_client/decider/embedded/evidence_ledger.h"
@@ -177,7 +178,9 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
 
  private:
   void Follow(const decision::Decision& decision);
-  void OnAuditRow(std::string_view row) override { on_audit_row_(row); }
+  void OnAuditRow(const decision::AuditRow& row) override {
+    on_audit_row_(decision::AuditLines(row));
+  }
 
   const uint64_t settling_ns_;
   decision::DecisionSession session_;

@@ -11,7 +11,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <tuple>
 
 #include "engine_client/decider/types.h"
 #include "engine_client/decider/window.h"
@@ -22,7 +21,7 @@ namespace sweepstake::decision {
 class ArmRun {
  public:
   // Frames that begin before `settling_ns` of the run has passed are settling frames.
-  ArmRun(uint32_t arm, uint32_t switch_epoch, uint64_t settling_ns);
+  explicit ArmRun(uint32_t arm = 0, uint32_t switch_epoch = 0, uint64_t settling_ns = 0);
 
   // Takes a frame of this run. Returns true if it was measured, false if it settles.
   //
@@ -46,14 +45,19 @@ class ArmRun {
   // Returns whether the current tick had settling frames of this run.
   bool settling_frames_seen() const { return settling_frames_seen_; }
 
-  // Returns references to every member of an ArmRun or const ArmRun, for the audit log.
-  template <typename Self>
-  static auto Fields(Self& run) {
+  // Calls visit(name, member) for every member, for the audit log (audit/audit_row.h).
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& run, Visit& visit) {
     auto& [arm, switch_epoch, started, settling_frames_seen, elapsed_ns, settling_end_ns,
            measured_ns, window] = run;
-    return std::tuple_cat(std::tie(arm, switch_epoch, started, settling_frames_seen, elapsed_ns,
-                                   settling_end_ns, measured_ns),
-                          Window::Fields(window));
+    visit("arm", arm);
+    visit("switch_epoch", switch_epoch);
+    visit("started", started);
+    visit("settling_frames_seen", settling_frames_seen);
+    visit("elapsed_ns", elapsed_ns);
+    visit("settling_end_ns", settling_end_ns);
+    visit("measured_ns", measured_ns);
+    visit("window", window);
   }
 
  private:
@@ -76,7 +80,8 @@ bool IsLaterEpoch(uint32_t epoch, uint32_t than);
 
 class ArmRuns {
  public:
-  ArmRuns(uint32_t arm_count, ArmRun active) : arm_count_(arm_count), active_(active) {}
+  explicit ArmRuns(uint32_t arm_count = 0, ArmRun active = ArmRun())
+      : arm_count_(arm_count), active_(active) {}
 
   // Returns the run of this frame. A frame of a later epoch than all before begins a later run,
   // which settles for `settling_ns`. Returns null if the frame is of an earlier epoch, or of an arm
@@ -97,12 +102,20 @@ class ArmRuns {
   // Returns whether the current tick had frames of the active run, measured or not.
   bool active_frames_seen() const { return active_frames_seen_; }
 
-  // Returns references to every member of ArmRuns or const ArmRuns except the number of arms, for
-  // the audit log.
-  template <typename Self>
-  static auto Fields(Self& runs) {
+  // Takes the state of other runs. REQUIRES: they have no other number of arms.
+  void Restore(const ArmRuns& runs) {
+    active_ = runs.active_;
+    later_ = runs.later_;
+    active_frames_seen_ = runs.active_frames_seen_;
+  }
+
+  // Calls visit(name, member) for every member except the number of arms, for the audit log.
+  template <typename Self, typename Visit>
+  static void VisitFields(Self& runs, Visit& visit) {
     auto& [arm_count, active, later, active_frames_seen] = runs;
-    return std::tie(active, later, active_frames_seen);
+    visit("active", active);
+    visit("later", later);
+    visit("active_frames_seen", active_frames_seen);
   }
 
  private:

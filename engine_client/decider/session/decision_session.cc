@@ -73,7 +73,8 @@ void DecisionSession::ObserveFrames(std::span<const FrameSample> frames) {
 bool DecisionSession::RestoreRuns(const ArmRuns& runs) {
   const ArmRun& active = runs.active();
   if (active.arm() != run().arm() || active.switch_epoch() != run().switch_epoch()) return false;
-  runs_ = runs;
+  if (runs.later() && runs.later()->arm() >= arms().size()) return false;
+  runs_.Restore(runs);
   return true;
 }
 

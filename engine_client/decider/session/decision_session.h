@@ -74,8 +74,8 @@ class DecisionSession {
   // yet.
   void SetObserver(std::unique_ptr<DecisionObserver> observer) { observer_ = std::move(observer); }
   // Replaces the frames since the last event by their summary when a log is derived again. Returns
-  // false and changes nothing if another arm or switch epoch is active. REQUIRES: `runs` has this
-  // session's number of arms.
+  // false and changes nothing if another arm or switch epoch is active, or if the later run is of
+  // no arm of this session.
   bool RestoreRuns(const ArmRuns& runs);
 
   // Adds frames to the window of the current tick. Frames of another switch epoch or arm than the

@@ -99,8 +99,9 @@ struct EmbeddedOptions {
   // Called with every decision, on the thread that drives the decider. It must not call the
   // decider.
   std::function<void(const DecisionEvent&)> on_decision = nullptr;
-  // Called with every row of the audit log under the same rules. A row is a line of CSV without its
-  // line end; EmbeddedDecider::AuditHeader() is the header. Null: no log is written.
+  // Called with every row of the audit log under the same rules. A row is one or more lines of CSV
+  // without the last line end; EmbeddedDecider::AuditHeader() is the header. Null: no log is
+  // written.
   std::function<void(std::string_view row)> on_audit_row = nullptr;
 };
 

@@ -2,7 +2,6 @@
 // of them short.
 #include <nlohmann/json.hpp>
 
-#include "engine_client/decider/audit/cell_text.h"
 #include "engine_client/decider/types.h"
 #include "engine_client/telemetry/common/flight_recorder.h"
 

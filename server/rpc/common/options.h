@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/telemetry/conversion/audit_conversion.h"
 #include "engine_client/telemetry/tls/tls_files.h"
 #include "server/auth/principal.h"
 #include "server/sessions/common/options.h"
@@ -57,6 +58,8 @@ inline constexpr size_t kWatcherQueueBytes = 256 * 1024;
 
 // RpcServer::Adjust changes the Adjustable members; changes take effect at once.
 struct RpcOptions : sessions::HostedSessionOptions {
+  RpcOptions() { encode_audit_row = EncodeAuditRow; }
+
   // Called on the decision loop with all updates that wait for the store: every few seconds while
   // the store cannot be written, once after it has recovered, and at the end of Drain. May be
   // empty.

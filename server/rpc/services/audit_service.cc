@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "engine_client/decider/audit/audit_log.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/page_stream.h"
 
@@ -62,18 +61,27 @@ absl::StatusOr<bool> EnterSegment(priors::PriorReader& store, const AuditFilter&
   return true;
 }
 
-// Adds the rows to the response, and a `missing` row where some are not there. Returns their bytes.
-size_t AddRows(std::vector<priors::AuditRow> rows, RowPlace& place,
+// Makes the message a row that stands for missing ones.
+void SetMissing(const AuditSegment& segment, uint64_t number, v1::AuditRow& message) {
+  message.Clear();
+  message.set_session(segment.session_id);
+  message.set_segment(segment.segment);
+  message.set_row(number);
+  message.set_kind(v1::AUDIT_KIND_MISSING);
+}
+
+// Adds the rows to the response, and a `missing` row where some are not there or not readable.
+// Returns their bytes.
+size_t AddRows(const std::vector<priors::AuditRow>& rows, RowPlace& place,
                v1::ExportDecisionsResponse& response) {
   size_t bytes = 0;
   const AuditSegment& segment = *place.segment;
-  for (priors::AuditRow& row : rows) {
-    if (row.number != place.next_row) {
-      response.add_rows(decision::MissingRow(segment.session_id, segment.segment, place.next_row));
-    }
+  for (const priors::AuditRow& row : rows) {
+    if (row.number != place.next_row) SetMissing(segment, place.next_row, *response.add_rows());
     place.next_row = row.number + 1;
-    bytes += row.text.size();
-    response.add_rows(std::move(row.text));
+    v1::AuditRow& message = *response.add_rows();
+    if (!message.ParseFromString(row.bytes)) SetMissing(segment, row.number, message);
+    bytes += row.bytes.size();
   }
   return bytes;
 }
@@ -82,7 +90,6 @@ absl::StatusOr<RowStream::Page> LoadRows(priors::PriorReader& store, const Audit
                                          const LastRead& last_read, const RowPlace& place) {
   RowStream::Page page;
   page.next = place;
-  if (place.after == 0) page.response.set_header(decision::AuditHeader());
   for (size_t bytes = 0; bytes < kAuditBytesPerMessage;) {
     const auto entered = EnterSegment(store, filter, last_read, page.next);
     if (!entered.ok()) return entered.status();
@@ -94,7 +101,7 @@ absl::StatusOr<RowStream::Page> LoadRows(priors::PriorReader& store, const Audit
     if (rows->empty()) {
       page.next.segment.reset();
     } else {
-      bytes += AddRows(*std::move(rows), page.next, page.response);
+      bytes += AddRows(*rows, page.next, page.response);
     }
   }
   return page;

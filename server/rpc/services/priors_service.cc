@@ -183,12 +183,11 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     answer.set_applied_count(result->applied_count);
     answer.set_unchanged_count(result->unchanged_count);
     response_ = Serialize(answer);
-    context_.log.info("{} imported {} records, {} of them new or newer, {}", NameForLog(caller_),
-                      records_.size(), result->applied_count,
-                      promotes_ ? "which count at once" : "which wait in quarantine");
-    admin_.Record(absl::StrCat("action=import records=", records_.size(), " applied=",
-                               result->applied_count, " promoted=", promotes_ ? "yes" : "no"),
-                  NameAndAddress(caller_, call_));
+    const std::string action = absl::StrCat("imported ", records_.size(), " records, ",
+                                            result->applied_count, " of them new or newer, which ",
+                                            promotes_ ? "count at once" : "wait in quarantine");
+    context_.log.info("{} {}", NameForLog(caller_), action);
+    admin_.Record(NameAndAddress(caller_, call_), action);
     End(absl::OkStatus());
   }
 
@@ -273,10 +272,22 @@ absl::StatusOr<priors::SourceFilter> FilterOf(const v1::SourceFilter& sources,
   return filter;
 }
 
-std::string Describe(const v1::SourceFilter& sources) {
-  return absl::StrCat("project=", sources.project(), " source=", sources.source_id(),
-                      " build=", sources.build(), " token=", sources.token_id(),
-                      " from=", sources.unix_from_s(), " until=", sources.unix_until_s());
+// Returns what was done to which evidence, as the rest of a sentence.
+template <typename Result>
+std::string ChangeText(const char* verb, const Result& result, const v1::SourceFilter& sources) {
+  std::string text = absl::StrCat(verb, " ", result.source_count, " sources with ",
+                                  result.record_count, " records");
+  const auto add = [&text](const char* what, const auto& value) {
+    if (value != std::remove_cvref_t<decltype(value)>{})
+      absl::StrAppend(&text, ", ", what, " ", value);
+  };
+  add("project", sources.project());
+  add("session", sources.source_id());
+  add("build", sources.build());
+  add("token", sources.token_id());
+  add("begun from Unix time", sources.unix_from_s());
+  add("begun until Unix time", sources.unix_until_s());
+  return text;
 }
 
 // Whether a promotion means a record that waits: no token and no time began its source.
@@ -387,10 +398,7 @@ grpc::ServerUnaryReactor* PriorsService::RevokePriors(grpc::CallbackServerContex
                 response->set_record_count(result->record_count);
                 response->set_window_count(result->window_count);
                 if (!request->preview()) {
-                  OnChanged("revoke",
-                            absl::StrCat("sources=", result->source_count, " records=",
-                                         result->record_count, " ", Describe(request->sources())),
-                            who);
+                  OnChanged(ChangeText("revoked", *result, request->sources()), who);
                   context_.watch_hub.Reset();
                 }
                 end(absl::OkStatus());
@@ -427,10 +435,7 @@ grpc::ServerUnaryReactor* PriorsService::PromotePriors(grpc::CallbackServerConte
             response->set_window_count(result->window_count);
             response->set_scene_count(result->scene_count);
             if (!request->preview())
-              OnChanged("promote",
-                        absl::StrCat("sources=", result->source_count, " records=",
-                                     result->record_count, " ", Describe(request->sources())),
-                        who);
+              OnChanged(ChangeText("promoted", *result, request->sources()), who);
             end(absl::OkStatus());
           });
         });
@@ -439,10 +444,9 @@ grpc::ServerUnaryReactor* PriorsService::PromotePriors(grpc::CallbackServerConte
   });
 }
 
-void PriorsService::OnChanged(const std::string& action, const std::string& what,
-                              const std::string& who) {
-  context_.log.warn("{} {}d evidence: {}", who, action, what);
-  admin_.Record(absl::StrCat("action=", action, " ", what), who);
+void PriorsService::OnChanged(const std::string& action, const std::string& who) {
+  context_.log.warn("{} {}", who, action);
+  admin_.Record(who, action);
 }
 
 }  // namespace sweepstake::rpc

@@ -43,8 +43,8 @@ class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportP
       grpc::CallbackServerContext* call, const v1::CompareBuildsRequest* request) override;
 
  private:
-  // Tells of a revocation or a promotion that was committed.
-  void OnChanged(const std::string& action, const std::string& what, const std::string& who);
+  // Logs a revocation or a promotion that was committed.
+  void OnChanged(const std::string& action, const std::string& who);
 
   ServiceContext& context_;
   sessions::AdminLog& admin_;

@@ -23,6 +23,13 @@ namespace sweepstake::rpc {
 namespace {
 
 // The caller sets the operator and the time.
+// Returns the order as the rest of a sentence.
+std::string OrderText(const v1::OrderSessionRequest& order, const std::string& session_id) {
+  const std::string text = absl::StrCat("ordered session ", session_id);
+  if (order.mode() == v1::MODE_AI) return text + " to let the daemon decide";
+  return text + (order.arm().empty() ? " to keep its arm" : " to keep to " + order.arm());
+}
+
 absl::StatusOr<decision::OrderReport> OrderOf(const v1::OrderSessionRequest& request,
                                               const std::vector<std::string>& arms) {
   if (request.mode() != v1::MODE_MANUAL && request.mode() != v1::MODE_AI) {
@@ -102,11 +109,11 @@ grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerConte
       const bool may_return = request->may_return();
       const sessions::SessionIdentity& identity = session->identity();
       context_.sessions.Kick(*session, may_return);
-      context_.log.warn("{} kicked session {} of {}/{}, which {}", who, identity.id,
-                        identity.scene.project, identity.scene.scene,
-                        may_return ? "may return" : "may not return");
-      admin_.Record(absl::StrCat("action=kick session=", identity.id, " may_return=", may_return),
-                    who);
+      const std::string action = absl::StrCat(
+          "kicked session ", identity.id, " of ", identity.scene.project, "/", identity.scene.scene,
+          may_return ? ", which may return" : ", which may not return");
+      context_.log.warn("{} {}", who, action);
+      admin_.Record(who, action);
       end(absl::OkStatus());
     });
   });
@@ -138,14 +145,16 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
       order->operator_name = who;
       order->now_ns = context_.loop.clock().NowNs();
       // Not with the answer, which may never come: the game may obey, and the daemon end first.
-      RecordOrder("order", *request, session->identity().id, who);
-      session->Order(*order, [this, request, response, who, end, id = session->identity().id,
+      // The session's own log has the order once its next decision is on disk.
+      const std::string action = OrderText(*request, session->identity().id);
+      admin_.Record(who, action);
+      session->Order(*order, [this, request, response, who, end, action,
                               &decisions = session->decisions()](const absl::Status& status) {
-        RecordOrder(absl::StrCat("order-answer answer=",
-                                 status.ok() ? "OK" : NameOf(ReasonOfRefusal(status))),
-                    *request, id, who);
+        admin_.Record(who, status.ok() ? absl::StrCat(action, ", and the game obeyed")
+                                       : absl::StrCat(action, ", which was refused: ",
+                                                      NameOf(ReasonOfRefusal(status))));
         if (status.ok()) {
-          LogOrder(*request, id, who);
+          context_.log.info("{} {}", who, action);
           response->set_mode(static_cast<v1::Mode>(decisions.mode()));
           response->set_active_arm(decisions.arms()[decisions.active_arm()]);
         }
@@ -153,20 +162,6 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
       });
     });
   });
-}
-
-void SessionsService::LogOrder(const v1::OrderSessionRequest& order, const std::string& id,
-                               const std::string& who) {
-  context_.log.info("{} ordered session {}: {}{}", who, id, v1::Mode_Name(order.mode()),
-                    order.arm().empty() ? "" : " " + order.arm());
-}
-
-// The session's own log has it, too, once its next decision is on disk.
-void SessionsService::RecordOrder(const std::string& action, const v1::OrderSessionRequest& order,
-                                  const std::string& id, const std::string& who) {
-  admin_.Record(absl::StrCat("action=", action, " session=", id,
-                             " mode=", v1::Mode_Name(order.mode()), " arm=", order.arm()),
-                who);
 }
 
 void SessionsService::OnSessions(const watch::SessionChanges& changes) {

@@ -57,12 +57,6 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
   // answer tells a caller nothing: null.
   std::shared_ptr<sessions::GameSession> FindFor(const auth::Principal& caller,
                                                  const std::string& session_id) const;
-  // Says in the log that an order was obeyed.
-  void LogOrder(const v1::OrderSessionRequest& order, const std::string& id,
-                const std::string& who);
-  // Says in the audit log who gave an order, or how it went.
-  void RecordOrder(const std::string& action, const v1::OrderSessionRequest& order,
-                   const std::string& id, const std::string& who);
   // Returns what watchers of this filter are told.
   std::shared_ptr<const SessionTick> Encode(const priors::SceneFilter& filter,
                                             const watch::SessionChanges& changes) const;

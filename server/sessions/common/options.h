@@ -13,6 +13,10 @@
 #include "engine_client/decider/options.h"
 #include "server/sessions/common/adjustable.h"
 
+namespace sweepstake::decision {
+struct AuditRow;
+}  // namespace sweepstake::decision
+
 namespace sweepstake::sessions {
 
 // The largest box view that is requested from a game, in bytes; a larger one is INVALID_ARGUMENT.
@@ -30,6 +34,8 @@ struct HostedSessionOptions {
   std::string daemon_version;  // version of the program, as in Welcome and the audit log
   // Whether new sessions write rows of the audit log.
   Adjustable<bool> keeps_audit = true;
+  // Returns the bytes of a row for the store.
+  std::function<std::string(const decision::AuditRow&)> encode_audit_row;
   // Whether other daemons write to the store too. A session that cannot be read may then continue
   // in another daemon. It is refused, because messages that its client resends might count twice.
   bool shares_store = false;

@@ -15,7 +15,7 @@ namespace sweepstake::priors {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(KeyedEvidence, key, evidence)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceProgress, source_id, commit_sequence, message_sequence,
                                    explored_arm_count, decision_count, frame_count, seed)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AuditRow, number, text)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AuditRow, number, bytes)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AuditRows, segment, project, scene, unix_start_ms, rows)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceOrigin, build, token_id)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceWriter, id, resumed_sequence)
@@ -29,12 +29,13 @@ namespace sweepstake::storage {
 using nlohmann::json;
 
 std::string UpdateText(const priors::SourceUpdate& update) {
-  return json(update).dump(-1, ' ', false, json::error_handler_t::replace);
+  const auto bytes = json::to_cbor(json(update));
+  return {bytes.begin(), bytes.end()};
 }
 
 absl::StatusOr<priors::SourceUpdate> UpdateIn(const std::string& text) {
   try {
-    return json::parse(text).get<priors::SourceUpdate>();
+    return json::from_cbor(text).get<priors::SourceUpdate>();
   } catch (const json::exception& error) {
     return absl::DataLossError(error.what());
   }

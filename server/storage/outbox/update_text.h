@@ -1,4 +1,4 @@
-// Converts an update of a source to text (JSON) and back, exactly to the last bit of its numbers.
+// Converts an update of a source to bytes (CBOR) and back, exactly to the last bit of its numbers.
 #pragma once
 
 #include <string>
@@ -8,9 +8,8 @@
 
 namespace sweepstake::storage {
 
-// REQUIRES: the strings are UTF-8; other bytes are lost.
 std::string UpdateText(const priors::SourceUpdate& update);
-// Error: DATA_LOSS (the text is not an update).
+// Error: DATA_LOSS (the bytes are not an update).
 absl::StatusOr<priors::SourceUpdate> UpdateIn(const std::string& text);
 
 }  // namespace sweepstake::storage

@@ -99,7 +99,7 @@ absl::Status SqlAuditLog::AppendOne(const priors::SourceUpdate& update, uint64_t
       ++lost;
     } else if (row.number > segment->last_row) {
       rows.push_back(&row);
-      bytes += row.text.size();
+      bytes += row.bytes.size();
     }
   }
   if (rows.empty()) return absl::OkStatus();
@@ -110,7 +110,7 @@ absl::Status SqlAuditLog::AppendOne(const priors::SourceUpdate& update, uint64_t
   if (status.ok() && !is_admin) status = GrowChunk(bytes, update.unix_time_s);
   if (!status.ok()) return status;
   SqlBatch batch;
-  for (const AuditRow* row : rows) batch.Add(*id, row->number, SqlBytes{row->text});
+  for (const AuditRow* row : rows) batch.Add(*id, row->number, SqlBytes{row->bytes});
   status = database_.Run(kAddRows, batch);
   if (!status.ok() || !is_admin) return status;
   return RemoveRows(kDeleteAdminRows, decision::kAdminSession, limits_.admin_row_count);

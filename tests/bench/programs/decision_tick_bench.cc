@@ -41,19 +41,9 @@ double NowUs() {
 #endif
 }
 
-class RowMeter final : public AuditSink {
+class NoLog final : public AuditSink {
  public:
-  void OnAuditRow(std::string_view row) override {
-    ++row_count_;
-    bytes_ += row.size();
-  }
-  double mean_bytes() const {
-    return static_cast<double>(bytes_) / static_cast<double>(std::max<uint64_t>(row_count_, 1));
-  }
-
- private:
-  uint64_t row_count_ = 0;
-  uint64_t bytes_ = 0;
+  void OnAuditRow(const AuditRow&) override {}
 };
 
 class Game {
@@ -150,25 +140,22 @@ struct Row {
   uint32_t arm_count = 0;
   Quantiles plain;
   Quantiles audited;
-  double row_bytes = 0;  // mean size of the audit log's rows
 };
 
 Row Measure(const std::string& policy, uint32_t arm_count) {
-  RowMeter rows;
+  NoLog rows;
   Row row{.policy = policy, .arm_count = arm_count, .plain = {}, .audited = {}};
   row.plain = TimeTicks(policy, arm_count, nullptr);
   row.audited = TimeTicks(policy, arm_count, &rows);
-  row.row_bytes = rows.mean_bytes();
   return row;
 }
 
 void PrintTable(const std::vector<Row>& rows) {
-  std::printf("%-10s %5s %10s %10s %14s %14s %10s\n", "policy", "arms", "p50 us", "p99 us",
-              "audited p50 us", "audited p99 us", "row bytes");
+  std::printf("%-10s %5s %10s %10s %14s %14s\n", "policy", "arms", "p50 us", "p99 us",
+              "audited p50 us", "audited p99 us");
   for (const Row& row : rows) {
-    std::printf("%-10s %5u %10.1f %10.1f %14.1f %14.1f %10.0f\n", row.policy.c_str(), row.arm_count,
-                row.plain.p50_us, row.plain.p99_us, row.audited.p50_us, row.audited.p99_us,
-                row.row_bytes);
+    std::printf("%-10s %5u %10.1f %10.1f %14.1f %14.1f\n", row.policy.c_str(), row.arm_count,
+                row.plain.p50_us, row.plain.p99_us, row.audited.p50_us, row.audited.p99_us);
   }
 }
 
@@ -177,10 +164,9 @@ void PrintJson(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     std::printf(
         "%s\n  {\"policy\": \"%s\", \"arms\": %u, \"p50_ms\": %.6f, \"p99_ms\": %.6f, "
-        "\"audited_p50_ms\": %.6f, \"audited_p99_ms\": %.6f, \"audit_row_bytes\": %.0f}",
+        "\"audited_p50_ms\": %.6f, \"audited_p99_ms\": %.6f}",
         &row == rows.data() ? "" : ",", row.policy.c_str(), row.arm_count, 1e-3 * row.plain.p50_us,
-        1e-3 * row.plain.p99_us, 1e-3 * row.audited.p50_us, 1e-3 * row.audited.p99_us,
-        row.row_bytes);
+        1e-3 * row.plain.p99_us, 1e-3 * row.audited.p50_us, 1e-3 * row.audited.p99_us);
   }
   std::printf("\n]}\n");
 }

@@ -223,7 +223,7 @@ void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
 Result<AuditReport> ReplayLog(const std::string& file) {
   const auto text = ReadLog(file);
   if (!text.ok()) return text.status();
-  AuditReport report = decision::Rederive(*text, decision::StudyPolicies());
+  AuditReport report = decision::RederiveCsv(*text, decision::StudyPolicies());
   if (!report.difference && report.decision_count + report.underived_decision_count == 0) {
     return Status(
         StatusCode::kInvalidArgument,

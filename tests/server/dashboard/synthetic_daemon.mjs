@@ -8,10 +8,8 @@ const ARMS = ['BruteForce', 'Grid', 'SAP', 'AxisSweep', 'DBVT', 'Tracy', 'KDTree
 const OUTCOMES = ['KEPT', 'KEPT', 'KEPT', 'HELD_COOLDOWN', 'HELD_GATE', 'HELD_TIE', 'SWITCHED', 'HELD_SETTLING'];
 const TICK_MS = 250;
 const WINDOW_MS = 2000;
-// The log of a real daemon. From it come the header, a setup row, and a decision row as cells.
-const LOG = readFileSync(new URL('../audit/logs/adaptive.csv', import.meta.url), 'utf8').split('\n');
-const COLUMNS = Object.fromEntries(LOG[0].split(',').map((name, i) => [name, i]));
-const TICK = LOG.map((line) => line.split(',')).find((cells) => cells[COLUMNS.kind] === 'tick');
+// The log of a real game: the row of the setup and one of a decision.
+const [SETUP, TICK] = JSON.parse(readFileSync(new URL('../../engine_client/decider/audit/logs/adaptive.jsonl', import.meta.url), 'utf8').split('\n')[0]).rows;
 const MAX_LOG_ROWS = 6000; // the number of rows that a daemon keeps of an endless session
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 
@@ -152,16 +150,13 @@ export class SyntheticDaemon {
   log({ sessionId, afterRow = '0' }) {
     const { unixStartMs } = this.sessions.find((each) => each.sessionId === sessionId);
     const { decisions, droppedCount } = this.logs.get(sessionId) ?? { decisions: [], droppedCount: 0 };
-    const startNs = Number(/;start_ns=(\d+)/.exec(LOG[1])[1]);
+    const startNs = Number(SETUP.setup.startNs);
     const first = Math.max(Number(afterRow) - 1, droppedCount); // of the decisions
-    const rows = decisions.slice(first - droppedCount).map(([decisionId, unixMs, activeArm, candidate], i) => {
-      const known = { session: sessionId, row: first + i + 2, time_ns: startNs + 1e6 * (unixMs - Number(unixStartMs)), decision_id: decisionId, active_arm: activeArm, candidate };
-      const cells = [...TICK];
-      for (const [name, value] of Object.entries(known)) cells[COLUMNS[name]] = value;
-      return cells.join(',');
-    });
-    const setup = LOG[1].replace(/^[^,]*/, sessionId).replace(/unix_start_ms=\d+/, `unix_start_ms=${unixStartMs}`);
-    return `${JSON.stringify({ header: LOG[0], rows: afterRow === '0' ? [setup, ...rows] : rows })}\n`;
+    const rows = decisions.slice(first - droppedCount).map(([id, unixMs, activeArm, candidate], i) => ({
+      ...TICK, session: sessionId, row: first + i + 2, timeNs: String(startNs + 1e6 * (unixMs - Number(unixStartMs))), decision: { ...TICK.decision, id, activeArm, candidate },
+    }));
+    const setup = { ...SETUP, session: sessionId, setup: { ...SETUP.setup, unixStartMs } };
+    return `${JSON.stringify({ rows: afterRow === '0' ? [setup, ...rows] : rows })}\n`;
   }
 
   file(path) {

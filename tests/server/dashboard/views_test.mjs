@@ -11,7 +11,6 @@ import { Game, pause, RealDaemon, until, watched } from './real_daemon.mjs';
 const [sweepstaked, sweepstake] = process.argv.slice(2);
 const SCENE = '/scenes/arcade/arena?class=test&reward=3';
 
-const ALPHA = 31; // index of the column alpha of the audit log; rows of ticks have no quoted commas
 
 const chart = (page, id) => page.locator(`figure[data-chart=${id}]`);
 const timeIn = (figure) => figure.locator('.legend time').innerText();
@@ -337,14 +336,14 @@ async function checkKick(page, daemon, { sessionId }) {
   await until('the session has ended', async () => (await sessionsOf(daemon)).every((session) => session.sessionId !== sessionId));
   await page.locator('.chip', { hasText: 'kicked' }).waitFor();
   // The posteriors after its last decision are those of its log.
-  const lines = (await daemon.responses('AuditService/ExportDecisions', { sessionId })).flatMap(({ rows = [] }) => rows.map((row) => row.split(',')));
-  const [alpha, beta] = [ALPHA, ALPHA + 1].map((column) => lines.filter((cells) => cells[3] === 'tick' && cells[column]).at(-1)[column].split(' ').map(Number));
+  const rows = (await daemon.responses('AuditService/ExportDecisions', { sessionId })).flatMap((response) => response.rows ?? []);
+  const { posteriors } = rows.filter(({ decision }) => decision).at(-1).decision;
   await page.getByRole('button', { name: 'Read again' }).click();
   const figures = async () => {
     const [file] = await Promise.all([page.waitForEvent('download'), chart(page, 'prior').getByRole('button', { name: /CSV/ }).click()]);
     return readFileSync(await file.path(), 'utf8').trim().split('\r\n').slice(1).map((line) => line.split(','));
   };
-  await until('the figures are those of the log', async () => JSON.stringify((await figures()).map((cells) => [Number(cells[2]), Number(cells[3])])) === JSON.stringify(alpha.map((each, i) => [each, beta[i]])), 20_000);
+  await until('the figures are those of the log', async () => JSON.stringify((await figures()).map((cells) => [Number(cells[2]), Number(cells[3])])) === JSON.stringify(posteriors.map(({ alpha, beta }) => [alpha, beta])), 20_000);
   assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0, 'an ended session has buttons for orders');
 }
 

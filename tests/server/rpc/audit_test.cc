@@ -2,8 +2,9 @@
 #include <spdlog/sinks/ringbuffer_sink.h>
 
 #include <limits>
+#include <utility>
+#include <vector>
 
-#include "absl/strings/str_split.h"
 #include "engine_client/decider/audit/rederive.h"
 #include "engine_client/decider/policy/log_cost.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
@@ -12,26 +13,12 @@
 namespace sweepstake::rpc {
 namespace {
 
-using ::testing::HasSubstr;
+using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 class AuditTest : public RpcTest {
  protected:
   using RpcTest::RpcTest;
-  std::string Export(const v1::ExportDecisionsRequest& request = {}) {
-    const auto stub = v1::AuditService::NewStub(channel_);
-    grpc::ClientContext context;
-    const auto reader = stub->ExportDecisions(&context, request);
-    std::string csv;
-    v1::ExportDecisionsResponse part;
-    while (reader->Read(&part)) {
-      if (!part.header().empty()) csv += part.header() + "\n";
-      for (const std::string& row : part.rows()) csv += row + "\n";
-    }
-    const grpc::Status status = reader->Finish();
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return csv;
-  }
   std::vector<v1::AuditSegment> List(const v1::ListAuditSegmentsRequest& request = {}) {
     const auto stub = v1::AuditService::NewStub(channel_);
     grpc::ClientContext context;
@@ -57,14 +44,14 @@ class AuditTest : public RpcTest {
   uint64_t applied_ = 0;  // messages since the server started
 };
 
-decision::AuditReport Derived(const std::string& csv) {
-  decision::AuditReport report = decision::Rederive(csv);
+decision::AuditReport Derived(const std::vector<decision::AuditRow>& rows) {
+  decision::AuditReport report = decision::Rederive(rows);
   EXPECT_FALSE(report.difference) << report.difference->Text();
   return report;
 }
 
-TEST_F(AuditTest, AnEmptyLogHasAHeaderOnly) {
-  EXPECT_EQ(Export(), decision::AuditHeader() + "\n");
+TEST_F(AuditTest, AnEmptyLogHasNoRows) {
+  EXPECT_TRUE(ExportAudit().empty());
   EXPECT_TRUE(List().empty());
 }
 
@@ -75,7 +62,7 @@ TEST_F(AuditTest, EveryExportedDecisionCanBeReplayed) {
   client.Send(BailOut(6, 99'999));
   client.Send(Goodbye());
   EXPECT_TRUE(client.Finish().ok());
-  const auto report = Derived(Export());
+  const auto report = Derived(ExportAudit());
   EXPECT_EQ(report.decision_count, 6u);
   EXPECT_EQ(report.row_count, 7u);
   const auto segments = List();
@@ -110,10 +97,10 @@ TEST_F(AuditTest, TheSetupRowListsTheSourcesOfThePriorAndTheirWeights) {
   Play(client, 1, 1);
   client.Send(Goodbye());
   EXPECT_TRUE(client.Finish().ok());
-  const std::string csv = Export();
-  EXPECT_THAT(csv, HasSubstr("prior_sources=2 of build 1.1 on desktop at 0.5,"
-                             "1 of build 1.0 on desktop at 0.25"));
-  Derived(csv);
+  const std::vector<decision::AuditRow> rows = ExportAudit();
+  EXPECT_THAT(rows.at(0).setup->origin.prior_sources,
+              ElementsAre("2 of build 1.1 on desktop at 0.5", "1 of build 1.0 on desktop at 0.25"));
+  Derived(rows);
 }
 
 TEST_F(AuditTest, BailOutsWithoutEvidenceAreReplayedAsSuch) {
@@ -123,7 +110,7 @@ TEST_F(AuditTest, BailOutsWithoutEvidenceAreReplayedAsSuch) {
   client.Send(Goodbye());
   EXPECT_TRUE(client.Finish().ok());
   EXPECT_EQ(server_->counters().surplus_bail_out_count, 4u);
-  EXPECT_EQ(Derived(Export()).decision_count, 20u);
+  EXPECT_EQ(Derived(ExportAudit()).decision_count, 20u);
 }
 
 TEST_F(AuditTest, ASessionResumedAfterARestartBeginsAnotherSegment) {
@@ -138,7 +125,7 @@ TEST_F(AuditTest, ASessionResumedAfterARestartBeginsAnotherSegment) {
   TelemetryClient client(channel_);
   EXPECT_TRUE(client.Open(hello).resumed());
   Play(client, 4, 6);
-  const auto report = Derived(Export());
+  const auto report = Derived(ExportAudit());
   EXPECT_EQ(report.session_count, 1u);
   EXPECT_EQ(report.segment_count, 2u);
   EXPECT_EQ(report.decision_count, 6u);
@@ -154,7 +141,7 @@ TEST_F(AuditTest, ASessionResumedWithinItsWindowContinuesItsSegment) {
   TelemetryClient client(channel_);
   EXPECT_TRUE(client.Open(hello).resumed());
   Play(client, 3, 4);
-  const auto report = Derived(Export());
+  const auto report = Derived(ExportAudit());
   EXPECT_EQ(report.segment_count, 1u);
   EXPECT_GE(report.decision_count, 4u);
 }
@@ -171,10 +158,10 @@ TEST_F(AuditTest, IsListedAndExportedBySessionProjectAndScene) {
   ASSERT_EQ(List().size(), 2u);
   v1::ExportDecisionsRequest request;
   request.set_session_id(id);
-  EXPECT_THAT(Export(request), HasSubstr(id));
-  EXPECT_EQ(Derived(Export(request)).session_count, 1u);
+  EXPECT_EQ(ExportAudit(request).at(0).session, id);
+  EXPECT_EQ(Derived(ExportAudit(request)).session_count, 1u);
   request.set_scene("desert");
-  EXPECT_EQ(Export(request), decision::AuditHeader() + "\n");
+  EXPECT_TRUE(ExportAudit(request).empty());
   v1::ListAuditSegmentsRequest scenes;
   scenes.set_project("game");
   scenes.set_scene("desert");
@@ -182,11 +169,13 @@ TEST_F(AuditTest, IsListedAndExportedBySessionProjectAndScene) {
   EXPECT_EQ(List(scenes)[0].scene(), "desert");
 }
 
-// Returns the lines of a CSV file after its header. REQUIRES: no cell has a line break.
-std::vector<std::string> RowsIn(const std::string& csv) {
-  std::vector<std::string> lines = absl::StrSplit(csv, '\n', absl::SkipEmpty());
-  lines.erase(lines.begin());
-  return lines;
+using Numbers = std::vector<std::pair<uint32_t, uint64_t>>;
+
+// The segment and the number of each row.
+Numbers NumbersOf(const std::vector<decision::AuditRow>& rows) {
+  Numbers numbers;
+  for (const decision::AuditRow& row : rows) numbers.emplace_back(row.segment, row.row);
+  return numbers;
 }
 
 TEST_F(AuditTest, ASessionCanBeExportedFromAGivenRowOn) {
@@ -202,16 +191,16 @@ TEST_F(AuditTest, ASessionCanBeExportedFromAGivenRowOn) {
   TelemetryClient client(channel_);
   request.set_session_id(client.Open(hello).session_id());
   Play(client, 4, 6);
-  const std::vector<std::string> all = RowsIn(Export(request));
+  const Numbers all = NumbersOf(ExportAudit(request));
   ASSERT_EQ(all.size(), 8u) << "two segments, each with its setup row";
   const auto behind = [&](uint32_t segment, uint64_t row) {
     request.set_after_segment(segment);
     request.set_after_row(row);
-    return RowsIn(Export(request));
+    return NumbersOf(ExportAudit(request));
   };
-  EXPECT_EQ(behind(1, 2), std::vector(all.begin() + 2, all.end()));
-  EXPECT_EQ(behind(1, 4), std::vector(all.begin() + 4, all.end())) << "the end of a segment";
-  EXPECT_EQ(behind(2, 3), std::vector(all.begin() + 7, all.end()));
+  EXPECT_EQ(behind(1, 2), Numbers(all.begin() + 2, all.end()));
+  EXPECT_EQ(behind(1, 4), Numbers(all.begin() + 4, all.end())) << "the end of a segment";
+  EXPECT_EQ(behind(2, 3), Numbers(all.begin() + 7, all.end()));
   EXPECT_THAT(behind(2, 4), IsEmpty());
   EXPECT_THAT(behind(3, 1), IsEmpty()) << "no such segment yet";
 }
@@ -239,9 +228,11 @@ TEST_F(AuditTest, ManyRowsAreSentInSeveralMessages) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   Play(client, 1, 1'000);
-  const std::string csv = Export();
-  EXPECT_GT(csv.size(), 2 * kAuditBytesPerMessage);
-  EXPECT_EQ(Derived(csv).decision_count, 1'000u);
+  const std::vector<decision::AuditRow> rows = ExportAudit();
+  size_t bytes = 0;
+  for (const decision::AuditRow& row : rows) bytes += EncodeAuditRow(row).size();
+  EXPECT_GT(bytes, 2 * kAuditBytesPerMessage);
+  EXPECT_EQ(Derived(rows).decision_count, 1'000u);
 }
 
 TEST_F(AuditTest, RowsAreLostIfTheDiskIsTooSlowAndTheLogContinuesAfterThem) {
@@ -261,7 +252,7 @@ TEST_F(AuditTest, RowsAreLostIfTheDiskIsTooSlowAndTheLogContinuesAfterThem) {
   ASSERT_EQ(client.AwaitAcknowledgement(message), message);
   Play(client, message + 1, message + 5);
   EXPECT_EQ(server_->counters().waiting_audit_bytes, 0u);
-  const auto report = Derived(Export());
+  const auto report = Derived(ExportAudit());
   EXPECT_EQ(report.incomplete_segment_count, 1u);
   EXPECT_GT(report.decision_count, 10u);
   EXPECT_GE(report.underived_decision_count, 5u);
@@ -287,7 +278,7 @@ TEST_F(AuditTest, ATickWithoutEventsCausesNoRowAndNoCommit) {
   EXPECT_EQ(server_->counters().stored_commit_count, commits + 19);
   EXPECT_EQ(server_->counters().decision_count, decisions + 19);
   Play(idle, 2, 2);
-  EXPECT_EQ(Derived(Export()).segment_count, 2u);
+  EXPECT_EQ(Derived(ExportAudit()).segment_count, 2u);
 }
 
 class AuditLossTest : public AuditTest {
@@ -336,7 +327,7 @@ TEST_F(SmallAuditTest, ALiveSessionLosesItsOldestRowsAndTheListingShowsIt) {
   EXPECT_GT(segments[0].first_row(), 1u);
   EXPECT_EQ(segments[0].first_row() + segments[0].row_count(), 202u) << "including the setup row";
   EXPECT_EQ(segments[0].lost_row_count(), 0u);
-  const auto report = Derived(Export());
+  const auto report = Derived(ExportAudit());
   EXPECT_EQ(report.row_count, segments[0].row_count());
   EXPECT_EQ(report.decision_count, 0u);
   EXPECT_EQ(report.underived_decision_count, segments[0].row_count());

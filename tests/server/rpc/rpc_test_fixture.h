@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 #include <spdlog/logger.h>
 
+#include <algorithm>
 #include <chrono>
 #include <future>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +19,7 @@
 #include <vector>
 
 #include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/telemetry/conversion/audit_conversion.h"
 #include "engine_client/telemetry/error_reason.h"
 #include "server/rpc/rpc_server.h"
 #include "server/storage/sqlite_prior_store.h"
@@ -262,18 +265,27 @@ class RpcTest : public ::testing::Test {
     client.AwaitAcknowledgement(1);
     return welcome;
   }
-  // Returns the audit rows of administrators that the token "NAME-token" may read.
-  std::vector<std::string> AdminRows(const std::string& name = "all") {
+  // Returns the audit rows that the token "NAME-token" may read.
+  std::vector<decision::AuditRow> ExportAudit(const v1::ExportDecisionsRequest& request = {},
+                                              const std::string& name = "all") {
     grpc::ClientContext context;
     context.AddMetadata("authorization", "Bearer " + name + "-token");
-    v1::ExportDecisionsRequest request;
-    request.set_session_id(std::string(decision::kAdminSession));
     const auto reader = v1::AuditService::NewStub(channel_)->ExportDecisions(&context, request);
-    std::vector<std::string> rows;
+    std::vector<decision::AuditRow> rows;
     for (v1::ExportDecisionsResponse part; reader->Read(&part);)
-      rows.insert(rows.end(), part.rows().begin(), part.rows().end());
+      std::transform(part.rows().begin(), part.rows().end(), std::back_inserter(rows),
+                     [](const v1::AuditRow& row) { return sweepstake::FromProto(row); });
     EXPECT_TRUE(reader->Finish().ok());
     return rows;
+  }
+  // Returns the actions of administrators that this token may read, as sentences.
+  std::vector<std::string> AdminRows(const std::string& name = "all") {
+    v1::ExportDecisionsRequest request;
+    request.set_session_id(std::string(decision::kAdminSession));
+    std::vector<std::string> sentences;
+    for (const decision::AuditRow& row : ExportAudit(request, name))
+      sentences.push_back(row.operator_name + " " + row.action);
+    return sentences;
   }
   // Makes one decision tick; the caller waits for its results.
   void Tick() { clock_.Advance(options_.decision.decision_interval_ns); }

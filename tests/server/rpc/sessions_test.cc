@@ -374,7 +374,7 @@ TEST_F(SessionsTest, AnExecutedOrderIsLogged) {
   });
   EXPECT_TRUE(Order(id, v1::MODE_AI, "").ok());
   game.join();
-  EXPECT_THAT(logged_->text(), HasSubstr("ordered session " + id + ": MODE_AI\n"));
+  EXPECT_THAT(logged_->text(), HasSubstr("ordered session " + id + " to let the daemon decide\n"));
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 class AdminLogTest : public RpcTest {
  protected:
@@ -75,18 +76,14 @@ TEST_F(AdminLogTest, RecordsWhoKickedOrderedAndImported) {
   ASSERT_TRUE(LogHas(4)) << "without any decision";
   EXPECT_THAT(
       Log(),
-      ElementsAre(AllOf(HasSubstr("admin,1,1,admin,"),
-                        HasSubstr("action=import records=0 applied=0 promoted=no"),
-                        HasSubstr("operator=token ben at ipv4:127.0.0.1:")),
-                  AllOf(HasSubstr("admin,1,2,admin,"),
-                        HasSubstr("action=order session=" + id + " mode=MODE_MANUAL arm=Grid"),
-                        HasSubstr("token ben")),
-                  AllOf(HasSubstr("admin,1,3,admin,"),
-                        HasSubstr("action=order-answer answer=GAME_AWAY session=" + id +
-                                  " mode=MODE_MANUAL arm=Grid"),
-                        HasSubstr("token ben")),
-                  AllOf(HasSubstr("admin,1,4,admin,"), HasSubstr("action=kick session=" + id),
-                        HasSubstr("token ann"))));
+      ElementsAre(
+          AllOf(StartsWith("token ben at ipv4:127.0.0.1:"),
+                HasSubstr(" imported 0 records, 0 of them new or newer, which wait")),
+          AllOf(StartsWith("token ben"), HasSubstr(" ordered session " + id + " to keep to Grid")),
+          AllOf(StartsWith("token ben"), HasSubstr(" ordered session " + id + " to keep to Grid"),
+                HasSubstr(", which was refused: GAME_AWAY")),
+          AllOf(StartsWith("token ann"),
+                HasSubstr(" kicked session " + id + " of game/harbour, which may not return"))));
   EXPECT_THAT(Log("ben"), ElementsAre())
       << "the log covers all projects, so a token for one project may not read it";
 }
@@ -99,8 +96,8 @@ TEST_F(AdminLogTest, RecordsWhoGaveAnOrderBeforeTheGameAnswers) {
   std::thread ben([&] { Order(id); });
   client.Await(&v1::StreamTelemetryResponse::has_operator_order);
   EXPECT_TRUE(LogHas(1));
-  EXPECT_THAT(Log(), ElementsAre(AllOf(HasSubstr("action=order session=" + id),
-                                       HasSubstr("operator=token ben at "))));
+  EXPECT_THAT(Log(),
+              ElementsAre(AllOf(StartsWith("token ben at "), HasSubstr(" ordered session " + id))));
   client.Cancel();
   ben.join();
 }
@@ -115,8 +112,7 @@ TEST_F(AdminLogTest, ANameCannotForgeAFieldOfItsRow) {
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 0; }));
   Order(id, arm);
   ASSERT_TRUE(LogHas(2));
-  EXPECT_THAT(Log(), Each(AllOf(HasSubstr(R"(arm=x\;operator=token ann)"),
-                                HasSubstr(";operator=token ben at "))));
+  EXPECT_THAT(Log(), Each(AllOf(StartsWith("token ben at "), HasSubstr(arm))));
 }
 
 class AdminLogWithoutAuditTest : public AdminLogTest {
@@ -136,16 +132,17 @@ TEST_F(AdminLogTest, EachRunOfTheDaemonHasASegmentThatReplayAccepts) {
   Import();
   Import();
   ASSERT_TRUE(LogHas(3));
-  std::string csv = decision::AuditHeader() + "\n";
-  for (const std::string& row : Log()) csv += row + "\n";
-  EXPECT_THAT(csv,
-              AllOf(HasSubstr("admin,1,1,"), HasSubstr("admin,2,1,"), HasSubstr("admin,2,2,")));
-  EXPECT_FALSE(decision::Rederive(csv).difference);
-  EXPECT_EQ(decision::Rederive(csv).session_count, 0u);
-  const size_t name = csv.find("token ben");
-  csv.replace(name, 9, "token ann");
-  ASSERT_TRUE(decision::Rederive(csv).difference);
-  EXPECT_THAT(decision::Rederive(csv).difference->Text(), HasSubstr("was edited"));
+  v1::ExportDecisionsRequest request;
+  request.set_session_id(std::string(decision::kAdminSession));
+  std::vector<decision::AuditRow> log = ExportAudit(request, "ann");
+  ASSERT_EQ(log.size(), 3u);
+  EXPECT_EQ(log[2].segment, 2u);
+  EXPECT_EQ(log[2].row, 2u);
+  EXPECT_FALSE(decision::Rederive(log).difference);
+  EXPECT_EQ(decision::Rederive(log).session_count, 0u);
+  log[1].operator_name = "token ann";
+  ASSERT_TRUE(decision::Rederive(log).difference);
+  EXPECT_THAT(decision::Rederive(log).difference->Text(), HasSubstr("was edited"));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine_client/decider/audit/rederive.h"
 #include "server/storage/backup/sqlite_backup.h"
-#include "tests/engine_client/decider/audit/audit_csv.h"
+#include "tests/engine_client/decider/audit/stored_audit.h"
 #include "tests/server/simulation/simulation.h"
 
 namespace sweepstake::simulation {
@@ -102,9 +102,9 @@ void Simulation::CheckSession(const std::string& id, const SentSession& sent,
 }
 
 void Simulation::CheckAudit(priors::PriorStore& store) {
-  const auto csv = test_support::AuditCsv(store);
-  if (!csv.ok()) return Complain("no audit log: " + csv.status().ToString());
-  const decision::AuditReport report = decision::Rederive(*csv);
+  const auto rows = test_support::StoredAudit(store);
+  if (!rows.ok()) return Complain("no audit log: " + rows.status().ToString());
+  const decision::AuditReport report = decision::Rederive(*rows);
   if (report.difference) Complain("a decision differs: " + report.difference->Text());
   tally_.derived_decisions = report.decision_count;
 }

@@ -18,7 +18,7 @@ inline priors::AuditRows Rows(uint32_t segment, uint64_t first, uint64_t count,
                          .unix_start_ms = 1'800'000'000'000 + segment,
                          .rows = {}};
   for (uint64_t i = first; i < first + count; ++i)
-    rows.rows.push_back({.number = i, .text = std::to_string(segment) + "/" + std::to_string(i)});
+    rows.rows.push_back({.number = i, .bytes = std::to_string(segment) + "/" + std::to_string(i)});
   return rows;
 }
 
@@ -44,7 +44,7 @@ class AuditConformance : public PriorStoreConformance {
   }
   static std::vector<std::string> Texts(const std::vector<priors::AuditRow>& rows) {
     std::vector<std::string> texts;
-    for (const priors::AuditRow& row : rows) texts.push_back(row.text);
+    for (const priors::AuditRow& row : rows) texts.push_back(row.bytes);
     return texts;
   }
 
@@ -173,7 +173,7 @@ TEST_P(AuditConformance, OnlyTheLatestRowsOfAdministratorsAreKept) {
 
 TEST_P(AuditConformance, ARowLargerThanTheWholeLogIsNotStored) {
   priors::AuditRows rows = Rows(1, 1, 1);
-  rows.rows[0].text.assign(kConformanceAuditLimits.bytes + 1, 'x');
+  rows.rows[0].bytes.assign(kConformanceAuditLimits.bytes + 1, 'x');
   ASSERT_TRUE(Append("a", rows).ok());
   EXPECT_TRUE(Segments().empty());
   ASSERT_TRUE(Append("a", Rows(1, 2, 1)).ok());
@@ -182,14 +182,14 @@ TEST_P(AuditConformance, ARowLargerThanTheWholeLogIsNotStored) {
 
 TEST_P(AuditConformance, TooLongOrEmptyRowsAreCountedAsLostAndOthersAreStored) {
   priors::AuditRows rows = Rows(1, 1, 3);
-  rows.rows[1].text.assign(priors::kMaxAuditRowBytes + 1, 'x');
+  rows.rows[1].bytes.assign(priors::kMaxAuditRowBytes + 1, 'x');
   SourceUpdate update = Update("a", 1, {Key("Grid")});
   update.audit = rows;
   ASSERT_TRUE(Commit({update}).ok());
   EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/3"}));
   EXPECT_EQ(store_->lost_audit_row_count(), 1u);
   rows = Rows(1, 1, 1);
-  rows.rows[0].text.clear();
+  rows.rows[0].bytes.clear();
   ASSERT_TRUE(Append("b", rows).ok());
   rows = Rows(1, 1, 1, std::string(129, 's'));
   ASSERT_TRUE(Append("c", rows).ok());
@@ -234,9 +234,9 @@ TEST_P(AuditConformance, RowsAreReadByPageAndByBytes) {
   EXPECT_TRUE(store_->LoadAudit(id + 1, 1, 5, 100)->empty());
 }
 
-TEST_P(AuditConformance, TextComesBackByteByByte) {
+TEST_P(AuditConformance, RowsComeBackByteByByte) {
   priors::AuditRows rows = Rows(1, 1, 1, "scène; DROP TABLE audit_row");
-  rows.rows[0].text = "a,\"b\n\r\",ä€😀\\";
+  rows.rows[0].bytes = std::string("\0\xff\xc3\n\"\\\0", 7);
   ASSERT_TRUE(Append("a", rows).ok());
   EXPECT_EQ(Stored("a"), Texts(rows.rows));
   EXPECT_EQ(Segments()[0].scene, rows.scene);

@@ -40,7 +40,7 @@ SourceUpdate FullUpdate() {
                   .project = "game",
                   .scene = "harbour",
                   .unix_start_ms = 5,
-                  .rows = {{.number = 9, .text = "one,\"two\nlines\""}}};
+                  .rows = {{.number = 9, .bytes = std::string("\0\xff\n", 3)}}};
   return update;
 }
 

@@ -224,7 +224,7 @@ SourceUpdate Audited(const std::string& session, uint64_t n, uint64_t first_row,
   SourceUpdate update = Update(session, n, {Key("Grid")});
   update.audit = {.segment = 1, .project = "game", .scene = "harbour", .rows = {}};
   for (uint64_t i = first_row; i < first_row + count; ++i)
-    update.audit.rows.push_back({.number = i, .text = "row"});
+    update.audit.rows.push_back({.number = i, .bytes = "row"});
   return update;
 }
 
@@ -297,7 +297,7 @@ TEST_F(SqlitePriorStoreTest, RemovedDataIsNotInUseAlthoughTheFileKeepsItsSize) {
   auto store = *OpenSqlitePriorStore(path_, {.bytes = 1 << 20});
   const uint64_t empty_bytes = *UsedBytes(*store);
   SourceUpdate update = Audited("a", 1, 1, 500);
-  for (auto& row : update.audit.rows) row.text.assign(1'000, 'x');
+  for (auto& row : update.audit.rows) row.bytes.assign(1'000, 'x');
   ASSERT_TRUE(store->Commit(std::vector{update}).ok());
   EXPECT_GT(*UsedBytes(*store), empty_bytes + 500'000) << "already in the log";
   ASSERT_TRUE(LimitStore(*store, {.bytes = 1'000}, /*max_bytes=*/1 << 30).ok());
@@ -308,7 +308,7 @@ TEST_F(SqlitePriorStoreTest, RemovedDataIsNotInUseAlthoughTheFileKeepsItsSize) {
 
 SourceUpdate WithLongRow(uint64_t n) {
   SourceUpdate update = Audited("a", n, n, 1);
-  update.audit.rows[0].text.assign(1'000, 'x');
+  update.audit.rows[0].bytes.assign(1'000, 'x');
   return update;
 }
 

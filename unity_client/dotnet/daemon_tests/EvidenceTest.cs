@@ -11,17 +11,18 @@ using System.Threading.Tasks;
 using NUnit.Framework;
 using Sweepstake.GrpcNet;
 using Sweepstake.Protocol.V1;
+using Cells = System.Collections.Generic.Dictionary<string, string>;
 
 namespace Sweepstake.Tests
 {
     /// <summary>The same run over both transports gives the same evidence on the daemon's disk.</summary>
     public sealed class EvidenceTest
     {
-        // The last WindowMembers members of a "run" row in the audit log describe its window.
-        private const int WindowMembers = 12;
-        // Index of the arm among the members of a visit in the audit log; member 0 is the index of its first frame.
-        private const int VisitArm = 5;
-        private static readonly int[] Summed = { 0, 1, 2, 3, 5, 8, 9, 10 };
+        // Sums of a window in the audit log that do not depend on the end of the window.
+        private static readonly string[] Summed =
+        {
+            "frame_count", "ordinary_frame_count", "time_ns", "ordinary_detection_ns", "calm_frame_count", "rebuild_detection_ns", "check_count", "pair_count",
+        };
         // Small enough that a decision never receives more lane visits at once than it accepts.
         private const ulong MessagesAhead = 4;
         private const int Attempts = 10;
@@ -116,8 +117,8 @@ namespace Sweepstake.Tests
             if (Sent(played[played.Count - 1]).Goodbye == null)
                 return false;
             string[] sent = played.SelectMany(message => Sent(message).FrameBatch?.ShadowSamples.ToArray() ?? Array.Empty<ShadowSample>()).Select(NameOf).ToArray();
-            string[] learnt = Visits(daemon).Select(NameOf).ToArray();
-            bool hadRoom = Rows(daemon, "tick", "shadow").All(cells => VisitsOf(cells[0]).Length < VisitsOfALateDecision);
+            string[] learnt = Rows(daemon, "tick").SelectMany(VisitsOf).Select(NameOf).ToArray();
+            bool hadRoom = Rows(daemon, "tick").All(row => VisitsOf(row).Count() < VisitsOfALateDecision);
             if (hadRoom)
                 Assert.That(learnt, Is.EqualTo(sent.Take(learnt.Length)), "a visit was lost, and no decision was late");
             return learnt.Length == sent.Length;
@@ -125,11 +126,7 @@ namespace Sweepstake.Tests
 
         private static string NameOf(ShadowSample visit) => $"{visit.FirstFrameIndex}:{visit.Arm}";
 
-        private static string NameOf(string visit)
-        {
-            string[] members = visit.Split(':');
-            return $"{members[0]}:{members[VisitArm]}";
-        }
+        private static string NameOf(Cells visit) => $"{visit["shadow_first_frame_index"]}:{visit["shadow_arm"]}";
 
         private static StreamTelemetryRequest Sent(byte[] message) => StreamTelemetryRequest.Parser.ParseFrom(message);
 
@@ -182,34 +179,39 @@ namespace Sweepstake.Tests
         private static double[] WindowSums(DaemonProcess daemon)
         {
             var sums = new double[Summed.Length];
-            foreach (string[] runs in Rows(daemon, "tick", "runs"))
+            foreach (List<Cells> row in Rows(daemon, "tick"))
             {
-                string[] members = runs[0].Split(' ')[1].Split(':');
                 for (int index = 0; index < Summed.Length; ++index)
-                    sums[index] += double.Parse(members[members.Length - WindowMembers + Summed[index]], CultureInfo.InvariantCulture);
+                    sums[index] += double.Parse(row[0]["runs_active_window_" + Summed[index]], CultureInfo.InvariantCulture);
             }
             return sums;
         }
 
         /// <summary>The lane visits in the order of their arrival.</summary>
         private static string[] Visits(DaemonProcess daemon) =>
-            Rows(daemon, "tick", "shadow").SelectMany(cells => VisitsOf(cells[0])).ToArray();
+            Rows(daemon, "tick").SelectMany(VisitsOf).Select(visit => string.Join(' ', visit.Where(cell => cell.Key.StartsWith("shadow_")))).ToArray();
 
-        private static string[] VisitsOf(string cell) => cell.Split(' ', StringSplitOptions.RemoveEmptyEntries);
+        private static IEnumerable<Cells> VisitsOf(List<Cells> row) => row.Where(cells => cells["shadow_arm"] != "");
 
         private static string[] Switches(DaemonProcess daemon) =>
-            Rows(daemon, "switch", "arm", "reason", "switch_epoch", "rebuild_time_ns", "settling_cost_ns").Select(cells => string.Join(' ', cells)).ToArray();
+            Rows(daemon, "switch").Select(row => string.Join(' ', row[0].Where(cell => Regex.IsMatch(cell.Key, "^(arm|reason|switch_.*)$")))).ToArray();
 
-        /// <summary>These columns of each row of one kind in the audit log. No cell before them contains a comma.</summary>
-        private static IEnumerable<string[]> Rows(DaemonProcess daemon, string kind, params string[] columns)
+        /// <summary>The rows of one kind in the audit log. Each has one line per item of its longest list. No cell contains a comma.</summary>
+        private static List<List<Cells>> Rows(DaemonProcess daemon, string kind)
         {
             string path = Path.Combine(daemon.Folder, "decisions.csv");
             Run("audit", "export", "--daemon", daemon.Address, "--out", path);
-            string[] rows = File.ReadAllLines(path);
-            string[] header = rows[0].Split(',');
-            int kindColumn = Array.IndexOf(header, "kind");
-            int[] indices = columns.Select(column => Array.IndexOf(header, column)).ToArray();
-            return rows.Select(row => row.Split(',')).Where(cells => cells[kindColumn] == kind).Select(cells => indices.Select(index => cells[index]).ToArray());
+            string[] lines = File.ReadAllLines(path);
+            string[] header = lines[0].Split(',');
+            var rows = new List<List<Cells>>();
+            foreach (string line in lines.Skip(1))
+            {
+                var cells = new Cells(header.Zip(line.Split(','), KeyValuePair.Create));
+                if (cells["item"] == "0")
+                    rows.Add(new List<Cells>());
+                rows[rows.Count - 1].Add(cells);
+            }
+            return rows.Where(row => row[0]["kind"] == kind).ToList();
         }
 
         private static void Run(params string[] arguments)

@@ -11,6 +11,9 @@
 #include "engine_client/cli/daemon/audit_transfer.h"
 #include "engine_client/cli/daemon/posteriors_transfer.h"
 #include "engine_client/cli/daemon/sessions_transfer.h"
+#include "engine_client/decider/audit/audit_csv.h"
+#include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/telemetry/conversion/audit_conversion.h"
 #include "tests/engine_client/cli/command_run.h"
 #include "tests/engine_client/cli/daemon/fake_daemon_services.h"
 #include "tests/support/file_text.h"
@@ -264,12 +267,13 @@ TEST(AuditCommand, SaysWhenThereIsNoLog) {
             "The daemon has no matching decision log\n");
 }
 
-TEST(ExportAudit, WritesTheDaemonsHeaderAndRows) {
+TEST(ExportAudit, WritesTheRowsOfAllParts) {
   FakeDaemonServices daemon;
   daemon.audit.parts->resize(2);
-  daemon.audit.parts->at(0).set_header("a,b");
-  daemon.audit.parts->at(0).add_rows("1,2");
-  daemon.audit.parts->at(1).add_rows("3,4");
+  const decision::AuditRow one = decision::MissingRow("id", 1, 1);
+  const decision::AuditRow two = decision::MissingRow("id", 2, 7);
+  *daemon.audit.parts->at(0).add_rows() = ToProto(one);
+  *daemon.audit.parts->at(1).add_rows() = ToProto(two);
   const TemporaryDirectory folder;
   const auto count =
       ExportAudit({daemon.address()}, {.session_id = "id", .project = "p", .scene = "s"},
@@ -278,14 +282,14 @@ TEST(ExportAudit, WritesTheDaemonsHeaderAndRows) {
   EXPECT_EQ(*count, 2U);
   std::ostringstream text;
   text << std::ifstream(folder.path() / "log.csv").rdbuf();
-  EXPECT_EQ(text.str(), "a,b\n1,2\n3,4\n");
+  EXPECT_EQ(text.str(), decision::AuditHeader() + "\n" + decision::AuditLines(one) + "\n" +
+                            decision::AuditLines(two) + "\n");
   EXPECT_EQ(daemon.audit.export_request.get().session_id(), "id");
 }
 
 TEST(ExportAudit, LeavesNoFileWhenTheDaemonFails) {
   FakeDaemonServices daemon;
   daemon.audit.parts->resize(1);
-  daemon.audit.parts->at(0).set_header("a,b");
   daemon.audit.export_status = grpc::Status(grpc::StatusCode::NOT_FOUND, "no session id");
   const TemporaryDirectory folder;
   const auto count = ExportAudit({daemon.address()}, {}, folder.path() / "log.csv");
@@ -296,7 +300,6 @@ TEST(ExportAudit, LeavesNoFileWhenTheDaemonFails) {
 TEST(ExportAudit, WithoutRowsGivesExitCodeOneAndKeepsTheFile) {
   FakeDaemonServices daemon;
   daemon.audit.parts->resize(1);
-  daemon.audit.parts->at(0).set_header("a,b");
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "log.csv").string();
   std::ofstream(file) << "good";

@@ -20,7 +20,7 @@ TEST_P(AuditLogOfARealGame, ReplaysBitForBit) {
   std::ifstream file(path, std::ios::binary);
   ASSERT_TRUE(file) << path;
   const std::string csv{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  const AuditReport report = Rederive(csv);
+  const AuditReport report = RederiveCsv(csv);
   EXPECT_FALSE(report.difference)
       << report.difference->Text()
       << "\n"

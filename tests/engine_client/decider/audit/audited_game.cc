@@ -107,8 +107,8 @@ void AuditedGame::SeeScene() {
   if (OneIn(8)) {
     SceneDescriptor scene;
     scene.object_count = 1'000;
-    scene.density_ratio = OneIn(2) ? 0.25 : 1.0 / 3;
-    scene.static_ratio = random_.NextUniform();
+    scene.density_ratio = OneIn(2) ? 0.25F : 1.0F / 3;
+    scene.static_ratio = static_cast<float>(random_.NextUniform());
     session_.ObserveDescriptor(scene);
   }
   if (!OneIn(4)) return;

@@ -15,16 +15,12 @@
 
 namespace sweepstake::decision {
 
-// Collects the rows as lines of a file.
+// Keeps the rows.
 class AuditFile final : public AuditSink {
  public:
-  void OnAuditRow(std::string_view row) override {
-    text.append(row).append("\n");
-    ++row_count;
-  }
+  void OnAuditRow(const AuditRow& row) override { rows.push_back(row); }
 
-  std::string text = AuditHeader() + "\n";
-  uint64_t row_count = 0;
+  std::vector<AuditRow> rows;
 };
 
 // Returns a setup of seven arms whose names need quotes and escapes, with the paper's options.

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/io/terminal.h"
+#include "engine_client/decider/audit/audit_csv.h"
 #include "engine_client/decider/audit/audit_log.h"
 #include "engine_client/decider/embedded/study_maker.h"
 #include "tests/laboratory/policies/study_policies.h"
@@ -27,10 +28,22 @@ using testing::StartsWith;
 struct Log {
   std::string text;
   uint64_t decision_count = 0;
-  uint64_t line_count() const {
-    return static_cast<uint64_t>(std::count(text.begin(), text.end(), '\n'));
-  }
+  // Returns where the last row begins.
+  size_t last_row() const { return text.rfind("\n0,") + 1; }
 };
+
+std::vector<decision::AuditRow> RowsOf(const Log& log) {
+  std::vector<decision::AuditRow> rows(1);
+  for (decision::AuditCsvReader reader(log.text); reader.Next(rows.back());) rows.emplace_back();
+  rows.pop_back();
+  return rows;
+}
+
+std::string CsvOf(const std::vector<decision::AuditRow>& rows) {
+  std::string text = decision::AuditHeader() + "\n";
+  for (const decision::AuditRow& row : rows) text += decision::AuditLines(row) + "\n";
+  return text;
+}
 
 // A game in virtual time, 100 times as fast as real ones. Frames on the second arm take three times
 // as long as on the first.
@@ -111,7 +124,7 @@ TEST_F(ReplayLogTest, JsonIsOneDocumentWithTheCounts) {
   EXPECT_EQ(document["log"], path_.string());
   EXPECT_EQ(document["sessions"], 1);
   EXPECT_EQ(document["segments"], 1);
-  EXPECT_EQ(document["rows"], log.line_count() - 1) << "all but the header";
+  EXPECT_EQ(document["rows"], RowsOf(log).size());
   EXPECT_EQ(document["decisions"], log.decision_count);
   EXPECT_EQ(document["equal"], true);
   EXPECT_TRUE(document["difference"].is_null());
@@ -119,32 +132,30 @@ TEST_F(ReplayLogTest, JsonIsOneDocumentWithTheCounts) {
 
 // A game with another seed would have made different decisions.
 TEST_F(ReplayLogTest, AnEditedSetupIsADifference) {
-  std::string text = PlayLog("paper").text;
-  const size_t seed = text.find(";seed=1;");
-  ASSERT_NE(seed, std::string::npos);
-  text.replace(seed, 8, ";seed=2;");
-  const CommandRun outcome = Replay(text);
+  std::vector<decision::AuditRow> rows = RowsOf(PlayLog("paper"));
+  rows.at(0).setup->setup.seed = 2;
+  const CommandRun outcome = Replay(CsvOf(rows));
   EXPECT_EQ(outcome.exit_code, kCheckFailed);
   EXPECT_THAT(outcome.out, HasSubstr("re-derived, then a difference\n"));
 }
 
 TEST_F(ReplayLogTest, NamesTheLineOfAnEdit) {
   const Log log = PlayLog("paper");
-  std::string text = log.text;
-  // The last cell of a row is the hash of the log so far.
-  char& digit = text[text.size() - 2];
-  digit = digit == '0' ? '1' : '0';
+  std::vector<decision::AuditRow> rows = RowsOf(log);
+  ++rows.back().log_hash;
+  const std::string text = CsvOf(rows);
+  const auto line = std::count(log.text.begin(), log.text.begin() + log.last_row(), '\n') + 1;
   const CommandRun plain = Replay(text);
   EXPECT_EQ(plain.exit_code, kCheckFailed);
-  EXPECT_THAT(plain.out, AllOf(HasSubstr("then a difference\n"),
-                               HasSubstr(std::to_string(log.line_count())), HasSubstr("log_hash")));
+  EXPECT_THAT(plain.out, AllOf(HasSubstr("then a difference\n"), HasSubstr(std::to_string(line)),
+                               HasSubstr("log_hash")));
   const CommandRun as_json = Replay(text, /*as_json=*/true);
   EXPECT_EQ(as_json.exit_code, kCheckFailed);
   const json document = json::parse(as_json.out);
   EXPECT_EQ(document["equal"], false);
-  EXPECT_EQ(document["difference"]["line"], log.line_count());
+  EXPECT_EQ(document["difference"]["line"], line);
   EXPECT_EQ(document["difference"]["session"], "embedded");
-  EXPECT_EQ(document["difference"]["segment"], "1");
+  EXPECT_EQ(document["difference"]["segment"], 1);
   EXPECT_EQ(document["difference"]["column"], "log_hash");
   EXPECT_NE(document["difference"]["message"], "");
 }
@@ -158,18 +169,16 @@ TEST_F(ReplayLogTest, ALogThatIsCutOffWithinARowIsADifference) {
 
 TEST_F(ReplayLogTest, TheLastRowsMayBeMissing) {
   const Log log = PlayLog("paper");
-  const size_t end = log.text.rfind('\n', log.text.size() - 2);
-  const CommandRun outcome = Replay(log.text.substr(0, end + 1));
+  const CommandRun outcome = Replay(log.text.substr(0, log.last_row()));
   EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
   EXPECT_THAT(outcome.out, StartsWith(std::to_string(log.decision_count - 1) + " decisions"));
 }
 
 TEST_F(ReplayLogTest, SaysWhatCannotBeDerivedBecauseRowsBeforeItAreMissing) {
   const Log log = PlayLog("paper");
-  const size_t setup = log.text.find('\n') + 1;
-  const size_t rest = log.text.find('\n', setup) + 1;
-  const std::string text = log.text.substr(0, setup) + decision::MissingRow("embedded", 1, 1) +
-                           "\n" + log.text.substr(rest);
+  std::vector<decision::AuditRow> rows = RowsOf(log);
+  rows.at(0) = decision::MissingRow("embedded", 1, 1);
+  const std::string text = CsvOf(rows);
   const CommandRun outcome = Replay(text);
   EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
   EXPECT_THAT(
@@ -184,13 +193,11 @@ TEST_F(ReplayLogTest, SaysWhatCannotBeDerivedBecauseRowsBeforeItAreMissing) {
 }
 
 TEST_F(ReplayLogTest, AMissingRowIsADifference) {
-  std::string text = PlayLog("paper").text;
-  size_t begin = 0;
-  for (int line = 0; line < 9; ++line) begin = text.find('\n', begin) + 1;
-  text.erase(begin, text.find('\n', begin) + 1 - begin);
-  const json document = json::parse(Replay(text, /*as_json=*/true).out);
+  std::vector<decision::AuditRow> rows = RowsOf(PlayLog("paper"));
+  rows.erase(rows.begin() + 8);
+  const json document = json::parse(Replay(CsvOf(rows), /*as_json=*/true).out);
   EXPECT_EQ(document["equal"], false);
-  EXPECT_EQ(document["difference"]["line"], 10);
+  EXPECT_EQ(document["difference"]["row"], 10);
 }
 
 TEST_F(ReplayLogTest, AFileThatIsNoLogIsADifferenceInItsFirstLine) {

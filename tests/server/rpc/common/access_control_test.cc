@@ -127,7 +127,7 @@ TEST_F(AccessTest, AListingAnExportAndTheAuditLogShowTheTokensProjectsOnly) {
   const auto rows = audit->ExportDecisions(row_context.get(), {});
   std::string text;
   for (v1::ExportDecisionsResponse part; rows->Read(&part);) {
-    for (const std::string& row : part.rows()) text += row;
+    for (const v1::AuditRow& row : part.rows()) text += row.ShortDebugString();
   }
   EXPECT_THAT(text, HasSubstr("mine"));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("theirs")));

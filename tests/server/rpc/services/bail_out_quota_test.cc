@@ -2,6 +2,7 @@
 #include <string>
 
 #include "engine_client/decider/audit/rederive.h"
+#include "tests/engine_client/decider/audit/stored_audit.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/server/rpc/services/prompt_daemon.h"
 
@@ -32,15 +33,6 @@ class BailOutQuotaTest : public ::testing::Test {
   priors::Evidence Stored() {
     const auto scene = *daemon_.store.store.LoadScene({"game", "harbour", "", 1});
     return scene ? scene->arms.at(0).live : priors::Evidence{};
-  }
-  std::string AuditLog() {
-    std::string csv = decision::AuditHeader() + "\n";
-    const auto segments = *daemon_.store.store.ListAudit({}, 0, 1'000);
-    for (const priors::AuditSegment& segment : segments) {
-      const auto rows = *daemon_.store.store.LoadAudit(segment.id, 1, 1'000, 1 << 20);
-      for (const priors::AuditRow& row : rows) csv += row.text + "\n";
-    }
-    return csv;
   }
 
   PromptDaemon daemon_;
@@ -118,7 +110,8 @@ TEST_F(BailOutQuotaTest, BailOutsAboveTheLimitAreAnsweredAndLoggedAsNoEvidence) 
   BailOutOfSessions(2, "ipv4:192.0.2.7", 7, HelloMessage());
   EXPECT_GE(daemon_.counters.switch_command_count, before + 2);
   EXPECT_EQ(Stored().bail_out_count, kAtOnce);
-  const decision::AuditReport report = decision::Rederive(AuditLog());
+  const decision::AuditReport report =
+      decision::Rederive(*test_support::StoredAudit(daemon_.store.store));
   EXPECT_FALSE(report.difference) << report.difference->Text();
   EXPECT_EQ(report.decision_count, 4 * kOfASession);
 }

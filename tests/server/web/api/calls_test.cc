@@ -157,7 +157,7 @@ TEST_F(ApiTest, TheLogsHaveTheBrowsersAddress) {
               AllOf(HasSubstr("ipv4:127.0.0.1:"), HasSubstr("kicked session " + id)));
   // The row is written behind the answer.
   std::string log;
-  while (log.find("action=kick") == std::string::npos)
+  while (log.find("\"kicked session ") == std::string::npos)
     log = Dechunked(Call("AuditService/ExportDecisions", R"({"sessionId":"admin"})").body);
   EXPECT_THAT(log, HasSubstr("ipv4:127.0.0.1:"));
 }

@@ -1,8 +1,9 @@
+import { create, type MessageInitShape } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { rows, setup } from './sample_log';
-import { RowReader } from './rows';
+import { AuditKind, AuditRowSchema } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
-import { SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { durationText, explained, explainedRow, type Told, toldOfRow } from './explain';
 
 const told: Told = {
@@ -58,18 +59,20 @@ describe('the rows of a log', () => {
   });
 
   it('say that the game was told to change, from which arm to which', () => {
-    const row = rows.find((each) => each.text('outcome') === 'switched')!;
-    const [from, to] = [row.text('active_arm'), row.text('candidate')];
+    const row = rows.find((each) => each.decision?.outcome === DecisionOutcome.SWITCHED)!;
+    const [from, to] = [row.decision!.activeArm, row.decision!.candidate];
     expect(from).not.toBe(to);
-    expect(toldOfRow(row, setup)).toMatchObject({ activeArm: from, candidate: to, outcome: DecisionOutcome.SWITCHED, leader: row.text('leader') });
+    expect(toldOfRow(row, setup)).toMatchObject({ activeArm: from, candidate: to, outcome: DecisionOutcome.SWITCHED, leader: row.decision!.leader });
     expect(explainedRow(row, setup)[0]).toBe(`The game was told to change from ${from} to ${to}. The arm had the lowest cost in this random draw from the posteriors.`);
   });
 
-  it('name the operator of an order', () => {
-    const own = new RowReader();
-    own.header('session,segment,row,kind,time_ns,setup,arm,mode');
-    expect(explainedRow(own.row('id,1,2,order,5,operator=ann,SAP,manual')!)).toEqual(['ann told the game to keep to SAP.']);
-    expect(explainedRow(own.row('id,1,2,order,5,operator=ann,,ai')!)).toEqual(['ann let the daemon decide.']);
+  it('name who gave an order or did an action', () => {
+    const said = (init: MessageInitShape<typeof AuditRowSchema>) => explainedRow(create(AuditRowSchema, init));
+    const order = { kind: AuditKind.ORDER, operatorName: 'ann' };
+    expect(said({ ...order, mode: Mode.MANUAL, arm: 'SAP' })).toEqual(['ann told the game to keep to SAP.']);
+    expect(said({ ...order, mode: Mode.AI })).toEqual(['ann let the daemon decide.']);
+    expect(said({ kind: AuditKind.ADMIN, operatorName: 'ann', action: 'kicked session a' })).toEqual(['ann kicked session a.']);
+    expect(said({ kind: AuditKind.ADMIN, action: 'token x was made' })).toEqual(['Token x was made.']);
   });
 });
 

@@ -1,26 +1,22 @@
 // "Why this arm?": a decision in sentences.
-import { actionText, operatorOf } from './admin_words';
-import type { AuditRow, Setup } from './rows';
+import { type AuditGate, AuditKind, type AuditRow, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
 import { LOG_COST_REWARD_VERSION, rewardText } from '../numbers/log_cost';
 import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
-import { SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { significant } from '../../format';
-import { kindWord, outcomeOf, outcomeWord, reasonOf, reasonWord, verdictOfText, verdictWord } from '../views/words';
+import { kindWord, outcomeWord, reasonWord, verdictWord } from '../views/words';
+import { msOf } from './rows';
 
-/**
- * What weighed for and against a switch to the candidate: what it is expected to save, and to cost more if it turns out worse, as natural
- * logarithms of ratios of detection times; for how many seconds each counts; and what the switch costs on the same scale (GateTerms of
- * engine_client/decider/types.h).
- */
-export interface Gate { gain: number; loss: number; horizonS: number; cooldownS: number; costS: number }
+/** The gains and costs of a switch to the candidate. Gain and loss are natural logarithms of ratios of detection times. */
+export type Gate = Pick<AuditGate, 'gain' | 'loss' | 'horizonS' | 'cooldownS' | 'costS'>;
 
-/** A decision as the audit log or the live stream has it. */
+/** A decision, from the audit log or from the live stream. */
 export interface Told {
   activeArm: string;
   candidate: string; // '': none
   outcome: DecisionOutcome;
   reason: SwitchReason;
-  reward?: number; // absent: the window taught nothing
+  reward?: number; // absent: nothing was learnt from the window
   rewardVersion: number;
   verdict: Verdict;
   leader: string; // '': nothing is learnt
@@ -30,30 +26,15 @@ export interface Told {
   cooldownMs?: number;
 }
 
-function gateOf(row: AuditRow): Gate | undefined {
-  const gain = row.number('gain');
-  if (gain === undefined) return undefined;
-  const rest = (['loss', 'horizon_s', 'cooldown_s', 'switch_cost_s'] as const).map((column) => row.number(column) ?? 0);
-  return { gain, loss: rest[0]!, horizonS: rest[1]!, cooldownS: rest[2]!, costS: rest[3]! };
-}
-
 /** REQUIRES: a row with a decision (a tick or a bail-out). */
-export function toldOfRow(row: AuditRow, setup?: Setup): Told {
-  const gate = gateOf(row);
-  const reward = row.number('reward');
+export function toldOfRow({ decision, reason }: AuditRow, setup?: AuditSetup): Told {
+  const { activeArm, candidate, outcome, reward, rewardVersion, verdict, leader, bestProbability, expectedLossRatio, gate } = decision!;
   return {
-    activeArm: row.text('active_arm'),
-    candidate: row.text('candidate'),
-    outcome: outcomeOf(row.text('outcome')),
-    reason: reasonOf(row.text('reason')),
+    activeArm, candidate, outcome, reason, rewardVersion, verdict, leader, expectedLossRatio,
     ...(reward !== undefined && { reward }),
-    rewardVersion: row.number('reward_version') ?? 0,
-    verdict: verdictOfText(row.text('verdict')),
-    leader: row.text('leader'),
-    leaderProbability: Math.max(0, ...row.numbers('best_probability')),
-    expectedLossRatio: row.number('expected_loss_ratio') ?? 0,
+    leaderProbability: Math.max(0, ...bestProbability),
     ...(gate && { gate }),
-    ...(setup && { cooldownMs: gate ? gate.cooldownS * 1000 : setup.cooldownMs }),
+    ...(setup && { cooldownMs: gate ? gate.cooldownS * 1000 : msOf(setup.cooldownNs) }),
   };
 }
 
@@ -76,7 +57,7 @@ export function toldOfEvent(event: DecisionEvent, rewardVersion: number): Told {
 const percent = (share: number) => `${significant(100 * share, 2)} %`;
 const seconds = (s: number) => `${significant(s, 2)} s`;
 
-/** Returns a duration as people say it. */
+/** Returns a duration in seconds or milliseconds. */
 export const durationText = (ms: number) => (ms < 1000 ? `${significant(ms, 2)} ms` : seconds(ms / 1000));
 
 function whatHappened({ activeArm, candidate, outcome, reason, cooldownMs }: Told): string {
@@ -127,27 +108,31 @@ function whatWasMeasured({ activeArm, reward, rewardVersion }: Told): string | u
 export const explained = (told: Told): string[] =>
   [whatHappened(told), whatWeighed(told), whatWasMeasured(told), whatIsBelieved(told)].filter((each): each is string => each !== undefined);
 
-function orderText(row: AuditRow): string {
-  const who = operatorOf(row.text('setup'));
-  if (row.text('mode') === 'ai') return `${who} let the daemon decide.`;
-  return `${who} told the game to keep to ${row.text('arm') || 'the active arm'}.`;
+function orderText({ operatorName, mode, arm }: AuditRow): string {
+  if (mode === Mode.AI) return `${operatorName} let the daemon decide.`;
+  return `${operatorName} told the game to keep to ${arm || 'the active arm'}.`;
 }
 
-/** Returns sentences for any row of the audit log. */
-export function explainedRow(row: AuditRow, setup?: Setup): string[] {
-  const kind = row.text('kind');
+// Without an operator the action is the whole sentence.
+function actionText({ operatorName, action }: AuditRow): string {
+  return operatorName ? `${operatorName} ${action}.` : `${action.charAt(0).toUpperCase()}${action.slice(1)}.`;
+}
+
+/** Returns sentences that explain any row of the audit log. */
+export function explainedRow(row: AuditRow, setup?: AuditSetup): string[] {
+  const { kind, arm, switchCost } = row;
   const meaning = kindWord(kind).meaning;
   switch (kind) {
-    case 'tick': return explained(toldOfRow(row, setup));
-    case 'bail-out': return [meaning, ...explained(toldOfRow(row, setup))];
-    case 'switch': {
-      const cost = (row.number('rebuild_time_ns') ?? 0) + (row.number('settling_cost_ns') ?? 0);
-      return [`The game now uses ${row.text('arm')}. ${reasonWord(reasonOf(row.text('reason'))).meaning} The change cost ${durationText(cost / 1e6)} of frame time.`];
+    case AuditKind.TICK: return explained(toldOfRow(row, setup));
+    case AuditKind.BAIL_OUT: return [meaning, ...explained(toldOfRow(row, setup))];
+    case AuditKind.SWITCH: {
+      const costMs = msOf((switchCost?.rebuildTimeNs ?? 0n) + (switchCost?.settlingCostNs ?? 0n));
+      return [`The game now uses ${arm}. ${reasonWord(row.reason).meaning} The change cost ${durationText(costMs)} of frame time.`];
     }
-    case 'mode': return [row.text('mode') === 'ai' ? 'The daemon decides.' : `The game keeps to ${row.text('arm')} by hand.`];
-    case 'order': return [orderText(row)];
-    case 'admin': return [actionText(row)];
-    case 'setup': return [`${meaning} Policy ${setup?.policy ?? ''}, arms ${setup?.arms.join(', ') ?? ''}.`];
+    case AuditKind.MODE: return [row.mode === Mode.AI ? 'The daemon decides.' : `The game keeps to ${arm} by hand.`];
+    case AuditKind.ORDER: return [orderText(row)];
+    case AuditKind.ADMIN: return [actionText(row)];
+    case AuditKind.SETUP: return [`${meaning} Policy ${setup?.policy ?? ''}, arms ${setup?.arms.join(', ') ?? ''}.`];
     default: return [meaning];
   }
 }

@@ -1,36 +1,28 @@
-// Reads the audit log from the daemon row by row, so that no log is too long: what is not asked for is not kept.
-import { AuditService, type AuditSegment } from '../../gen/sweepstake/v1/audit_pb';
+// Reads the audit log from the daemon row by row, so that a log of any length fits in memory.
+import { AuditKind, type AuditRow, type AuditSegment, AuditService, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
 import { stream } from '../transport/calls';
-import { type AuditRow, RowReader, type Setup, setupOf } from './rows';
 
 export interface Selection { sessionId?: string; project?: string; scene?: string }
 
-/** A row with the setup of its segment, if the log still has that. */
-export interface PlacedRow { row: AuditRow; setup?: Setup }
+/** A row with the setup of its segment; absent if that row was removed. */
+export interface PlacedRow { row: AuditRow; setup?: AuditSetup }
 
-const segmentOf = (row: AuditRow) => `${row.text('session')}.${row.text('segment')}`;
-
-/** Yields the rows that the daemon selects, oldest first; of a session, those behind `after`. Throws ApiError. */
+/** Yields the selected rows, oldest first; of one session, those after the row `after`. Throws ApiError. */
 export async function* auditRows(selection: Selection, signal?: AbortSignal, after?: PlacedRow): AsyncGenerator<PlacedRow> {
-  const reader = new RowReader();
-  let segment = after ? segmentOf(after.row) : '';
+  let last = after?.row;
   let setup = after?.setup;
-  const place = after && { afterSegment: Number(after.row.text('segment')), afterRow: BigInt(after.row.text('row')) };
-  for await (const { header, rows } of stream(AuditService.method.exportDecisions, { ...selection, ...place }, signal)) {
-    if (header) reader.header(header);
-    for (const record of rows) {
-      const row = reader.row(record);
-      if (!row) continue;
-      const here = segmentOf(row);
-      if (here !== segment) setup = undefined;
-      segment = here;
-      if (row.text('kind') === 'setup') setup = setupOf(row);
+  const place = after && { afterSegment: after.row.segment, afterRow: after.row.row };
+  for await (const { rows } of stream(AuditService.method.exportDecisions, { ...selection, ...place }, signal)) {
+    for (const row of rows) {
+      if (row.session !== last?.session || row.segment !== last.segment) setup = undefined;
+      last = row;
+      if (row.kind === AuditKind.SETUP) setup = row.setup;
       yield setup ? { row, setup } : { row };
     }
   }
 }
 
-/** Returns what there is, the newest segment first. Throws ApiError. */
+/** Returns the stored segments, the newest first. Throws ApiError. */
 export async function auditSegments(selection: Selection, signal?: AbortSignal): Promise<AuditSegment[]> {
   const all: AuditSegment[] = [];
   for await (const { segments } of stream(AuditService.method.listAuditSegments, selection, signal)) all.push(...segments);

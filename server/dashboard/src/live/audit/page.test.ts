@@ -1,16 +1,18 @@
+import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import type { PlacedRow } from './log';
 import { collectPage, findRow, PAGE_ROWS } from './page';
-import { RowReader } from './rows';
-
-const reader = new RowReader();
-reader.header('session,segment,row,kind,active_arm,candidate,outcome');
+import { AuditKind, AuditRowSchema } from '../../gen/sweepstake/v1/audit_pb';
+import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 
 async function* log(count: number): AsyncGenerator<PlacedRow> {
-  for (let i = 1; i <= count; ++i) yield { row: reader.row(`id,1,${i},${i % 10 === 0 ? 'switch' : 'tick'},${i % 2 ? 'SAP' : 'DBVT'},Grid,kept`)! };
+  for (let i = 1; i <= count; ++i) {
+    yield { row: create(AuditRowSchema, { session: 'id', segment: 1, row: BigInt(i), kind: i % 10 === 0 ? AuditKind.SWITCH : AuditKind.TICK,
+      decision: { activeArm: i % 2 ? 'SAP' : 'DBVT', candidate: 'Grid', outcome: DecisionOutcome.KEPT } }) };
+  }
 }
 const ALL = { kind: '', outcome: '', arm: '' };
-const numbers = (rows: readonly PlacedRow[]) => rows.map(({ row }) => row.number('row'));
+const numbers = (rows: readonly PlacedRow[]) => rows.map(({ row }) => Number(row.row));
 
 describe('pages of a log', () => {
   it('have the newest rows first, each row once', async () => {
@@ -26,11 +28,11 @@ describe('pages of a log', () => {
   });
 
   it('are of the rows that match', async () => {
-    const { rows, matchCount } = await collectPage(log(1000), { ...ALL, kind: 'switch' }, 0);
+    const { rows, matchCount } = await collectPage(log(1000), { ...ALL, kind: 'SWITCH' }, 0);
     expect(matchCount).toBe(100);
     expect(numbers(rows).slice(0, 3)).toEqual([1000, 990, 980]);
     expect((await collectPage(log(100), { ...ALL, arm: 'SAP' }, 0)).matchCount).toBe(50);
-    expect((await collectPage(log(100), { ...ALL, arm: 'Grid', outcome: 'switched' }, 0)).matchCount).toBe(0);
+    expect((await collectPage(log(100), { ...ALL, arm: 'Grid', outcome: 'SWITCHED' }, 0)).matchCount).toBe(0);
   });
 
   it('say how far they are', async () => {
@@ -47,7 +49,7 @@ describe('pages of a log', () => {
         yield row;
       }
     }
-    expect((await findRow(counted(), 'id.1.7'))?.row.number('row')).toBe(7);
+    expect((await findRow(counted(), 'id.1.7'))?.row.row).toBe(7n);
     expect(read).toBe(7);
     expect(await findRow(log(10), 'id.1.11')).toBeUndefined();
   });

@@ -1,37 +1,39 @@
-// Pages of a log that is longer than memory: the rows go by, and only those of one page stay.
+// Pages of a log that is longer than memory: only the rows of one page are kept.
+import { AuditKind } from '../../gen/sweepstake/v1/audit_pb';
+import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import type { PlacedRow } from './log';
+import { rowId } from './rows';
 
 export const PAGE_ROWS = 100;
 
-/** What a row must be to be shown; empty: anything. */
+/** Selects rows. Kind and outcome are names of the protocol's enumerations; an empty field selects everything. */
 export interface Filter { kind: string; outcome: string; arm: string }
 
-const ARM_COLUMNS = ['active_arm', 'candidate', 'arm'] as const;
-
-export function matches({ row }: PlacedRow, { kind, outcome, arm }: Filter): boolean {
-  return (!kind || row.text('kind') === kind) && (!outcome || row.text('outcome') === outcome)
-    && (!arm || ARM_COLUMNS.some((column) => row.text(column) === arm));
+export function matches({ row: { kind, arm, decision } }: PlacedRow, filter: Filter): boolean {
+  return (!filter.kind || AuditKind[kind] === filter.kind)
+    && (!filter.outcome || (decision !== undefined && DecisionOutcome[decision.outcome] === filter.outcome))
+    && (!filter.arm || [decision?.activeArm, decision?.candidate, arm].includes(filter.arm));
 }
 
 export interface Page {
   rows: readonly PlacedRow[]; // newest first
   matchCount: number;
-  rowCount: number; // that went by
+  rowCount: number; // rows that were read
 }
 
 /**
- * Collects a page of the rows that match: page 0 has the newest ones. `told` is called from time to time with how many rows have gone
- * by.
+ * Collects a page of the rows that match; page 0 has the newest ones. `onProgress` is called after every 1000 rows with the number of
+ * rows read.
  */
 export async function collectPage(
-  rows: AsyncIterable<PlacedRow>, filter: Filter, page: number, told: (rowCount: number) => void = () => undefined,
+  rows: AsyncIterable<PlacedRow>, filter: Filter, page: number, onProgress: (rowCount: number) => void = () => undefined,
 ): Promise<Page> {
-  const reach = (page + 1) * PAGE_ROWS; // of the matches, the last so many are on this page or a newer one
+  const reach = (page + 1) * PAGE_ROWS; // number of latest matches on this page and the newer ones
   let kept: PlacedRow[] = [];
   let matchCount = 0;
   let rowCount = 0;
   for await (const placed of rows) {
-    if (++rowCount % 1000 === 0) told(rowCount);
+    if (++rowCount % 1000 === 0) onProgress(rowCount);
     if (!matches(placed, filter)) continue;
     ++matchCount;
     kept.push(placed);
@@ -41,8 +43,8 @@ export async function collectPage(
   return { rows: kept.slice(Math.max(0, end - PAGE_ROWS), Math.max(0, end)).reverse(), matchCount, rowCount };
 }
 
-/** Returns the row of that id (AuditRow.id) and reads no further. */
+/** Returns the row with that id (rowId) and reads no further. */
 export async function findRow(rows: AsyncIterable<PlacedRow>, id: string): Promise<PlacedRow | undefined> {
-  for await (const placed of rows) if (placed.row.id === id) return placed;
+  for await (const placed of rows) if (rowId(placed.row) === id) return placed;
   return undefined;
 }

@@ -1,11 +1,9 @@
-// For tests: a log that the daemon wrote.
+// For tests: a log of a real game, in the daemon's answers to ExportDecisions.
 // @ts-expect-error The page has no types of Node, in which its tests run.
 import { readFileSync } from 'node:fs';
-import { type AuditRow, RowReader, setupOf } from './rows';
+import { fromJsonString } from '@bufbuild/protobuf';
+import { ExportDecisionsResponseSchema } from '../../gen/sweepstake/v1/audit_pb';
 
-const file = new URL('../../../../../tests/engine_client/decider/audit/logs/adaptive.csv', import.meta.url);
-const [header = '', ...lines] = String(readFileSync(file)).split('\n').filter(Boolean);
-const reader = new RowReader();
-reader.header(header);
-export const rows = lines.map((line) => reader.row(line)).filter((row): row is AuditRow => row !== undefined);
-export const setup = setupOf(rows[0]!);
+const file = new URL('../../../../../tests/engine_client/decider/audit/logs/adaptive.jsonl', import.meta.url);
+export const rows = String(readFileSync(file)).split('\n').filter(Boolean).flatMap((line) => fromJsonString(ExportDecisionsResponseSchema, line).rows);
+export const setup = rows[0]!.setup!;

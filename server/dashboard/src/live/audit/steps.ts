@@ -1,41 +1,38 @@
-// The life of a session in steps: the rows of its audit log, then what the daemon tells live.
+// A session's steps: the rows of its audit log, then the decisions of the live stream.
+import { AuditKind, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome, type DecisionEvent, type FrameMeasurements } from '../../gen/sweepstake/v1/posteriors_pb';
-import { SwitchReason } from '../../gen/sweepstake/v1/telemetry_pb';
+import { type ShadowSample, SwitchReason } from '../../gen/sweepstake/v1/telemetry_pb';
 import { bucketsOf, type Percentiles, percentiles } from '../numbers/histogram';
 import { type Told, toldOfEvent, toldOfRow } from './explain';
 import type { PlacedRow } from './log';
-import { type AuditRow, objectCountOf, once, type Setup, unixMsOf, type Visit, visitsOf, type WindowMeans, windowOf } from './rows';
+import { once, unixMsOf, type WindowMeans, windowOf } from './rows';
 
 export interface Step {
   timeMs: number; // by the daemon's clock
-  kind: string; // of the audit log
-  activeArm: string; // the arm that ran before it or, if the step is a switch, after it; '': not said
+  kind: AuditKind;
+  activeArm: string; // the arm that ran before it or, if the step is a switch, after it; '': unknown
   decisionId: number; // 0: no decision
-  told?: Told; // of decisions
-  placed?: PlacedRow; // if it is of the log
-  event?: DecisionEvent; // if it was told live
+  told?: Told; // present for decisions
+  placed?: PlacedRow; // present for steps from the log
+  event?: DecisionEvent; // present for steps from the live stream
 }
 
-const DECISION_KINDS = ['tick', 'bail-out'];
-const hasDecision = (row: AuditRow) => DECISION_KINDS.includes(row.text('kind')) && row.text('decision_id') !== '';
-
-/** Returns nothing for a row without a time. */
+/** Returns undefined for a row without a time. */
 export function stepOfRow(placed: PlacedRow): Step | undefined {
   const { row, setup } = placed;
-  const timeNs = row.number('time_ns');
+  const { kind, timeNs, decision } = row;
   if (!setup || timeNs === undefined) return undefined;
-  const kind = row.text('kind');
-  const activeArm = kind === 'setup' ? setup.activeArm : row.text('active_arm') || (kind === 'order' ? '' : row.text('arm'));
-  const step = { timeMs: unixMsOf(setup, timeNs), kind, activeArm, decisionId: row.number('decision_id') ?? 0, placed };
-  return hasDecision(row) ? { ...step, told: toldOfRow(row, setup) } : step;
+  const activeArm = kind === AuditKind.SETUP ? setup.arms[setup.activeArm] ?? '' : decision?.activeArm || (kind === AuditKind.ORDER ? '' : row.arm);
+  const step = { timeMs: unixMsOf(setup, timeNs), kind, activeArm, decisionId: Number(decision?.id ?? 0), placed };
+  return decision ? { ...step, told: toldOfRow(row, setup) } : step;
 }
 
 export function stepOfEvent(event: DecisionEvent, timeMs: number, rewardVersion: number): Step {
-  const kind = event.reason === SwitchReason.BAIL_OUT ? 'bail-out' : 'tick';
+  const kind = event.reason === SwitchReason.BAIL_OUT ? AuditKind.BAIL_OUT : AuditKind.TICK;
   return { timeMs, kind, activeArm: event.activeArm, decisionId: Number(event.decisionId), told: toldOfEvent(event, rewardVersion), event };
 }
 
-/** Returns the steps of the log, with what was told of them live, and then those that the log did not have yet. */
+/** Returns the steps of the log with their live events, then the live decisions that the log does not contain yet. */
 export function mergedSteps(logged: readonly Step[], events: readonly DecisionEvent[], rewardVersion: number): Step[] {
   const byId = new Map(events.map((event): [number, DecisionEvent] => [Number(event.decisionId), event]));
   const lastId = logged.reduce((most, { decisionId }) => Math.max(most, decisionId), 0);
@@ -70,26 +67,26 @@ const percentilesOf = once(({ frameTimeNs, detectionTimeNs, nativeBytes }: Frame
 }));
 const UNKNOWN = { frameMs: undefined, detectionMs: undefined, nativeBytes: undefined };
 
-/** Returns what frames cost, by each step that says something of it. */
+/** Returns the costs of frames, of each step that has some. */
 export function measuredOf(steps: readonly Step[]): Measured[] {
-  return steps.filter(({ kind, placed, event }) => event?.measurements || (placed && kind === 'tick')).map(({ timeMs, placed, event }) => ({
+  return steps.filter(({ kind, placed, event }) => event?.measurements || (placed && kind === AuditKind.TICK)).map(({ timeMs, placed, event }) => ({
     timeMs,
     ...(event?.measurements ? percentilesOf(event.measurements) : UNKNOWN),
     window: placed && windowOf(placed.row),
-    objectCount: placed && objectCountOf(placed.row),
+    objectCount: placed?.row.scene?.objectCount,
   }));
 }
 
-/** Calls `tell` with each visit of the shadow lane that the log has, oldest first. */
-export function forEachVisit(steps: readonly Step[], tell: (arm: string, visit: Visit, timeMs: number) => void): void {
+/** Calls `visit` with each visit of the shadow lane in the log, oldest first. */
+export function forEachVisit(steps: readonly Step[], visit: (arm: string, sample: ShadowSample, timeMs: number) => void): void {
   for (const { timeMs, placed } of steps) {
-    if (placed) for (const visit of visitsOf(placed.row)) tell(placed.setup?.arms[visit.arm] ?? `arm ${visit.arm}`, visit, timeMs);
+    for (const sample of placed?.row.shadow ?? []) visit(placed?.setup?.arms[sample.arm] ?? `arm ${sample.arm}`, sample, timeMs);
   }
 }
 
-/** Returns the arms in the session's order, as far as they are known. */
+/** Returns the known arms in the session's order. */
 export function armsOf(steps: readonly Step[]): string[] {
-  const setup: Setup | undefined = steps.filter(({ placed }) => placed?.setup).at(-1)?.placed?.setup;
+  const setup: AuditSetup | undefined = steps.filter(({ placed }) => placed?.setup).at(-1)?.placed?.setup;
   if (setup) return setup.arms;
   const told = steps.filter(({ event }) => event && event.arms.length > 0).at(-1)?.event?.arms;
   return told ?? [...new Set(steps.map(({ activeArm }) => activeArm).filter(Boolean))];

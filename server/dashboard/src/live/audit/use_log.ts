@@ -1,4 +1,4 @@
-// A session's log while a view shows it: read whole once, and then what is new of it, whenever the session has decided something.
+// A session's log while a view shows it: read completely once, then the new rows after each decision of the session.
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type { DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
 import { usePaced } from '../charts/view_state';
@@ -6,28 +6,28 @@ import { type ApiError, asApiError } from '../transport/calls';
 import { auditRows, type PlacedRow } from './log';
 import { mergedSteps, type Step, stepOfRow } from './steps';
 
-/** The latest steps of a longer log stay. At the paper's interval that is some three hours. */
+/** The number of latest steps that are kept, about three hours at the paper's interval. */
 export const MAX_STEPS = 5000;
 const SHOW_EVERY = 2000;
-/** A decision is told at once, and its row is on disk a moment later. */
+/** A decision arrives before its row is on disk. */
 const READ_AFTER_MS = 200;
 const AFTER_ERROR_MS = 3000;
 
 interface Reading {
   steps: readonly Step[];
-  count: number; // with those that have been dropped
+  count: number; // including dropped ones
   last?: PlacedRow;
-  isReading: boolean; // for the first time
-  atMs: number; // when it was read without an error, by the browser's clock
+  isReading: boolean; // until the first reading is complete
+  atMs: number; // time of the latest reading without an error, by the browser's clock
   error?: ApiError;
 }
 
 export interface SessionLog extends Pick<Reading, 'steps' | 'isReading' | 'atMs' | 'error'> {
-  droppedCount: number; // older steps that were left out
+  droppedCount: number; // older steps that were dropped
   again: () => void;
 }
 
-/** Reads the rows behind the last one that was read; `show` gets them with those before. */
+/** Reads the rows after the last one; `show` receives all steps. */
 async function readOn(sessionId: string, before: Reading, cancel: AbortSignal, show: (reading: Reading) => void): Promise<void> {
   const steps = [...before.steps];
   let { count, last } = before;
@@ -48,13 +48,13 @@ async function readOn(sessionId: string, before: Reading, cancel: AbortSignal, s
   }
 }
 
-/** `told` is the session's latest decision, if the view wants what is new. REQUIRES: of one component always the same session. */
+/** `told` is the session's latest decision, if the view shows new ones. REQUIRES: a component always passes the same session. */
 export function useSessionLog(sessionId: string, told: DecisionEvent | undefined): SessionLog {
   const [reading, setReading] = useState<Reading>({ steps: [], count: 0, isReading: true, atMs: 0 });
   const [turn, setTurn] = useState(0);
   const latest = useRef(reading);
   latest.current = reading;
-  const readFor = useRef(told); // what had been told when the log was read last
+  const readFor = useRef(told); // the latest decision when the log was read last
   const isBusy = useRef(false);
 
   useEffect(() => {
@@ -81,9 +81,9 @@ export function useSessionLog(sessionId: string, told: DecisionEvent | undefined
   return { steps, isReading, atMs, ...(error && { error }), droppedCount: count - steps.length, again: () => setTurn((before) => before + 1) };
 }
 
-const PACE_MS = 400; // what is computed of all steps costs much
+const PACE_MS = 400; // limits computations over all steps
 
-/** Returns what is known of a session: its log, and what it has told since; and whether the log is among it. */
+/** Returns a session's steps from its log and from the live stream, and whether the log has been read. */
 export function useSteps({ steps, isReading }: SessionLog, events: readonly DecisionEvent[] | undefined, rewardVersion: number): { steps: readonly Step[]; hasLog: boolean } {
   const all = useMemo(() => ({ steps, events, isReading }), [steps, events, isReading]);
   const paced = usePaced(all, PACE_MS);

@@ -1,15 +1,15 @@
-// What the view of the decisions reads: the list of logs, a page of rows, or one row.
+// Data of the view of decisions: the list of logs, a page of rows, or one row.
 import { useEffect, useState } from 'preact/hooks';
 import type { AuditSegment } from '../../gen/sweepstake/v1/audit_pb';
 import { type ApiError, asApiError } from '../transport/calls';
 import { auditRows, auditSegments, type PlacedRow, type Selection } from './log';
 import { collectPage, type Filter, findRow, type Page } from './page';
 
-/** What was read, at what time by the browser's clock, or why it was not; while it is read, how many rows went by. */
+/** The value and its time by the browser's clock, or the error; while reading, the number of rows read. */
 export interface Reading<Value> { value?: Value; error?: ApiError; atMs?: number; rowCount: number; again: () => void }
 
-/** Reads anew whenever `key` is another one, and when it is asked to. */
-function useReading<Value>(key: string, read: (cancel: AbortSignal, told: (rowCount: number) => void) => Promise<Value>): Reading<Value> {
+/** Reads again whenever `key` changes, and when `again` is called. */
+function useReading<Value>(key: string, read: (cancel: AbortSignal, onProgress: (rowCount: number) => void) => Promise<Value>): Reading<Value> {
   const [reading, setReading] = useState<Omit<Reading<Value>, 'again'>>({ rowCount: 0 });
   const [turn, setTurn] = useState(0);
   useEffect(() => {
@@ -26,9 +26,9 @@ function useReading<Value>(key: string, read: (cancel: AbortSignal, told: (rowCo
 export const useSegments = () => useReading<AuditSegment[]>('', (cancel) => auditSegments({}, cancel));
 
 export const usePage = (selection: Selection, filter: Filter, page: number) =>
-  useReading<Page>(JSON.stringify([selection, filter, page]), (cancel, told) => collectPage(auditRows(selection, cancel), filter, page, told));
+  useReading<Page>(JSON.stringify([selection, filter, page]), (cancel, onProgress) => collectPage(auditRows(selection, cancel), filter, page, onProgress));
 
-/** The row of that id; null where the log does not have it, or none is asked for. */
+/** Returns the row with that id; null if the log does not contain it, or if the id is empty. */
 export const useRow = (sessionId: string, id: string) =>
   useReading<PlacedRow | null>(`${sessionId}\n${id}`, async (cancel) =>
     (id ? (await findRow(auditRows({ sessionId }, cancel), id)) ?? null : null));

@@ -1,4 +1,5 @@
 import { describe, expect, it } from 'vitest';
+import { AuditKind } from '../../gen/sweepstake/v1/audit_pb';
 import type { Step } from '../audit/steps';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
@@ -10,14 +11,14 @@ const told = (activeArm: string, candidate: string, outcome: DecisionOutcome): T
   expectedLossRatio: 0, cooldownMs: 400,
 });
 const decision = (timeMs: number, activeArm: string, candidate: string, outcome: DecisionOutcome): Step =>
-  ({ timeMs, kind: 'tick', activeArm, decisionId: timeMs, told: told(activeArm, candidate, outcome) });
+  ({ timeMs, kind: AuditKind.TICK, activeArm, decisionId: timeMs, told: told(activeArm, candidate, outcome) });
 const { KEPT, SWITCHED, HELD_COOLDOWN, HELD_GATE } = DecisionOutcome;
 
 const steps = [
   decision(100, 'SAP', 'SAP', KEPT), decision(200, 'SAP', 'KDTree', SWITCHED), decision(300, 'KDTree', 'KDTree', KEPT),
   decision(400, 'KDTree', 'SAP', HELD_COOLDOWN), decision(500, 'KDTree', 'SAP', HELD_COOLDOWN), decision(600, 'KDTree', 'SAP', HELD_GATE),
   decision(650, 'KDTree', 'KDTree', KEPT), decision(680, 'KDTree', 'SAP', HELD_GATE),
-  { timeMs: 690, kind: 'bail-out', activeArm: 'KDTree', decisionId: 0 },
+  { timeMs: 690, kind: AuditKind.BAIL_OUT, activeArm: 'KDTree', decisionId: 0 },
 ];
 
 const ARMS = ['SAP', 'KDTree'];

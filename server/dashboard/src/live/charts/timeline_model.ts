@@ -2,6 +2,8 @@
 import type { Step } from '../audit/steps';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { explained } from '../audit/explain';
+import { msOf } from '../audit/rows';
+import { AuditKind } from '../../gen/sweepstake/v1/audit_pb';
 import { isHeldBack, kindWord, outcomeWord } from '../views/words';
 import type { Range } from './view_state';
 
@@ -22,11 +24,11 @@ export interface Timeline { spans: Span[]; shades: Shade[]; marks: Mark[] }
 interface Lengths { cooldownMs: number; settlingMs: number }
 
 function lengthsAt({ told, placed }: Step, before: Lengths): Lengths {
-  return { cooldownMs: told?.cooldownMs ?? before.cooldownMs, settlingMs: placed?.setup?.settlingMs ?? before.settlingMs };
+  return { cooldownMs: told?.cooldownMs ?? before.cooldownMs, settlingMs: placed?.setup ? msOf(placed.setup.settlingNs) : before.settlingMs };
 }
 
 // Kinds of steps other than decisions that have a sign.
-const SIGNED = ['bail-out', 'refusal', 'mode', 'order', 'setup'];
+const SIGNED = [AuditKind.BAIL_OUT, AuditKind.REFUSAL, AuditKind.MODE, AuditKind.ORDER, AuditKind.SETUP];
 
 function markOf(step: Step, arm: string): Mark | undefined {
   const { told, timeMs, kind } = step;
@@ -74,7 +76,7 @@ function addSpan({ spans, shades }: Timeline, { timeMs, activeArm, kind }: Step,
   if (last) last.toMs = timeMs;
   if (!activeArm || activeArm === last?.arm) return;
   spans.push({ arm: activeArm, fromMs: timeMs, toMs: timeMs });
-  if (!last || kind === 'setup') return;
+  if (!last || kind === AuditKind.SETUP) return;
   for (const before of shades.slice(-2)) if (before.kind === 'cooldown') before.toMs = Math.min(before.toMs, timeMs); // the new cooldown replaces it
   if (cooldownMs > 0) shades.push({ kind: 'cooldown', fromMs: timeMs, toMs: timeMs + cooldownMs });
   if (settlingMs > 0) shades.push({ kind: 'settling', fromMs: timeMs, toMs: timeMs + settlingMs });

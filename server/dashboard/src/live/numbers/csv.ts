@@ -1,33 +1,4 @@
-// CSV by RFC 4180: reads exports of the daemon, and writes files for spreadsheets.
-
-/** Returns the cells of one record, or undefined if its quotes are invalid. Quoted cells may contain commas, quotes and line breaks. */
-export function parseRecord(record: string): string[] | undefined {
-  const cells: string[] = [];
-  let at = 0;
-  for (;;) {
-    let cell = '';
-    if (record[at] === '"') {
-      for (++at; ; at += 2) {
-        const quote = record.indexOf('"', at);
-        if (quote < 0) return undefined;
-        cell += record.slice(at, quote);
-        at = quote;
-        if (record[at + 1] !== '"') break;
-        cell += '"';
-      }
-      ++at;
-      if (at < record.length && record[at] !== ',') return undefined;
-    } else {
-      const end = record.indexOf(',', at);
-      cell = record.slice(at, end < 0 ? record.length : end);
-      if (cell.includes('"')) return undefined;
-      at += cell.length;
-    }
-    cells.push(cell);
-    if (at >= record.length) return cells;
-    ++at;
-  }
-}
+// Writes CSV by RFC 4180 for spreadsheets.
 
 /** A cell to write; null and undefined give an empty cell. */
 export type CsvValue = string | number | bigint | boolean | null | undefined;

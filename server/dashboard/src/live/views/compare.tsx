@@ -117,7 +117,7 @@ function endsOf(columns: readonly (readonly (number | null)[])[]): [number, numb
 
 // Returns when the session began. The page has only the end of a long log; then this is the log's first time.
 const startOf = ({ steps }: SessionData, otherwiseMs: number) =>
-  steps.find(({ placed }) => placed?.setup)?.placed?.setup?.unixStartMs || (steps[0]?.timeMs ?? otherwiseMs);
+  Number(steps.find(({ placed }) => placed?.setup)?.placed?.setup?.unixStartMs ?? 0) || (steps[0]?.timeMs ?? otherwiseMs);
 
 // Shifts the second session's times so that it begins when the first one does.
 const laidTo = (startMs: number, data: SessionData): SessionData => {

@@ -1,9 +1,10 @@
 // The audit log: the list of sessions with a log, their rows with filters and pages, and an explanation of each row at its own URL.
-import type { AuditSegment } from '../../gen/sweepstake/v1/audit_pb';
+import { AuditKind, type AuditSegment } from '../../gen/sweepstake/v1/audit_pb';
+import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { grouped } from '../../format';
 import type { PlacedRow } from '../audit/log';
 import { type Filter as RowFilter, PAGE_ROWS } from '../audit/page';
-import { setupPairs, unixMsOf } from '../audit/rows';
+import { rowId, unixMsOf } from '../audit/rows';
 import { stepOfRow } from '../audit/steps';
 import { usePage, useRow, useSegments } from '../audit/use_page';
 import { Arm } from '../parts/arm';
@@ -17,7 +18,7 @@ import { visible } from '../parts/visible';
 import { decisionsHref, route, sessionHref, setQuery } from '../state/route';
 import { explainedRow } from '../audit/explain';
 import { Why } from './session/why';
-import { KIND_NAMES, kindWord, OUTCOME_NAMES, outcomeOf, outcomeWord } from './words';
+import { kindWord, outcomeWord } from './words';
 
 /** Number of pages. `sweepstake audit export` reads older rows. */
 const MAX_PAGE = 100;
@@ -57,31 +58,33 @@ function Segments() {
 
 /** Returns the time of a row by the daemon's wall clock; undefined if the row has none. */
 function timeOf({ row, setup }: PlacedRow): number | undefined {
-  const timeNs = row.number('time_ns');
-  if (row.text('kind') === ADMIN) return Number(setupPairs(row.text('setup')).get('unix_ms') ?? Number.NaN) || undefined;
-  return setup && timeNs !== undefined ? unixMsOf(setup, timeNs) : undefined;
+  if (row.unixMs !== undefined) return Number(row.unixMs);
+  return setup && row.timeNs !== undefined ? unixMsOf(setup, row.timeNs) : undefined;
 }
 
 const wordsOf = ({ row, setup }: PlacedRow) => visible(explainedRow(row, setup)[0] ?? '');
-const outcomeText = ({ row }: PlacedRow) => (row.text('outcome') ? outcomeWord(outcomeOf(row.text('outcome'))).name : '');
+const outcomeText = ({ row: { decision } }: PlacedRow) => (decision ? outcomeWord(decision.outcome).name : '');
+const armOf = ({ row: { arm, decision } }: PlacedRow) => decision?.activeArm || arm;
+const candidateOf = ({ row: { decision } }: PlacedRow) => decision?.candidate ?? '';
 const rowHref = ({ row }: PlacedRow) => {
   const query = new URLSearchParams(route.value.query);
-  query.set('row', row.id);
+  query.set('row', rowId(row));
   return `${route.value.path}?${query.toString()}`;
 };
 
 const ROWS: readonly Column<PlacedRow>[] = [
   { id: 'time', title: 'Time', sort: timeOf, csv: (placed) => (timeOf(placed) ? new Date(timeOf(placed)!).toISOString() : ''),
-    cell: (placed) => <a href={rowHref(placed)}>{timeOf(placed) ? timeText(timeOf(placed)!) : `row ${placed.row.text('row')}`}</a> },
-  { id: 'kind', title: 'Kind', isText: true, csv: ({ row }) => row.text('kind'), sort: ({ row }) => row.text('kind'),
-    cell: ({ row }) => <span title={kindWord(row.text('kind')).meaning}><span aria-hidden="true">{kindWord(row.text('kind')).mark} </span>{kindWord(row.text('kind')).name}</span> },
-  { id: 'decision', title: 'Decision', sort: ({ row }) => row.number('decision_id'), cell: ({ row }) => row.text('decision_id') || '–' },
-  { id: 'active', title: 'Active arm', isText: true, sort: ({ row }) => row.text('active_arm') || row.text('arm'),
-    cell: ({ row }) => (row.text('active_arm') || row.text('arm') ? <Arm name={row.text('active_arm') || row.text('arm')} /> : '–') },
-  { id: 'candidate', title: 'Candidate', isText: true, sort: ({ row }) => row.text('candidate'), cell: ({ row }) => (row.text('candidate') ? <Arm name={row.text('candidate')} hollow /> : '–') },
+    cell: (placed) => <a href={rowHref(placed)}>{timeOf(placed) ? timeText(timeOf(placed)!) : `row ${placed.row.row}`}</a> },
+  { id: 'kind', title: 'Kind', isText: true, csv: ({ row }) => AuditKind[row.kind], sort: ({ row }) => kindWord(row.kind).name,
+    cell: ({ row }) => <span title={kindWord(row.kind).meaning}><span aria-hidden="true">{kindWord(row.kind).mark} </span>{kindWord(row.kind).name}</span> },
+  { id: 'decision', title: 'Decision', sort: ({ row }) => row.decision && Number(row.decision.id), cell: ({ row }) => String(row.decision?.id ?? '–') },
+  { id: 'active', title: 'Active arm', isText: true, sort: armOf,
+    cell: (placed) => (armOf(placed) ? <Arm name={armOf(placed)} /> : '–') },
+  { id: 'candidate', title: 'Candidate', isText: true, sort: candidateOf,
+    cell: (placed) => (candidateOf(placed) ? <Arm name={candidateOf(placed)} hollow /> : '–') },
   { id: 'outcome', title: 'Outcome', isText: true, sort: outcomeText, cell: (placed) => outcomeText(placed) || '–' },
   { id: 'words', title: 'In words', isText: true, csv: wordsOf, cell: (placed) => <bdi class="words">{wordsOf(placed)}</bdi> },
-  { id: 'session', title: 'Session', isText: true, sort: ({ row }) => row.text('session'), cell: ({ row }) => <a href={sessionHref(row.text('session'))}><Name text={row.text('session')} /></a> },
+  { id: 'session', title: 'Session', isText: true, sort: ({ row }) => row.session, cell: ({ row }) => <a href={sessionHref(row.session)}><Name text={row.session} /></a> },
 ];
 
 interface Asked { session: string; project: string; scene: string; filter: RowFilter; page: number; row: string }
@@ -120,8 +123,12 @@ function Pager({ page, matchCount, order }: { page: number; matchCount: number; 
   );
 }
 
-const KINDS = [['', 'any'], ...KIND_NAMES.map((kind) => [kind, kindWord(kind).name] as const)] as const;
-const OUTCOMES = [['', 'any'], ...OUTCOME_NAMES.map((name) => [name, outcomeWord(outcomeOf(name)).name] as const)] as const;
+// The choices of an enumeration, by the names of its values.
+const choicesOf = <Value extends number>(names: Readonly<Record<string, string | number>>, wordOf: (value: Value) => { name: string }) =>
+  [['', 'any'], ...Object.entries(names).filter(([, value]) => Number(value) > 0)
+    .map(([name, value]) => [name, wordOf(value as Value).name] as const)] as const;
+const KINDS = choicesOf<AuditKind>(AuditKind, kindWord);
+const OUTCOMES = choicesOf<DecisionOutcome>(DecisionOutcome, outcomeWord);
 
 function Rows({ session, project, scene, filter, page }: Asked) {
   const { value, error, atMs, rowCount, again } = usePage({ sessionId: session, project, scene }, filter, page);
@@ -138,7 +145,7 @@ function Rows({ session, project, scene, filter, page }: Asked) {
       {error && <Failure what="The log" error={error} onRetry={again} />}
       {!value && !error && <Loading what={rowCount > 0 ? `the log, ${grouped(rowCount)} rows so far` : 'the log'} />}
       {value && <Pager page={page} matchCount={value.matchCount} order={session ? 'newest first' : 'the newest logs first'} />}
-      {value && value.rows.length > 0 && <Table caption="Rows" columns={ROWS} rows={value.rows} keyOf={({ row }) => row.id} sort="-time" sortParameter="rows" />}
+      {value && value.rows.length > 0 && <Table caption="Rows" columns={ROWS} rows={value.rows} keyOf={({ row }) => rowId(row)} sort="-time" sortParameter="rows" />}
       {value && value.rows.length === 0 && <Empty title={value.rowCount === 0 ? 'There is no log for this selection' : 'No row matches the filter'} />}
     </>
   );

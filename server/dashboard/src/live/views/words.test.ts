@@ -1,13 +1,14 @@
 import { describe, expect, it } from 'vitest';
+import { AuditKind } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEnd, SessionState } from '../../gen/sweepstake/v1/sessions_pb';
 import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
-import { endWord, isHeldBack, KIND_NAMES, kindWord, modeWord, OUTCOME_NAMES, outcomeOf, outcomeWord, reasonOf, reasonWord, stateWord, verdictOfText, verdictWord, type Word } from './words';
+import { endWord, isHeldBack, kindWord, modeWord, outcomeWord, reasonWord, stateWord, verdictWord, type Word } from './words';
 
 const values = (names: Readonly<Record<string, string | number>>) => Object.values(names).filter((value): value is number => typeof value === 'number');
 const ENUMS: readonly (readonly [string, number[], (value: number) => Word])[] = [
   ['outcomes', values(DecisionOutcome), outcomeWord], ['reasons', values(SwitchReason), reasonWord], ['verdicts', values(Verdict), verdictWord],
-  ['modes', values(Mode), modeWord], ['states', values(SessionState), stateWord], ['ends', values(SessionEnd), endWord],
+  ['modes', values(Mode), modeWord], ['states', values(SessionState), stateWord], ['ends', values(SessionEnd), endWord], ['kinds of rows', values(AuditKind), kindWord],
 ];
 
 describe('the words of the protocol', () => {
@@ -26,21 +27,6 @@ describe('the words of the protocol', () => {
 
   it('use the names of `sweepstake watch` for verdicts', () =>
     expect(values(Verdict).map((value) => verdictWord(value).name)).toEqual(['unknown', 'stable', 'tie', 'ambiguous', 'degraded']));
-});
-
-describe('the words of the audit log', () => {
-  it('are those of engine_client/decider/types.h', () => {
-    expect(OUTCOME_NAMES).toEqual(['kept', 'switched', 'held-cooldown', 'held-settling', 'no-frames', 'manual', 'exploring', 'rejected', 'held-gate', 'held-tie']);
-    for (const name of OUTCOME_NAMES) expect(DecisionOutcome[outcomeOf(name)]).toBe(name.toUpperCase().replaceAll('-', '_'));
-    expect(['policy', 'exploration', 'bail-out', 'manual'].map(reasonOf)).toEqual([SwitchReason.POLICY, SwitchReason.EXPLORATION, SwitchReason.BAIL_OUT, SwitchReason.MANUAL]);
-    expect(['unknown', 'stable', 'tie', 'ambiguous', 'degraded'].map(verdictOfText)).toEqual([0, 1, 2, 3, 4]);
-    expect(outcomeOf('something-new')).toBe(DecisionOutcome.UNSPECIFIED);
-  });
-
-  it('are those of engine_client/decider/audit/cell_text.h', () => {
-    expect([...KIND_NAMES].sort()).toEqual(['admin', 'bail-out', 'missing', 'mode', 'order', 'refusal', 'setup', 'switch', 'tick']);
-    expect(kindWord('something-new').name).toBe('unknown');
-  });
 });
 
 it('The outcomes of held-back candidates are cooldown, gate and tie', () =>

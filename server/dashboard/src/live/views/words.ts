@@ -1,5 +1,6 @@
 // Names and explanations of the protocol's values, for a game developer who does not know bandit algorithms. All views take them from
 // here.
+import { AuditKind } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEnd, SessionState } from '../../gen/sweepstake/v1/sessions_pb';
 import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
@@ -73,16 +74,17 @@ const ENDS: Readonly<Record<SessionEnd, Word>> = {
   [SessionEnd.FORGOTTEN]: word('forgotten', '…', 'The game did not reconnect in time. The session may still continue from the store.'),
 };
 
-const KINDS: Readonly<Record<string, Word>> = {
-  setup: word('setup', '▶', 'A session began, or continued after a restart of the daemon.'),
-  tick: word('decision', '•', 'The policy made one of its regular decisions.'),
-  'bail-out': word('bail-out', '!', 'A frame took longer than the bail-out limit.'),
-  switch: word('switch done', '→', 'The game has changed to another arm.'),
-  refusal: word('switch refused', '✗', 'The game did not execute a switch command.'),
-  mode: word('mode', '◆', 'The game changed between manual mode and AI Decides.'),
-  order: word('order', '✋', 'An operator ordered manual mode or AI Decides.'),
-  missing: word('rows missing', '…', 'Rows are missing here: they were removed because the size of the log is limited, or could not be written.'),
-  admin: word('administration', '⚙', 'An action of an administrator.'),
+const KINDS: Readonly<Record<AuditKind, Word>> = {
+  [AuditKind.UNSPECIFIED]: UNKNOWN,
+  [AuditKind.SETUP]: word('setup', '▶', 'A session began, or continued after a restart of the daemon.'),
+  [AuditKind.TICK]: word('decision', '•', 'The policy made one of its regular decisions.'),
+  [AuditKind.BAIL_OUT]: word('bail-out', '!', 'A frame took longer than the bail-out limit.'),
+  [AuditKind.SWITCH]: word('switch done', '→', 'The game has changed to another arm.'),
+  [AuditKind.REFUSAL]: word('switch refused', '✗', 'The game did not execute a switch command.'),
+  [AuditKind.MODE]: word('mode', '◆', 'The game changed between manual mode and AI Decides.'),
+  [AuditKind.ORDER]: word('order', '✋', 'An operator ordered manual mode or AI Decides.'),
+  [AuditKind.MISSING]: word('rows missing', '…', 'Rows are missing here: they were removed because the size of the log is limited, or could not be written.'),
+  [AuditKind.ADMIN]: word('administration', '⚙', 'An action of an administrator.'),
 };
 
 export const outcomeWord = (value: DecisionOutcome) => OUTCOMES[value] ?? UNKNOWN;
@@ -91,20 +93,7 @@ export const verdictWord = (value: Verdict) => VERDICTS[value] ?? UNKNOWN;
 export const modeWord = (value: Mode) => MODES[value] ?? UNKNOWN;
 export const stateWord = (value: SessionState) => STATES[value] ?? UNKNOWN;
 export const endWord = (value: SessionEnd) => ENDS[value] ?? UNKNOWN;
-export const kindWord = (kind: string) => KINDS[kind] ?? UNKNOWN;
-export const KIND_NAMES = Object.keys(KINDS);
-
-// The audit log writes the protocol's names in lower case with hyphens: held-cooldown.
-function valueOf<Value extends number>(names: Readonly<Record<string, string | number>>, text: string): Value {
-  const value = names[text.toUpperCase().replaceAll('-', '_')];
-  return (typeof value === 'number' ? value : 0) as Value;
-}
-export const outcomeOf = (text: string) => valueOf<DecisionOutcome>(DecisionOutcome, text);
-export const reasonOf = (text: string) => valueOf<SwitchReason>(SwitchReason, text);
-export const verdictOfText = (text: string) => valueOf<Verdict>(Verdict, text);
-/** The names of the outcomes that a tick of the audit log can have. */
-export const OUTCOME_NAMES = Object.keys(OUTCOMES).map(Number).filter((value) => value > 0)
-  .map((value) => DecisionOutcome[value]!.toLowerCase().replaceAll('_', '-'));
+export const kindWord = (value: AuditKind) => KINDS[value] ?? UNKNOWN;
 
 /** Whether another arm looked better but was not chosen. */
 export const isHeldBack = (outcome: DecisionOutcome) =>

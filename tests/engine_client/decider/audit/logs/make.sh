@@ -10,7 +10,7 @@ shift
 (($# > 0)) || set -- paper adaptive
 cd "$(dirname "${BASH_SOURCE[0]}")"
 work=$(mktemp -d)
-"$bin/sweepstaked" --listen 127.0.0.1:0 --port-file "$work/port" --data "$work/data" --max-time-scale 100 \
+"$bin/sweepstaked" --listen 127.0.0.1:0 --http 127.0.0.1:0 --port-file "$work/port" --data "$work/data" --max-time-scale 100 \
   --log-level error &
 daemon=$!
 trap 'kill "$daemon" 2>/dev/null; wait "$daemon" || true; rm -rf "$work"' EXIT
@@ -22,3 +22,6 @@ for policy in "$@"; do
   "$bin/sweepstake" audit export --daemon "$address" --scene "$policy" --out "$policy.csv"
   "$bin/sweepstake-lab" replay --log "$policy.csv"
 done
+# The tests of the dashboard read the second log as the daemon sends it to a browser.
+curl -fsS -H 'X-Sweepstake: 1' -d '{"scene":"adaptive"}' \
+  "http://127.0.0.1:$(tail -n 1 "$work/port")/api/sweepstake.v1.AuditService/ExportDecisions" >adaptive.jsonl

@@ -1,5 +1,6 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
+import { AuditKind } from '../../../gen/sweepstake/v1/audit_pb';
 import { windowOf } from '../../audit/rows';
 import { rows, setup } from '../../audit/sample_log';
 import { armsOf, forEachVisit, measuredOf, mergedSteps, type Step, stepOfRow } from '../../audit/steps';
@@ -13,11 +14,11 @@ const arms = armsOf(steps);
 describe('the steps of a log', () => {
   it('are one per row, with the row’s decision', () => {
     expect(steps).toHaveLength(rows.length);
-    expect(steps[0]).toMatchObject({ kind: 'setup', activeArm: setup.activeArm, decisionId: 0 });
-    const ticks = steps.filter(({ kind }) => kind === 'tick');
+    expect(steps[0]).toMatchObject({ kind: AuditKind.SETUP, activeArm: setup.arms[setup.activeArm], decisionId: 0 });
+    const ticks = steps.filter(({ kind }) => kind === AuditKind.TICK);
     expect(ticks.map(({ decisionId }) => decisionId)).toEqual(ticks.map((_, i) => i + 1));
     expect(ticks.every(({ told }) => told !== undefined)).toBe(true);
-    expect(ticks[0]!.activeArm).toBe(setup.activeArm);
+    expect(ticks[0]!.activeArm).toBe(setup.arms[setup.activeArm]);
     expect(arms).toEqual(setup.arms);
   });
 
@@ -96,6 +97,6 @@ describe('"Why this arm?"', () => {
   it('marks each change of the active arm', () => {
     const moments = switchMoments(steps, arms);
     expect(moments.length).toBeGreaterThan(0);
-    expect(moments[0]!.timeMs).toBe(steps.find(({ activeArm }) => activeArm !== setup.activeArm)!.timeMs);
+    expect(moments[0]!.timeMs).toBe(steps.find(({ activeArm }) => activeArm !== setup.arms[setup.activeArm])!.timeMs);
   });
 });

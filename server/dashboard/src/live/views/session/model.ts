@@ -3,6 +3,7 @@ import type { Measured as MeasuredBy, RidgeRow } from '../../charts/ridgeline';
 import type { Moment } from '../../charts/plot';
 import { armStyle } from '../../charts/arm_style';
 import { forEachVisit, isSwitch, type Measured, type Step } from '../../audit/steps';
+import { ShadowFlag } from '../../../gen/sweepstake/v1/telemetry_pb';
 import type { Beta } from '../../numbers/beta';
 import { keepExtremes } from '../../numbers/downsample';
 import { type Percentiles } from '../../numbers/histogram';
@@ -10,14 +11,10 @@ import { beliefOf, type SeriesRow } from '../../numbers/series';
 
 const MAX_POINTS = 600;
 
-/** Returns the posterior of each arm after a step; empty if the step has none. */
-function posteriorsOf({ placed }: Step): Beta[] {
-  if (!placed) return [];
-  const beta = placed.row.numbers('beta');
-  return placed.row.numbers('alpha').map((alpha, i) => ({ alpha, beta: beta[i] ?? 1 }));
-}
+/** The posterior of each arm after a step of the log; empty if the row has none. */
+const posteriorsOf = ({ placed }: Step): readonly Beta[] => placed?.row.decision?.posteriors ?? [];
 
-const bestOf = ({ placed, event }: Step): readonly number[] => event?.bestProbability ?? placed?.row.numbers('best_probability') ?? [];
+const bestOf = ({ placed, event }: Step): readonly number[] => event?.bestProbability ?? placed?.row.decision?.bestProbability ?? [];
 
 /** Returns the posteriors after decisions, for at most about MAX_POINTS decisions. */
 export function beliefRows(steps: readonly Step[], armCount: number): SeriesRow[] {
@@ -51,7 +48,7 @@ export function priorAndPosterior(steps: readonly Step[], arms: readonly string[
   const last = steps.filter((step) => posteriorsOf(step).length === arms.length).at(-1);
   if (!last) return [];
   const priors = steps.find(({ placed }) => placed?.setup)?.placed?.setup?.priors ?? [];
-  const live = new Set(steps.map(({ placed }) => placed?.row.text('increment_arm') ?? ''));
+  const live = new Set(steps.map(({ placed }) => arms[placed?.row.decision?.increment?.arm ?? -1] ?? ''));
   const lane = new Set<string>();
   forEachVisit(steps, (arm) => lane.add(arm));
   return posteriorsOf(last).map((posterior, i) => {
@@ -115,12 +112,12 @@ const medianOf = (values: readonly number[]) => Float64Array.from(values).sort()
 
 export function laneSums(steps: readonly Step[]): LaneSum[] {
   const arms = new Map<string, { detectionNs: number[]; buildNs: number[]; cappedCount: number; lastMs: number }>();
-  forEachVisit(steps, (arm, { detectionNs, buildNs, wasCapped }, timeMs) => {
+  forEachVisit(steps, (arm, { detectionTimeNs, buildTimeNs, flags }, timeMs) => {
     if (!arms.has(arm)) arms.set(arm, { detectionNs: [], buildNs: [], cappedCount: 0, lastMs: 0 });
     const own = arms.get(arm)!;
-    own.detectionNs.push(detectionNs);
-    own.buildNs.push(buildNs);
-    own.cappedCount += Number(wasCapped);
+    own.detectionNs.push(Number(detectionTimeNs));
+    own.buildNs.push(Number(buildTimeNs));
+    own.cappedCount += flags & ShadowFlag.CAPPED ? 1 : 0;
     own.lastMs = timeMs;
   });
   return [...arms].map(([arm, { detectionNs, buildNs, cappedCount, lastMs }]) => ({

@@ -2,6 +2,7 @@
 import { useEffect } from 'preact/hooks';
 import { kindWord } from '../words';
 import { explained, explainedRow } from '../../audit/explain';
+import { entriesOf, rowId } from '../../audit/rows';
 import type { Step } from '../../audit/steps';
 import { timeText } from '../../parts/clock';
 import { addShortcuts } from '../../parts/keys';
@@ -26,8 +27,8 @@ export function Why({ step, sessionId, onRead, onClose }: WhyProps) {
       {placed && (
         <details>
           <summary>Audit row</summary>
-          <dl>{placed.row.entries().map(([name, text]) => [<dt key={name}>{name}</dt>, <dd key={`${name}=`}><Name text={text} /></dd>])}</dl>
-          <p><a href={decisionsHref({ session: sessionId, row: placed.row.id })}>Link to this row</a></p>
+          <dl>{entriesOf(placed.row).map(([name, text]) => [<dt key={name}>{name}</dt>, <dd key={`${name}=`}><Name text={text} /></dd>])}</dl>
+          <p><a href={decisionsHref({ session: sessionId, row: rowId(placed.row) })}>Link to this row</a></p>
         </details>
       )}
     </section>

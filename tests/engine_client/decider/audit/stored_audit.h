@@ -1,34 +1,37 @@
-// Reads the audit log of a store as one CSV text.
+// The audit log of a store.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/telemetry/conversion/audit_conversion.h"
 #include "server/sessions/prior_store.h"
 
 namespace sweepstake::test_support {
 
-// Returns the rows of all sessions, up to 10,000 segments. As in the audit service, a `missing` row
-// replaces rows that the disk was too slow to store. Errors: those of the store.
-inline absl::StatusOr<std::string> AuditCsv(priors::PriorReader& store) {
+// Returns the rows of all sessions, up to 10,000 segments. As the audit service does it, a
+// `missing` row replaces rows that are not on disk. Errors: those of the store.
+inline absl::StatusOr<std::vector<decision::AuditRow>> StoredAudit(priors::PriorReader& store) {
   const auto segments = store.ListAudit({}, 0, 10'000);
   if (!segments.ok()) return segments.status();
-  std::string csv = decision::AuditHeader() + "\n";
+  std::vector<decision::AuditRow> log;
   for (const priors::AuditSegment& segment : *segments) {
     const auto rows = store.LoadAudit(segment.id, 1, 1'000'000, size_t{1} << 30);
     if (!rows.ok()) return rows.status();
     uint64_t next = 1;
     for (const priors::AuditRow& row : *rows) {
       if (row.number != next)
-        csv += decision::MissingRow(segment.session_id, segment.segment, next) + "\n";
+        log.push_back(decision::MissingRow(segment.session_id, segment.segment, next));
       next = row.number + 1;
-      csv += row.text + "\n";
+      v1::AuditRow message;
+      message.ParseFromString(row.bytes);
+      log.push_back(FromProto(message));
     }
   }
-  return csv;
+  return log;
 }
 
 }  // namespace sweepstake::test_support

@@ -1,0 +1,332 @@
+// A row of the audit log as a plain value, and the list of its fields.
+//
+// The log of a session has one row per decision and per event that decisions depend on. Every
+// decision can be derived from it again, bit for bit, on any platform (rederive.h).
+//
+// A segment is the life of one DecisionSession: it begins with its `setup` row, and its rows are
+// numbered from 1. Frames are not logged one by one, since a game makes some 3 kB of them in a
+// second. Instead, each event logs what the frames before it amount to, the state of the arms' runs
+// (decider/session/arm_runs.h). A log may therefore lack its last rows. Where a daemon has removed
+// the oldest rows, or could not write some, a `missing` row stands in their place: the decisions
+// after it cannot be derived.
+//
+// VisitFields(row, visit) calls visit(name, member) for every field, in an order that never
+// changes; the member is a number, an enumeration, a string, a struct with fields of its own, or a
+// std::optional or std::vector of these. The hash, the CSV file and the protobuf message
+// (sweepstake.v1.AuditRow) have these fields under these names. A new member of a struct does not
+// compile until it is visited.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "engine_client/decider/session/arm_runs.h"
+#include "engine_client/decider/session/session_setup.h"
+#include "engine_client/decider/types.h"
+
+namespace sweepstake::decision {
+
+// The same values as sweepstake.v1.AuditKind.
+enum class AuditKind : uint32_t {
+  kSetup = 1,    // the segment begins
+  kTick = 2,     // a decision at its time
+  kBailOut = 3,  // a decision because of a frame over the limit
+  kSwitch = 4,   // the game executed a switch
+  kRefusal = 5,  // the game refused a command
+  kMode = 6,     // the game changed its mode
+  kOrder = 7,    // an operator ordered a mode
+  kMissing = 8,  // rows are missing from this number on
+  kAdmin = 9,    // an administrator did something
+};
+
+// Words by value.
+inline constexpr std::array<std::string_view, 10> kAuditKindNames = {
+    "", "setup", "tick", "bail-out", "switch", "refusal", "mode", "order", "missing", "admin"};
+
+// Where a segment comes from. This is for people; decisions do not depend on it.
+struct AuditOrigin {
+  std::string session_id;
+  uint32_t segment = 1;  // a session that goes on after a restart begins a new one
+  std::string project;
+  std::string scene;
+  std::string machine_class;
+  std::string program_version;
+  std::vector<uint32_t> backend_versions;  // holds one per arm, or none
+  int64_t unix_start_ms = 0;               // wall clock; 0 if unknown
+  // Describes the sources of the priors and their weights, one text each.
+  std::vector<std::string> prior_sources = {};
+};
+
+struct AuditSetup {
+  AuditOrigin origin;  // without the session and the segment, which every row has
+  SessionSetup setup;
+};
+
+// The result of a tick or a bail-out. Lists have one item per arm, or none.
+struct AuditDecision {
+  uint64_t id = 0;
+  std::string policy;
+  uint32_t reward_version = 0;
+  std::string active_arm;
+  std::string candidate;  // empty: none
+  DecisionOutcome outcome{};
+  std::optional<double> reward;  // absent: nothing was learnt
+  std::optional<Increment> increment;
+  std::vector<BetaPosterior> posteriors;  // after the update
+  std::vector<double> draws;
+  std::vector<double> best_probability;
+  std::string leader;  // empty: nothing is learnt
+  double expected_loss_ratio = 0;
+  double entropy = 0;
+  Verdict verdict = Verdict::kUnknown;
+  std::optional<GateTerms> gate;
+  double propensity = 1;
+};
+
+// Inputs come first, so that everything derived depends only on fields before it and on rows
+// before. The arms of `runs`, `frame`, `switch_cost`, `shadow` and increments are indices.
+struct AuditRow {
+  std::string session;
+  uint32_t segment = 1;
+  uint64_t row = 1;
+  AuditKind kind{};
+  std::optional<int64_t> time_ns = {};        // time of the decider's steady clock
+  std::optional<AuditSetup> setup = {};       // setup
+  std::optional<ArmRuns> runs = {};           // tick, bail-out, switch, mode
+  std::optional<FrameSample> frame = {};      // bail-out
+  std::vector<ShadowSample> shadow = {};      // tick
+  std::optional<SceneDescriptor> scene = {};  // tick
+  std::optional<uint64_t> command_id = {};    // refusal: refused; decision: commanded
+  // switch, mode: active from now on; order: to be; decision: commanded
+  std::string arm = {};
+  SwitchReason reason{};                       // of the switch or of the command; 0: none
+  std::optional<uint32_t> switch_epoch = {};   // switch
+  std::optional<SwitchCost> switch_cost = {};  // switch
+  Mode mode{};                                 // mode, order; 0: none
+  std::string operator_name = {};              // order, admin
+  std::optional<int64_t> unix_ms = {};         // admin: wall clock
+  std::string action = {};                     // admin: what the operator did
+  std::optional<AuditDecision> decision = {};  // tick, bail-out
+  // A hash of the segment up to here, so that an edit is found even if no decision depends on it.
+  // It protects against accidents, not against forgery.
+  uint64_t log_hash = 0;
+};
+
+template <typename T, typename Value>
+concept EitherConst = std::same_as<std::remove_const_t<T>, Value>;
+
+template <EitherConst<BetaPosterior> T, typename Visit>
+void VisitFields(T& posterior, Visit&& visit) {
+  auto& [alpha, beta] = posterior;
+  visit("alpha", alpha);
+  visit("beta", beta);
+}
+
+template <EitherConst<AuditSetup> T, typename Visit>
+void VisitFields(T& logged, Visit&& visit) {
+  auto& [session_id, segment, project, scene, machine_class, program_version, backend_versions,
+         unix_start_ms, prior_sources] = logged.origin;
+  visit("project", project);
+  visit("scene", scene);
+  visit("machine_class", machine_class);
+  visit("program_version", program_version);
+  visit("backend_versions", backend_versions);
+  visit("unix_start_ms", unix_start_ms);
+  visit("prior_sources", prior_sources);
+  auto& [options, arms, priors, seed, mode, active_arm, switch_epoch, start_ns, explored_arm_count,
+         decision_count] = logged.setup;
+  auto& [policy, weights, decision_interval_ns, cooldown_ns, settling_ns, bail_out_ns,
+         exploration_warm_up_ns, exploration_measure_ns, explore, bail_out_penalty, fps_floor] =
+      options;
+  auto& [weight_fps, weight_detection, weight_memory, weight_checks] = weights;
+  visit("arms", arms);
+  visit("policy", policy);
+  visit("weight_fps", weight_fps);
+  visit("weight_detection", weight_detection);
+  visit("weight_memory", weight_memory);
+  visit("weight_checks", weight_checks);
+  visit("decision_interval_ns", decision_interval_ns);
+  visit("cooldown_ns", cooldown_ns);
+  visit("settling_ns", settling_ns);
+  visit("bail_out_ns", bail_out_ns);
+  visit("exploration_warm_up_ns", exploration_warm_up_ns);
+  visit("exploration_measure_ns", exploration_measure_ns);
+  visit("explore", explore);
+  visit("bail_out_penalty", bail_out_penalty);
+  visit("fps_floor", fps_floor);
+  visit("priors", priors);
+  visit("seed", seed);
+  visit("mode", mode);
+  visit("active_arm", active_arm);
+  visit("switch_epoch", switch_epoch);
+  visit("start_ns", start_ns);
+  visit("explored_arm_count", explored_arm_count);
+  visit("decision_count", decision_count);
+}
+
+template <EitherConst<Window> T, typename Visit>
+void VisitFields(T& window, Visit&& visit) {
+  Window::VisitFields(window, visit);
+}
+
+template <EitherConst<ArmRun> T, typename Visit>
+void VisitFields(T& run, Visit&& visit) {
+  ArmRun::VisitFields(run, visit);
+}
+
+template <EitherConst<ArmRuns> T, typename Visit>
+void VisitFields(T& runs, Visit&& visit) {
+  ArmRuns::VisitFields(runs, visit);
+}
+
+// Decisions do not depend on the frame's index and its pairs, which are not logged.
+template <EitherConst<FrameSample> T, typename Visit>
+void VisitFields(T& frame, Visit&& visit) {
+  auto& [index, frame_time_ns, detection_time_ns, aabb_check_count, native_bytes, pair_count,
+         object_count, arm, switch_epoch, flags, reserved] = frame;
+  visit("frame_time_ns", frame_time_ns);
+  visit("detection_time_ns", detection_time_ns);
+  visit("aabb_check_count", aabb_check_count);
+  visit("native_bytes", native_bytes);
+  visit("object_count", object_count);
+  visit("arm", arm);
+  visit("switch_epoch", switch_epoch);
+  visit("flags", flags);
+}
+
+template <EitherConst<TrialEnd> T, typename Visit>
+void VisitFields(T& end, Visit&& visit) {
+  auto& [arm, detection_time_ns] = end;
+  visit("arm", arm);
+  visit("detection_time_ns", detection_time_ns);
+}
+
+template <EitherConst<SwitchCost> T, typename Visit>
+void VisitFields(T& cost, Visit&& visit) {
+  auto& [rebuild_time_ns, settling_cost_ns, ended_trial] = cost;
+  visit("rebuild_time_ns", rebuild_time_ns);
+  visit("settling_cost_ns", settling_cost_ns);
+  visit("ended_trial", ended_trial);
+}
+
+template <EitherConst<ShadowSample> T, typename Visit>
+void VisitFields(T& sample, Visit&& visit) {
+  auto& [first_frame_index, detection_time_ns, build_time_ns, aabb_check_count, native_bytes, arm,
+         object_count, frame_count, flags] = sample;
+  visit("first_frame_index", first_frame_index);
+  visit("detection_time_ns", detection_time_ns);
+  visit("build_time_ns", build_time_ns);
+  visit("aabb_check_count", aabb_check_count);
+  visit("native_bytes", native_bytes);
+  visit("arm", arm);
+  visit("object_count", object_count);
+  visit("frame_count", frame_count);
+  visit("flags", flags);
+}
+
+template <EitherConst<SceneDescriptor> T, typename Visit>
+void VisitFields(T& scene, Visit&& visit) {
+  auto& [object_count, density_ratio, size_spread, speed_mean, speed_spread, clustering_ratio,
+         static_ratio] = scene;
+  visit("object_count", object_count);
+  visit("density_ratio", density_ratio);
+  visit("size_spread", size_spread);
+  visit("speed_mean", speed_mean);
+  visit("speed_spread", speed_spread);
+  visit("clustering_ratio", clustering_ratio);
+  visit("static_ratio", static_ratio);
+}
+
+template <EitherConst<Increment> T, typename Visit>
+void VisitFields(T& increment, Visit&& visit) {
+  auto& [arm, alpha, beta, window_count, bail_out_count] = increment;
+  visit("arm", arm);
+  visit("alpha", alpha);
+  visit("beta", beta);
+  visit("window_count", window_count);
+  visit("bail_out_count", bail_out_count);
+}
+
+template <EitherConst<GateTerms> T, typename Visit>
+void VisitFields(T& gate, Visit&& visit) {
+  auto& [gain, loss, horizon_s, cooldown_s, cost_s] = gate;
+  visit("gain", gain);
+  visit("loss", loss);
+  visit("horizon_s", horizon_s);
+  visit("cooldown_s", cooldown_s);
+  visit("cost_s", cost_s);
+}
+
+template <EitherConst<AuditDecision> T, typename Visit>
+void VisitFields(T& decision, Visit&& visit) {
+  visit("id", decision.id);
+  visit("policy", decision.policy);
+  visit("reward_version", decision.reward_version);
+  visit("active_arm", decision.active_arm);
+  visit("candidate", decision.candidate);
+  visit("outcome", decision.outcome);
+  visit("reward", decision.reward);
+  visit("increment", decision.increment);
+  visit("posteriors", decision.posteriors);
+  visit("draws", decision.draws);
+  visit("best_probability", decision.best_probability);
+  visit("leader", decision.leader);
+  visit("expected_loss_ratio", decision.expected_loss_ratio);
+  visit("entropy", decision.entropy);
+  visit("verdict", decision.verdict);
+  visit("gate", decision.gate);
+  visit("propensity", decision.propensity);
+}
+
+// All fields of the row except log_hash.
+template <EitherConst<AuditRow> T, typename Visit>
+void VisitHashedFields(T& row, Visit&& visit) {
+  visit("session", row.session);
+  visit("segment", row.segment);
+  visit("row", row.row);
+  visit("kind", row.kind);
+  visit("time_ns", row.time_ns);
+  visit("setup", row.setup);
+  visit("runs", row.runs);
+  visit("frame", row.frame);
+  visit("shadow", row.shadow);
+  visit("scene", row.scene);
+  visit("command_id", row.command_id);
+  visit("arm", row.arm);
+  visit("reason", row.reason);
+  visit("switch_epoch", row.switch_epoch);
+  visit("switch_cost", row.switch_cost);
+  visit("mode", row.mode);
+  visit("operator_name", row.operator_name);
+  visit("unix_ms", row.unix_ms);
+  visit("action", row.action);
+  visit("decision", row.decision);
+}
+
+template <EitherConst<AuditRow> T, typename Visit>
+void VisitFields(T& row, Visit&& visit) {
+  VisitHashedFields(row, visit);
+  visit("log_hash", row.log_hash);
+}
+
+// The shapes of a member, for visitors.
+template <typename T>
+concept AuditStruct = requires(T& fields) {
+  decision::VisitFields(fields, [](std::string_view, auto&) {});
+};
+template <typename T>
+inline constexpr bool kIsOptional = false;
+template <typename T>
+inline constexpr bool kIsOptional<std::optional<T>> = true;
+template <typename T>
+inline constexpr bool kIsList = false;
+template <typename T>
+inline constexpr bool kIsList<std::vector<T>> = true;
+
+}  // namespace sweepstake::decision
