@@ -1,7 +1,7 @@
 // sweepstake.v1.PriorsService: exports evidence from the store and imports it. Thread-safe.
 //
 // An export reads the store page by page, as fast as the client reads. Records that are committed
-// during the export may be missing, but none is partial. An import is collected first (up to
+// during the export may be missing, but no record is partial. An import is collected first (up to
 // kMaxImportRecords) and applied in one transaction after the client has half-closed; a stream that
 // is cancelled or has an invalid record changes nothing. Imported evidence waits in quarantine
 // until it is promoted, and then reaches the sessions that begin after it.
@@ -43,7 +43,7 @@ class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportP
       grpc::CallbackServerContext* call, const v1::CompareBuildsRequest* request) override;
 
  private:
-  // Tells of a revocation or a promotion that was committed.
+  // Logs and records a revocation or a promotion that was committed.
   void OnChanged(const std::string& action, const std::string& what, const std::string& who);
 
   ServiceContext& context_;
