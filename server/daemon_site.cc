@@ -41,6 +41,11 @@ web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc) {
   options.identify = [&rpc](const std::string& caller, std::optional<std::string_view> token) {
     return rpc.IdentifyOverHttp(caller, token);
   };
+  options.begin_watch = [&rpc](const auto& request, const std::string& caller, const auto& token,
+                               auto sink) {
+    return rpc.WatchOverHttp(request, caller, token, std::move(sink));
+  };
+  options.post_to_loop = [&rpc](auto task) { rpc.loop().Post(std::move(task)); };
   options.asks_for_tokens = [&rpc] { return rpc.asks_over_http(); };
   options.version = SWEEPSTAKE_VERSION;
   options.stable_probability = decision::kStableProbability;

@@ -97,9 +97,7 @@ LANGUAGE_EXCEPTIONS = {
 # Folders whose language has not been rewritten yet.
 LANGUAGE_PENDING = (
     "server/dashboard/src/live/audit", "server/dashboard/src/live/numbers/priors_diff",
-    "server/dashboard/src/live/views/priors", "server/dashboard/src/live/views/scene/taught", "server/rpc/services",
-    "server/watch", "server/web",
-    "tests/server/watch", "tests/server/web",)
+    "server/dashboard/src/live/views/priors", "server/dashboard/src/live/views/scene/taught")
 
 
 def language_errors(path, text):

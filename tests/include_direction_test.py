@@ -2,8 +2,8 @@
 """Fails if an #include violates the direction of dependencies.
 
     include, text, math <- broad_phase <- scene <- adaptive <- decider <- telemetry <- c_api, cli      adaptive <- bullet
-    decider <- server/sessions <- server/storage, watch, rpc <- server/host <- daemon <- main      storage <- auth <- rpc, daemon
-    proto <- telemetry, cli, server/rpc, server/web      telemetry <- rpc      net, auth <- rpc, web <- daemon
+    decider <- server/sessions <- server/storage, events <- rpc, web <- server/host <- daemon <- main      storage <- auth <- rpc, daemon
+    proto <- telemetry, cli, server/rpc, server/web      telemetry/tls <- rpc      net, auth <- rpc, web <- daemon
 
 `a <- b`: b may include a. engine_client never includes server; headers of tests/laboratory may be included only from that
 folder. Within the decider: the decision core (decider, policy, session) and pooling <- audit, embedded.
@@ -53,14 +53,14 @@ ALLOWED = {
     "server/storage": DECIDER | {"server/sessions"},
     "server/tls": {"engine_client/telemetry/tls"},
     "server/auth": {"server/storage"},
-    "server/watch": DECIDER | {"server/sessions"},
+    "server/events": DECIDER | {"server/sessions"},
     "server/net": set(),
-    "server/web": {"server/auth", "server/dashboard", "server/net", "proto"},
+    "server/web": {"server/auth", "server/dashboard", "server/events", "server/net", "server/sessions", "proto"},
     "server/rpc": DECIDER | {
-        "server/auth", "server/net", "server/sessions", "engine_client/telemetry/conversion", "engine_client/telemetry/tls", "server/watch", "proto"},
+        "server/auth", "server/events", "server/net", "server/sessions", "engine_client/telemetry/conversion", "engine_client/telemetry/tls", "proto"},
     "server/host": {"server/sessions", "server/rpc", "server/storage", "server/web", "proto"},
     "server": DECIDER | {
-        "server/auth", "server/host", "server/sessions", "server/storage", "engine_client/telemetry/tls", "server/tls", "server/watch", "server/rpc",
+        "server/auth", "server/events", "server/host", "server/sessions", "server/storage", "engine_client/telemetry/tls", "server/tls", "server/rpc",
         "server/web", "server/dashboard", "proto"},
 }
 
@@ -113,7 +113,7 @@ ROOM_ORDER = {
 # Only these folders may use headers of one operating system, gRPC or protobuf.
 PLATFORM_FOLDERS = {
     "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/telemetry/conversion", "engine_client/telemetry/tls", "engine_client/cli", "server",
-    "server/auth", "server/host", "server/net", "server/sessions", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web"}
+    "server/auth", "server/events", "server/host", "server/net", "server/sessions", "server/storage", "server/tls", "server/rpc", "server/web"}
 # These files ask the system for names of threads, cores, processor and memory. If a system does not provide them, they do nothing.
 PLATFORM_FILES = {
     "engine_client/broad_phase/host/" + name
@@ -124,7 +124,7 @@ PLATFORM_HEADER = re.compile(
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
 
 # These platform folders may not know gRPC and protobuf.
-WITHOUT_RPC = {"server/sessions", "server/storage"}
+WITHOUT_RPC = {"server/events", "server/sessions", "server/storage"}
 RPC_LIBRARY = re.compile(r"^(grpc|google/protobuf)")
 
 # These folders may use only the standard library and Eigen.
@@ -279,7 +279,7 @@ BAD = {
     "engine_client/decider/t.cc": "std::gamma_distribution<double> d;\n",
     "engine_client/decider/u.cc": "auto F(const Eigen::ArrayXd& x) { return x.log(); }\n",
     "server/elsewhere/v.cc": "\n",
-    "server/sessions/a.cc": '#include "server/watch/watch_hub.h"\n',
+    "server/sessions/a.cc": '#include "server/events/event_bus.h"\n',
     "server/sessions/b.cc": '#include "sweepstake/v1/telemetry.pb.h"\n',
     "server/sessions/c.cc": "#include <grpcpp/support/byte_buffer.h>\n",
     "server/sessions/common/d.cc": '#include "server/sessions/prior_store.h"\n',
@@ -298,10 +298,10 @@ BAD = {
     "engine_client/decider/audit/ab.cc": '#include "server/sessions/prior_store.h"\n',
     "engine_client/decider/audit/ac.cc": "#include <fstream>\n",
     "server/tls/af.cc": '#include "server/rpc/common/options.h"\n',
-    "server/watch/ad.cc": '#include "server/rpc/common/options.h"\n',
+    "server/events/ad.cc": '#include "server/rpc/common/options.h"\n',
     "server/auth/ag.cc": '#include "server/rpc/common/options.h"\n',
     "server/web/af.cc": '#include "server/rpc/common/options.h"\n',
-    "server/watch/ae.cc": '#include "server/storage/store_thread.h"\n',
+    "server/events/ae.cc": '#include "server/storage/store_thread.h"\n',
 }
 
 

@@ -15,8 +15,7 @@
 
 #include "server/rpc/common/own_connection.h"
 #include "server/rpc/connection_listener.h"
-#include "server/rpc/services/posterior_watcher.h"
-#include "server/rpc/services/session_watcher.h"
+#include "server/rpc/services/watch_call.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -87,11 +86,9 @@ RpcServer::RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPr
                      spdlog::logger& log)
     : options_(std::move(options)),
       access_(options_, clock, log),
-      watch_hub_(store, HubLoop(loop_)),
-      sessions_({options_, loop_, store, counters_, watch_hub_}),
-      context_{options_,  loop_,     store,   counters_, watch_hub_,
-               sessions_, watchers_, stalls_, access_,   log},
-      watchers_(context_),
+      events_(store, loop_, sessions_, encoder_),
+      sessions_({options_, loop_, store, counters_, events_}),
+      context_{options_, loop_, store, counters_, events_, sessions_, stalls_, access_, log},
       stalls_(loop_, options_.watcher_patience_ns),
       telemetry_(context_),
       admin_(options_, loop_, store, counters_),
@@ -99,10 +96,7 @@ RpcServer::RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPr
       priors_(context_, admin_),
       audit_(context_),
       sessions_service_(context_, admin_),
-      loop_(clock, options_.on_timer) {
-  watch_hub_.Add(watchers_);
-  watch_hub_.Add(sessions_service_);
-}
+      loop_(clock, options_.on_timer) {}
 
 absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,
                                                             RpcOptions options,
@@ -170,6 +164,27 @@ void RpcServer::Register(grpc::ServerBuilder& builder) {
   builder.RegisterService(&sessions_service_);
 }
 
+bool RpcServer::WatchOverHttp(const google::protobuf::Message& request, const std::string& caller,
+                              std::optional<std::string_view> token,
+                              std::shared_ptr<events::Sink> sink) {
+  std::optional<events::Wish> wish = WishOf(request);
+  if (!wish) return false;
+  wish->mark = false;
+  wish->snapshots = true;
+  wish->on_end = [this, caller](const absl::Status& status) {
+    access_.refusals().TellEnd(caller, status);
+    CountError(status, counters_);
+  };
+  auto holder = access_.AuthorizeOverHttp(caller, token, RpcOf(wish->kind));
+  loop_.Post(
+      [this, wish = *std::move(wish), caller, sink = std::move(sink), holder = std::move(holder)] {
+        if (holder.ok()) return BeginWatch(context_, wish, *holder, caller, *sink);
+        CountError(holder.status(), counters_);
+        sink->OnEnd(holder.status());
+      });
+  return true;
+}
+
 RpcServer::~RpcServer() {
   Drain(std::chrono::milliseconds(0));
   own_server_.reset();
@@ -217,7 +232,7 @@ void RpcServer::FollowOthers() {
     loop_.Post([this, changed = store.TakeChangedScenes()] {
       following_ = false;
       if (!changed.ok()) return;  // the next call returns these scenes again
-      for (const priors::SceneKey& scene : *changed) watch_hub_.Reload(scene);
+      for (const priors::SceneKey& scene : *changed) events_.Reload(scene);
     });
   });
 }
@@ -225,9 +240,7 @@ void RpcServer::FollowOthers() {
 void RpcServer::EndRefused() {
   if (!access_.asks_for_tokens()) return;
   telemetry_.EndRefused();
-  watchers_.group().EndRefused();
-  sessions_service_.watchers().EndRefused();
-  sessions_service_.box_watchers().EndRefused();
+  events_.EndRefused();
 }
 
 void RpcServer::UpdateHealth() {
@@ -286,10 +299,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
   RunOnLoop([this] {
     draining_ = true;
     telemetry_.Drain();
-    watch_hub_.Drain();
-    watchers_.group().Drain();
-    sessions_service_.watchers().Drain();
-    sessions_service_.box_watchers().Drain();
+    events_.Drain();
     sessions_.RetryCommits();
     admin_.Retry();
   });

@@ -20,19 +20,19 @@
 #include <utility>
 
 #include "absl/status/statusor.h"
+#include "server/events/event_bus.h"
 #include "server/rpc/common/access_control.h"
 #include "server/rpc/services/audit_service.h"
+#include "server/rpc/services/event_encoder.h"
 #include "server/rpc/services/posteriors_service.h"
 #include "server/rpc/services/priors_service.h"
 #include "server/rpc/services/service_context.h"
 #include "server/rpc/services/sessions_service.h"
 #include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_service.h"
-#include "server/rpc/services/watcher_set.h"
 #include "server/sessions/admin_log.h"
 #include "server/sessions/common/decision_loop.h"
 #include "server/sessions/session_table.h"
-#include "server/watch/watch_hub.h"
 
 namespace sweepstake::rpc {
 
@@ -63,8 +63,13 @@ class RpcServer {
   // Identifies an HTTP caller, like AccessControl. Any thread may call it.
   absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& caller,
                                                    std::optional<std::string_view> token) {
-    return access_.IdentifyOverHttp(caller, token);
+    return access_.AuthorizeOverHttp(caller, token, std::nullopt);
   }
+  // Begins a watch for an HTTP request. Returns false if the message is not a request of a Watch
+  // method. The sink takes snapshots, and is used on the loop. Any thread may call it.
+  bool WatchOverHttp(const google::protobuf::Message& request, const std::string& caller,
+                     std::optional<std::string_view> token, std::shared_ptr<events::Sink> sink);
+  sessions::DecisionLoop& loop() { return loop_; }
   bool asks_over_http() const { return access_.asks_over_http(); }
   // Sets the Adjustable options. Any thread may call it.
   void Adjust(const RpcOptions& options);
@@ -109,10 +114,10 @@ class RpcServer {
   RpcOptions options_;
   Counters counters_;
   AccessControl access_;
-  watch::WatchHub watch_hub_;
+  const EventEncoder encoder_;
+  events::EventBus events_;
   sessions::SessionTable sessions_;
   ServiceContext context_;  // refers to members below, too
-  WatcherSet watchers_;
   StallSweep stalls_;
   TelemetryService telemetry_;
   sessions::AdminLog admin_;

@@ -18,7 +18,7 @@
 //   of a commit;
 // - a new session of a scene that is not stored, which counts against the quotas. A committed scene
 //   must count once, there or among the scenes in memory (server/sessions/new_scenes.h);
-// - the sums to which the increments of later commits are added (watch/watch_hub.h);
+// - the sums to which the increments of later commits are added (events/event_bus.h);
 // - the quota of an import, before the import. Other reads run on the reading thread: whether a new
 //   session's scene is stored and its priors, listings, exports, the audit log. Each sees some
 //   state of the store that includes all that was acknowledged before the request.

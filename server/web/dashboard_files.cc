@@ -17,7 +17,8 @@ namespace sweepstake::web {
 namespace {
 
 constexpr std::string_view kIndex = "/index.html";
-// The first parts of the paths of the dashboard's pages, which its own program tells apart.
+// The first parts of the paths of the dashboard's pages. Its program in the browser chooses the
+// page.
 constexpr std::array<std::string_view, 6> kPages = {"scenes", "sessions", "decisions",
                                                     "priors", "health",   "login"};
 
@@ -26,8 +27,8 @@ bool IsPage(std::string_view path) {
   return path == "/" || std::find(kPages.begin(), kPages.end(), first) != kPages.end();
 }
 
-// Undoes gzip (RFC 1952): ten bytes of header, what deflate made, the checksum and the length.
-// REQUIRES: it is one member without optional fields, as DashboardAsset has it.
+// Decompresses gzip (RFC 1952): a header of ten bytes, the deflated data, checksum and length.
+// REQUIRES: one member without optional fields, as in DashboardAsset.
 std::string Decompress(std::string_view gzip) {
   constexpr size_t kHeaderBytes = 10;
   constexpr size_t kTrailerBytes = 8;
@@ -45,7 +46,7 @@ std::string Decompress(std::string_view gzip) {
   return text;
 }
 
-// Returns whether a name may reorder or hide what it is shown beside: it has one of U+061C, U+200B
+// Returns whether a name may reorder or hide the text beside it: it contains one of U+061C, U+200B
 // to U+200F, U+2028 to U+202E, U+2060 to U+206F, U+FEFF.
 bool IsDeceptive(std::string_view name) {
   for (; !name.empty(); name.remove_prefix(1)) {
@@ -59,9 +60,9 @@ bool IsDeceptive(std::string_view name) {
   return false;
 }
 
-// Returns what the path of a scene or a session names, as the page's title has it; empty if it
-// names nothing, or nothing that can be shown. Nothing is looked up: a link tells no more to who
-// may not see the page than it says itself.
+// Returns the names in the path of a scene or a session, as in the title of the page; empty if
+// there are none, or one cannot be shown. Nothing is looked up, so that a link reveals only its own
+// text to readers who may not see the page.
 std::string NamesIn(std::string_view path) {
   const std::vector<std::string> parts =
       absl::StrSplit(absl::string_view(path.data(), path.size()), '/');
@@ -71,7 +72,7 @@ std::string NamesIn(std::string_view path) {
   std::vector<std::string> names;
   for (size_t i = 2; i < parts.size(); ++i) {
     const auto part = PercentDecoded(parts[i]);
-    // The page puts ~ before what would lead to another folder.
+    // The page puts ~ before a name that would lead to another folder.
     const std::string name =
         part.ok() && part->starts_with('~') ? part->substr(1) : part.value_or("");
     if (!text::IsName(name) || IsDeceptive(name)) return "";
@@ -80,7 +81,7 @@ std::string NamesIn(std::string_view path) {
   return absl::StrJoin(names, " / ");
 }
 
-// Puts the names before the title that chats and mail show of a link to the page.
+// Puts the names before the title that chats and mail show for a link to the page.
 std::string WithNames(std::string html, const std::string& names) {
   constexpr std::string_view kTitle = "<meta property=\"og:title\" content=\"";
   const size_t place = html.find(kTitle);
@@ -103,7 +104,7 @@ Page DashboardFiles::PageFor(const Request& request) const {
   const bool is_page = IsPage(request.path());
   const DashboardAsset* file = Find(is_page ? kIndex : request.path());
   if (file == nullptr) {
-    if (!is_page) return {404, "There is no such page.\n"};
+    if (!is_page) return {404, "This page does not exist.\n"};
     return {.body = absl::StrCat(std::string(problem_), "\n")};
   }
   const std::string names = is_page ? NamesIn(request.path()) : "";

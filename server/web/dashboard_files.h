@@ -1,5 +1,5 @@
-// The dashboard's files as answers: compressed for who takes that, and kept by browsers as long as
-// they are the same. No path leads to the file system. Safe from any thread.
+// Serves the files of the dashboard: compressed for clients that accept it, and cached by browsers
+// while they are unchanged. No path leads to the file system. Thread-safe.
 #pragma once
 
 #include <span>
@@ -13,13 +13,13 @@ namespace sweepstake::web {
 
 class DashboardFiles {
  public:
-  // The files are borrowed, and ordered by path. `problem` says why there are none.
+  // The files are borrowed, and ordered by path. `problem` states why there are none.
   DashboardFiles(std::span<const DashboardAsset> files, std::string_view problem)
       : files_(files), problem_(problem) {}
 
-  // Returns the file at the request's path. The paths of the dashboard's own pages all have the
-  // same file but for the title that chats and mail show of a link (Open Graph): what the path of
-  // a scene or a session names is in it.
+  // Returns the file at the request's path. All paths of the dashboard's pages have the same file.
+  // Only the title that chats and mail show for a link (Open Graph) differs: it contains the scene
+  // or session that the path names.
   Page PageFor(const Request& request) const;
 
  private:

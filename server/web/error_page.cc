@@ -2,19 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "absl/strings/cord.h"
+#include "server/sessions/common/reasons.h"
 #include "sweepstake/v1/errors.pb.h"
 
 namespace sweepstake::web {
 namespace {
-
-constexpr char kErrorInfoUrl[] = "type.googleapis.com/google.rpc.ErrorInfo";
-
-std::string ReasonOf(const absl::Status& status) {
-  v1::ErrorInfo info;
-  const auto payload = status.GetPayload(kErrorInfoUrl);
-  return payload && info.ParseFromString(std::string(*payload)) ? info.reason() : "";
-}
 
 int HttpStatusOf(absl::StatusCode code) {
   switch (code) {
@@ -51,15 +43,16 @@ absl::Status FromGrpc(const grpc::Status& status) {
                          status.error_message());
   v1::StatusDetails details;
   if (!details.ParseFromString(status.error_details())) return converted;
-  for (const google::protobuf::Any& detail : details.details())
-    converted.SetPayload(detail.type_url(), absl::Cord(detail.value()));
-  return converted;
+  v1::ErrorInfo info;
+  if (details.details().empty() || !info.ParseFromString(details.details(0).value()))
+    return converted;
+  return sessions::WithReason(converted, info.reason());
 }
 
 std::string ErrorJson(const absl::Status& status) {
   const nlohmann::ordered_json error = {{"error",
                                          {{"code", absl::StatusCodeToString(status.code())},
-                                          {"reason", ReasonOf(status)},
+                                          {"reason", sessions::ReasonNameOf(status)},
                                           {"message", std::string(status.message())}}}};
   return error.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }

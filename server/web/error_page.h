@@ -1,5 +1,5 @@
-// How the API says that something went wrong: as gRPC does, in JSON, with the HTTP status that
-// comes nearest to the code. Pure functions.
+// The errors of the API: those of gRPC in JSON, with the HTTP status that is closest to the code.
+// Pure functions.
 #pragma once
 
 #include <grpcpp/support/status.h>
@@ -11,12 +11,12 @@
 
 namespace sweepstake::web {
 
-// Returns a status of the daemon's services as one of absl's, the bytes of its google.rpc.ErrorInfo
-// as a payload, as the services have it before it becomes gRPC's.
+// Returns a status of the daemon's services as one of absl's, with its reason
+// (server/sessions/common/reasons.h).
 absl::Status FromGrpc(const grpc::Status& status);
 
-// Returns {"error":{"code":"NOT_FOUND","reason":"UNKNOWN_SCENE","message":"…"}}. The reason is that
-// of the status' ErrorInfo, or empty.
+// Returns {"error":{"code":"NOT_FOUND","reason":"UNKNOWN_SCENE","message":"…"}}. The reason is
+// empty if the status has none.
 std::string ErrorJson(const absl::Status& status);
 Page ErrorPage(const absl::Status& status);
 

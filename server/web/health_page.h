@@ -1,4 +1,4 @@
-// The pages /livez and /readyz, in the form that Kubernetes' own have.
+// The pages /livez and /readyz, in the format of Kubernetes.
 #pragma once
 
 #include <functional>
@@ -14,8 +14,8 @@ namespace sweepstake::web {
 // One condition of health.
 struct HealthCheck {
   std::string name;
-  std::function<std::optional<std::string>()> problem;  // nothing if all is well
-  std::string note = {};  // what is worth knowing though it is no problem
+  std::function<std::optional<std::string>()> problem;  // nothing if the check passes
+  std::string note = {};                                // a remark on a check that passes
 };
 
 // Returns the page called `name`: 200 if no check has a problem, else 503. It lists the checks if

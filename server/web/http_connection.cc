@@ -25,10 +25,10 @@ constexpr int kHeaderTooLarge = 431;
 constexpr int kUnavailable = 503;
 constexpr int kVersionNotSupported = 505;
 constexpr unsigned kHttp11 = 11;
-// An answer is given so much more time as it takes a client that reads 16 kB/s.
+// An answer may take the additional time that a client needs at 16 kB/s.
 constexpr size_t kBytesPerMs = 16;
 
-// Nothing but the server's own files runs in its pages, and no other page has them in a frame.
+// Only the server's own files run in its pages, and no other page may show them in a frame.
 constexpr std::pair<const char*, const char*> kSecurityHeaders[] = {
     {"Content-Security-Policy",
      "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
@@ -57,7 +57,7 @@ Page MalformedPage(const error_code& error) {
     return {kHeaderTooLarge, "The request's line and headers are too long.\n"};
   if (error == http::error::body_limit)
     return {kPayloadTooLarge, "The request's body is too long.\n"};
-  return {kBadRequest, absl::StrCat("This is no HTTP/1.1 request: ", error.message(), ".\n")};
+  return {kBadRequest, absl::StrCat("This is not an HTTP/1.1 request: ", error.message(), ".\n")};
 }
 
 std::string HostOf(const tcp::socket& socket) {
@@ -103,7 +103,7 @@ void HttpConnection::Read() {
   parser_.emplace();
   parser_->header_limit(shared_.limits.max_header_bytes);
   parser_->body_limit(shared_.limits.max_body_bytes);
-  // One deadline for the whole request, however slowly its bytes come.
+  // One deadline for the whole request, however slowly its bytes arrive.
   stream_.expires_after(shared_.limits.patience);
   http::async_read_header(stream_, buffer_, *parser_,
                           [self = shared_from_this()](error_code error, size_t /*byte_count*/) {
@@ -125,7 +125,7 @@ void HttpConnection::OnHeader(error_code error) {
 std::optional<Page> HttpConnection::HeaderProblem() const {
   const auto length = parser_->content_length().value_or(0);
   if (parser_->chunked())
-    return Page{kLengthRequired, "A request's body comes whole, with its Content-Length.\n"};
+    return Page{kLengthRequired, "A request with a body needs a Content-Length.\n"};
   if (length == 0) return std::nullopt;
   if (parser_->get().method() != http::verb::post)
     return Page{kPayloadTooLarge, "Only a POST has a body here.\n"};
@@ -164,7 +164,7 @@ void HttpConnection::Write(Page page, bool keep_alive) {
   response_.keep_alive(keep_alive);
   response_.body() = std::move(page.body);
   response_.prepare_payload();
-  // The length of what a GET would get stays.
+  // The length is that of the answer to a GET.
   if (request_.message.method() == http::verb::head) response_.body().clear();
   stream_.expires_after(PatienceFor(response_.body().size()));
   http::async_write(stream_, response_,
@@ -199,7 +199,7 @@ void HttpConnection::Stream(std::string content_type, std::unique_ptr<PartSource
     return Write({kVersionNotSupported, "This answer needs HTTP/1.1.\n"}, /*keep_alive=*/false);
   writing_ = true;
   source_ = std::move(source);
-  // What wakes is in the midst of something: the source may be gone once its parts are asked for.
+  // The caller of `wake` is not finished yet, so the parts are requested later.
   source_->Start([weak = weak_from_this()] {
     const auto self = weak.lock();
     if (!self || self->writing_) return;
@@ -213,7 +213,7 @@ void HttpConnection::Stream(std::string content_type, std::unique_ptr<PartSource
 void HttpConnection::WriteStreamHead(std::string content_type) {
   head_ = {};
   SetHeaders(head_, content_type);
-  head_.set("X-Accel-Buffering", "no");  // A proxy is to pass on what there is.
+  head_.set("X-Accel-Buffering", "no");  // proxies must not wait for more
   head_.keep_alive(false);
   head_.chunked(true);
   serializer_.emplace(head_);
@@ -255,7 +255,7 @@ void HttpConnection::OnPartWritten(error_code error) {
   writing_ = false;
   if (error) return Drop();
   if (source_) return WriteParts();
-  // Whatever the client sent is read already, so that nothing takes the last part away from it.
+  // Everything that the client sent has been read, so the client receives the last part.
   stream_.socket().shutdown(tcp::socket::shutdown_send, error);
   Drop();
 }

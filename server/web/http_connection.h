@@ -1,5 +1,5 @@
-// One connection of the HTTP server: reads requests one after the other and has each answered.
-// Pending operations, and whoever is about to answer, keep it alive.
+// One connection of the HTTP server. It reads requests one after another and passes each to the
+// handler. Pending operations and unanswered requests keep it alive.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -23,12 +23,12 @@ namespace sweepstake::web {
 struct ConnectionShared {
   const HttpLimits limits;
   Handler handler;
-  size_t body_bytes = 0;  // of the bodies that are being read or answered
+  size_t body_bytes = 0;  // the bodies that are being read or answered
 };
 
 class HttpConnection final : public Exchange, public std::enable_shared_from_this<HttpConnection> {
  public:
-  // `on_closed` runs when the connection is gone. What is shared must live until then.
+  // `on_closed` runs when the connection is destroyed. `shared` must live until then.
   HttpConnection(boost::asio::ip::tcp::socket socket, ConnectionShared& shared,
                  std::function<void(HttpConnection&)> on_closed);
   ~HttpConnection() override;
@@ -37,7 +37,7 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
 
   // Reads the next request.
   void Read();
-  // Ends the connection without regard to what is being answered.
+  // Ends the connection at once, also during an answer.
   void Drop();
 
   const Request& request() const override { return request_; }
@@ -50,19 +50,19 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
 
   void OnHeader(Error error);
   void OnBody(Error error);
-  // Returns what is wrong with a request whose header is read; nothing if it may have its body.
+  // Returns the error of a request whose header is read; nothing if its body may be read.
   std::optional<Page> HeaderProblem() const;
   void ReserveBody(size_t byte_count);
-  // Returns the time in which a client must read so much.
+  // Returns the time in which a client must read `byte_count` bytes.
   std::chrono::milliseconds PatienceFor(size_t byte_count) const;
   void Reject(const Page& page);
   void Write(Page page, bool keep_alive);
   void OnWritten(Error error);
-  // Reads what the client still sends, once it is told that no more comes: closing at once could
-  // take the answer away from it.
+  // Reads what the client still sends after the answer. Closing at once could discard the answer on
+  // the client's side.
   void Linger();
 
-  // These send a stream. A client that ends its side is taken for gone.
+  // These send a stream. A client that ends its side counts as disconnected.
   void WriteStreamHead(std::string content_type);
   void AwaitEnd();
   void WriteParts();
@@ -72,17 +72,17 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   const std::function<void(HttpConnection&)> on_closed_;
   boost::beast::tcp_stream stream_;
   boost::beast::flat_buffer buffer_;
-  // These are made anew for each request.
+  // These are made again for each request.
   std::optional<Parser> parser_;
   Request request_;
   size_t reserved_bytes_ = 0;
   boost::beast::http::response<boost::beast::http::string_body> response_;
-  // Of a stream.
+  // For a stream.
   boost::beast::http::response<boost::beast::http::empty_body> head_;
   std::optional<boost::beast::http::response_serializer<boost::beast::http::empty_body>>
       serializer_;
   std::unique_ptr<PartSource> source_;
-  std::shared_ptr<const std::string> part_;  // that is being written
+  std::shared_ptr<const std::string> part_;  // the part that is being written
   bool writing_ = false;
 };
 

@@ -1,5 +1,5 @@
-// A request, its answer, and how a request is answered: at once, later, or in parts for as long as
-// there is something to say. All of it is used on the thread of the HTTP server only.
+// A request, its answer, and the ways to answer: at once, later, or in parts that are sent as they
+// become available. Used on the thread of the HTTP server only.
 #pragma once
 
 #include <boost/beast/http/message.hpp>
@@ -15,8 +15,8 @@ namespace sweepstake::web {
 
 struct Request {
   boost::beast::http::request<boost::beast::http::string_body> message;
-  std::string peer;      // the other end, as gRPC names one: "ipv4:127.0.0.1:4711"
-  std::string own_host;  // the address of this end, as in a URL: "127.0.0.1", "[::1]"
+  std::string peer;      // the remote address in gRPC's format: "ipv4:127.0.0.1:4711"
+  std::string own_host;  // the local address as in a URL: "127.0.0.1", "[::1]"
 
   std::string_view target() const { return {message.target().data(), message.target().size()}; }
   // The target before and after the question mark.
@@ -31,32 +31,33 @@ struct Page {
   int status = 200;
   std::string body = {};
   std::string content_type = "text/plain; charset=utf-8";
-  std::vector<std::pair<std::string, std::string>> headers = {};  // beside those of every answer
+  std::vector<std::pair<std::string, std::string>> headers =
+      {};  // in addition to those of every answer
 };
 
-// The parts of an answer. Its connection owns it and destroys it when the client has gone or does
-// not read, or the answer is whole.
+// The parts of an answer. The connection owns it, and destroys it when the client has disconnected
+// or does not read, or when the answer is complete.
 class PartSource {
  public:
   virtual ~PartSource() = default;
-  // Called once, before Next. `wake` is to be called when there may be something new; it does
-  // nothing once this object is gone.
+  // Called once, before Next. Call `wake` when there may be a new part. It does nothing once this
+  // object is destroyed.
   virtual void Start(std::function<void()> wake) = 0;
-  // Returns the next part; null if there is none now. Parts may be shared among connections.
+  // Returns the next part; null if there is none now. Connections may share parts.
   virtual std::shared_ptr<const std::string> Next() = 0;
-  // Returns whether no part comes any more.
+  // Returns whether the answer is complete.
   virtual bool ended() const = 0;
 };
 
-// A request that waits for its answer. One of the two is called, once; a request that nobody holds
-// any more and that is not answered ends its connection.
+// A request that waits for its answer. Call either Answer or Stream, once. If the last reference is
+// released before that, the connection ends.
 class Exchange {
  public:
   virtual ~Exchange() = default;
   virtual const Request& request() const = 0;
   virtual void Answer(Page page) = 0;
-  // Answers with status 200 and what the source has. Only HTTP/1.1 knows such answers: another
-  // client gets a 505.
+  // Answers with status 200 and the parts of the source. A client that does not use HTTP/1.1
+  // receives a 505, because only HTTP/1.1 has such answers.
   virtual void Stream(std::string content_type, std::unique_ptr<PartSource> source) = 0;
 };
 

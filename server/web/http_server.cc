@@ -10,7 +10,7 @@
 
 namespace sweepstake::web {
 
-// Accepts connections, on a thread of its own from Run on.
+// Accepts connections. From Run on it has a separate thread.
 class HttpServer::Listener {
  public:
   Listener(const MakeHandler& make_handler, HttpLimits limits)
@@ -23,7 +23,7 @@ class HttpServer::Listener {
     io_.stop();
     if (thread_.joinable()) thread_.join();
     ending_ = true;
-    // What connections stream refers to what the handler owns, and that to the context.
+    // The streams of connections refer to objects of the handler, and these to the context.
     for (HttpConnection* connection : connections_) connection->Drop();
     shared_.handler = {};
   }

@@ -1,8 +1,8 @@
 // An HTTP/1.1 listener, whose requests a handler answers.
 //
-// One thread of its own serves all connections and runs the handler, so that nothing here holds up
-// a decision. A request that breaks the protocol or a limit gets a 4xx or 503 that says what is
-// valid. The listener outlives a time without free descriptors: it tries again until one is free.
+// A separate thread serves all connections and runs the handler, so that nothing here delays a
+// decision. A request that violates the protocol or a limit is answered with a 4xx or 503 that
+// states what is valid. While no descriptors are free, the listener tries again until one is.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -21,19 +21,20 @@ struct HttpLimits {
   size_t max_connections = 2'048;
   // A longer request line with its headers is answered with 431.
   uint32_t max_header_bytes = 8 * 1024;
-  // A longer body is answered with 413; one that would have all bodies that are being read or
-  // answered exceed the total, with 503.
+  // A longer body is answered with 413. A body with which all bodies that are being read or
+  // answered would exceed the total is answered with 503.
   size_t max_body_bytes = 256 * 1024;
   size_t max_total_body_bytes = 16 * 1024 * 1024;
-  // A connection ends when a request is not complete, an answer not read, or no further request
-  // begun after this time. A long answer has a millisecond more for each 16 bytes.
+  // A connection ends if after this time a request is not complete, an answer is not read, or no
+  // further request has begun. A long answer has one more millisecond for every 16 bytes.
   std::chrono::milliseconds patience{10'000};
   // The time between two attempts to accept while there are no free descriptors.
   std::chrono::milliseconds accept_retry{100};
 };
 
-// Makes the handler, which runs on the context's thread and must not wait for others. It ends, and
-// all that it owns, before the context, when its thread has ended and each PartSource is gone.
+// Makes the handler, which runs on the context's thread and must not block. The handler is
+// destroyed before the context, after the context's thread has ended and every PartSource is
+// destroyed.
 using MakeHandler = std::function<Handler(boost::asio::io_context&)>;
 
 class HttpServer {

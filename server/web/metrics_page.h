@@ -1,5 +1,4 @@
-// The page /metrics in Prometheus' text format 0.0.4, and the families of one value that it is made
-// from.
+// The page /metrics in the text format 0.0.4 of Prometheus, and its families of one value.
 #pragma once
 
 #include <prometheus/metric_family.h>

@@ -1,4 +1,4 @@
-// The parts of a request's target: names in its path, and what is after the question mark. Pure.
+// Decodes the parts of a request's target: names in its path, and its query. Pure functions.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace sweepstake::web {
 
-// Returns the text with the byte in place of each percent sign and its two digits. Error:
+// Returns the text with each percent sign and its two digits replaced by the byte. Error:
 // INVALID_ARGUMENT (a percent sign without two hexadecimal digits).
 absl::StatusOr<std::string> PercentDecoded(std::string_view text);
 
-// Returns the value of NAME=VALUE among the parts between ampersands, decoded; empty without one.
-// Error: as PercentDecoded.
+// Returns the decoded value of NAME=VALUE in a query; empty if it is absent. Error: as
+// PercentDecoded.
 absl::StatusOr<std::string> QueryValue(std::string_view query, std::string_view name);
 
 }  // namespace sweepstake::web

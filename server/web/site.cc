@@ -38,7 +38,7 @@ bool IsLoopback(const std::string& host) {
   return boost::asio::ip::make_address_v4(host, no_address).is_loopback() && !no_address;
 }
 
-// Returns whether a browser says that another site's page makes the request.
+// Returns whether the request comes from the page of another site, according to the browser.
 bool IsCrossSite(const Request& request) {
   const std::string_view site = request.Header("Sec-Fetch-Site");
   if (!site.empty() && site != "same-origin" && site != "none") return true;
@@ -64,7 +64,7 @@ std::optional<Page> Site::PageFor(const Request& request) const {
   const bool reads = method == http::verb::get || method == http::verb::head;
   if (!reads && !request.is_post()) return MethodPage("GET, HEAD, POST");
   if (!request.target().starts_with('/'))
-    return Page{400, "A request's target begins with a slash.\n"};
+    return Page{400, "The target of a request must begin with a slash.\n"};
   if (const auto page = options_.pages.find(request.path()); page != options_.pages.end())
     return reads ? page->second(request.query()) : MethodPage("GET, HEAD");
   if (!IsKnownHost(request)) {

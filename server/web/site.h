@@ -1,9 +1,8 @@
-// What the server has at which path: the pages for operators and their programs, the dashboard's
-// files, and the API that the dashboard speaks. Used on the server's thread.
+// Maps paths to answers: the pages for operators and their programs, the files of the dashboard,
+// and the API that the dashboard uses. Used on the server's thread.
 //
-// The pages are open to all. All else is answered only where the request's Host is a name of the
-// daemon, so that no other site's name can be made to lead here. What the API does is asked for by
-// the daemon's own pages or by programs: a request that another site's page makes is refused.
+// Everyone may read the pages. Other requests are answered only if their Host is a name of the
+// daemon, which prevents DNS rebinding. The API refuses requests from the pages of other sites.
 #pragma once
 
 #include <functional>
@@ -29,11 +28,11 @@ class Site {
  public:
   struct Options {
     PageTable pages;
-    // Names of the daemon in lower case, without ports, beside those of loopback and the address
-    // that the client has connected to.
+    // Names of the daemon in lower case and without ports, in addition to those of loopback and the
+    // address that the client has connected to.
     std::set<std::string, std::less<>> hosts = {};
     DashboardFiles files = DashboardFiles({}, "");
-    // Answers /api/ and /events/, and what is posted to /login and /logout.
+    // Answers /api/ and /events/, and POST requests to /login and /logout.
     Handler api = {};
   };
 
@@ -42,7 +41,7 @@ class Site {
   void Handle(const std::shared_ptr<Exchange>& exchange) const;
 
  private:
-  // Returns the answer; nothing if the API has it.
+  // Returns the answer; nothing if the API answers.
   std::optional<Page> PageFor(const Request& request) const;
   bool IsKnownHost(const Request& request) const;
 

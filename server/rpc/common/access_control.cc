@@ -37,19 +37,23 @@ std::string HolderOf(int64_t token_id) { return absl::StrCat("token ", token_id)
 
 absl::StatusOr<auth::Principal> AccessControl::Authorize(const grpc::ServerContextBase& call,
                                                          Rpc rpc) {
-  const std::string caller = CallerOf(call);
-  auto holder = Identify(caller, TokenOf(call), IsOwn(call) ? asks_over_http() : asks_for_tokens());
-  if (holder.ok()) {
-    const absl::Status allowed = CheckRole(*holder, net::AddressOf(caller), rpc);
-    if (!allowed.ok()) holder = allowed;
-  }
-  if (!holder.ok()) refusals_.Tell(caller, holder.status());
-  return holder;
+  return Check(CallerOf(call), TokenOf(call), IsOwn(call) ? asks_over_http() : asks_for_tokens(),
+               rpc);
 }
 
-absl::StatusOr<auth::Principal> AccessControl::IdentifyOverHttp(
-    const std::string& caller, std::optional<std::string_view> token) {
-  auto holder = Identify(caller, token, asks_over_http());
+absl::StatusOr<auth::Principal> AccessControl::AuthorizeOverHttp(
+    const std::string& caller, std::optional<std::string_view> token, std::optional<Rpc> rpc) {
+  return Check(caller, token, asks_over_http(), rpc);
+}
+
+absl::StatusOr<auth::Principal> AccessControl::Check(const std::string& caller,
+                                                     std::optional<std::string_view> token,
+                                                     bool asks, std::optional<Rpc> rpc) {
+  auto holder = Identify(caller, token, asks);
+  if (holder.ok() && rpc) {
+    const absl::Status allowed = CheckRole(*holder, net::AddressOf(caller), *rpc);
+    if (!allowed.ok()) holder = allowed;
+  }
   if (!holder.ok()) refusals_.Tell(caller, holder.status());
   return holder;
 }
@@ -176,6 +180,10 @@ absl::StatusOr<AccessControl::Share> AccessControl::BeginWatch(const auth::Princ
   if (!address.empty() && !net::IsLoopbackAddress(address)) holders.push_back(address);
   const uint32_t most = (options_.max_watchers + 1) / 2;
   const std::lock_guard lock(watchers_->mutex);
+  if (watchers_->count >= options_.max_watchers) {
+    return Refused(v1::ERROR_REASON_TOO_MANY_WATCHERS,
+                   "this daemon has as many watchers as it may; try again later");
+  }
   for (const std::string& holder : holders) {
     if (const uint32_t held = watchers_->Of(holder); held >= most) {
       return Refused(v1::ERROR_REASON_TOO_MANY_WATCHERS,

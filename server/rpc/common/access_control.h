@@ -44,10 +44,11 @@ class AccessControl {
   // never block a valid token from there. Refusals are logged.
   absl::StatusOr<auth::Principal> Authorize(const grpc::ServerContextBase& call, Rpc rpc);
 
-  // Returns the holder of a token that was sent over HTTP. Errors: those of Authorize, except for
-  // the role. `caller` is the remote address in gRPC's format.
-  absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& caller,
-                                                   std::optional<std::string_view> token);
+  // The same for an HTTP request; without `rpc`, returns the holder of the token whatever the role.
+  // `caller` is the remote address in gRPC's format.
+  absl::StatusOr<auth::Principal> AuthorizeOverHttp(const std::string& caller,
+                                                    std::optional<std::string_view> token,
+                                                    std::optional<Rpc> rpc);
 
   // Returns whether calls must have tokens.
   bool asks_for_tokens() const { return tokens_ != nullptr && !tokens_->empty(); }
@@ -74,9 +75,9 @@ class AccessControl {
   // Counts an export or import. Error: RESOURCE_EXHAUSTED with the reason `refusal` (the daemon or
   // the token has the maximum number of them).
   absl::StatusOr<Share> BeginTransfer(const auth::Principal& caller, v1::ErrorReason refusal);
-  // Counts a watcher at an address. Error: RESOURCE_EXHAUSTED (the token or the address already has
-  // half of RpcOptions::max_watchers, rounded up; addresses of the daemon's own machine are not
-  // counted).
+  // Counts a watcher at an address. Error: RESOURCE_EXHAUSTED (there are RpcOptions::max_watchers,
+  // or the token or the address has half of them, rounded up; addresses of the daemon's own machine
+  // are not counted).
   absl::StatusOr<Share> BeginWatch(const auth::Principal& caller, const std::string& address);
 
   RefusalLog& refusals() { return refusals_; }
@@ -96,6 +97,9 @@ class AccessControl {
   // Returns the holder of the token, or a caller that needs none if `asks` is false.
   absl::StatusOr<auth::Principal> Identify(const std::string& caller,
                                            std::optional<std::string_view> token, bool asks);
+  absl::StatusOr<auth::Principal> Check(const std::string& caller,
+                                        std::optional<std::string_view> token, bool asks,
+                                        std::optional<Rpc> rpc);
   absl::Status CheckRole(const auth::Principal& caller, const std::string& address, Rpc rpc);
   // Counts a call of the token (0: none) at the address (empty: not counted). Returns a description
   // of the token or address that exceeds the rate; empty if neither does.

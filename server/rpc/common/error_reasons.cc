@@ -68,11 +68,16 @@ absl::Status StoreFailed(const absl::Status& status) {
                                           : sessions::reasons::kStoreFailed.name);
 }
 
-grpc::Status ToGrpc(const absl::Status& status, Counters& counters) {
-  const auto code = static_cast<grpc::StatusCode>(status.code());
+void CountError(const absl::Status& status, Counters& counters) {
   const v1::ErrorReason reason = ReasonOfRefusal(status);
   if (reason != v1::ERROR_REASON_UNSPECIFIED || !(status.ok() || absl::IsCancelled(status)))
     ++counters.error_counts.at(reason);
+}
+
+grpc::Status ToGrpc(const absl::Status& status, Counters& counters) {
+  CountError(status, counters);
+  const auto code = static_cast<grpc::StatusCode>(status.code());
+  const v1::ErrorReason reason = ReasonOfRefusal(status);
   if (reason == v1::ERROR_REASON_UNSPECIFIED) return {code, std::string(status.message())};
   v1::ErrorInfo error;
   error.set_reason(std::string(NameOf(reason)));

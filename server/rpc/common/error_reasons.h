@@ -21,9 +21,11 @@ v1::ErrorReason ReasonOfRefusal(const absl::Status& status);
 // can do.
 absl::Status StoreFailed(const absl::Status& status);
 
-// Returns the status for the client, with its reason in a google.rpc.ErrorInfo, and counts the
-// reason. A status without a reason counts as ERROR_REASON_UNSPECIFIED, unless it is OK or
+// Counts the reason. A status without one counts as ERROR_REASON_UNSPECIFIED, unless it is OK or
 // CANCELLED, the status of clients that have disconnected.
+void CountError(const absl::Status& status, Counters& counters);
+// Counts the reason, and returns the status for the client, with the reason in a
+// google.rpc.ErrorInfo.
 grpc::Status ToGrpc(const absl::Status& status, Counters& counters);
 
 // Returns the reason's name in google.rpc.ErrorInfo.

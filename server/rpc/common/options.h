@@ -50,11 +50,6 @@ inline constexpr uint32_t kMaxStreamsWithoutSession = 1'000;
 inline constexpr uint32_t kScenesPerPage = 100;  // maximum number of scenes per page of a listing
 // maximum number of sessions per page of a listing
 inline constexpr uint32_t kSessionsPerPage = 100;
-// Maximum number of decisions in one message to a watcher, which then has at most 130 kB.
-inline constexpr int kDecisionsPerMessage = 100;
-// If the decisions that wait for a watcher exceed this size, further ones are dropped. The latest
-// posteriors always wait and are not dropped.
-inline constexpr size_t kWatcherQueueBytes = 256 * 1024;
 
 // RpcServer::Adjust changes the Adjustable members; changes take effect at once.
 struct RpcOptions : sessions::HostedSessionOptions {

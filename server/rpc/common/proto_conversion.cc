@@ -265,7 +265,7 @@ void ToProto(const sessions::BoxView& view, v1::BoxView& message) {
   message.set_pairs(view.pairs);
 }
 
-void ToProto(const watch::EventStamp& stamp, v1::EventStamp& message) {
+void ToProto(const events::EventStamp& stamp, v1::EventStamp& message) {
   message.set_boot(stamp.boot);
   message.set_sequence(stamp.sequence);
   message.set_unix_ms(stamp.unix_ms);

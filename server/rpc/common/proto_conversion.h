@@ -14,12 +14,12 @@
 #include "engine_client/decider/session/decision_observer.h"
 #include "engine_client/decider/types.h"
 #include "engine_client/telemetry/conversion/proto_conversion.h"
+#include "server/events/event.h"
 #include "server/rpc/common/options.h"
 #include "server/sessions/client_messages.h"
 #include "server/sessions/prior_store.h"
 #include "server/sessions/session_observer.h"
 #include "server/sessions/session_table.h"
-#include "server/watch/watch_hub.h"
 #include "sweepstake/v1/audit.pb.h"
 #include "sweepstake/v1/events.pb.h"
 #include "sweepstake/v1/posteriors.pb.h"
@@ -54,7 +54,7 @@ void ToProto(const sessions::GameSession& session, const sessions::Hello& hello,
              const RpcOptions& options, v1::Welcome& message);
 void ToProto(const sessions::SessionView& session, v1::SessionInfo& message);
 void ToProto(const sessions::BoxView& view, v1::BoxView& message);
-void ToProto(const watch::EventStamp& stamp, v1::EventStamp& message);
+void ToProto(const events::EventStamp& stamp, v1::EventStamp& message);
 // The caller sets builds.
 void ToProto(const decision::SceneComparison& scene, v1::SceneComparison& message);
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);

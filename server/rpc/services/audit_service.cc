@@ -30,7 +30,7 @@ absl::StatusOr<SegmentStream::Page> LoadSegments(priors::PriorReader& store,
   return page;
 }
 
-// The row of a session behind which an export begins; 0: with the first.
+// An export begins after this row of a session; 0: with the first row.
 struct LastRead {
   uint32_t segment = 0;
   uint64_t row = 0;
@@ -107,7 +107,7 @@ absl::StatusOr<RowStream::Page> LoadRows(priors::PriorReader& store, const Audit
   return page;
 }
 
-// Returns what of the request the caller may see. A refusal is told in the log.
+// Returns the part of the request that the caller may see. Refusals are logged.
 template <typename Request>
 absl::StatusOr<AuditFilter> FilterOf(const absl::StatusOr<auth::Principal>& caller,
                                      const Request& request, const std::string& peer,
@@ -125,10 +125,10 @@ absl::StatusOr<LastRead> LastReadOf(const v1::ExportDecisionsRequest& request) {
   const bool is_named = place.segment > 0 && place.row > 0;
   if (is_named ? request.session_id().empty() : place.segment > 0 || place.row > 0)
     return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                   "after_segment and after_row are given together, with session_id");
+                   "after_segment and after_row must be set together, with session_id");
   constexpr auto kLastRow = static_cast<uint64_t>(std::numeric_limits<int64_t>::max());
   if (place.row >= kLastRow)
-    return Refused(v1::ERROR_REASON_INVALID_MESSAGE, "after_row is no number of a row");
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE, "after_row is too large for a row number");
   return place;
 }
 

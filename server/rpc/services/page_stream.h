@@ -1,10 +1,10 @@
 // A response stream that is read from the store page by page, as fast as the client reads, one page
-// ahead of what is written. Every streaming export uses it. One that makes no progress for
-// RpcOptions::watcher_patience_ns, or is not done within transfer_patience_ns, ends with
-// DEADLINE_EXCEEDED; how many there may be at a time is AccessControl's.
+// ahead of the page that is written. Every streaming export uses it. It ends with DEADLINE_EXCEEDED
+// if it makes no progress for RpcOptions::watcher_patience_ns, or is not done within
+// transfer_patience_ns. AccessControl limits the number of exports.
 //
-// It is used on the decision loop; gRPC's callbacks run elsewhere and only post to the loop. It
-// owns itself until gRPC is done with it; results of the store find it through a weak pointer.
+// Used on the decision loop; gRPC's callbacks run elsewhere and only post to the loop. It owns
+// itself until gRPC is done with it; results of the store reach it through a weak pointer.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -22,7 +22,7 @@
 
 namespace sweepstake::rpc {
 
-// `Place` says where the next page begins; it is copied to the store's thread.
+// `Place` is where the next page begins. It is copied to the store's thread.
 template <typename Response, typename Place>
 struct StreamPage {
   Response response{};
@@ -40,7 +40,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   // Reads the page that begins at the place. It runs on the store's reading thread.
   using Load = std::function<absl::StatusOr<Page>(priors::PriorReader&, const Place&)>;
 
-  // The stream ends when the caller's token does.
+  // The stream ends when the caller's token is revoked or expires.
   static PageStream* Start(ServiceContext& context, grpc::CallbackServerContext& call,
                            auth::Principal caller, Load load) {
     std::shared_ptr<PageStream> stream(
@@ -54,7 +54,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   void OnWriteDone(bool ok) override {
     context_.loop.Post([this, ok] { OnWritten(ok); });
   }
-  // A pending write fails, and so does that of a page that is being read, so both end soon.
+  // A pending write fails, and so does the next one, so the stream ends soon.
   void OnCancel() override {}
   void OnDone() override {
     context_.loop.Post([this] { self_.reset(); });
@@ -85,12 +85,12 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
     LoadNext();
   }
 
-  // At most one page is being read, or waits to be written.
+  // At most one page is being read or waits to be written.
   void LoadNext() {
     const bool submitted =
         context_.store.Read([weak = this->weak_from_this(), &loop = context_.loop, load = load_,
                              place = page_.next](priors::PriorReader& store) {
-          if (weak.expired()) return;  // it ended while the page before was written
+          if (weak.expired()) return;  // it ended while the previous page was written
           loop.Post([weak, page = load(store, place)]() mutable {
             if (!page.ok()) page = StoreFailed(page.status());
             if (const auto self = weak.lock()) self->OnPage(std::move(page));
@@ -139,8 +139,8 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   const auth::Principal caller_;
   const Load load_;
   std::shared_ptr<PageStream> self_;           // keeps this object alive until OnDone
-  Page page_;                                  // what is written, or was last
-  std::optional<absl::StatusOr<Page>> ahead_;  // the one behind it
+  Page page_;                                  // the page that is written, or was written last
+  std::optional<absl::StatusOr<Page>> ahead_;  // the page after it
   bool writes_ = false;
   bool ended_ = false;
   AccessControl::Share transfer_;

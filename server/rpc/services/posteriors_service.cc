@@ -9,8 +9,8 @@
 #include "engine_client/text/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
-#include "server/rpc/services/posterior_watcher.h"
 #include "server/rpc/services/unary_call.h"
+#include "server/rpc/services/watch_call.h"
 #include "server/sessions/session_table.h"
 
 namespace sweepstake::rpc {
@@ -19,8 +19,7 @@ namespace {
 using priors::SceneEvidence;
 using priors::SceneKey;
 
-// Returns the key as an encoded message, which is opaque to clients and is checked when it is
-// parsed.
+// Returns the key as an encoded message. It is opaque to clients, and checked when it is parsed.
 std::string TokenOf(const SceneKey& key) {
   v1::ScenePosterior token;
   ToProto(key, token);
@@ -84,7 +83,7 @@ grpc::ServerUnaryReactor* PosteriorsService::ListPosteriors(
     const std::optional<SceneKey> after = KeyOf(request->page_token());
     if (!after && !request->page_token().empty()) {
       return end(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                         "page_token is none of a next_page_token of this daemon"));
+                         "page_token is not a next_page_token of this daemon"));
     }
     const uint32_t limit =
         request->page_size() == 0 ? kScenesPerPage : std::min(request->page_size(), kScenesPerPage);
@@ -125,7 +124,7 @@ grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerCo
         [this, response, key](const std::optional<SceneEvidence>& scene) {
           if (!scene)
             return Refused(v1::ERROR_REASON_UNKNOWN_SCENE,
-                           "nothing has been learnt about this scene on this class of machines");
+                           "there is no evidence of this scene on this class of machines");
           ToProto(*scene, *response->mutable_scene());
           response->mutable_scene()->set_active_session_count(context_.sessions.ActiveCount(key));
           return absl::OkStatus();
@@ -135,13 +134,7 @@ grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerCo
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* PosteriorsService::WatchPosteriors(
     grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
-  auto caller = context_.access.Authorize(*call, RpcOf("PosteriorsService/WatchPosteriors"));
-  if (caller.ok()) {
-    return Watcher::Start<v1::WatchPosteriorsRequest>(
-        std::make_shared<PosteriorWatcher>(context_, *call, *std::move(caller)), *request);
-  }
-  return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(
-      ToGrpc(caller.status(), context_.counters));
+  return ServeWatch<v1::WatchPosteriorsRequest>(context_, *call, *request);
 }
 
 }  // namespace sweepstake::rpc

@@ -1,7 +1,6 @@
 // sweepstake.v1.PosteriorsService: lists the store's scenes and streams changes. Thread-safe.
 //
-// A page token names the last scene of its page. A token that is not of this form is
-// INVALID_ARGUMENT.
+// A page token contains the last scene of its page. A token of another form is INVALID_ARGUMENT.
 #pragma once
 
 #include "server/rpc/services/service_context.h"

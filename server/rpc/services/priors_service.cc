@@ -25,7 +25,7 @@ namespace {
 
 using priors::PriorRecord;
 
-// A place in the evidence that counts or, behind all of that, in what waits in quarantine.
+// A place in an export: first the evidence that counts, then the records in quarantine.
 struct TransferPlace {
   bool in_quarantine = false;
   priors::ExportPlace after;
@@ -80,18 +80,18 @@ absl::StatusOr<ComparisonStream::Page> LoadComparison(priors::PriorReader& store
   return page;
 }
 
-// The store was asked to let evidence count, and has said whether it does.
+// Called with the result of an import or a promotion.
 void OnEvidence(ServiceContext& context, const absl::Status& status,
                 const std::vector<priors::SceneKey>& new_scenes) {
-  // It may have the evidence although it says that it is not available.
-  if (status.ok() || absl::IsUnavailable(status)) context.watch_hub.Reset();
+  // The store may have the evidence even if it answers UNAVAILABLE.
+  if (status.ok() || absl::IsUnavailable(status)) context.events.Reset();
   if (!status.ok()) return;
   // Sessions that hold the scenes would otherwise count them a second time.
   for (const priors::SceneKey& scene : new_scenes) context.sessions.new_scenes().Forget(scene);
 }
 
-// One import. gRPC's callbacks parse and check one message at a time and post to the decision loop,
-// where everything else happens but the store's job.
+// One import. gRPC's callbacks parse and check one message at a time and post to the decision loop.
+// Everything else runs there, except for the store's job.
 class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, public StallingCall {
  public:
   // `collected_count` is shared by all imports.
@@ -136,7 +136,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     ReadNext();
   }
 
-  // Not for a token that was revoked meanwhile.
+  // Fails if the token was revoked meanwhile.
   void ReadNext() {
     if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
       return End(still);
@@ -150,13 +150,13 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
       return End(absl::CancelledError("the stream broke off; nothing was imported"));
     if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
       return End(still);
-    last_progress_ns_ = deadline_ns_ = sessions::Clock::kNever;  // the store's turn
+    last_progress_ns_ = deadline_ns_ = sessions::Clock::kNever;  // the daemon waits for the store
     const bool submitted = context_.store.Submit([this](priors::PriorStore& store) {
       if (const absl::Status allowed = CheckQuota(store); !allowed.ok())
         return context_.loop.Post([this, allowed] { End(allowed); });
       const auto result =
           promotes_ ? store.Import(records_) : store.Quarantine(records_, kMaxQuarantinedRecords);
-      // Behind what was read before of the store, as commits are.
+      // PostLater, as for commits: earlier results of the store come first.
       context_.loop.PostLater([this, result] { OnImported(result); });
     });
     if (!submitted)
@@ -237,14 +237,14 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   grpc::CallbackServerContext& call_;
   grpc::ByteBuffer& response_;
   const auth::Principal caller_;
-  AccessControl::Share transfer_;  // used on the loop, as the next two
+  AccessControl::Share transfer_;  // used on the loop, like the next two
   int64_t last_progress_ns_ = 0;
   int64_t deadline_ns_ = sessions::Clock::kNever;
   grpc::ByteBuffer bytes_;
   v1::ImportPriorsRequest request_;
   std::vector<PriorRecord> records_;
   bool promotes_ = false;
-  std::vector<priors::SceneKey> new_scenes_;  // that the store gets; used by its job, then the loop
+  std::vector<priors::SceneKey> new_scenes_;  // new in the store; used by its job, then on the loop
 };
 
 bool NamesAny(const v1::SourceFilter& sources) {
@@ -252,7 +252,7 @@ bool NamesAny(const v1::SourceFilter& sources) {
          sources.unix_from_s() != 0 || sources.unix_until_s() != 0;
 }
 
-// Returns which sources a request means.
+// Returns the sources that a request selects.
 absl::StatusOr<priors::SourceFilter> FilterOf(const v1::SourceFilter& sources,
                                               const auth::Principal& caller) {
   if (sources.token_id() < 0 || sources.unix_from_s() < 0 || sources.unix_until_s() < 0)
@@ -290,14 +290,15 @@ std::string ChangeText(const char* verb, const Result& result, const v1::SourceF
   return text;
 }
 
-// Whether a promotion means a record that waits: no token and no time began its source.
+// Returns whether a promotion selects a record in quarantine. Imported sources have no token or
+// time.
 bool IsMeant(const PriorRecord& record, const priors::SourceFilter& filter) {
   return filter.token_id == 0 && filter.from_unix_s == 0 &&
          (filter.id.empty() || filter.id == record.source_id) &&
          (filter.build.empty() || filter.build == record.build);
 }
 
-// Adds what would be promoted to the quota. What waits fills no project before.
+// Adds the records to promote to the quota. In quarantine they did not count.
 absl::Status CheckPromotion(priors::PriorStore& store, const priors::SourceFilter& filter,
                             sessions::SceneQuota& quota) {
   priors::ExportPage page;
@@ -314,8 +315,8 @@ absl::Status CheckPromotion(priors::PriorStore& store, const priors::SourceFilte
   return absl::OkStatus();
 }
 
-// Serves pages of what the filter matches and the caller may see, read by load(store, filter,
-// place).
+// Serves the pages that load(store, filter, place) reads. The filter is narrowed to what the caller
+// may see.
 template <typename Stream, typename Load>
 auto ServePages(ServiceContext& context, grpc::CallbackServerContext& call, Rpc rpc,
                 priors::SceneFilter filter, Load load)
@@ -388,7 +389,7 @@ grpc::ServerUnaryReactor* PriorsService::RevokePriors(grpc::CallbackServerContex
                                who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
           LeaderPreview leaders(store, filter.project, request->preview());
           const auto result = store.Revoke(filter, leaders.preview());
-          // Behind what was read before of the store, as commits are.
+          // PostLater, as for commits: earlier results of the store come first.
           context_.loop.PostLater(
               [this, request, response, end, who, result, changes = leaders.Changes()] {
                 if (!result.ok()) return end(StoreFailed(result.status()));
@@ -399,7 +400,7 @@ grpc::ServerUnaryReactor* PriorsService::RevokePriors(grpc::CallbackServerContex
                 response->set_window_count(result->window_count);
                 if (!request->preview()) {
                   OnChanged(ChangeText("revoked", *result, request->sources()), who);
-                  context_.watch_hub.Reset();
+                  context_.events.Reset();
                 }
                 end(absl::OkStatus());
               });

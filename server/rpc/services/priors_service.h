@@ -1,7 +1,7 @@
 // sweepstake.v1.PriorsService: exports evidence from the store and imports it. Thread-safe.
 //
 // An export reads the store page by page, as fast as the client reads. Records that are committed
-// during the export may be missing, but none is partial. An import is collected first (up to
+// during the export may be missing, but no record is partial. An import is collected first (up to
 // kMaxImportRecords) and applied in one transaction after the client has half-closed; a stream that
 // is cancelled or has an invalid record changes nothing. Imported evidence waits in quarantine
 // until it is promoted, and then reaches the sessions that begin after it.

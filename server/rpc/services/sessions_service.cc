@@ -3,7 +3,6 @@
 #include <spdlog/logger.h>
 
 #include <algorithm>
-#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,8 +13,8 @@
 #include "engine_client/text/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
-#include "server/rpc/services/session_watcher.h"
 #include "server/rpc/services/unary_call.h"
+#include "server/rpc/services/watch_call.h"
 #include "server/sessions/admin_log.h"
 #include "server/sessions/session_table.h"
 
@@ -79,13 +78,7 @@ grpc::ServerUnaryReactor* SessionsService::ListSessions(grpc::CallbackServerCont
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* SessionsService::WatchSessions(
     grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
-  auto caller = context_.access.Authorize(*call, RpcOf("SessionsService/WatchSessions"));
-  if (caller.ok()) {
-    return Watcher::Start<v1::WatchSessionsRequest>(
-        std::make_shared<SessionWatcher>(context_, *this, *call, *std::move(caller)), *request);
-  }
-  return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(
-      ToGrpc(caller.status(), context_.counters));
+  return ServeWatch<v1::WatchSessionsRequest>(context_, *call, *request);
 }
 
 std::shared_ptr<sessions::GameSession> SessionsService::FindFor(
@@ -121,13 +114,7 @@ grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerConte
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* SessionsService::WatchBoxes(
     grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
-  auto caller = context_.access.Authorize(*call, RpcOf("SessionsService/WatchBoxes"));
-  if (caller.ok()) {
-    return Watcher::Start<v1::WatchBoxesRequest>(
-        std::make_shared<BoxWatcher>(context_, *this, *call, *std::move(caller)), *request);
-  }
-  return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(
-      ToGrpc(caller.status(), context_.counters));
+  return ServeWatch<v1::WatchBoxesRequest>(context_, *call, *request);
 }
 
 grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerContext* call,
@@ -144,8 +131,8 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
       if (!order.ok()) return end(order.status());
       order->operator_name = who;
       order->now_ns = context_.loop.clock().NowNs();
-      // Not with the answer, which may never come: the game may obey, and the daemon end first.
-      // The session's own log has the order once its next decision is on disk.
+      // Recorded before the answer, because the daemon may end before the game answers. The session's
+      // own log has the order once its next decision is on disk.
       const std::string action = OrderText(*request, session->identity().id);
       admin_.Record(who, action);
       session->Order(*order, [this, request, response, who, end, action,
@@ -162,48 +149,6 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
       });
     });
   });
-}
-
-void SessionsService::OnSessions(const watch::SessionChanges& changes) {
-  std::map<priors::SceneFilter, std::shared_ptr<const SessionTick>> ticks;
-  watchers_.ForEach([&](SessionWatcher& watcher) {
-    const auto [tick, unknown] = ticks.try_emplace(watcher.filter());
-    if (unknown) tick->second = Encode(watcher.filter(), changes);
-    if (!tick->second->messages.empty()) watcher.OnTick(tick->second);
-  });
-}
-
-std::shared_ptr<const SessionTick> SessionsService::Encode(
-    const priors::SceneFilter& filter, const watch::SessionChanges& changes) const {
-  const auto tick = std::make_shared<SessionTick>();
-  for (const auto& [id, change] : changes) {
-    if (filter.Matches(change.scene.project, change.scene.scene))
-      tick->changes.insert({id, change});
-  }
-  watch::SessionChanges waiting = tick->changes;
-  while (auto message = TakeMessage(waiting)) tick->messages.push_back(*std::move(message));
-  return tick;
-}
-
-std::optional<grpc::ByteBuffer> SessionsService::TakeMessage(watch::SessionChanges& changes) const {
-  v1::WatchSessionsResponse message;
-  uint32_t count = 0;
-  for (; !changes.empty() && count < kSessionsPerPage; changes.erase(changes.begin())) {
-    const auto& [id, change] = *changes.begin();
-    if (change.end != sessions::SessionEnd::kNone) {
-      v1::SessionEnded& ended = *message.add_ended();
-      ended.set_session_id(id);
-      ended.set_end(static_cast<v1::SessionEnd>(change.end));
-      ++count;
-    } else if (const auto session = context_.sessions.Describe(id)) {
-      ToProto(*session, *message.add_sessions());
-      ++count;
-    }
-    // A session that ended in the meantime is reported in the next update.
-  }
-  if (count == 0) return std::nullopt;
-  ToProto(context_.watch_hub.NextStamp(), *message.mutable_stamp());
-  return Serialize(message);
 }
 
 }  // namespace sweepstake::rpc

@@ -1,5 +1,5 @@
-// Ends calls whose client does not go on: one timer for all of them. Used on the decision loop
-// only.
+// Ends calls whose client makes no progress, with one timer for all calls. Used on the decision
+// loop only.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -11,20 +11,20 @@
 
 namespace sweepstake::rpc {
 
-// Ends a call at once, also one whose pending write waits for a client that does not read: its
-// pending operation then fails. The client gets the code and the message, but no details.
+// Ends a call at once. A pending write to a client that does not read fails then. The client
+// receives the code and the message, but no details.
 void Cancel(grpc::CallbackServerContext& call, const grpc::Status& status);
 
-// A call that may stall. It leaves the sweep before it is finished, since gRPC may have freed it by
-// the time that the loop hears of the end.
+// A call that may stall. It must leave the sweep before it is finished, because gRPC may free it
+// before the loop learns of the end.
 class StallingCall {
  public:
   virtual ~StallingCall() = default;
-  // The time of the last progress, or Clock::kNever while the client need not do anything.
+  // The time of the last progress, or Clock::kNever while the daemon does not wait for the client.
   virtual int64_t waiting_since_ns() const = 0;
   // The time by which the call must be done, or Clock::kNever.
   virtual int64_t deadline_ns() const { return sessions::Clock::kNever; }
-  // Called once the patience is over, or the deadline has passed. The call may remove itself.
+  // Called when the patience is over, or the deadline has passed. The call may remove itself.
   virtual void OnStalled() = 0;
 };
 

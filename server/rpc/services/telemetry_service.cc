@@ -13,7 +13,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Carries a stream over gRPC.
+// Transports a stream over gRPC.
 //
 // gRPC's callbacks run on its few threads and only parse and post. Messages are parsed here, from
 // raw bytes into reused memory, because gRPC would report an invalid one as an orderly half-close.
@@ -49,7 +49,7 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
     if (!ok) return loop_.Post([this] { stream_->OnHalfClose(); });
     v1::StreamTelemetryRequest& request = requests_[read_count_++ % requests_.size()];
     const bool parsed = Parse(read_bytes_, request);
-    // First: once the read is given back the loop may start the next one, whose message must not
+    // Post first: after the decrement the loop may start the next read, whose message must not
     // overtake this one.
     loop_.Post([this, &request, parsed] { stream_->OnMessage(parsed ? &request : nullptr); });
     if (wanted_reads_.fetch_sub(1) > 1) StartRead(&read_bytes_);
@@ -61,7 +61,7 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   void OnCancel() override {
     loop_.Post([this] { stream_->OnCancelled(); });
   }
-  // All tasks posted before this one have run by then.
+  // All earlier tasks have run by then.
   void OnDone() override {
     loop_.Post([this] {
       stream_->OnDone();
@@ -70,7 +70,7 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   }
 
  private:
-  // gRPC ends OnReadDone before OnDone; ThreadSanitizer, which does not see that, sees this.
+  // gRPC ends OnReadDone before OnDone. This load shows that to ThreadSanitizer.
   ~TelemetryCall() override { wanted_reads_.load(); }
 
   sessions::DecisionLoop& loop_;
@@ -78,12 +78,12 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   grpc::CallbackServerContext& call_;
   const std::shared_ptr<TelemetryStream> stream_;
 
-  // Read() calls whose message has not come; a read is pending while there are some,
-  // until the half-close.
+  // Read() calls without a message yet. While there are some, a read is pending, until the
+  // half-close.
   std::atomic<uint32_t> wanted_reads_{0};
   grpc::ByteBuffer read_bytes_;  // these two are used by gRPC's callback
   uint64_t read_count_ = 0;
-  // Taken in turn: the callback fills one while the loop applies the other.
+  // Used alternately: the callback fills one while the loop applies the other.
   std::array<v1::StreamTelemetryRequest, TelemetryTransport::kMaxReads> requests_;
   grpc::ByteBuffer write_bytes_;  // used on the loop, and by gRPC while a write is pending
 };

@@ -89,8 +89,8 @@ void TelemetryStream::OnMessage(v1::StreamTelemetryRequest* request) {
     ++context_.counters.invalid_message_count;
     return Reject(status);
   }
-  // Enter reads on after a Hello. After a goodbye nothing is read: the session ends the stream once
-  // everything is on disk.
+  // After a Hello, Enter requests the next message. After a goodbye nothing is read: the session
+  // ends the stream once everything is on disk.
   if (!opens && session_ && !SaidGoodbye() && !end_) transport_.Read();
 }
 
@@ -156,8 +156,8 @@ void TelemetryStream::ReportMissingEvidence(const absl::Status& status) {
   if (now_ns < streams_.next_store_warning_ns) return;
   streams_.next_store_warning_ns = now_ns + kStoreWarningIntervalNs;
   context_.log.warn(
-      "the prior store cannot be read ({}): sessions begin without its evidence, {} so far; look "
-      "at the disk, and restore a backup if the database is damaged",
+      "the prior store cannot be read ({}): sessions begin without its evidence, {} so far; check "
+      "the disk, and restore a backup if the database is damaged",
       std::string(status.message()), count);
 }
 
@@ -324,7 +324,7 @@ uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count) {
 }
 
 void TelemetryStreams::EndRefused() {
-  // A stream that ends leaves the map later, in a task of its own.
+  // A stream that ends leaves the map later, in another task.
   for (const auto& [number, stream] : all) stream->EndIfRefused();
 }
 

@@ -1,5 +1,5 @@
-// The rules of a telemetry stream, whatever it is carried by: what may come when, which session it
-// has, what it sends, and how it ends. Used on the decision loop only.
+// The rules of a telemetry stream, independent of the transport: the order of messages, the
+// session, the responses, and the end. Used on the decision loop only.
 #pragma once
 
 #include <cstdint>
@@ -22,54 +22,53 @@ class TelemetryStream;
 
 // All streams.
 struct TelemetryStreams {
-  std::map<uint64_t, TelemetryStream*> all;        // in the order of their coming
-  std::map<std::string, uint32_t> address_counts;  // of the streams from other machines
+  std::map<uint64_t, TelemetryStream*> all;        // in the order of their begin
+  std::map<std::string, uint32_t> address_counts;  // streams from other machines
   uint64_t last_number = 0;
   bool draining = false;
   int64_t next_store_warning_ns = std::numeric_limits<int64_t>::min();
 
-  // Refuses new streams and tells the others to reconnect later.
+  // Refuses new streams and asks the other clients to reconnect later.
   void Drain(const RpcOptions& options);
-  // Ends those of callers whose tokens are not valid any more.
+  // Ends the streams of callers whose tokens are no longer valid.
   void EndRefused();
 };
 
-// Returns the delay after which a drained client is to come back. Ranks are those of all clients,
-// from 0.
+// Returns the delay after which a drained client should reconnect. Ranks count all clients from 0.
 uint32_t ReconnectDelayMs(const RpcOptions& options, uint64_t rank);
 
 // Returns how long a client collects frames: an eighth of the decision interval, 250 ms at most.
-// With more streams it is longer, so that all together send 10,000 batches a second, but at most
-// half of the decision interval.
+// Many streams make it longer, up to half of the decision interval, so that all streams together
+// send at most 10,000 batches per second.
 uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count);
 
-// What carries a stream. It owns the stream and tells it what happens; its functions are called on
-// the decision loop, do not wait and do not call the stream back.
+// The transport of a stream. It owns the stream and calls its On functions. The functions below are
+// called on the decision loop. They do not block, and do not call the stream.
 class TelemetryTransport {
  public:
   virtual ~TelemetryTransport() = default;
 
   static constexpr size_t kMaxReads = 2;
 
-  // Leads to one OnMessage, or with the others that are pending to OnHalfClose, behind which
-  // nothing comes. At most kMaxReads are pending, or one while OnMessage uses a request: it asks
-  // for more when it needs that no longer.
+  // Each call leads to one OnMessage, or all pending calls to one OnHalfClose, after which nothing
+  // comes. At most kMaxReads are pending. While a request is in use only one is pending; the stream
+  // calls Read again when it is done with the request.
   virtual void Read() = 0;
-  // Leads to one OnWritten. At most one write is pending.
+  // Each call leads to one OnWritten. At most one write is pending.
   virtual void Write(const v1::StreamTelemetryResponse& response) = 0;
   // Ends the stream. Called exactly once, while no write is pending.
   virtual void Finish(const absl::Status& status) = 0;
-  // Makes a pending write fail that waits for a client that does not read.
+  // Makes a pending write fail, also if the client does not read.
   virtual void Cancel(const absl::Status& status) = 0;
   // The client's address, for the log.
   virtual std::string peer() const = 0;
 };
 
-// One connection of one session: it passes messages to the session, and sends the session's.
+// One connection of one session: passes messages to the session, and sends the session's responses.
 //
-// While the session applies one message the next is read, so that a bail-out is there with the
-// batch before it; no more are, so that a flood waits in the client's own buffers. At most one
-// write is pending, and the outbox behind it is bounded. Finish is called exactly once, whatever
+// While the session applies one message the next is read, so that a bail-out arrives together with
+// the batch before it. No further messages are read, so that a flood waits in the client's buffers.
+// At most one write is pending, and the outbox is bounded. Finish is called exactly once, whatever
 // ends the stream.
 class TelemetryStream final : public sessions::ClientStream,
                               public std::enable_shared_from_this<TelemetryStream> {
@@ -80,22 +79,21 @@ class TelemetryStream final : public sessions::ClientStream,
 
   // Called first.
   void Accept();
-  // Takes the message that was read, or null if it does not parse. What it held may be gone
-  // then.
+  // Takes the message that was read, or null if it does not parse. Its content may be moved out.
   void OnMessage(v1::StreamTelemetryRequest* request);
-  // The client sends no more.
+  // The client has half-closed the stream.
   void OnHalfClose();
   // A write has ended.
   void OnWritten(bool ok);
   // The connection is lost: pending reads and writes fail.
   void OnCancelled();
-  // Called last: nothing is pending any more.
+  // Called last, when nothing is pending any more.
   void OnDone();
 
-  // Ends the stream if the caller's token is not valid any more.
+  // Ends the stream if the caller's token was revoked or has expired.
   void EndIfRefused();
-  // Tells the client to reconnect after `delay_ms`, since the daemon is going away, and ends the
-  // stream once its evidence is on disk.
+  // Asks the client to reconnect after `delay_ms`, because the daemon is shutting down, and ends
+  // the stream once its evidence is on disk.
   void Drain(uint32_t delay_ms);
 
   void SendSwitch(const SwitchCommand& command) override;
@@ -110,7 +108,7 @@ class TelemetryStream final : public sessions::ClientStream,
   void Abort(const absl::Status& status) override;
 
  private:
-  // Counts the stream among those of its address. Error: RESOURCE_EXHAUSTED.
+  // Counts the stream for its address. Error: RESOURCE_EXHAUSTED.
   absl::Status CountAddress();
   void OnHelloOverdue();
   // Error: RESOURCE_EXHAUSTED (more messages of the stream than RpcOptions::max_messages_per_s, or
@@ -119,40 +117,41 @@ class TelemetryStream final : public sessions::ClientStream,
   absl::Status Dispatch(v1::StreamTelemetryRequest& request);
   absl::Status Open(v1::Hello& hello);
   void OnOpened(const absl::StatusOr<sessions::OpenedSession>& opened);
-  // Counts a session that begins without all of the store's evidence. Logs a warning at most once a
+  // Counts a session that begins without all evidence of the store. Logs a warning at most once per
   // minute for all streams.
   void ReportMissingEvidence(const absl::Status& status);
   void Enter(const sessions::OpenedSession& opened);
   void Reject(const absl::Status& status);
-  // What the next write sends.
+  // Returns the message of the next write.
   v1::StreamTelemetryResponse& Outbox();
   v1::StreamTelemetryResponse TakeOutbox();
-  // Drops what is to be sent.
+  // Clears the outbox.
   void ClearOutbox();
   void WriteNext();
   void LeaveSession();
-  // The client has ended the session: later messages are ignored, earlier ones go to the disk.
+  // The client has ended the session. Later messages are ignored, earlier ones are stored.
   bool SaidGoodbye() const;
 
   ServiceContext& context_;
   TelemetryStreams& streams_;
   TelemetryTransport& transport_;
   const auth::Principal caller_;
-  uint64_t number_ = 0;  // in streams_
-  std::string address_;  // under which streams_ counts it; empty if not
+  uint64_t number_ = 0;  // its key in streams_
+  std::string address_;  // streams_ counts it under this address; empty: not counted
   std::shared_ptr<sessions::GameSession> session_;
-  std::shared_ptr<sessions::SessionOpening> opening_;  // from Hello until there is a session
+  std::shared_ptr<sessions::SessionOpening> opening_;  // from Hello until the session exists
   sessions::Telemetry telemetry_;                      // reused
-  double time_scale_ = 1;                              // of the Hello
+  double time_scale_ = 1;                              // from the Hello
   uint32_t decision_interval_ms_ = 0;
-  uint32_t batch_interval_ms_ = 0;  // the latest one that the client got
+  uint32_t batch_interval_ms_ = 0;  // the latest one that was sent to the client
   auth::RateBucket messages_;
-  // What is to be sent with the next write. Only the latest of each kind is kept, so that a client
-  // that reads slowly gets the newest state and costs one response.
+  // The next message. It contains only the latest value of each field, so that a slow
+  // client receives the newest state and costs the memory of one response.
   v1::StreamTelemetryResponse outbox_;
   bool has_outbox_ = false;
   bool writing_ = false;
-  std::optional<absl::Status> end_;  // the stream ends with it once the outbox is empty
+  std::optional<absl::Status>
+      end_;  // the status with which the stream ends, once the outbox is empty
   bool finished_ = false;
 };
 

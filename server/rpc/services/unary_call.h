@@ -1,5 +1,5 @@
-// How a call with one answer is served: who calls is checked first, and whatever the end is, it
-// goes to the client with its reason. A refusal is told in the log.
+// Serves a call with one answer: checks the caller first, and sends every error to the client with
+// its reason. Refusals are logged.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -16,7 +16,7 @@ namespace sweepstake::rpc {
 // Ends the call. Called once, on any thread; the response must be complete by then.
 using EndCall = std::function<void(const absl::Status&)>;
 
-// Serves the call with `handle(caller, end)`, unless its caller may not make it. Neither may wait.
+// Serves the call with `handle(caller, end)` if the caller may make it. Neither function may block.
 template <typename Handle>
 grpc::ServerUnaryReactor* ServeUnary(ServiceContext& context, grpc::CallbackServerContext& call,
                                      Rpc rpc, Handle handle) {

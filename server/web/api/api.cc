@@ -42,15 +42,15 @@ int64_t UnixNowS() {
       .count();
 }
 
-// Returns whether it can be in a header.
+// Returns whether the text can be a token in a header.
 bool LooksLikeToken(std::string_view text) {
   return !text.empty() && text.size() <= kMaxTokenBytes &&
          std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
 }
 
-// Returns the name of the daemon's cookie with its equals sign. Browsers keep one jar for all ports
-// of a host, so that daemons beside one another need names of their own. The port is the one that
-// the browser has asked for: that of a tunnel or a proxy, if one is between.
+// Returns the name of the daemon's cookie, with its equals sign. It contains the port, because
+// browsers send cookies to all ports of a host, where other daemons may listen. The port is the one
+// in the browser's request, which may be that of a tunnel or a proxy.
 std::string CookieName(const Request& request) {
   const std::string_view host = request.Header("Host");
   const std::string_view port = host.substr(host.find_last_not_of("0123456789") + 1);
@@ -58,7 +58,7 @@ std::string CookieName(const Request& request) {
   return absl::StrCat("sweepstake", has_port ? absl::StrCat("-", std::string(port)) : "", "=");
 }
 
-// Returns the value of the daemon's cookie; empty without one.
+// Returns the value of the daemon's cookie; empty if it is absent.
 std::string CookieOf(const Request& request) {
   const std::string name = CookieName(request);
   const std::string_view cookies = request.Header("Cookie");
@@ -70,7 +70,7 @@ std::string CookieOf(const Request& request) {
   return {};
 }
 
-// Returns the header that sets the cookie. One that came through TLS goes back through TLS only.
+// Returns the header that sets the cookie. After a login over TLS it is sent over TLS only.
 std::pair<std::string, std::string> SetCookie(const Request& request, const std::string& value) {
   const bool is_safe = request.Header("X-Forwarded-Proto") == "https";
   return {"Set-Cookie",
@@ -78,7 +78,7 @@ std::pair<std::string, std::string> SetCookie(const Request& request, const std:
                        is_safe ? "; Secure" : "", value.empty() ? "; Max-Age=0" : "")};
 }
 
-// Returns the token of {"token":"…"}; empty if the text is none.
+// Returns the token of {"token":"…"}; empty if the text has another form.
 std::string TokenIn(const std::string& text) {
   const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   const auto token = json.is_object() ? json.find("token") : json.end();
@@ -86,7 +86,7 @@ std::string TokenIn(const std::string& text) {
 }
 
 absl::Status UnknownMethod() {
-  return absl::NotFoundError("the daemon has no such method that can be called over HTTP");
+  return absl::NotFoundError("the daemon has no method of this name that can be called over HTTP");
 }
 
 }  // namespace
@@ -95,7 +95,8 @@ Api::Api(ApiOptions options, boost::asio::io_context& io)
     : options_(std::move(options)),
       methods_(options_.methods),
       upstream_(options_.channel, options_.caller_key, io),
-      topics_(io, upstream_, options_.events, *options_.event_counters) {}
+      topics_(io, options_.begin_watch, options_.post_to_loop, options_.events,
+              *options_.event_counters) {}
 
 void Api::Handle(const std::shared_ptr<Exchange>& exchange) {
   const Request& request = exchange->request();
@@ -141,15 +142,15 @@ void Api::Watch(const std::shared_ptr<Exchange>& exchange, std::string_view name
   if (!json.ok()) return exchange->Answer(ErrorPage(json.status()));
   const auto message = FromJson(*json, *method->request);
   if (!message.ok()) return exchange->Answer(ErrorPage(message.status()));
-  topics_.Watch(exchange, method->path, **message, *std::move(token));
+  topics_.Watch(exchange, *method, **message, *token);
 }
 
 absl::Status Api::CheckWay(const Request& request) const {
   if (options_.takes_tokens_from_afar || net::IsLoopbackAddress(net::AddressOf(request.peer)))
     return absl::OkStatus();
   return absl::PermissionDeniedError(
-      "this connection is plain text, in which a token could be read by others, though the daemon "
-      "has TLS: use a proxy with TLS on its machine, or a tunnel (ssh -L)");
+      "this connection is plain text, so others could read the token; use a proxy with TLS on the "
+      "daemon's machine, or a tunnel (ssh -L)");
 }
 
 absl::StatusOr<Api::Token> Api::TokenOf(const Request& request) {
@@ -158,7 +159,8 @@ absl::StatusOr<Api::Token> Api::TokenOf(const Request& request) {
   if (absl::StartsWithIgnoreCase({authorization.data(), authorization.size()}, kScheme)) {
     token = authorization.substr(kScheme.size());
     if (!LooksLikeToken(*token))
-      return absl::InvalidArgumentError("no token looks like that in Authorization");
+      return absl::InvalidArgumentError(
+          "the token in Authorization has invalid characters, or is too long");
   } else if (const std::string cookie = CookieOf(request); !cookie.empty()) {
     token = logins_.Find(cookie, UnixNowS());
   }
@@ -170,7 +172,7 @@ absl::StatusOr<Api::Token> Api::TokenOf(const Request& request) {
 Page Api::LogIn(const Request& request) {
   if (const absl::Status allowed = CheckWay(request); !allowed.ok()) return ErrorPage(allowed);
   if (!options_.asks_for_tokens())
-    return ErrorPage(absl::FailedPreconditionError("this daemon asks nobody for a token"));
+    return ErrorPage(absl::FailedPreconditionError("this daemon does not use tokens"));
   const std::string token = TokenIn(request.message.body());
   if (!LooksLikeToken(token)) {
     return ErrorPage(absl::InvalidArgumentError(
@@ -196,7 +198,7 @@ Page Api::WhoAmI(const Request& request) {
   const auto holder = identifies ? options_.identify(request.peer, *token)
                                  : absl::StatusOr<auth::Principal>(absl::UnauthenticatedError(""));
   if (!holder.ok() && !absl::IsUnauthenticated(holder.status())) return ErrorPage(holder.status());
-  // A login whose token is one no more: each use of it would count as a guess.
+  // A login whose token is not valid any more ends: each use would count as a failed login.
   const std::string cookie = CookieOf(request);
   if (!holder.ok() && token->has_value() && logins_.Find(cookie, UnixNowS()) == *token)
     logins_.End(cookie);

@@ -1,13 +1,15 @@
-// The HTTP interface of the dashboard: the methods of the daemon's own services as JSON over HTTP,
-// their events as server-sent events, and logins. It forwards every call to the services, which
-// alone decide whether the caller may make it.
+// The HTTP interface of the dashboard: the methods of the daemon's services as JSON, the events of
+// the bus as server-sent events, and logins. The services check the permissions of every call.
 //
-//   POST /api/sweepstake.v1.SERVICE/METHOD   the request as JSON; a stream has one response per
-//   line GET /events/sweepstake.v1.SERVICE/METHOD?request=JSON GET /api/whoami POST /login
-//   {"token":"…"} POST /logout
+//   POST /api/sweepstake.v1.SERVICE/METHOD     body: the request as JSON; a stream has one response
+//                                              per line
+//   GET  /events/sweepstake.v1.SERVICE/METHOD?request=JSON
+//   GET  /api/whoami
+//   POST /login                                body: {"token":"…"}
+//   POST /logout
 //
-// A request carries its token as `Authorization: Bearer TOKEN`, or as the cookie that /login
-// returned for it. Used on the server's thread only.
+// A request has its token in `Authorization: Bearer TOKEN`, or in the cookie that /login returned.
+// Used on the server's thread only.
 #pragma once
 
 #include <functional>
@@ -29,19 +31,21 @@ namespace sweepstake::web {
 
 struct ApiOptions {
   std::shared_ptr<grpc::Channel> channel;  // to the daemon's services
-  std::string caller_key;                  // the metadata that names for whom a call is made
-  std::vector<std::string> methods;        // those that may be called: "SERVICE/METHOD"
-  // Returns whose token it is, or why it is nobody's. `caller` as UpstreamRequest::caller.
+  std::string caller_key;                  // the metadata that contains the address of the caller
+  std::vector<std::string> methods;        // the methods that may be called: "SERVICE/METHOD"
+  // Returns the holder of the token, or an error. `caller` as in UpstreamRequest.
   std::function<absl::StatusOr<auth::Principal>(const std::string& caller,
                                                 std::optional<std::string_view> token)>
       identify;
   std::function<bool()> asks_for_tokens;
-  std::string version;  // of the daemon
-  // The thresholds of verdicts, which charts draw.
+  std::string version;  // the version of the daemon
+  // The thresholds of verdicts, for charts.
   double stable_probability = 0;
   double tie_loss_ratio = 0;
-  // Whether tokens are taken from other machines, though this is plain text.
+  // Whether tokens from other machines are accepted, although this is plain text.
   bool takes_tokens_from_afar = false;
+  BeginWatch begin_watch;   // thread-safe
+  PostToLoop post_to_loop;  // thread-safe
   EventLimits events = {};
   std::shared_ptr<EventCounters> event_counters = std::make_shared<EventCounters>();
 };
@@ -50,7 +54,7 @@ class Api {
  public:
   Api(ApiOptions options, boost::asio::io_context& io);
 
-  // Answers a request that Site::Options::api gets.
+  // Answers a request of Site::Options::api.
   void Handle(const std::shared_ptr<Exchange>& exchange);
 
  private:
@@ -61,8 +65,8 @@ class Api {
   Page LogIn(const Request& request);
   Page LogOut(const Request& request);
   Page WhoAmI(const Request& request);
-  // Returns the token that the request brings, if it brings one. Errors: INVALID_ARGUMENT (no token
-  // looks so), PERMISSION_DENIED (it came in plain text, over a network).
+  // Returns the token of the request, if there is one. Errors: INVALID_ARGUMENT (it cannot be a
+  // token), PERMISSION_DENIED (it came as plain text over a network).
   absl::StatusOr<Token> TokenOf(const Request& request);
   absl::Status CheckWay(const Request& request) const;
 
@@ -70,7 +74,7 @@ class Api {
   const Methods methods_;
   Logins logins_;
   Upstream upstream_;
-  EventTopics topics_;  // after the calls that it has
+  EventTopics topics_;
 };
 
 }  // namespace sweepstake::web

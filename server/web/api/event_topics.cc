@@ -9,17 +9,16 @@
 
 namespace sweepstake::web {
 
-EventTopics::EventTopics(boost::asio::io_context& io, Upstream& upstream, EventLimits limits,
-                         EventCounters& counters)
-    : context_{io, upstream, limits, counters}, beat_timer_(io) {
+EventTopics::EventTopics(boost::asio::io_context& io, BeginWatch begin_watch,
+                         PostToLoop post_to_loop, EventLimits limits, EventCounters& counters)
+    : context_{io, std::move(begin_watch), std::move(post_to_loop), limits, counters},
+      beat_timer_(io) {
   BeatLater();
 }
 
-void EventTopics::Watch(const std::shared_ptr<Exchange>& exchange, const std::string& path,
+void EventTopics::Watch(const std::shared_ptr<Exchange>& exchange, const Method& method,
                         const google::protobuf::Message& request,
-                        std::optional<std::string> token) {
-  TopicStart start = StartOfTopic(request);
-  if (!start.state) return exchange->Answer(ErrorPage(absl::NotFoundError("this has no events")));
+                        const std::optional<std::string>& token) {
   const std::string& peer = exchange->request().peer;
   WatcherShare share = CountWatcher(net::AddressOf(peer));
   if (!share) {
@@ -27,22 +26,17 @@ void EventTopics::Watch(const std::shared_ptr<Exchange>& exchange, const std::st
         "the daemon, or your address, has as many watchers as it may; try again later")));
   }
   // A path and a token have no line breaks.
-  const std::string key = absl::StrCat(path, "\n", token.value_or(""), "\n", Serialize(request));
-  const auto known = topics_.find(key);
-  UpstreamRequest upstream{path, std::move(start.request), peer, std::move(token)};
-  const std::shared_ptr<Topic> topic = known != topics_.end()
-                                           ? known->second
-                                           : Open(key, std::move(start.state), std::move(upstream));
+  const std::string key =
+      absl::StrCat(method.path, "\n", token.value_or(""), "\n", Serialize(request));
+  std::shared_ptr<Topic>& topic = topics_[key];
+  if (topic == nullptr) {
+    topic = std::make_shared<Topic>(context_, *method.response, [this, key] { Remove(key); });
+    if (!topic->Open(request, peer, token)) {
+      topics_.erase(key);
+      return exchange->Answer(ErrorPage(absl::NotFoundError("this method has no events")));
+    }
+  }
   topic->Join(exchange, std::move(share));
-}
-
-std::shared_ptr<Topic> EventTopics::Open(const std::string& key, std::unique_ptr<TopicState> state,
-                                         UpstreamRequest request) {
-  const auto topic =
-      std::make_shared<Topic>(context_, std::move(state), [this, key] { Remove(key); });
-  topics_[key] = topic;
-  topic->Open(std::move(request));
-  return topic;
 }
 
 void EventTopics::Remove(const std::string& key) {

@@ -1,5 +1,5 @@
-// All topics that somebody watches by HTTP. Who asks for the same events with the same token shares
-// a topic. Used on the server's thread only.
+// All topics that are watched over HTTP. Watchers that request the same events with the same token
+// share a topic. Used on the server's thread only.
 #pragma once
 
 #include <map>
@@ -14,21 +14,19 @@ namespace sweepstake::web {
 
 class EventTopics {
  public:
-  // It borrows all but the limits.
-  EventTopics(boost::asio::io_context& io, Upstream& upstream, EventLimits limits,
-              EventCounters& counters);
+  // It borrows `io` and `counters`.
+  EventTopics(boost::asio::io_context& io, BeginWatch begin_watch, PostToLoop post_to_loop,
+              EventLimits limits, EventCounters& counters);
 
-  // Answers with the events that the request's method has for it. Errors: NOT_FOUND (the method has
-  // none), RESOURCE_EXHAUSTED, those of the daemon's stream.
-  void Watch(const std::shared_ptr<Exchange>& exchange, const std::string& path,
-             const google::protobuf::Message& request, std::optional<std::string> token);
+  // Answers with the events of the method. Errors: NOT_FOUND (the method has none),
+  // RESOURCE_EXHAUSTED, those of the daemon's subscription.
+  void Watch(const std::shared_ptr<Exchange>& exchange, const Method& method,
+             const google::protobuf::Message& request, const std::optional<std::string>& token);
 
  private:
-  // Returns what the watcher is counted by; null if there are too many.
+  // Returns what counts the watcher; null if there are too many.
   WatcherShare CountWatcher(const std::string& address);
-  std::shared_ptr<Topic> Open(const std::string& key, std::unique_ptr<TopicState> state,
-                              UpstreamRequest request);
-  // Forgets the topic, and destroys it once what runs is done.
+  // Removes the topic, and destroys it after the function that is running.
   void Remove(const std::string& key);
   void BeatLater();
 

@@ -10,8 +10,8 @@ namespace {
 
 constexpr char kLines[] = "application/x-ndjson";
 
-// The call and what of it waits for the client. The call's callbacks keep it alive until the call
-// ends, which it does when its source is destroyed.
+// The call, and the lines that wait for the client. The callbacks of the call keep it alive. The
+// call ends when the source is destroyed.
 class LineAnswer : public std::enable_shared_from_this<LineAnswer> {
  public:
   LineAnswer(const Method& method, std::shared_ptr<Exchange> exchange)

@@ -1,5 +1,5 @@
-// The answer to a call with a stream of responses: one message a line, in JSON, as fast as the
-// client reads. An error before the first line is the answer's status, one after it is the last
+// The answer to a call with a stream of responses: one JSON message per line, as fast as the client
+// reads. An error before the first line is the status of the answer; a later error is the last
 // line. Used on the server's thread only.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace sweepstake::web {
 
-// Calls the method and answers with what it says. The method must outlive the call.
+// Calls the method and answers with its responses. The method must outlive the call.
 void AnswerWithLines(Upstream& upstream, const Method& method, UpstreamRequest request,
                      std::shared_ptr<Exchange> exchange);
 

@@ -49,8 +49,8 @@ absl::StatusOr<std::unique_ptr<Message>> FromJson(std::string_view json, const M
       google::protobuf::util::JsonStringToMessage({json.data(), json.size()}, message.get());
   if (read.ok()) return message;
   return absl::InvalidArgumentError(
-      absl::StrCat("the request is no ", std::string(prototype.GetTypeName()),
-                   " in protobuf's JSON: ", std::string(read.message())));
+      absl::StrCat("the request is not a ", std::string(prototype.GetTypeName()),
+                   " in the JSON form of protobuf: ", std::string(read.message())));
 }
 
 absl::StatusOr<std::string> ToJson(const Message& message) {

@@ -1,5 +1,5 @@
 // The methods of the daemon's services that can be called over HTTP, and their messages as bytes
-// and as JSON (protobuf's mapping). Safe from any thread.
+// and as JSON (the mapping of protobuf). Thread-safe.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -17,19 +17,19 @@
 namespace sweepstake::web {
 
 struct Method {
-  std::string path;  // as gRPC has it: "/sweepstake.v1.PosteriorsService/ListPosteriors"
-  const google::protobuf::Message* request = nullptr;  // an empty one
+  std::string path;  // in gRPC's form: "/sweepstake.v1.PosteriorsService/ListPosteriors"
+  const google::protobuf::Message* request = nullptr;  // an empty message
   const google::protobuf::Message* response = nullptr;
   bool streams = false;  // has any number of responses
 };
 
 class Methods {
  public:
-  // `names` are "PosteriorsService/ListPosteriors" and the like, of methods that this program is
-  // linked with. Those with a stream of requests are left out.
+  // `names` have the form "PosteriorsService/ListPosteriors". Methods with a stream of requests are
+  // omitted.
   explicit Methods(std::span<const std::string> names);
 
-  // Returns the method, or null. `name` has the package: "sweepstake.v1.SERVICE/METHOD".
+  // Returns the method, or null. `name` contains the package: "sweepstake.v1.SERVICE/METHOD".
   const Method* Find(std::string_view name) const;
 
  private:
@@ -47,7 +47,7 @@ std::string Serialize(const google::protobuf::Message& message);
 grpc::ByteBuffer BufferOf(const std::string& bytes);
 // Returns false if the bytes are not a message of this type.
 bool Parse(grpc::ByteBuffer bytes, google::protobuf::Message& message);
-// Parses a message of the prototype's type and makes JSON of it. Error: INTERNAL.
+// Parses a message of the prototype's type and converts it to JSON. Error: INTERNAL.
 absl::StatusOr<std::string> ToJson(grpc::ByteBuffer bytes,
                                    const google::protobuf::Message& prototype);
 

@@ -1,7 +1,9 @@
 #include "server/web/api/topic.h"
 
 #include <algorithm>
+#include <boost/asio/post.hpp>
 #include <iterator>
+#include <mutex>
 
 #include "absl/strings/str_cat.h"
 #include "server/web/error_page.h"
@@ -11,16 +13,91 @@ namespace {
 
 constexpr char kSnapshotBegin[] = "event: snapshot-begin\ndata: {}\n\n";
 constexpr char kComment[] = ":\n\n";
+// The text of a snapshot is made for this many events at a time, which takes some 10 ms.
+constexpr size_t kEventsAtOnce = 100;
 
 std::string DataOf(const std::string& json) { return absl::StrCat("data: ", json, "\n\n"); }
 
-std::string SnapshotEnd(const std::string& id) {
-  return absl::StrCat("id: ", id, "\nevent: snapshot-end\ndata: {}\n\n");
+std::string IdOf(const events::EventStamp& stamp) {
+  return absl::StrCat(absl::Hex(stamp.boot, absl::kZeroPad16), ":", stamp.sequence);
 }
+
+SharedText Shared(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
 
 }  // namespace
 
-// The answer to one who watches. Its connection owns it.
+// Brings the events of the bus to the topic: the subscription is used on the decision loop, the
+// topic on the server's thread. At most one batch is under way. While the server is busy, events
+// wait in the subscriber, which bounds them.
+class Topic::Feed final : public events::Sink, public std::enable_shared_from_this<Feed> {
+ public:
+  explicit Feed(Topic& topic)
+      : topic_(&topic), io_(&topic.context_.io), post_to_loop_(topic.context_.post_to_loop) {}
+
+  // These two are called on the server's thread. After Close, the topic and the context are not
+  // used any more.
+  void WantSnapshot() {
+    post_to_loop_([self = shared_from_this()] {
+      self->snapshot_wanted_ = true;
+      self->Wake();
+    });
+  }
+  void Close() {
+    topic_ = nullptr;
+    {
+      const std::lock_guard lock(mutex_);
+      io_ = nullptr;
+    }
+    post_to_loop_([self = shared_from_this()] { self->subscriber_.reset(); });
+  }
+
+  // The rest is called on the loop.
+  void Begin(std::unique_ptr<events::Subscriber> subscriber) override {
+    subscriber_ = std::move(subscriber);
+  }
+  void Wake() override {
+    if (under_way_ || subscriber_ == nullptr) return;
+    Batch batch;
+    for (auto events = subscriber_->Take(1); !events.empty(); events = subscriber_->Take(1))
+      batch.events.push_back(std::move(events.front()));
+    if (snapshot_wanted_) batch.snapshot = subscriber_->TakeSnapshot();
+    if (batch.snapshot) snapshot_wanted_ = false;
+    if (batch.events.empty() && !batch.snapshot) return;
+    under_way_ = true;
+    Post([this, batch = std::move(batch)] {
+      topic_->OnBatch(batch);
+      post_to_loop_([self = shared_from_this()] {
+        self->under_way_ = false;
+        self->Wake();
+      });
+    });
+  }
+  void OnEnd(const absl::Status& status) override {
+    Post([this, status] { topic_->OnEnd(status); });
+    subscriber_.reset();
+  }
+
+ private:
+  // Runs `call` on the server's thread unless the feed is closed by then.
+  void Post(std::function<void()> call) {
+    const std::lock_guard lock(mutex_);
+    if (io_ == nullptr) return;
+    boost::asio::post(*io_, [self = shared_from_this(), call = std::move(call)] {
+      if (self->topic_ != nullptr) call();
+    });
+  }
+
+  Topic* topic_;  // used on the server's thread; null: closed
+  std::mutex mutex_;
+  boost::asio::io_context* io_;  // guarded by mutex_; null: closed
+  const PostToLoop post_to_loop_;
+  // These are used on the loop.
+  std::unique_ptr<events::Subscriber> subscriber_;
+  bool snapshot_wanted_ = false;
+  bool under_way_ = false;  // a batch
+};
+
+// The answer to one watcher. Its connection owns it.
 class Topic::Watcher final : public PartSource {
  public:
   Watcher(Topic& topic, WatcherShare share)
@@ -29,23 +106,27 @@ class Topic::Watcher final : public PartSource {
     if (topic_ != nullptr) topic_->Leave(*this);
   }
 
-  // In place of what waits it gets the state, once it reads.
-  void Skip() {
-    waiting_.clear();
-    skips_ = true;
-    Wake();
-  }
   void Push(const SharedText& text) {
     if (skips_) return;
-    if (waiting_.size() == max_waiting_) {
+    if (waiting_.size() < max_waiting_) {
+      waiting_.push_back(text);
+    } else {
+      // It receives a snapshot in place of the texts, once it reads.
       ++topic_->context_.counters.skip_count;
-      return Skip();
+      waiting_.clear();
+      skips_ = true;
     }
-    waiting_.push_back(text);
     Wake();
   }
   void Beat(const SharedText& comment) {
     if (waiting_.empty()) Push(comment);
+  }
+  // Whether it would read a snapshot now.
+  bool wants_snapshot() const { return wants_snapshot_; }
+  void PushSnapshot(const std::vector<SharedText>& texts) {
+    skips_ = wants_snapshot_ = false;
+    waiting_.assign(texts.begin(), texts.end());
+    Wake();
   }
   // The topic ends with this text.
   void End(const SharedText& text) {
@@ -57,10 +138,9 @@ class Topic::Watcher final : public PartSource {
 
   void Start(std::function<void()> wake) override { wake_ = std::move(wake); }
   SharedText Next() override {
-    if (skips_) {
-      SharedText state = topic_->Snapshot();
-      skips_ = false;
-      return state;
+    if (skips_ && !wants_snapshot_) {
+      wants_snapshot_ = true;
+      topic_->WantSnapshot();
     }
     if (waiting_.empty()) return nullptr;
     SharedText next = std::move(waiting_.front());
@@ -79,41 +159,45 @@ class Topic::Watcher final : public PartSource {
   const WatcherShare share_;
   std::function<void()> wake_;
   std::deque<SharedText> waiting_;
-  bool skips_ = false;
+  bool skips_ = false;  // texts are not pushed until it has a snapshot
+  bool wants_snapshot_ = false;
 };
 
-Topic::Topic(TopicContext& context, std::unique_ptr<TopicState> state, std::function<void()> on_end)
+Topic::Topic(TopicContext& context, const google::protobuf::Message& message,
+             std::function<void()> on_end)
     : context_(context),
-      state_(std::move(state)),
+      message_(message),
       on_end_(std::move(on_end)),
+      feed_(std::make_shared<Feed>(*this)),
       flush_timer_(context.io),
       idle_timer_(context.io) {
   ++context_.counters.open_topic_count;
 }
 
 Topic::~Topic() {
+  feed_->Close();
   --context_.counters.open_topic_count;
-  context_.state_bytes -= state_bytes_;
 }
 
-void Topic::Open(UpstreamRequest request) {
-  stream_ = context_.upstream.Open(
-      std::move(request), [this](grpc::ByteBuffer bytes) { OnMessage(std::move(bytes)); },
-      [this](const absl::Status& status) { OnEnd(status); });
+bool Topic::Open(const google::protobuf::Message& request, const std::string& caller,
+                 const std::optional<std::string>& token) {
+  return context_.begin_watch(request, caller, token, feed_);
 }
 
 void Topic::Join(std::shared_ptr<Exchange> exchange, WatcherShare share) {
   idle_timer_.cancel();
-  if (begun_) return Begin(*exchange, std::move(share));
+  Flush();
+  if (const SharedText missed = MissedSince(exchange->request().Header("Last-Event-ID")))
+    return Begin(*exchange, std::move(share), {missed});
+  if (snapshot_) return Begin(*exchange, std::move(share), {snapshot_});
   waiting_.emplace_back(std::move(exchange), std::move(share));
+  WantSnapshot();
 }
 
-void Topic::Begin(Exchange& exchange, WatcherShare share) {
-  Flush();
+void Topic::Begin(Exchange& exchange, WatcherShare share, const std::vector<SharedText>& texts) {
   auto watcher = std::make_unique<Watcher>(*this, std::move(share));
   watchers_.insert(watcher.get());
-  const SharedText missed = MissedSince(exchange.request().Header("Last-Event-ID"));
-  missed ? watcher->Push(missed) : watcher->Skip();
+  for (const SharedText& text : texts) watcher->Push(text);
   exchange.Stream("text/event-stream", std::move(watcher));
 }
 
@@ -123,62 +207,85 @@ SharedText Topic::MissedSince(std::string_view id) const {
   if (seen == kept_.end()) return nullptr;
   std::string missed = kComment;
   for (auto next = std::next(seen); next != kept_.end(); ++next) missed += next->text;
-  return std::make_shared<const std::string>(std::move(missed));
+  return Shared(std::move(missed));
 }
 
-SharedText Topic::Snapshot() {
-  Flush();  // What is added is in the state already.
-  if (snapshot_) return snapshot_;
-  std::string text = kSnapshotBegin;
-  text.reserve(state_->bytes() + state_->bytes() / 8);
-  state_->Tell([&text](const std::string& json) { text += DataOf(json); });
-  if (all_told_) text += SnapshotEnd(last_id_);
-  snapshot_ = std::make_shared<const std::string>(std::move(text));
-  return snapshot_;
+void Topic::WantSnapshot() {
+  if (!std::exchange(snapshot_wanted_, true)) feed_->WantSnapshot();
 }
 
-void Topic::OnMessage(grpc::ByteBuffer bytes) {
-  auto told = state_->Take(std::move(bytes));
-  if (!told.ok()) return OnEnd(told.status());
-  CountState();
-  if (context_.state_bytes > context_.limits.max_state_bytes) {
+void Topic::OnBatch(const Batch& batch) {
+  for (const events::EventPtr& event : batch.events) {
+    const std::string id = IdOf(event->stamp);
+    const std::string text = absl::StrCat("id: ", id, "\n", DataOf(JsonOf(*event)));
+    Keep(id, text);
+    Add(text);
+    snapshot_.reset();
+  }
+  if (!batch.snapshot) return;
+  Flush();
+  making_ = Making{.snapshot = *batch.snapshot, .text = kSnapshotBegin};
+  Keep(IdOf(making_->snapshot.stamp), "");
+  MakeSnapshot();
+}
+
+void Topic::MakeSnapshot() {
+  const auto& events = making_->snapshot.events;
+  const size_t end = std::min(making_->next + kEventsAtOnce, events.size());
+  for (; making_->next < end; ++making_->next)
+    making_->text += DataOf(JsonOf(*events[making_->next]));
+  if (making_->text.size() > context_.limits.max_snapshot_bytes) {
     return OnEnd(absl::ResourceExhaustedError(
         "there is too much to show at once; watch one project or scene"));
   }
-  snapshot_.reset();
-  last_id_ = told->id;
-  begun_ = true;
-  for (auto& [exchange, share] : std::exchange(waiting_, {})) Begin(*exchange, std::move(share));
-  if (told->all_told) {
-    all_told_ = true;
-    Keep(told->id, "");
-    Add(SnapshotEnd(told->id));
-    Flush();
+  if (end == events.size()) return HandOutSnapshot();
+  boost::asio::post(context_.io, [weak = weak_from_this()] {
+    if (const auto self = weak.lock(); self && self->making_) self->MakeSnapshot();
+  });
+}
+
+void Topic::HandOutSnapshot() {
+  Flush();
+  Making made = *std::exchange(making_, std::nullopt);
+  snapshot_wanted_ = false;
+  absl::StrAppend(&made.text, "id: ", IdOf(made.snapshot.stamp),
+                  "\nevent: snapshot-end\ndata: {}\n\n");
+  std::vector<SharedText> texts = {Shared(std::move(made.text))};
+  if (made.later.empty()) {
+    snapshot_ = texts.front();
   } else {
-    ++context_.counters.encoded_count;
-    // In the midst of the state an id would say that all before it was seen.
-    const std::string id = all_told_ ? absl::StrCat("id: ", told->id, "\n") : "";
-    const std::string text = id + DataOf(told->json);
-    if (all_told_) Keep(told->id, text);
-    Add(text);
+    texts.push_back(Shared(std::move(made.later)));
   }
-  stream_->Read();
+  for (Watcher* watcher : watchers_) {
+    if (watcher->wants_snapshot()) watcher->PushSnapshot(texts);
+  }
+  for (auto& [exchange, share] : std::exchange(waiting_, {}))
+    Begin(*exchange, std::move(share), texts);
+}
+
+const std::string& Topic::JsonOf(const events::Event& event) {
+  if (!event.json.empty()) return event.json;
+  const std::unique_ptr<google::protobuf::Message> message(message_.New());
+  message->ParseFromString(*event.body + event.tail);
+  event.json = ToJson(*message).value_or("{}");  // the daemon has encoded the message itself
+  ++context_.counters.encoded_count;
+  return event.json;
 }
 
 void Topic::OnEnd(const absl::Status& status) {
-  stream_.reset();
+  making_.reset();
   const absl::Status why =
       status.ok() ? absl::UnavailableError("the daemon ended the stream; watch again") : status;
   for (auto& [exchange, share] : std::exchange(waiting_, {})) exchange->Answer(ErrorPage(why));
   Flush();
-  const auto text = std::make_shared<const std::string>("event: error\n" + DataOf(ErrorJson(why)));
+  const SharedText text = Shared("event: error\n" + DataOf(ErrorJson(why)));
   for (Watcher* watcher : std::exchange(watchers_, {})) watcher->End(text);
-  on_end_();
+  Close();
 }
 
-void Topic::CountState() {
-  context_.state_bytes += state_->bytes() - state_bytes_;
-  state_bytes_ = state_->bytes();
+void Topic::Close() {
+  feed_->Close();
+  on_end_();
 }
 
 void Topic::Keep(const std::string& id, const std::string& text) {
@@ -203,12 +310,13 @@ void Topic::Add(const std::string& text) {
 void Topic::Flush() {
   if (added_.empty()) return;
   flush_timer_.cancel();
-  const auto text = std::make_shared<const std::string>(std::exchange(added_, {}));
+  const SharedText text = Shared(std::exchange(added_, {}));
+  if (making_) making_->later += *text;
   for (Watcher* watcher : watchers_) watcher->Push(text);
 }
 
 void Topic::Beat() {
-  static const auto comment = std::make_shared<const std::string>(kComment);
+  static const SharedText comment = Shared(kComment);
   for (Watcher* watcher : watchers_) watcher->Beat(comment);
 }
 
@@ -217,8 +325,8 @@ void Topic::Leave(Watcher& watcher) {
   if (!idle()) return;
   idle_timer_.expires_after(context_.limits.idle_patience);
   idle_timer_.async_wait([weak = weak_from_this()](boost::system::error_code cancelled) {
-    // Somebody may have come since the time was up.
-    if (const auto self = weak.lock(); self && !cancelled && self->idle()) self->on_end_();
+    // A watcher may have joined since the time was up.
+    if (const auto self = weak.lock(); self && !cancelled && self->idle()) self->Close();
   });
 }
 

@@ -12,8 +12,7 @@
 namespace sweepstake::web {
 namespace {
 
-// An order waits for its game for five seconds, a read of the store for as long as there are
-// others.
+// An order waits up to five seconds for its game. A read of the store waits for the earlier ones.
 constexpr std::chrono::seconds kAnswerPatience{30};
 
 }  // namespace
@@ -31,14 +30,14 @@ class Upstream::Call final : public grpc::ClientBidiReactor<grpc::ByteBuffer, gr
       context_.AddMetadata("authorization", absl::StrCat("Bearer ", *request.token));
     message_ = std::move(request.message);
     grpc::GenericStub(channel).PrepareBidiStreamingCall(&context_, request.path, {}, this);
-    AddHold();  // Reads begin on the server's thread, while gRPC knows of nothing to come.
+    AddHold();  // reads are requested later, on the server's thread
     held_ = true;
     StartWriteLast(&message_, {});
     StartRead(&read_);
     StartCall();
   }
   void Read() { StartRead(&read_); }
-  // Forgets who is to be told, and ends the call. Called on the context's thread, or when it has
+  // Drops the callbacks and ends the call. Called on the context's thread, or after that thread has
   // ended.
   void Abandon() {
     on_message = {};
@@ -51,8 +50,8 @@ class Upstream::Call final : public grpc::ClientBidiReactor<grpc::ByteBuffer, gr
   void OnReadDone(bool ok) override {
     if (!ok) return ReleaseHold();
     boost::asio::post(io_, [self = self_, message = std::move(read_)]() mutable {
-      // Who is told may abandon the call.
-      if (const OnMessage told = self->on_message) told(std::move(message));
+      // The callback may abandon the call.
+      if (const OnMessage callback = self->on_message) callback(std::move(message));
     });
   }
   void OnDone(const grpc::Status& status) override {
@@ -60,11 +59,11 @@ class Upstream::Call final : public grpc::ClientBidiReactor<grpc::ByteBuffer, gr
     End(FromGrpc(status));
     upstream_.Remove(this);
   }
-  // Says how the call ended, or why it did not begin.
+  // Reports how the call ended, or why it did not begin.
   void End(const absl::Status& status) {
     boost::asio::post(io_, [self = shared_from_this(), status] {
       self->on_message = {};
-      if (const OnEnd told = std::exchange(self->on_end, {})) told(status);
+      if (const OnEnd callback = std::exchange(self->on_end, {})) callback(status);
     });
   }
 
@@ -117,13 +116,13 @@ void Upstream::Remove(Call* call) {
 void Upstream::Ask(UpstreamRequest request, OnAnswer on_answer) {
   const auto call = std::make_shared<Call>(*this);
   const auto answer = std::make_shared<grpc::ByteBuffer>();
-  // It ends the call by reading on.
+  // Requesting another message makes gRPC report the end of the call.
   call->on_message = [answer, raw = call.get()](grpc::ByteBuffer message) {
     *answer = std::move(message);
     raw->Read();
   };
-  call->on_end = [answer, told = std::move(on_answer)](const absl::Status& status) {
-    told(status, std::move(*answer));
+  call->on_end = [answer, callback = std::move(on_answer)](const absl::Status& status) {
+    callback(status, std::move(*answer));
   };
   call->context().set_deadline(std::chrono::system_clock::now() + kAnswerPatience);
   Start(call, std::move(request));

@@ -1,7 +1,5 @@
-// Calls of the daemon's own services, in its process, on behalf of those who speak HTTP. What is
-// called and how it ends is told on the thread of the HTTP server.
-//
-// gRPC's threads only hand over what comes; a stream is read as fast as its owner asks.
+// Calls the daemon's own services, in its process, for HTTP clients. Callbacks run on the thread of
+// the HTTP server. A stream is read as fast as its owner requests messages.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -24,7 +22,7 @@ namespace sweepstake::web {
 struct UpstreamRequest {
   std::string path;  // Method::path
   grpc::ByteBuffer message;
-  std::string caller;                // for whom, as gRPC names the other end
+  std::string caller;                // the address of the HTTP client in gRPC's format
   std::optional<std::string> token;  // printable ASCII
 };
 
@@ -32,8 +30,7 @@ class Upstream {
  public:
   class Call;
 
-  // A stream whose owner wants more; it is cancelled with this object. Used on the context's
-  // thread.
+  // An open stream. Destroying this object cancels it. Used on the context's thread.
   class Stream {
    public:
     explicit Stream(std::shared_ptr<Call> call) : call_(std::move(call)) {}
@@ -41,7 +38,7 @@ class Upstream {
     Stream(const Stream&) = delete;
     Stream& operator=(const Stream&) = delete;
 
-    // Asks for the next message. REQUIRES: the one before has come.
+    // Requests the next message. REQUIRES: the previous one has arrived.
     void Read();
 
    private:
@@ -52,8 +49,8 @@ class Upstream {
   using OnEnd = std::function<void(const absl::Status&)>;
   using OnAnswer = std::function<void(const absl::Status&, grpc::ByteBuffer)>;
 
-  // `caller_key` is the metadata that names the caller. The context must outlive this object, and
-  // its thread must have ended when this object does, which ends all calls.
+  // `caller_key` is the metadata that contains the caller. The context must outlive this object.
+  // The destructor ends all calls; the context's thread must have ended by then.
   Upstream(std::shared_ptr<grpc::Channel> channel, std::string caller_key,
            boost::asio::io_context& io)
       : channel_(std::move(channel)), caller_key_(std::move(caller_key)), io_(io) {}
@@ -61,8 +58,8 @@ class Upstream {
 
   // Calls a method with one answer.
   void Ask(UpstreamRequest request, OnAnswer on_answer);
-  // Calls a method with any number of answers. `on_message` gets each that was asked for, `on_end`
-  // how the call ended, last and once; neither is called once the stream is destroyed.
+  // Calls a method with any number of answers. `on_message` receives each requested message.
+  // `on_end` is called last, and once. Neither is called after the stream is destroyed.
   std::unique_ptr<Stream> Open(UpstreamRequest request, OnMessage on_message, OnEnd on_end);
 
  private:
@@ -72,7 +69,7 @@ class Upstream {
   const std::shared_ptr<grpc::Channel> channel_;
   const std::string caller_key_;
   boost::asio::io_context& io_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards calls_
   std::condition_variable removed_;
   std::set<Call*> calls_;
 };

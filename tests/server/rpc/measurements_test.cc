@@ -45,7 +45,7 @@ class MeasurementsTest : public RpcTest {
     grpc::ClientContext context;
     v1::ListPosteriorsResponse response;
     EXPECT_TRUE(stub_->ListPosteriors(&context, {}, &response).ok());
-    clock_.Advance(watch::WatchHub::kIntervalNs);
+    clock_.Advance(events::EventBus::kIntervalNs);
     std::vector<v1::DecisionEvent> told;
     v1::WatchPosteriorsResponse event;
     while (told.size() < count && reader_->Read(&event))

@@ -97,8 +97,10 @@ class OperatorOrderTest : public ::testing::Test {
   Counters counters_;
   storage::StoreThread thread_{*storage::OpenMemoryPriorStore(), {}};
   sessions::DecisionLoop loop_{clock_};
-  watch::WatchHub hub_{thread_, {.post = [](auto&&) {}, .post_after = [](int64_t, auto&&) {}}};
-  sessions::SessionContext context_{options_, loop_, thread_, counters_, hub_};
+  EventEncoder encoder_;
+  events::EventBus events_{thread_, loop_, table_, encoder_};
+  sessions::SessionContext context_{options_, loop_, thread_, counters_, events_};
+  sessions::SessionTable table_{context_};
   RecordingLink link_;
   std::shared_ptr<sessions::GameSession> session_;
   uint64_t sequence_ = 0;

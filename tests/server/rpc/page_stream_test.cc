@@ -7,7 +7,7 @@
 
 #include <future>
 
-#include "server/rpc/services/watcher_set.h"
+#include "server/rpc/services/event_encoder.h"
 #include "server/sessions/session_table.h"
 #include "tests/server/sessions/manual_clock.h"
 
@@ -41,14 +41,13 @@ struct Services {
   RpcOptions options;
   Counters counters;
   spdlog::logger log{"test"};
-  watch::WatchHub watch_hub{store, {}};
+  EventEncoder encoder;
+  events::EventBus events{store, loop, sessions, encoder};
   sessions::DecisionLoop loop{clock};
-  sessions::SessionTable sessions{{options, loop, store, counters, watch_hub}};
+  sessions::SessionTable sessions{{options, loop, store, counters, events}};
   StallSweep stalls{loop, options.watcher_patience_ns};
   AccessControl access{options, clock, log};
-  ServiceContext context{options,  loop,     store,  counters, watch_hub,
-                         sessions, watchers, stalls, access,   log};
-  WatcherSet watchers{context};
+  ServiceContext context{options, loop, store, counters, events, sessions, stalls, access, log};
 };
 
 TEST(PageStreamTest, AFinishedStreamIsNotEndedAgainBeforeTheLoopProcessesItsEnd) {

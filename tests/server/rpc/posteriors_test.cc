@@ -90,7 +90,7 @@ class PosteriorsTest : public RpcTest {
       v1::ListPosteriorsResponse response;
       ASSERT_TRUE(posteriors_->ListPosteriors(&context, {}, &response).ok());
     }
-    clock_.Advance(watch::WatchHub::kIntervalNs);
+    clock_.Advance(events::EventBus::kIntervalNs);
   }
 
   void ExpectTold(const std::string& refusal) const {

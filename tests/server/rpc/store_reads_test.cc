@@ -1,6 +1,5 @@
 // Reads concurrent with commits: only the resumption of a session waits for a commit, and no older
 // state replaces a newer one.
-#include "server/rpc/services/watcher_set.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
@@ -161,7 +160,7 @@ TEST_F(LatePageTest, DoesNotReplaceNewerStateOfAWatcher) {
   for (uint64_t sequence = 2; sequence <= 5; ++sequence) {
     client.Send(Frames(sequence, 1));
     ASSERT_TRUE(Applied(sequence));
-    if (sequence == 3) clock_.Advance(watch::WatchHub::kIntervalNs);
+    if (sequence == 3) clock_.Advance(events::EventBus::kIntervalNs);
   }
   reader_.release.set_value();
   v1::WatchPosteriorsResponse event;
@@ -228,17 +227,6 @@ TEST_F(PageAheadTest, APageThatArrivesAfterItsClientLeftIsDropped) {
   reader_.release.set_value();
   // The Hello is read after the page, on the same thread.
   EXPECT_FALSE(TelemetryClient(channel_).Open(HelloMessage()).session_id().empty());
-}
-
-// Otherwise the hub would add increments to sums that already contain them.
-TEST(HubLoopTest, TheSumsOfASceneDoNotOvertakeTheResultsOfCommits) {
-  sessions::ManualClock clock;
-  sessions::DecisionLoop loop(clock, {}, sessions::DecisionLoop::Runner::kCaller);
-  std::vector<std::string> done;
-  loop.PostLater([&] { done.push_back("commit"); });
-  HubLoop(loop).post([&] { done.push_back("sums"); });
-  loop.RunReady();
-  EXPECT_THAT(done, ::testing::ElementsAre("commit", "sums"));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // A commit reaches the disk but its answer is lost, and the session leaves memory before it
 // retries.
-#include "server/watch/watch_hub.h"
+#include "server/events/event_bus.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/server/storage/forwarding_store.h"
@@ -44,7 +44,7 @@ TEST_F(LostCommitResultTest, AWatcherStillReceivesTheCommit) {
     v1::ListPosteriorsResponse response;
     ASSERT_TRUE(stub->ListPosteriors(&call, {}, &response).ok());
   }
-  clock_.Advance(watch::WatchHub::kIntervalNs);
+  clock_.Advance(events::EventBus::kIntervalNs);
   v1::WatchPosteriorsResponse event;
   do {
     ASSERT_TRUE(watcher->Read(&event)) << "no event within a minute";

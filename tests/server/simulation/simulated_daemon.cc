@@ -8,25 +8,23 @@ namespace sweepstake::simulation {
 SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
                                  std::unique_ptr<priors::PriorStore> store,
                                  std::unique_ptr<storage::ReadConnection> reads,
-                                 watch::WatchListener& watcher)
+                                 SimulatedWatcher& watcher)
     : world_(world),
       options_(options),
       log_("simulation"),
       loop_(world, {}, sessions::DecisionLoop::Runner::kCaller),
       store_(std::move(store), {.own_thread = false}, std::move(reads)),
       access_(options_, world, log_),
-      watch_hub_(store_, rpc::HubLoop(loop_)),
-      sessions_({options_, loop_, store_, counters_, watch_hub_}),
-      context_{options_,  loop_,     store_,  counters_, watch_hub_,
-               sessions_, watchers_, stalls_, access_,   log_},
-      watchers_(context_),
+      watcher_(watcher),
+      events_(store_, loop_, sessions_, watcher),
+      sessions_({options_, loop_, store_, counters_, events_}),
+      context_{options_, loop_, store_, counters_, events_, sessions_, stalls_, access_, log_},
       stalls_(loop_, options_.watcher_patience_ns) {
-  watch_hub_.Add(watchers_);
-  watch_hub_.Add(watcher);
-  EndRefused();
+  EachSecond();
 }
 
 SimulatedDaemon::~SimulatedDaemon() {
+  watcher_.Leave();
   for (const auto& connection : connections_) connection->Die();
 }
 
@@ -42,15 +40,19 @@ void SimulatedDaemon::Import(std::vector<priors::PriorRecord> records,
   store_.Submit(
       [this, records = std::move(records), done = std::move(done)](priors::PriorStore& store) {
         loop_.Post([this, done, status = store.Import(records).status()] {
-          if (status.ok() || absl::IsUnavailable(status)) watch_hub_.Reset();
+          if (status.ok() || absl::IsUnavailable(status)) events_.Reset();
           done(status);
         });
       });
 }
 
-void SimulatedDaemon::EndRefused() {
+void SimulatedDaemon::EachSecond() {
   if (access_.asks_for_tokens()) streams_.EndRefused();
-  loop_.PostAt(world_.NowNs() + kSecondNs, [this] { EndRefused(); });
+  if (!draining_ && !watcher_.watching()) {
+    watcher_.Forget();
+    watcher_.Watch(events_);
+  }
+  loop_.PostAt(world_.NowNs() + kSecondNs, [this] { EachSecond(); });
 }
 
 void SimulatedDaemon::Run() {
@@ -77,7 +79,7 @@ void SimulatedDaemon::Drain() {
   draining_ = true;
   loop_.Post([this] {
     streams_.Drain(options_);
-    watch_hub_.Drain();
+    events_.Drain();
     sessions_.RetryCommits();
   });
 }

@@ -9,16 +9,16 @@
 #include <memory>
 #include <vector>
 
+#include "server/events/event_bus.h"
 #include "server/rpc/services/service_context.h"
 #include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_stream.h"
-#include "server/rpc/services/watcher_set.h"
 #include "server/sessions/common/decision_loop.h"
 #include "server/sessions/prior_store.h"
 #include "server/sessions/session_table.h"
 #include "server/storage/store_thread.h"
-#include "server/watch/watch_hub.h"
 #include "tests/server/simulation/connection.h"
+#include "tests/server/simulation/simulated_watcher.h"
 #include "tests/server/simulation/world.h"
 
 namespace sweepstake::simulation {
@@ -27,7 +27,7 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
  public:
   SimulatedDaemon(World& world, const rpc::RpcOptions& options,
                   std::unique_ptr<priors::PriorStore> store,
-                  std::unique_ptr<storage::ReadConnection> reads, watch::WatchListener& watcher);
+                  std::unique_ptr<storage::ReadConnection> reads, SimulatedWatcher& watcher);
   // REQUIRES: the disk is dead, or the daemon is closed.
   ~SimulatedDaemon();
 
@@ -50,8 +50,8 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
  private:
   // Runs the next queued item of the store after some time.
   void RunLater(bool& busy, bool (storage::StoreThread::*run_next)());
-  // Ends the streams of invalid tokens, once a second.
-  void EndRefused();
+  // Ends the streams of invalid tokens. The watcher watches again if the store could not be read.
+  void EachSecond();
 
   World& world_;
   const rpc::RpcOptions options_;
@@ -61,10 +61,10 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   sessions::DecisionLoop loop_;
   storage::StoreThread store_;
   rpc::AccessControl access_;
-  watch::WatchHub watch_hub_;
+  SimulatedWatcher& watcher_;
+  events::EventBus events_;
   sessions::SessionTable sessions_;
   rpc::ServiceContext context_;  // also refers to members below
-  rpc::WatcherSet watchers_;
   rpc::StallSweep stalls_;
   rpc::TelemetryStreams streams_;
   std::vector<std::shared_ptr<Connection>> connections_;

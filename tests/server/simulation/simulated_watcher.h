@@ -1,17 +1,21 @@
-// A watcher of the scenes of one project, which stores what the hub published last.
+// A watcher of the scenes of one project, which keeps the latest state of each. It encodes the
+// events itself, so that the figures of scenes are not computed.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "server/events/event_bus.h"
 #include "server/rpc/common/access_control.h"
-#include "server/watch/watch_hub.h"
 
 namespace sweepstake::simulation {
 
-class SimulatedWatcher final : public watch::WatchListener {
+class SimulatedWatcher final : public events::Sink, public events::Encoder {
  public:
   // `complain` is called for each violation.
   SimulatedWatcher(auth::Principal caller, std::function<void(const std::string&)> complain)
@@ -20,21 +24,47 @@ class SimulatedWatcher final : public watch::WatchListener {
   }
 
   const priors::SceneFilter& filter() const { return filter_; }
-  // By scene, since the last reset.
+  // By scene, since the last Forget.
   const std::map<priors::SceneKey, priors::SceneEvidence>& latest() const { return latest_; }
+  void Forget() { latest_.clear(); }
+  void Watch(events::EventBus& bus) { bus.Subscribe({.filter = filter_}, *this); }
+  void Leave() { subscriber_.reset(); }
+  bool watching() const { return subscriber_ != nullptr; }
 
-  bool Watches(const priors::SceneKey& scene) override {
-    return filter_.Matches(scene.project, scene.scene);
+  void Begin(std::unique_ptr<events::Subscriber> subscriber) override {
+    subscriber_ = std::move(subscriber);
   }
-  void OnDecision(const sessions::DecisionEvent& event) override {
-    Check(event.session.scene.project);
+  void Wake() override {
+    for (;;) {
+      const auto events = subscriber_->Take(1);
+      if (events.empty()) return;
+      if (events.front()->body->empty()) continue;
+      const priors::SceneEvidence& scene = encoded_.at(std::stoul(*events.front()->body));
+      Check(scene.key.project);
+      latest_.insert_or_assign(scene.key, scene);
+    }
   }
-  void OnTick() override {}
-  void OnPosterior(const priors::SceneEvidence& scene) override {
-    Check(scene.key.project);
-    latest_.insert_or_assign(scene.key, scene);
+  void OnEnd(const absl::Status& /*status*/) override { Leave(); }
+
+  std::string Scene(const priors::SceneEvidence& scene) const override {
+    encoded_.push_back(scene);
+    return absl::StrCat(encoded_.size() - 1);
   }
-  void OnReset() override { latest_.clear(); }
+  std::string ActiveSessions(uint32_t /*count*/) const override { return ""; }
+  std::string Decision(const sessions::DecisionEvent& decision) const override {
+    Check(decision.session.scene.project);
+    return "";
+  }
+  std::string Session(const sessions::SessionView& /*session*/) const override { return ""; }
+  std::string SessionEnd(const std::string& /*session_id*/,
+                         sessions::SessionEnd /*end*/) const override {
+    return "";
+  }
+  std::string Boxes(const sessions::BoxView& /*view*/) const override { return ""; }
+  std::string Stamp(events::Kind /*kind*/, const events::EventStamp& /*stamp*/,
+                    bool /*all_told*/) const override {
+    return "";
+  }
 
  private:
   void Check(const std::string& project) const {
@@ -44,6 +74,8 @@ class SimulatedWatcher final : public watch::WatchListener {
   const auth::Principal caller_;
   const std::function<void(const std::string&)> complain_;
   priors::SceneFilter filter_;
+  std::unique_ptr<events::Subscriber> subscriber_;
+  mutable std::deque<priors::SceneEvidence> encoded_;
   std::map<priors::SceneKey, priors::SceneEvidence> latest_;
 };
 

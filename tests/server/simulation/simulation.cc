@@ -165,7 +165,7 @@ void Simulation::StartDaemon() {
     CheckFile();
     CheckWatcher(**store);
   }
-  watcher_.OnReset();
+  watcher_.Forget();
   daemon_ = std::make_shared<SimulatedDaemon>(world_, options_, WithTroubles(*std::move(store)),
                                               *std::move(reads), watcher_);
 }

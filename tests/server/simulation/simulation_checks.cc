@@ -32,7 +32,9 @@ void Simulation::CheckFile() {
 
 void Simulation::CheckProject(priors::PriorStore& store,
                               const std::vector<priors::SceneEvidence>& all) {
-  const auto is_shown = [this](const auto& scene) { return watcher_.Watches(scene.key); };
+  const auto is_shown = [this](const auto& scene) {
+    return watcher_.filter().Matches(scene.key.project, scene.key.scene);
+  };
   const auto scenes = store.List(watcher_.filter(), {}, 1000);
   const auto records = store.Export(watcher_.filter(), {}, 100'000);
   if (!scenes.ok() || !records.ok()) return Complain("the scenes of a project cannot be read");

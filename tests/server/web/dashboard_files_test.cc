@@ -1,4 +1,4 @@
-// The dashboard's files as browsers get them.
+// The files of the dashboard as browsers receive them.
 #include "server/web/dashboard_files.h"
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::Pair;
 
-// What `printf 'hello hello hello hello\n' | gzip -n9` makes.
+// The output of `printf 'hello hello hello hello\n' | gzip -n9`.
 constexpr unsigned char kGzip[] = {0x1f, 0x8b, 0x08, 0x00, 0x00, 0x00, 0x00, 0x00, 0x02, 0x03,
                                    0xcb, 0x48, 0xcd, 0xc9, 0xc9, 0x57, 0xc8, 0x40, 0x27, 0xb9,
                                    0x00, 0x00, 0x88, 0x59, 0x0b, 0x18, 0x00, 0x00, 0x00};
@@ -52,7 +52,7 @@ TEST_F(DashboardFilesTest, AFileIsAtItsPathAndThePagesHaveTheIndex) {
   EXPECT_EQ(Ask("/assets/main-0000.js").status, 404);
 }
 
-TEST_F(DashboardFilesTest, WhoTakesNoGzipGetsTheFileAsItIs) {
+TEST_F(DashboardFilesTest, AClientWithoutGzipReceivesTheUncompressedFile) {
   const Page page = Ask("/");
   EXPECT_EQ(page.body, "hello hello hello hello\n");
   EXPECT_THAT(page.headers, ::testing::Not(Contains(Pair("Content-Encoding", "gzip"))));
@@ -66,8 +66,8 @@ TEST_F(DashboardFilesTest, AFileThatABrowserHasIsNotSentAgain) {
   EXPECT_EQ(Ask("/", {{"If-None-Match", "\"beef\""}}).status, 200);
 }
 
-// What `printf '<meta property="og:title" content="Sweepstake">\n<title>x</title>\n' | gzip -n9`
-// makes.
+// The output of
+// `printf '<meta property="og:title" content="Sweepstake">\n<title>x</title>\n' | gzip -n9`.
 constexpr unsigned char kTitledGzip[] = {
     0x1f, 0x8b, 0x08, 0x00, 0x00, 0x00, 0x00, 0x00, 0x02, 0x03, 0xb3, 0xc9, 0x4d, 0x2d, 0x49, 0x54,
     0x28, 0x28, 0xca, 0x2f, 0x48, 0x2d, 0x2a, 0xa9, 0xb4, 0x55, 0xca, 0x4f, 0xb7, 0x2a, 0xc9, 0x2c,
@@ -75,7 +75,7 @@ constexpr unsigned char kTitledGzip[] = {
     0x4d, 0x2d, 0x28, 0x2e, 0x49, 0xcc, 0x4e, 0x55, 0xb2, 0xe3, 0xb2, 0x01, 0xcb, 0xda, 0x55, 0xd8,
     0xe8, 0x43, 0x18, 0x5c, 0x00, 0x8b, 0xbd, 0x6d, 0x59, 0x41, 0x00, 0x00, 0x00};
 
-// Returns the body of the page at the target, for who takes gzip.
+// Returns the body of the page at the target, for a client that accepts gzip.
 std::string TitledBody(const std::string& target) {
   const std::string gzip(reinterpret_cast<const char*>(kTitledGzip), sizeof kTitledGzip);
   const std::array<DashboardAsset, 1> assets = {
@@ -99,7 +99,7 @@ TEST(DashboardLinks, AreTitledByTheNamesInTheirPaths) {
     EXPECT_EQ(TitledBody(nameless), "as it is") << nameless;
 }
 
-TEST(DashboardLinks, AHostileNameIsTextOrNotTold) {
+TEST(DashboardLinks, AHostileNameIsEscapedOrOmitted) {
   EXPECT_EQ(TitledBody("/scenes/%22%3E%3Cscript%3E/'%26amp;"),
             Titled("&quot;&gt;&lt;script&gt; / &#39;&amp;amp; \u00b7 Sweepstake"));
   EXPECT_EQ(TitledBody("/sessions/\"><b>"), Titled("&quot;&gt;&lt;b&gt; \u00b7 Sweepstake"));
@@ -112,7 +112,7 @@ TEST(DashboardLinks, AHostileNameIsTextOrNotTold) {
   EXPECT_EQ(TitledBody("/sessions/%e2%80%93%e2%81%84"), Titled("\u2013\u2044 \u00b7 Sweepstake"));
 }
 
-TEST(DashboardFiles, WithoutFilesThePagesSayWhy) {
+TEST(DashboardFiles, WithoutFilesThePagesStateTheReason) {
   const DashboardFiles none({}, "build it with Node");
   const FakeExchange page(boost::beast::http::verb::get, "/scenes");
   EXPECT_EQ(none.PageFor(page.request()).body, "build it with Node\n");

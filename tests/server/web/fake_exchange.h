@@ -1,4 +1,4 @@
-// A request without a connection, which keeps its answer.
+// A request without a connection. It keeps its answer.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,8 @@ class FakeExchange final : public Exchange {
  public:
   using Headers = std::vector<std::pair<std::string, std::string>>;
 
-  // From this machine, to a name that every daemon has, unless the headers or `peer` say otherwise.
+  // The request comes from this machine and its Host is a name of every daemon, unless the headers
+  // or `peer` differ.
   FakeExchange(boost::beast::http::verb method, const std::string& target,
                const Headers& headers = {}, const std::string& body = "",
                const std::string& peer = "ipv4:127.0.0.1:4711") {
@@ -25,7 +26,7 @@ class FakeExchange final : public Exchange {
     request_.peer = peer;
     request_.own_host = "192.0.2.1";
   }
-  // Those of a page of the daemon, which may post.
+  // The headers of a page of the daemon, which may post.
   static Headers OfPage() { return {{"X-Sweepstake", "1"}}; }
 
   const Request& request() const override { return request_; }
@@ -34,9 +35,9 @@ class FakeExchange final : public Exchange {
     answer_ = Page{.content_type = std::move(content_type)};
   }
   Request& mutable_request() { return request_; }
-  // REQUIRES: it was answered.
+  // REQUIRES: the request was answered.
   const Page& answer() const { return answer_.value(); }
-  // The value of a header of the answer; empty without it.
+  // The value of a header of the answer; empty if it is absent.
   std::string AnswerHeader(const std::string& name) const {
     for (const auto& [header, value] : answer().headers) {
       if (header == name) return value;

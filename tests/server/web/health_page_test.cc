@@ -1,4 +1,4 @@
-// What /livez and /readyz say.
+// The pages /livez and /readyz.
 #include "server/web/health_page.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ class HealthPageTest : public ::testing::Test {
   std::optional<std::string> store_problem_;
 };
 
-TEST_F(HealthPageTest, WhatIsWellIsOk) {
+TEST_F(HealthPageTest, ChecksWithoutAProblemAreOk) {
   EXPECT_EQ(ReadyPage().status, 200);
   EXPECT_EQ(ReadyPage().body, "ok\n");
 }
@@ -28,7 +28,7 @@ TEST_F(HealthPageTest, TheVerboseListHasEveryCheck) {
   EXPECT_EQ(ReadyPage("verbose").body, "[+]store ok\n[+]shutdown ok\nreadyz check passed\n");
 }
 
-TEST_F(HealthPageTest, AProblemIs503AndListedAlsoWithoutBeingAsked) {
+TEST_F(HealthPageTest, AProblemIs503AndIsAlwaysListed) {
   store_problem_ = "the disk is full";
   EXPECT_EQ(ReadyPage().status, 503);
   EXPECT_EQ(ReadyPage().body,

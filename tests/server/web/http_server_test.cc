@@ -1,4 +1,4 @@
-// The HTTP listener over real sockets: how it answers, what it says to wrong requests, its bounds.
+// The HTTP listener over real sockets: answers, invalid requests and limits.
 #include "server/web/http_server.h"
 
 #include <gmock/gmock.h>
@@ -30,7 +30,7 @@ using ::testing::StartsWith;
 
 constexpr HttpLimits kPatient = {.patience = std::chrono::minutes(10)};
 
-// Says what a request asks for, at /later in a while, and at /parts in parts.
+// Answers with the request; at /later after a while, at /parts in parts.
 class Echo {
  public:
   explicit Echo(boost::asio::io_context& io) : io_(io) {}
@@ -47,7 +47,7 @@ class Echo {
   }
 
  private:
-  // Each character of a text; without one none, and no end.
+  // Each character of a text. Without a text: no parts, and no end.
   class Parts final : public PartSource {
    public:
     explicit Parts(std::string text) : text_(std::move(text)), endless_(text_.empty()) {}
@@ -94,7 +94,7 @@ TEST(HttpServerTest, AnAnswerHasItsStatusTypeAndHeaders) {
                     HasSubstr("Cache-Control: no-store\r\n")));
 }
 
-TEST(HttpServerTest, EveryAnswerForbidsWhatThePagesDoNotNeed) {
+TEST(HttpServerTest, EveryAnswerForbidsFeaturesThatThePagesDoNotNeed) {
   const auto server = StartServer();
   for (const HttpAnswer& answer : {Get(server->port(), "/hello"), Get(server->port(), "/broken"),
                                    Get(server->port(), "/parts?a"),
@@ -114,7 +114,7 @@ TEST(HttpServerTest, AnAnswerMayComeLater) {
   EXPECT_EQ(test_support::Exchange(server->port(), PostOf("me", "/later")).body, "me\n");
 }
 
-TEST(HttpServerTest, ARequestThatNobodyAnswersEndsItsConnection) {
+TEST(HttpServerTest, ARequestWithoutAnAnswerEndsItsConnection) {
   const auto server = StartServer();
   EXPECT_EQ(Get(server->port(), "/drop").status, 0);
   EXPECT_EQ(Get(server->port(), "/hello").status, 200);
@@ -131,14 +131,14 @@ TEST(HttpServerTest, AnAnswerInPartsIsChunkedAndEnds) {
   EXPECT_EQ(test_support::Exchange(server->port(), "GET /parts?ab HTTP/1.0\r\n\r\n").status, 505);
 }
 
-TEST(HttpServerTest, AnAnswerInPartsStaysWhileThereIsNothingToSayAndEndsWithItsClient) {
+TEST(HttpServerTest, AnAnswerInPartsWaitsForPartsAndEndsWithItsClient) {
   const auto server = StartServer({.max_connections = 1, .patience = std::chrono::seconds(1)});
   {
     HttpSocket endless(server->port());
     endless.Send("GET /parts HTTP/1.1\r\n\r\n");
     EXPECT_THAT(endless.ReadUntil("\r\n\r\n"), HasSubstr("200 OK"));
     std::this_thread::sleep_for(std::chrono::milliseconds(1'500));
-    endless.Send("what is sent meanwhile is no request");
+    endless.Send("this is not a request");
   }
   EXPECT_EQ(Get(server->port(), "/hello?next").body, "next\n") << "the only connection is free";
 }
@@ -170,7 +170,7 @@ TEST(HttpServerTest, AConnectionServesManyRequestsEvenIfAllAreSentAtOnce) {
   EXPECT_THAT(socket.ReadAnswer(), EndsWith("\n3\n"));
 }
 
-TEST(HttpServerTest, WhatIsNoRequestIsAnsweredAndTheConnectionEnds) {
+TEST(HttpServerTest, AnInvalidRequestIsAnsweredAndTheConnectionEnds) {
   const auto server = StartServer();
   for (const std::string request :
        {"hello\r\n\r\n", "GET\r\n\r\n", "GET /hello HTTP/9.9\r\n\r\n", "GET /hello\r\n\r\n",
@@ -184,7 +184,7 @@ TEST(HttpServerTest, WhatIsNoRequestIsAnsweredAndTheConnectionEnds) {
   EXPECT_EQ(Get(server->port(), "/hello").status, 200);
 }
 
-TEST(HttpServerTest, ABodyThatNobodyAsksForOrThatIsTooLongIsRefused) {
+TEST(HttpServerTest, AnUnexpectedOrTooLongBodyIsRefused) {
   const auto server = StartServer();
   EXPECT_EQ(
       test_support::Exchange(server->port(), "GET /hello HTTP/1.1\r\nContent-Length: 3\r\n\r\nabc")
@@ -206,7 +206,7 @@ TEST(HttpServerTest, AllBodiesTogetherAreBounded) {
   {
     HttpSocket slow(server->port());
     slow.Send("POST /hello HTTP/1.1\r\nContent-Length: 8\r\n\r\nabcdefg");
-    // Until the server has read so far.
+    // Until the server has read the headers.
     while (test_support::Exchange(server->port(), PostOf("abc")).status != 503)
       std::this_thread::yield();
     EXPECT_EQ(test_support::Exchange(server->port(), PostOf("ab")).status, 200);
@@ -255,7 +255,7 @@ TEST(HttpServerTest, BeyondTheBoundAConnectionWaitsUntilAnotherEnds) {
   EXPECT_THAT(third.ReadAnswer(), EndsWith("third\n"));
 }
 
-TEST(HttpServerTest, ATimeWithoutDescriptorsPasses) {
+TEST(HttpServerTest, TheServerAcceptsAgainAfterATimeWithoutDescriptors) {
   EXPECT_LE(HttpLimits().accept_retry, std::chrono::seconds(1));
   const auto server =
       StartServer({.patience = kPatient.patience, .accept_retry = std::chrono::milliseconds(1)});
@@ -265,13 +265,13 @@ TEST(HttpServerTest, ATimeWithoutDescriptorsPasses) {
     exhausted.FreeOne();
     waiting = std::make_unique<HttpSocket>(server->port());
     waiting->Send("GET /hello?late HTTP/1.1\r\n\r\n");
-    // Long enough for the server to try in vain, on most machines.
+    // On most machines long enough for some failed attempts of the server.
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   EXPECT_THAT(waiting->ReadAnswer(), EndsWith("late\n"));
 }
 
-TEST(HttpServerTest, AnAddressThatCannotBeHadIsAnError) {
+TEST(HttpServerTest, AnUnavailableAddressIsAnError) {
   const auto server = StartServer();
   const std::string taken = "127.0.0.1:" + std::to_string(server->port());
   const absl::Status status = HttpServer::Start(taken, MakeEcho).status();
@@ -286,7 +286,7 @@ TEST(HttpServerTest, AnIpv6AddressStandsInBrackets) {
   EXPECT_GT((*server)->port(), 0);
 }
 
-TEST(HttpServerTest, OpenConnectionsDoNotHoldUpTheEnd) {
+TEST(HttpServerTest, OpenConnectionsDoNotDelayTheEnd) {
   auto server = StartServer();
   HttpSocket idle(server->port());
   idle.Send("GET /hello HTTP/1.1\r\n\r\n");

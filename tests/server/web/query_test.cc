@@ -1,4 +1,4 @@
-// What a request's query says.
+// Decodes the query of a request.
 #include "server/web/query.h"
 
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@ TEST(QueryTest, AValueIsDecoded) {
   EXPECT_EQ(*QueryValue("request=%00", "request"), std::string(1, '\0'));
 }
 
-TEST(QueryTest, WhatIsNotThereIsEmpty) {
+TEST(QueryTest, AnAbsentValueIsEmpty) {
   for (const char* query : {"", "&", "=", "request", "requests=1", "Request=1", "a=request="})
     EXPECT_EQ(*QueryValue(query, "request"), "") << query;
 }

@@ -1,4 +1,4 @@
-// What the HTTP side has at which path, and for whom.
+// The paths of the HTTP side, and the requests that may use them.
 #include "server/web/site.h"
 
 #include <gmock/gmock.h>
@@ -23,7 +23,7 @@ class SiteTest : public ::testing::Test {
   int Status(verb method, const std::string& target, const Headers& headers = {}) {
     return Ask(method, target, headers).status;
   }
-  // A POST to the API of the daemon's own page, with these headers besides.
+  // A POST of the daemon's own page to the API, with these additional headers.
   int Post(const Headers& more, const std::string& target = "/api/x") {
     Headers headers = FakeExchange::OfPage();
     headers.insert(headers.end(), more.begin(), more.end());
@@ -86,7 +86,7 @@ TEST_F(SiteTest, TheDaemonAnswersToItsOwnNamesOnly) {
   }
 }
 
-TEST_F(SiteTest, TwoHostsAreNone) {
+TEST_F(SiteTest, TwoHostsAreRefused) {
   const auto exchange = std::make_shared<FakeExchange>(verb::get, "/");
   exchange->mutable_request().message.insert("Host", "evil.example");
   site_.Handle(exchange);
@@ -112,7 +112,7 @@ TEST_F(SiteTest, APostOfAnotherSitesPageIsRefused) {
   }
 }
 
-TEST_F(SiteTest, WhatABrowserCallsCrossSiteIsRefused) {
+TEST_F(SiteTest, ARequestThatABrowserMarksAsCrossSiteIsRefused) {
   for (const char* site : {"cross-site", "same-site"}) {
     EXPECT_EQ(Post({{"Sec-Fetch-Site", site}}), 403);
     EXPECT_EQ(Status(verb::get, "/events/x", {{"Sec-Fetch-Site", site}}), 403);

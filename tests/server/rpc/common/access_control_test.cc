@@ -242,7 +242,7 @@ TEST_F(AccessTest, AWatcherReceivesTheTokensProjectsOnly) {
   ASSERT_TRUE(watch->Read(&event));
   EXPECT_EQ(event.posterior().project(), "mine");
   Learn({"theirs", "mine"});
-  clock_.Advance(watch::WatchHub::kIntervalNs);
+  clock_.Advance(events::EventBus::kIntervalNs);
   while (watch->Read(&event) && event.decisions().empty()) continue;
   ASSERT_EQ(event.decisions_size(), 1);
   EXPECT_EQ(event.decisions(0).project(), "mine");

@@ -250,7 +250,9 @@ TEST_F(WatcherQuotaTest, AnAddressMayHaveHalfOfTheWatchersAndTheOwnMachineAll) {
   EXPECT_TRUE(begin("ipv4:192.0.2.7"));
   EXPECT_FALSE(begin("ipv4:192.0.2.7"));
   EXPECT_TRUE(begin("ipv4:192.0.2.8")) << "another address";
-  for (int i = 0; i < 3; ++i) EXPECT_TRUE(begin("ipv4:127.0.0.1"));
+  shares.clear();
+  for (uint32_t i = 0; i < options_.max_watchers; ++i) EXPECT_TRUE(begin("ipv4:127.0.0.1"));
+  EXPECT_FALSE(begin("ipv4:127.0.0.1")) << "the daemon has all its watchers";
   shares.clear();
   EXPECT_TRUE(begin("ipv4:192.0.2.7"));
 }

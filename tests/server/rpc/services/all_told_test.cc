@@ -75,7 +75,7 @@ TEST_F(AllToldTest, IsSentOnlyOnRequest) {
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 1; }));
   TelemetryClient client(channel_);
   LearnOneWindow(client, OneArmHello());
-  clock_.Advance(watch::WatchHub::kIntervalNs);
+  clock_.Advance(events::EventBus::kIntervalNs);
   v1::WatchPosteriorsResponse event;
   ASSERT_TRUE(watcher->Read(&event));
   EXPECT_FALSE(event.all_told());

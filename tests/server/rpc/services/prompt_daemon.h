@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "server/rpc/services/event_encoder.h"
 #include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_stream.h"
-#include "server/rpc/services/watcher_set.h"
 #include "server/sessions/session_table.h"
 #include "tests/server/sessions/manual_clock.h"
 #include "tests/server/storage/forwarding_store.h"
@@ -76,13 +76,12 @@ struct PromptDaemon {
   Counters counters;
   spdlog::logger log{"test"};
   sessions::DecisionLoop loop{clock, {}, sessions::DecisionLoop::Runner::kCaller};
-  watch::WatchHub hub{store, HubLoop(loop)};
-  sessions::SessionTable sessions{{options, loop, store, counters, hub}};
+  EventEncoder encoder;
+  events::EventBus events{store, loop, sessions, encoder};
+  sessions::SessionTable sessions{{options, loop, store, counters, events}};
   StallSweep stalls{loop, options.watcher_patience_ns};
   AccessControl access{options, clock, log};
-  ServiceContext context{options,  loop,     store,  counters, hub,
-                         sessions, watchers, stalls, access,   log};
-  WatcherSet watchers{context};
+  ServiceContext context{options, loop, store, counters, events, sessions, stalls, access, log};
   TelemetryStreams streams;
 };
 

@@ -1,4 +1,4 @@
-// The HTTP side of a real server of the services, over loopback, as the daemon wires it.
+// The HTTP side of a real server of the services, over loopback, connected as in the daemon.
 #pragma once
 
 #include <google/protobuf/util/json_util.h>
@@ -59,14 +59,14 @@ class ApiTest : public rpc::RpcTest {
   static std::string Bearer(const std::string& token) {
     return "Authorization: Bearer " + token + "\r\n";
   }
-  // Teaches the scene something, by a game.
+  // A game adds evidence to the scene.
   void Learn(rpc::TelemetryClient& client, uint64_t sequence) {
     client.Send(rpc::Frames(sequence, 30));
     EXPECT_TRUE(Applied(++learnt_));
     Tick();
     client.AwaitAcknowledgement(sequence);
   }
-  // Puts evidence of a source into the store, past the server.
+  // Puts evidence of a source into the store without the server.
   void PutScene(const std::string& scene, int arm_count = 1) {
     std::vector<priors::PriorRecord> records;
     for (int arm = 0; arm < arm_count; ++arm) {
@@ -79,11 +79,11 @@ class ApiTest : public rpc::RpcTest {
 
   Config config_;
   web::HttpLimits limits_{.patience = std::chrono::minutes(10)};
-  // With comments in between a test would wait for what never comes.
+  // Comments between the events would change the expected text.
   web::EventLimits event_limits_{.heartbeat = std::chrono::minutes(10)};
   const std::shared_ptr<web::EventCounters> events_ = std::make_shared<web::EventCounters>();
   std::unique_ptr<web::HttpServer> http_;
-  std::string host_ = "localhost";  // of requests
+  std::string host_ = "localhost";  // the Host of requests
   uint64_t learnt_ = 0;
 };
 
@@ -98,7 +98,7 @@ class ApiTokensTest : public ApiTest {
     tokens_.Add("mine", auth::Role::kOperator, {"game", "mine"});
     tokens_.Add("root", auth::Role::kAdmin);
   }
-  // Returns the header with the cookie that the login gives.
+  // Returns the header with the cookie of the login.
   std::string LogIn(const std::string& token) {
     const Answer answer = Post("/login", "{\"token\":\"" + token + "\"}");
     EXPECT_EQ(answer.status, 204) << answer.body;

@@ -1,4 +1,4 @@
-// The services' methods over HTTP: the same numbers, the same refusals.
+// The methods of the services over HTTP: the same numbers and errors as over gRPC.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-// Returns what the chunks hold.
+// Returns the content of the chunks.
 std::string Dechunked(std::string body) {
   std::string text;
   for (size_t end = 0; (end = body.find("\r\n")) != std::string::npos;) {
@@ -61,7 +61,7 @@ TEST_F(ApiTest, NumbersAreThoseOfGrpc) {
                     .ok());
     for (v1::ListSessionsResponse* sessions : {&expected, &answered}) {
       ASSERT_EQ(sessions->sessions_size(), 1);
-      // Times are read off two clocks, and may differ by a millisecond from one call to the next.
+      // Times are computed from two clocks, and may differ by a millisecond between two calls.
       sessions->mutable_sessions(0)->clear_unix_start_ms();
       sessions->mutable_sessions(0)->clear_unix_last_message_ms();
     }
@@ -125,7 +125,7 @@ TEST_F(ApiTest, OnlyMethodsOfTheRoleTableWithOneRequestAreThere) {
   EXPECT_EQ(Post("/events/sweepstake.v1.PosteriorsService/WatchPosteriors", "{}").status, 405);
 }
 
-TEST_F(ApiTest, WhatIsNoRequestIsRefused) {
+TEST_F(ApiTest, AnInvalidRequestIsRefused) {
   const std::string deep(100'000, '[');
   for (const std::string& body :
        {std::string("{"), std::string("[]"), std::string("7"), std::string("\"\""),
@@ -155,7 +155,7 @@ TEST_F(ApiTest, TheLogsHaveTheBrowsersAddress) {
   EXPECT_EQ(Call("SessionsService/KickSession", R"({"sessionId":")" + id + "\"}").status, 200);
   EXPECT_THAT(logged_->text(),
               AllOf(HasSubstr("ipv4:127.0.0.1:"), HasSubstr("kicked session " + id)));
-  // The row is written behind the answer.
+  // The row is written after the answer.
   std::string log;
   while (log.find("\"kicked session ") == std::string::npos)
     log = Dechunked(Call("AuditService/ExportDecisions", R"({"sessionId":"admin"})").body);
@@ -198,7 +198,7 @@ TEST_F(ApiTokensTest, RolesAndProjectsAreThoseOfGrpc) {
             403);
 }
 
-TEST_F(ApiTokensTest, WhatCannotBeATokenIsNone) {
+TEST_F(ApiTokensTest, AnImpossibleTokenIsRefused) {
   for (const std::string& token :
        {std::string("a b"), std::string("\x80"), std::string("\x7f"), std::string(300, 'a')}) {
     EXPECT_EQ(Call("PosteriorsService/ListPosteriors", "{}", Bearer(token)).status, 400) << token;

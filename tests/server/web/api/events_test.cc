@@ -1,4 +1,4 @@
-// The services' events as server-sent events, for one watcher and for many.
+// The events of the daemon as server-sent events, for one watcher and for many.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ size_t CountOf(const std::string& text, const std::string& part) {
   return count;
 }
 
-// One who watches.
+// A watcher.
 class EventReader {
  public:
   EventReader(int port, const std::string& target, const std::string& more = "",
@@ -45,7 +45,7 @@ class EventReader {
     socket_.Send("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n" + more + "\r\n");
   }
   std::string Until(const std::string& text) { return socket_.ReadUntil(text); }
-  // Reads the state, and returns it with the stamp of its end.
+  // Reads a snapshot, and returns it with its id.
   std::string Snapshot() {
     std::string state = Until(kBegin);
     return state += Until(kEnd);
@@ -56,7 +56,7 @@ class EventReader {
   HttpSocket socket_;
 };
 
-// Returns the last id in a text of events.
+// Returns the last id of the events.
 std::string LastIdIn(const std::string& events) {
   const size_t start = events.rfind("id: ") + 4;
   return events.substr(start, events.find('\n', start) - start);
@@ -70,20 +70,20 @@ class EventsOf : public Base {
     return {this->http_->port(), target, more, receive_bytes};
   }
   EventsOf() { this->options_.watcher_patience_ns = 3'600 * rpc::kSecondNs; }
-  // The ticks at which watchers are told go on until the condition is true, and leave the server
-  // the time to do what is due: its clock must not run away while it has no processor.
+  // Makes ticks of the bus until the condition is true. Each leaves the server time for its work,
+  // so that the clock does not run ahead while the server has no processor.
   template <typename Condition>
   [[nodiscard]] bool TickUntil(Condition condition) {
     return Eventually([&] {
-      this->clock_.Advance(watch::WatchHub::kIntervalNs);
+      this->clock_.Advance(events::EventBus::kIntervalNs);
       const auto next_tick = std::chrono::steady_clock::now() + std::chrono::milliseconds(20);
       while (!condition() && std::chrono::steady_clock::now() < next_tick)
         std::this_thread::yield();
       return condition();
     });
   }
-  // Teaches the scene something, and returns when it has been made JSON.
-  void LearnAndTell(TelemetryClient& client, uint64_t sequence) {
+  // Adds evidence to the scene, and returns when its events have been encoded as JSON.
+  void LearnAndPublish(TelemetryClient& client, uint64_t sequence) {
     const uint64_t before = this->events_->encoded_count;
     this->Learn(client, sequence);
     ASSERT_TRUE(TickUntil([&] { return this->events_->encoded_count >= before + 2; }))
@@ -104,7 +104,7 @@ TEST_F(EventsTest, AWatcherSeesTheStateAndThenWhatChanges) {
   EXPECT_THAT(state,
               AllOf(HasSubstr("data: {\"posterior\":{\"project\":\"game\",\"scene\":\"desert\""),
                     HasSubstr("\"alpha\":9001,\"beta\":1001}")));
-  EXPECT_EQ(CountOf(state, "id: "), 1u) << "that of the end";
+  EXPECT_EQ(CountOf(state, "id: "), 1u) << "the id of the end";
   EXPECT_THAT(LastIdIn(state), MatchesRegex("[0-9a-f]{16}:[0-9]+"));
   Learn(client, 1);
   ASSERT_TRUE(TickUntil([&] { return events_->encoded_count >= 3; }));
@@ -125,7 +125,7 @@ TEST_F(EventsTest, NumbersAreThoseOfGrpc) {
               HasSubstr("data: {\"posterior\":" + JsonOf(expected.posterior()) + ","));
 }
 
-TEST_F(EventsTest, AnEmptyStateIsToldToo) {
+TEST_F(EventsTest, AnEmptyStateHasASnapshotToo) {
   for (const char* target : {kPosteriors, kSessions})
     EXPECT_THAT(Watch(target).Snapshot(), AllOf(HasSubstr(kBegin), HasSubstr(kEnd)));
 }
@@ -138,14 +138,14 @@ TEST_F(EventsTest, TheRequestSaysWhatIsWatched) {
   EXPECT_THAT(state, AllOf(HasSubstr("desert"), Not(HasSubstr("harbour"))));
 }
 
-TEST_F(EventsTest, WhoComesLaterGetsTheStateFromTheSameStream) {
+TEST_F(EventsTest, ALaterWatcherSharesTheSubscription) {
   TelemetryClient client(channel_);
   client.Open(rpc::HelloMessage());
   EventReader first = Watch();
   first.Snapshot();
-  LearnAndTell(client, 1);
+  LearnAndPublish(client, 1);
   const uint64_t encoded = events_->encoded_count;
-  // Equal requests may be written differently.
+  // An equal request may have another text.
   EventReader second = Watch(std::string(kPosteriors) + "?request=%7B%22project%22:%22%22%7D");
   EXPECT_THAT(second.Snapshot(),
               AllOf(HasSubstr("\"windowCount\":\"1\""), Not(HasSubstr("decisions"))));
@@ -155,7 +155,7 @@ TEST_F(EventsTest, WhoComesLaterGetsTheStateFromTheSameStream) {
   EXPECT_EQ(events_->encoded_count, encoded) << "nothing is encoded again";
 }
 
-TEST_F(EventsTest, WhoLostItsConnectionGetsWhatItMissed) {
+TEST_F(EventsTest, AWatcherThatComesBackReceivesWhatItMissed) {
   TelemetryClient client(channel_);
   client.Open(rpc::HelloMessage());
   std::string last_id;
@@ -164,11 +164,11 @@ TEST_F(EventsTest, WhoLostItsConnectionGetsWhatItMissed) {
     last_id = LastIdIn(watch.Snapshot());
   }
   ASSERT_TRUE(Eventually([&] { return events_->open_watcher_count == 0; }));
-  LearnAndTell(client, 1);
+  LearnAndPublish(client, 1);
   EventReader again = Watch(kPosteriors, "Last-Event-ID: " + last_id + "\r\n");
   const std::string missed = again.Until("\"windowCount\":\"1\",");
   EXPECT_THAT(missed, AllOf(HasSubstr("decisions"), Not(HasSubstr("snapshot"))));
-  LearnAndTell(client, 2);
+  LearnAndPublish(client, 2);
   EXPECT_THAT(again.Until("\"windowCount\":\"2\","), Not(HasSubstr("snapshot")));
   EventReader unknown = Watch(kPosteriors, "Last-Event-ID: 0000000000000000:7\r\n");
   EXPECT_THAT(unknown.Snapshot(), HasSubstr("\"windowCount\":\"2\""));
@@ -179,12 +179,12 @@ class FewKeptTest : public EventsTest {
   FewKeptTest() { event_limits_.kept_bytes = 1; }
 };
 
-TEST_F(FewKeptTest, WhoMissedMoreThanIsKeptGetsTheState) {
+TEST_F(FewKeptTest, AWatcherThatMissedMoreThanIsKeptReceivesASnapshot) {
   TelemetryClient client(channel_);
   client.Open(rpc::HelloMessage());
   EventReader watch = Watch();
   const std::string last_id = LastIdIn(watch.Snapshot());
-  LearnAndTell(client, 1);
+  LearnAndPublish(client, 1);
   EXPECT_THAT(Watch(kPosteriors, "Last-Event-ID: " + last_id + "\r\n").Snapshot(),
               HasSubstr("\"windowCount\":\"1\""));
 }
@@ -206,7 +206,7 @@ TEST_F(EventsTest, SessionsComeAndGo) {
               AllOf(HasSubstr(second_id), Not(HasSubstr(first_id)), HasSubstr("],\"stamp\":{")));
 }
 
-TEST_F(EventsTest, WhatHasNoEventsIsRefusedBeforeItBegins) {
+TEST_F(EventsTest, AMethodWithoutEventsIsRefusedBeforeTheStreamBegins) {
   const std::string service = "/events/sweepstake.v1.";
   EXPECT_EQ(Get(service + "PosteriorsService/ListPosteriors").status, 404);
   EXPECT_EQ(Get(service + "PriorsService/ExportPriors").status, 404);
@@ -221,7 +221,7 @@ TEST_F(EventsTest, WhatHasNoEventsIsRefusedBeforeItBegins) {
   EXPECT_THAT(full.body, HasSubstr("TOO_MANY_WATCHERS"));
 }
 
-TEST_F(EventsTest, ADrainEndsTheStreamsAndSaysWhy) {
+TEST_F(EventsTest, ADrainEndsTheStreamsWithTheReason) {
   EventReader watch = Watch();
   watch.Snapshot();
   server_->Drain(std::chrono::seconds(10));
@@ -231,13 +231,13 @@ TEST_F(EventsTest, ADrainEndsTheStreamsAndSaysWhy) {
                     ::testing::EndsWith("0\r\n\r\n")));
 }
 
-// The connection does not take more than so much for a watcher that does not read.
+// The buffers of a connection are bounded, so a watcher that does not read falls behind.
 class SlowReaderTest : public EventsTest {
  protected:
   static constexpr int kScenes = 100;
   SlowReaderTest() { event_limits_.moment = std::chrono::milliseconds(0); }
-  // Has all scenes told again, some 600 kB of JSON.
-  void TellAllScenes() {
+  // Publishes all scenes again, some 600 kB of JSON.
+  void PublishAllScenes() {
     const auto stub = v1::PriorsService::NewStub(channel_);
     grpc::ClientContext context;
     v1::ImportPriorsResponse response;
@@ -261,19 +261,19 @@ class SlowReaderTest : public EventsTest {
   uint64_t sequence_ = 0;
 };
 
-TEST_F(SlowReaderTest, WhoReadsTooSlowlyGetsTheStateInPlaceOfWhatItMissed) {
+TEST_F(SlowReaderTest, ASlowWatcherReceivesASnapshotInPlaceOfWhatItMissed) {
   for (int i = 0; i < kScenes; ++i) PutScene("scene " + std::to_string(i), 32);
   EventReader slow = Watch(kPosteriors, "", 4096);
   slow.Snapshot();
   EventReader other = Watch();
   other.Snapshot();
-  uint64_t told = events_->encoded_count;
+  uint64_t encoded = events_->encoded_count;
   while (events_->skip_count == 0) {
-    TellAllScenes();
-    told += kScenes + 1;
-    ASSERT_TRUE(Eventually([&] { return events_->encoded_count == told; }));
+    PublishAllScenes();
+    encoded += kScenes + 1;
+    ASSERT_TRUE(Eventually([&] { return events_->encoded_count == encoded; }));
     ASSERT_LT(sequence_, 1'000u);
-    // It is fast enough.
+    // This watcher keeps up.
     other.Until("\"alpha\":" + std::to_string(sequence_ + 1) + ",");
   }
   EXPECT_THAT(slow.Snapshot(), HasSubstr("\"alpha\":" + std::to_string(sequence_ + 1) + ","));
@@ -334,7 +334,7 @@ class FewWatchersTest : public EventsTest {
   }
 };
 
-TEST_F(FewWatchersTest, WatchersAreBoundedAndOneThatIsGoneLeavesItsPlace) {
+TEST_F(FewWatchersTest, WatchersAreLimitedAndOneThatLeavesMakesRoom) {
   {
     EventReader watch = Watch();
     watch.Snapshot();
@@ -343,7 +343,7 @@ TEST_F(FewWatchersTest, WatchersAreBoundedAndOneThatIsGoneLeavesItsPlace) {
     EXPECT_THAT(refused.body, HasSubstr("as many watchers as it may"));
   }
   ASSERT_TRUE(Eventually([&] { return events_->open_watcher_count == 0; }));
-  ASSERT_TRUE(Eventually([&] { return events_->open_topic_count == 0; })) << "nobody watches it";
+  ASSERT_TRUE(Eventually([&] { return events_->open_topic_count == 0; })) << "it has no watcher";
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 0; }));
   Watch().Snapshot();
 }
@@ -353,7 +353,7 @@ class ShortLivedTest : public EventsTest {
   ShortLivedTest() { event_limits_.idle_patience = std::chrono::milliseconds(0); }
 };
 
-TEST_F(ShortLivedTest, WhoComesWhenATopicIsAboutToEndIsServed) {
+TEST_F(ShortLivedTest, AWatcherThatJoinsAnEndingTopicIsServed) {
   PutScene("desert");
   for (int i = 0; i < 200; ++i) EXPECT_THAT(Watch().Snapshot(), HasSubstr("desert")) << i;
   ASSERT_TRUE(Eventually([&] { return events_->open_topic_count == 0; }));
@@ -361,10 +361,10 @@ TEST_F(ShortLivedTest, WhoComesWhenATopicIsAboutToEndIsServed) {
 
 class LittleStateTest : public EventsTest {
  protected:
-  LittleStateTest() { event_limits_.max_state_bytes = 6'000; }
+  LittleStateTest() { event_limits_.max_snapshot_bytes = 6'000; }
 };
 
-TEST_F(LittleStateTest, MoreStateThanThereMayBeEndsTheTopic) {
+TEST_F(LittleStateTest, ASnapshotAboveTheLimitEndsTheTopic) {
   PutScene("desert", 5);
   Watch().Snapshot();
   PutScene("harbour", 32);
@@ -374,7 +374,7 @@ TEST_F(LittleStateTest, MoreStateThanThereMayBeEndsTheTopic) {
   EXPECT_THAT(refused.body, HasSubstr("too much to show at once"));
 }
 
-TEST_F(EventsTest, AThousandWatchersShareOneStreamAndOneEncoding) {
+TEST_F(EventsTest, AThousandWatchersShareOneSubscriptionAndOneEncoding) {
   constexpr size_t kWatchers = 1'000;
   ASSERT_GT(RaiseDescriptorLimit(), 3 * kWatchers);
   PutScene("desert", 7);
@@ -387,7 +387,7 @@ TEST_F(EventsTest, AThousandWatchersShareOneStreamAndOneEncoding) {
   EXPECT_EQ(events_->open_watcher_count, kWatchers);
   EXPECT_EQ(server_->counters().open_watcher_count, 1u);
   EXPECT_EQ(events_->encoded_count, 1u);
-  LearnAndTell(client, 1);
+  LearnAndPublish(client, 1);
   EXPECT_EQ(events_->encoded_count, 3u);
   for (const auto& watcher : watchers) watcher->Until("\"windowCount\":\"1\",");
 }

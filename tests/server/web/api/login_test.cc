@@ -1,4 +1,4 @@
-// Who logs in, as whom, and what is known of it where.
+// Logins: cookies, roles, and the places that store a token.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ TEST_F(ApiTest, WithoutTokensEverybodyIsAdminAndNobodyLogsIn) {
   EXPECT_EQ(Post("/login", R"({"token":"x"})").status, 400);
 }
 
-TEST_F(ApiTokensTest, ALoginGivesACookieThatStandsForTheToken) {
+TEST_F(ApiTokensTest, ALoginReturnsACookieForTheToken) {
   const Answer login = Post("/login", R"({"token":"mine-token"})");
   EXPECT_EQ(login.status, 204);
   EXPECT_THAT(login.head, Not(HasSubstr("mine-token")));
@@ -46,8 +46,8 @@ TEST_F(ApiTokensTest, ALoginGivesACookieThatStandsForTheToken) {
             R"("role":"watch","stableProbability":0.8,"tieLossRatio":0.005,"projects":[]})");
 }
 
-// Browsers keep one jar for all ports of a host.
-TEST_F(ApiTokensTest, DaemonsBesideOneAnotherHaveCookiesOfTheirOwn) {
+// Browsers send cookies to all ports of a host.
+TEST_F(ApiTokensTest, DaemonsOnOneHostHaveDifferentCookies) {
   host_ = "localhost:7434";
   const std::string cookie = LogIn("ann-token");
   EXPECT_THAT(cookie, HasSubstr("; sweepstake-7434="));
@@ -61,7 +61,7 @@ TEST_F(ApiTokensTest, DaemonsBesideOneAnotherHaveCookiesOfTheirOwn) {
   }
 }
 
-TEST_F(ApiTokensTest, ThroughTlsTheCookieStaysThere) {
+TEST_F(ApiTokensTest, OverTlsTheCookieIsSecure) {
   const Answer login = Post("/login", R"({"token":"ann-token"})", "X-Forwarded-Proto: https\r\n");
   EXPECT_THAT(login.head, HasSubstr("; Path=/; Secure\r\n"));
 }
@@ -83,7 +83,7 @@ TEST_F(ApiTokensTest, ANewLoginEndsThatOfTheSameBrowser) {
   EXPECT_EQ(Call(kList, "{}", cookie).status, 401);
 }
 
-TEST_F(ApiTokensTest, ARevokedTokensLoginIsNobodys) {
+TEST_F(ApiTokensTest, TheLoginOfARevokedTokenEnds) {
   const std::string cookie = LogIn("ann-token");
   tokens_.Revoke("ann");
   EXPECT_EQ(Call(kList, "{}", cookie).status, 401);
@@ -94,13 +94,13 @@ TEST_F(ApiTokensTest, ARevokedTokensLoginIsNobodys) {
     EXPECT_EQ(Get("/api/whoami", cookie).status, 200) << "the login has ended, and guesses nothing";
 }
 
-TEST_F(ApiTokensTest, AGuessBesideALoginDoesNotEndIt) {
+TEST_F(ApiTokensTest, AFailedLoginDoesNotEndALogin) {
   const std::string cookie = LogIn("ann-token");
   EXPECT_EQ(Get("/api/whoami", cookie + Bearer("guess")).status, 200);
   EXPECT_EQ(Call(kList, "{}", cookie).status, 200);
 }
 
-TEST_F(ApiTokensTest, WhatIsNoLoginIsRefused) {
+TEST_F(ApiTokensTest, AnInvalidLoginIsRefused) {
   for (const std::string& body : {std::string(""), std::string("{"), std::string("[]"),
                                   std::string("\"ann-token\""), std::string(R"({"token":7})"),
                                   std::string(R"({"token":""})"), std::string(R"({"token":"a b"})"),
@@ -110,7 +110,7 @@ TEST_F(ApiTokensTest, WhatIsNoLoginIsRefused) {
   EXPECT_EQ(Get("/logout").status, 404);
 }
 
-TEST_F(ApiTokensTest, WhoGuessesWaitsWhicheverWayAndAValidTokenIsLetIn) {
+TEST_F(ApiTokensTest, AfterManyFailuresGuessesAreRefusedAndAValidTokenIsNot) {
   for (uint32_t i = 0; i < auth::FailureLimit::kMaxFailures; ++i) {
     const Answer wrong =
         i % 2 == 0 ? Post("/login", R"({"token":"guess"})") : Get("/api/whoami", Bearer("guess"));
@@ -124,7 +124,7 @@ TEST_F(ApiTokensTest, WhoGuessesWaitsWhicheverWayAndAValidTokenIsLetIn) {
   EXPECT_THAT(logged_->text(), HasSubstr("ipv4:127.0.0.1"));
 }
 
-TEST_F(ApiTokensTest, ATokenIsNeverToldOfAgain) {
+TEST_F(ApiTokensTest, ATokenIsNeverSentBack) {
   tokens_.Add("canary", auth::Role::kWatch);
   const std::string cookie = LogIn("canary-token");
   std::string told =
@@ -140,13 +140,13 @@ TEST_F(ApiTokensTest, ATokenIsNeverToldOfAgain) {
   }
 }
 
-// A daemon that lets in by certificates, which HTTP does not ask for.
+// A daemon that requires client certificates, which HTTP does not have.
 class ApiCertificatesTest : public ApiTest {
  protected:
   ApiCertificatesTest() { options_.tls.ca = "unused without a certificate"; }
 };
 
-TEST_F(ApiCertificatesTest, NobodyIsLetInByHttpWithoutAToken) {
+TEST_F(ApiCertificatesTest, HttpRequiresAToken) {
   EXPECT_THAT(Get("/api/whoami").body, HasSubstr(R"("asksForTokens":true,"loggedIn":false)"));
   EXPECT_EQ(Call(kList, "{}").status, 401);
   EXPECT_EQ(Get("/events/sweepstake.v1.PosteriorsService/WatchPosteriors").status, 401);
@@ -157,7 +157,7 @@ TEST_F(ApiCertificatesTest, NobodyIsLetInByHttpWithoutAToken) {
       v1::PosteriorsService::NewStub(channel_)->ListPosteriors(&context, {}, &response).ok());
 }
 
-// Who speaks plain text from another machine, where gRPC has TLS.
+// A client that uses plain text from another machine, although gRPC has TLS.
 class ApiFromAfarTest : public ApiTokensTest {
  protected:
   int Status(const std::string& peer, bool grpc_has_tls) {
@@ -178,7 +178,7 @@ class ApiFromAfarTest : public ApiTokensTest {
   }
 };
 
-TEST_F(ApiFromAfarTest, TokensCrossNoNetworkInPlainTextWhereTheyNeedNot) {
+TEST_F(ApiFromAfarTest, TokensInPlainTextFromAnotherMachineAreRefused) {
   EXPECT_EQ(Status("ipv4:192.0.2.7:4711", true), 403);
   EXPECT_EQ(Status("ipv6:%5B2001:db8::1%5D:4711", true), 403);
   EXPECT_EQ(Status("ipv4:127.0.0.1:4711", true), 204);

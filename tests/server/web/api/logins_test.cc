@@ -1,4 +1,4 @@
-// Which cookie stands for which token, and for how long.
+// The cookies of logins, and how long they are valid.
 #include "server/web/api/logins.h"
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@ namespace {
 using ::testing::MatchesRegex;
 using ::testing::Optional;
 
-TEST(LoginsTest, ACookieIsRandomAndStandsForItsToken) {
+TEST(LoginsTest, ACookieIsRandomAndFindsItsToken) {
   Logins logins;
   const std::string first = logins.Begin("ann", 0);
   const std::string second = logins.Begin("ann", 0);

@@ -1,0 +1,63 @@
+// Encodes the parts of events as messages of sweepstake.v1. Thread-safe.
+#pragma once
+
+#include <string>
+
+#include "server/events/event.h"
+#include "server/rpc/common/proto_conversion.h"
+
+namespace sweepstake::rpc {
+
+class EventEncoder final : public events::Encoder {
+ public:
+  std::string Scene(const priors::SceneEvidence& scene) const override {
+    v1::WatchPosteriorsResponse response;
+    ToProto(scene, *response.mutable_posterior());
+    return response.SerializeAsString();
+  }
+  std::string ActiveSessions(uint32_t count) const override {
+    v1::WatchPosteriorsResponse response;
+    response.mutable_posterior()->set_active_session_count(count);
+    return response.SerializeAsString();
+  }
+  std::string Decision(const sessions::DecisionEvent& decision) const override {
+    v1::WatchPosteriorsResponse response;
+    ToProto(decision, *response.add_decisions());
+    return response.SerializeAsString();
+  }
+  std::string Session(const sessions::SessionView& session) const override {
+    v1::WatchSessionsResponse response;
+    ToProto(session, *response.add_sessions());
+    return response.SerializeAsString();
+  }
+  std::string SessionEnd(const std::string& session_id, sessions::SessionEnd end) const override {
+    v1::WatchSessionsResponse response;
+    v1::SessionEnded& ended = *response.add_ended();
+    ended.set_session_id(session_id);
+    ended.set_end(static_cast<v1::SessionEnd>(end));
+    return response.SerializeAsString();
+  }
+  std::string Boxes(const sessions::BoxView& view) const override {
+    v1::WatchBoxesResponse response;
+    ToProto(view, *response.mutable_view());
+    return response.SerializeAsString();
+  }
+  std::string Stamp(events::Kind kind, const events::EventStamp& stamp,
+                    bool all_told) const override {
+    if (kind == events::Kind::kPosteriors)
+      return Stamp<v1::WatchPosteriorsResponse>(stamp, all_told);
+    if (kind == events::Kind::kSessions) return Stamp<v1::WatchSessionsResponse>(stamp, all_told);
+    return Stamp<v1::WatchBoxesResponse>(stamp, all_told);
+  }
+
+ private:
+  template <typename Response>
+  static std::string Stamp(const events::EventStamp& stamp, bool all_told) {
+    Response response;
+    response.set_all_told(all_told);
+    ToProto(stamp, *response.mutable_stamp());
+    return response.SerializeAsString();
+  }
+};
+
+}  // namespace sweepstake::rpc

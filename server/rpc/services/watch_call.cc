@@ -1,0 +1,168 @@
+#include "server/rpc/services/watch_call.h"
+
+#include <memory>
+#include <vector>
+
+#include "server/net/peer_address.h"
+#include "server/rpc/services/stall_sweep.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using events::EventPtr;
+
+// Returns a slice that keeps the bytes alive.
+grpc::Slice SliceOf(const std::shared_ptr<const std::string>& bytes) {
+  return {const_cast<char*>(bytes->data()), bytes->size(),
+          [](void* held) { delete static_cast<std::shared_ptr<const std::string>*>(held); },
+          new std::shared_ptr<const std::string>(bytes)};
+}
+
+grpc::ByteBuffer MessageOf(const std::vector<EventPtr>& events) {
+  std::vector<grpc::Slice> slices;
+  for (const EventPtr& event : events) slices.push_back(SliceOf(event->body));
+  slices.emplace_back(events.back()->tail);
+  return {slices.data(), slices.size()};
+}
+
+// A watcher that calls by gRPC. The next message is taken when the previous one is written. It is
+// used on the loop; gRPC's callbacks run elsewhere and only post to the loop. It owns itself until
+// gRPC is done with it.
+class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
+                        public StallingCall,
+                        public events::Sink {
+ public:
+  WatchCall(ServiceContext& context, grpc::CallbackServerContext& call, events::Wish wish,
+            const auth::Principal& caller)
+      : context_(context),
+        call_(call),
+        max_events_(wish.kind == events::Kind::kSessions ? kSessionsPerPage : 1) {
+    context_.loop.Post([this, wish = std::move(wish), caller] {
+      context_.stalls.Add(*this);
+      BeginWatch(context_, wish, caller, CallerOf(call_), *this);
+    });
+  }
+
+  void Begin(std::unique_ptr<events::Subscriber> subscriber) override {
+    subscriber_ = std::move(subscriber);
+  }
+  void Wake() override {
+    if (!writing_ && !end_) WriteNext();
+  }
+  // A write that is pending fails.
+  void OnEnd(const absl::Status& status) override {
+    if (end_) return;
+    end_ = status;
+    context_.access.refusals().TellEnd(CallerOf(call_), status);
+    subscriber_.reset();
+    context_.stalls.Remove(*this);
+    if (!writing_) return Finish(ToGrpc(status, context_.counters));
+    Cancel(call_, ToGrpc(status, context_.counters));
+    end_ = absl::CancelledError("the call was cut off");
+  }
+
+  int64_t waiting_since_ns() const override {
+    return writing_ ? write_start_ns_ : sessions::Clock::kNever;
+  }
+  void OnStalled() override {
+    OnEnd(Refused(v1::ERROR_REASON_WATCHER_STALLED, "the watcher did not read; watch again"));
+  }
+  void OnWriteDone(bool ok) override {
+    context_.loop.Post([this, ok] { OnWritten(ok); });
+  }
+  void OnCancel() override {
+    context_.loop.Post([this] { OnEnd(absl::CancelledError("the connection was lost")); });
+  }
+  void OnDone() override {
+    context_.loop.Post([this] { delete this; });  // after all tasks of this object
+  }
+
+ private:
+  void WriteNext() {
+    const std::vector<EventPtr> events = subscriber_->Take(max_events_);
+    if (events.empty()) return;
+    message_ = MessageOf(events);
+    writing_ = true;
+    write_start_ns_ = context_.loop.clock().NowNs();
+    StartWrite(&message_);
+  }
+
+  void OnWritten(bool ok) {
+    writing_ = false;
+    if (end_) return Finish(ToGrpc(*end_, context_.counters));
+    if (!ok) return OnEnd(absl::CancelledError("the connection was lost"));
+    WriteNext();
+  }
+
+  ServiceContext& context_;
+  grpc::CallbackServerContext& call_;
+  const size_t max_events_;  // in one message
+  std::unique_ptr<events::Subscriber> subscriber_;
+  grpc::ByteBuffer message_;
+  bool writing_ = false;
+  int64_t write_start_ns_ = 0;
+  std::optional<absl::Status> end_;
+};
+
+}  // namespace
+
+std::optional<events::Wish> WishOf(const google::protobuf::Message& request) {
+  if (const auto* scenes = dynamic_cast<const v1::WatchPosteriorsRequest*>(&request)) {
+    return events::Wish{.kind = events::Kind::kPosteriors,
+                        .filter = {scenes->project(), scenes->scene()},
+                        .mark = scenes->mark_all_told()};
+  }
+  if (const auto* sessions = dynamic_cast<const v1::WatchSessionsRequest*>(&request)) {
+    return events::Wish{.kind = events::Kind::kSessions,
+                        .filter = {sessions->project(), sessions->scene()},
+                        .mark = sessions->mark_all_told()};
+  }
+  if (const auto* boxes = dynamic_cast<const v1::WatchBoxesRequest*>(&request)) {
+    return events::Wish{.kind = events::Kind::kBoxes,
+                        .session_id = boxes->session_id(),
+                        .mark = boxes->mark_all_told()};
+  }
+  return std::nullopt;
+}
+
+Rpc RpcOf(events::Kind kind) {
+  switch (kind) {
+    case events::Kind::kPosteriors:
+      return RpcOf("PosteriorsService/WatchPosteriors");
+    case events::Kind::kSessions:
+      return RpcOf("SessionsService/WatchSessions");
+    default:
+      return RpcOf("SessionsService/WatchBoxes");
+  }
+}
+
+void BeginWatch(ServiceContext& context, events::Wish wish, const auth::Principal& caller,
+                const std::string& peer, events::Sink& sink) {
+  const absl::Status allowed = Narrow(caller, wish.filter);
+  auto share = allowed.ok() ? context.access.BeginWatch(caller, net::AddressOf(peer)) : allowed;
+  if (!share.ok()) {
+    if (wish.on_end) wish.on_end(share.status());
+    return sink.OnEnd(share.status());
+  }
+  auto& count = context.counters.open_watcher_count;
+  ++count;
+  wish.share = std::shared_ptr<void>(nullptr, [&count, share = *share](void*) { --count; });
+  wish.check = [&access = context.access, caller] { return access.CheckStill(caller); };
+  context.events.Subscribe(std::move(wish), sink);
+}
+
+grpc::ServerWriteReactor<grpc::ByteBuffer>* ServeWatch(ServiceContext& context,
+                                                       grpc::CallbackServerContext& call,
+                                                       events::Wish wish, bool parsed) {
+  const auto caller = context.access.Authorize(call, RpcOf(wish.kind));
+  absl::Status status = caller.status();
+  if (status.ok() && !parsed) {
+    status = Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse");
+    context.access.refusals().TellEnd(CallerOf(call), status);
+  }
+  if (status.ok()) return new WatchCall(context, call, std::move(wish), *caller);
+  return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(
+      ToGrpc(status, context.counters));
+}
+
+}  // namespace sweepstake::rpc
