@@ -131,8 +131,8 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
       if (!order.ok()) return end(order.status());
       order->operator_name = who;
       order->now_ns = context_.loop.clock().NowNs();
-      // Recorded before the answer, because the daemon may end before the game answers. The session's
-      // own log has the order once its next decision is on disk.
+      // Recorded before the answer, because the daemon may end before the game answers. The
+      // session's own log has the order once its next decision is on disk.
       const std::string action = OrderText(*request, session->identity().id);
       admin_.Record(who, action);
       session->Order(*order, [this, request, response, who, end, action,
