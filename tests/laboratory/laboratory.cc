@@ -29,7 +29,7 @@ CLI::Option* AddSceneOptions(CLI::App& command, std::vector<std::string>& scenes
                              std::vector<uint32_t>& object_counts) {
   command.add_option("--objects", object_counts, "Object counts")
       ->delimiter(',')
-      ->check(WholeFrom(1, 10'000'000))
+      ->check(WholeUpTo(kMaxSceneObjectCount))
       ->capture_default_str();
   return command
       .add_option("--scene", scenes,
