@@ -11,8 +11,8 @@
 #include "engine_client/cli/io/numbers.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
-#include "engine_client/decider/audit/cell_text.h"
 #include "engine_client/decider/audit/csv.h"
+#include "engine_client/decider/types.h"
 #include "sweepstake/broad_phase.h"
 #include "tests/laboratory/replay/replay_output.h"
 
