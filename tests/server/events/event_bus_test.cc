@@ -201,7 +201,7 @@ class EventBusTest : public ::testing::Test {
   sessions::ManualClock clock_;
   sessions::DecisionLoop loop_{clock_, {}, sessions::DecisionLoop::Runner::kCaller};
   RecordingEncoder encoder_;
-  sessions::SessionOptions options_;
+  sessions::HostedSessionOptions options_;
   sessions::SessionCounters counters_;
   EventBus bus_{store_, loop_, sessions_, encoder_};
   sessions::SessionTable sessions_{{options_, loop_, store_, counters_, bus_}};
