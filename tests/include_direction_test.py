@@ -104,7 +104,7 @@ PUBLIC_FOLDER = "engine_client/include/sweepstake"
 ROOM_ORDER = {
     "engine_client/broad_phase": ("host", "common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
     "engine_client/cli": ("io", "game", "daemon", "priors", ""),
-    "engine_client/telemetry": ("tls", "conversion", "common", "protocol", ""),
+    "engine_client/telemetry": ("tls", "common", "protocol", "conversion", ""),
     "server/rpc": ("common", "services", ""),
     "server/sessions": ("common", ""),
     "server/web": ("", "api"),

@@ -21,8 +21,9 @@ LIBRARIES = {
 }
 TELEMETRY = {
     "proto": ["grpc::grpc", "protobuf::protobuf"],
+    "proto_conversion": ["decider", "proto"],
     "tls": ["openssl::openssl", "grpc::grpc"],
-    "telemetry": ["embedded", "math", "text", "proto", "tls", "abseil::abseil"],
+    "telemetry": ["embedded", "math", "text", "proto", "proto_conversion", "tls", "abseil::abseil"],
 }
 
 

@@ -73,7 +73,8 @@ swp_result CheckOptions(const swp_proxies_options& options) {
   return CheckTruth("sorted_pairs must be 0 or 1", options.sorted_pairs);
 }
 
-constexpr swp_proxies_options kProxyDefaults = {sizeof(swp_proxies_options), 0, 0, 0, nullptr, 0, 0};
+constexpr swp_proxies_options kProxyDefaults = {
+    sizeof(swp_proxies_options), 0, 0, 0, nullptr, 0, 0};
 
 swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxies) {
   std::unique_ptr<sweepstake::Executor> executor;

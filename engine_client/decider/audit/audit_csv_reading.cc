@@ -111,6 +111,10 @@ bool AuditCsvReader::Next(AuditRow& row) {
   while (ReadAhead() && ahead_[0] == std::to_string(lines.size()) &&
          std::equal(ahead_.begin() + 1, ahead_.begin() + 4, lines[0].begin() + 1))
     lines.push_back(ahead_);
+  if (!problem_.empty()) {  // the wrong line may belong to this row
+    line_ = lines_.line();
+    return false;
+  }
   CellReader reader(lines);
   VisitFields(row, reader);
   const auto wrong = reader.wrong() ? reader.wrong() : OddPlace(row, lines);

@@ -196,7 +196,7 @@ typedef struct swp_decision {
   uint32_t command_arm;             /* SWP_NO_ARM: none */
   swp_switch_reason command_reason; /* 0: none */
   swp_verdict verdict;
-  double expected_loss_ratio;  /* expected loss of choosing the leader ÷ the best arm's cost */
+  double expected_loss_ratio;  /* expected loss of choosing the leader / the best arm's cost */
   double best_probability[32]; /* each arm's probability of being the best; all 0: unknown */
 } swp_decision;
 

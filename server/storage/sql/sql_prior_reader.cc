@@ -493,7 +493,9 @@ absl::StatusOr<std::vector<priors::AuditRow>> SqlPriorReader::LoadAudit(uint64_t
   std::vector<priors::AuditRow> rows;
   absl::Status status = database_.ForEachRow(
       kLoadRows,
-      [&](const SqlRow& row) { rows.push_back({.number = row.Unsigned(0), .bytes = row.Bytes(1)}); },
+      [&](const SqlRow& row) {
+        rows.push_back({.number = row.Unsigned(0), .bytes = row.Bytes(1)});
+      },
       segment_id, first_row, limit, max_bytes);
   if (!status.ok()) return status;
   return rows;

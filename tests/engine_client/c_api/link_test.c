@@ -49,10 +49,9 @@ static bytes welcome(const char* session, int resumed, uint64_t acknowledged) {
   put_text(&part, 1, session);
   put_number(&part, 2, (uint64_t)resumed);
   put_number(&part, 3, acknowledged);
-  put_number(&part, 10, 4000); /* bail_out_ms */
-  put_text(&part, 12, "1.2.3");
-  put_text(&part, 18, "token");
-  put_number(&part, 20, 2);
+  put_number(&part, 9, 4000); /* bail_out_ms */
+  put_text(&part, 10, "1.2.3");
+  put_text(&part, 15, "token");
   return response_with(1, &part);
 }
 

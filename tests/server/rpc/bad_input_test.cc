@@ -172,7 +172,7 @@ TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {
   EXPECT_EQ(Stored().arms[0].live, before.arms[0].live);
 }
 
-TEST_F(BadInputTest, OneOfTwoConcurrentResumptionsWithDifferentArmsGetsANewSession) {
+TEST_F(BadInputTest, OneOfTwoConcurrentResumptionsWithDifferentArmsConnectsAgainForANewSession) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
@@ -195,7 +195,8 @@ TEST_F(BadInputTest, OneOfTwoConcurrentResumptionsWithDifferentArmsGetsANewSessi
   ASSERT_TRUE(Eventually([&] { return store_.submit_count() == jobs + 2; }));
   release.set_value();
   EXPECT_TRUE(first.Await(&v1::StreamTelemetryResponse::has_welcome).welcome().resumed());
-  const v1::Welcome welcome = second.Await(&v1::StreamTelemetryResponse::has_welcome).welcome();
+  EXPECT_EQ(ReasonOf(second.Finish()), v1::ERROR_REASON_STORE_BUSY);
+  const v1::Welcome welcome = TelemetryClient(channel_).Open(other);
   EXPECT_FALSE(welcome.resumed());
   EXPECT_NE(welcome.session_id(), hello.session_id());
   first.Send(Frames(2, 30));
