@@ -52,6 +52,9 @@ void Declare(CLI::App& command, LoadOptions& options) {
   command.add_option("--duration", options.duration, "Measured time after all games have begun")
       ->capture_default_str();
   command.add_option("--project", plan.project, "Project of the games")->capture_default_str();
+  command.add_option("--scenes", plan.scene_count, "Scenes, assigned to the games in turn")
+      ->check(WholeFrom(1, 100'000))
+      ->capture_default_str();
   command
       .add_option("--bail-out-share", plan.bail_out_share,
                   "Share of the batches that are followed by a bail-out")

@@ -2,13 +2,13 @@
 // version of the reward. Evidence in quarantine has groups of its own. Pure functions.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
 #include <span>
 #include <string>
+#include <tuple>
 
 #include "engine_client/decider/pooling/prior_record.h"
 #include "engine_client/decider/pooling/scene_prior.h"
@@ -24,8 +24,15 @@ struct PriorsGroupKey {
   uint32_t reward_version = 1;
   bool is_quarantined = false;
 
-  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
-  friend auto operator<=>(const PriorsGroupKey&, const PriorsGroupKey&) = default;
+  // Not <=>, because the strings of libc++ 14 lack it.
+  friend bool operator<(const PriorsGroupKey& a, const PriorsGroupKey& b) {
+    const auto members = [](const PriorsGroupKey& key) {
+      return std::tie(key.project, key.scene, key.build, key.machine_class, key.reward_version,
+                      key.is_quarantined);
+    };
+    return members(a) < members(b);
+  }
+  friend bool operator==(const PriorsGroupKey&, const PriorsGroupKey&) = default;
 };
 
 struct PriorsArm {

@@ -129,7 +129,7 @@ async function checkWhy(page, daemon, { sessionId }) {
   assert.match(await panel.innerText(), /is the best arm with a probability of (over )?\d/);
   assert.ok(Number(query(page).get('decision')) > 0);
   await panel.getByText('Audit row', { exact: true }).click(); // the page reads it automatically, a moment after the decision
-  assert.equal(await panel.locator('dt', { hasText: /^decision_id$/ }).locator('+ dd').innerText(), query(page).get('decision'));
+  assert.equal(await panel.locator('dt', { hasText: /^decision[.]id$/ }).locator('+ dd').innerText(), query(page).get('decision'));
   await page.reload();
   await panel.waitFor();
   await panel.getByRole('button', { name: 'Close' }).click();
