@@ -271,7 +271,8 @@ TEST_F(SlowReaderTest, ASlowWatcherReceivesASnapshotInPlaceOfWhatItMissed) {
   while (events_->skip_count == 0) {
     PublishAllScenes();
     encoded += kScenes + 1;
-    ASSERT_TRUE(Eventually([&] { return events_->encoded_count == encoded; }));
+    ASSERT_TRUE(Eventually([&] { return events_->encoded_count == encoded; }))
+        << events_->encoded_count << " of " << encoded << " at " << sequence_;
     ASSERT_LT(sequence_, 1'000u);
     // This watcher keeps up.
     other.Until("\"alpha\":" + std::to_string(sequence_ + 1) + ",");
