@@ -13,7 +13,7 @@ export function LogState({ log }: { log: SessionLog }) {
   if (log.error && log.steps.length === 0) return <Failure what="The session’s log" error={log.error} onRetry={log.again} />;
   if (log.isReading && log.steps.length === 0) return <Loading what="the session’s log" />;
   return (
-    <p class="soft">
+    <p class="soft log-state">
       <span class="row-count">{grouped(log.droppedCount + log.steps.length)} rows</span> of the audit log, read {ago(log.atMs, now.value)}{log.error && <>: <span role="status">{log.error.message}; the page tries again</span></>}.
       {log.droppedCount > 0 && <> The last {grouped(MAX_STEPS)} are shown; <code>sweepstake audit export</code> writes all rows.</>} <button type="button" class="quiet" disabled={log.isReading} onClick={log.again}>Read again</button>
     </p>
