@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine_client/decider/audit/rederive.h"
+#include "server/events/subscriber.h"
 #include "server/storage/record_limits.h"
 #include "sweepstake/v1/telemetry.pb.h"
 #include "tests/engine_client/decider/audit/stored_audit.h"
@@ -21,13 +22,20 @@ using fuzz::Require;
 constexpr uint32_t kAll = 1'000'000;
 constexpr int64_t kTenthOfSecondNs = 100'000'000;
 
-class WatcherOfAll final : public watch::WatchListener {
+// Watches all scenes, and takes each event at once.
+class Watcher final : public events::Sink {
  public:
-  bool Watches(const priors::SceneKey&) override { return true; }
-  void OnDecision(const sessions::DecisionEvent&) override {}
-  void OnTick() override {}
-  void OnPosterior(const priors::SceneEvidence&) override {}
-  void OnReset() override {}
+  void Begin(std::unique_ptr<events::Subscriber> subscriber) override {
+    subscriber_ = std::move(subscriber);
+  }
+  void Wake() override {
+    while (subscriber_ != nullptr && !subscriber_->Take(kAll).empty()) {
+    }
+  }
+  void OnEnd(const absl::Status&) override { subscriber_.reset(); }
+
+ private:
+  std::unique_ptr<events::Subscriber> subscriber_;
 };
 
 RpcOptions Options() {
@@ -39,7 +47,7 @@ RpcOptions Options() {
 // A daemon and the connection of its one client, on the fuzzer's thread.
 class Daemon final : public TelemetryTransport {
  public:
-  Daemon() { daemon_.hub.Add(watcher_); }
+  Daemon() { daemon_.events.Subscribe({.kind = events::Kind::kPosteriors}, watcher_); }
   ~Daemon() override { LoseConnection(); }
 
   void Take(std::string_view bytes) {
@@ -119,8 +127,8 @@ class Daemon final : public TelemetryTransport {
   }
   std::string peer() const override { return "fuzzer"; }
 
-  WatcherOfAll watcher_;
   PromptDaemon daemon_{Options()};
+  Watcher watcher_;
   std::shared_ptr<TelemetryStream> stream_;
   uint32_t pending_reads_ = 0;
   v1::StreamTelemetryRequest request_;
