@@ -74,7 +74,7 @@ Status WriteResults(const ExperimentFolder& folder, const ExperimentReport& repo
   return folder.WriteManifest(report.plan, report.sessions, report.records.size());
 }
 
-// Traces, plays and judges what is missing.
+// Makes the missing traces, plays the missing runs, and judges all runs by the traces.
 Status Run(const ExperimentFolder& folder, ExperimentReport& report, Terminal& terminal) {
   // The manifest is written before the first run, so that an experiment that is killed can be
   // resumed.

@@ -33,7 +33,7 @@ struct BenchOptions {
   // for SimdTarget(). In a report: those that were measured, the best first.
   std::vector<std::string> simd;
   bool peers = false;
-  double peer_cap_s = 5;  // maximum of a peer's own time in a cell
+  double peer_cap_s = 5;  // maximum total time of one peer in one cell
   bool json = false;
   std::string command_line;  // as it was given
 };
@@ -51,17 +51,17 @@ struct BenchRow : TimeSummary {
   size_t cell = 0;  // index in BenchReport::cells
   ContestantKind kind = ContestantKind::kArm;
   std::string family;  // BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy or KDTree
-  std::string name;    // of the arm or the peer
+  std::string name;    // the arm's or the peer's
   std::string simd;    // the instruction set; empty for peers, which have their own
   uint32_t thread_count = 1;
-  uint64_t frame_count = 0;  // measured; 0: it was left out, and `note` says why
+  uint64_t frame_count = 0;  // measured frames; 0: not run, for the reason in `note`
   double pairs_mean = 0;
   std::optional<double> aabb_checks_mean;    // arms only
   std::optional<uint64_t> bytes;             // arms only: maximum over the measured frames
   std::optional<uint64_t> bytes_with_pairs;  // `bytes` plus the pair buffer
-  std::string difference;                    // if its pairs were wrong: where; else empty
-  std::string note;                          // why there are fewer frames than asked for
-  uint64_t first_step = 0;                   // the scene's step that step_ms starts at
+  std::string difference;                    // where its pairs were first wrong; else empty
+  std::string note;                          // why fewer frames were measured; else empty
+  uint64_t first_step = 0;                   // the scene's step of step_ms[0]
   std::vector<double> step_ms;               // time per step, warm-up included
 };
 
@@ -84,13 +84,13 @@ inline constexpr const char* kRatioKindNames[] = {"family",  "overall", "growth"
 struct BenchRatio {
   size_t cell = 0;
   RatioKind kind = RatioKind::kFamily;
-  std::string family;  // that of `ours`
+  std::string family;  // the family of `ours`
   std::string ours;    // the arm
   std::string simd;    // the arm's instruction set
-  std::string other;   // the peer, or what else it is compared with
+  std::string other;   // the peer, or the other side in words
   uint32_t thread_count = 1;
   double value = 0;
-  std::optional<double> value_mean;  // by the mean instead of the median
+  std::optional<double> value_mean;  // computed from means instead of medians
 };
 
 // How many times faster an arm is than a peer over the frames that both measured, one thread each.
@@ -120,11 +120,11 @@ std::vector<BenchRatio> RatiosOf(const BenchReport& report);
 std::vector<BenchSpeedup> SpeedupsOf(const BenchReport& report);
 
 // Runs the cells of a bench: every arm with every thread count and every peer on the same frames.
-// Calls `on_progress` with the finished share and the name of the current cell. Afterwards the best
-// measured instruction set is the chosen one. If an arm or a peer finds wrong pairs, its row
-// contains the difference; this is not an error. Errors: those of UseSimdTarget, ChooseArms and
-// OpenScene. Not thread-safe. Cost: the contestants' own time; a peer exceeds its cap by at most
-// one frame. Memory: all contestants of a cell exist at once.
+// Calls `on_progress` with the finished share and the name of the current cell. Afterwards the
+// process uses the best of the measured instruction sets. If an arm or a peer finds wrong pairs,
+// its row contains the difference; this is not an error. Errors: those of UseSimdTarget, ChooseArms
+// and OpenScene. Not thread-safe. Cost: the contestants' own time; a peer exceeds its cap by at
+// most one frame. Memory: all contestants of a cell exist at once.
 Result<BenchReport> RunBench(
     const BenchOptions& options,
     const std::function<void(double share, const std::string& text)>& on_progress);

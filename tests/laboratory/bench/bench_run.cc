@@ -125,8 +125,8 @@ class CellRun {
     }
   }
 
-  // Compares with the first row, which is an arm's. Whether arms are correct is the job of
-  // `sweepstake-lab check`.
+  // Compares the pairs of a contestant with those of the first row, which belongs to an arm.
+  // `sweepstake-lab check` tests whether the arms themselves are correct.
   std::string DifferenceFrom(const ContestantTiming& right, const ContestantTiming& found) const {
     for (size_t i = 0; i < found.step_pairs.size(); ++i) {
       if (found.step_pairs[i] == right.step_pairs[i]) continue;
@@ -142,7 +142,8 @@ class CellRun {
     const auto place = [&](const BenchRow& row) {
       return std::find(families.begin(), families.end(), row.family) - families.begin();
     };
-    // Contestants were added from the best instruction set down, and stay in that order.
+    // The sort is stable: contestants were added by instruction set, the best first, and keep that
+    // order.
     std::stable_sort(rows_.begin(), rows_.end(), [&](const BenchRow& a, const BenchRow& b) {
       return std::tuple(place(a), a.kind, a.name, a.thread_count) <
              std::tuple(place(b), b.kind, b.name, b.thread_count);

@@ -29,7 +29,7 @@ struct Frame {
   bool has_boxes;
 };
 
-// Returns the rows of the notes. The frames with boxes number them in order.
+// Returns the rows of the notes. Empty if the recorded boxes are not numbered 0, 1, 2, …
 std::vector<Frame> FramesOf(const Json& notes) {
   std::vector<Frame> frames;
   size_t box_frame_count = 0;
@@ -187,8 +187,8 @@ Result<Json> ReplayFlight(const std::string& file) {
     return Status(StatusCode::kDataLoss, text::PrintableLine(file) + " has broken notes: " +
                                              text::PrintableLine(broken) + "; record it again");
   }
-  // Structures are built on the boxes with number 0; step k searches the boxes with number k. If
-  // the longest frame has no boxes, the next frame that has some stands for it.
+  // The structures are built on the first recorded boxes; step k updates them to the boxes with
+  // number k. If the longest frame has no boxes, the next frame with boxes is used in its place.
   const size_t steps = std::max<size_t>(document["box_frames"].get<size_t>() - 1, 1);
   const auto worst_boxes = static_cast<size_t>(
       std::count_if(frames.begin(), frames.begin() + static_cast<ptrdiff_t>(worst),

@@ -39,7 +39,7 @@ class ShownBoxes {
   std::vector<uint32_t> ids_;  // empty if all boxes are shown
 };
 
-// Evicts everything else from the caches.
+// Evicts all other data from the caches by reading and writing its own memory.
 class CacheFiller {
  public:
   void Fill() {

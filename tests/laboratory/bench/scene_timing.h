@@ -47,7 +47,7 @@ struct Contestant {
 struct ContestantTiming {
   std::vector<double> step_ms;              // one per step
   std::vector<PairFingerprint> step_pairs;  // one per step
-  uint64_t measured_count = 0;              // how many of the last steps are measured
+  uint64_t measured_count = 0;              // number of measured steps, the last ones
   bool capped = false;
   double aabb_checks_mean = 0;    // per measured frame
   uint64_t bytes = 0;             // of the broad phase, maximum over the measured frames
@@ -60,10 +60,10 @@ struct TimingPlan {
   bool cold = false;    // caches are evicted before each step
 };
 
-// Builds on the scene's current frame and takes the steps of the plan. If the cap stops a
-// contestant within the warm-up, all its steps count as measured. Outside of the measured time
-// `on_step` is called with the contestant and the number of steps it has taken. The instruction set
-// that was chosen before is chosen again at the end.
+// Builds every contestant on the scene's current frame, then runs the steps of the plan. If the cap
+// stops a contestant within the warm-up, all its steps count as measured. `on_step` is called
+// outside of the measured time, with the contestant and the number of steps it has done. In the end
+// the previous instruction set is restored.
 std::vector<ContestantTiming> TimeScene(
     Scene& scene, std::span<const Contestant> contestants, const TimingPlan& plan,
     const std::function<void(size_t contestant, uint64_t step)>& on_step);

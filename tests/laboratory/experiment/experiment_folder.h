@@ -32,7 +32,7 @@ struct RecordedSwitch {
   uint32_t to = 0;
   uint32_t reason = 0;       // SwitchReason
   uint64_t rebuild_ns = 0;   // building the structure on the frame thread
-  uint64_t settling_ns = 0;  // frame time above the settled mean; 0 also if it did not settle
+  uint64_t settling_ns = 0;  // extra frame time until it settled; also 0 if it never did
 };
 
 // One decision: a tick or a bail-out.
@@ -96,7 +96,7 @@ struct RunRecord : PlannedRun {
   std::vector<MetricWindow> windows;
   std::vector<ArmActivity> explored;  // per arm, before the observation window
   std::vector<ArmActivity> observed;  // per arm, in the observation window
-  // Per arm: each arm alone on the same scene, right after the run.
+  // Per arm: a control run of this arm alone on the same scene, right after the live run.
   std::vector<ArmActivity> controls;
   TimeShares time;
   uint64_t shadow_visit_count = 0;

@@ -24,7 +24,7 @@ void Default(std::vector<Value>& values, std::vector<Value> defaults) {
 ExperimentOptions WithDefaults(ExperimentOptions options) {
   Default(options.scenes, {"brownian", "rotating-gravity", "hurricane"});
   if (options.quick) Default(options.object_counts, {1000, 3000});
-  // The paper's counts, and two beyond them, where a wrong choice costs more.
+  // The paper's object counts, and two larger ones, where a wrong choice costs more.
   Default(options.object_counts, {1000, 2000, 3000, 10'000, 50'000});
   Default(options.policies, {"paper", "default"});
   if (options.run_count == 0) options.run_count = options.quick ? 1 : kPaperRunCount;

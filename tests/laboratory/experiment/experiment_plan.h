@@ -26,7 +26,7 @@ struct ExperimentOptions {
 };
 
 struct ExperimentCell {
-  std::string scene;  // as --scene takes it
+  std::string scene;  // a value of --scene
   uint32_t object_count = 0;
   uint64_t scene_seed = 0;
 

@@ -23,8 +23,8 @@ namespace {
 
 constexpr uint32_t kStopDeadlineMs = 2000;
 constexpr uint64_t kGoOnIntervalNs = 2'000'000;
-// With frames of 10 µs the queue holds a sixth of a second, for which the sender thread may wait
-// for a core.
+// The queue holds the frames of 0.16 s if a frame takes 10 µs. The sender thread can wait that long
+// for a processor core before frames are dropped.
 constexpr uint32_t kQueueFrames = 16'384;
 
 // The controls run the arms in turn, in kControlRounds rounds of one block per arm. A block lasts

@@ -34,8 +34,9 @@ Status TraceCells(const ExperimentPlan& plan, const ExperimentFolder& folder,
 Status PlayGrid(const ExperimentPlan& plan, const ExperimentFolder& folder,
                 const ExperimentProgress& on_progress);
 
-// Returns the truths of the cells that have traces, with comparisons, but without replays after a
-// stop. Errors: those of AssessCell.
+// Returns the truths of the traced cells and the comparisons over all cells. Cells that come after
+// a requested stop are not replayed and have only the figures of RankArms. Errors: those of
+// AssessCell.
 Result<ExperimentTruths> Assess(const ExperimentPlan& plan, const ExperimentFolder& folder,
                                 std::span<const CellSummary> cells,
                                 const ExperimentProgress& on_progress);

@@ -41,7 +41,7 @@ struct PlayedRun {
   uint32_t switch_count = 0;            // executed in the window
   double posterior_mean = 0;            // μ* of the dominant arm at the end of the run
   double evidence = 0;                  // n*
-  Verdict verdict = Verdict::kUnknown;  // that of the last decision that has one
+  Verdict verdict = Verdict::kUnknown;  // the last decision's that has one
 
   const std::string& dominant_name() const { return record->arms[dominant]; }
 };
@@ -83,7 +83,7 @@ struct PaperFigure {
 
 // A cell of the paper's grid: 5 runs of 15 minutes.
 struct PaperCell {
-  std::string_view scene;  // as --scene takes it
+  std::string_view scene;  // a value of --scene
   uint32_t object_count = 0;
   std::string_view dominance;       // Table 3's column, as "KDTree 3/5; AxisSweep 2/5"
   std::string_view interpretation;  // Table 3's

@@ -33,12 +33,13 @@ struct ReplayedPlayer {
   StudyRow row;
 };
 
-// The regret of one live run.
+// The regret of one live run, computed in two ways: from the measured frame times, and from the
+// trace's mean costs of the arms that it ran.
 struct LiveRegret {
   uint32_t run = 0;
-  double measured = 0;      // against the best arm's control; includes machine noise
-  double by_trace = 0;      // the same frames at the trace's costs, without noise
-  double active_share = 0;  // of the dominant arm
+  double measured = 0;      // against the best arm's control run; includes machine noise
+  double by_trace = 0;      // from the trace's costs, without machine noise
+  double active_share = 0;  // the dominant arm's
 };
 
 // The regret of the live runs of one policy, and the interval in which replay expects their mean:
@@ -59,11 +60,11 @@ struct Agreement {
 struct CellTruth {
   ExperimentCell cell;
   std::vector<ArmCost> ranking;  // in ascending order of cost
-  double control_ratio = 1;      // of an arm that was measured twice: noise alone
-  double headroom = 0;           // of an oracle that pays for switches, over the best fixed arm
+  double control_ratio = 1;      // time of a second structure of an arm ÷ the first's: noise
+  double headroom = 0;           // StudyGame::headroom (replay_study.h)
   std::vector<ReplayedPlayer> players;        // empty if not replayed
-  std::vector<PairedComparison> comparisons;  // of AI Decides with each other policy
-  std::vector<Agreement> agreements;          // per policy that has live runs
+  std::vector<PairedComparison> comparisons;  // AI Decides against each other policy
+  std::vector<Agreement> agreements;          // one per policy with live runs
 };
 
 // All traced cells, and the comparisons of AI Decides with each baseline over them.
@@ -78,7 +79,7 @@ struct ExperimentTruths {
 struct TruthOptions {
   uint32_t seed_count = 30;
   uint32_t thread_count = 1;
-  double time_scale = 1;  // the live runs'
+  double time_scale = 1;  // that of the live runs
 };
 
 // Returns the figures that need only the trace: ranking and control.

@@ -1,5 +1,5 @@
 // Files that hold one JSON document with the name and the version of its format: manifests, records
-// of runs, cost traces. A file appears whole or not at all. Thread-safe on different files.
+// of runs, cost traces. They are written atomically. Thread-safe on different files.
 #pragma once
 
 #include <filesystem>

@@ -18,8 +18,8 @@ std::string FillReportPage(std::string_view page, std::span<const std::string> d
 // Returns kUnavailable with the reason if the program was built without the page.
 Status ReportPageStatus();
 
-// Writes the file, which appears whole or not at all, and prints its path on `terminal`. Errors:
-// those of WholeFile and ReportPageStatus.
+// Writes the file atomically and prints its path on `terminal`. Errors: those of WholeFile and
+// ReportPageStatus.
 Status WriteReport(const std::string& path, std::span<const std::string> documents,
                    Terminal& terminal);
 

@@ -12,8 +12,9 @@ namespace sweepstake::cli {
 // Returns "1 h 12 min", "3 min" or "40 s".
 std::string DurationText(double seconds);
 
-// Returns a callback for work that knows no terminal. It adds the time that is left, at the pace
-// since this call. REQUIRES: `progress` outlives it.
+// Returns a callback that shows the finished share, its text and an estimate of the time that is
+// left. The estimate assumes the mean speed since this call. REQUIRES: `progress` outlives the
+// callback.
 std::function<void(double share, const std::string& text)> OnShareWithTimeLeft(Progress& progress);
 
 }  // namespace sweepstake::cli

@@ -57,8 +57,8 @@ std::optional<double> CpuSeconds(int64_t pid) {
   return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
-// Returns whether the status only follows from many earlier refusals of tokens. The first of those
-// has the reason.
+// Returns whether the daemon refused the call only because it had refused many tokens before. The
+// first of those refusals has the actual reason.
 bool IsFollowUp(const grpc::Status& status) {
   return ReasonOf(status) == v1::ERROR_REASON_TOO_MANY_FAILURES;
 }
@@ -78,7 +78,6 @@ v1::FrameBatch MakeBatch(uint32_t frame_count) {
   return batch;
 }
 
-// The steady clock of the run.
 int64_t NowNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
@@ -89,10 +88,10 @@ inline constexpr uint32_t kLoadArms = 7;
 
 class LoadRun;
 
-// One client of the run: a session with made-up frames, on gRPC's callback API, so that thousands
-// need no thread of their own. The run's timer thread sends, gRPC's threads receive. It keeps no
-// unacknowledged message, since a load measures the daemon and not the evidence. After a lost
-// connection it resumes its session.
+// One client of the run: a session with made-up frames. It uses gRPC's callback API, so that
+// thousands of clients do not need a thread each. The run's timer thread sends, and gRPC's threads
+// receive. Unacknowledged messages are not kept for a second attempt, because lost evidence does
+// not affect what is measured. After a lost connection the client resumes its session.
 class LoadStream {
  public:
   // Maximum number of messages that wait for the connection; further batches are not sent.
@@ -145,18 +144,18 @@ class LoadStream {
   uint64_t acknowledged_sequence_ = 0;
   uint64_t sequence_ = 0;
   uint64_t frame_index_ = 0;
-  uint64_t bail_out_ns_ = 0;  // the daemon's limit
+  uint64_t bail_out_ns_ = 0;  // the daemon's limit for a frame
   uint32_t arm_ = 0;
   uint32_t switch_epoch_ = 0;
   uint32_t reconnect_delay_ms_ = 0;
   bool measuring_ = false;
-  uint64_t first_measured_ = 1;   // range of sequence numbers that are measured
-  uint64_t last_measured_ = 0;    // 0: nothing
-  int64_t begun_ns_ = 0;          // of the connection
-  int64_t bail_out_sent_ns_ = 0;  // 0: none is unanswered
-  uint64_t timed_sequence_ = 0;   // of the batch whose commit is timed
-  int64_t timed_sent_ns_ = 0;     // 0: none is
-  bool up_ = false;               // the welcome has come
+  uint64_t first_measured_ = 1;   // range of measured sequence numbers
+  uint64_t last_measured_ = 0;    // 0: no message is measured
+  int64_t begun_ns_ = 0;          // start of the connection
+  int64_t bail_out_sent_ns_ = 0;  // when the unanswered bail-out was sent; 0: none
+  uint64_t timed_sequence_ = 0;   // the batch whose commit is timed
+  int64_t timed_sent_ns_ = 0;     // when it was sent; 0: no batch is timed
+  bool up_ = false;               // the daemon's welcome was received
   bool leaving_ = false;          // the goodbye was sent; no message may follow
 };
 
@@ -201,7 +200,7 @@ class LoadRun {
   void Reconnect(int64_t now_ns);
   void ShowProgress(int64_t now_ns);
   void Measure();
-  // Waits for the acknowledgements of what was sent while measuring.
+  // Waits for the acknowledgements of the messages that were sent while measuring.
   void AwaitAcknowledgements(int64_t end_ns);
   Status Shortfall();
   void SayGoodbye();
@@ -220,19 +219,19 @@ class LoadRun {
   const v1::FrameBatch batch_;
   std::vector<std::unique_ptr<LoadStream>> streams_;
   std::multimap<int64_t, Timer> timers_;
-  std::minstd_rand random_{1};  // of the jitter
+  std::minstd_rand random_{1};  // jitter of reconnections
   int64_t progress_due_ns_ = 0;
   std::atomic<bool> measuring_{false};
-  std::atomic<bool> counting_{true};  // acknowledgements; false once the wait for them is over
+  std::atomic<bool> counting_{true};  // acknowledgements count until the wait for them ends
 
-  std::atomic<uint64_t> open_count_{0};  // connections
+  std::atomic<uint64_t> open_count_{0};  // open connections
 
   std::mutex mutex_;  // guards all below
   LoadResult result_;
-  std::vector<std::pair<int64_t, LoadStream*>> lost_;  // when each may connect again
+  std::vector<std::pair<int64_t, LoadStream*>> lost_;  // with the time of the next attempt
   uint64_t up_count_ = 0;                              // streams with a welcome
-  uint64_t kicked_count_ = 0;                          // streams
-  int64_t lost_since_ns_ = 0;                          // 0: no stream is lost
+  uint64_t kicked_count_ = 0;                          // kicked streams
+  int64_t lost_since_ns_ = 0;                          // since when streams are lost; 0: none is
   bool ending_ = false;
   grpc::Status last_error_;
 };
@@ -527,8 +526,8 @@ Status LoadRun::OpenStreams() {
   return {};
 }
 
-// Spreads the starts evenly over one interval of batches. The time is longer if more than
-// kMaxHellosPerSecond streams would start per second, and at most kLongestSpreadS otherwise.
+// Spreads the starts evenly over one interval of batches, at most kLongestSpreadS. They take longer
+// if otherwise more than kMaxHellosPerSecond streams would start per second.
 void LoadRun::ScheduleStarts() {
   const auto count = static_cast<double>(plan_.stream_count);
   const double spread_s = std::max(std::min(1 / plan_.batches_per_second, kLongestSpreadS),
@@ -571,8 +570,9 @@ void LoadRun::Fire(const Timer& timer, int64_t due_ns) {
     ++open_count_;
     return stream.Connect();
   }
-  // Every n-th batch of a stream is followed by a bail-out, and the streams take turns. Streams
-  // whose indices differ by n are offset too, because many streams send at the same moment.
+  // Every period-th batch of a stream is followed by a bail-out. The streams start this count at
+  // different batches, because many streams send at the same moment. `stream / period` separates
+  // streams whose indices differ by a multiple of the period.
   const double share = plan_.bail_out_share;
   const uint64_t period = share > 0 ? std::max<uint64_t>(1, std::llround(1 / share)) : 0;
   const bool with_bail_out =

@@ -30,7 +30,7 @@ struct LoadPlan {
   uint64_t duration_ns = 30'000'000'000;  // from the moment when all streams have begun
   // Maximum wait for the last acknowledgements. A daemon sends one every two seconds.
   uint64_t commit_patience_ns = 2'500'000'000;
-  double bail_out_share = 0.01;  // of the batches
+  double bail_out_share = 0.01;  // share of the batches that a bail-out follows
   int64_t server_pid = 0;        // process id of the daemon if it runs on this machine; 0: unknown
 };
 
@@ -38,12 +38,12 @@ struct LoadResult {
   uint64_t welcome_count = 0;   // welcomes received, including those after a reconnection
   uint64_t batch_count = 0;     // sent while measuring or before
   uint64_t bail_out_count = 0;  // sent
-  uint64_t switch_count = 0;    // commands received, and outcomes sent
-  uint64_t unsent_count = 0;    // batches that were due while a stream was not connected or behind
+  uint64_t switch_count = 0;    // switch commands received and answered
+  uint64_t unsent_count = 0;    // batches not sent: no connection, or too many are waiting
   uint64_t rejected_count = 0;  // connections that the daemon refused or ended with an error
   uint64_t finished_count = 0;  // sessions whose goodbye was answered
   uint64_t measured_batch_count = 0;
-  uint64_t acknowledged_count = 0;  // messages sent while measuring, on the daemon's disk
+  uint64_t acknowledged_count = 0;  // measured messages that are on the daemon's disk
   double measured_s = 0;
   std::vector<double> hello_latency_ms;     // sorted; from the start of a connection to its welcome
   std::vector<double> decision_latency_ms;  // sorted
@@ -51,8 +51,8 @@ struct LoadResult {
   std::vector<double> commit_lag_ms;
   std::vector<double> tick_lateness_ms;   // sorted
   std::optional<double> reconnect_s;      // the longest time until all streams were back
-  std::optional<double> server_cpu_s;     // while measuring
-  std::optional<double> generator_cpu_s;  // this process's, while measuring
+  std::optional<double> server_cpu_s;     // CPU time while measuring
+  std::optional<double> generator_cpu_s;  // CPU time of this process while measuring
   // kUnavailable with the last error if sessions did not finish. Ok if the run was stopped before
   // all streams had begun and there was no error.
   Status shortfall;

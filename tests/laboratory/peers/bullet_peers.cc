@@ -62,7 +62,7 @@ class BulletPeer : public Peer {
     for (const Aabb& box : boxes.subspan(proxies_.size())) Add(box);
   }
 
-  // The broad phase's pair cache holds conservative pairs, some of which are out of date.
+  // The pair cache also holds outdated pairs, and pairs whose exact boxes do not overlap.
   void FindPairs(PairBuffer& out) override {
     broadphase_->calculateOverlappingPairs(nullptr);
     const btBroadphasePairArray& pairs =

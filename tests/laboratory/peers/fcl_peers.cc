@@ -55,8 +55,8 @@ bool Collect(Object* a, Object* b, void* out) {
   return false;  // false makes FCL continue with the next pair
 }
 
-// Returns the edge of a cell of the spatial hash, which is the mean of the boxes' longest edges.
-// Twice that is slower.
+// Returns the edge length of a cell of the spatial hash: the mean of the boxes' longest edges.
+// Twice this length was slower.
 double CellEdge(std::span<const Aabb> boxes) {
   double sum = 0;
   for (const Aabb& box : boxes) {

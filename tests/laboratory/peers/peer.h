@@ -1,10 +1,10 @@
 // Broad phases of other libraries behind our own interface, so that `sweepstake-lab bench --peers`
-// can time them beside ours.
+// can time them beside our backends.
 //
 // A peer is used as its library intends it for many moving objects: every object gets its new box,
-// then all overlapping pairs are found. Where the library's own answer is conservative, the peer
-// drops the pairs whose exact boxes do not overlap. A peer counts no AABB checks and no bytes, and
-// its pairs come in any order. Not thread-safe.
+// then all overlapping pairs are found. If a library reports pairs of enlarged boxes, the peer
+// drops the pairs whose exact boxes do not overlap. A peer does not count AABB checks or bytes, and
+// its pairs are in any order. Not thread-safe.
 // REQUIRES, beyond BroadPhase: every box is valid (finite and not inverted, see aabb.h).
 #pragma once
 
@@ -39,7 +39,8 @@ struct PeerKind {
   std::string_view name;
   // Our backend that it is compared with, one of BroadPhaseNames.
   std::string_view family;
-  // More objects do not fit, or take longer than is practical.
+  // The maximum object count. More objects do not fit into the library's structure or take too
+  // long.
   uint32_t max_object_count = 0;
   bool takes_threads = false;
   std::unique_ptr<Peer> (*make)(std::string_view name, uint32_t thread_count) = nullptr;

@@ -128,7 +128,7 @@ class ThresholdsPolicy : public RewardPolicy {
   std::vector<std::string> arms_;
   std::vector<bool> bailed_out_;
   std::optional<double> object_count_;
-  double density_ratio_ = 0;  // the scene counts as sparse until one is measured
+  double density_ratio_ = 0;  // 0, which is sparse, until it is measured
 };
 
 // Runs the arm that is cheapest in the shadow lane (`lane-argmin`). This trivial policy is the
@@ -152,7 +152,7 @@ class LaneArgminPolicy : public RewardPolicy {
   }
   std::vector<Increment> LearnShadow(std::span<const ShadowSample> samples,
                                      int64_t /*now_ns*/) override {
-    constexpr double kWeight = 0.3;  // of a new visit in an arm's mean
+    constexpr double kWeight = 0.3;  // weight of a new visit in an arm's mean
     for (const ShadowSample& sample : samples) {
       const double log_cost = LogCostOf(static_cast<double>(sample.detection_time_ns) * 1e-3);
       double& mean = log_costs_[sample.arm];
@@ -161,7 +161,7 @@ class LaneArgminPolicy : public RewardPolicy {
     return {};
   }
   Choice Choose(const ChoiceInput& input) const override {
-    constexpr double kMargin = 0.025;  // of log-cost
+    constexpr double kMargin = 0.025;  // minimum gain in log-cost for a switch
     uint32_t candidate = input.active_arm;
     double cheapest = bailed_out_[candidate] ? kUnseen : log_costs_[candidate] - kMargin;
     for (uint32_t arm = 0; arm < log_costs_.size(); ++arm) {
@@ -200,8 +200,8 @@ class OneDrawPolicy : public ThompsonPolicy {
 
 // Thompson sampling on calibrated beliefs (`calibrated`). The reward is the absolute log-cost
 // (log_cost.h), and each window counts as κ = max(1, μ(1−μ) ÷ σ̂²) observations, where σ̂² is the
-// pooled variance; the paper counts it as one toss of a coin. The penalty of a bail-out is that
-// number of windows of reward 0, where the paper counts observations.
+// pooled variance. The paper counts each window as one observation. The penalty of a bail-out is a
+// number of windows of reward 0; in the paper it is a number of observations.
 class CalibratedPolicy : public ThompsonPolicy {
  public:
   explicit CalibratedPolicy(const PolicySetup& setup)

@@ -12,7 +12,7 @@ namespace {
 // The real lane (shadow_lane.h) builds the next arm on one frame and follows it over three more.
 constexpr size_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
 
-constexpr double kMeanBusyNs = 10e9;  // of a stretch of other work, exponentially distributed
+constexpr double kMeanBusyNs = 10e9;  // mean of an exponential distribution of lengths
 
 constexpr double kSpikeShape = 1.5;
 constexpr double kMaxSpike = 100;
@@ -26,7 +26,8 @@ ShadowScheduleOptions Scaled(ShadowScheduleOptions options, const ReplayScene& s
   return options;
 }
 
-// The visits are numbered from 1; the biases of a game are drawn as number 0.
+// Visits are numbered from 1. Number 0 stands for the stream from which the biases of a game are
+// drawn.
 decision::RandomStream StreamOf(uint64_t seed, uint64_t visit, uint32_t arm) {
   return {seed, decision::RandomPurpose::kReplayLane, visit, arm};
 }
@@ -40,7 +41,7 @@ ReplayLane::ReplayLane(const ReplayScene& scene, const ShadowScheduleOptions& op
       seed_(seed),
       schedule_(Scaled(options, scene), scene.arm_count()) {}
 
-// Returns the factor of the visit's times.
+// Returns the factor by which the lane's errors change the times of the visit.
 double ReplayLane::ErrorOfVisit(uint32_t arm) const {
   decision::RandomStream of_arm = StreamOf(seed_, 0, arm);
   decision::RandomStream of_visit = StreamOf(seed_, visit_count_ + 1, arm);

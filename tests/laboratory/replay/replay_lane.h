@@ -1,10 +1,11 @@
 // Simulates the shadow lane of a replayed game in virtual time: one worker that visits the arms in
 // the order of the real lane's schedule (shadow_schedule.h) and warms up the next arm.
 //
-// The times of a visit are those of a running structure in the frames of its sweep, multiplied by
-// the slowdown of a fresh structure in the trace's nearest burst. The position in the scene is
-// therefore exact also between bursts. LaneErrors adds the measurement errors of a real machine.
-// Deterministic; not thread-safe. Borrows the scene. Times are nanoseconds of virtual time.
+// A visit uses the recorded times of a running structure in the frames of its sweep. They are
+// multiplied by the slowdown of a freshly built structure, which the trace has measured in the
+// nearest burst (cost_trace.h). Frames between two bursts therefore have their own times, too.
+// LaneErrors adds the measurement errors of a real machine. Deterministic; not thread-safe. Borrows
+// the scene. Times are nanoseconds of virtual time.
 #pragma once
 
 #include <cstdint>

@@ -31,7 +31,7 @@ Json VerdictsJson(const std::vector<double>& shares) {
   return json;
 }
 
-// Returns the ranges of probability that contain decisions.
+// Returns the bins of the reliability table that contain decisions.
 Json ReliabilityJson(const Reliability& reliability) {
   Json json = Json::array();
   for (size_t i = 0; i < Reliability::kBinCount; ++i) {
@@ -191,8 +191,8 @@ void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
       << report.options.seed_count
       << " seeds with its 95 % interval;\nafter_start leaves out the first minute and the "
          "exploration; vs_oracle: against the best\nsequence of arms that pays for its switches; "
-         "captured: of that oracle's gain over the\nbest fixed arm; share: of the dominant arm's "
-         "time. Noise floor: the same arm measured twice.\n";
+         "captured: share of that oracle's gain over\nthe best fixed arm; share: time on the "
+         "dominant arm. Noise floor: one arm measured twice.\n";
 }
 
 void PrintReplayJson(const ReplayReport& report, std::ostream& out) {

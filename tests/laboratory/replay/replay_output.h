@@ -32,9 +32,9 @@ void PrintReplayJson(const ReplayReport& report, std::ostream& out);
 // Returns the times of a frame; `paper` is the detection time of the policy paper.
 nlohmann::ordered_json FrameMsJson(const FrameMs& ms, const std::optional<double>& paper);
 
-// Derives every decision of an audit log again and compares it with the logged one.
-// Reads the file into memory and returns the result of the derivation, with the first difference.
-// Errors: kNotFound (the file cannot be read), kInvalidArgument (it contains no decisions).
+// Derives every decision of an audit log again and compares it with the logged one. Reads the file
+// into memory and returns the result with the first difference. Errors: kNotFound (the file cannot
+// be read), kInvalidArgument (it contains no decisions).
 Result<decision::AuditReport> ReplayLog(const std::string& file);
 
 // Return the report as one JSON document and as lines of text.

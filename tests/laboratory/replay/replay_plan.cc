@@ -97,8 +97,8 @@ Result<std::vector<StudyScene>> ReadScenes(const ReplayRequest& request) {
   return scenes;
 }
 
-// Returns the ratio of each arm of the traces, which is 1 unless the request names the arm. Empty
-// if it names none.
+// Returns the lane ratio of each arm: the requested value, or 1 if the request does not name the
+// arm. Empty if the request has no ratios.
 Result<std::vector<double>> LaneRatios(const ReplayRequest& request,
                                        std::span<const std::string> arms) {
   std::vector<double> ratios(request.lane_ratios.empty() ? 0 : arms.size(), 1);

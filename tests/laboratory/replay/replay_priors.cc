@@ -51,7 +51,7 @@ std::vector<double> ClassRatios(uint32_t arm_count, uint64_t seed) {
   return ratios;
 }
 
-// Returns the priors of a new session of kScene on kMachineClass, in the build of the games.
+// Returns the priors of a new session of kScene on kMachineClass, with the same build as the games.
 std::vector<decision::BetaPosterior> PriorsAfter(std::span<const PlayedGame> games,
                                                  uint32_t arm_count, bool compares) {
   decision::PriorKey key{.project = kProject,
@@ -102,7 +102,7 @@ std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::
       break;
     case ReplayPriors::kScenes:
       if (!compares) return {};
-      // Names of equal length keep the order of the scenes.
+      // Hexadecimal names of equal length sort like the indices of the scenes.
       for (const ReplayScene* other : others)
         games.push_back({.scene = math::HexOf(games.size()), .arms = teach(*other).taught});
       break;

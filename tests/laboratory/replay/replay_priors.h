@@ -16,10 +16,10 @@ namespace sweepstake::cli {
 
 enum class ReplayPriors {
   kNone,
-  kRight,   // of a game of the same scene, build and class of machines
-  kWrong,   // kRight with the arms' ranking reversed
-  kClass,   // of a game of the same scene and build on another class of machines
-  kScenes,  // of games of all other scenes, the scene itself being new
+  kRight,   // from a game on the same scene, build and machine class
+  kWrong,   // from that game, with the ranking of the arms reversed
+  kClass,   // from a game on the same scene and build, on another machine class
+  kScenes,  // from games on all other scenes; the scene itself is new
 };
 inline constexpr std::array<std::string_view, 5> kReplayPriorsNames = {"none", "right", "wrong",
                                                                        "class", "scenes"};
@@ -29,11 +29,11 @@ inline constexpr std::array<std::string_view, 5> kReplayPriorsNames = {"none", "
 // tests/bench/results/amd-zen4-2cores-instruction-sets.csv.
 inline constexpr double kClassDeviation = 0.17;
 
-// Plays a game of a scene.
+// Plays a game on a scene, whose evidence becomes the priors.
 using Teach = std::function<ReplayResult(const ReplayScene& scene)>;
 
-// Returns one prior per arm, or none without evidence. `others` are the project's other scenes.
-// `seed` determines the differences of the other class of machines.
+// Returns one prior per arm, or none without evidence. `others` are the project's other scenes. For
+// kClass, `seed` determines how the costs of the arms differ between the machine classes.
 std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::string& policy,
                                                   const ReplayScene& scene,
                                                   std::span<const ReplayScene* const> others,

@@ -56,7 +56,7 @@ class Game {
  private:
   struct PendingSwitch {
     SwitchCommand command;
-    int64_t ready_ns = 0;  // frames that begin earlier do not execute it
+    int64_t ready_ns = 0;  // the switch is not executed in earlier frames
     bool warm = false;
   };
 
@@ -90,7 +90,7 @@ class Game {
   ReplayLoad load_;
   SwitchCostMeter meter_;
   ReplayResult result_;
-  ArmTimes since_tick_;  // over the frames since the latest tick
+  ArmTimes since_tick_;  // in the frames since the latest tick
 
   int64_t now_ns_ = 0;      // end of the latest frame
   uint64_t search_ns_ = 0;  // of all frames
@@ -102,8 +102,8 @@ class Game {
   bool metering_ = false;
   std::optional<PendingSwitch> pending_;
   TrialGuard trial_;
-  std::optional<TrialGuard::End> trial_end_;  // pending_ is then the switch back
-  std::span<const double> slowdown_;          // per coming frame, while the structure is fresh
+  std::optional<TrialGuard::End> trial_end_;  // if set, pending_ is the switch back
+  std::span<const double> slowdown_;  // factors of the next frames, while the structure is fresh
   uint32_t next_frame_flags_ = 0;
   std::vector<FrameSample> batch_;
   int64_t batch_begin_ns_ = 0;
@@ -325,8 +325,8 @@ void Game::ObserveScene() {
   }
 }
 
-// Notes when the active arm was first chosen. Outside of the exploration every active arm was
-// chosen.
+// Records the first time at which the policy chose the active arm. The exploration does not count,
+// because it runs every arm.
 void Game::NoteArm() {
   if (session_.exploring() || result_.first_active_ns[arm_]) return;
   result_.first_active_ns[arm_] = now_ns_;
@@ -337,7 +337,8 @@ void Game::NoteTimes() {
     since_tick_.Add(arm, scene_.detection_ns(trace_frame_, arm));
 }
 
-// Compares the diagnosis of a tick with the frames since the previous tick.
+// Adds the tick's P(best) to the reliability table, compared with the frames since the previous
+// tick.
 void Game::Judge(const decision::Diagnosis& diagnosis) {
   if (since_tick_.empty()) return;
   if (!diagnosis.best_probability.empty()) {

@@ -36,7 +36,7 @@ struct ReplaySetup {
   std::vector<decision::BetaPosterior> priors{};  // one per arm; empty: none
   // Called with each tick and bail-out, in order.
   std::function<void(const decision::DecisionRecord&)> on_decision = nullptr;
-  // For the lane, if there is one.
+  // Options of the shadow lane; unused without a lane.
   ShadowScheduleOptions shadow = {};
   LaneErrors lane_errors = {};
   FrameLoad frame_load = {};
@@ -79,24 +79,24 @@ class Reliability {
 };
 
 struct ReplayResult {
-  // The frames' times count without FrameLoad.
+  // The sums below leave out the time that FrameLoad adds to frames.
   uint64_t total_ns = 0;  // sum over all frames
   // The start-up ends with the live exploration, but not before kStartUpNs.
   uint32_t start_up_frame_count = 0;
-  uint64_t after_start_up_ns = 0;            // sum over the frames after it
-  uint64_t after_start_up_switch_count = 0;  // executed after it
+  uint64_t after_start_up_ns = 0;            // sum over the frames after the start-up
+  uint64_t after_start_up_switch_count = 0;  // executed after the start-up
   uint32_t opening_frame_count = 0;          // frames that begin before kOpeningNs
-  uint64_t opening_ns = 0;                   // sum over them
+  uint64_t opening_ns = 0;                   // sum over these frames
   decision::ObservationSummary observation;  // active time and switches after the exploration
   std::array<uint64_t, 5> switch_counts{};   // executed in the whole run, by SwitchReason
   std::vector<uint64_t> active_ns;           // frame time per arm in the whole run; sum: total_ns
   uint64_t bail_out_count = 0;               // frames over the limit
-  std::vector<std::optional<int64_t>> first_active_ns;  // per arm, outside of the exploration
+  std::vector<std::optional<int64_t>> first_active_ns;  // per arm, after the exploration
   // The choice of the first tick: the commanded arm, or else the active one. Absent without a tick.
   std::optional<uint32_t> first_choice;
   std::vector<decision::ArmEvidence> taught;  // evidence for the store, per arm
-  std::array<uint64_t, 5> verdict_counts{};   // of ticks, by Verdict
-  Reliability reliability;                    // of the diagnoses at the ticks
+  std::array<uint64_t, 5> verdict_counts{};   // number of ticks, by Verdict
+  Reliability reliability;                    // of P(best) at the ticks
   uint64_t shadow_visit_count = 0;
   uint64_t shadow_ns = 0;  // time that the lane worked
 

@@ -8,8 +8,8 @@
 // a tree would last for seconds of the game.
 //
 // Recorded times are multiplied by one factor, so that the mean frame of the best fixed arm takes
-// GameOptions::frame_ns, other work included. Only ratios between arms are judged, and frames of 10
-// ms suit the paper's absolute scales.
+// GameOptions::frame_ns, other work included. Only ratios between arms are judged. Frames of 10 ms
+// suit the parameters of the paper's policy, which are absolute times.
 //
 // Immutable, so it is safe to share between threads. It borrows nothing of the trace. Times are
 // nanoseconds of virtual time. Memory: some 25 bytes per frame and arm.
@@ -47,7 +47,7 @@ class ReplayScene {
   const GameOptions& options() const { return options_; }
   const std::vector<std::string>& arms() const { return arms_; }
   uint32_t arm_count() const { return static_cast<uint32_t>(arms_.size()); }
-  uint32_t frame_count() const { return frame_count_; }  // the game's
+  uint32_t frame_count() const { return frame_count_; }  // frames of the game
   uint32_t trace_frame_count() const { return trace_frame_count_; }
 
   // detection_ns, aabb_check_count, native_bytes and object_count return the measured values of a
@@ -75,11 +75,11 @@ class ReplayScene {
   }
   uint32_t burst_frame_count() const { return burst_frame_count_; }
 
-  // The factor of all times: the game's ÷ the recorded ones.
+  // Game time ÷ recorded time, the same for all frames.
   double time_ratio() const { return time_ratio_; }
 
-  // The relative difference of the means of an arm that was measured twice: the regret due to noise
-  // alone.
+  // The regret that noise alone causes: the relative difference between two measurements of one
+  // arm.
   double control_regret() const { return control_regret_; }
 
  private:
@@ -100,11 +100,11 @@ class ReplayScene {
   std::vector<uint64_t> aabb_check_count_;
   std::vector<uint64_t> native_bytes_;
   std::vector<uint32_t> object_count_;
-  // Per burst, arm-major: burst_frame_count_ values each.
+  // One list per burst: burst_frame_count_ values for the first arm, then for the next.
   std::vector<std::vector<double>> slowdown_;
-  std::vector<uint32_t> nearest_burst_;  // per frame
+  std::vector<uint32_t> nearest_burst_;  // index, per frame
   std::vector<decision::SceneDescriptor> descriptors_;
-  std::vector<uint32_t> latest_descriptor_;  // per frame; empty if there are none
+  std::vector<uint32_t> latest_descriptor_;  // index, per frame; empty if there are none
 };
 
 // Determines which frame of the trace each game frame shows, in order from the first. `offset`
@@ -126,9 +126,9 @@ class FrameOrder {
 // Returns the start of a seed's game in the trace. The golden ratio spreads the starts evenly.
 uint32_t OffsetOfSeed(const ReplayScene& scene, uint64_t seed);
 
-// Computes what fixed arms, and oracles that know all costs in advance, cost on the frames of one
-// seed's game. They pay neither for an exploration nor for building their first structure. Borrows
-// the scene.
+// Computes the total time of each fixed arm and of two oracles on the frames of one seed's game. An
+// oracle knows all costs in advance. Exploration and the build of the first structure are free.
+// Borrows the scene.
 class FixedCosts {
  public:
   FixedCosts(const ReplayScene& scene, uint64_t seed);
@@ -137,11 +137,11 @@ class FixedCosts {
   std::vector<double> TotalsFrom(uint32_t first_frame) const;
 
   struct OracleCost {
-    double frame_ns = 0;        // the best arm of each frame, with free switches
-    double regime_ns = 0;       // the cheapest sequence of arms that pays for its switches
+    double frame_ns = 0;        // total time with the best arm in each frame and free switches
+    double regime_ns = 0;       // total time of the cheapest sequence of arms and its switches
     uint32_t switch_count = 0;  // in that sequence
     uint32_t dominant_arm = 0;  // in that sequence
-    double active_share = 1;    // the dominant arm's
+    double active_share = 1;    // its share of the time
   };
   // Finds both oracles in O(frames × arms). The sequence may switch once per `interval_ns` of the
   // best arm's frames, as a policy may at its ticks. If `warm`, each switch has the cost of a
@@ -156,7 +156,7 @@ class FixedCosts {
 
   const ReplayScene& scene_;
   std::vector<uint32_t> order_;     // the trace frame of each game frame
-  std::vector<double> from_block_;  // block-major: totals from the block's first frame on
+  std::vector<double> from_block_;  // per block, then arm: total time from the block on
 };
 
 }  // namespace sweepstake::cli

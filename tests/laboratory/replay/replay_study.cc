@@ -44,7 +44,7 @@ class SeedGames {
   }
 
  private:
-  // Returns the recorded time per frame, without other work.
+  // Converts a game's total time to recorded milliseconds per frame, without other work.
   double MsOf(double total_ns) const {
     const double frame_ns = total_ns / scene_.frame_count();
     const auto other_ns = static_cast<double>(scene_.options().other_work_ns);
@@ -103,7 +103,7 @@ class SeedGames {
   std::vector<decision::BetaPosterior> Priors(const std::string& policy) const {
     std::vector<const ReplayScene*> others;
     for (const StudyScene& other : scenes_) {
-      if (other.name != name_) others.push_back(&other.scene);  // a trace may be there twice
+      if (other.name != name_) others.push_back(&other.scene);  // the same trace may be given twice
     }
     const uint64_t seed = seed_ + kPriorsSeed;
     return ServedPriors(options_.priors, policy, scene_, others, seed,
@@ -156,7 +156,7 @@ class SeedGames {
   const FixedCosts::OracleCost oracle_;
 };
 
-// Returns the figure of all games that have it.
+// Returns the values of a figure, leaving out games without it.
 template <typename Figure>
 std::vector<double> Column(const std::vector<StudyGame>& games, Figure StudyGame::*figure) {
   std::vector<double> values;

@@ -55,7 +55,7 @@ struct FrameMs {
   double lane = 0;       // CPU time of the shadow lane, on another core
 
   double regret() const { return detection - best; }
-  // The share of the best fixed arm's detection.
+  // The regret as a share of the best fixed arm's detection time.
   double regret_ratio() const { return best > 0 ? regret() / best : 0; }
   bool operator==(const FrameMs&) const = default;
 };
@@ -66,14 +66,14 @@ inline constexpr double kFrameMsAt60Hz = 1000.0 / 60;
 struct StudyGame {
   double regret_best_fixed = 0;
   double regret_oracle = 0;   // regret against the oracle that pays for its switches
-  double headroom = 0;        // of that oracle: 1 − its time ÷ the best fixed arm's
-  double frame_headroom = 0;  // of an oracle with the best arm in every frame and free switches
-  double switches = 0;        // after the exploration
-  double after_start_up_switches = 0;  // policies only: after the first minute, too
+  double headroom = 0;        // 1 − that oracle's time ÷ the best fixed arm's
+  double frame_headroom = 0;  // the same with the best arm in every frame and free switches
+  double switches = 0;        // number of them after the exploration
+  double after_start_up_switches = 0;  // policies only: also after the first minute
   double active_share = 1;             // the dominant arm's
   double shadow_share = 0;             // share of the time that the shadow lane worked
-  // Without the first minute and the exploration. Absent if nothing came after them, and for the
-  // oracle.
+  // The regret without the first minute and the exploration. Absent for the oracle, and if no
+  // frames are left.
   std::optional<double> regret_after_start_up{};
   // These are absent for fixed arms and the oracle.
   std::optional<double> bail_outs{};
@@ -82,8 +82,8 @@ struct StudyGame {
   std::optional<double> opening_regret{};  // regret of the first 10 s
   std::vector<double> verdict_shares{};    // of ticks, by Verdict
   FrameMs ms{};
-  Reliability reliability{};  // of a policy's decisions; the sum in a row
-  uint32_t dominant_arm = 0;  // the most frequent one in a row
+  Reliability reliability{};  // of a policy's decisions; in a row: the sum
+  uint32_t dominant_arm = 0;  // in a row: the most frequent one
   bool operator==(const StudyGame&) const = default;
 };
 
@@ -100,8 +100,8 @@ struct PairedComparison {
 PairedComparison Compare(const std::string& policy, std::span<const double> ours,
                          const std::string& baseline, std::span<const double> theirs);
 
-// The results of one player on one scene: means over the games that have the figure, but the median
-// of first_best_s.
+// The results of one player on one scene. Each figure is the mean over the games that have it;
+// first_best_s is the median.
 struct StudyRow : StudyGame {
   uint32_t scene = 0;
   uint32_t player = 0;
@@ -109,10 +109,10 @@ struct StudyRow : StudyGame {
   Interval ci95;                                  // 95 % interval of regret_best_fixed
   std::optional<Interval> after_start_up_ci95;    // of regret_after_start_up
   std::optional<double> headroom_captured;        // absent if the headroom is below kMinHeadroom
-  std::optional<double> paper_ms;                 // the paper's detection on the same scene
+  std::optional<double> paper_ms;                 // detection time of `paper` on the same scene
   std::optional<PairedComparison> against_paper;  // by seed
 
-  std::vector<double> Values(double StudyGame::*figure) const;  // of the games
+  std::vector<double> Values(double StudyGame::*figure) const;  // one per game
 };
 
 inline constexpr double kMinHeadroom = 0.005;
@@ -123,7 +123,7 @@ inline constexpr double kMinHeadroom = 0.005;
 std::vector<StudyRow> RunStudy(std::span<const StudyScene> scenes, const StudyOptions& options,
                                const std::function<void(uint64_t done, uint64_t all)>& on_game);
 
-// The command line's words for a study.
+// The options of `sweepstake-lab replay --costs` as the user typed them.
 struct ReplayRequest {
   std::vector<std::string> costs{};  // cost trace files
   std::vector<std::string> policies = {"default", "paper"};
@@ -131,8 +131,8 @@ struct ReplayRequest {
   std::vector<std::string> passes{};  // durations: none, one for all traces, or one for each
   std::string priors = "none";        // REQUIRES: one of kReplayPriorsNames
   bool no_shadow = false;
-  std::vector<std::pair<std::string, std::string>> lane_ratios{};  // arm and number
-  // Players, priors, the lane and its ratios are taken from the words above.
+  std::vector<std::pair<std::string, std::string>> lane_ratios{};  // arm and its ratio, as typed
+  // Further options. Its players, priors and lane are filled in from the texts above.
   StudyOptions study{};
 };
 

@@ -30,7 +30,7 @@ struct BadUsage {
   std::string said;
 };
 
-// Each one ends with 2, writes nothing on stdout, and says what is wrong.
+// Expects each command line to end with exit code 2, an empty stdout, and its message on stderr.
 void ExpectBadUsage(const std::vector<BadUsage>& cases) {
   for (const auto& [arguments, said] : cases) {
     const CommandRun run = RunLabCommand(arguments);

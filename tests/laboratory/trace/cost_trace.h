@@ -27,9 +27,9 @@ struct TracedArm {
 };
 
 // A burst measures every arm with a fresh structure, which is built on the burst's first frame and
-// updated on the frames after it. This is what a switch costs and what the shadow lane of a game
-// sees. An arm that is held in the burst's first frame ran at most frames 0 and 1; its last
-// measured time is used for the other frames.
+// updated on the frames after it. It shows the cost of a switch and the times that the shadow lane
+// of a game measures. A very slow arm (`held` in the burst's first frame) runs only frames 0 and 1,
+// or none. Its last measured time is used for the other frames.
 struct TraceBurst {
   uint32_t first_frame = 0;
   // Arm-major: the value of arm a in the burst's frame k is at a · burst_frame_count + k. It is the
@@ -44,7 +44,7 @@ struct TracedDescriptor {
 
 struct CostTrace {
   std::string scene;    // as given to --scene, without folders
-  uint64_t seed = 0;    // the scene's
+  uint64_t seed = 0;    // of the scene
   std::string machine;  // machine class
   std::vector<TracedArm> arms;
   uint32_t frame_count = 0;

@@ -138,7 +138,8 @@ class TracePass {
     }
   }
 
-  // In a replay a period may end with any frame.
+  // Records each descriptor that is complete after this frame. The estimators start at different
+  // frames, because a replayed game needs a recent descriptor at any frame.
   void Describe(uint32_t frame, std::span<const Aabb> boxes) {
     constexpr uint32_t kStep = DescriptorEstimator::kPeriodFrames / kEstimators;
     for (uint32_t i = 0; i < kEstimators; ++i) {
@@ -200,8 +201,8 @@ class TracePass {
     trace_.native_bytes[at] = cost.native_bytes;
   }
 
-  // Repeats the arm's values of the frame before. It is never called in the first block, in which
-  // every arm is measured.
+  // Repeats the arm's values of the previous frame. Never called in the first block, in which every
+  // arm is measured.
   void CopyLastFrame(uint32_t frame, size_t arm) {
     const size_t at = frame * arm_count() + arm;
     trace_.detection_ns[at] = trace_.detection_ns[at - arm_count()];

@@ -78,17 +78,17 @@ enum class ArmTurn {
   kNone,
 };
 
-// An arm whose frame costs more than kSparseRatio times the cheapest one's is measured sparsely:
-// once per block, on the last frame, after an unmeasured frame that catches up with the skipped
-// ones. If even that would take more than kSparseShare of the whole time, the arm skips blocks,
-// unless the scene has lost so many objects since then that the arm may have become fast.
+// An arm whose frame costs more than kSparseRatio times the cheapest arm's is measured sparsely:
+// once per block, on the last frame. An unmeasured frame before it brings the structure up to date.
+// If even these frames would take more than kSparseShare of the total time, the arm skips blocks.
+// It is measured again once the scene has lost enough objects (kFewerRatio) for the arm to be fast.
 class ArmPace {
  public:
   // Four times the ratio between the slowest and the fastest arm in scenes up to 3,000 objects, so
   // that all arms are measured on every frame there.
   static constexpr uint64_t kSparseRatio = 16;
   static constexpr double kSparseShare = 0.1;
-  // The scene has lost "so many objects" if less than this share of them is left.
+  // A skipped arm is measured again if fewer than this share of the objects are left.
   static constexpr double kFewerRatio = 0.875;
 
   // `frame_ns` is the approximate time of a frame, per arm.

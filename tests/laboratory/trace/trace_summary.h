@@ -31,13 +31,14 @@ struct TraceSummary {
   uint32_t object_count_min = 0;
   uint32_t object_count_max = 0;
   double pair_count_mean = 0;
-  // Total time of the control ÷ that of its twin, and the 95 % interval of the ratio, whose
-  // standard error comes from the spread between windows; without two windows it has no width.
+  // Total time of the control ÷ that of its twin, and the 95 % interval of this ratio. The standard
+  // error comes from the spread between windows. With fewer than two windows the interval has no
+  // width.
   double control_ratio = 1;
   double control_low = 1;
   double control_high = 1;
-  // 1 − total time of the oracle ÷ that of the best fixed arm: the oracle takes the cheapest arm of
-  // every frame, or of every window.
+  // 1 − total time of the oracle ÷ that of the best fixed arm. The oracle runs the cheapest arm of
+  // each frame, or of each window.
   double frame_headroom = 0;
   double window_headroom = 0;
 

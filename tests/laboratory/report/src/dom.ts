@@ -1,4 +1,4 @@
-// Builds elements; text never becomes markup.
+// Creates DOM elements. Text is never parsed as markup.
 export type Child = Node | string | null | undefined | false | Child[];
 
 export function h<K extends keyof HTMLElementTagNameMap>(

@@ -1,4 +1,4 @@
-// The frame of a report: title, sections with their list of links.
+// The frame of a report: its title, its sections, and a list of links to them.
 import { append, h, terms, type Child } from './dom';
 
 export interface Section { id: string; heading: string; body: Child[] }

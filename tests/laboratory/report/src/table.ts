@@ -3,7 +3,7 @@ import { h, type Child } from './dom';
 
 export interface Cell {
   content: Child;
-  value?: number | string; // what the column is sorted by; the text where it is absent
+  value?: number | string; // sort key of the cell; if absent, its text is the key
   className?: string;
 }
 export interface HeadCell { content: Child; className?: string; span?: number }

@@ -238,7 +238,8 @@ TEST(Ratios, CompareInstructionSetsOnTheFramesThatBothMeasured) {
   EXPECT_DOUBLE_EQ(ratios[0].value_mean.value(), 2);
 }
 
-// A cell with Grid and SAP and one peer; SSE4 takes twice the time, and SAP overtakes Grid.
+// A cell with Grid, SAP and one peer. Times with SSE4 are twice as long; only with SSE4 is SAP
+// faster than Grid.
 Bench OfTwoSets() {
   return Bench()
       .Measured({"avx2", "sse4"})

@@ -64,7 +64,7 @@ TEST(RunBench, HasARowForEachCellArmAndCountOfThreads) {
 TEST(RunBench, HasARowForEachInstructionSetTheBestFirst) {
   BenchOptions options = SmallOptions();
   const auto usable = SimdTargets();
-  // In the wrong order, and with one of them twice.
+  // The option lists the sets in the wrong order and one of them twice.
   options.simd.assign(usable.rbegin(), usable.rend());
   options.simd.emplace_back(usable.back());
   const auto report = Measured(options);

@@ -102,7 +102,7 @@ TEST(TimeScene, RunsEachContestantWithItsOwnInstructionSet) {
     if (i < SimdTargets().size()) contestants.back().simd = SimdTargets()[i];
   }
   const auto scene = std::move(*OpenScene({"suite-b", 100, 1}));
-  // More frames than a block, so every contestant has several turns.
+  // 45 frames are more than two blocks, so every contestant has several turns.
   TimeScene(*scene, contestants, {.frames = 45}, [](size_t, uint64_t) {});
   for (size_t i = 0; i < seen.size(); ++i) {
     const std::string own = i < SimdTargets().size() ? std::string(SimdTargets()[i]) : before;

@@ -1,4 +1,4 @@
-// Peers of other libraries against the definition of overlap, as many as are built in.
+// Compares the pairs of all peers that are built in with the definition of overlap.
 #include <gtest/gtest.h>
 
 #include <algorithm>

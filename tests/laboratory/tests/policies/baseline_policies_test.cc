@@ -25,7 +25,7 @@ SessionSetup SetupOf(const std::string& policy, uint32_t arm_count = 4, uint64_t
   return setup;
 }
 
-// Arm k's frames take 8 + 4k ms, of which all but 8 are detection: arm 0 is best.
+// A frame of arm k takes 8 ms of other work and 4k ms of detection, so arm 0 is the best.
 class Game {
  public:
   explicit Game(const SessionSetup& setup) : client_(setup) {}

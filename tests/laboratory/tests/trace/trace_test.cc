@@ -114,13 +114,13 @@ TEST(Trace, HasABurstInEveryThirdBlockOfTwentyFrames) {
   for (const TraceBurst& burst : trace.bursts) first_frames.push_back(burst.first_frame);
   EXPECT_THAT(first_frames, ElementsAre(0U, 60U, 120U));
   EXPECT_EQ(trace.burst_frame_count, kBurstFrames);
-  // A last block without room for a burst has none.
+  // The last block is too short for a burst.
   EXPECT_EQ(MustTrace("suite-b", 50, {"SAP"}, 127, 1).bursts.size(), 2U);
 }
 
 TEST(Trace, DescribesTheSceneWheneverADescriptorIsReady) {
   const CostTrace trace = MustTrace("nearly-resting", 300, {"DBVT"}, 520, 1);
-  // From frame 64 on, one of the latest 64 frames after each eighth.
+  // From frame 64 on, there is a descriptor of the latest 64 frames after every eighth frame.
   ASSERT_EQ(trace.descriptors.size(), 1U + (520 - 64) / 8);
   for (uint32_t i = 0; i < trace.descriptors.size(); ++i) {
     EXPECT_EQ(trace.descriptors[i].frame, 64 + 8 * i);

@@ -1,4 +1,4 @@
-// What all charts share: the figure around a picture, and its legend. A mark's title is shown by the browser.
+// Shared by all charts: the figure element around a picture, and its legend. The browser shows a mark's title as a tooltip.
 import { h } from '../dom';
 import { textColourOn } from '../../../../../server/dashboard/src/palette';
 
@@ -14,7 +14,7 @@ export function figure({ id, title, note }: FigureSpec, picture: SVGElement | HT
     h('figcaption', {}, h('strong', {}, title), note && h('span', {}, note)), h('div', { class: 'plot' }, picture), below);
 }
 
-// Names with their colours, for charts of areas.
+// Returns the legend of a chart of areas: each name beside its colour.
 export const chips = (entries: { name: string; colour: string }[]) =>
   h('p', { class: 'chips' }, ...entries.map(({ name, colour }) => chip(name, colour)));
 

@@ -1,4 +1,4 @@
-// Lines on two logarithmic axes, each named at its end.
+// A line chart with two logarithmic axes. Each line has its name at its right end.
 import * as Plot from '@observablehq/plot';
 import { compact, significant } from '../../../../../server/dashboard/src/format';
 import { figure } from './figure';
@@ -14,7 +14,7 @@ const WIDTH = 1080;
 const MARGIN = { top: 16, right: 190, bottom: 48, left: 64 };
 const NAME_HEIGHT = 15;
 
-// The names at the right edge, as near to their lines' ends as they can be without touching; a dotted line leads to each.
+// Draws the names at the right edge, as near to the ends of their lines as possible without overlap. A dotted line leads to each name.
 function endNames(series: Series[], height: number, edge: number, [low, high]: [number, number]): Plot.Markish[] {
   const bottom = height - MARGIN.bottom;
   const pixels = (y: number) => bottom - (Math.log(y / low) / Math.log(high / low)) * (bottom - MARGIN.top);

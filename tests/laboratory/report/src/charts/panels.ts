@@ -1,4 +1,4 @@
-// Small line charts with common axes, a panel each; the strong line is thick and named.
+// Small line charts with common axes, one per panel. A line marked as `strong` is thick and has its name beside it.
 import * as Plot from '@observablehq/plot';
 import { h } from '../dom';
 import { figure } from './figure';
@@ -8,7 +8,7 @@ export interface PanelLine { name: string; colour: string; strong: boolean; poin
 export interface Panel { title: string; note: string; lines: PanelLine[] }
 export interface Panels { id: string; title: string; note?: string | undefined; panels: Panel[] }
 
-// Room above and below the values; equal values get some too.
+// Returns an axis range with a margin below and above the values, even if all values are equal.
 function domainOf(values: number[]): [number, number] {
   const [low, high] = [Math.min(...values), Math.max(...values)];
   const room = Math.max((high - low) / 20, 0.01);

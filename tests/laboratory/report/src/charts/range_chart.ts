@@ -1,4 +1,4 @@
-// A row per name: a bar from low to high, a mark between, the value at the right edge.
+// One row per name: a bar from the low to the high value, a mark between them, and the value as text at the right edge.
 import * as Plot from '@observablehq/plot';
 import { significant } from '../../../../../server/dashboard/src/format';
 import { figure, widest } from './figure';

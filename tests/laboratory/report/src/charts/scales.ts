@@ -1,4 +1,4 @@
-// Ticks and domains of axes. Plot labels every digit of a logarithmic axis, or only decades.
+// Computes ticks and domains of axes. On logarithmic axes Plot itself labels either every digit or only the decades.
 import * as Plot from '@observablehq/plot';
 
 const MIN_FACTOR = 4; // minimum ratio of the ends of an axis
@@ -17,7 +17,7 @@ export function logDomain(values: number[], margin = 1.25): [number, number] {
   return [low, high];
 }
 
-// Decades, with 2 and 5 between where there is room for them.
+// Returns the decades, and 2 and 5 times each if there is room.
 export function logTicks([low, high]: [number, number]): number[] {
   const decades = Math.log10(high / low);
   const step = Math.max(1, Math.round(decades / 6));
@@ -36,13 +36,13 @@ export function logTicks([low, high]: [number, number]): number[] {
 export const linearTicks = ([low, high]: [number, number]) =>
   Array.from({ length: 11 }, (_, i) => low + (i * (high - low)) / 10).map((tick) => Number(tick.toPrecision(3)));
 
-// An axis with labels at `ticks` and lines across the picture.
+// Returns an axis with labels at `ticks`, and grid lines across the picture.
 export function axes(side: 'x' | 'y', ticks: number[], format: (tick: number) => string, label: string): Plot.Markish[] {
   const options = { text: format, label, labelAnchor: 'center', labelArrow: false } as const;
   return side === 'x' ? [Plot.gridX(ticks), Plot.axisX(ticks, options)] : [Plot.gridY(ticks), Plot.axisY(ticks, options)];
 }
 
-// Places in `[top, bottom]`, in the order of `wanted` and as near to it as `height` for each allows.
+// Moves positions apart, so that each has `height` of room within `[top, bottom]`. Keeps their order and stays near the wanted positions.
 export function spreadOut(wanted: number[], height: number, top: number, bottom: number): number[] {
   const order = wanted.map((_, index) => index).sort((a, b) => wanted[a]! - wanted[b]!);
   const placed = [...wanted];

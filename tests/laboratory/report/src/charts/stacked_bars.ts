@@ -1,4 +1,4 @@
-// A bar per row, cut into the shares of its values.
+// One bar per row, divided into the shares of its values.
 import * as Plot from '@observablehq/plot';
 import { share } from '../../../../../server/dashboard/src/format';
 import { textColourOn } from '../../../../../server/dashboard/src/palette';

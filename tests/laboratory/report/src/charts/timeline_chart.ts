@@ -1,4 +1,4 @@
-// A lane per run: which algorithm was active when. Strokes below a lane and crosses on it mark moments.
+// One lane per run: a bar that shows which algorithm was active when. Strokes below the bar and crosses on it mark moments.
 import * as Plot from '@observablehq/plot';
 import { textColourOn } from '../../../../../server/dashboard/src/palette';
 import { figure, LETTER, widest } from './figure';
@@ -9,7 +9,7 @@ export interface TimelineChart { id: string; title: string; note?: string | unde
 
 const WIDTH = 1080;
 const LANE = 30;
-const STROKES = 7; // of a lane's height
+const STROKES = 7; // pixels of a lane's height that the strokes below the bar take
 
 export function timelineChart(chart: TimelineChart): HTMLElement {
   const inLane = <T extends object>(values: (lane: Lane) => T[]) =>

@@ -25,7 +25,8 @@ export interface Scene { name: string; cells: Cell[] }
 // A row of the tables and a line of the charts: an arm with an instruction set, or a peer, with the fewest threads it ran with.
 export interface Contestant { name: string; family: string; kind: 'arm' | 'peer'; threads: number; simd: string | null }
 
-// If all arms ran with one instruction set, only the machine names it. Otherwise `sets` contains all of them, the best first.
+// `sets` contains the instruction sets of the arms, the best first. If all arms ran with the same one, it is `[null]`, and the name is only
+// in the machine's description.
 export interface BenchIndex {
   document: BenchDocument; scenes: Scene[]; cells: Cell[]; contestants: Contestant[]; families: string[];
   threadCounts: number[]; sets: (string | null)[]; rows: BenchRow[]; ratios: Ratio[];
@@ -57,7 +58,7 @@ function contestantsOf(rows: BenchRow[]): Contestant[] {
 const keyOf = ({ kind, scene, objects, threads, ours, simd, other, derived_through = '' }: Ratio) =>
   [kind, scene, objects, threads, ours, simd, other, derived_through].join('|');
 
-// All comparisons once, each with its goal where there is one.
+// Merges the lists of comparisons. A comparison that is in several lists appears once, with its goal if it has one.
 function ratiosOf({ ratios, published = [], goals = [] }: BenchDocument): Ratio[] {
   const merged = new Map<string, Ratio>();
   for (const ratio of [...ratios, ...published, ...goals]) {
@@ -66,7 +67,7 @@ function ratiosOf({ ratios, published = [], goals = [] }: BenchDocument): Ratio[
   return [...merged.values()];
 }
 
-// The instruction sets of the arms, or null for the only one.
+// Returns the instruction sets of the arms, or `[null]` if all arms ran with the same one.
 function setsOf(rows: BenchRow[]): (string | null)[] {
   const sets = unique(rows.filter(({ kind }) => kind === 'arm').map(({ simd }) => simd));
   return sets.length > 1 ? sets : [null];
@@ -107,14 +108,15 @@ export function sceneTitle({ scenes }: BenchIndex, scene: string): string {
   return same.length > 1 ? scene : fileName(scene);
 }
 
-// Returns the comparisons of our best arm with the best peer in a cell. There may be several with published peers; the hardest is the
-// first.
+// Returns the comparisons of our best arm with the best peer in a cell, the smallest speedup first. With published peers there may be
+// several.
 export function overallAt({ ratios }: BenchIndex, cell: Cell, threads: number, simd: string | null, published: boolean): Ratio[] {
   return ratios.filter((ratio) => ratio.kind === 'overall' && isPublished(ratio) === published && ratio.scene === cell.scene &&
     ratio.objects === cell.objects && ratio.threads === threads && ratio.simd === simd).sort((a, b) => a.value - b.value);
 }
 
-// The lowest and the highest of our best against the best peer, with the best instruction set and the fewest threads.
+// Returns the smallest and the largest speedup over all cells of our best arm over the best peer, with the best instruction set and the
+// fewest threads.
 export function overallSpan(index: BenchIndex, published: boolean): { low: number; high: number; count: number } | undefined {
   const values = index.cells.flatMap((cell) => overallAt(index, cell, index.threadCounts[0]!, index.sets[0] ?? null, published).slice(0, 1))
     .map(({ value }) => value);
@@ -132,7 +134,7 @@ export function goalLines({ ratios }: BenchIndex): GoalLine[] {
   }).filter(({ all }) => all > 0);
 }
 
-// Lines of the table by family: an arm against the best peer that ran, or against one that did not.
+// A line of the table by family: an arm, compared with the best peer that ran or with a published one.
 export interface FamilyLine { ours: string; threads: number; simd: string | null; published: string }
 
 export function familyLines(ratios: Ratio[]): FamilyLine[] {

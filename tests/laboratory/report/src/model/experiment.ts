@@ -1,5 +1,5 @@
-// The document of `sweepstake-lab experiment --json`, and the page's summaries of it. Times of a run in seconds since it began; ratios are
-// plain numbers, 0.1 for 10 %.
+// The document of `sweepstake-lab experiment --json`, and the page's summaries of it. Times of a run are seconds since its start. Ratios
+// are plain numbers, 0.1 for 10 %.
 import { mean, type Interval } from '../../../../../server/dashboard/src/format';
 import type { Machine } from '../page';
 import type { FrameMs } from './replay';
@@ -55,17 +55,17 @@ export const TIME_PARTS: [TimePart, string][] = [
   ['scene_step_ns', 'Scene step'], ['detection_ns', 'Steady detection'], ['rebuild_ns', 'Rebuilds'], ['copying_ns', 'Copying in'],
   ['around_ns', 'Descriptors, switching'], ['frame_end_ns', 'Frame end'],
   ['intake_ns', 'Intake'], ['decision_ns', 'Selector'], ['lane_ns', 'Shadow lane']];
-export const FRAME_PARTS = 6; // of TIME_PARTS: those of the frame thread
+export const FRAME_PARTS = 6; // the first six TIME_PARTS belong to the frame thread
 
 const TIE_RATIO = 1.03; // an algorithm this much slower than the fastest counts as equal
-const DISTURBED = 0.1; // the clock's regret of an undisturbed run is this near to the trace's
+const DISTURBED = 0.1; // in an undisturbed run, measured regret and regret by the trace differ by less
 
 export const runsOf = ({ runs }: ExperimentDocument, row: { cell: string; policy: string }) =>
   runs.filter(({ cell, policy }) => cell === row.cell && policy === row.policy);
 export const truthOf = ({ truths }: ExperimentDocument, cell: string) => truths.find((truth) => truth.cell === cell);
 export const replayed = ({ truths }: ExperimentDocument) => truths.filter(({ players }) => players.length > 0);
 
-// Per policy name its regrets over the cells that were replayed.
+// Returns the regrets of each player in the replayed cells.
 export function regretsByPlayer(document: ExperimentDocument): Map<string, { isPolicy: boolean; regrets: number[] }> {
   const players = new Map<string, { isPolicy: boolean; regrets: number[] }>();
   for (const { name, is_policy: isPolicy, regret } of replayed(document).flatMap((truth) => truth.players)) {
@@ -79,7 +79,7 @@ export function meanRegret(document: ExperimentDocument, policy: string): number
   return regrets && mean(regrets);
 }
 
-// In how many cells the policy stayed longest on the truly fastest algorithm, or on one within 3 %.
+// Counts the cells in which the policy's dominant algorithm was the fastest by the trace, or within 3 % of the fastest.
 export function chosenWell(document: ExperimentDocument, policy: string): { fastest: number; tied: number; all: number } {
   const ratios = document.rows.filter((row) => row.policy === policy).flatMap((row) =>
     truthOf(document, row.cell)?.ranking.filter(({ arm }) => arm === row.dominant).map(({ ratio }) => ratio) ?? []);
@@ -100,14 +100,14 @@ export function agreementCounts({ truths }: ExperimentDocument): { regret: numbe
 export const noisyCells = ({ truths }: ExperimentDocument) =>
   truths.filter(({ control_ratio }) => Math.abs(control_ratio - 1) > TIE_RATIO - 1).map(({ cell }) => cell);
 
-// Sums over runs, by the order of TIME_PARTS.
+// Returns the sums over the runs, in the order of TIME_PARTS.
 export function timeParts(runs: Run[]): number[] {
   return TIME_PARTS.map(([part]) => runs.reduce((sum, { time }) => sum + time[part], 0));
 }
 
 export const frameTime = (parts: number[]) => parts.slice(0, FRAME_PARTS).reduce((a, b) => a + b, 0);
 
-// The mean active share of each of the document's algorithms.
+// Returns the mean active share of each algorithm over the runs.
 export function activeShares({ arms }: ExperimentDocument, runs: Run[]): number[] {
   return arms.map((arm) => runs.reduce((sum, run) => sum + (run.active_shares[run.arms.indexOf(arm)] ?? 0), 0));
 }

@@ -30,7 +30,7 @@ export const isFixed = (policy: string) => policy.startsWith('fixed:') || policy
 export const costsOf = ({ rows }: ReplayDocument) => [...new Set(rows.map(({ costs }) => costs))];
 export const fileName = (path: string) => path.split(/[\\/]/).at(-1)!.replace(/\.costs$/, '');
 
-// The mean over the traces.
+// Returns the policy's mean regret over the traces.
 export function meanRegretOf({ rows }: ReplayDocument, policy: string): number | undefined {
   const regrets = rows.filter((row) => row.policy === policy).map((row) => row.regret_best_fixed);
   return regrets.length > 0 ? mean(regrets) : undefined;

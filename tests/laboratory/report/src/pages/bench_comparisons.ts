@@ -1,4 +1,4 @@
-// Tables of what was compared with what: the best against the best, families, goals.
+// Tables of comparisons: our best arm with the best peer, arms with the peers of their family, and figures with their goals.
 import { bold, details, h, list, small, verdict, type Child } from '../dom';
 import { grouped, milliseconds, times } from '../../../../../server/dashboard/src/format';
 import { contestantTitle, familyLines, goalLines, isPublished, overallAt, sceneTitle, type BenchIndex, type Cell as At, type Ratio } from '../model/bench';
@@ -8,7 +8,7 @@ import { GOAL_WORDS } from './bench_words';
 
 const isIn = (at: At) => ({ scene, objects }: At) => scene === at.scene && objects === at.objects;
 
-// How many times faster, whether that is enough, and than whom.
+// Shows how many times faster the arm is, whether that meets the goal, and which peer it is compared with.
 function comparison(index: BenchIndex, ratio: Ratio): Child[] {
   const row = ratio.threads === 1 ? index.find(ratio, ratio.other, 1, null) : undefined;
   let other = ratio.other;
@@ -17,7 +17,7 @@ function comparison(index: BenchIndex, ratio: Ratio): Child[] {
   return [bold(times(ratio.value)), goalVerdict(ratio), small(other)];
 }
 
-// Comparisons of one kind, the hardest first, which gives the cell its value and its colour.
+// Returns a table cell with comparisons of one kind. The hardest one is first and gives the cell its value and colour.
 function comparisons(index: BenchIndex, ratios: Ratio[]): Cell {
   const [hardest] = ratios;
   return hardest ? cell(ratios.flatMap((ratio) => comparison(index, ratio)), hardest.value, goalClass(hardest)) : noValue();

@@ -1,4 +1,4 @@
-// Tables of contestants against cells, and of every row.
+// Tables with a line per contestant and a column per cell, and a table of all rows.
 import { bold, h, small, type Child } from '../dom';
 import { bytes, compact, grouped, milliseconds, significant, times } from '../../../../../server/dashboard/src/format';
 import { contestantTitle, hasGoal, largeIsGood, sceneTitle, type BenchIndex, type BenchRow, type Contestant, type Ratio, type RatioKind } from '../model/bench';
@@ -62,7 +62,7 @@ function ratioOf(index: BenchIndex, kind: RatioKind, row: BenchRow): Ratio | und
     ratio.objects === row.objects && ratio.ours === row.arm && ratio.threads === row.threads && ratio.simd === row.simd);
 }
 
-// Returns the cell of a figure with its goal's verdict.
+// Returns a table cell that shows a figure and whether it meets its goal.
 function judged(index: BenchIndex, kind: RatioKind, row: BenchRow, value: number, content: Child[]): Cell {
   const ratio = ratioOf(index, kind, row);
   return ratio ? cell([...content, goalVerdict(ratio)], value, goalClass(ratio)) : cell(content, value);

@@ -38,7 +38,7 @@ export function resultHeadline(index: BenchIndex): Child[] {
       'through published ratios to one that did.')];
 }
 
-// Warnings about the numbers: wrong pairs, and contestants that were left out.
+// Returns warnings about the figures: wrong pairs, and contestants that were not run.
 export function warnings(index: BenchIndex): Child[] {
   const where = (row: BenchRow, what: string) =>
     `${contestantTitle(row.arm, row.threads, row.simd)} in ${sceneTitle(index, row.scene)}, ${grouped(row.objects)} objects: ${what}`;

@@ -17,7 +17,7 @@ function manifest({ machine, time_scale, options, sittings }: ExperimentDocument
     paragraph('All seeds and every parameter of the decider are in ', h('code', {}, 'manifest.json'), ' beside this page, the raw rows in its CSV files.')];
 }
 
-// A section with an explanation, which goes where the body is empty.
+// Returns a section with an explanation before its body. If the body is empty, so is the section.
 function explained(id: string, heading: string, explanation: string, ...body: Child[]): Section {
   return { id, heading, body: body.flat(9).some(Boolean) ? [paragraph(explanation), body] : [] };
 }

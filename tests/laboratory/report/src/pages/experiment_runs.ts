@@ -1,5 +1,5 @@
-// The timeline of each run: which algorithm was active when, and the posteriors. In minutes as the paper counts them: before the time
-// scale.
+// The timeline of each run: which algorithm was active when, and the posteriors. Times are minutes before the time scale is applied, as in
+// the paper.
 import { panels, type Panel } from '../charts/panels';
 import { timelineChart, type Lane } from '../charts/timeline_chart';
 import { share, significant } from '../../../../../server/dashboard/src/format';

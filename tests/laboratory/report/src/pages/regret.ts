@@ -1,4 +1,4 @@
-// Charts and words of regret, for the pages of experiment and replay.
+// Charts and texts about regret, shared by the pages of experiment and replay.
 import type { RangeRow } from '../charts/range_chart';
 import { percent, type Interval } from '../../../../../server/dashboard/src/format';
 
@@ -10,7 +10,7 @@ export const onAxis = (ratio: number) => Math.max(100 * ratio, MIN_PERCENT);
 
 export type PlayerStyle = Required<Pick<RangeRow, 'colour' | 'symbol' | 'solid'>>;
 
-// Ours in one colour, the paper's in another, other baselines in a third, fixed arms and the oracle in grey.
+// AI Decides, the paper's policy and the other baselines have a colour each. Fixed arms and the oracle are grey.
 export function styleOf(name: string, isPolicy: boolean, own: string): PlayerStyle {
   if (name === own || name === 'default') return { colour: 'var(--own)', symbol: 'circle', solid: true };
   if (name === 'paper') return { colour: 'var(--paper)', symbol: 'triangle', solid: true };
