@@ -8,7 +8,8 @@
 namespace sweepstake {
 namespace {
 
-// Minimum work per part: a smaller part takes less time than waking a thread.
+// The minimum work per part of a parallel loop. A smaller part takes less time than waking a
+// thread.
 constexpr size_t kMinRowsPerPart = 512;
 constexpr size_t kMinBoxesPerPart = 2048;
 
@@ -30,9 +31,9 @@ class BruteForce final : public BroadPhase {
   void Load(std::span<const Aabb> boxes);
 
   Executor* executor_;
-  ByteBoxes boxes_;  // the slot is the id
+  ByteBoxes boxes_;  // box k is in slot k
   PairParts parts_;
-  size_t pair_count_ = 0;  // the pairs of the latest search
+  size_t pair_count_ = 0;  // the number of pairs of the latest search
   uint64_t checks_ = 0;
 };
 

@@ -1,14 +1,14 @@
-// BruteForce tests every box against every other. It is the reference for the other families. It
-// compares boxes in bytes, 64 in a register of AVX-512, then tests the remaining candidates exactly
-// (byte_boxes.h).
+// BruteForce tests every box against every other. It is the reference for the other backends. It
+// first compares coordinates rounded to bytes, 64 boxes per AVX-512 register, and then tests the
+// remaining candidates exactly (byte_boxes.h).
 //
 // Cost: Build and Update O(n), FindPairs n²/2 checks plus O(pairs). Measured on AMD Zen 5 with
 // AVX-512 (`sweepstake-lab bench --scene suite-b`): 0.025 ms for 1,000 boxes, 0.13 ms for 3,000 and
 // 0.86 ms for 10,000 (0.46 ms with two threads). 64 checks take 1 ns, a pair takes 2 to 3 ns. If
-// the bytes cannot distinguish the boxes, each check takes 1.9 ns: 24 ms for 5,000 boxes of the
-// scene all-coincident. Memory: 42 bytes per box. The buffers and the number of pairs are kept
-// between frames. aabb_check_count: n²/2, rounded up to whole steps of one or two registers for
-// each group of four boxes.
+// all boxes round to the same bytes, each check takes 1.9 ns: 24 ms for 5,000 boxes of the scene
+// all-coincident. Memory: 42 bytes per box. The buffers and the number of pairs are kept between
+// frames. aabb_check_count: n²/2, rounded up to whole steps of one or two registers for each group
+// of four boxes.
 #pragma once
 
 #include <memory>

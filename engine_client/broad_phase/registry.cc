@@ -20,7 +20,7 @@ struct Family {
   std::unique_ptr<BroadPhase> (*make)(const BroadPhaseOptions&);
 };
 
-// In the order of the paper's Table 1.
+// The order is that of Table 1 in the paper that README.md names.
 constexpr std::array kFamilies = {
     Family{"BruteForce", MakeBruteForce}, Family{"Grid", MakeGrid}, Family{"SAP", MakeSap},
     Family{"AxisSweep", MakeAxisSweep},   Family{"DBVT", MakeDbvt}, Family{"Tracy", MakeTracy},

@@ -31,10 +31,10 @@ HWY_EXPORT(TargetOfKernels);
 
 struct Level {
   std::string_view name;
-  int64_t targets;  // bits of Highway's targets
+  int64_t targets;  // Highway's bits of the targets that this level covers
 };
 
-// For each architecture, the best level comes first.
+// For each processor architecture, the fastest level comes first.
 constexpr std::array kLevels = {
     Level{"avx512", HWY_AVX3_DL | HWY_AVX3},
     Level{"avx2", HWY_AVX2},
@@ -57,8 +57,8 @@ class Usable {
   }
 
   std::span<const std::string_view> names() const { return {names_.data(), count_}; }
-  // Returns Highway's targets without those better than the level of this name. A better target has
-  // a lower bit. A later version of Highway may have targets that no level names.
+  // Returns the usable targets except those better than the named level. In Highway's target bits,
+  // a better target has a lower bit. This also excludes better targets that have no level here.
   int64_t NoBetterThan(std::string_view name) const {
     for (const Level& level : kLevels) {
       const int64_t named = targets_ & level.targets;
@@ -73,7 +73,7 @@ class Usable {
   size_t count_ = 0;
 };
 
-// The first call must come before any target is ruled out.
+// REQUIRES: the first call comes before the first call of UseSimdTarget, which hides targets.
 const Usable& UsableTargets() {
   static const Usable usable;
   return usable;
@@ -97,7 +97,7 @@ Status ReadEnvironment() {
 std::span<const std::string_view> SimdTargets() { return UsableTargets().names(); }
 
 std::string_view SimdTarget() {
-  // MakeBroadPhase reports an invalid variable; here the error is ignored.
+  // An invalid environment variable is ignored here, since MakeBroadPhase reports it.
   (void)UseSimdTargetOfEnvironment();
   const int64_t target = HWY_DYNAMIC_DISPATCH(TargetOfKernels)();
   for (const Level& level : kLevels) {
@@ -113,8 +113,8 @@ Status UseSimdTarget(std::string_view name) {
     // hwy::SetSupportedTargetsForTest is used because DisableTargets of Highway 1.0 is undone by
     // the next query of the supported targets.
     hwy::SetSupportedTargetsForTest(UsableTargets().NoBetterThan(name));
-    // Highway dispatches at the next call. This call does so now, so that no broad phase pays for
-    // it.
+    // Highway selects the compiled variant again at the next dispatched call. This call triggers
+    // the selection now, so that no broad phase spends time on it.
     HWY_DYNAMIC_DISPATCH(TargetOfKernels)();
     return {};
   }

@@ -52,7 +52,8 @@ class AlignedBuffer {
   }
 
   // Makes room for a count that fluctuates from frame to frame; the content is lost if the array
-  // has to grow. It then reserves a quarter more, which avoids repeated allocation.
+  // has to grow. A growing array reserves a quarter more than `count`, which avoids repeated
+  // allocation.
   void EnsureWithSpare(size_t count) {
     if (count > capacity_) EnsureDiscarding(count + count / 4 + 2048);
   }

@@ -1,5 +1,6 @@
-// Box records (box_record.h) as vectors, for every target of Highway; the scalar functions define
-// the results. Include after hwy/foreach_target.h, use inside HWY_NAMESPACE.
+// Functions on box records (box_record.h), compiled for every target of Highway. The vector
+// versions return the same results as the scalar ones. Include after hwy/foreach_target.h, use
+// inside HWY_NAMESPACE.
 #if defined(SWEEPSTAKE_BOX_RECORD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_BOX_RECORD_INL_H_
 #undef SWEEPSTAKE_BOX_RECORD_INL_H_
@@ -21,8 +22,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
 
-// The result is a reference: a record returned by value is stored in halves and loaded whole, which
-// stalls until the stores have finished.
+// The result is stored through a reference. A record returned by value would be stored in two
+// halves and then loaded whole, and that load would wait until both stores have finished.
 HWY_INLINE void StoreRecord(const Aabb& box, BoxRecord& record) { record = RecordOf(box); }
 
 HWY_INLINE bool RecordsOverlap(const BoxRecord& a, const BoxRecord& b) { return Overlap(a, b); }
@@ -46,7 +47,7 @@ HWY_INLINE void StoreRecord(const Aabb& box, BoxRecord& record) {
   const auto first_three = hn::FirstN(d, 3);
   const auto limit = hn::Set(d, std::numeric_limits<float>::max());
   const auto min = hn::IfThenElseZero(first_three, hn::LoadU(d, box.min));
-  // The load begins at min's z, so that nothing behind the box is read.
+  // The load begins at min[2], so that no memory behind the box is read.
   const auto max = hn::ShiftRightLanes<1>(d, hn::LoadU(d, box.min + 2));
   const auto finite = hn::And(hn::Ge(min, hn::Neg(limit)), hn::Le(max, limit));
   if (HWY_UNLIKELY(!hn::AllTrue(d, hn::And(finite, hn::Le(min, max))))) {

@@ -10,11 +10,11 @@
 #define SWEEPSTAKE_BYTE_BOXES_ONCE
 namespace sweepstake {
 
-// The function q (byte_boxes.h) for all three axes, in the layout of a record's halves.
+// The parameters of the function q (byte_boxes.h), in the layout of BoxRecord::min.
 struct ByteScale {
   alignas(16) float origin[4];
   alignas(16) float scale[4];
-  size_t axis[3];  // the coordinate that the k-th lanes hold
+  size_t axis[3];  // the coordinate stored in ByteLanes::low[k] and high[k]
 };
 
 }  // namespace sweepstake
@@ -38,7 +38,7 @@ HWY_INLINE void PutBytes(const ByteScale& scale, const BoxRecord& record, const 
 
 void FillFromBoxes(std::span<const Aabb> boxes, const ByteScale& scale, const SweepAxis& sweep,
                    const ByteLanes& lanes, BoxRecord* records, size_t begin, size_t end) {
-  // Copies that no store can alias, so that their fields stay in registers.
+  // No store can alias these local copies, so that the compiler keeps their fields in registers.
   const ByteScale local = scale;
   const ByteLanes to = lanes;
   const size_t axis = scale.axis[0];

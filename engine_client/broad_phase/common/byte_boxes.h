@@ -1,5 +1,6 @@
-// Boxes for scans over very large numbers of boxes. Each coordinate is also stored as a byte, so
-// that one register compares 64 boxes. The exact boxes are kept to test the remaining candidates.
+// Boxes in the layout for scans, which compare each box with many others. Each coordinate is also
+// stored as a byte, so that one register compares 64 boxes. The exact boxes are kept to test the
+// remaining candidates.
 //
 // A monotone function q maps a coordinate to [0, 255]; it is linear over the range of most boxes
 // and constant outside. a.min <= b.max implies q(a.min) <= q(b.max): boxes that overlap also
@@ -21,9 +22,9 @@
 
 namespace sweepstake {
 
-// Positions on the sweep axis: either the exact coordinate, or whole steps from 0 to `last`, which
-// are monotone like q. A sweep needs its slots sorted by position only. With steps it tests a few
-// more boxes and stays correct.
+// Positions on the sweep axis: either exact coordinates, or coordinates rounded to whole steps from
+// 0 to `last`. Rounding is monotone like q, so that a sweep over slots sorted by their steps still
+// finds every pair. It only tests a few more boxes.
 struct SweepAxis {
   bool exact = true;
   float low = 0;
@@ -37,13 +38,13 @@ struct SweepAxis {
   float Position(float x) const { return exact ? x : static_cast<float>(Step(x)); }
 };
 
-// A view of the slots of a ByteBoxes, which kernels read and Fill writes. The first axis is the
-// sweep axis.
+// The columns of a ByteBoxes, indexed by slot. Fill writes them and kernels read them. low[0] and
+// high[0] belong to the sweep axis.
 struct ByteLanes {
   uint8_t* low[3];
   uint8_t* high[3];
-  // The first and last position of a slot's box on the sweep axis; `begin` ascends. Null without a
-  // sweep axis.
+  // The first and last position of each slot's box on the sweep axis. The slots are sorted by
+  // `begin`. Both are null without a sweep axis.
   float* begin;
   float* end;
   uint32_t* id;
@@ -58,13 +59,13 @@ class ByteBoxes {
   // to the next multiple of kGranule, hold kInvalidRecord. There is at least one such slot.
   static constexpr size_t kGranule = 64;
 
-  // Makes room for `count` boxes whose records are stored by slot; `swept` boxes have positions on
-  // the sweep axis.
+  // Makes room for `count` boxes and for their records, which are indexed by slot. If `swept`, it
+  // also makes room for their positions on the sweep axis.
   void Resize(size_t count, bool swept);
-  // Makes room for `count` swept boxes with borrowed records. Records are indexed by id, and a
-  // kInvalidRecord follows the last one.
+  // Makes room for `count` swept boxes whose records the caller owns. REQUIRES: `records` is
+  // indexed by id, and a kInvalidRecord follows the last one.
   void ResizeFor(const BoxRecord* records, size_t count);
-  // Returns the box of each slot. The caller writes count() ids before Fill.
+  // Returns the array of each slot's box id. The caller writes count() ids before Fill.
   uint32_t* ids() { return ids_.data(); }
   // Fills the slots [begin, end) from `boxes`, or from the borrowed records. REQUIRES: begin, and
   // end unless it is the count, are multiples of kGranule.
@@ -84,7 +85,7 @@ class ByteBoxes {
   AlignedBuffer<BoxRecord> records_;
   // The low bytes of the three axes from the sweep axis on, then the high bytes.
   AlignedBuffer<uint8_t> bytes_;
-  AlignedBuffer<float> ends_;  // the begins of all slots, then the ends
+  AlignedBuffer<float> ends_;  // ByteLanes::begin, then ByteLanes::end
   AlignedBuffer<uint32_t> ids_;
   size_t count_ = 0;
   size_t stride_ = 0;

@@ -16,7 +16,7 @@ namespace sweepstake::HWY_NAMESPACE {
 
 using Bytes = hn::CappedTag<uint8_t, ByteBoxes::kGranule>;
 
-// Bit k is set if the slot `at` + k may overlap the one at `row`.
+// Bit k is set if the box in slot `at` + k may overlap the box in slot `row`.
 struct Candidates {
   uint64_t bits;
   uint32_t row;
@@ -63,7 +63,7 @@ HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, siz
 }
 
 // Returns the mask as bits. x86 has one instruction for this; hn::StoreMaskBits would add
-// instructions that extend its result.
+// instructions that widen the result to 64 bits.
 HWY_INLINE uint64_t BitsOf([[maybe_unused]] Bytes d, hn::Mask<Bytes> mask) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
   return mask.raw;
@@ -89,9 +89,10 @@ HWY_INLINE RowBytes RowAt(const ByteLanes& lanes, size_t row) {
           {lanes.high[0][row], lanes.high[1][row], lanes.high[2][row]}};
 }
 
-// Returns the slots from `at` on that may overlap `row`: those without a gap on any axis. Swept
-// slots cannot be before it on the first axis. The gaps are combined in bytes before one
-// comparison, which is faster than six comparisons into masks.
+// Returns, as bits, which slots from `at` on may overlap `row`: those without a gap to it on any
+// axis. Swept slots are sorted by the first axis, so that a gap before the row need not be tested
+// there. The gaps are combined in bytes before one comparison, which is faster than six comparisons
+// into masks.
 template <bool kSwept>
 HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes, size_t at) {
   const auto gap_before = [&](size_t axis) HWY_ATTR {
@@ -106,7 +107,7 @@ HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes
   return BitsOf(d, hn::Eq(gap, hn::Zero(d)));
 }
 
-// Does the same as Compare for `step` slots, which fill one or more registers.
+// Calls Compare for each register of `step` slots and joins the bits.
 template <bool kSwept>
 HWY_INLINE uint64_t CompareStep(Bytes d, const RowBytes& row, const ByteLanes& lanes, size_t at,
                                 size_t step) {
@@ -116,15 +117,16 @@ HWY_INLINE uint64_t CompareStep(Bytes d, const RowBytes& row, const ByteLanes& l
   return bits;
 }
 
-// Returns the bits of the slots behind `row`, where bit 0 is slot `at`.
+// Returns the bits of the slots above `row`; bit 0 stands for slot `at`.
 HWY_INLINE uint64_t BitsBehind(size_t row, size_t at) {
   if (row < at) return ~uint64_t{0};
   return row + 1 - at < 64 ? ~uint64_t{0} << (row + 1 - at) : 0;
 }
 
-// Scans tiles of kRowsPerTile rows from `row_to_scan` on, with kRegisters registers of slots at a
-// time. Stops at `end` or after `max_checks` checks. Returns the number of checks and stores the
-// next row in `row_to_scan`. Not inlined, since the caller's variables would occupy registers.
+// Scans tiles of kRowsPerTile rows from `row_to_scan` on. It compares each tile with kRegisters
+// registers of slots at a time. Stops at `end` or after `max_checks` checks. Returns the number of
+// checks and stores the next row in `row_to_scan`. Not inlined, since the caller's variables would
+// occupy registers.
 template <bool kSwept, bool kById, size_t kRegisters>
 HWY_NOINLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t& row_to_scan, size_t end,
                                 uint64_t max_checks, PairBuffer& out) {
@@ -149,7 +151,8 @@ HWY_NOINLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t& row_to_sc
     float tile_end = 0;
     if constexpr (kSwept)
       tile_end = *std::max_element(lanes.end + row, lanes.end + row + kRowsPerTile);
-    // Compares the tile with a step of slots at a time, from the step that holds the first row.
+    // Compares the tile with `step` slots at a time, from the multiple of `step` at or below the
+    // first row on.
     const size_t first = row / step * step;
     size_t at = first;
     for (; at < lanes.count; at += step) {
@@ -166,7 +169,7 @@ HWY_NOINLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t& row_to_sc
         bits3 &= BitsBehind(row + 3, at);
       }
       if (!kSwept && (bits0 | bits1 | bits2 | bits3) == 0) continue;
-      // Collects the candidates and tests them exactly once the room is nearly used up.
+      // Collects the candidates and tests them exactly when the list is nearly full.
       add(bits0, row, at);
       add(bits1, row + 1, at);
       add(bits2, row + 2, at);
@@ -197,10 +200,11 @@ uint64_t Scan(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out,
 }
 
 // Below this number of slots² per expected pair, steps of two registers are faster than steps of
-// one. With many pairs, whether a step has candidates cannot be predicted. Half as many steps are
-// then faster, although each costs more than two steps of one register. Measured on AMD Zen 4 with
-// `sweepstake-lab bench --simd avx2,sse4 --arms BruteForce`, suites b, g and h with 1,000 to 10,000
-// boxes. Other 128-bit instruction sets were not timed and use SSE4's value.
+// one. With many pairs, the processor cannot predict which steps have candidates. Half as many
+// steps then cost less in total, although a step of two registers costs more than two steps of one.
+// Measured on AMD Zen 4 with `sweepstake-lab bench --simd avx2,sse4 --arms BruteForce`, suites b, g
+// and h with 1,000 to 10,000 boxes. Other 128-bit instruction sets were not timed and use SSE4's
+// value.
 constexpr uint64_t kSlotsPerPair = HWY_MAX_BYTES == 32 ? 900 : 250;
 
 uint64_t ScanAll(const ByteLanes& lanes, size_t begin, size_t end,
@@ -218,7 +222,7 @@ uint64_t ScanSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer&
   return Scan<true, false, 1>(lanes, begin, end, out, stop);
 }
 
-// Measured with AVX-512, AVX2 and SSE4. Other instruction sets use SSE4's value.
+// The times were measured with AVX-512, AVX2 and SSE4. Other instruction sets use SSE4's time.
 double CheckNs() {
   constexpr double kNsOf64 = HWY_MAX_BYTES == 64 ? 1.25 : HWY_MAX_BYTES == 32 ? 2.25 : 3.6;
   return kNsOf64 / 64;

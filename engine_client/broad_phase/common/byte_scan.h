@@ -2,8 +2,8 @@
 // against every later one, first in bytes, then exactly.
 //
 // Cost: 64 checks in bytes take 3 cycles with AVX-512 (2 in a sweep), an exact test about 3 ns (AMD
-// Zen 5, `sweepstake-lab bench --scene suite-b`). AVX2 takes 1.8 times as long for them, SSE4 2.9
-// times (AMD Zen 4, SAP from 10,000 to 100,000 boxes). Throws std::bad_alloc.
+// Zen 5, `sweepstake-lab bench --scene suite-b`). The same checks take 1.8 times as long with AVX2
+// and 2.9 times with SSE4 (AMD Zen 4, SAP from 10,000 to 100,000 boxes). Throws std::bad_alloc.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,8 @@
 
 namespace sweepstake {
 
-// The number of slots that share one load of other slots; [begin, end) below are multiples of it.
+// The number of consecutive slots (a tile) that are compared with other slots after loading those
+// once. `begin` and `end` below are multiples of it.
 inline constexpr size_t kRowsPerTile = 4;
 
 // Appends each overlapping pair of a slot in [begin, end) and a later slot; returns the number of
@@ -24,7 +25,8 @@ inline constexpr size_t kRowsPerTile = 4;
 uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, size_t expected_pairs,
                         PairBuffer& out, StopRequest* stop);
 // Appends each overlapping pair of a swept slot in [begin, end) and a later slot; returns the
-// number of AABB checks. A tile is not compared with slots that begin after its boxes have ended.
+// number of AABB checks. A tile is not compared with slots whose boxes begin, on the sweep axis,
+// behind the end of all its boxes.
 uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out,
                           StopRequest* stop);
 // Returns the approximate time of one check of a sweep in ns, with the instruction set that runs.

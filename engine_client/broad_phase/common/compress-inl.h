@@ -3,7 +3,7 @@
 //
 // AVX-512 and SVE have an instruction for it. Other targets use a shuffle with indices from a
 // table. hn::Compress of Highway 1.0 also does so, but gcc 12 copies its table (1 KiB) to the stack
-// in every call. That took more than half of a search.
+// in every call. This copying took more than half of the time of a search.
 #if defined(SWEEPSTAKE_COMPRESS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_COMPRESS_INL_H_
 #undef SWEEPSTAKE_COMPRESS_INL_H_
@@ -43,7 +43,7 @@ HWY_INLINE V CompressBits(V values, uint32_t bits) {
 #endif
 }
 
-// Does the same as CompressBits, for a mask.
+// Returns the lanes of `values` that are set in `mask`, like CompressBits.
 template <class V, class M>
 HWY_INLINE V CompressLanes(V values, M mask) {
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_NEON

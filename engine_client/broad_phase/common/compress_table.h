@@ -1,4 +1,5 @@
-// Source lanes for moving the lanes of a mask to the front of a register (compress-inl.h).
+// Tables of the lane indices that move the lanes set in a mask to the front of a register
+// (compress-inl.h).
 #pragma once
 
 #include <array>
@@ -10,7 +11,7 @@ namespace sweepstake {
 struct CompressTable {
   // Entry m lists the set bits of m in ascending order, then zeros.
   std::array<std::array<uint8_t, 8>, 256> of8{};
-  // The same for 4 lanes of 32 bits, as the indices of their bytes.
+  // The same for 4 lanes of 32 bits; each lane is given by the indices of its four bytes.
   alignas(16) std::array<std::array<uint8_t, 16>, 16> bytes_of4{};
 };
 

@@ -15,8 +15,8 @@ constexpr size_t kSampleCount = 128;
 // them.
 constexpr size_t kFewBoxes = 4096;
 constexpr size_t kSmallSampleCount = 64;
-// The number of values at either end of the sample that are treated as outliers. A box at 1e30 must
-// not map all others to one value.
+// The number of values at either end of the sample that are treated as outliers. Otherwise a single
+// box at 1e30 would widen the range until all other boxes round to one value.
 constexpr size_t kTail = 2;
 constexpr float kMaxBound = 1e38F;  // so that the difference of two bounds is finite
 
@@ -31,10 +31,10 @@ struct AxisSample {
   }
 };
 
-// Returns the index of the k-th draw. The draws have no period, since the kind of an object often
-// depends on its index modulo some number.
+// Returns the index of the k-th box of the sample. A fixed stride would be wrong, since the kind of
+// an object often depends on its index modulo some number.
 size_t DrawIndex(size_t k, size_t box_count) {
-  const uint64_t fraction = (k * math::kGoldenGamma) >> 32;  // a fraction of 1, times 2^32
+  const uint64_t fraction = (k * math::kGoldenGamma) >> 32;  // a fraction in [0, 1), times 2^32
   return static_cast<size_t>((fraction * box_count) >> 32);
 }
 
@@ -58,8 +58,8 @@ float MeanFraction(const AxisSample& sample, float width) {
   return sum / static_cast<float>(sample.count);
 }
 
-// Returns the axis with the smallest fraction. If all fractions are 0 (points), it returns the
-// widest axis.
+// Returns the axis on which boxes cover the smallest fraction of the range. If all fractions are 0
+// (points), it returns the axis with the widest range.
 int BestSweepAxis(const float (&fraction)[3], const CoordinateRange& range) {
   const float widest = std::max({range.width(0), range.width(1), range.width(2)});
   int best = 0;

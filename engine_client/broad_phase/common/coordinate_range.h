@@ -1,7 +1,7 @@
-// The range that holds most boxes of a scene, estimated from a sample; coordinates are quantised
-// over it. Also the axis along which a sweep compares the fewest boxes.
+// The range that holds most boxes of a scene, estimated from a sample. Coordinates are quantised
+// over this range. It also gives the axis along which a sweep compares the fewest boxes.
 //
-// Correctness must not depend on the range: outliers lie outside it.
+// Code that uses the range must stay correct for boxes outside it.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace sweepstake {
 struct CoordinateRange {
   static constexpr float kMinWidth = 1e-30F;
 
-  // Finite, low <= high, with a finite difference.
+  // The bounds and their difference are finite; low <= high.
   float low[3] = {0, 0, 0};
   float high[3] = {1, 1, 1};
   // The axis on which the boxes' extents are the smallest fraction of the range.
@@ -23,7 +23,7 @@ struct CoordinateRange {
 
   static CoordinateRange Sample(std::span<const Aabb> boxes);
 
-  // Returns at least kMinWidth, so that a quotient by it stays finite.
+  // Returns at least kMinWidth, so that a division by the result does not overflow.
   float width(int axis) const { return std::max(high[axis] - low[axis], kMinWidth); }
 };
 

@@ -1,5 +1,6 @@
-// Registers whose number of lanes divides sixteen, the width of every node and leaf, for every
-// target of Highway. Include after hwy/foreach_target.h.
+// Functions on registers of 1, 2, 4, 8 or 16 lanes, compiled for every target of Highway. Every
+// node and leaf holds sixteen boxes, which fill a whole number of such registers. Include after
+// hwy/foreach_target.h.
 #if defined(SWEEPSTAKE_LANES16_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_LANES16_INL_H_
 #undef SWEEPSTAKE_LANES16_INL_H_

@@ -29,8 +29,9 @@ HWY_INLINE Aabb BoxAt(const BoxLanes& lanes, size_t slot) {
           {lanes.max[0][slot], lanes.max[1][slot], lanes.max[2][slot]}};
 }
 
-// Returns the lanes set in both masks. On AVX-512 it is written as an integer "and" instead of the
-// mask intrinsic, since the compiler folds that into the comparison that made `b`.
+// Returns the lanes set in both masks. On AVX-512 it is an integer "and" instead of the mask
+// intrinsic. The compiler would merge the intrinsic with the comparison that computes `b`, which
+// would then have to wait for `a`.
 template <class M>
 HWY_INLINE M Both(M a, M b) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
@@ -53,8 +54,8 @@ HWY_INLINE hn::Mask<D> Hits(D d, const Aabb& box, const BoxLanes& lanes, size_t 
   return hn::And(begins, ends);
 }
 
-// Returns which of the boxes in registers (one vector per face) overlap another box, whose faces
-// are `stride` floats apart.
+// Returns which of the boxes in registers (one vector per face) overlap another box. The three
+// coordinates at `min`, and those at `max`, are kStride floats apart.
 template <size_t kStride, class D, class V>
 HWY_INLINE hn::Mask<D> HeldHits(D d, V min0, V min1, V min2, V max0, V max1, V max2,
                                 const float* min, const float* max) {
@@ -73,10 +74,10 @@ HWY_INLINE hn::Mask<D> SlotsFrom(D d, size_t first, size_t at) {
   return hn::Not(hn::FirstN(d, first > at ? first - at : 0));
 }
 
-// Stores the pairs (self, partner), with a < b, of the partners in the first `count` lanes. It
-// stores half a register of pairs, and the other half if `count` needs it or if kAlways. kAlways is
-// faster if the second half is often needed. Grid's search has its own function (StoreFewHits).
-// That one takes a fifth less time there with AVX-512, and up to a fifth more in KDTree and DBVT.
+// Stores a pair of `self` and each of the first `count` partners, the smaller id first. The second
+// half of the register of pairs is stored only if `count` requires it, or always with kAlways.
+// kAlways is faster if the second half is often needed. Grid's search uses StoreFewHits instead.
+// With AVX-512 it takes a fifth less time in Grid, but up to a fifth more in KDTree and DBVT.
 template <bool kAlways, class V>
 HWY_INLINE void StorePairs(V self, V partners, [[maybe_unused]] size_t count, OverlapPair* out) {
   const hn::DFromV<V> du;
@@ -113,7 +114,8 @@ HWY_INLINE void StorePairs(V self, V partners, [[maybe_unused]] size_t count, Ov
 }
 
 // Stores (id, ids[lane]) with a < b for each hit and returns their number. It always writes a whole
-// register of pairs at `out`: where hits are frequent, a mispredicted branch costs more.
+// register of pairs to `out`. If hits are frequent, mispredicted branches would cost more than the
+// unneeded stores.
 template <class D>
 HWY_INLINE size_t StoreHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* ids,
                             OverlapPair* out) {

@@ -1,8 +1,8 @@
-// Writes a kernel's pairs to a PairBuffer. Room is claimed in chunks, so that the inner loop
-// compares two variables only.
+// Writes a kernel's pairs to a PairBuffer. It reserves room in chunks, so that checking for room
+// costs one comparison in the inner loop.
 //
 // Not thread-safe. Borrows the buffer; Flush makes the written pairs part of its content. Vector
-// stores may overrun the claimed room by PairBuffer::kSlack pairs.
+// stores may overrun the reserved room by PairBuffer::kSlack pairs.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ class PairCursor {
   PairCursor(const PairCursor&) = delete;
   PairCursor& operator=(const PairCursor&) = delete;
 
-  // Returns the place for the next `count` pairs. Throws std::bad_alloc.
+  // Returns where to write the next `count` pairs. Throws std::bad_alloc.
   OverlapPair* Room(size_t count) {
     if (used_ + count > room_) Claim(count);
     return at_ + used_;
@@ -37,7 +37,7 @@ class PairCursor {
   }
 
  private:
-  // Equal to the first capacity of a PairBuffer, so that a small scene claims room once.
+  // The chunk equals the first capacity of a PairBuffer, so that a small scene reserves room once.
   static constexpr size_t kChunk = 1024;
 
   void Claim(size_t count) {

@@ -37,7 +37,8 @@ void RunParts(Executor* executor, size_t part_count, const Fn& fn) {
   context.failure.Rethrow();
 }
 
-// The items [begin, end) of a part of `item_count` items. Borders are multiples of `granule`.
+// The items [begin, end) of one part. RangeOfPart divides `item_count` items evenly, with borders
+// at multiples of `granule`.
 struct PartRange {
   size_t begin;
   size_t end;
@@ -49,8 +50,8 @@ inline PartRange RangeOfPart(size_t item_count, size_t part, size_t part_count, 
   return {border(part), part + 1 == part_count ? item_count : border(part + 1)};
 }
 
-// Returns the number of parts: several per thread, so that uneven parts balance out, with at least
-// `items_min` items each.
+// Returns the number of parts: up to eight per thread, so that uneven parts balance out, but at
+// least `items_min` items per part.
 inline size_t PartCount(const Executor* executor, size_t item_count, size_t items_min) {
   constexpr size_t kPartsPerThread = 8;
   if (executor == nullptr || executor->thread_count() <= 1) return 1;
@@ -64,8 +65,8 @@ class PairParts {
  public:
   // Calls find(begin, end, pairs) for each part's items and returns the sum of the checks. `find`
   // appends to `pairs`, which is `out` itself for the first part, and returns its AABB checks.
-  // After `stop`, which `find` polls too, no further part starts, and `out` gets only the first
-  // part's pairs.
+  // `find` must poll `stop` too. After a stop, no further part starts, and `out` gets only the
+  // first part's pairs.
   template <typename Find>
   uint64_t Run(Executor* executor, size_t item_count, size_t items_min, size_t granule,
                PairBuffer& out, const Find& find, StopRequest* stop = nullptr) {

@@ -21,8 +21,8 @@ inline uint32_t SortableKey(float value) {
   return bits ^ ((bits >> 31) != 0 ? 0xFFFFFFFFU : 0x80000000U);
 }
 
-// A key and its payload in one word. The highest bit of the payload breaks ties: the order is by 33
-// bits, which three passes of 11 bits cover.
+// Packs a key and its payload into one word. Items are ordered by 33 bits, which three passes of 11
+// bits cover: the key, and the highest bit of the payload to break ties.
 constexpr uint64_t PackSortItem(uint32_t key, uint32_t payload) {
   return uint64_t{key} << 32 | payload;
 }

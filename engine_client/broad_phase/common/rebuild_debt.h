@@ -32,8 +32,8 @@ class RebuildDebt {
 };
 
 // Returns the cost of a search in checks. Writing a pair counts as 8 checks. With 4 or 16 instead,
-// KDTree's mean frame changes by at most 3 % with AVX-512, AVX2 and SSE4 (`sweepstake-lab bench`,
-// suites b and g).
+// KDTree's mean frame time changes by at most 3 % with AVX-512, AVX2 and SSE4 (`sweepstake-lab
+// bench`, suites b and g).
 constexpr uint64_t SearchCost(uint64_t checks, uint64_t pair_count) {
   return checks + 8 * pair_count;
 }

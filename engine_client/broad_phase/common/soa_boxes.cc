@@ -13,7 +13,8 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Invalid boxes are rare: a register is written back only if it holds one.
+// Replaces invalid boxes by sentinels. They are rare, so that only registers with an invalid box
+// are written back.
 void ReplaceInvalidBoxes(float* const* columns, size_t padded_count) {
   const HWY_FULL(float) d;
   const auto infinity = hn::Set(d, std::numeric_limits<float>::infinity());

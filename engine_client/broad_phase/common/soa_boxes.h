@@ -1,4 +1,4 @@
-// Boxes as six float arrays and an array of their ids: the form that vector kernels read.
+// Boxes as six arrays of floats (columns) and an array of ids, the layout that vector kernels read.
 //
 // Not thread-safe. Owns its memory. Cost of Gather: O(n), 28 bytes written per box. Memory: 28 (n +
 // kPadding) bytes.

@@ -18,8 +18,8 @@ namespace sweepstake {
 
 class StopPoll {
  public:
-  // The number of checks between two polls. They take 10 µs if comparisons in bytes find no pair,
-  // and 2 ms (4 MiB of pairs) if each check finds one.
+  // The number of checks between two polls. That many checks take 10 µs if comparisons in bytes
+  // find no pair, and 2 ms (4 MiB of pairs) if each check finds a pair.
   static constexpr uint64_t kChecksPerQuestion = uint64_t{1} << 19;
 
   // `stop` may be null; `out` is the buffer that the search grows.
@@ -67,7 +67,8 @@ class StopPoll {
 inline bool IsStopped(StopRequest* stop) { return stop != nullptr && stop->WantsStop(0); }
 
 // The number of boxes that are loaded, or moved by one pass of a sort, between two polls. They take
-// 1 ms or less, even if each of them misses the caches. A multiple of the granule of every part.
+// 1 ms or less, even if each of them misses the caches. The number is a multiple of every granule
+// that loops are divided by.
 inline constexpr size_t kBoxesPerQuestion = size_t{1} << 15;
 
 // Calls fn(from, to) for consecutive blocks of the items [begin, end), and polls `stop` before

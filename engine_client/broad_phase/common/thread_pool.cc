@@ -32,8 +32,8 @@ void Pause() {
 class ThreadPool final : public Executor {
  public:
   ThreadPool() = default;
-  // Not part of the constructor: if the system fails to create a thread, the destructor still joins
-  // the others.
+  // Starts the workers outside of the constructor. If the system fails to create a thread, the
+  // destructor can then still join the others.
   void Start(size_t thread_count) {
     workers_.reserve(thread_count - 1);
     for (size_t i = 1; i < thread_count; ++i) {
@@ -58,7 +58,7 @@ class ThreadPool final : public Executor {
     while (RunOne(End::kFront)) {
     }
     for (int spins = 0; done_.load(std::memory_order_acquire) != part_count; ++spins) {
-      // The thread that runs the last part may need this core.
+      // Yields after a while, since the thread that runs the last part may need this core.
       spins < kSpinsBeforeSleep ? Pause() : std::this_thread::yield();
     }
   }
@@ -71,15 +71,16 @@ class ThreadPool final : public Executor {
   static constexpr uint64_t Behind(uint64_t job) { return job & kLast; }
   static constexpr bool HasUnclaimed(uint64_t job) { return First(job) < Behind(job); }
 
-  // The caller claims parts from the front, the workers from the back. A thread then mostly reads
-  // in the next loop what it wrote in the last one, from its own cache.
+  // The caller claims parts from the front, the workers from the back. A thread then gets mostly
+  // the same parts in each loop, and their data is still in its cache.
   enum class End { kFront, kBack };
 
   void Publish(uint64_t part_count) noexcept {
     const uint64_t number = (job_.load(std::memory_order_relaxed) >> 32) + 1;
     job_.store(number << 32 | part_count);
     if (sleeper_count_.load() == 0) return;
-    // Locking and unlocking waits for a sleeper that has checked for a job but does not wait yet.
+    // Taking the lock once waits for a thread in Sleep that has checked for a job but does not wait
+    // yet. It would miss the notification.
     { const std::scoped_lock lock(sleep_); }
     wake_.notify_all();
   }
@@ -123,7 +124,8 @@ class ThreadPool final : public Executor {
     return false;
   }
 
-  // Separate cache lines, so that spinning threads do not slow down finishing threads.
+  // The first fields have separate cache lines, so that threads that wait for job_ do not slow down
+  // threads that increment done_.
   alignas(64) std::atomic<uint64_t> job_{0};
   alignas(64) std::atomic<size_t> done_{0};
   alignas(64) RunPart run_part_ = nullptr;

@@ -1,5 +1,5 @@
-// The lanes that hold a valid box (IsValid in aabb.h), for every target of Highway. Include after
-// hwy/foreach_target.h.
+// Finds the lanes that hold a valid box (IsValid in aabb.h), compiled for every target of Highway.
+// Include after hwy/foreach_target.h.
 #if defined(SWEEPSTAKE_VALID_BOX_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_VALID_BOX_INL_H_
 #undef SWEEPSTAKE_VALID_BOX_INL_H_

@@ -21,7 +21,8 @@ constexpr uint64_t kChecksPerRebuild = 100;
 // The tree is rebuilt at once if more than one entry in this number would have to be inserted
 // again.
 constexpr size_t kEntriesPerMisplaced = 8;
-// The tree is built from scratch if more than one object in this number comes or goes in one frame.
+// The tree is built from scratch if more than one object in this number is added or removed in one
+// frame.
 constexpr size_t kObjectsPerChanged = 4;
 // A frame is calm if at most one sampled object in this number moves further than
 // DbvtMargins::Step().
@@ -71,14 +72,15 @@ class Dbvt final : public BroadPhase {
   DbvtTree tree_;
   DbvtMargins margins_;
   KdOrder splitter_;
-  AlignedBuffer<uint32_t> order_;  // the slots of the latest rebuild
-  size_t ordered_count_ = 0;       // the number of objects when that order was started
+  AlignedBuffer<uint32_t> order_;  // the objects by slot of the latest rebuild
+  size_t ordered_count_ = 0;       // the number of objects when the latest order was begun
   bool is_ordering_ = false;
-  RebuildDebt debt_;  // the debt of the tree
-  // Objects outside the tree, since their boxes are invalid. Not kept up to date at rest.
+  RebuildDebt debt_;  // the tree's extra checks since the latest rebuild
+  // The objects that are not in the tree because their boxes are invalid. The list is not kept up
+  // to date at rest.
   HookedVector<uint32_t> outside_;
   PairParts parts_;
-  size_t pair_count_ = 0;  // the pairs of the latest search
+  size_t pair_count_ = 0;  // the number of pairs of the latest search
   bool is_at_rest_ = false;
   uint32_t calm_frames_ = 0;
   uint32_t resting_frames_ = 0;
@@ -123,8 +125,8 @@ void Dbvt::AdoptOrder(std::span<const Aabb> boxes) {
   debt_.Clear();
 }
 
-// Does this frame's part of a rebuild if one is due. Returns whether the tree was rebuilt or the
-// call was stopped.
+// Does this frame's share of the rebuild if a rebuild is due. Returns whether the tree was rebuilt
+// or the call was stopped.
 bool Dbvt::AdvanceRebuild(std::span<const Aabb> boxes) {
   if (!is_ordering_) {
     if (!debt_.Exceeds(kChecksPerRebuild * boxes.size())) return false;

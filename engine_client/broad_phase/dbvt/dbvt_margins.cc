@@ -50,7 +50,7 @@ HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
   const Half d;
   const auto overlap = hn::And(hn::Le(hn::LoadU(d, a.min), hn::LoadU(d, b.max)),
                                hn::Ge(hn::LoadU(d, a.max), hn::LoadU(d, b.min)));
-  // The fourth lane holds the float behind the corner in memory and is ignored.
+  // The fourth lane holds whatever float follows the corner in memory and is ignored.
   return hn::AllTrue(d, hn::Or(overlap, hn::Not(hn::FirstN(d, 3))));
 }
 
@@ -107,7 +107,7 @@ namespace {
 
 constexpr float kLargest = std::numeric_limits<float>::max();
 
-// The bounds of a margin, as multiples of the median middle side.
+// The bounds of a margin, as multiples of the typical side (dbvt_margins.h).
 constexpr float kMinMargin = 0.02F;
 constexpr float kMaxMargin = 0.1F;
 // The number of frames of an object's motion that a margin covers.
@@ -115,20 +115,21 @@ constexpr float kMarginFrames = 8;
 // Margins are given up if more than one object in this number leaves its margin in a frame. One
 // refit and one search for all objects then cost less than renewing the objects that have left.
 constexpr size_t kObjectsPerOutside = 20;
-// The maximum number of candidates to keep. Testing more takes longer than a search in the tree.
-// The limit is 1.5 times the number of pairs per object up to which DBVT tries to rest.
+// The maximum number of candidates to keep. Testing more takes longer than a search in the tree. It
+// is 1.5 times kMaxPairsPerObject (dbvt.cc), the limit up to which DBVT tries margins.
 constexpr size_t kMaxCandidatesPerObject = 24;
 // The maximum number of sampled boxes, enough for a median that only scales margins.
 constexpr size_t kSideSampleSize = 512;
-// Minimum work per part: a smaller part takes less time than waking a thread.
+// The minimum work per part of a parallel loop. A smaller part takes less time than waking a
+// thread.
 constexpr size_t kMinBoxesPerPart = 8192;
 constexpr size_t kMinCandidatesPerPart = 8192;
 
 bool IsInvalid(const Aabb& fat) { return fat.min[0] > fat.max[0]; }
 
-// Returns the middle of the three sides, which margins are a share of. A share of the longest side
-// would be too much for a long box. A share of the shortest would leave a flat box without a
-// margin. May be infinite.
+// Returns the second longest of the three sides; the result may be infinite. Margins are a fraction
+// of this side. A fraction of the longest side would be too much for a long box, and a fraction of
+// the shortest would leave a flat box without a margin.
 float MiddleSide(const Aabb& box) {
   const float x = box.max[0] - box.min[0];
   const float y = box.max[1] - box.min[1];
@@ -136,7 +137,8 @@ float MiddleSide(const Aabb& box) {
   return std::max(std::min(x, y), std::min(std::max(x, y), z));
 }
 
-// Returns the largest distance moved on an axis; infinite if the box was invalid.
+// Returns the largest distance that the box has moved on any axis; infinite if it was invalid
+// before.
 float Motion(const Aabb& from, const Aabb& to) {
   float motion = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -291,9 +293,9 @@ void DbvtMargins::Replace(uint32_t object, DbvtTree& tree) {
   }
 }
 
-// Drops the candidates of objects that have left their margins. Few objects have, so that the
-// branch is well predicted. Branchless stores would be slower, since their addresses would wait for
-// the flags.
+// Drops the candidates of objects that have left their margins. Few objects have left, so that the
+// branch is well predicted. Branchless code would be slower, since the address of each store would
+// depend on the flags of all pairs before.
 void DbvtMargins::DropOutdatedCandidates() {
   const std::span<OverlapPair> candidates = candidates_.pairs();
   OverlapPair* kept = candidates.data();

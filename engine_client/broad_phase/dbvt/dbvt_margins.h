@@ -1,14 +1,15 @@
-// The data that DBVT keeps at rest: each object's box enlarged by a margin, and the candidates.
-// Candidates are the pairs of enlarged boxes that overlap. (Tracy's counterpart is tracy_rest.h.)
+// The data that DBVT keeps at rest: each object's box enlarged by a margin, and the candidates,
+// which are the pairs of enlarged boxes that overlap. (Tracy's counterpart is tracy_rest.h.)
 //
 // At rest the tree holds the enlarged boxes. An object inside its enlarged box costs one comparison
-// per frame. For an object that has left it, the enlarged box, the place in the tree and the
-// candidates are renewed. FindPairs tests the exact boxes of the candidates, so that no margin is
-// visible outside.
+// per frame. If an object leaves its enlarged box, it gets a new one, a new place in the tree and
+// new candidates. FindPairs tests the exact boxes of the candidates, so that no margin is visible
+// outside.
 //
-// A margin is the object's own motion in 8 frames, clamped to between 2 % and 10 % of the median
-// middle side of all boxes. An object that moves further than the maximum in one frame gets the
-// minimum, since no margin would hold it.
+// A margin is the object's own motion in 8 frames, clamped to between 2 % and 10 % of a typical
+// side. The typical side is the median, over all boxes, of the second longest of a box's three
+// sides. An object that moves further than the maximum in one frame gets the minimum, since no
+// margin would hold it.
 //
 // Not thread-safe. Owns its memory, none before the first Start. Cost: Follow O(objects), and a
 // search in the tree for each object that has left its margin; FindPairs O(candidates). Memory: 53
@@ -30,10 +31,10 @@ namespace sweepstake {
 
 class DbvtMargins {
  public:
-  // Measures the median middle side of these boxes, which Step and all margins depend on until the
-  // next call.
+  // Measures the typical side of these boxes (see above). Step and all margins depend on it until
+  // the next call.
   void MeasureSide(std::span<const Aabb> boxes);
-  // Returns the motion per frame up to which margins hold for many frames.
+  // Returns the motion per frame at which an object stays in the largest margin for 8 frames.
   float Step() const;
 
   // Enlarges all boxes, also those in the tree, by the margin for this mean motion, and finds all
@@ -65,7 +66,7 @@ class DbvtMargins {
   void Replace(uint32_t object, DbvtTree& tree);
   void DropOutdatedCandidates();
 
-  AlignedBuffer<Aabb> exact_;     // the latest boxes, and room to read behind the last one
+  AlignedBuffer<Aabb> exact_;     // the latest boxes, with one element of padding behind them
   AlignedBuffer<Aabb> fat_;       // the enlarged boxes
   AlignedBuffer<uint32_t> left_;  // the objects that have left their enlarged boxes
   AlignedBuffer<uint8_t> has_left_;
@@ -74,7 +75,7 @@ class DbvtMargins {
   PairBuffer candidates_;
   size_t count_ = 0;
   size_t left_count_ = 0;
-  float side_ = 0;  // the median middle side
+  float side_ = 0;  // the typical side (see above)
 };
 
 }  // namespace sweepstake

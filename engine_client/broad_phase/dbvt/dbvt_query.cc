@@ -24,8 +24,8 @@ HWY_INLINE BoxLanes LanesOf(const DbvtNode& node) {
           kWidth};
 }
 
-// Lists in `found` the children from lane `first` on that overlap `box`. Returns their number. May
-// write up to one register more.
+// Lists in `found` the children from lane `first` on that overlap `box`, and returns their number.
+// May write up to one register behind the last one.
 HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_t first,
                                   uint32_t* found) {
   const Lanes16 d;
@@ -41,8 +41,8 @@ HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_
   return count;
 }
 
-// Lists the lanes of a leaf that overlap `box`, as slots. Returns their number. May write up to one
-// register more.
+// Lists in `found` the slots (leaf · kWidth + lane) of the leaf's boxes that overlap `box`, and
+// returns their number. May write up to one register behind the last one.
 HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t leaf,
                                uint32_t* found) {
   const Lanes16 d;
@@ -60,8 +60,8 @@ HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t 
 
 // Tests the leaf's boxes, a register at a time, against those in `slots`. With kSelf it tests them
 // against one another instead, each against the lanes behind it. With 128-bit registers, copying
-// the other box's faces costs more than comparing them. Each set of copies is therefore used for
-// all registers of the leaf. Wider registers keep the leaf's faces loaded instead.
+// the other box's faces to all lanes costs more than comparing them. The copies are therefore
+// reused for all registers of the leaf. With wider registers, the leaf's faces stay loaded instead.
 template <bool kSelf>
 HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& leaf,
                           size_t leaf_size, const uint32_t* slots, size_t slot_count,
@@ -106,8 +106,9 @@ HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& le
 // The maximum number of pending nodes in a depth-first walk: all siblings on each level.
 constexpr size_t kStackSize = DbvtTree::kMaxLevels * kWidth + kWidth;
 
-// The search of one leaf among the leaves that follow it. The leaves and then the slots found are
-// kept in lists that are processed when full, since branch prediction is better in long loops.
+// The search for the pairs of one leaf with the leaves that follow it. The leaves found are
+// collected in a list, and so are the slots found in them. A list is processed when it is full,
+// since long loops are predicted better.
 struct DbvtSearch {
   DbvtSearch(const DbvtTree& tree, PairCursor& pairs)
       : nodes(tree.nodes()), links(tree.links()), cursor(pairs) {}
@@ -156,7 +157,7 @@ HWY_INLINE void TestFoundLeaves(DbvtSearch& search) {
   search.leaf_count = 0;
 }
 
-// Searches below the children of `node` from lane `first` on.
+// Searches the subtrees below `node` from its lane `first` on.
 HWY_INLINE void SearchBelow(DbvtSearch& search, uint32_t node, uint32_t first) {
   size_t waiting = 0;
   for (;;) {

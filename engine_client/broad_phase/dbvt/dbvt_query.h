@@ -1,9 +1,9 @@
 // Searches in a DbvtTree: vector kernels, dispatched at run time once per call.
 //
 // Stateless; threads may search at the same time with separate outputs. The functions append pairs
-// of objects, a < b, in an order that depends on the tree alone. They return the AABB checks made:
-// every lane of a comparison is one. They poll `stop`, which may be null, between leaves or
-// objects.
+// of objects, a < b, in an order that depends on the tree alone. They return the number of AABB
+// checks; every lane of a comparison counts as one check. They poll `stop`, which may be null,
+// between leaves or objects.
 #pragma once
 
 #include <cstdint>

@@ -91,7 +91,7 @@ HWY_INLINE void FetchAhead(const DbvtNode& leaf, size_t count, const Aabb* boxes
   for (size_t lane = 0; lane < count; ++lane) {
     const Aabb* const box = boxes + leaf.child[lane];
     hwy::Prefetch(box->min);
-    hwy::Prefetch(box->max + 2);  // every third box ends in another cache line
+    hwy::Prefetch(box->max + 2);  // some boxes end in the next cache line
   }
 }
 
@@ -129,7 +129,8 @@ DbvtGroupNote Refit(DbvtNode* HWY_RESTRICT nodes, const DbvtLink* links, uint32_
   return note;
 }
 
-// Returns the lane whose box grows least when it covers `box`; among similar lanes a small one.
+// Returns the lane whose box grows least if it has to cover `box`. Among similar lanes it prefers a
+// small box.
 HWY_INLINE uint32_t BestLane(const DbvtNode& node, const Aabb& box) {
   const Lanes16 d;
   float min_cost = std::numeric_limits<float>::infinity();
@@ -141,8 +142,8 @@ HWY_INLINE uint32_t BestLane(const DbvtNode& node, const Aabb& box) {
       const auto high = hn::Max(hn::Load(d, node.max[axis] + at), hn::Set(d, box.max[axis]));
       joined = hn::Add(joined, hn::Sub(high, low));
     }
-    // The cost is the growth plus a sixteenth of the size, so that smaller lanes are preferred. It
-    // is infinite for lanes without a child.
+    // The cost is the growth plus a sixteenth of the new size, so that small boxes are preferred.
+    // It is infinite for lanes without a child.
     const auto cost = hn::Sub(hn::Mul(joined, hn::Set(d, 1.0625F)), Sides(node, at));
     const float cost_here = hn::GetLane(hn::MinOfLanes(d, cost));
     if (!(cost_here < min_cost)) continue;

@@ -12,8 +12,8 @@
 namespace sweepstake {
 namespace {
 
-// The minimum mean number of entries per node, used to reserve memory. Leaves are full after Build.
-// After a while of motion 11 to 13 of their 16 lanes are in use.
+// The assumed mean number of objects per node, used to reserve memory. After Build, all 16 lanes of
+// a leaf are in use; after some motion, 11 to 13 of them.
 constexpr size_t kObjectsPerNode = 10;
 // The minimum number of groups per part (some 1,500 objects). A smaller part takes less time than
 // waking a thread.
@@ -44,7 +44,7 @@ float SumOfSides(const Aabb& box) {
   return (box.max[0] - box.min[0]) + (box.max[1] - box.min[1]) + (box.max[2] - box.min[2]);
 }
 
-// The result is a double, since the sum of two floats need not be finite.
+// The result is a double, since the sum of two floats may overflow.
 double DoubledCenter(const Aabb& box, int axis) {
   return static_cast<double>(box.min[axis]) + box.max[axis];
 }
@@ -68,8 +68,8 @@ int WidestAxis(const Entries& entries) {
   return widest;
 }
 
-// The lane with the outermost face, and the distance by which the bounds recede without it. With
-// `sign` +1 the lowest face is the outermost, with −1 the highest.
+// The lane with the outermost face on one side of a node, and the distance by which the node would
+// shrink without it. The outermost face is the lowest if `sign` is +1 and the highest if it is −1.
 struct Outermost {
   uint32_t lane;
   float gain;
@@ -229,7 +229,7 @@ void DbvtTree::BuildLeaf(std::span<const uint32_t> objects) {
   }
 }
 
-// Makes the level above the nodes [first, end), with one node or more.
+// Makes the parents of the nodes [first, end), which form the next level. Makes at least one.
 void DbvtTree::BuildLevel(uint32_t level, uint32_t first, uint32_t end) {
   uint32_t node = AllocateNode(level);
   for (uint32_t child = first; child < end; ++child) {
@@ -333,7 +333,7 @@ void DbvtTree::Split(uint32_t node, const Entry& entry) {
 
 void DbvtTree::Settle(StopRequest* stop) {
   constexpr size_t kEntriesPerQuestion = 2048;
-  // Subtrees are inserted first, since lower entries may be inserted into them.
+  // Large subtrees are inserted first, since smaller ones and objects may belong into them.
   for (uint32_t level = links_[root_].level + 1; level-- > 0 && !waiting_.empty();) {
     const auto attach = [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
@@ -366,7 +366,8 @@ void DbvtTree::EvictToReach(uint32_t node) {
   RemoveNode(node);
 }
 
-// Starts at the highest lane, since removing a child moves the last child into its lane.
+// Calls EvictToReach for the children in the lanes `stretched`. It starts at the highest lane,
+// since removing a child moves the last child into its lane.
 void DbvtTree::EvictBelow(uint32_t node, uint32_t stretched) {
   while (stretched != 0) {
     const auto lane = static_cast<uint32_t>(std::bit_width(stretched)) - 1;

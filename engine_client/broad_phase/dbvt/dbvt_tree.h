@@ -1,5 +1,6 @@
-// A dynamic bounding volume tree, sixteen wide. A leaf holds up to sixteen objects and an inner
-// node up to sixteen nodes; the box of each is in a lane of its node.
+// A dynamic bounding volume tree, sixteen wide. A leaf has up to sixteen entries, which are
+// objects, and an inner node up to sixteen, which are nodes. Each lane of a node holds one entry
+// and its box.
 //
 // All leaves have the same depth. The size of a box is the sum of its sides, which works for flat
 // and thin boxes too. An object is inserted where it enlarges the tree least. A node that overflows
@@ -8,7 +9,7 @@
 //
 // Each node has a reach, the size up to which it may stretch while its entries move: kReachFactor
 // times the smallest size it has had. Refit reads the objects' new boxes. It removes objects and
-// subtrees that stretch a node beyond its reach and inserts them where they fit better. This is the
+// subtrees that enlarge a node beyond its reach and inserts them where they fit better. This is the
 // forced reinsertion of the R*-tree (Beckmann et al. 1990), triggered by motion instead of
 // insertion.
 //
@@ -36,7 +37,7 @@ struct alignas(64) DbvtNode {
   float min[3][kWidth];
   float max[3][kWidth];
   uint32_t child[kWidth];  // the objects of a leaf, the nodes of an inner node
-  float reach[kWidth];     // the reach of each child node
+  float reach[kWidth];     // the size up to which each child node may grow
 };
 static_assert(sizeof(DbvtNode) == 512);
 
@@ -51,10 +52,10 @@ struct DbvtLink {
 // The result of Refit for one group. A group is a lowest inner node with the leaves below it. Bit k
 // stands for the leaf in lane k.
 struct DbvtGroupNote {
-  uint16_t stretched;  // the leaves beyond their reach
+  uint16_t stretched;  // the leaves that have grown beyond their reach
   uint16_t invalid;    // the leaves with invalid boxes
-  // One object per leaf is sampled. `fast_count` is the number of samples that moved further than a
-  // step, `motion` the sum of their motion, each limited to a step.
+  // The motion of one object per leaf. `fast_count` is the number of these samples above Refit's
+  // `step`, and `motion` is the sum of all samples, each limited to `step`.
   uint16_t fast_count;
   float motion;
 };
@@ -83,23 +84,23 @@ class DbvtTree {
   void Insert(uint32_t object, const Aabb& box);
   // REQUIRES: the object is in the tree.
   void Remove(uint32_t object);
-  // Changes the object's box, and moves it to another leaf if the box would stretch its leaf beyond
-  // the leaf's reach. REQUIRES: the object is in the tree.
+  // Changes the object's box. Moves the object to another leaf if its leaf would grow beyond its
+  // reach. REQUIRES: the object is in the tree.
   void Move(uint32_t object, const Aabb& box);
 
   struct Motion {
     size_t sample_count;
-    size_t fast_count;  // the samples that moved further than the step
-    float mean;         // the mean motion of the samples, each limited to the step
+    size_t fast_count;  // the number of samples above Refit's `step`
+    float mean;         // the mean of the samples, each limited to `step`
     bool needs_build;
   };
   // Reads the objects' new boxes. Objects whose boxes have become invalid leave the tree and are
-  // appended to `lost`. Entries that stretch their node too far leave it and wait for Settle or
-  // Build; a search before that would miss them. If more than half of the leaves are stretched,
-  // needs_build is set and the next call must be Build.
+  // appended to `lost`. Entries that enlarge their node beyond its reach are removed from it and
+  // wait for Settle or Build; a search before that would miss them. If more than half of the leaves
+  // have grown beyond their reach, needs_build is set and the next call must be Build.
   Motion Refit(std::span<const Aabb> boxes, float step, Executor* executor,
                HookedVector<uint32_t>& lost);
-  // Reads the objects' new boxes and leaves every object in its leaf. REQUIRES: the boxes of all
+  // Reads the objects' new boxes, but moves no object to another leaf. REQUIRES: the boxes of all
   // objects in the tree are valid.
   void TakeBoxes(std::span<const Aabb> boxes, Executor* executor);
   size_t waiting_count() const { return waiting_.size(); }

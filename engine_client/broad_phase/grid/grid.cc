@@ -8,7 +8,8 @@
 namespace sweepstake {
 namespace {
 
-// Minimum work per part: a smaller part takes less time than waking a thread.
+// The minimum work per part of a parallel loop. A smaller part takes less time than waking a
+// thread.
 constexpr size_t kMinBoxesPerPart = 1024;
 
 class Grid final : public BroadPhase {

@@ -1,5 +1,6 @@
-// Functions for registers of boxes in the caller's order: loading, shape classes and cells, for
-// every target of Highway. Include after hwy/foreach_target.h.
+// Functions that load registers of boxes in the caller's order and compute their shape classes and
+// cells. All coordinates are halved first, so that the difference of two does not overflow.
+// Compiled for every target of Highway; include after hwy/foreach_target.h.
 #if defined(SWEEPSTAKE_GRID_BOXES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_GRID_BOXES_INL_H_
 #undef SWEEPSTAKE_GRID_BOXES_INL_H_
@@ -74,8 +75,8 @@ HWY_INLINE hn::Mask<D> LoadHalved(D d, const Aabb* boxes, V& min_x, V& min_y, V&
   return hn::And(hn::And(on_x, on_y), HalveAxis(d, min_z, max_z));
 }
 
-// Calls action(boxes, index) for each register of boxes. The last register is filled up with
-// invalid boxes.
+// Calls action(boxes, index) for each group of boxes that fills a register. Invalid boxes complete
+// the last group.
 template <class D, class Action>
 HWY_INLINE void ForEachRegister(D d, std::span<const Aabb> boxes, const Action& action) {
   const size_t step = hn::Lanes(d);
@@ -89,7 +90,7 @@ HWY_INLINE void ForEachRegister(D d, std::span<const Aabb> boxes, const Action& 
   action(last, at);
 }
 
-// Returns the cell numbers of half coordinates on one axis. Invalid boxes get arbitrary cells.
+// Returns the cell numbers of halved coordinates on one axis. Invalid boxes get arbitrary cells.
 template <class D>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellsAt(D d, const GroupGrid& grid, size_t axis,
                                                   hn::Vec<D> halved) {
@@ -100,7 +101,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellsAt(D d, const GroupGrid& grid, si
   return hn::ConvertTo(di, hn::Min(hn::Max(cell, hn::Zero(d)), last));
 }
 
-// Returns the class of half a side on one axis, shifted to the bits of that axis.
+// Returns the shape class of halved sides on one axis, shifted to the bits of that axis.
 template <class D>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOnAxis(D d, float threshold, int axis,
                                                         hn::Vec<D> side) {
@@ -114,7 +115,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOnAxis(D d, float threshold, in
   return classes;
 }
 
-// Returns the shape class of each box, given half its sides.
+// Returns the shape class of each box from its halved sides.
 template <class D, class V>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOfSides(D d, const ShapeClasses& classes, V x, V y,
                                                          V z) {

@@ -14,7 +14,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// Adds the valid boxes of a register to the shapes of their classes.
+// Adds the valid boxes of a register to the counts and maximum sides of their classes.
 template <class D>
 HWY_INLINE void CountShapes(D d, hn::Vec<hn::RebindToSigned<D>> classes, hn::Mask<D> valid,
                             hn::Vec<D> x, hn::Vec<D> y, hn::Vec<D> z, GridMeasure& measure) {
@@ -35,7 +35,7 @@ HWY_INLINE void CountShapes(D d, hn::Vec<hn::RebindToSigned<D>> classes, hn::Mas
 
 void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasure& measure) {
   const HWY_FULL(float) d;
-  // Starts with empty bounds and without a box of the first class.
+  // Starts with empty bounds and no box of class 0, which is size step 0 on all axes.
   const auto limit = hn::Set(d, std::numeric_limits<float>::max());
   auto low_x = limit;
   auto low_y = limit;
@@ -48,7 +48,7 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
   auto longest_z = longest_x;
   uint32_t first_class_count = 0;
   ForEachRegister(d, boxes, [&](const Aabb* from, size_t) HWY_ATTR {
-    // Loads a register of halved boxes.
+    // Loads boxes, one per lane, with halved coordinates.
     auto x = hn::Zero(d);
     auto y = x;
     auto z = x;
@@ -63,7 +63,7 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
     high_x = hn::Max(high_x, hn::IfThenElse(valid, x, hn::Neg(limit)));
     high_y = hn::Max(high_y, hn::IfThenElse(valid, y, hn::Neg(limit)));
     high_z = hn::Max(high_z, hn::IfThenElse(valid, z, hn::Neg(limit)));
-    // If all boxes of a register are of the first class, the lanes' classes are not computed.
+    // If all boxes of a register are of class 0, their classes are not computed one by one.
     const auto side_x = hn::IfThenElseZero(valid, hn::Sub(max_x, x));
     const auto side_y = hn::IfThenElseZero(valid, hn::Sub(max_y, y));
     const auto side_z = hn::IfThenElseZero(valid, hn::Sub(max_z, z));
@@ -75,11 +75,11 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
       first_class_count += static_cast<uint32_t>(hn::CountTrue(d, valid));
       return;
     }
-    // Otherwise each lane counts for its own class.
+    // Otherwise each box counts for its own class.
     const auto shapes = ClassesOfSides(d, classes, side_x, side_y, side_z);
     CountShapes(d, shapes, valid, side_x, side_y, side_z, measure);
   });
-  // Reduces the registers and adds them to the counts of the other classes.
+  // Reduces the registers to one value each and adds the result for class 0 to `measure`.
   const auto low = [&](auto v) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, v)); };
   const auto high = [&](auto v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, v)); };
   GridMeasure measured;

@@ -15,19 +15,19 @@
 
 namespace sweepstake {
 
-// Shape classes, by the side on each axis: up to the threshold, up to 4 times and up to 16 times as
-// long, and longer.
+// A shape class is a size step (0 to 3) for each axis. The box's side on the axis is at most the
+// threshold, at most 4 times as long, at most 16 times as long, or longer.
 struct ShapeClasses {
   static constexpr int kBitsPerAxis = 2;
   static constexpr uint32_t kCount = 64;
   static constexpr float kRatio = 4;
 
-  // Half the maximum side of the first class on an axis, in world units.
+  // Half the maximum side of size step 0, in world units.
   float threshold;
 };
 
 struct GridMeasure {
-  // Half coordinates of the min corners; low > high if no box is valid.
+  // The bounds of the min corners, with halved coordinates; low > high if no box is valid.
   float low[3];
   float high[3];
   std::array<GroupShape, ShapeClasses::kCount> shapes{};

@@ -14,9 +14,10 @@ constexpr size_t kMaxParts = 8;
 constexpr size_t kMinBoxesPerPart = 4096;
 // The interval in frames at which the plan checks whether the scene's density has changed.
 constexpr uint32_t kFramesPerDensityCheck = 32;
-// Large enough to estimate the outer tenths of a distribution.
+// The size of the sample of min corners, enough to estimate the lowest and the highest tenth.
 constexpr size_t kCornerSample = 64;
-// Half the maximum side of the first class, as a multiple of the mean distance between boxes.
+// Half the maximum side of size step 0 (ShapeClasses), as a multiple of the mean distance between
+// boxes.
 constexpr double kThresholdSpacings = 0.75;
 
 GridMeasure MeasureInParts(Executor* executor, std::span<const Aabb> boxes,
@@ -43,8 +44,8 @@ CornerBounds CornersOf(const GridMeasure& measure) {
   return bounds;
 }
 
-// Returns the bounds of a sample without its outer tenths, widened by half their extent, but within
-// `all`.
+// Returns bounds that hold most min corners. These are the bounds of a sample without its lowest
+// and highest tenth, widened by half their extent on each side and limited to `all`.
 CornerBounds TypicalCorners(std::span<const Aabb> boxes, const CornerBounds& all) {
   CornerBounds bounds = all;
   const size_t stride = boxes.size() / kCornerSample + 1;
@@ -67,7 +68,8 @@ CornerBounds TypicalCorners(std::span<const Aabb> boxes, const CornerBounds& all
   return bounds;
 }
 
-// Returns half the maximum side of the first class, chosen so that a cell holds a few boxes.
+// Returns half the maximum side of size step 0 (ShapeClasses), chosen so that a cell holds a few
+// boxes.
 float SuitableThreshold(const CornerBounds& bounds, const GridMeasure& measure) {
   double volume = 1;
   float max_side[3] = {};
@@ -108,8 +110,8 @@ void GridPlan::MakeGrids(Executor* executor, std::span<const Aabb> boxes, StopRe
   LayOut(boxes, measure);
 }
 
-// Changes the threshold if the density has changed, which it checks every kFramesPerDensityCheck
-// frames. Returns whether it changed.
+// Changes the threshold of the shape classes if the density of boxes has changed, which it checks
+// every kFramesPerDensityCheck frames. Returns whether the threshold changed.
 bool GridPlan::UpdateClasses(std::span<const Aabb> boxes, const GridMeasure& measure) {
   if (measure.count() == 0 || frame_++ % kFramesPerDensityCheck != 0) return false;
   const float wanted = SuitableThreshold(TypicalCorners(boxes, CornersOf(measure)), measure);

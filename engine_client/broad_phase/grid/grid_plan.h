@@ -2,7 +2,8 @@
 // neither a few huge boxes nor long thin ones enlarge the cells of the others.
 //
 // A plan is made from the boxes of one frame and used until a box of another shape class appears. A
-// plan that does not fit makes the search slower, never wrong. Grids are made in each frame.
+// plan that no longer fits makes the search slower, but never wrong. The grids are made again in
+// each frame.
 //
 // Not thread-safe. Owns its memory. Cost: O(n) to measure the boxes; the time for a new plan
 // depends only on the number of shape classes.

@@ -18,7 +18,8 @@ namespace sweepstake {
 
 // A list of ranges: the box in `slot` is tested against those in the slots [begin, end).
 struct RangeList {
-  // Five ranges per box of a batch, and one element that an empty range overwrites.
+  // Room for five ranges per box of a batch, and for one empty range, which is written but not
+  // counted.
   static constexpr size_t kRoom = 5 * GridView::kBatch + 1;
 
   uint32_t slot[kRoom];
@@ -27,7 +28,7 @@ struct RangeList {
   size_t count = 0;
 };
 
-// The size of a batch plus one register.
+// The number of slots in a batch, and one register that may be written behind them.
 constexpr size_t kBatchRoom = GridView::kBatch + HWY_MAX_BYTES / sizeof(float);
 
 // Rows to search if the cells are as large as the boxes or larger. A box then finds its partners in
@@ -40,8 +41,9 @@ struct BatchRows {
   int32_t behind[kCount][kBatchRoom];
 };
 
-// Blocks of cells to search if the cells are smaller than the boxes. A block is given by cells
-// along the rows (x) and, relative to the cell of the min corner, across them (y, z).
+// Blocks of cells to search if the cells are smaller than the boxes. A block has a first and a last
+// cell on three axes: x along the rows, y and z across them. In y and z the cells are relative to
+// the cell of the min corner.
 struct BatchBlocks {
   int32_t row[kBatchRoom];  // the first cell of the row that holds the min corner
   int32_t first_x[kBatchRoom];
@@ -71,7 +73,7 @@ HWY_INLINE void CellsOnAxis(D d, const BoxLanes& lanes, const GroupGrid& grid, s
   last = CellsAt(d, grid, axis, max);
 }
 
-// Fills `blocks` for the slots [begin, end).
+// Computes which cells of `grid` to search for the boxes in the slots [begin, end).
 void FindBlocks(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t end,
                 BatchBlocks& blocks) {
   const HWY_FULL(float) d;
@@ -84,7 +86,7 @@ void FindBlocks(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size
   const auto first_cell = hn::Set(di, static_cast<int32_t>(grid.first_cell));
   for (size_t slot = begin; slot < end; slot += hn::Lanes(d)) {
     const size_t k = slot - begin;
-    // x cells are absolute; y and z cells are relative to the own cell.
+    // Stores x cells as absolute numbers, and y and z cells relative to the cell of the min corner.
     auto first = hn::Zero(di);
     auto own = first;
     auto last = first;
@@ -102,7 +104,8 @@ void FindBlocks(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size
   }
 }
 
-// Moves a row's cells by `offset`. The row is empty if the offset is 0.
+// Stores the row that begins `offset` cells behind the box's own row, or an empty row if the offset
+// is 0.
 template <class D, class V>
 HWY_INLINE void StoreRow(D di, V first, V behind, V offset, size_t row, size_t k, BatchRows& rows) {
   const auto wanted = hn::Ne(offset, hn::Zero(di));
@@ -111,8 +114,8 @@ HWY_INLINE void StoreRow(D di, V first, V behind, V offset, size_t row, size_t k
   hn::StoreU(behind, di, rows.behind[row] + k);
 }
 
-// Fills `rows` for the slots [begin, end). Returns false if a box is longer than a cell across the
-// rows.
+// Computes which rows of `grid` to search for the boxes in the slots [begin, end). Returns false if
+// a box is longer than a cell in y or z, the axes across the rows.
 bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t end,
               BatchRows& rows) {
   const HWY_FULL(float) d;
@@ -148,8 +151,8 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
     const auto first = hn::Add(row, first_x);
     const auto behind = hn::Add(hn::Add(row, last_x), one);
     hn::StoreU(behind, di, rows.behind[0] + k);
-    // Stores the four rows behind. Reaches are 0 or 1; if any is larger, the caller discards the
-    // result.
+    // Stores the four neighbouring rows with later cells. The values up, down and beyond are 0 or
+    // 1; if any is larger, the caller discards the result.
     StoreRow(di, first, behind, hn::Mul(up, y_stride), 1, k, rows);
     StoreRow(di, first, behind, hn::Mul(hn::And(beyond, down), hn::Sub(z_stride, y_stride)), 2, k,
              rows);
@@ -161,8 +164,9 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
 }
 
 // Stores the pairs of `id` with the ids of the lanes that it hits and returns their number, like
-// StoreHits (overlap_kernel-inl.h). The second half of a register of pairs is rarely needed.
-// StorePairs takes a quarter longer here, since AVX-512 has no free mask register in this loop.
+// StoreHits (overlap_kernel-inl.h). It stores the second half of the pairs only if needed, which is
+// rare. With StorePairs this search takes a quarter longer, since StorePairs needs a mask register
+// and AVX-512 has none free in this loop.
 template <class D>
 HWY_INLINE size_t StoreFewHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* ids,
                                OverlapPair* out) {
@@ -259,7 +263,7 @@ class BatchSearch {
   uint64_t checks() const { return checks_; }
   bool Ends() { return poll_.Ends(checks_); }
 
-  // Tests slots of one group against the later slots of this group.
+  // Tests the boxes in the slots [begin, end) against the later boxes of their group.
   void SearchOwn(const GroupGrid& grid, size_t begin, size_t end) {
     if (FindRows(lanes_, grid, begin, end, rows_)) {
       ListFiveRows(begin, end);
@@ -270,7 +274,8 @@ class BatchSearch {
     Test();
   }
 
-  // Tests slots of one group against all slots of another.
+  // Tests the boxes in the slots [begin, end) against the boxes of another group, which has this
+  // grid.
   void SearchOther(const GroupGrid& grid, size_t begin, size_t end) {
     FindBlocks(lanes_, grid, begin, end, blocks_);
     for (size_t slot = begin; slot < end; ++slot) {
@@ -313,7 +318,7 @@ class BatchSearch {
     for (int32_t z = 1; z <= blocks_.last_z[k]; ++z) ListRows(grid, k, slot, z, blocks_.first_y[k]);
   }
 
-  // Lists the rows with offset `z`, from `first_y` on.
+  // Lists the rows of the box's block at this z, from y = `first_y` on.
   HWY_INLINE void ListRows(const GroupGrid& grid, size_t k, size_t slot, int32_t z,
                            int32_t first_y) {
     const auto y_stride = static_cast<int32_t>(grid.stride[grid.AxisOf(1)]);
@@ -335,7 +340,7 @@ class BatchSearch {
   }
 
   const GridView& view_;
-  // A copy that no store can alias, so that the pointers stay in registers.
+  // No store can alias this copy, so that the compiler keeps its pointers in registers.
   const BoxLanes lanes_;
   PairBuffer& out_;
   StopPoll poll_;

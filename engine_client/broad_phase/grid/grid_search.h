@@ -1,9 +1,9 @@
 // Finds the pairs of boxes that are stored in the order of their grids' cells.
 //
-// A box searches the later boxes of its own group and all boxes of the groups that its group
-// searches, row by row of cells. A row is a range of slots. The ranges of a batch of boxes are
-// listed first and tested afterwards. This avoids a mispredicted branch for the rows that a box
-// reaches.
+// Each box is tested against later boxes of its own group and against boxes of the groups that its
+// group searches (GridView::searches). The search reads rows of cells; the boxes of a row are in
+// consecutive slots. For a batch of boxes, it first lists the ranges of slots to test, and then
+// tests them. Testing each range at once would cost a mispredicted branch per row.
 //
 // Not thread-safe. Borrows everything for the call. Memory: 34 KiB on the stack.
 #pragma once
@@ -20,7 +20,7 @@
 namespace sweepstake {
 
 struct GridView {
-  // The number of slots searched at a time; parts of a search begin at multiples of it.
+  // The number of slots in a batch; parts of a search begin at multiples of it.
   static constexpr size_t kBatch = 256;
 
   BoxLanes lanes;          // the boxes in the order of the cells

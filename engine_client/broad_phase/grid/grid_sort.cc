@@ -65,8 +65,8 @@ constexpr size_t Padded(size_t count) {
   return (count + 2 * SoaBoxes::kPadding - 1) / SoaBoxes::kPadding * SoaBoxes::kPadding;
 }
 
-// At most this many parts. Each part has its own counts, and a count per cell costs as much as
-// sorting the cell's boxes.
+// The maximum number of parts. Each part has a count for every cell, and handling these counts
+// takes as long as sorting the boxes.
 constexpr size_t kMaxParts = 8;
 constexpr size_t kMinBoxesPerPart = 2048;
 
@@ -148,7 +148,7 @@ void GridSort::Sort(Executor* executor, std::span<const Aabb> boxes,
 void GridSort::MakeRoom(size_t parts) {
   keys_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
   columns_.Resize(count_);
-  // The number of cells fluctuates with the bounds.
+  // Reserves spare room, since the number of cells fluctuates with the bounds of the boxes.
   starts_.EnsureWithSpare(cells_ + 1);
   part_counts_.EnsureWithSpare(parts * cells_);
 }
@@ -167,8 +167,8 @@ void GridSort::CountInParts(Executor* executor, size_t parts, std::span<const Aa
   });
 }
 
-// Turns the counts of the parts into the first slots of the cells. The counts of the first part
-// become the next free slots.
+// Computes the first slot of each cell from the counts of all parts. The first part's counts are
+// replaced by the next free slot of each cell.
 void GridSort::SumCounts(size_t parts) {
   uint32_t slot = 0;
   for (size_t cell = 0; cell < cells_; ++cell) {
@@ -198,7 +198,8 @@ bool GridSort::Place(size_t begin, size_t end, StopRequest* stop) {
       for (size_t i = from; i < to; ++i) order[next[keys[i]]++] = static_cast<uint32_t>(i);
     });
   }
-  // Lists the boxes of these cells before placing them. A branch on the cell would be mispredicted.
+  // First lists the boxes of these cells without a branch, then places them. A branch on the cell
+  // of each box would often be mispredicted.
   constexpr size_t kListRoom = 256;
   uint32_t listed[kListRoom];
   for (size_t from = 0; from < count_; from += kListRoom) {

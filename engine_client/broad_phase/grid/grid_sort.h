@@ -20,9 +20,9 @@
 
 namespace sweepstake {
 
-// Boxes as six float columns, one stride apart, and their ids. The caller gives the order slot by
-// slot. grid_search.h reads this form. Parts may gather disjoint ranges of slots at the same time.
-// Memory: 28 bytes per slot.
+// Boxes as six float columns, one stride apart, and their ids. The caller writes the id of each
+// slot. grid_search.h reads this layout. Parts may gather disjoint ranges of slots at the same
+// time. Memory: 28 bytes per slot.
 class GridColumns {
  public:
   // Makes room for `count` slots with undefined content, and for reading a register behind them.
@@ -46,7 +46,7 @@ class GridColumns {
   size_t stride_ = 0;
 };
 
-// The grid that a box belongs to.
+// Gives the group of a box, and so its grid, from its shape class.
 struct GroupChoice {
   ShapeClasses classes;
   uint32_t group_of_class[ShapeClasses::kCount];

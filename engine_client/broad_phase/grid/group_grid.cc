@@ -10,7 +10,8 @@ namespace {
 constexpr double kCellSlack = 1.0001;
 // The minimum side of a cell, in world units; keeps the scale finite.
 constexpr double kMinCellSide = 1e-36;
-// Cells are this many times shorter along the rows, where more cells cost no more searches.
+// Cells are this many times shorter along the rows. A row is searched as one range of slots, so
+// that more cells in it do not cost more searches.
 constexpr double kRowCells = 2;
 // The number of bisections of the logarithm of the cell size. The last step is below 0.01 for any
 // scene.
@@ -54,8 +55,9 @@ Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double max
 }
 
 // Returns the axis along the rows of cells: normally the shortest side, along which a long box
-// crosses the most cells. Needles have two short sides. The choice between these makes one of two
-// groups of needles lie along the rows of the other.
+// crosses the most cells. Needles have two short sides; the axis after the long one is chosen. Of
+// any two groups of needles with different directions, one then lies along the rows of the other's
+// grid.
 int ChooseRowAxis(const double (&side)[3]) {
   const int shortest = static_cast<int>(std::min_element(side, side + 3) - side);
   const int longest = static_cast<int>(std::max_element(side, side + 3) - side);

@@ -22,7 +22,7 @@ struct GroupGrid {
   float reach[3] = {};             // half the maximum side of the group, rounded up
   uint32_t cells[3] = {1, 1, 1};   // the number of cells along x, y and z
   uint32_t stride[3] = {1, 1, 1};  // the step between neighbouring cells; 1 along the rows
-  uint32_t first_cell = 0;         // the number of its first cell among those of all groups
+  uint32_t first_cell = 0;         // its first cell; numbers continue from group to group
   int row_axis = 0;
 
   // Returns the axis along the rows for index 0, and the other axes for 1 and 2.
@@ -31,7 +31,8 @@ struct GroupGrid {
   uint32_t last_cell() const { return first_cell + cell_count(); }
 };
 
-// Half coordinates of the min corners of all valid boxes. An empty scene has low > high.
+// The bounds of the min corners of all valid boxes, with halved coordinates. An empty scene has low
+// > high.
 struct CornerBounds {
   double low[3];
   double high[3];
@@ -46,8 +47,8 @@ struct GroupShape {
   void Add(const GroupShape& other);
 };
 
-// Returns the limit of cells for a number of boxes: a few cells per box. Empty cells cost little,
-// but boxes that share a cell are tested against one another.
+// Returns the maximum number of cells for a number of boxes: a few cells per box. Empty cells cost
+// little, but boxes that share a cell are tested against one another.
 constexpr size_t MaxCellCount(size_t box_count) { return 4 * box_count + 256; }
 
 // Returns the number of cells if they are as small as the group's maximum sides. It may exceed the

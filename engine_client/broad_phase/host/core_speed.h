@@ -5,8 +5,8 @@
 
 namespace sweepstake {
 
-// Returns the performance of the calling thread's core ÷ that of the machine's fastest core, in (0,
-// 1]. Returns 1 if the system does not report it. Linux reports cpu_capacity or ACPI's
+// Returns the performance of the calling thread's core divided by that of the machine's fastest
+// core, in (0, 1]. Returns 1 if the system does not report it. Linux reports cpu_capacity or ACPI's
 // highest_perf. Thread-safe. The first call reads files; on most machines, later calls make no
 // system call.
 double CoreSpeed() noexcept;
@@ -14,8 +14,8 @@ double CoreSpeed() noexcept;
 #if defined(__linux__)
 
 // ACPI ratings above this share of the highest rating count as the same kind of core. Some systems
-// rank equal cores by their maximum frequency (AMD: 0.70 or more). Intel's slower kind has 0.6 or
-// less.
+// rank equal cores by their maximum frequency (AMD: 0.70 or more). Intel's efficiency cores have
+// 0.6 or less.
 inline constexpr double kOneKind = 0.65;
 
 // Writes the speeds of cores 0, 1, ..., read from the files in `folder`, normally

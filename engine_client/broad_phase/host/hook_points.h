@@ -24,7 +24,7 @@ inline constexpr char kZoneLaneVisit[] = "sweepstake: lane visit";
 inline constexpr char kZoneLanePreparation[] = "sweepstake: lane preparation";
 inline constexpr char kZoneDecide[] = "sweepstake: decide";
 
-// A stretch of work that a profiler shows, from the constructor to the end of the scope.
+// Marks a section of work for a profiler, from the constructor to the end of the scope.
 //
 //   const Zone zone(kZoneSearch);
 class Zone {
@@ -47,8 +47,8 @@ class Zone {
 
 enum class ThreadPriority { kOfTheStarter, kLow };
 
-// Called first on each thread that the library starts. It names the thread, sets its priority and
-// calls the hook. `name` is a literal of at most 15 characters, the limit of Linux.
+// Each thread that the library starts calls this function first. It names the thread, sets its
+// priority and calls the hook. `name` is a literal of at most 15 characters, the limit of Linux.
 void NoteThreadStarted(const char* name,
                        ThreadPriority priority = ThreadPriority::kOfTheStarter) noexcept;
 

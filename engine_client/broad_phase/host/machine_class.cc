@@ -46,13 +46,14 @@ uint64_t MemoryBytes() {
 
 #endif
 
-// Returns whether a word of a processor's name says nothing about its speed.
+// Returns whether a word of a processor's name is independent of the model.
 bool IsFiller(std::string_view word) {
   return word == "r" || word == "tm" || word == "cpu" || word == "processor";
 }
 
-// Returns the words of lower-case letters and digits with dashes between them. Text after an @ is
-// dropped: it is the clock rate, which the model name implies.
+// Returns the words of `text` in lower case, joined by dashes, without fillers and without
+// characters other than letters and digits. Drops the text after an @, the clock rate, which the
+// model name implies.
 std::string Dashed(std::string_view text) {
   std::string dashed;
   std::string word;

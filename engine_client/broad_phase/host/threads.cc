@@ -68,8 +68,8 @@ void LowerThisThreadsPriority() noexcept {}
 
 }  // namespace
 
-// Returns 0 on Windows, which counts a thread's time in ticks of 16 ms: too coarse for the
-// stretches measured here.
+// Returns 0 on Windows, which counts a thread's time in ticks of 16 ms. This is too coarse for the
+// work measured with it.
 uint64_t ThreadTimeNs() noexcept {
 #if defined(__linux__) || defined(__APPLE__)
   timespec time{};

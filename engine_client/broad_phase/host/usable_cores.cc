@@ -42,18 +42,20 @@ size_t CoresOfAffinity() noexcept {
   return static_cast<size_t>(CPU_COUNT(&set));
 }
 
-// Returns the quota in the file `cpu.max` of one control group, in cores; 0: no limit.
+// Returns the quota in the file `cpu.max` of one control group, in cores, or 0 if there is no
+// limit.
 double QuotaOf(const char* path) noexcept {
   std::FILE* const file = std::fopen(path, "re");
   if (file == nullptr) return 0;
   double quota_us = 0;
   double period_us = 0;
-  const int count = std::fscanf(file, "%lf %lf", &quota_us, &period_us);  // "max" is not a number
+  const int count = std::fscanf(file, "%lf %lf", &quota_us, &period_us);  // "max" does not parse
   std::fclose(file);
   return count == 2 && quota_us > 0 && period_us > 0 ? quota_us / period_us : 0;
 }
 
-// Returns the smallest quota from the process's control group up to the root, in whole cores.
+// Returns the smallest quota of the process's control group and of all groups above it, in whole
+// cores. Returns 0 if there is no quota.
 size_t CoresOfQuota() noexcept {
   static constexpr char kRoot[] = "/sys/fs/cgroup";
   char path[4096] = "/proc/self/cgroup";
@@ -89,7 +91,7 @@ size_t CoresOfQuota() noexcept { return 0; }
 
 }  // namespace
 
-// A limit that the system does not report does not apply.
+// Applies only the limits that the system reports.
 size_t UsableCores() noexcept {
   size_t cores = CoresOfAffinity();
   if (cores == 0) cores = std::max(std::thread::hardware_concurrency(), 1U);

@@ -29,7 +29,7 @@ size_t Collect(std::span<const LeafBlock> leaves, const KdColumns& centers,
       for (size_t axis = 0; axis < 3; ++axis) {
         const auto min = hn::LoadU(d, leaf.min[axis] + at);
         const auto max = hn::LoadU(d, leaf.max[axis] + at);
-        // The halves are added, since the sum of two finite floats need not be finite.
+        // The halves are added, since the sum of two floats may overflow.
         const auto center = hn::Add(hn::Mul(min, half), hn::Mul(max, half));
         hn::StoreU(CompressLanes(center, valid), d, centers.center[axis] + count);
         hn::StoreU(CompressLanes(hn::Sub(max, min), valid), d, extents.center[axis] + count);
@@ -42,7 +42,8 @@ size_t Collect(std::span<const LeafBlock> leaves, const KdColumns& centers,
   return count;
 }
 
-// Sums up extents in parts small enough for the precision of a float.
+// Computes the spread of `count` boxes. A float sum of many extents would be inexact, so that parts
+// of kPartSize are summed and added as doubles.
 AxisSpread Spread(const float* centers, const float* extents, size_t count) {
   const Lanes16 d;
   constexpr size_t kPartSize = 4096;

@@ -1,5 +1,5 @@
-// The inputs of KdOrder's decisions: centers and extents of boxes, their spread, and which boxes
-// are too large to share a leaf with ordinary ones.
+// Computes the values by which KdOrder splits: centers and extents of boxes, their spread, and
+// which boxes are too large to share a leaf with ordinary ones.
 //
 // Thread-safe: works on its arguments only. Cost: O(n) each.
 #pragma once
@@ -15,7 +15,7 @@
 namespace sweepstake {
 
 // Writes the centers and ids of the valid boxes to `centers` and their extents to `extents`, in the
-// order of the leaves. Returns their number. May write up to one register more.
+// order of the leaves. Returns their number. May write up to one register behind the last one.
 size_t CollectCenters(std::span<const LeafBlock> leaves, const KdColumns& centers,
                       const KdColumns& extents);
 
@@ -30,8 +30,8 @@ struct AxisSpread {
 AxisSpread SpreadOf(const float* centers, const float* extents, size_t count);
 
 // Divides boxes into classes by size. The width of an ordinary leaf is estimated as the cube root
-// of the volume per sixteen boxes. A box is large if it clearly exceeds that width and the usual
-// extent on that axis. The class of a large box encodes its size (the longest side, in steps of
+// of the volume per sixteen boxes. A box is large if, on any axis, it clearly exceeds that width
+// and the usual extent. The class of a large box encodes its size (the longest side, in steps of
 // factor 4) and the axes on which it is long.
 class SizeClasses {
  public:
@@ -49,7 +49,7 @@ class SizeClasses {
   size_t ClassOf(float extent0, float extent1, float extent2) const;
 
   float long_from_[3];
-  float step_;  // the longest side of the smallest large boxes
+  float step_;  // a lower bound of the longest side of large boxes
   bool all_ordinary_ = true;
 };
 

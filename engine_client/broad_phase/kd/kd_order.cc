@@ -9,8 +9,8 @@
 namespace sweepstake {
 namespace {
 
-// The maximum size of a range that is split down to parts in one step, so that its centers stay in
-// the cache.
+// The maximum size of a range that is split completely, down to parts, in one step. Its centers
+// then stay in the cache.
 constexpr size_t kMaxWholeRange = 4096;
 // The number of moved centers between two polls of the stop request; they take about a millisecond.
 constexpr size_t kMovesPerQuestion = size_t{1} << 19;
@@ -19,7 +19,7 @@ constexpr size_t RoundUp(size_t count) {
   return (count + KdRange::kPart - 1) / KdRange::kPart * KdRange::kPart;
 }
 
-// Returns how often each center of a range is moved until its part is small enough.
+// Returns how often each center of a range is moved until its part has at most kPart boxes.
 size_t SplitDepth(size_t count) {
   size_t depth = 0;
   for (; count > KdRange::kPart; count = (count + 1) / 2) ++depth;
@@ -67,7 +67,7 @@ void KdOrder::FormRuns() {
   double negligible = 0;
   for (size_t axis = 0; axis < 3; ++axis) {
     spreads[axis] = SpreadOf(columns_[0].center[axis], extents[axis], valid_count_);
-    // Extents below a millionth of the world count as equal.
+    // Differences of extents below a millionth of the scene's size are ignored.
     negligible = std::max(
         negligible, 1e-6 * (double{spreads[axis].max_center} - double{spreads[axis].min_center}));
   }
@@ -81,8 +81,8 @@ void KdOrder::FormRuns() {
   MoveToClasses(of_slots, counts, negligible);
 }
 
-// Moves the boxes from the first columns to the second, class by class. Each class begins at a
-// multiple of kPart.
+// Moves the boxes from the first set of columns to the second, class by class. Each class begins at
+// a multiple of kPart.
 void KdOrder::MoveToClasses(std::span<const uint32_t> of_slots,
                             std::span<const size_t, SizeClasses::kCount> counts,
                             double negligible) {
@@ -111,14 +111,14 @@ void KdOrder::MoveToClasses(std::span<const uint32_t> of_slots,
   }
 }
 
-// Inline, since a call per box would cost as much as the work.
+// This function is inline, since a call would take as long as its work.
 inline void KdOrder::Collect(const Aabb& box, uint32_t index) {
   if (!IsValid(box)) {
     result_[capacity_ - ++invalid_count_] = index;
     return;
   }
   for (size_t axis = 0; axis < 3; ++axis) {
-    // The halves are added, since the sum of two finite floats need not be finite.
+    // The halves are added, since the sum of two floats may overflow.
     columns_[0].center[axis][valid_count_] = box.min[axis] * 0.5F + box.max[axis] * 0.5F;
     columns_[1].center[axis][valid_count_] = box.max[axis] - box.min[axis];
   }
@@ -161,7 +161,7 @@ void KdOrder::SplitWhole(const Waiting& waiting) {
   SplitAll(columns_[waiting.columns], columns_[1 - waiting.columns], waiting.range, result_);
 }
 
-// Splits the range once and pushes its two parts, which are in the other columns.
+// Splits the range once and pushes the two new ranges, which are now in the other set of columns.
 void KdOrder::SplitTop(const Waiting& waiting) {
   SplitOnce(columns_[waiting.columns], columns_[1 - waiting.columns], waiting.range);
   Waiting first = waiting;
@@ -196,8 +196,8 @@ bool KdOrder::Finish(Executor* executor, StopRequest* stop) {
     }
     return false;
   }
-  // Splits ranges until there are enough for all threads, which then split one range each at the
-  // same time.
+  // Splits ranges until there are enough for all threads. The threads then split these ranges in
+  // parallel.
   const size_t max_part = std::max(valid_count_ / (2 * executor->thread_count()), kMaxWholeRange);
   size_t next = 0;
   while (next < waiting_ && !IsStopped(stop)) {

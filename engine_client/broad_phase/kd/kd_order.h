@@ -27,23 +27,24 @@ namespace sweepstake {
 
 class KdOrder {
  public:
-  // Splits end at parts of this size.
+  // Ranges of up to this number of boxes (parts) are not split further.
   static constexpr uint32_t kPart = KdRange::kPart;
 
-  // A slot without a box. Not a valid index.
+  // The entry of a slot without a box. It is not a valid index.
   static constexpr uint32_t kHole = 0xFFFFFFFF;
 
-  // Begins with the `box_count` boxes in these leaves; slots with id kHole are skipped. The leaves
-  // are read during the call only.
+  // Begins a new order of the `box_count` boxes in these leaves; slots with id kHole are skipped.
+  // The leaves are read during the call only.
   void Begin(std::span<const LeafBlock> leaves, size_t box_count);
-  // Begins with these boxes.
+  // Begins a new order of these boxes.
   void Begin(std::span<const Aabb> boxes);
-  // Moves about `budget` centers once; returns whether the order is complete.
+  // Does some of the remaining work: moves about `budget` centers, each move counted. Returns
+  // whether the order is complete.
   bool Advance(size_t budget);
   // Does all remaining work, in parts if there is an executor. Returns false if `stop`, which may
   // be null, ended it; the order is then incomplete.
   bool Finish(Executor* executor, StopRequest* stop = nullptr);
-  // Returns how often centers are moved in total.
+  // Returns the work for the whole order, as the number of moves of a center.
   size_t work() const;
   size_t box_count() const { return valid_count_ + invalid_count_; }
 
@@ -60,15 +61,15 @@ class KdOrder {
   void TakeBoxes(std::span<uint32_t> order) const;
 
   // Orders only the boxes with the indices in `order`, each at most once, and rearranges `order`
-  // unless stopped. No split cuts an aligned run of `run_parts` parts, of 16 times as many and so
-  // on.
+  // unless stopped. Splits are placed so that aligned runs of `run_parts` parts, of 16 times as
+  // many and so on stay together (KdSplitPoint).
   void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order, StopRequest* stop = nullptr,
             size_t run_parts = kPart);
 
   size_t native_bytes() const { return floats_.capacity_bytes() + words_.capacity_bytes(); }
 
  private:
-  // 512 ranges are enough, since each split leaves at most 15/16 of a range.
+  // 512 ranges are enough, since the larger side of a split has at most 15/16 of its range.
   static constexpr size_t kStackSize = 512 + SizeClasses::kCount;
 
   // A range that is still to be split.
@@ -76,7 +77,7 @@ class KdOrder {
     KdRange range;
     size_t columns;  // the index in columns_ of the columns that hold its centers
   };
-  // The slots of a class.
+  // The slots of one size class.
   struct Run {
     size_t begin;
     size_t end;
@@ -96,11 +97,12 @@ class KdOrder {
     return {result_ + capacity_ - invalid_count_, invalid_count_};
   }
 
-  AlignedBuffer<float> floats_;    // the centers of both columns
-  AlignedBuffer<uint32_t> words_;  // the boxes of both columns, and the result
-  // A split moves centers from one set of columns to the other.
+  AlignedBuffer<float> floats_;    // the centers of both sets of columns
+  AlignedBuffer<uint32_t> words_;  // the boxes of both sets, and the result
+  // The two sets of columns. A split moves centers from one set to the other.
   KdColumns columns_[2] = {};
-  // Boxes by slot. Each class begins at a multiple of kPart; invalid boxes are at the end.
+  // The box of each slot. Each size class begins at a multiple of kPart; invalid boxes are at the
+  // end.
   uint32_t* result_ = nullptr;
   size_t capacity_ = 0;  // the number of slots of each column
   size_t valid_count_ = 0;

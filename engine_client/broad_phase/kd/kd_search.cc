@@ -1,5 +1,5 @@
-// The search of KDTree. Each block of 16 leaves descends the tree once and finds the pairs of its
-// boxes with one another and with the boxes of later blocks.
+// The search of KDTree. For each block of 16 leaves it descends the tree once, and finds the pairs
+// of the block's boxes with one another and with the boxes of later blocks.
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -41,8 +41,8 @@ class BlockSearch {
     return {{-kMax, -kMax, -kMax}, {kMax, kMax, kMax}};
   }
 
-  // Adds the near leaves of this block and of later blocks below the 16 children of `node`. The
-  // children are on `level`.
+  // Adds to the near list the leaves below `node` that overlap the block and belong to it or to a
+  // later block. The 16 children of `node` are on `level`.
   void Descend(size_t level, uint32_t node) {
     const size_t base = size_t{node} * LeafTree::kWidth;
     leaves_.AddChecks(LeafTree::kWidth);

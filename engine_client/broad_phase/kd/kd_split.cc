@@ -17,9 +17,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr size_t kWidth = KdRange::kPart;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// The size of the sample from which the median is estimated if there are more keys.
+// The size of the sample from which the median is estimated if there are more keys. Keys are the
+// centers' coordinates on the split axis.
 constexpr size_t kSampleSize = 256;
-// Two standard deviations of the median's rank in the sample.
+// The distance of the bracket's two ranks from the wanted rank in the sample: two standard
+// deviations of the median's rank.
 constexpr size_t kSampleMargin = 16;
 
 // Two values and the number of keys below each. The requested rank is between these numbers.
@@ -30,8 +32,9 @@ struct Bracket {
   size_t below_high = 0;
 };
 
-// Takes 16 candidates from the sample, or 32 if that is nearly all of it. Finds the largest
-// candidate with at most `low_rank` keys below it, and the smallest with at least `high_rank`.
+// Takes 16 keys of the sample as candidates, or 32 if the sample has 17 to 32 keys. Finds the
+// largest candidate with at most `low_rank` keys below it, and the smallest with at least
+// `high_rank`.
 Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size_t high_rank) {
   // Takes evenly spaced keys of the sample as candidates.
   const Lanes16 d;
@@ -61,7 +64,7 @@ Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size
     if (k < count) {
       odd = hn::Add(odd, hn::IfThenElseZero(hn::Gt(candidate, hn::Set(d, sample[k])), one));
     }
-    // Updates each lane's best candidates.
+    // Keeps the largest `low` and the smallest `high` of each lane.
     const auto rank = hn::Add(even, odd);
     const auto is_low = hn::Le(rank, max_below_low);
     const auto is_high = hn::Ge(rank, min_below_high);
@@ -88,7 +91,8 @@ size_t CountBelow(const float* keys, size_t count, float limit) {
 }
 
 // Finds a bracket in the sample that is likely to hold the rank `left`, and counts the keys below
-// it. If the estimate of a side was wrong, that side stays open.
+// it. If the count shows that a bound is on the wrong side of the rank, that bound becomes
+// infinite.
 Bracket BracketOfMany(const float* keys, size_t count, size_t left) {
   alignas(64) float sample[kSampleSize];
   for (size_t k = 0; k < kSampleSize; ++k) sample[k] = keys[k * count / kSampleSize];
@@ -108,14 +112,14 @@ Bracket BracketOfMany(const float* keys, size_t count, size_t left) {
   return bracket;
 }
 
-// Separates the first key from all larger ones. Used if too many keys equal it for any other
-// bracket.
+// Returns a bracket with one bound just above the first key. It is used if too many keys are equal
+// for FindBracket to find another one.
 Bracket BracketOfMinimum(const float* keys, size_t count, size_t left) {
   Bracket bracket;
   bracket.below_high = count;
   const float above = std::nextafter(keys[0], kInfinity);
   const size_t below = CountBelow(keys, count, above);
-  // Comparisons treat denormals as 0, so that such keys count as equal.
+  // `below` is 0 only if comparisons treat denormals as 0. All keys then count as equal.
   if (below == 0) return bracket;
   if (below <= left) {
     bracket.low = above;
@@ -127,8 +131,8 @@ Bracket BracketOfMinimum(const float* keys, size_t count, size_t left) {
   return bracket;
 }
 
-// Finds a bracket with fewer than `count` keys in between. If all keys are equal, it holds all of
-// them.
+// Finds a bracket with fewer than `count` keys between its values. If all keys are equal, the
+// bracket contains all of them.
 Bracket FindBracket(const float* keys, size_t count, size_t left) {
   const Bracket bracket = count <= kSampleSize ? BracketInSample(keys, count, left, left)
                                                : BracketOfMany(keys, count, left);
@@ -147,8 +151,8 @@ HWY_INLINE void StoreFirst(D d, V values, size_t count, T* to, bool whole) {
   std::copy(buffer, buffer + count, to);
 }
 
-// Appends the chosen slots of the register at `source` and returns their number. Stores a whole
-// register if it ends before `limit`.
+// Copies the chosen slots of the register at `source` to `to`, from `target` on. Returns their
+// number. Stores whole registers unless they would pass `limit`.
 template <class D>
 HWY_INLINE size_t AppendChosen(D d, hn::Mask<D> chosen, const KdColumns& from, size_t source,
                                const KdColumns& to, size_t target, size_t limit) {
@@ -166,24 +170,24 @@ HWY_INLINE size_t AppendChosen(D d, hn::Mask<D> chosen, const KdColumns& from, s
   return count;
 }
 
-// Divides the `count` slots of `from` from `source` on. Slots below the bracket go to `to` from
-// `target` on. Slots above it go behind the room for those in between, which stay in `from`. It
-// takes two passes, since storing a whole register may overwrite the slots behind, which must be
-// written later.
+// Distributes `count` slots of `from`, from `source` on, by their keys. Keys below the bracket go
+// to `to` from `target` on. Keys above it also go to `to`, behind a gap for the keys in between,
+// which move to the front in `from`. This takes two passes: storing whole registers overwrites some
+// slots behind the keys below, so that the keys above must be written later.
 void Scatter(const KdColumns& from, const KdColumns& to, size_t source, size_t count, size_t target,
              size_t axis, const Bracket& bracket, size_t limit) {
   const Lanes16 d;
   const auto low = hn::Set(d, bracket.low);
   const auto high = hn::Set(d, bracket.high);
   const size_t end = source + count;
-  // First pass: the slots below.
+  // First pass: copies the slots below the bracket.
   size_t below = target;
   for (size_t at = source; at < end; at += hn::Lanes(d)) {
     const auto is_below =
         hn::And(hn::FirstN(d, end - at), hn::Lt(hn::LoadU(d, from.center[axis] + at), low));
     below += AppendChosen(d, is_below, from, at, to, below, limit);
   }
-  // Second pass: slots above, and slots in between to the front of `from`.
+  // Second pass: copies the slots above the bracket, and moves those in between to the front.
   size_t above = target + bracket.below_high;
   size_t between = source;
   for (size_t at = source; at < end; at += hn::Lanes(d)) {
@@ -204,8 +208,7 @@ void Copy(const KdColumns& from, const KdColumns& to, size_t source, size_t coun
   std::copy_n(from.box + source, count, to.box + target);
 }
 
-// Returns half the spread of the centers on one axis. Half, since the difference of two finite
-// floats need not be finite.
+// Returns half the spread of the centers on one axis. The spread itself may overflow.
 HWY_INLINE float HalfSpread(const float* centers, size_t count) {
   const Lanes16 d;
   auto min = hn::Set(d, centers[0]);
@@ -265,7 +268,8 @@ class SavedSlots {
   alignas(64) uint32_t boxes_[kWidth];
 };
 
-// Does the same as Scatter, but preserves the slots of `to` behind the target's, which are in use.
+// Does the same as Scatter, but preserves the slots of `to` from target + count on, which are in
+// use.
 void ScatterAmong(const KdColumns& from, const KdColumns& to, size_t source, size_t count,
                   size_t target, size_t axis, const Bracket& bracket, size_t limit) {
   const size_t end = target + count;
@@ -301,8 +305,8 @@ void SplitRange(const KdColumns& from, const KdColumns& to, const KdRange& range
   Copy(from, to, range.begin, count, target);
 }
 
-// Splits the second part first. When the first part overwrites slots behind it, the boxes of the
-// second part are already in `order`.
+// Splits a range recursively, its second part first. The first part may then overwrite slots behind
+// it, since the boxes of the second part are already in `order`.
 void SplitDown(const KdColumns& from, const KdColumns& to, const KdRange& range, size_t limit,
                uint32_t* order) {
   if (range.count() <= kWidth) {

@@ -22,31 +22,32 @@ struct KdColumns {
 // A range of slots to be split. REQUIRES: `begin` is a multiple of kPart, and the slots from `end`
 // to the next multiple are not in use.
 struct KdRange {
-  // Splits end at this many boxes.
+  // Ranges of up to this number of boxes (parts) are not split further.
   static constexpr size_t kPart = 16;
 
   size_t begin;
   size_t end;
   // A split uses the axis with the largest product of the centers' spread and this weight.
   float axis_weight[3];
-  // Splits are at multiples of this many parts where possible.
+  // The number of parts in a run that splits should not divide (KdSplitPoint).
   size_t run_parts = kPart;
 
   size_t count() const { return end - begin; }
 };
 
-// Returns the slot at which a range of more than kPart slots is split. Blocks are a part, run_parts
-// parts, 16 times as many and so on. It takes the largest block smaller than the range, and the
-// multiple of it, counted from `begin`, that is nearest to the middle. No split then cuts an
-// aligned run of one of these sizes.
+// Returns the slot at which a range of more than kPart slots is split. The split is at a multiple
+// of a block size, counted from `begin`, and as near to the middle as possible. Block sizes are one
+// part, run_parts parts, 16 · run_parts parts and so on; the largest below the size of the range is
+// used. Aligned runs of these sizes then stay undivided.
 size_t KdSplitPoint(const KdRange& range);
 
 // Moves the centers of the range from `from` to `to`, so that those before the split point are
-// below the others on one axis. `from` is left in disorder. REQUIRES: more than kPart slots.
+// below the others on one axis. The content of `from` is then undefined. REQUIRES: more than kPart
+// slots.
 void SplitOnce(const KdColumns& from, const KdColumns& to, const KdRange& range);
 
-// Splits until no part is larger than kPart, moving centers back and forth between the columns, and
-// writes the boxes of the range's slots to `order`.
+// Splits recursively until no part is larger than kPart, moving centers back and forth between
+// `from` and `to`. Writes the resulting boxes to the range's slots in `order`.
 void SplitAll(const KdColumns& from, const KdColumns& to, const KdRange& range, uint32_t* order);
 
 }  // namespace sweepstake

@@ -13,8 +13,9 @@ namespace sweepstake {
 namespace {
 
 // The cost of a split of all boxes, in checks per box. It is used for every instruction set. A
-// third less or half as much again changes the mean frame of six scenes by at most 1 % (AVX-512,
-// AVX2 and SSE4 on AMD Zen 4, `sweepstake-lab bench`). With less, the slowest frames take longer.
+// value a third lower or a half higher changes the mean frame time of six scenes by at most 1 %
+// (AVX-512, AVX2 and SSE4 on AMD Zen 4, `sweepstake-lab bench`). With a lower value, the slowest
+// frames take longer.
 constexpr uint64_t kChecksPerSplit = 105;
 // The debt is counted per 256 boxes, so that it can be kept in whole checks.
 constexpr uint64_t kDebtScale = 256;
@@ -78,7 +79,7 @@ class KdTree final : public BroadPhase {
   // replaced since then, so that their places in the split are invalid.
   size_t lasting_count_ = 0;
   double fresh_leaf_size_ = 0;  // the mean leaf size after the latest split
-  RebuildDebt debt_;            // the debt since the latest split, in checks per kDebtScale boxes
+  RebuildDebt debt_;            // extra checks since the latest split, per kDebtScale boxes
   uint64_t latest_cost_ = 0;    // the cost of the latest search, in checks per box
   uint64_t checks_ = 0;
 };
@@ -127,7 +128,7 @@ void KdTree::Remove(size_t count) {
   lasting_count_ = std::min(lasting_count_, count);
 }
 
-// Adds the boxes from `first` on to the unsorted boxes and sorts all of these again.
+// Adds the boxes from `first` on to the unsorted boxes and sorts the unsorted boxes again.
 void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
   // Closes the holes between the remaining unsorted boxes, which get separate leaves.
   uint32_t* const unsorted = order_.data() + unsorted_begin_;
@@ -160,8 +161,8 @@ void KdTree::Refit(std::span<const Aabb> boxes) {
   tree_.Refit(boxes, {order_.data(), slot_count_}, executor_, stop());
 }
 
-// Returns the mean of the logarithm of the leaves' volumes. The sum of their extents would depend
-// mostly on a few long leaves.
+// Returns the mean of the base-2 logarithms, rounded, of the leaves' volumes. A sum of extents
+// would depend mostly on a few long leaves.
 double KdTree::MeanLeafSize() const {
   const LeafTree::View& tree = tree_.view();
   if (tree.top == 0) return 0;
@@ -192,7 +193,8 @@ void KdTree::BeginSplit() {
   is_splitting_ = true;
 }
 
-// Takes the order of the completed split. Boxes added since the split began become unsorted boxes.
+// Replaces the order by that of the completed split. Boxes added since the split began become
+// unsorted boxes.
 void KdTree::AdoptSplit(std::span<const Aabb> boxes) {
   ReserveSlots(box_count_);
   slot_count_ = unsorted_begin_ = splitter_.slot_count();

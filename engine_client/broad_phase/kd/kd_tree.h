@@ -5,12 +5,12 @@
 // kd_search.cc and leaf_search-inl.h search for pairs.
 //
 // Making the order costs more than finding the pairs in it. The order is therefore kept while it is
-// good, and a frame only refits the bounds of leaves and nodes. A new split begins when the extra
-// checks since the latest one exceed the cost of a split (rebuild_debt.h): about every 30 frames in
-// suite-b, never in a scene at rest. It is spread over up to six frames and runs beside their
-// searches, so that no frame costs twice the usual. If a search costs more than a split, the split
-// is made at once. If the leaves have grown to four times their volume (all boxes have jumped), the
-// boxes are split before the search.
+// good, and a frame only refits the bounds of leaves and nodes. Making a new order is called a
+// split. A split begins when the extra checks since the latest one exceed its cost
+// (rebuild_debt.h): about every 30 frames in suite-b, never in a scene at rest. It is spread over
+// up to six frames and runs in parallel with their searches, so that no frame takes twice the usual
+// time. If a search costs more than a split, the split is made at once. If the leaves have grown to
+// four times their volume (all boxes have jumped), the boxes are split before the search.
 //
 // Removed boxes leave holes, and new ones get separate leaves behind the others. A split is due
 // when holes and new boxes are a sixteenth of all slots.

@@ -34,9 +34,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// With kWithinOne both trees are the same, and a pair is found at its earlier leaf. Otherwise
-// `other_bit` is set in the id of the box of `others`. The lists are on the stack: about 28 KiB, or
-// 51 KiB with 128-bit registers.
+// Finds the pairs of the boxes of `own` with those of `others`. With kWithinOne both are the same
+// tree, and a pair is found at its earlier leaf. Otherwise the pairs hold ids of `others` with
+// `other_bit` set. The lists are on the stack: about 28 KiB, or 51 KiB with 128-bit registers.
 template <bool kWithinOne>
 class LeafSearch {
  public:
@@ -84,8 +84,8 @@ class LeafSearch {
     for (size_t k = before; k < near_count_; ++k) Prefetch(near_leaf_[k]);
   }
 
-  // Tests the leaves of the block against the near list and empties it. REQUIRES: called at the end
-  // of a block.
+  // Tests the leaves of the block against the near list and empties it. Must be called at the end
+  // of each block.
   void TestNear() {
     if (Ends()) near_count_ = 0;
     // Writes a register of sentinels behind the last near leaf.
@@ -108,7 +108,8 @@ class LeafSearch {
     for (size_t at = 0; at < sizeof(LeafBlock); at += kCacheLine) hwy::Prefetch(bytes + at);
   }
 
-  // Finds the pairs of one box of `own` with the boxes of a leaf of `others`, without the stages.
+  // Finds the pairs of one box of `own` with the boxes of a leaf of `others`, without the four
+  // stages above.
   void TestBox(const Aabb& box, uint32_t id, size_t leaf) {
     const Lanes16 d;
     const LeafBlock& others = others_[leaf];
@@ -139,11 +140,13 @@ class LeafSearch {
   static constexpr size_t kFoundCapacity = kNearCapacity * kWidth;
   // The number of found boxes that a leaf is tested against at a time.
   static constexpr size_t kTestedTogether = 512;
-  // Room in the pair buffer is claimed for the pairs of this number of notes at a time.
+  // Room in the pair buffer is reserved for the pairs of this number of notes (see below) at a
+  // time.
   static constexpr size_t kNotesPerRoom = 32;
 
-  // Places of boxes that hit lanes of a register, and the bits of those lanes. The extra room is
-  // for a leaf's own boxes, and for a note that is written but not kept.
+  // A note records that a box of `others` overlaps boxes in a register of the leaf: the place of
+  // the box (see PlaceOf), and the lanes that it overlaps, as bits. The extra room is for the
+  // leaf's own boxes, and for a note that is written but not counted.
   struct Notes {
     uint32_t place[kTestedTogether + kWidth + 1];
     uint16_t lanes[kTestedTogether + kWidth + 1];
@@ -171,7 +174,8 @@ class LeafSearch {
     return count;
   }
 
-  // Stage 3: lists the boxes of the found leaves that overlap the bounds, as places in the leaves.
+  // Stage 3: lists the places (see PlaceOf) of the boxes in the found leaves that overlap the
+  // bounds.
   size_t FindBoxes(const Aabb& bounds, size_t leaf_count) {
     const Lanes16 d;
     const hn::RebindToUnsigned<Lanes16> du;
@@ -199,8 +203,8 @@ class LeafSearch {
   }
 
 #if HWY_MAX_BYTES == 16
-  // With 128-bit registers, copying the other box's faces costs more than comparing them. Each set
-  // of copies is therefore used for all registers of the leaf.
+  // With 128-bit registers, copying the other box's faces to all lanes costs more than comparing
+  // them. The copies are therefore reused for all registers of the leaf.
   void TestSome(size_t leaf, bool with_own, const uint32_t* places, size_t place_count) {
     if (with_own) {
       uint32_t own[kWidth];
@@ -277,11 +281,12 @@ class LeafSearch {
     return static_cast<uint32_t>(leaf * LeafBlock::kStride + lane);
   }
 
-  // Returns the lanes behind `lane`. A pair within the leaf is found at its first box.
+  // Returns the lanes above `lane`, as bits. Each pair within the leaf is then found once, at its
+  // first box.
   static HWY_INLINE uint32_t LanesAfter(size_t lane) { return ~1U << lane; }
 
-  // Appends a note if the test has hits. It has no branch, since about half of the tests have hits.
-  // Pairs are written separately from the tests because writing takes longest.
+  // Appends a note if a test has hits. A branch would often be mispredicted, since about half of
+  // the tests have hits. Writing pairs takes longest and is therefore left to WritePairs.
   static HWY_INLINE size_t Note(Notes& notes, uint32_t hits, uint32_t place, size_t count) {
     notes.lanes[count] = static_cast<uint16_t>(hits);
     notes.place[count] = place;

@@ -35,7 +35,8 @@ HWY_INLINE void ReplaceInvalid(LeafBlock& leaf) {
   }
 }
 
-// Column k of a level begins at columns + k * stride: min x, max x, min y and so on.
+// Replaces invalid boxes by sentinels and computes the bounds of the leaves [begin, end). Column k
+// of the bounds begins at columns + k * stride, in the order min x, max x, min y and so on.
 void FinishLeaves(LeafBlock* leaves, size_t begin, size_t end, float* columns, size_t stride) {
   for (size_t leaf = begin; leaf < end; ++leaf) {
     ReplaceInvalid(leaves[leaf]);
@@ -67,12 +68,13 @@ HWY_EXPORT(BoundNodes);
 
 namespace {
 
-// The number of leaves whose bounds are computed together. A vector load right after single-float
-// stores would stall until they finish.
+// The number of leaves that are filled before their bounds are computed. A vector load right after
+// single-float stores would wait until they finish.
 constexpr size_t kLeavesPerBatch = 8;
 // The prefetch distance in slots.
 constexpr size_t kPrefetchDistance = 32;
-// Minimum work per part: a smaller part takes less time than waking a thread.
+// The minimum work per part of a parallel loop. A smaller part takes less time than waking a
+// thread.
 constexpr size_t kMinLeavesPerPart = 128;
 
 constexpr size_t GroupsOf16(size_t count) {

@@ -1,5 +1,5 @@
-// Boxes in a given order in leaves of sixteen, below an implicit tree: each node has sixteen
-// consecutive children, and there are no pointers.
+// An implicit tree whose leaves hold sixteen boxes each, in a given order. Each node has sixteen
+// consecutive children, so that the tree needs no pointers.
 //
 // How well the tree prunes depends on the order alone (kd_order.h). A leaf is contiguous in memory,
 // so that a search in a large scene can prefetch it. The tree has two uses. KDTree finds the pairs
@@ -48,9 +48,9 @@ class LeafTree {
  public:
   static constexpr size_t kWidth = LeafBlock::kWidth;
   static constexpr uint32_t kWidthBits = 4;
-  // The slots of a block: 16 leaves, the unit of a search.
+  // The number of slots of a block. A block consists of 16 leaves and is the unit of a search.
   static constexpr size_t kBlockSlots = kWidth * kWidth;
-  // Enough for 16^8 = 2^32 slots.
+  // Eight levels are enough for 16^8 = 2^32 slots.
   static constexpr size_t kMaxLevels = 8;
 
   // The data that a search reads; valid until the next Refit. Level 0 holds the boxes: box k of
@@ -103,7 +103,7 @@ class LeafTree {
   std::array<float*, kMaxLevels + 1> first_column_{};  // the first column of each level
   std::array<size_t, kMaxLevels + 1> stride_{};        // the length of each column of a level
   size_t capacity_ = 0;                                // the slots for which there are columns
-  // The number of levels for capacity_ slots; `top` or more.
+  // The number of levels for capacity_ slots, at least `top`.
   size_t level_count_ = 0;
   View view_;
 };

@@ -5,13 +5,15 @@
 namespace sweepstake {
 namespace {
 
-// The cost of making an order, in checks per box.
+// The cost of sorting all members, in checks per member.
 constexpr uint64_t kChecksPerSort = 20;
 // If more than one member in this number is new, sorting all members takes less time.
 constexpr size_t kMembersPerNewOne = 8;
-// A changed block with at most this number of members gives them up to be inserted elsewhere.
+// If a changed block has at most this number of members, all of them are inserted into other
+// blocks, so that the block becomes free.
 constexpr size_t kMinMembers = 48;
-// This number of members is sorted in a few milliseconds.
+// Sorting up to this number of members takes a few milliseconds, so that small trees may be sorted
+// more often.
 constexpr size_t kQuicklySorted = 65'536;
 // If more than one member in this number has moved, refitting the whole tree takes less time.
 constexpr size_t kMembersPerMovedOne = 256;
@@ -65,7 +67,8 @@ void BoxTree::Update(std::span<const Aabb> boxes, bool any_moved, KdOrder& split
                      std::span<uint32_t> slots) {
   const bool refits_all =
       any_moved || order_.size() <= kBlock || moved_count_ * kMembersPerMovedOne > count_;
-  // Limits on the slots, since a refit reads all of them, and on insertions since the latest sort.
+  // Limits the slots, since a refit reads all of them, and the insertions since the latest sort,
+  // since each degrades the order.
   const size_t max_slots = (refits_all || count_ <= kQuicklySorted ? 2 : 4) * (count_ + kBlock);
   const size_t max_inserted = count_ / (count_ <= kQuicklySorted ? 16 : 2);
   if (!is_sorted_ || new_count_ * kMembersPerNewOne > count_ || order_.size() > max_slots ||
@@ -120,7 +123,8 @@ void BoxTree::RefitChanged(std::span<const Aabb> boxes) {
   changed_blocks_.clear();
 }
 
-// Turns moved members into new ones, and also the few members left in a block.
+// Removes moved members from their blocks and adds them again as new members. Does the same with
+// all members of a block that has few left (kMinMembers).
 void BoxTree::TakeOut(std::span<uint32_t> slots) {
   EnsureRoomFor(moved_count_ + changed_blocks_.size() * kMinMembers);
   for (const size_t block : changed_blocks_) {
@@ -161,7 +165,7 @@ void BoxTree::SortMembers(std::span<const Aabb> boxes, KdOrder& splitter,
   is_sorted_ = true;
 }
 
-// Moves the new members to the others and removes holes and marks.
+// Appends the new members to `order_` and removes its holes and marks.
 void BoxTree::JoinMembers() {
   CloseHoles(new_);
   CloseHoles(order_);
@@ -195,8 +199,8 @@ void BoxTree::Refit(std::span<const Aabb> boxes) {
   tree_.Refit(boxes, order_, nullptr, nullptr, SpareSlots(order_.size()));
 }
 
-// Counts leaves instead of summing extents. In a sum, one box that has flown far away would
-// outweigh all others.
+// Returns whether many leaves have grown. It counts leaves, since in a sum of extents one box that
+// has moved far away would outweigh all others.
 bool BoxTree::HasGrown() const {
   size_t grown = 0;
   for (size_t leaf = 0; leaf < sorted_extents_.size(); ++leaf) {

@@ -1,5 +1,5 @@
-// A tree over some of a table's boxes, the members, kept between changes: a LeafTree in the order
-// of a KdOrder.
+// A tree over some of the boxes of a ProxyTable, its members. It consists of a LeafTree and an
+// order of the members (KdOrder), and is updated when members change.
 //
 // Blocks of sixteen leaves are the unit of change. A branch is the sixteen blocks below one node.
 // Update refits the blocks of members that were removed or whose boxes have changed, and the nodes
@@ -8,7 +8,7 @@
 // again, and half of the branch may go to another branch.
 //
 // Many new members that are close together, such as a tile of the world, get separate branches if
-// they come at once. These branches become free again when the tile goes. Branches are in any
+// they come at once. These branches become free again when the tile is removed. Branches are in any
 // order. The nodes above them, one for 65,536 slots, therefore prune little after many changes, but
 // they cost little. If more than 1/256 of the members have moved, or any may have moved, the whole
 // tree is refitted.
@@ -19,10 +19,11 @@
 // - Insertions since the last sort exceed half the members, or a sixteenth if a sort takes only
 //   milliseconds.
 // - After a refit of the tree, more than an eighth of the leaves have grown to twice their size.
-// - Searches have lost more checks to the old order than a new order costs.
+// - Searches have made more extra checks because of the old order than a new order costs
+//   (RebuildDebt).
 //
 // Thread safety: const calls may run at the same time, but not during other calls. Owns its memory.
-// Units: as the boxes. Cost: Add, Remove and Move O(1) amortized, Remove and Move without an
+// Units: those of the boxes. Cost: Add, Remove and Move O(1) amortized, Remove and Move without an
 // allocation. Update O(changes · block · log block) amortized; without a sort of all members at
 // worst O(branch) per change. With a refit of the tree O(n), with a new order O(n log n). Memory: 4
 // bytes per slot, and 30 more from the first Update on. There are 16 slots for 15 members after a
@@ -67,11 +68,11 @@ class BoxTree {
   const LeafTree::View& view() const { return tree_.view(); }
   const LeafTree& leaves() const { return tree_; }
 
-  // Adds the AABB checks of a search with all boxes to the debt of the order. At most one call per
-  // Update.
+  // Records the AABB checks of a search with all boxes. They decide when the members are sorted
+  // again. REQUIRES: at most one call per Update.
   void NoteSearch(uint64_t checks) { debt_.AddSearch(checks); }
 
-  // Visits the fields of a snapshot (snapshot.h). Refit must follow a restore.
+  // Passes the fields of a snapshot to `archive` (snapshot.h). Refit must follow a restore.
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     archive.Array(self.order_);
@@ -97,9 +98,9 @@ class BoxTree {
   // A sort of many members leaves the last leaf of each block free.
   static constexpr size_t kSortedLeaves = LeafTree::kWidth - 1;
   static constexpr size_t kSorted = kSortedLeaves * LeafTree::kWidth;
-  // In a slot: the slot is an index of `new_`. In an entry of `order_`: the member's box has
-  // changed. Places leave this bit free (ProxyTable::kMaxPlaces). Slots leave it free up to
-  // 500,000,000 members, which take some 60 GB.
+  // The highest bit serves as a flag. In the slot of a member it means that the slot is an index of
+  // `new_`. In an entry of `order_` it means that the member's box has changed. Ids never reach
+  // this bit (ProxyTable::kMaxPlaces), slots only with 500,000,000 members, some 60 GB.
   static constexpr uint32_t kMark = 0x80000000;
 
   // The state of a block until the next refit: unchanged, changed or sorted again.
@@ -113,7 +114,7 @@ class BoxTree {
   // Records the state of a block for the next refit. A later state replaces an earlier one.
   void Mark(size_t block, BlockState state) {
     if (states_[block] == BlockState::kFresh) {
-      changed_blocks_.push_back(static_cast<uint32_t>(block));  // has room for all blocks
+      changed_blocks_.push_back(static_cast<uint32_t>(block));  // has room for every block
     }
     states_[block] = state;
   }
@@ -157,7 +158,7 @@ class BoxTree {
   size_t inserted_count_ = 0;              // members inserted into blocks since the latest sort
   bool is_sorted_ = false;                 // whether `tree_` holds the members in `order_`
   LeafTree tree_;
-  RebuildDebt debt_;  // the debt of the order
+  RebuildDebt debt_;  // extra checks since the latest sort
 
   // Working memory of Update, without content between calls.
   HookedVector<uint64_t> placed_;  // new members: block in the upper half, id in the lower

@@ -12,8 +12,8 @@
 namespace sweepstake {
 namespace {
 
-// The growth of a node's bounds by a box, and the resulting extent, both summed over the axes.
-// Scaled by kGrowthScale, so that both are finite for all boxes.
+// The growth of a node's bounds if they must cover a box, and their extent afterwards, both summed
+// over the axes. The values are scaled by kGrowthScale, so that they are finite for all boxes.
 constexpr float kGrowthScale = 0.125F;
 struct Growth {
   float more;
@@ -37,9 +37,9 @@ Growth GrowthOf(const BoxLanes& nodes, size_t node, const Aabb& box) {
   return growth;
 }
 
-// Finds the block that grows least with a box; among equal ones, the smallest afterwards. It visits
-// at most kMaxVisited blocks. If very many blocks do not grow at all, for example for boxes in one
-// place, the result is the best of those visited.
+// Finds the block whose bounds grow least if they must cover a box; among equal ones, the block
+// with the smallest bounds afterwards. It visits at most kMaxVisited blocks. If very many blocks do
+// not grow at all, for example for boxes in one place, the result is the best of those visited.
 class BlockChoice {
  public:
   static constexpr uint32_t kMaxVisited = 64;
@@ -81,15 +81,16 @@ class BlockChoice {
   uint32_t visited_ = 0;  // the number of visited blocks
 };
 
-// The minimum number of new members for separate branches. Fewer would leave most of a branch free.
+// The minimum number of new members that get separate branches (a run, see InsertRun). Fewer would
+// leave most of a branch free.
 constexpr size_t kMinRun = 2000;
-// The maximum ratio of the mean extents of a run's blocks and of the tree's blocks.
+// The maximum mean extent of a run's blocks, as a multiple of the mean extent of the tree's blocks.
 constexpr double kMaxRunExtent = 2;
 // This number of members in a run degrades the tree as much as one member inserted into a block.
 constexpr size_t kRunMembersPerNewOne = 8;
 
-// If more than one member in this number has to be inserted singly, sorting all takes less time. An
-// insertion takes 8 µs, sorting 0.1 µs per member (AMD Zen 4).
+// If more than one member in this number has to be inserted one by one, sorting all takes less
+// time. An insertion takes 8 µs, sorting 0.1 µs per member (AMD Zen 4).
 constexpr size_t kMembersPerEach = 64;
 
 // The mean of boxes' extents, each summed over the axes.
@@ -130,8 +131,8 @@ Aabb BoundsOf(std::span<const Aabb> boxes, std::span<const uint32_t> ids) {
 
 }  // namespace
 
-// Many members that come at once and are close together, such as the tiles of a world, get
-// separate branches.
+// Inserts the members in `new_`. Many members that are added at once and are close together, such
+// as a tile of the world, get separate branches.
 void BoxTree::InsertNew(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots) {
   // If memory runs out, the next Update sorts all members.
   is_sorted_ = false;
@@ -209,7 +210,8 @@ bool BoxTree::InsertIntoBlocks(std::span<const uint64_t> placed, std::span<const
   return true;
 }
 
-// Entries of `placed` that are already in their block are not inserted again.
+// Sorts the members of the branch and those in `placed` into one or more free branches. Skips
+// entries of `placed` that InsertIntoBlocks has already inserted.
 void BoxTree::SortBranch(size_t branch, std::span<const uint64_t> placed,
                          std::span<const Aabb> boxes, KdOrder& splitter,
                          std::span<uint32_t> slots) {
@@ -233,7 +235,7 @@ void BoxTree::SortBranch(size_t branch, std::span<const uint64_t> placed,
   }
 }
 
-// Writes the members [begin, end) of `ids_` to the branch, which is free.
+// Writes the members [begin, end) of `ids_` to the branch. REQUIRES: the branch is free.
 void BoxTree::WriteBranch(size_t branch, size_t begin, size_t end, std::span<uint32_t> slots) {
   size_t block = branch * LeafTree::kWidth;
   for (size_t at = begin; at < end; at += kSorted) {
@@ -249,7 +251,7 @@ void BoxTree::AppendMembers(size_t block) {
   }
 }
 
-// Replaces the members of the block by these. REQUIRES: there is room for its slots.
+// Replaces the members of the block by those in `ids`. REQUIRES: there is room for its slots.
 void BoxTree::WriteBlock(size_t block, std::span<const uint32_t> ids, std::span<uint32_t> slots) {
   const size_t first = block * kBlock;
   if (order_.size() < first + kBlock) {
@@ -291,7 +293,7 @@ size_t BoxTree::FreeBranch(size_t from) const {
   return branch_count;
 }
 
-// Grows by half, so that a tree that grows seldom allocates.
+// Grows by half, so that allocations are rare while the tree grows.
 void BoxTree::ReserveSlots(size_t slot_count) {
   if (slot_count <= order_.capacity() && slot_count / kBlock <= states_.capacity()) return;
   const size_t grown = std::max(slot_count, order_.size() + order_.size() / 2);

@@ -8,7 +8,8 @@
 namespace sweepstake {
 namespace {
 
-// The owners of ids in this frame and in the last one.
+// Gives the owners of a pair's ids, which are proxies, in this frame and in the last one. An id
+// passes to a new owner if its proxy is removed and another one is added.
 class Owners {
  public:
   Owners(const ProxyTable& moving, const ProxyTable& resting)
@@ -49,7 +50,8 @@ bool AreWithin(const Aabb& a, const Aabb& b, float margin) {
   return true;
 }
 
-// Returns whether a pair that has begun has not ended, although its boxes may be apart.
+// Returns whether a pair of the last frame still counts as a pair, although its boxes may be up to
+// `margin` apart.
 bool GoesOn(const OverlapPair& pair, float margin, const ProxyTable& moving,
             const ProxyTable& resting) {
   const ProxyTable* tables[2];
@@ -87,7 +89,7 @@ void PairEvents::Compare(std::span<const OverlapPair> before, std::span<const Ov
                          const ProxyTable& moving, const ProxyTable& resting) {
   const Owners owners(moving, resting);
   Clear();
-  // Works on local lists: if memory runs out, the set gets no incomplete lists.
+  // Works on local lists. If memory runs out, the members stay empty instead of incomplete.
   HookedVector<ProxyPair> added = std::move(added_);
   HookedVector<ProxyPair> removed = std::move(removed_);
   size_t b = 0;

@@ -20,9 +20,9 @@ constexpr uint64_t PairKey(const OverlapPair& pair) { return uint64_t{pair.a} <<
 
 class PairEvents {
  public:
-  // `before` are pairs of the proxies at the last MarkSeen of the tables, `now` pairs of the
-  // present proxies; both ascend. A pair with the same ids but a new owner counts as ended and as
-  // begun. Cost: O(pairs).
+  // `before` are the pairs at the last MarkSeen of the tables, `now` the present pairs; both are
+  // sorted by PairKey. If an id of a pair has passed to a new proxy (a new owner), the old pair
+  // counts as ended and the new one as begun. Cost: O(pairs).
   void Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
                const ProxyTable& moving, const ProxyTable& resting);
 
@@ -32,15 +32,15 @@ class PairEvents {
   }
 
   // Appends to `out` the pairs `now` and those `before` that have not ended. A pair has not ended
-  // if its owners are the same, may form a pair, and are at most `margin` apart on each axis. All
-  // lists ascend. Cost: O(pairs).
+  // if its proxies are the same, may form a pair, and are at most `margin` apart on each axis. All
+  // lists are sorted by PairKey. Cost: O(pairs).
   static void Hold(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
                    float margin, const ProxyTable& moving, const ProxyTable& resting,
                    PairBuffer& out);
 
   std::span<const ProxyPair> added() const { return added_; }
   std::span<const ProxyPair> removed() const { return removed_; }
-  // Visits the fields of a snapshot (snapshot.h).
+  // Passes the fields of a snapshot to `archive` (snapshot.h).
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     archive.Array(self.added_);

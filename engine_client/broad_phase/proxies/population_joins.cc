@@ -5,7 +5,8 @@
 namespace sweepstake {
 namespace {
 
-// Minimum work per part: a smaller part takes less time than waking a thread.
+// The minimum work per part of a parallel loop. A smaller part takes less time than waking a
+// thread.
 constexpr size_t kMinLeavesPerPart = 32;
 constexpr size_t kMinBlocksPerPart = 2;
 
@@ -53,7 +54,8 @@ void PopulationJoins::FindPairs(KdOrder& splitter, PairBuffer& out) {
   Append(kept_.pairs(), out);
 }
 
-// Joins with the same first population are consecutive.
+// Searches all joins and reports the number of checks to the tree of each first population. Joins
+// with the same first population are consecutive.
 void PopulationJoins::SearchAndNote(std::span<const Join> joins, PairBuffer& out) {
   for (size_t k = 0; k < joins.size();) {
     const Population& a = joins[k].a;
@@ -91,8 +93,8 @@ uint64_t PopulationJoins::SearchBetween(const Join& join, PairBuffer& out) {
                     });
 }
 
-// Turns places into ids, unless the search has done so, and drops pairs that do not pass the
-// filters.
+// Sets kStaticProxyBit in the found ids if the search has not done so, and drops pairs that do not
+// pass the filters.
 void PopulationJoins::FinishPairs(const Join& join, size_t first, PairBuffer& out) const {
   const std::span<OverlapPair> found = out.pairs().subspan(first);
   if (join.a.kind == join.b.kind && join.a.kind->id_bit() != 0) {

@@ -1,9 +1,9 @@
-// Finds the pairs that a broad phase does not: pairs within and between populations (proxy_kind.h),
-// by the trees of both.
+// Finds the pairs that the broad phase does not search for: pairs between two populations of
+// proxies, and pairs within a population (proxy_kind.h). It searches the trees of the populations.
 //
-// A pair of populations is searched in each frame if one of them moves and their filters may pass.
-// Pairs of resting populations (sleeping with sleeping or static) are searched only after one of
-// them has changed; the pairs are kept. Static proxies are not paired with one another, and neither
+// Two populations are searched in each frame if one of them moves and their filters may pass. Two
+// resting populations (sleeping with sleeping or static) are searched only after one of them has
+// changed; the pairs found are kept. Static proxies are not paired with one another, and neither
 // are proxies of one group.
 //
 // Not thread-safe. Borrows the kinds and the executor. Owns the kept pairs. Cost: FindPairs
@@ -38,10 +38,10 @@ class PopulationJoins {
   // number of threads. Refreshes the trees.
   void FindPairs(KdOrder& splitter, PairBuffer& out);
 
-  // Frees its memory; the next FindPairs builds everything again. REQUIRES: the kinds were
+  // Frees its memory; the next FindPairs searches all populations again. REQUIRES: the kinds were
   // compacted.
   void Compact();
-  // Visits the fields of a snapshot (snapshot.h).
+  // Passes the fields of a snapshot to `archive` (snapshot.h).
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     PairList kept(self.kept_);
@@ -58,7 +58,7 @@ class PopulationJoins {
     const LeafTree& tree() const { return kind->tree(number); }
     bool moves() const { return MovesIn(number); }
     bool is_static() const { return IsStaticIn(number); }
-    // Returns whether the broad phase has found the pairs within it.
+    // Returns whether the broad phase finds the pairs within the population.
     bool is_searched() const { return kind->id_bit() == 0 && number == 0; }
   };
   struct Join {

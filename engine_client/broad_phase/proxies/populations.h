@@ -1,10 +1,11 @@
-// Numbers of the populations of a kind of proxies (proxy_kind.h): the groups of moving proxies, the
-// groups of sleeping ones, and the static ones. Also the rule for which proxies may share a group.
+// Defines the numbers of the populations of a kind of proxies (proxy_kind.h): one per group of
+// moving proxies, one per group of sleeping ones, and one for static ones. Also defines which
+// proxies may share a group.
 //
 // The proxies of a group all ignore one another, like debris that collides with everything except
 // debris. The search skips the pairs within a group, so that a pile of such proxies costs nothing.
-// A proxy may join a group under two conditions: its category is in no mask of the group or its
-// own, and its mask has no category of the group.
+// A proxy may join a group under two conditions. Its category is neither in a mask of the group nor
+// in its own mask, and no category of the group is in its mask.
 //
 // Not thread-safe. Plain values, no allocation. Cost: O(kCount) per call.
 #pragma once
@@ -45,15 +46,15 @@ class FilterGroups {
   }
 
  private:
-  // Returns the filter that a group counts. A filter that never passes becomes {0, 0}, which fits
-  // every group.
+  // Returns the filter that is compared with those of a group. A filter that never passes becomes
+  // {0, 0}, which fits every group.
   static CollisionFilter Counted(const CollisionFilter& filter) {
     const bool passes_never = filter.category == 0 || filter.mask == 0;
     return passes_never ? CollisionFilter{0, 0} : filter;
   }
 
   struct Group {
-    CollisionFilter all{0, 0};  // the union of members' categories and masks, past ones too
+    CollisionFilter all{0, 0};  // the union over all members, present and past
     size_t count = 0;
   };
   std::array<Group, kCount> groups_{};

@@ -1,9 +1,10 @@
-// The proxies of one kind, moving or static as they were added, divided into populations.
+// The proxies of one kind, divided into populations. A proxy's kind, moving or static, is the state
+// in which it was added.
 //
 // The proxies of a population take part in the search in the same way: they move, sleep or are
 // static. Unless static, they also belong to the same group (populations.h). Each population has a
-// tree. Queries search it, and so do the joins with other populations. Population 0 of the proxies
-// added as moving is searched by the broad phase.
+// tree, which queries and searches for pairs with other populations use. The pairs within
+// population 0 of the moving kind are found by the broad phase.
 //
 // Thread safety: const calls may run at the same time. Owns its memory. Cost and memory: see
 // proxy_table.h and box_tree.h; a population takes no memory until it has had a proxy. Errors:
@@ -30,7 +31,8 @@ class ProxyKind {
 
   uint32_t id_bit() const { return id_bit_; }
   const ProxyTable& table() const { return table_; }
-  // Returns the null handle if the place is free.
+  // Returns the handle of the proxy at this place of the table, or the null handle if the place is
+  // free.
   ProxyHandle HandleAt(uint32_t place) const {
     const uint32_t generation = table_.generation(place);
     return generation == 0 ? ProxyHandle{} : ProxyHandle{place | id_bit_, generation};
@@ -39,7 +41,7 @@ class ProxyKind {
   // Allocates the memory that Add and ChangePopulation need for `newcomers` proxies to enter this
   // population.
   void EnsureRoomIn(uint8_t population, size_t newcomers = 1);
-  // Returns the place of the new proxy.
+  // Returns the new proxy's place in the table.
   uint32_t Add(const Aabb& box, const CollisionFilter& filter, uint64_t user, uint8_t population);
   void Remove(uint32_t place);
   void SetBox(uint32_t place, const Aabb& box) {
@@ -64,12 +66,12 @@ class ProxyKind {
   // Returns the union of the categories and masks of the population's present and past proxies.
   const CollisionFilter& all(uint32_t population) const { return all_[population]; }
 
-  // Must be called after changes and before the trees are used.
+  // Updates the trees. Must be called after changes and before the trees are used.
   void RefreshTrees(KdOrder& splitter);
   // Moves the origin of all coordinates. Invalid boxes stay unchanged.
   void ShiftOrigin(const float offset[3]);
-  // Frees the memory of former proxies; free places below `min_places` are kept. Changes nothing if
-  // memory runs out.
+  // Frees the memory of removed proxies, but keeps free places below `min_places`. Changes nothing
+  // if memory runs out.
   void Compact(size_t min_places);
   bool trees_are_fresh() const { return changed_ == 0; }
   // REQUIRES, here and below: count(population) > 0.
@@ -81,7 +83,7 @@ class ProxyKind {
   bool any_resting_changed() const { return resting_changed_; }
   void MarkRestingSeen() { resting_changed_ = false; }
 
-  // Visits the fields of a snapshot (snapshot.h). FinishRestore must follow a restore.
+  // Passes the fields of a snapshot to `archive` (snapshot.h). FinishRestore must follow a restore.
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     ProxyTable::Visit(self.table_, archive);
@@ -102,7 +104,7 @@ class ProxyKind {
   size_t native_bytes() const;
 
  private:
-  // Creates or deletes the tree, as in the snapshot.
+  // Creates or deletes the tree to match the snapshot.
   static void MatchTree(std::unique_ptr<BoxTree>& tree, bool exists) {
     if (exists != (tree != nullptr)) tree = exists ? std::make_unique<BoxTree>() : nullptr;
   }

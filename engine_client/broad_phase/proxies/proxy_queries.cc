@@ -8,7 +8,7 @@
 namespace sweepstake {
 namespace {
 
-// The searches call these structs with the places of the boxes found.
+// The contexts of the searches' callbacks. The callbacks receive the places of the boxes found.
 struct VolumeQuery {
   const ProxyKind& kind;
   const CollisionFilter& filter;

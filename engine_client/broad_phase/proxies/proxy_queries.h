@@ -1,4 +1,4 @@
-// Queries in all populations of both kinds.
+// Queries over all populations of both kinds of proxies (proxy_kind.h).
 //
 // Thread safety: const; any number of queries may run at the same time. Borrows the kinds, whose
 // trees must be up to date. Order of the results: as in proxy_set.h. Errors: std::bad_alloc if

@@ -79,7 +79,7 @@ void ProxySet::Impl::Remove(ProxyKind& kind, uint32_t place) {
   kind.Remove(place);
 }
 
-// A box with identical bytes changes nothing.
+// Sets the box and wakes a sleeping proxy. A box with the same bytes as before changes nothing.
 void ProxySet::Impl::Move(ProxyKind& kind, uint32_t place, const Aabb& box) {
   if (IsSame(kind.table().boxes()[place], box)) return;
   const uint8_t population = kind.table().population(place);
@@ -89,7 +89,8 @@ void ProxySet::Impl::Move(ProxyKind& kind, uint32_t place, const Aabb& box) {
   kind.SetBox(place, box);
 }
 
-// Reserves room for the sleeping proxies whose boxes change. If memory runs out, no proxy is moved.
+// Reserves room for the sleeping proxies that wake because their boxes change. If memory runs out
+// here, no proxy is moved.
 void ProxySet::Impl::EnsureRoomToWake(std::span<const ProxyHandle> handles,
                                       std::span<const Aabb> boxes) {
   std::array<std::array<size_t, kSleepingPopulation>, 2> waking{};  // by kind and group
@@ -136,7 +137,8 @@ void ProxySet::Impl::SetSleeping(ProxyKind& kind, uint32_t place, bool is_sleepi
                         static_cast<uint8_t>(is_sleeping ? kSleepingPopulation + group : group));
 }
 
-// Keeps the places of the latest pairs, since the events of the next Resolve refer to their owners.
+// Frees unused memory. Keeps the places that occur in the latest pairs, since the next Resolve
+// compares these pairs with the new ones.
 void ProxySet::Impl::Compact() {
   size_t moving_places = 0;
   size_t static_places = 0;

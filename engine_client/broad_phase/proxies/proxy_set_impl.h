@@ -1,5 +1,5 @@
 // The implementation of ProxySet (proxy_set.h): the proxies of both kinds, the groups of their
-// filters, the search that the broad phase does not do, and the latest pairs.
+// filters, the search for pairs that the broad phase does not find, and the latest pairs.
 //
 // Not thread-safe, like ProxySet. Owns everything except the executor.
 #pragma once

@@ -8,7 +8,7 @@
 namespace sweepstake {
 namespace {
 
-// Increment when the fields or their order change.
+// The version of the format. Increment it when the fields or their order change.
 constexpr uint32_t kSnapshotVersion = 2;
 // "SWPS" in the byte order of the machine that wrote it.
 constexpr uint32_t kMagic = 0x53505753;
@@ -31,7 +31,7 @@ Status Damaged(const std::string& what) {
   return {StatusCode::kDataLoss, "the snapshot " + what + "; the proxies are unchanged"};
 }
 
-// Checks everything that can be checked before the fields are read.
+// Checks the header, the size and the checksum before any field is read.
 Status CheckHeader(std::span<const std::byte> snapshot, const ProxySetOptions& options) {
   Header header;
   if (snapshot.size() < sizeof header) return Damaged("is shorter than its header");

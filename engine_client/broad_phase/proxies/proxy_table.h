@@ -1,7 +1,8 @@
 // The proxies of one kind: those added as moving, or those added as static.
 //
-// A proxy has a place that does not change while it lives. A place is used again after its proxy
-// was removed. Its generation counts adds and removes and so distinguishes the owners.
+// Each proxy has a place, an index that stays the same until the proxy is removed. The place may
+// then pass to another proxy, its new owner. A place's generation counts adds and removes, and so
+// distinguishes its owners.
 //
 // Not thread-safe. Owns its memory. Cost: O(1) per call unless its comment says otherwise. Memory:
 // 53 bytes per place, 4 more if owners are recorded, and 24 more after HideOthers. Errors:
@@ -22,8 +23,8 @@ class ProxyTable {
  public:
   static constexpr size_t kMaxPlaces = 0x7fffffff;
 
-  // With `notes_owners` it records new owners until MarkSeen. Without it, the functions about new
-  // owners must not be called.
+  // With `notes_owners` it records which places have got new owners since the last MarkSeen.
+  // Without it, the functions about new owners must not be called.
   explicit ProxyTable(bool notes_owners) : notes_owners_(notes_owners) {}
 
   // Returns the place of the new proxy: the place freed last, or else a new one at the end.
@@ -54,7 +55,8 @@ class ProxyTable {
     populations_[place] = population;
     if (hides_others_) shown_[place] = population == 0 ? boxes_[place] : kInvalidAabb;
   }
-  // The slots of proxies in the trees of their populations. The trees write them.
+  // Returns the slot of each proxy in the tree of its population, indexed by place. The trees write
+  // the slots.
   std::span<uint32_t> slots() { return slots_; }
 
   // Indexed by place; a free place has an invalid box.
@@ -63,12 +65,12 @@ class ProxyTable {
   // Returns the boxes of population 0, with invalid boxes at all other places. REQUIRES: HideOthers
   // was called, or all proxies are in population 0.
   std::span<const Aabb> shown_boxes() const { return hides_others_ ? shown_ : boxes_; }
-  // Must be called before the first proxy leaves population 0 if shown_boxes is used. Cost:
-  // O(places) the first time.
+  // Makes shown_boxes hide the proxies outside population 0. If shown_boxes is used, this must be
+  // called before the first proxy leaves population 0. Cost: O(places) the first time.
   void HideOthers();
 
-  // Frees the memory of former proxies: the free places at the end, down to `min_places`, and
-  // unused capacity. Existing handles stay unique. Cost: O(places).
+  // Frees the free places at the end, down to `min_places`, and unused capacity. Existing handles
+  // stay unique. Cost: O(places).
   void Compact(size_t min_places);
 
   size_t count() const { return boxes_.size() - free_count_; }
@@ -84,7 +86,7 @@ class ProxyTable {
   // Marks the present owners as seen. Cost: O(places with new owners).
   void MarkSeen();
 
-  // Visits the fields of a snapshot (snapshot.h). FinishRestore must follow a restore.
+  // Passes the fields of a snapshot to `archive` (snapshot.h). FinishRestore must follow a restore.
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     archive.Array(self.boxes_);
@@ -126,7 +128,7 @@ class ProxyTable {
   HookedVector<uint64_t> users_;
   HookedVector<uint32_t> generations_;
   HookedVector<uint32_t> seen_;  // the generations at the last MarkSeen
-  // At a free place: the place that was freed before this one.
+  // The slot of the proxy in its tree. At a free place: the place that was freed before it.
   HookedVector<uint32_t> slots_;
   HookedVector<uint8_t> populations_;
   // The places with new owners since the last MarkSeen, each once.
@@ -134,7 +136,8 @@ class ProxyTable {
   uint32_t freed_last_ = kNoPlace;
   size_t free_count_ = 0;
   size_t filtered_count_ = 0;
-  // The generation at which new places begin: above those of places that Compact has removed.
+  // The generation at which new places begin. It is at least that of every place that Compact has
+  // removed.
   uint32_t first_generation_ = 0;
 };
 

@@ -95,7 +95,7 @@ class SnapshotReader {
   bool failed_ = false;
 };
 
-// Presents a PairBuffer as a list.
+// Gives a PairBuffer the interface of the lists that archives accept.
 template <typename Buffer>
 class PairList {
  public:
@@ -116,7 +116,7 @@ class PairList {
 // deliberate changes.
 inline uint64_t Checksum(std::span<const std::byte> bytes) {
   constexpr uint64_t kOdd = 0x9e3779b97f4a7c15U;
-  // Uses four sums, since each multiplication waits for the previous one.
+  // Four sums run in parallel, since within a sum each multiplication waits for the previous one.
   std::array<uint64_t, 4> sums{1, 2, 3, 4};
   const auto add = [&](uint64_t& sum, const std::byte* at, size_t count) {
     uint64_t word = 0;

@@ -1,7 +1,8 @@
-// Overlaps between the boxes of two trees. A block of 16 leaves of one tree descends the other
-// tree; the rest is the search that KDTree uses (kd/leaf_search-inl.h). If the boxes of a block are
-// far apart, its bounds are near many leaves that none of its boxes is near. In that case each leaf
-// descends separately. If the same holds for a leaf, each of its boxes descends separately.
+// Finds overlaps between the boxes of two trees. For each block of 16 leaves of one tree it
+// descends the other tree once, and continues like KDTree's search (kd/leaf_search-inl.h). If the
+// boxes of a block are far apart, the block's bounds overlap many leaves that none of its boxes
+// overlaps. The search then descends for each leaf separately, and if the same holds for a leaf,
+// for each of its boxes.
 #include <algorithm>
 
 #include "engine_client/broad_phase/proxies/tree_walk.h"
@@ -46,7 +47,8 @@ class TreeJoin {
 
  private:
   // The maximum number of nodes of 16 leaves that the bounds of a block or of a leaf may overlap.
-  // With more nodes, separate searches for its parts take less time.
+  // With more nodes, separate searches (for each leaf of the block, or each box of the leaf) take
+  // less time.
   static constexpr size_t kMaxNodesOfBlock = 16;
   static constexpr size_t kMaxNodesOfLeaf = 8;
   static constexpr size_t kMeetings = 256;
@@ -57,8 +59,8 @@ class TreeJoin {
     uint32_t leaf;
   };
 
-  // Searches with these bounds of the leaves. Returns false without a result if they overlap more
-  // than `max_nodes` nodes.
+  // Finds the pairs of the leaves [begin, end) in one search with their common bounds. Returns
+  // false without a result if the bounds overlap more than `max_nodes` nodes.
   bool SearchTogether(size_t begin, size_t end, const Aabb& bounds, size_t max_nodes) {
     uint32_t nodes[kMaxNodesOfBlock + LeafTree::kWidth] = {0};
     const size_t count = tree_.top == 1 ? 1 : FindNodes(bounds, max_nodes, nodes);
@@ -89,8 +91,8 @@ class TreeJoin {
     return count;
   }
 
-  // Searches for each box of the leaf. Prefetches the tree's leaves that a box overlaps, while
-  // other boxes descend.
+  // Searches for each box of the leaf separately. While it descends for other boxes, it prefetches
+  // the leaves that a box overlaps.
   void SearchApart(size_t leaf) {
     const BoxLanes boxes = LanesOf(own_.leaves[leaf]);
     for (uint32_t lane = 0; lane < LeafTree::kWidth; ++lane) {

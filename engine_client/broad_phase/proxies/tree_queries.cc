@@ -27,8 +27,8 @@ void WalkOverlapping(const LeafTree::View& tree, const Aabb& box, const IdSink& 
       [&](const FoundGroup& found) { TakeIds(tree, found, sink); });
 }
 
-// SquaredDistance of query_shapes.h for the lanes from slot `at` on. The result for a sentinel is
-// +inf.
+// Computes SquaredDistance (query_shapes.h) for the lanes from slot `at` on. The result for a
+// sentinel is +inf.
 template <class D>
 HWY_INLINE hn::Vec<D> SquaredDistanceLanes(D d, const float center[3], const BoxLanes& lanes,
                                            size_t at) {
@@ -58,9 +58,9 @@ void WalkNear(const LeafTree::View& tree, const float* center, float squared_rad
       [&](const FoundGroup& found) { TakeIds(tree, found, sink); });
 }
 
-// EnterDistance of query_shapes.h for the lanes from slot `at` on. Returns the distances at which
-// the ray enters them, and in `hits` the lanes that it enters up to `limit`. A sentinel is entered
-// at +inf and left at −inf.
+// Computes EnterDistance (query_shapes.h) for the lanes from slot `at` on. Returns the distances at
+// which the ray enters their boxes, and in `hits` the lanes that it enters within `limit`. For a
+// sentinel it computes +inf for entering and −inf for leaving, which is not a hit.
 template <class D>
 HWY_INLINE hn::Vec<D> EnterLanes(D d, const Slabs& slabs, float limit, const BoxLanes& lanes,
                                  size_t at, hn::Mask<D>& hits) {

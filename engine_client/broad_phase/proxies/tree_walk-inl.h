@@ -1,5 +1,5 @@
-// The descent that all searches in a tree share, for every target of Highway. Include after
-// hwy/foreach_target.h.
+// The descent that all searches in a tree share, compiled for every target of Highway. Include
+// after hwy/foreach_target.h.
 #if defined(SWEEPSTAKE_TREE_WALK_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_TREE_WALK_INL_H_
 #undef SWEEPSTAKE_TREE_WALK_INL_H_
@@ -18,7 +18,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// Up to 16 entries of a level, with room for a whole register behind the last one.
+// Indices of up to 16 entries of a level, with room for a whole register behind the last one.
 struct FoundGroup {
   uint32_t entry[2 * LeafTree::kWidth];
   size_t count = 0;

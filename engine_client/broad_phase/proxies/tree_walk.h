@@ -27,7 +27,8 @@ void FindOverlapping(const LeafTree::View& tree, const Aabb& box, const IdSink& 
 // `squared_radius`. REQUIRES: all values are finite.
 void FindNear(const LeafTree::View& tree, const float center[3], float squared_radius,
               const IdSink& sink);
-// FindHits and FindNearestHit use EnterDistance (query_shapes.h). REQUIRES: IsFinite(slabs).
+// Finds the boxes that the slabs hit. FindHits and FindNearestHit use EnterDistance
+// (query_shapes.h). REQUIRES: IsFinite(slabs).
 void FindHits(const LeafTree::View& tree, const Slabs& slabs, const IdSink& sink);
 
 struct NearestHit {
@@ -44,9 +45,9 @@ bool FindNearestHit(const LeafTree::View& tree, const Slabs& slabs, const IdPred
                     NearestHit& hit);
 
 // Appends {id of `leaves`, other_bit | id of `tree`} for the boxes of the leaves [begin, end) of
-// `leaves` that overlap boxes of `tree`. Returns the AABB checks. For boxes that are far apart, at
-// any position, these are O(log boxes of `tree`) per box, and 16 per leaf found. Keeps its lists on
-// the stack (53 KiB or less). REQUIRES: begin is a multiple of 16; other_bit is above all ids.
+// `leaves` that overlap boxes of `tree`. Returns the AABB checks. If the boxes are far apart, there
+// are O(log boxes of `tree`) checks per box and 16 per leaf found. Keeps its lists on the stack (53
+// KiB or less). REQUIRES: begin is a multiple of 16; other_bit is above all ids.
 uint64_t FindPairsBetween(const LeafTree::View& leaves, size_t begin, size_t end,
                           const LeafTree::View& tree, uint32_t other_bit, PairBuffer& out);
 
