@@ -8,10 +8,10 @@
 namespace sweepstake {
 namespace {
 
-// The number of times in a row that the world must send a proxy with the same box before the proxy
-// rests. Falling asleep and waking each cost a search among all resting proxies. Bodies that move
-// every few steps must therefore not fall asleep. Active bodies seldom do, since the last bits of
-// their boxes change.
+// A proxy rests (sleeps or becomes static) after Bullet has set the same box for it this number of
+// times in a row. Falling asleep and waking each cost a search among all resting proxies. The
+// number is therefore high enough for bodies that move every few steps not to fall asleep. Active
+// bodies seldom do, since the last bits of their boxes change.
 constexpr uint32_t kRestCount = 30;
 
 constexpr CollisionFilter kEverything{.category = ~0U, .mask = ~0U};
@@ -58,8 +58,8 @@ btBroadphaseProxy* BulletBroadPhase::createProxy(const btVector3& min, const btV
   return &proxy;
 }
 
-// The id by which the pair cache identifies a proxy belongs to its place. It is the same for the
-// same history of calls.
+// Returns a place for a new proxy. Each place has a fixed id, by which the pair cache identifies
+// the proxy. The same sequence of calls thus always gives the same ids.
 BulletBroadPhase::Proxy& BulletBroadPhase::FreePlace() {
   if (free_.empty()) {
     free_.reserve(places_.size() + 1);
@@ -87,8 +87,8 @@ void BulletBroadPhase::setAabb(btBroadphaseProxy* proxy, const btVector3& min, c
   Move(own, box);
 }
 
-// A moving kinematic body becomes a moving proxy. If it stayed static, the tree of all static
-// proxies would have to be refitted in each step.
+// Sets the proxy's box. A static proxy that moves, such as that of a kinematic body, becomes a
+// moving one. Otherwise the tree of all static proxies would have to be refitted in each step.
 void BulletBroadPhase::Move(Proxy& proxy, const Aabb& box) {
   proxies_.Move(proxy.handle, box);  // also wakes it
   if (std::exchange(proxy.rest_count, 0) == kRestCount) proxies_.SetStatic(proxy.handle, false);
@@ -108,9 +108,10 @@ void BulletBroadPhase::getAabb(btBroadphaseProxy* proxy, btVector3& min, btVecto
   max = proxy->m_aabbMax;
 }
 
-// The cache applies its callback or the groups to each pair that it gets. This filter passes a
-// superset: everything if there is a callback. A filter that passes nothing is widened too, since
-// queries must find the proxy.
+// Returns the filter under which the proxy is added to ProxySet. It passes at least the pairs that
+// Bullet's pair cache accepts: the cache applies its callback, or else the filter groups, to each
+// pair again. With a callback it passes everything. A filter that passes nothing is widened too,
+// since queries must find the proxy.
 CollisionFilter BulletBroadPhase::WideFilter(const CollisionFilter& filter) const {
   const bool passes_nothing = filter.category == 0 || filter.mask == 0;
   return filter_callback_ != nullptr || passes_nothing ? kEverything : filter;
@@ -146,8 +147,8 @@ BulletBroadPhase::Proxy* BulletBroadPhase::Find(ProxyHandle handle) const {
   return options ? reinterpret_cast<Proxy*>(static_cast<uintptr_t>(options->user)) : nullptr;
 }
 
-// The events ascend by handle and so do not depend on the arm. The order of the cache follows from
-// them.
+// The events are sorted by handle, so that the order of pairs in the cache does not depend on the
+// arm (the broad phase in use).
 void BulletBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   TakeFilterCallback();
   const auto pairs = proxies_.Resolve(search_.FindPairs(proxies_.moving_boxes()));
@@ -163,9 +164,9 @@ void BulletBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   if (std::exchange(is_refiltered_, false)) Refilter(pairs, dispatcher);
 }
 
-// A change of filters causes no event if the boxes overlap before and after it and the wide filters
-// pass both times. Such pairs are checked here. A pair that stays keeps its contacts. The pairs
-// ascend as events do.
+// Lets the cache decide again about all pairs of proxies whose filters have changed. The change
+// causes no event if the boxes overlap before and after it and the wide filters pass both times. A
+// pair that stays keeps its contacts. The pairs are sorted like the events.
 void BulletBroadPhase::Refilter(std::span<const OverlapPair> pairs, btDispatcher* dispatcher) {
   for (const auto& [first, second] : pairs) {
     Proxy* const a = Find(proxies_.handle(first));
@@ -195,7 +196,7 @@ void BulletBroadPhase::PassFound(const Query& query, btBroadphaseAabbCallback& c
     found = many;
     status = query(found, count);
   }
-  if (!status.ok()) return;  // a query that is not finite finds nothing
+  if (!status.ok()) return;  // a query with infinite values finds nothing
   for (const Found& one : found.first(count)) {
     if (const Proxy* const proxy = Find(HandleOf(one))) callback.process(proxy);
   }

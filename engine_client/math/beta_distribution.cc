@@ -13,13 +13,15 @@ namespace {
 constexpr double kHalfLog2Pi = 0x1.d67f1c864beb5p-1;
 // At and above this argument Stirling's series up to x^−11 is exact to the last place.
 constexpr double kStirlingFrom = 15;
-// At and above this parameter the tail is integrated, since the series would need too many terms.
+// If both parameters exceed this, the tail is integrated, since the series would need too many
+// terms.
 constexpr double kSumFrom = 3000;
 
 // Returns (x − ½) ln x − x + ½ ln 2π, which is ln Γ(x) without Stirling's error.
 double StirlingLeading(double x) { return (x - 0.5) * math::Log(x) - x + kHalfLog2Pi; }
 
-// Returns the sum of the Bernoulli numbers ÷ 2k (2k − 1) x^(2k − 1). REQUIRES: x >= kStirlingFrom.
+// Returns Stirling's series, the sum of B₂ₖ / (2k (2k − 1) x^(2k − 1)) for k = 1 … 6, where B₂ₖ are
+// the Bernoulli numbers. REQUIRES: x >= kStirlingFrom.
 double StirlingSeries(double x) {
   constexpr std::array<double, 6> kTerms = {1.0 / 12,    -1.0 / 360, 1.0 / 1260,
                                             -1.0 / 1680, 1.0 / 1188, -691.0 / 360360};
@@ -37,7 +39,7 @@ double StirlingError(double x) {
 
 struct UnitPoint {
   double x = 0;  // a point of [0, 1]
-  double y = 0;  // 1 − x, with all its digits
+  double y = 0;  // 1 − x, without loss of digits
 };
 
 UnitPoint FromLogit(double logit) {
@@ -62,9 +64,9 @@ double IncompleteBetaSeries(const BetaPosterior& p, double x) {
   return sum;
 }
 
-// Returns P(logit <= mode + offset) by the trapezoidal rule, with the terms of Euler and Maclaurin
-// at the end up to the third derivative. Its steps are a twelfth of the scale on which the density
-// changes, which leaves a relative error below 1e-10. REQUIRES: offset <= 0, α >= 1, and both
+// Returns P(logit <= mode + offset) by the trapezoidal rule, with Euler–Maclaurin corrections at
+// the end up to the third derivative. Its steps are a twelfth of the scale on which the density
+// changes. The relative error is then below 1e-10. REQUIRES: offset <= 0, α >= 1, and both
 // parameters are large or the logit is above 0.
 double SummedTail(const BetaPosterior& p, double offset) {
   constexpr double kPrecision = 1e-17;
@@ -101,8 +103,8 @@ double SeriesTail(const BetaPosterior& p, double offset) {
 double TailAt(const BetaPosterior& p, double offset) {
   const bool large = std::min(p.alpha, p.beta) > kSumFrom;
   if (!large && LogitMode(p) + offset <= 0) return SeriesTail(p, offset);
-  // With a smaller α the density falls too slowly to be integrated, and no tail is small where the
-  // logit is above 0.
+  // For α < 1 the density falls too slowly to be integrated. The lower tail is then not small where
+  // the logit is above 0, so that 1 − the upper tail keeps its digits.
   if (offset <= 0 && p.alpha >= 1) return SummedTail(p, offset);
   return 1 - (large ? SummedTail(Mirrored(p), -offset) : SeriesTail(Mirrored(p), -offset));
 }
@@ -123,7 +125,7 @@ double OffsetOfLowerTail(const BetaPosterior& posterior, double p) {
   for (int i = 0; i < kMaxStep; ++i) {
     const double below = DistributionAt(posterior, offset);
     const double density = math::Exp(log_peak + LogitLogShape(posterior, offset));
-    // An empty tail means that the last step was too long.
+    // If the tail is empty, the last step was too long, and half of it is undone.
     step = below > 0 && density > 0 ? (log_p - math::Log(below)) * (below / density)
                                     : std::abs(step) / 2;
     offset += step;
@@ -173,7 +175,7 @@ double LogitLogShape(const BetaPosterior& posterior, double offset) {
   }
   const double n = p.alpha + p.beta;
   const double mean = p.alpha / n;  // at most ½
-  // Computed relative to the mode, since the terms of α ln x + β ln(1 − x) would cancel.
+  // Computes the result relative to the mode, since the terms of α ln x + β ln(1 − x) would cancel.
   constexpr double kMaxExponent = 700;
   const double log_ratio =
       offset < kMaxExponent ? math::Log1p(mean * math::Expm1(offset)) : offset + math::Log(mean);

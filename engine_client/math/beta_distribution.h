@@ -1,8 +1,8 @@
 // The Beta distribution of an arm's reward: density, distribution function and quantiles, with the
 // same bits on every platform (portable_math.h).
 //
-// Pure functions, thread-safe. A parameter outside of [kMinShape, kMaxShape] counts as the nearer
-// bound. The errors were measured against 50 digits over that range
+// Pure functions, thread-safe. A parameter of a distribution outside of [kMinShape, kMaxShape] is
+// treated as the nearer bound. The errors were measured against 50 digits over that range
 // (tests/engine_client/math/beta_distribution_test.cc).
 #pragma once
 
@@ -14,7 +14,7 @@ struct BetaPosterior {
   double beta = 1;
 
   double mean() const { return alpha / (alpha + beta); }
-  double evidence() const { return alpha + beta; }  // the paper's n, prior included
+  double evidence() const { return alpha + beta; }  // n in the paper, including the prior
   friend bool operator==(const BetaPosterior&, const BetaPosterior&) = default;
 };
 
@@ -30,12 +30,13 @@ BetaPosterior Mirrored(const BetaPosterior& posterior);
 // x <= 4e15.
 double LogGamma(double x);
 
-// The density on the scale of logits, x^α (1 − x)^β / B(α, β), at logit = ln(x / (1 − x)), is
-// exp(log_peak + LogShape(posterior, logit − mode)): its only peak is at the mode, where x is the
-// mean.
+// The density of the reward's logit, ln(x / (1 − x)), is x^α (1 − x)^β / B(α, β). It has one peak,
+// at LogitMode, where x is the mean. Its logarithm is LogitLogPeak + LogitLogShape(posterior, logit
+// − LogitMode).
 double LogitMode(const BetaPosterior& posterior);
 double LogitLogPeak(const BetaPosterior& posterior);
-// <= 0, concave, 0 at offset 0. Error: 1e-13 relative, and some 1e-16 × √(α + β) absolute.
+// The result is <= 0, concave in `offset`, and 0 at offset 0. Error: 1e-13 relative, and some 1e-16
+// × √(α + β) absolute.
 double LogitLogShape(const BetaPosterior& posterior, double offset);
 
 // Returns P(reward <= x), the regularised incomplete beta function. Error: 1e-10, up to 1e-9
@@ -43,8 +44,8 @@ double LogitLogShape(const BetaPosterior& posterior, double offset);
 // REQUIRES: 0 <= x <= 1.
 double BetaDistribution(const BetaPosterior& posterior, double x);
 
-// Returns the reward below which the arm is with probability p; 0 if it is too small for a double.
-// Error: that of BetaDistribution. Cost: some ten calls of it. REQUIRES: 0 <= p <= 1.
+// Returns the x with P(reward <= x) = p, or 0 if x is too small for a double. Error: that of
+// BetaDistribution. Cost: some ten calls of BetaDistribution. REQUIRES: 0 <= p <= 1.
 double BetaQuantile(const BetaPosterior& posterior, double p);
 
 struct CredibleInterval {

@@ -10,9 +10,10 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr double kMinVariance = 1e-18;
-// Keeps the equations solvable for variables that cannot be the lowest.
+// The minimum weight, which keeps the equations solvable for variables that cannot be the lowest.
 constexpr double kMinWeight = 1e-9;
-// Fewer sweeps already bring the sums of the pairs that matter within 1e-6.
+// The number of Gauss–Seidel sweeps. Fewer already give the sums of pairs with large weights to
+// within 1e-6.
 constexpr int kSweepCount = 30;
 
 class LeastSquares {

@@ -27,7 +27,8 @@ struct SplitMix64 {
   constexpr uint64_t Next() { return Mix64(state += kGoldenGamma); }
 };
 
-// FNV-1a with 64 bits. A hash begins with kFnv1aStart and takes its bytes in any number of calls.
+// FNV-1a with 64 bits. A hash begins with kFnv1aStart; its bytes may be added in any number of
+// calls.
 inline constexpr uint64_t kFnv1aStart = 0xCBF29CE484222325U;
 inline constexpr uint64_t kFnv1aPrime = 0x100000001B3U;
 
@@ -45,7 +46,7 @@ inline std::string HexOf(uint64_t hash) {
   return digits;
 }
 
-// The four bytes of `word`, the lowest first.
+// Adds the four bytes of `word` to the hash, the lowest byte first.
 constexpr uint64_t Fnv1aOfWord(uint64_t hash, uint32_t word) {
   for (int shift = 0; shift < 32; shift += 8)
     hash = Fnv1a(hash, static_cast<uint8_t>(word >> shift));

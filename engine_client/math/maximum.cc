@@ -12,8 +12,8 @@ namespace {
 // The length of an integration step, as a multiple of the scale on which the densities change. Half
 // of this length would make the error 60 times smaller.
 constexpr double kStep = 0.5;
-// The weight of the slope when that scale is computed; the curvature's weight is 1. An exponential
-// tail needs steps of 0.7 of its scale where its mass is.
+// The weight of the slope when that scale is computed; the curvature's weight is 1. With this
+// value, the steps in an exponential tail are 0.7 of its scale, which is short enough.
 constexpr double kSlopeWeight = 0.5;
 // Lower probabilities are treated as 0, since they change no result.
 constexpr double kNegligibleProbability = 1e-12;
@@ -93,8 +93,8 @@ MaximumIntegral::MaximumIntegral(IndependentVariables& variables) : source_(vari
 }
 
 // Adds the variables whose high end is at the current point, and returns whether there are any.
-// They are added after the interval above the point, since their densities change too fast for its
-// width.
+// They take no part in the interval above the point, since it is too wide for the changes of their
+// densities.
 bool MaximumIntegral::Join() {
   const size_t before = joined_;
   while (joined_ < variables_.size() && variables_[joined_].high >= t_) ++joined_;

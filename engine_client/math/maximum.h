@@ -14,14 +14,15 @@ namespace sweepstake::decision {
 // A density whose logarithm is this far below its peak is negligible.
 inline constexpr double kNegligibleLogDensity = -28;
 
-// The logarithm of a density, which is a concave function, at a point.
+// The logarithm of a density at a point, with its derivatives. The logarithm must be concave.
 struct LogDensity {
   double relative = 0;  // difference from the peak, <= 0
   double slope = 0;
   double curvature = 0;  // < 0
 };
 
-// The value v of the variables as a function of the grid axis t, at a point.
+// The variables are integrated over a parameter t. This is their value v at a point t, with its
+// derivatives by t.
 struct ValueScale {
   double value = 0;
   double rate = 1;  // dv/dt, > 0
@@ -29,12 +30,13 @@ struct ValueScale {
   double log_rate_curvature = 0;
 };
 
-// Independent variables on a common axis t, each with one peak.
+// Independent variables as functions of a common parameter t. The density of each has one peak.
 class IndependentVariables {
  public:
   virtual ~IndependentVariables() = default;
   virtual size_t count() const = 0;
-  // Outside of [low, high] the density is below kNegligibleLogDensity. low < high.
+  // Outside of [low, high] the logarithm of the density, relative to its peak, is below
+  // kNegligibleLogDensity. low < high.
   virtual double low(size_t variable) const = 0;
   virtual double high(size_t variable) const = 0;
   // The logarithm of the variable's highest density along t.
@@ -46,7 +48,7 @@ class IndependentVariables {
 };
 
 struct Maximum {
-  std::vector<double> probability;  // has one per variable, sum 1
+  std::vector<double> probability;  // one per variable; their sum is 1
   double expected_value = 0;        // expected value of the maximum
 };
 

@@ -8,7 +8,8 @@ namespace sweepstake::decision {
 // Returns φ(z).
 double NormalDensity(double z);
 
-// Returns Φ(z), within 1e-13 of the true value, relatively so in the lower tail; 0 below −38.
+// Returns Φ(z). The error is below 1e-13, and in the lower tail the relative error is. Returns 0
+// below −38.
 double NormalCdf(double z);
 
 // Returns E[max(x, 0)] of a normal x with this mean and standard deviation: the expected gain of

@@ -28,7 +28,8 @@ constexpr double kSmallestNormal = std::numeric_limits<double>::min();
 // Returns 2^k. REQUIRES: −1022 <= k <= 1023.
 double PowerOfTwo(int k) { return std::bit_cast<double>(static_cast<uint64_t>(k + 1023) << 52); }
 
-// 1/n! for n = 2 … 13: the remainder after them is below 2⁻⁵⁷ for |r| <= ln(2)/2.
+// The coefficients 1/n! of the series of exp(r) for n = 2 … 13. The remainder is below 2⁻⁵⁷ for |r|
+// <= ln(2)/2.
 constexpr std::array<double, 12> kInverseFactorials = [] {
   std::array<double, 12> result{};
   double factorial = 1;
@@ -39,7 +40,7 @@ constexpr std::array<double, 12> kInverseFactorials = [] {
   return result;
 }();
 
-// 1/3, 1/5 … 1/25: enough for s² <= 0.0295.
+// The coefficients 1/3, 1/5 … 1/25 of the series of artanh(s), enough for s² <= 0.0295.
 constexpr std::array<double, 12> kInverseOdd = [] {
   std::array<double, 12> result{};
   for (size_t i = 0; i < result.size(); ++i) result[i] = 1.0 / static_cast<double>(2 * i + 3);
@@ -119,7 +120,7 @@ double Exp(double x) {
   const int k = static_cast<int>(x * kInverseLn2 + (x < 0 ? -0.5 : 0.5));
   const double r = (x - k * kLn2High) - k * kLn2Low;
   const double mantissa = 1 + (r + r * r * Polynomial(kInverseFactorials, r));
-  // Two factors, since 2^k alone may be out of range where the result is not.
+  // Multiplies by two factors, since 2^k alone may be out of range although the result is not.
   const int half = k / 2;
   return mantissa * PowerOfTwo(half) * PowerOfTwo(k - half);
 }
@@ -144,7 +145,8 @@ double Log(double x) {
 }
 
 double Expm1(double x) {
-  // Exp would not reduce such an argument. Its series without the leading 1 loses no digits.
+  // For such an argument Exp uses k = 0. Its series without the leading 1 gives the result without
+  // loss of digits.
   if (x > -0.34 && x < 0.34) return x + x * x * Polynomial(kInverseFactorials, x);
   return Exp(x) - 1;
 }
@@ -152,7 +154,8 @@ double Expm1(double x) {
 double Log1p(double x) {
   const double sum = 1 + x;
   if (sum == 1) return x;
-  // W. Kahan's correction of what the sum lost in rounding: ln(s) / (s − 1) varies slowly.
+  // W. Kahan's correction of the rounding error of `sum`. ln(s) / (s − 1) varies slowly, so that a
+  // small error of s hardly changes it.
   return sum < kInfinity && sum > 0 ? Log(sum) * (x / (sum - 1)) : Log(sum);
 }
 

@@ -1,5 +1,5 @@
-// Elementary functions that give the same bits on every platform: the C library's differ between
-// systems in the last place.
+// Elementary functions that give the same bits on every platform. Those of the C library differ
+// between systems in the last place.
 //
 // They use only IEEE-754 operations that are exactly rounded (+, −, ×, ÷) and moves of bits, so
 // that the result depends on nothing but the argument; compile with -ffp-contract=off. Results are
@@ -13,7 +13,7 @@ namespace sweepstake::math {
 double Exp(double x);
 double Log(double x);
 
-// exp(x) − 1 and ln(1 + x), within 6 ulp, also around 0.
+// Returns exp(x) − 1 and ln(1 + x), within 6 ulp even if x is near 0.
 double Expm1(double x);
 double Log1p(double x);
 

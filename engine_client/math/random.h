@@ -2,10 +2,10 @@
 // draws from the normal, gamma and Beta distributions. They have the same bits on every platform.
 //
 // The generator is Philox4x32-10, which is counter-based (J. Salmon, M. Moraes, R. Dror, D. Shaw,
-// "Parallel random numbers: as easy as 1, 2, 3", SC 2011). Its key is the session's seed, its
-// counter is made of purpose, decision and index, so that a session that continues after a restart
-// draws the same numbers as without it. Plain values; distinct streams are independent. Not for
-// secrets.
+// "Parallel random numbers: as easy as 1, 2, 3", SC 2011). Its key is the session's seed, and its
+// counter consists of purpose, decision and index. A session that continues after a restart
+// therefore draws the same numbers as without the restart. Plain values; distinct streams are
+// independent. Not for secrets.
 #pragma once
 
 #include <array>

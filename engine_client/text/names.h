@@ -1,4 +1,4 @@
-// The rule for names, and error texts for names that are not in the list of valid ones.
+// Checks whether a text is valid as a name, and makes error texts for names that are not in a list.
 //
 // Pure functions, safe from any thread.
 #pragma once
@@ -12,7 +12,7 @@ namespace sweepstake::text {
 
 inline constexpr size_t kMaxNameBytes = 128;
 
-// Returns whether the text is a name, on the wire, in files and in the store: 1 to kMaxNameBytes
+// Returns whether the text is valid as a name in messages, files and stores: 1 to kMaxNameBytes
 // bytes of UTF-8 without control characters.
 bool IsName(std::string_view text);
 // Returns whether the text is empty or a name.
@@ -29,13 +29,13 @@ std::string PrintableLine(std::string_view text);
 // equals; empty if there is no valid name. Cost: the product of both lengths, for each valid name.
 std::string_view NearestName(std::string_view name, std::span<const std::string_view> valid);
 
-// Returns "unknown KIND 'NAME', must be one of A, B, C": A is the nearest name, the others follow
-// in their own order.
+// Returns "unknown KIND 'NAME', must be one of A, B, C": A is the nearest name, and the others
+// follow in the order of `valid`.
 std::string UnknownName(std::string_view kind, std::string_view name,
                         std::span<const std::string_view> valid);
 
 // Returns the same for a list that is too long to be read: "unknown KIND 'NAME', the nearest is A;
-// --help lists all". It names up to three that are equally near, in their own order.
+// --help lists all". It lists up to three names that are equally near, in the order of `valid`.
 std::string UnknownNameOfMany(std::string_view kind, std::string_view name,
                               std::span<const std::string_view> valid);
 

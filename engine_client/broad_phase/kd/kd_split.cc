@@ -112,8 +112,8 @@ Bracket BracketOfMany(const float* keys, size_t count, size_t left) {
   return bracket;
 }
 
-// Returns a bracket with one bound just above the first key. It is used if too many keys are equal
-// for FindBracket to find another one.
+// Returns a bracket with one bound just above the first key. It is used if so many keys are equal
+// that no other bracket was found.
 Bracket BracketOfMinimum(const float* keys, size_t count, size_t left) {
   Bracket bracket;
   bracket.below_high = count;

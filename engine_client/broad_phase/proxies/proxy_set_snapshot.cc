@@ -40,8 +40,8 @@ Status CheckHeader(std::span<const std::byte> snapshot, const ProxySetOptions& o
     return Damaged("was not saved by a ProxySet on a machine of this byte order");
   if (header.version != kSnapshotVersion) {
     return {StatusCode::kInvalidArgument,
-            "the snapshot is of version " + std::to_string(header.version) +
-                ", this library reads " + std::to_string(kSnapshotVersion)};
+            "the snapshot has version " + std::to_string(header.version) +
+                ", but this library reads version " + std::to_string(kSnapshotVersion)};
   }
   if (header.bytes < sizeof header || header.bytes > snapshot.size()) {
     return Damaged("has " + std::to_string(snapshot.size()) + " of " +

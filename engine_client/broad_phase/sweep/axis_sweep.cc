@@ -12,24 +12,25 @@
 namespace sweepstake {
 namespace {
 
-// Minimum work per part: a smaller part takes less time than waking a thread.
+// The minimum work per part of a parallel loop. A smaller part takes less time than waking a
+// thread.
 constexpr size_t kMinRowsPerPart = 1024;
 constexpr size_t kMinBoxesPerPart = 2048;
 
 // Pairs are kept between frames up to this number per box.
 constexpr size_t kMaxPairsPerBox = 32;
-// The number of frames without another attempt after a repair has exceeded its budget and its work
-// was lost.
+// After a repair has exceeded its budget, and its work was lost, no repair is tried for this number
+// of frames.
 constexpr int kPauseFrames = 8;
-// The additional budget, in swaps per face, of the first repair after a Sort by steps. It has to
-// sort the faces within each step.
+// The first repair after a sort by steps must also sort the faces within each step. This is its
+// additional budget, in swaps per face.
 constexpr size_t kSwapsPerFace = 8;
 // The size of the sample from which the motion is estimated.
 constexpr size_t kMotionSample = 64;
 
-// The time of one swap, and the time per box of a new sort plus filling the lanes. Measured on AMD
-// Zen 5 (`sweepstake-lab bench`). Both are used for every instruction set, since most of that code
-// has no vectors.
+// The time of one swap, and the time per box for sorting all faces again and filling the sweep's
+// lanes (ByteLanes). Measured on AMD Zen 5 (`sweepstake-lab bench`). Both are used for every
+// instruction set, since most of that code has no vectors.
 constexpr double kSwapNs = 5;
 constexpr double kSortNs = 30;
 
@@ -75,7 +76,7 @@ class AxisSweep final : public BroadPhase {
   Executor* executor_;
   AlignedBuffer<BoxRecord> records_;  // the latest boxes by id, then one kInvalidRecord
   std::array<SortedEndpoints, 3> axes_{SortedEndpoints(0), SortedEndpoints(1), SortedEndpoints(2)};
-  std::array<EndpointRoom, 2> rooms_;  // a room for each thread that sorts
+  std::array<EndpointRoom, 2> rooms_;  // one set of buffers per sorting thread
   CoordinateRange range_;
   ByteBoxes swept_;
   PairParts parts_;
@@ -196,10 +197,10 @@ double AxisSweep::ExpectedSwaps(std::span<const Aabb> boxes) const {
   return swaps / static_cast<double>(sampled) * static_cast<double>(count_);
 }
 
-// Updates orders and pairs axis by axis. Between two axes the records mix coordinates of two
-// frames. Orders and pairs are correct for the mixture too: a pair begins or ends by a swap on one
-// axis while it overlaps on the other two. Returns false if the budget is exceeded or if stopped;
-// orders and pairs are then undefined.
+// Updates orders and pairs axis by axis. Until the last axis is done, the records mix coordinates
+// of the old and the new frame. Orders and pairs are correct for these mixed boxes too: a pair
+// begins or ends by a swap on one axis while it overlaps on the other two. Returns false if the
+// budget is exceeded or if stopped; orders and pairs are then undefined.
 bool AxisSweep::RepairOrders(std::span<const Aabb> boxes) {
   CollectMoved(boxes);
   const bool exact = axes_[0].is_exact() && axes_[1].is_exact() && axes_[2].is_exact();
@@ -255,7 +256,8 @@ void AxisSweep::SortAxis(size_t axis, size_t room) {
   axes_[axis].Sort(records(), StepsOn(axis), rooms_[room], stop());
 }
 
-// With threads, two axes are sorted in parallel, then the third while the lanes are filled.
+// Sorts all three axes and fills the sweep's lanes. With threads, it sorts two axes in parallel,
+// and then the third while it fills the lanes.
 void AxisSweep::SortAll() {
   pairs_known_ = false;
   if (IsStopped(stop())) return;

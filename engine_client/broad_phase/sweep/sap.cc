@@ -10,13 +10,14 @@
 namespace sweepstake {
 namespace {
 
-// Minimum work per part: a smaller part takes less time than waking a thread.
+// The minimum work per part of a parallel loop. A smaller part takes less time than waking a
+// thread.
 constexpr size_t kMinRowsPerPart = 1024;
 constexpr size_t kMinFilledPerPart = 2048;
 constexpr size_t kMinSortedPerPart = 16384;
 
-// If more boxes than this share a step, on average over boxes, an exact sort is cheaper. A sweep
-// compares one more register for each 64 of them.
+// If a box shares its step with more boxes than this on average, an exact sort is cheaper. For each
+// 64 boxes that share its step, the sweep compares one more register.
 constexpr uint64_t kMaxBoxesSharingStep = 64;
 // The mean number of boxes per step. Finer steps would cost more to count than they save, since a
 // box covers dozens of them.
@@ -96,7 +97,8 @@ void Sap::CountSteps(std::span<const Aabb> boxes, size_t axis) {
   });
 }
 
-// Turns the counts into first slots. Returns false if too many boxes share a step.
+// Replaces the counts by the first slots of each part and step. Returns false if too many boxes
+// share a step.
 bool Sap::CountSlots() {
   uint64_t neighbours = 0;
   uint32_t sum = 0;

@@ -7,8 +7,8 @@
 namespace sweepstake {
 namespace {
 
-// If more faces than this share a step, on average over faces, an exact sort is cheaper. Each of
-// them makes a sweep compare more registers.
+// If a face shares its step with more faces than this on average, an exact sort is cheaper, since a
+// sweep by steps then compares more registers.
 constexpr uint64_t kMaxFacesSharingStep = 16;
 
 uint64_t ItemOf(float coordinate, Endpoint endpoint) {

@@ -1,8 +1,9 @@
 // The lower and upper faces of all boxes on one axis, kept sorted from frame to frame.
 //
 // Not thread-safe; distinct axes are independent. Owns its memory: 8 bytes per box. A face is
-// stored as the box's id and looked up in the records (box_record.h). At equal coordinates lower
-// faces come before upper ones, so that touching boxes overlap in this order too.
+// stored as the box's id and a bit; its coordinate is read from the records (box_record.h). At
+// equal coordinates lower faces come before upper ones, so that touching boxes overlap in this
+// order too.
 #pragma once
 
 #include <algorithm>
@@ -64,7 +65,8 @@ class EndpointRoom {
     return items.capacity_bytes() + starts.capacity_bytes() + radix.native_bytes();
   }
 
-  // Either sort items (radix_sort.h) whose payload is an endpoint, or the ranks of all endpoints.
+  // Holds either sort items (radix_sort.h) whose payload is an endpoint, or the ranks of all
+  // endpoints.
   AlignedBuffer<uint64_t> items;
   AlignedBuffer<uint32_t> starts;
   RadixSort radix;
@@ -97,30 +99,31 @@ class SortedEndpoints {
  public:
   explicit SortedEndpoints(size_t axis) : axis_(axis) {}
 
-  // Sorts the faces of all `records` by `steps` in one pass, O(n). Faces of one step stay in the
-  // order of their ids. A sweep by steps allows this and Repair corrects it. If many faces share a
-  // step, they are sorted exactly in three passes. Polls `stop`, which may be null; after a stop
-  // the order is undefined.
+  // Sorts the faces of all `records` by `steps` in one pass, O(n). Faces of one step are in the
+  // order of their ids. A sweep by the same steps still finds every pair, and Repair makes the
+  // order exact. If many faces share a step, they are sorted exactly in three passes. Polls `stop`,
+  // which may be null; after a stop the order is undefined.
   void Sort(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room,
             StopRequest* stop = nullptr);
-  // Returns true if the faces are sorted exactly, false if only by steps.
+  // Returns whether the faces are sorted exactly, not only by steps (see Sort).
   bool is_exact() const { return is_exact_; }
   // Inserts the faces of the boxes from `first` on, which should be few. A binary search finds the
-  // position of each, and the other faces move as blocks. The order stays as exact as it was.
+  // position of each, and the other faces move as blocks. An exact order stays exact, and an order
+  // by steps stays one.
   void Append(std::span<const BoxRecord> records, size_t first, EndpointRoom& room);
   // Removes the faces of the boxes from `count` on.
   void Truncate(size_t count);
 
   // Restores the exact order by insertion, after some boxes have moved or after a Sort. Calls
-  // on_swap(a, b) for each lower face of one box and upper face of another whose order has changed.
-  // O(n + swaps). Subtracts the swaps from `allowance` and returns false once none are left; the
-  // order then needs a Sort.
+  // on_swap(a, b) for each two boxes if the order of a lower face of one and an upper face of the
+  // other has changed. O(n + swaps). Subtracts the swaps from `allowance` and returns false once
+  // none are left; the order then needs a Sort.
   template <typename OnSwap>
   bool Repair(std::span<const BoxRecord> records, const MovedBoxes& moved, EndpointRoom& room,
               SwapAllowance& allowance, OnSwap&& on_swap);
 
   std::span<const Endpoint> endpoints() const { return {endpoints_.data(), count_}; }
-  // Returns the number of faces per unit of length in the range of their middle half.
+  // Returns the number of faces per unit of length between the lower and the upper quartile.
   double Density(std::span<const BoxRecord> records) const;
   size_t native_bytes() const { return endpoints_.capacity_bytes(); }
 

@@ -13,7 +13,7 @@ void SortedPairs::Adopt(std::span<const OverlapPair> pairs, size_t box_count, St
   SortTo(pairs_.data(), pairs, stop);
 }
 
-// Sorts by a in one pass, then by b within each group.
+// Sorts the pairs by `a` in one counting pass, then by `b` among pairs with the same `a`.
 void SortedPairs::SortTo(OverlapPair* sorted, std::span<const OverlapPair> pairs,
                          StopRequest* stop) {
   constexpr size_t kGroupsPerQuestion = 4096;
@@ -47,9 +47,9 @@ void SortedPairs::Truncate(size_t count) {
   touched_count_ = 0;
 }
 
-// Sorts the marks and removes duplicates; returns the number left. Many marks are sorted as in
-// Adopt, which is faster and polls `stop`. For few marks, its pass over all boxes would cost too
-// much.
+// Sorts the marked pairs and removes duplicates; returns the number left. Many marks are sorted by
+// SortTo, which is faster and polls `stop`. For few marks, SortTo's pass over all boxes would cost
+// too much.
 size_t SortedPairs::UniqueTouched(StopRequest* stop) {
   constexpr size_t kBoxesPerMark = 8;
   if (touched_count_ > box_count_ / kBoxesPerMark) {
@@ -63,8 +63,8 @@ size_t SortedPairs::UniqueTouched(StopRequest* stop) {
   return static_cast<size_t>(end - touched_.data());
 }
 
-// Drop and Insert move the blocks between the given pairs. REQUIRES: the given pairs are in
-// ascending order.
+// Drop and Insert move the other pairs, which lie between the given ones, in blocks. REQUIRES: the
+// given pairs are in ascending order.
 void SortedPairs::Drop(std::span<const OverlapPair> dropped) {
   OverlapPair* const end = pairs_.data() + count_;
   OverlapPair* to = nullptr;

@@ -13,12 +13,13 @@
 namespace sweepstake {
 namespace {
 
-// The approximate cost of a new layout, in checks per box. Half or twice the value changes a frame
-// by 3 % or less with AVX2 and SSE4. With AVX-512 twice the value costs up to 9 % (AMD Zen 4,
-// `sweepstake-lab bench`).
+// The approximate cost of a new layout, in checks per box. Half or twice the value changes the time
+// of a frame by 3 % or less with AVX2 and SSE4. With AVX-512 twice the value costs up to 9 % (AMD
+// Zen 4, `sweepstake-lab bench`).
 constexpr uint64_t kChecksPerLayout = 256;
-// If a search takes more checks than expected from its boxes and pairs, another layout is tried
-// every kFramesPerTrial frames. The scene may have spread since, or it may really be that dense.
+// If a search takes more checks than expected from its numbers of boxes and pairs, another layout
+// is tried every kFramesPerTrial frames. It helps if the scene has spread since the last layout,
+// but not if the scene is just dense.
 constexpr uint64_t kExpectedChecksPerBox = 128;
 constexpr uint64_t kExpectedChecksPerPair = 16;
 constexpr uint32_t kFramesPerTrial = 64;
@@ -28,17 +29,18 @@ constexpr size_t kBoxesPerLong = 64;
 constexpr size_t kLongAllowance = 16;
 // The scene counts as nearly at rest if fewer than one in this number of boxes changes its list.
 constexpr size_t kBoxesPerCrossing = 128;
-// A margin is the narrowest cell divided by this. It is wide enough to hold slow boxes for many
-// frames, and narrow enough to add few pairs.
+// A margin is the shortest side of the cells (narrowest_cell) divided by this. It is wide enough to
+// hold slow boxes for many frames, and narrow enough to add few pairs.
 constexpr float kMarginsPerCell = 48;
 // Margins are tried only up to this number of pairs per box. With more pairs, testing the kept
 // pairs costs as much as finding them.
 constexpr size_t kMaxPairsPerBox = 8;
-// Margins pay if they hold for this number of frames. Otherwise they are tried again after a wait
-// that doubles each time, up to kMaxWaitFrames.
+// Margins save time if they hold for at least this number of frames. Otherwise they are tried again
+// after a wait that doubles each time, up to kMaxWaitFrames.
 constexpr uint32_t kMinRestFrames = 6;
 constexpr uint32_t kMaxWaitFrames = 256;
-// Minimum work per part: a smaller part takes less time than waking a thread.
+// The minimum work per part of a parallel loop. A smaller part takes less time than waking a
+// thread.
 constexpr size_t kMinBoxesPerPart = 1024;
 
 class Tracy final : public BroadPhase {
@@ -69,10 +71,10 @@ class Tracy final : public BroadPhase {
   uint32_t rest_frames_ = 0;  // the frames since margins were last set
   uint32_t wait_ = 0;         // the frames until margins may be set
   uint32_t last_wait_ = 1;
-  size_t pair_count_ = 0;     // the pairs of the latest search
+  size_t pair_count_ = 0;     // the number of pairs of the latest search
   uint32_t frames_ = 0;       // the frames since the grids were laid out
   bool inefficient_ = false;  // whether the latest search took more checks than expected
-  RebuildDebt debt_;          // the debt since the grids were laid out
+  RebuildDebt debt_;          // extra checks since the grids were laid out
   uint64_t checks_ = 0;
 };
 
@@ -107,7 +109,8 @@ void Tracy::Update(std::span<const Aabb> boxes) {
   }
 }
 
-// Updates the rest state from the boxes. Returns false if the margins did not hold long enough.
+// Updates `rest_` from the boxes. If the margins no longer hold, it sets new ones, or returns false
+// if the old ones held for fewer than kMinRestFrames frames.
 bool Tracy::UpdateAtRest(std::span<const Aabb> boxes) {
   ++rest_frames_;
   if (rest_.Step(executor_, boxes, lists_, checks_, stop())) return true;

@@ -6,9 +6,10 @@
 // and inserted into the other. An insertion sort restores the order of the rest, at a cost in
 // proportion to the changes. Objects added or removed at the end are treated in the same way.
 //
-// A list is swept against itself and the rows around it. A box is tested against boxes that begin
-// before its end, and no further back than the maximum side reaches. Boxes of different shapes have
-// separate grids (grid_plan.h). A box that has outgrown its grid is tested against all.
+// A list is swept against itself and the rows around it. A box is tested against boxes that begin,
+// on the sweep axis, before its end and at most the maximum side before its own begin. Boxes of
+// different shapes have separate grids (grid_plan.h). A box that has outgrown the cells of its grid
+// is tested against all boxes.
 //
 // While little moves, the lists hold boxes enlarged by a margin, and the pairs of enlarged boxes
 // are kept. A frame then checks each box and each kept pair. It searches only for the boxes that
@@ -18,7 +19,8 @@
 // again (as in Build) in three cases:
 // - Boxes outgrow them.
 // - The checks in excess of the cheapest frame since the last layout add up to 256 per object.
-// - A search makes far more checks than pairs; then every 64 frames.
+// - A search makes far more checks than its number of pairs explains. The grids are then laid out
+//   again at most every 64 frames.
 //
 // Cost: Build O(n log n); a frame O(n + boxes around a box + changes). Measured on AMD Zen 5 with
 // AVX-512 and `sweepstake-lab bench`: in suite-b 23 ns per box from 1,000 to 100,000 boxes and 41

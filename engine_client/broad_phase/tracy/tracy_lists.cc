@@ -16,13 +16,13 @@ constexpr size_t kMaxParts = 8;
 constexpr size_t kMinBoxesPerPart = 2048;
 // The number of boxes whose rows are found at a time, so that they stay in the L1 cache.
 constexpr size_t kBatch = 512;
-// A list counts as unsorted after this number of shifts per item.
+// If an insertion sort takes more than this number of shifts per item, std::sort replaces it.
 constexpr size_t kShiftsPerItem = 8;
 // The prefetch distance in items: large enough to hide the latency of main memory.
 constexpr size_t kPrefetchDistance = 16;
 
-// Sorts by insertion, since the list was sorted in the last frame. Switches to std::sort if that
-// takes too many shifts.
+// Sorts by insertion, which is fast for a list that was sorted in the last frame. Uses std::sort
+// instead if the insertions take too many shifts.
 void SortItems(uint64_t* items, size_t count) {
   size_t shifts = 0;
   for (size_t i = 1; i < count; ++i) {
@@ -38,7 +38,8 @@ void SortItems(uint64_t* items, size_t count) {
   }
 }
 
-// Merges two sorted runs; the second is short, and `from` is a copy of it.
+// Merges two consecutive sorted runs in `items`. The second run is short, and `from` is a copy of
+// it.
 void MergeItems(uint64_t* items, size_t first, const uint64_t* from, size_t second) {
   size_t to = first + second;
   while (second > 0) {
@@ -274,8 +275,8 @@ void TracyLists::SweepRow(std::span<const Aabb> boxes, uint32_t row, const Group
   MarkCells(grid, grid.first_cell + grid_row * row_cells, begin, end, part);
 }
 
-// Collects the boxes that have stayed, in the order of the list, then those that have arrived.
-// Returns the number of boxes that have stayed.
+// Collects the boxes of a row as sort items: first those that have stayed, in the order of the old
+// list, then those that have arrived. Returns the number of boxes that have stayed.
 size_t TracyLists::CollectItems(std::span<const Aabb> boxes, uint32_t row, size_t axis,
                                 Part& part) {
   const size_t begin = first_slots_[row];

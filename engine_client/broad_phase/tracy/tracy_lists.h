@@ -1,9 +1,9 @@
 // Lists of boxes, one per row of cells, that are kept between frames. They are sorted by the start
 // of the boxes along the row.
 //
-// The next sweep over the lists inserts boxes that have arrived and removes those that have left.
-// An insertion sort restores the order of the others, at a cost in proportion to the changes. The
-// lists are stored in one array, one after the other.
+// Update moves each box whose row has changed from its old list to the new one. An insertion sort
+// restores the order of the other boxes, at a cost in proportion to the changes. The lists are
+// stored in one array, one after the other.
 //
 // Not thread-safe. Owns its memory. Cost: O(n + changes). Memory: 40 bytes per box, 4 per cell, and
 // 8 per row and part.
@@ -35,7 +35,7 @@ class TracyLists {
 
   // Changes the grids so that boxes enlarged by `margin` on each side fit them.
   void SetMargin(float margin);
-  // Returns the minimum side of the cells across the rows.
+  // Returns the shortest side of all cells on the two axes across the rows.
   float narrowest_cell() const;
 
   GridView View() const {
@@ -61,13 +61,13 @@ class TracyLists {
   size_t native_bytes() const;
 
  private:
-  // The buffers of a part of the work. Each part has its own cache lines.
+  // The buffers of one part of the parallel loops. Each part has its own cache lines.
   struct alignas(64) Part {
     AlignedBuffer<int32_t> change;  // the change of each list's length
     AlignedBuffer<uint64_t> items;  // the items of one list (radix_sort.h)
     AlignedBuffer<uint32_t> cells;  // the first slots of one row's cells
     size_t begin = 0;               // the first box of the part
-    size_t arrived = 0;             // the number of boxes in arrived_ from `begin` on
+    size_t arrived = 0;  // the number of boxes in arrived_ from `begin` on; they have new rows
   };
 
   size_t PartsFor(const Executor* executor, size_t count) const;
@@ -92,7 +92,7 @@ class TracyLists {
   AlignedBuffer<uint32_t> order_;        // the lists before the latest Update
   AlignedBuffer<uint32_t> first_slots_;  // the first slot of each list, then size_
   AlignedBuffer<uint32_t> old_slots_;    // first_slots_ before the latest Update
-  AlignedBuffer<uint32_t> arrivals_;     // the slot of the next arrived box of each list
+  AlignedBuffer<uint32_t> arrivals_;     // the slot for the next box that arrives in each list
   AlignedBuffer<uint32_t> arrived_;
   GridColumns columns_;
   AlignedBuffer<uint32_t> starts_;

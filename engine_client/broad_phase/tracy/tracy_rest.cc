@@ -15,8 +15,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// Lists the boxes that are not within their margins and returns their number. An invalid box is
-// within an invalid margin.
+// Lists the boxes that are not within their margins and returns their number. An invalid box counts
+// as within an invalid margin.
 size_t ListOutside(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* outside) {
   const HWY_FULL(float) d;
   const hn::RebindToUnsigned<decltype(d)> du;
@@ -93,8 +93,8 @@ bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
   return overlap;
 }
 
-// Returns the box with a margin. Differs from DBVT's function of this name (dbvt_margins.cc): a
-// valid box that cannot be enlarged stays as it is, and an invalid box becomes NaN.
+// Returns the box enlarged by `margin` on each side. Unlike Enlarged in dbvt_margins.cc, it returns
+// a valid box unchanged if the enlarged one would overflow, and NaN for an invalid box.
 Aabb Enlarged(const Aabb& box, float margin) {
   Aabb enlarged = box;
   for (int axis = 0; axis < 3; ++axis) {

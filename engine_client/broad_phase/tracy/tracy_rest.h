@@ -45,13 +45,13 @@ class TracyRest {
   void AddOutside(std::span<const uint32_t> listed, TracyLists& lists);
   void TestPairs(Executor* executor, std::span<const Aabb> boxes, StopRequest* stop);
 
-  // The margin of each object: the enlarged box, all space if the object is outside, NaN if its box
-  // was invalid.
+  // The enlarged box of each object. It is infinite for an object that has left its margin since
+  // Start, and NaN for an object whose box was invalid at Start.
   AlignedBuffer<Aabb> margins_;
   AlignedBuffer<uint8_t> is_outside_;
   size_t count_ = 0;
-  AlignedBuffer<uint32_t> listed_;   // the boxes that the latest Step found outside
-  AlignedBuffer<uint32_t> outside_;  // the boxes outside since the latest Start
+  AlignedBuffer<uint32_t> listed_;   // the boxes that left their margins in the latest Step
+  AlignedBuffer<uint32_t> outside_;  // the boxes that left them since the latest Start
   size_t outside_count_ = 0;
   PairBuffer kept_;
   AlignedBuffer<uint8_t> overlaps_;  // whether each kept pair overlaps

@@ -1,6 +1,6 @@
-// Rows of cells; each row is a list of the Tracy backend. The rows of all grids are numbered
-// consecutively. The last number is the list of boxes that are too long for the grid of their
-// group.
+// The rows of cells of Tracy's grids. Each row has a list of boxes (tracy_lists.h). The rows of all
+// grids are numbered consecutively. The last number is the list of boxes that are too long for the
+// grid of their group.
 //
 // Plain values; the kernel is dispatched at run time once per call.
 #pragma once
@@ -22,7 +22,7 @@ struct RowGrids {
   static constexpr size_t kMaxGroups = GridPlan::kMaxGroups + 1;
 
   std::array<GroupGrid, kMaxGroups> grids;  // the grids; the last is one cell for the long boxes
-  std::array<GroupGrid, kMaxGroups> row_grids;  // `grids` with rows as cells
+  std::array<GroupGrid, kMaxGroups> row_grids;  // `grids` with each row as one cell
   std::array<uint32_t, kMaxGroups> searches;
   size_t group_count = 0;  // the number of groups, including that of the long boxes
   GroupChoice choice;
@@ -43,7 +43,8 @@ constexpr uint32_t kNoRow = 0xFFFFFFFF;
 
 // Lists in `moved` the boxes (relative to the first) whose row differs from that in `rows`, in
 // order. Writes their new rows to `new_rows` and returns their number. REQUIRES: `moved` and
-// `new_rows` have room for one register more than there are boxes, and `rows` is readable as far.
+// `new_rows` have room for one register more than there are boxes, and `rows` can be read up to the
+// same length.
 size_t FindMovedRows(std::span<const Aabb> boxes, const RowGrids& grids, const uint32_t* rows,
                      uint32_t* moved, uint32_t* new_rows);
 
