@@ -53,7 +53,7 @@ class AdaptiveBroadPhaseTest : public ::testing::Test {
     return adaptive_->last_sample();
   }
 
-  // Runs a frame over the bail-out limit that the active arm caused.
+  // Runs a frame that exceeds the bail-out limit because of the active arm's detection.
   void BailOut(uint32_t flags = 0) {
     ArmScript& script = arms_[adaptive_->active_arm()]->script();
     const uint64_t ordinary = std::exchange(script.find_ns, 6 * kSecond);

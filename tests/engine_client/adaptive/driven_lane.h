@@ -20,8 +20,8 @@ struct LaneScript {
   uint64_t find_ns = 1 * kMs;
   size_t bytes = 1000;
   std::function<void()> in_build = [] {};
-  // A search checks for a stop question_count times. Before each check it takes question_ns, and
-  // with each check its memory grows by question_bytes.
+  // A search checks question_count times whether it should stop. Before each check it takes
+  // question_ns, and with each check its memory grows by question_bytes.
   uint64_t question_count = 0;
   uint64_t question_ns = 0;
   uint64_t question_bytes = 0;
@@ -63,10 +63,10 @@ class LaneBackend final : public BroadPhase {
   ScriptedClock& clock_;
 };
 
-// Bytes of the copies of 20 objects, with the slack that the lane reserves for more objects.
+// Bytes of a sweep's copies of 20 objects. The lane reserves room for 20 / 10 + 64 more objects.
 inline constexpr uint64_t kCopiesBytes = kShadowBurstFrames * (20 + 2 + 64) * sizeof(Aabb);
 
-// Thread time that advances by 3 ms between two readings, independent of the clock.
+// A clock of thread time that advances by 3 ms with each reading, independent of the real time.
 inline uint64_t ThreeMsAtATime() noexcept {
   static std::atomic<uint64_t> ran_ns{0};
   return ran_ns += 3 * kMs;
@@ -93,8 +93,8 @@ class DrivenLane : public ::testing::Test {
     MakeItCost(0);
   }
 
-  // Simulates the lane's cost: a search beside its work takes 1 + `slowdown` times as long as the
-  // one before.
+  // Simulates the lane's cost: a search while the lane works takes 1 + `slowdown` times as long as
+  // the search before it.
   void MakeItCost(uint64_t slowdown) {
     LaneCost& cost = lane_->cost();
     cost.End(cost.Begin(), search_ns_, 0);
@@ -144,7 +144,7 @@ class DrivenLane : public ::testing::Test {
   uint64_t frame_index_ = 0;
   size_t object_count_ = 20;
   uint64_t frame_ns_ = 10 * kMs;
-  uint64_t search_ns_ = 100'000 * kMs;   // of the searches in MakeItCost
+  uint64_t search_ns_ = 100'000 * kMs;   // total time of the searches in MakeItCost
   uint64_t frames_per_search_time_ = 1;  // a frame's time ÷ that of its searches
   int made_count_ = 0;
 };

@@ -149,7 +149,7 @@ std::unique_ptr<AdaptiveBroadPhase> MakeWithLane(FrameSink& sink) {
       {.make = make, .usable_cores = []() noexcept { return size_t{8}; }}, &sink, SteadyClock()));
 }
 
-// Counters of what a frame must not do on its thread.
+// Counts allocations and waits, which must not occur on the frame thread.
 struct Faults {
   uint64_t allocation_count = 0;
   uint64_t wait_count = 0;
@@ -167,11 +167,12 @@ struct Faults {
   }
 };
 
-// The scene is at rest, because in a moving scene a structure of any age may still grow.
+// The scene is at rest, because in a moving scene a structure may need more memory at any time.
 TEST(FramePathCostWithLane, AllocatesNothingAndNeverBlocksInSweepsAndWarmSwitches) {
   SampleQueue queue(256);
   const BoxScene scene("brownian", 500, 11);
-  // With long frames the lane may copy often; with short frames no preparation is late.
+  // With long frames the lane copies frames often. With short frames every switch waits until the
+  // lane has prepared it.
   constexpr uint64_t kLongFrameNs = 16'000'000;
   constexpr uint64_t kShortFrameNs = 1000;
   const auto adaptive = MakeWithLane(queue);

@@ -64,8 +64,8 @@ TEST_F(ShadowLaneTest, WorksAtMostAShareOfTheSearchesExceptForRareSweeps) {
   frames_per_search_time_ = 100;
   Frames(20'000);
   const uint64_t passed_ns = 20'000 * frame_ns_;
-  // The lane may be ahead by kWorkAheadNs, has saved up the same amount, and may use half of the
-  // time of searches.
+  // The lane may work kWorkAheadNs in advance, has saved up the same amount, and may use half of
+  // the time that the searches take.
   const uint64_t allowed_ns = 2 * ShadowSchedule::kWorkAheadNs + passed_ns / 200;
   const uint64_t sweep_ns = 100 * kMs;
   EXPECT_LT(lane_->stats().busy_time_ns,
@@ -128,7 +128,7 @@ TEST_F(ShadowLaneTest, EndsAVisitAtTheTimeCap) {
   EXPECT_EQ(lane_->stats().capped_visit_count, 2U);
 }
 
-// In eight frames of 100 ms, the lane may work up to 200 ms per frame.
+// With eight frames of 100 ms per visit, the lane may work up to 200 ms per frame.
 TEST_F(ShadowLaneTest, MeasuresArmsOfAGameWithLongFrames) {
   frame_ns_ = 100 * kMs;
   scripts_[1].update_ns = 90 * kMs;

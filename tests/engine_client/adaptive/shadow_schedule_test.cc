@@ -116,7 +116,8 @@ TEST_F(ShadowScheduleTest, StaysWithinItsShareOfTheFrameThreadsTime) {
   const auto saved_ns = static_cast<double>(ShadowSchedule::kSavingsNs);
   EXPECT_NEAR(cost_ns / (whole_ns + saved_ns), ShadowSchedule::kMaxCostRatio, 1e-4);
 
-  // A scene that changes all the time may use what a steady scene would have saved, and no more.
+  // In a scene that changes all the time the lane may use what it would have saved in a steady
+  // scene, but no more.
   const uint64_t changing_ns = now_ns_;
   cost_ns = 0;
   for (int k = 0; k < 500; ++k) {
@@ -166,7 +167,8 @@ TEST_F(ShadowScheduleTest, WorksHalfTheSearchTimeAndAtTheMaximumSpacing) {
   EXPECT_TRUE(schedule_.IsDue(next_ns + ShadowSchedule::kMaxSpacingNs, 0));
 }
 
-// Ten minutes in manual mode do not count as savings, and work in a changing scene not as a debt.
+// Ten minutes of searches without sweeps, as in manual mode, do not count as savings. Five minutes
+// of work in a changing scene do not count as debt.
 TEST_F(ShadowScheduleTest, LimitsSavingsAndDebtToTheWorkAhead) {
   for (const bool worked : {true, false}) {
     if (worked) {

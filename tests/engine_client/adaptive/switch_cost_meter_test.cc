@@ -23,9 +23,9 @@ TEST(SwitchCostMeter, SumsTheExcessOfTheFirstHalfOverTheMeanOfTheSecond) {
   EXPECT_TRUE(meter.awaits_rebuild());
   meter.OnRebuild(5);
   EXPECT_FALSE(meter.awaits_rebuild());
-  EXPECT_FALSE(meter.OnFrame(FrameOf(40)));  // first half: 40 and 20
+  EXPECT_FALSE(meter.OnFrame(FrameOf(40)));  // first half: frames of 40 and 20 ns
   EXPECT_FALSE(meter.OnFrame(FrameOf(20)));
-  EXPECT_FALSE(meter.OnFrame(FrameOf(10)));  // second half: mean 10
+  EXPECT_FALSE(meter.OnFrame(FrameOf(10)));  // second half: mean of 10 ns
   EXPECT_FALSE(meter.OnFrame(FrameOf(10)));
   EXPECT_FALSE(meter.OnFrame(FrameOf(10)));
   const auto outcome = meter.OnFrame(FrameOf(10));

@@ -135,7 +135,8 @@ TEST_F(TrimTest, CountsAndFreesTheScratchMemoryOfSortedPairs) {
 }
 
 TEST_F(TrimTest, TheLaneUsesAtMostHalfOfTheBudget) {
-  // Four copies of 2,000 objects with slack take 222 KB, half of the lane's memory.
+  // The lane's copies of four frames of 2,000 objects, with slack, take 222 KB. It may use half of
+  // its memory for copies.
   constexpr uint64_t kTooLittle = 800'000;
   constexpr uint64_t kEnough = 8'000'000;
   for (const uint64_t budget_bytes : {kTooLittle, kEnough}) {

@@ -9,7 +9,7 @@
 namespace sweepstake {
 namespace {
 
-// Returns boxes of which box i begins at coordinate i.
+// Returns boxes; box i begins at coordinate i.
 std::vector<Aabb> Boxes(size_t count) {
   std::vector<Aabb> boxes;
   for (size_t i = 0; i < count; ++i) {

@@ -132,8 +132,8 @@ TEST_F(WarmSwitchTest, FindsAllPairsWhileTheObjectCountChanges) {
   EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 14U);
 }
 
-// Switches by hand and warm, with searches divided on an executor: the results do not depend on the
-// arm.
+// Switches by hand and by commands that the lane prepares, with searches divided on an executor.
+// The results do not depend on the arm.
 TEST_F(WarmSwitchTest, SortedPairsAreTheSameBytesWithEveryArm) {
   LoneExecutor executor;
   scene_ = BoxScene("brownian", 1000, 3);
@@ -271,8 +271,8 @@ TEST_F(WarmSwitchTest, UsesTheExecutorOnlyOnTheFrameThread) {
   const auto frame = [this] {
     adaptive_->BeginFrame();
     adaptive_->FindPairs(scene_.boxes());
-    // Long enough that the lane copies again before thousands of frames have passed, and short
-    // enough that the switch waits for the lane.
+    // This is long enough for the lane to copy frames often, and short enough for the switch to
+    // wait for the lane.
     adaptive_->EndFrame({.frame_time_ns = kMs});
     // The lane's thread runs only on idle cores, so leave it some time.
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

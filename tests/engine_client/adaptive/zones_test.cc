@@ -20,7 +20,7 @@
 namespace sweepstake {
 namespace {
 
-// Counts the zones that have begun by name, and those that are open.
+// Counts the zones that have begun, by name, and the zones that are open.
 struct Seen {
   static constexpr std::array<std::string_view, 6> kNames = {
       "sweepstake: begin frame",     "sweepstake: update",     "sweepstake: search",

@@ -241,7 +241,8 @@ TEST_F(AxisSweepOverFrames, FindsAllPairsWhileTheCountChanges) {
   }
 }
 
-// In each frame a repair would have to move one box past all others.
+// In each frame 20 boxes jump from one end of the row to the other. A repair would have to move
+// them past all other boxes.
 TEST_F(AxisSweepOverFrames, SweepsInsteadOfARepairThatCostsMore) {
   std::vector<Aabb> boxes = UnitBoxesInARow(1000, 1.5F);
   backend_->Build(boxes);

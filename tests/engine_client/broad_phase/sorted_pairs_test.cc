@@ -29,7 +29,7 @@ TEST(SortedPairs, AddAndDropTouchedPairs) {
   pairs.Touch(5, 0);  // begins
   pairs.Touch(0, 5);
   pairs.Touch(3, 4);  // stays
-  pairs.Touch(2, 3);  // is not a pair before or after
+  pairs.Touch(2, 3);  // this is not a pair, before or after
   pairs.Settle([](uint32_t a, uint32_t b) { return (a == 0 && b == 5) || a == 3; });
   EXPECT_EQ(PairsOf(pairs), (std::vector<OverlapPair>{{0, 2}, {0, 5}, {3, 4}}));
 }
@@ -61,7 +61,8 @@ TEST(SortedPairs, TestForAStopInEachBlockOfMarks) {
       EXPECT_LE(stop.asked, stop_at + 2) << "Settle must end soon after the stop";
     } else {
       EXPECT_EQ(pairs.pairs().size(), kMarks / 2);
-      // Two passes of the sort, the groups, the test of each mark, and inserting half of them.
+      // Stop tests happen in two passes of the sort, in grouping, in the test of each mark, and
+      // while half of the pairs are inserted.
       EXPECT_GE(stop.asked, 4 * kBlocks);
     }
   }

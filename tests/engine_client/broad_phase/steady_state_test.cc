@@ -119,8 +119,8 @@ Counted CountChecks(std::string_view name, BoxScene& scene, int updates) {
   return {backend->aabb_check_count(), pairs.size()};
 }
 
-// Four boxes share a load, so each group of four may test up to one register and three boxes too
-// many.
+// Four boxes are tested together against registers of partners. A group may therefore test up to
+// one register and three boxes more than needed.
 constexpr uint64_t kWidestRegister = 64;
 uint64_t AllPairChecks(uint64_t count) {
   return count * (count - 1) / 2 + (count + 3) * (kWidestRegister + 3);

@@ -103,7 +103,8 @@ TEST_P(EveryBackendThatIsStopped, LimitsTheMemoryOfPairs) {
     const uint64_t built_bytes = backend_->native_bytes();
     backend_->FindPairs(pairs_);
     EXPECT_TRUE(stop_.has_stopped);
-    // A buffer doubles, and may then grow by what is found before the next stop test.
+    // A buffer may have doubled when it exceeded the limit, and then grows by the pairs found
+    // before the next stop test.
     EXPECT_LE(pairs_.capacity_bytes() + backend_->native_bytes() - built_bytes,
               2 * stop_.max_bytes + kMaxChecksBetween * sizeof(OverlapPair));
   }
@@ -205,10 +206,10 @@ TEST_P(EveryBackendInBlocks, TestsForAStopInEachPassOverTheBoxes) {
   EXPECT_GE(stop.question_count, GetParam().with_equal_boxes * kBlocks);
 }
 
-// Grid: measure, count, place, gather. SAP: count, place, fill. AxisSweep: load, two for each axis,
-// fill. Tracy: measure, find rows, place, sort. The trees gather twice. Equal boxes are sorted
-// exactly: SAP then counts, loads, counts digits and fills. AxisSweep counts and loads on each
-// axis, and counts the digits of two faces per box.
+// The passes are: for Grid measure, count, place and gather; for SAP count, place and fill; for
+// AxisSweep load, two for each axis, and fill; for Tracy measure, find rows, place and sort. The
+// trees gather twice. Equal boxes are sorted exactly: SAP then counts, loads, counts digits and
+// fills. AxisSweep counts and loads on each axis, and counts the digits of two faces per box.
 INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendInBlocks,
                          testing::Values(Passes{"BruteForce", 1, 1, 1}, Passes{"Grid", 4, 4, 4},
                                          Passes{"SAP", 3, 3, 4}, Passes{"AxisSweep", 8, 8, 14},

@@ -102,7 +102,8 @@ TEST_F(RestingTracy, FollowsMotionOfAllBoxesAndRestsAgain) {
   EXPECT_LT(ChecksPerBox(), 5U);
 }
 
-// Testing half a million kept pairs costs as much as finding them again.
+// Tracy keeps pairs only if testing them again is cheaper than a new search, which is not the case
+// for half a million pairs.
 TEST(Tracy, KeepsNoPairsIfThereAreTooMany) {
   BoxScene scene("all-coincident", kCount, 5);
   const auto backend = MakeOrThrow("Tracy");

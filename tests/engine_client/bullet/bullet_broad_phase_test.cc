@@ -92,8 +92,8 @@ TEST_F(BulletBroadPhaseTest, StaticProxiesFormPairsOnlyWithMovingOnes) {
   EXPECT_FALSE(AreKept(floor, ball));
 }
 
-// The mask lets static proxies form pairs with each other, so that they cannot be in one static
-// tree.
+// With this mask, static proxies form pairs with each other. The static tree cannot find such
+// pairs, so the proxies are searched like moving ones.
 TEST_F(BulletBroadPhaseTest, AStaticGroupThatMatchesItselfIsSearchedLikeMovingOnes) {
   btBroadphaseProxy* const a = Add(0, kStatic, kAll);
   btBroadphaseProxy* const b = Add(0, kStatic, kAll);
@@ -137,7 +137,7 @@ TEST_F(BulletBroadPhaseTest, AProxyUnchangedForThirtyStepsSleepsAndKeepsItsPairs
   EXPECT_FALSE(AreKept(a, b));
 }
 
-// A kinematic body has the same filter as a static one.
+// A kinematic body, such as a lift, has the same filter as a static one.
 TEST_F(BulletBroadPhaseTest, AStaticProxyThatMovesIsMovingUntilItRests) {
   constexpr int kNotStatic = kAll ^ kStatic;
   btBroadphaseProxy* const lift = Add(0, kStatic, kNotStatic);

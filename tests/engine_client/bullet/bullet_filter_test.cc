@@ -1,4 +1,4 @@
-// Which overlapping boxes form a pair, and what happens if the filters change.
+// Tests which overlapping boxes form a pair, and what happens if the filters change.
 #include <gtest/gtest.h>
 
 #include <limits>

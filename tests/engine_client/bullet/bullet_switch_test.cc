@@ -1,6 +1,6 @@
-// A switch never changes the game. With arms that change at random in every second, a world is
-// equal to the last bit to a world with one arm, with any number of threads. A broad phase that
-// makes players of one game see different worlds cannot be used in multiplayer games.
+// A switch never changes the game. A world whose arm changes at random every second equals a world
+// with one arm to the last bit, with any number of threads. Multiplayer games need this, because
+// all players must see the same world.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -28,9 +28,9 @@ constexpr BulletGameOptions kLargeWorld{
 
 int StepCount() { return static_cast<int>(FromEnvironment("TEST_STEPS", 900)); }
 
-// Has all arms and now and then selects another one at random. It selects by hand, which executes
-// in the next frame, or by a command, which waits for the shadow lane's preparation if there is a
-// lane.
+// A game with all arms that now and then selects another one at random. It selects either by hand,
+// which takes effect in the next frame, or by a command. A command waits until the shadow lane has
+// prepared the arm, if there is a lane.
 class SwitchingGame {
  public:
   SwitchingGame(int switch_interval, const BulletGameOptions& options, Executor* executor = nullptr)

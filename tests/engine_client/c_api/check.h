@@ -32,7 +32,7 @@ swp_pair* brute_force(const swp_aabb* boxes, uint32_t count, uint64_t* pair_coun
 /* Returns a copy, which the caller frees. */
 swp_pair* copy_pairs(const swp_pair* pairs, uint64_t count);
 
-/* Whether both contain the same pairs; sorts `found`. */
+/* Returns whether both contain the same pairs; sorts `found`. */
 int same_pairs(swp_pair* found, uint64_t found_count, const swp_pair* right, uint64_t right_count);
 
 /* Creates a scene of the library; ends the program if it does not exist. */

@@ -144,8 +144,9 @@ static void check_last_decision(game* played) {
   CHECK(outcome.executed == 1 && outcome.switch_epoch > 0);
 }
 
-/* Frames of 50 ms are below the floor of 30 frames/s with every arm. The verdict follows when the
- * leader has had some such frames; which arm leads depends on the search times of this machine. */
+/* Frames of 50 ms are below the floor of 30 frames/s with every arm. The verdict becomes
+ * `degraded` after some such frames of the leading arm. Which arm leads depends on the search
+ * times of this machine. */
 static void check_degraded(game* played) {
   swp_verdict verdict = {SWP_VERDICT_UNKNOWN, 0, 0};
   for (int frame = 0; frame < 60 * 400 && verdict.kind != SWP_VERDICT_DEGRADED; ++frame) {
@@ -167,8 +168,8 @@ static void check_manual(game* played) {
   CHECK(before == after);
 }
 
-/* Frames of 50 ms are below the floor unless the floor is lower. The interval of 0.5 s gives 120
- * decisions in 60 s. */
+/* Frames of 50 ms are too slow for the default floor, but not for a lower one. The interval of
+ * 0.5 s gives 120 decisions in 60 s. */
 static void check_intervals_and_floor(void) {
   for (int is_low = 0; is_low <= 1; ++is_low) {
     swp_decider_options options = {.struct_size = sizeof options};
@@ -280,7 +281,7 @@ static void check_attach_errors(void) {
   swp_session_destroy(session);
 }
 
-/* A frame of a frozen session has no time. */
+/* A frozen session is in manual mode and measures no times. */
 static void check_freeze(swp_session* session, swp_decider_options* options) {
   static const swp_aabb kBox = {{0, 0, 0}, {1, 1, 1}};
   swp_frame_sample sample;

@@ -187,8 +187,8 @@ static void check_add_without_memory(seen* counts) {
   CHECK(allocation_count > 2);
 }
 
-/* The hooks cannot change while an object exists: a world that was not built holds no memory of
- * them, but its threads use them. */
+/* The hooks cannot change while an object exists. A world that was not built holds no memory
+ * from the hooks, but its threads use them. */
 static void check_beside_an_object(void) {
   swp_world* world = NULL;
   CHECK_OK(swp_world_create("SAP", NULL, &world));

@@ -220,7 +220,7 @@ static void check_options(void) {
   swp_session_destroy(played.session);
 }
 
-/* A command goes to the frame thread, and its outcome is sent among the frames. */
+/* A command is passed to the frame thread, and its outcome is sent in order with the frames. */
 static void check_session(void) {
   game played = make_game();
   unsigned sequence = 0;
@@ -426,7 +426,8 @@ static void check_session_ends_first(void) {
   swp_link_destroy(played.link);
 }
 
-/* A host lost its handles: the link ends with its session, and its calls fail afterwards. */
+/* If the host shuts all objects down, the link ends with its session, and its calls fail
+ * afterwards. */
 static void check_shutdown(void) {
   game played = make_game();
   go_online(&played);

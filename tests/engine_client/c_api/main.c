@@ -9,7 +9,7 @@ int failure_count = 0;
 
 static int overlap(const swp_aabb* a, const swp_aabb* b) {
   for (int axis = 0; axis < 3; ++axis) {
-    /* NaN on either side gives no overlap. */
+    /* This form of the test finds no overlap if a coordinate is NaN. */
     if (!(a->min[axis] <= b->max[axis] && b->min[axis] <= a->max[axis])) return 0;
   }
   return 1;

@@ -1,5 +1,5 @@
-/* An engine that loads the plug-in by its file name, uses it on threads, lets it run out of memory
- * and unloads it, as often as a game is played in an editor. */
+/* An engine that loads the plug-in by its file name, uses it on threads, lets it run out of
+ * memory and unloads it. It repeats this, as an editor does each time the game is played. */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>

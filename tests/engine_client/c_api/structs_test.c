@@ -74,7 +74,7 @@ static swp_result take_scene_options(void* options) {
   return result;
 }
 
-/* Calls that fill one. */
+/* Calls that fill such a struct. */
 
 static swp_result fill_world_options(void* out) { return swp_world_options_init(out); }
 static swp_result fill_hooks(void* out) { return swp_hooks_init(out); }

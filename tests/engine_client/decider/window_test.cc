@@ -108,8 +108,8 @@ TEST(Window, MeasuresTheCostOnceAFrameSearched) {
   EXPECT_FALSE(window.tells_cost());
 }
 
-// The time of a rebuild among frames without searches is neither the typical cost of a search nor
-// of a rebuild.
+// If only some frames rebuild and the others have no search, the time of a rebuild is neither the
+// typical cost of a search nor that of a rebuild.
 TEST(Window, MeasuresTheCostOfRebuildsOnlyIfAllFramesRebuild) {
   Window window;
   window.Add({.frame_time_ns = 1, .detection_time_ns = 1, .flags = kFrameRebuild});

@@ -84,7 +84,8 @@ TEST(BetaDistribution, QuantileIsTheInverseOfTheDistribution) {
         EXPECT_GE(quantile, before);
         before = quantile;
         if (quantile == 1) continue;  // indistinguishable from 1 in a double
-        // One step of x moves the distribution by its density.
+        // A change of x by one rounding step changes the distribution by the density times that
+        // step.
         const double digits = 2.3e-16 * std::exp(LogDensityAt({alpha, beta}, quantile));
         EXPECT_NEAR(BetaDistribution({alpha, beta}, quantile), p, 2e-10 + digits)
             << alpha << ' ' << beta;

@@ -33,8 +33,8 @@ TEST(AuditConversion, KeepsEveryBitOfARow) {
   EXPECT_EQ(rows.back().action, "kicked session 7");
 }
 
-// The sizes in AuditLimits depend on it. The rows have 7 arms and all fields of a policy with a
-// gate.
+// The sizes in AuditLimits assume such small rows. The rows here have 7 arms and all fields of a
+// policy with a gate.
 TEST(AuditConversion, ARowOfSevenArmsIsSmall) {
   const AuditFile file = LogOf("default");
   size_t bytes = 0;

@@ -87,7 +87,8 @@ class DaemonSessionTest : public ::testing::Test {
     RunUntil([&] { return session_->stats().state == state; });
   }
 
-  // Sums over the messages that the daemon received; each message counts once.
+  // Returns the number of frames in the messages that the daemon received. A message that was sent
+  // twice counts once.
   static uint64_t FramesIn(const std::vector<v1::StreamTelemetryRequest>& evidence) {
     uint64_t count = 0;
     for (const auto& request : evidence) count += request.frame_batch().frame_time_ns_size();

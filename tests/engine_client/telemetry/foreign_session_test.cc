@@ -41,7 +41,7 @@ TEST(ForeignSessionTest, IsNotResumedAgainAndANewSessionBegins) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const int port = daemon.port();
   daemon.Kill();
-  // After an aborted stream another one may begin before the port closes.
+  // The client may open another stream after the aborted one, before the port closes.
   const size_t before = daemon.hellos.size();
   daemon.SetScript([](auto& script) { script.refusal = ForeignSession(); });
   daemon.Start(port);

@@ -78,8 +78,8 @@ class BoxTreeTest : public testing::Test {
   }
   void Update(bool any_moved = false) { tree_.Update(boxes_, any_moved, splitter_, slots_); }
 
-  // Every member is in its slot and nowhere else, with its current box, and each node has the
-  // bounds of what is below it.
+  // Expects every member in its slot and nowhere else, with its current box. Each node must have
+  // the bounds of all boxes below it.
   void ExpectWhole() {
     ASSERT_EQ(tree_.count(), members_.size());
     const std::span<const LeafBlock> leaves = tree_.leaves().leaves();

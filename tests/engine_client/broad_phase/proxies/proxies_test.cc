@@ -229,7 +229,8 @@ TEST(PairEvents, DistinguishTheOldAndTheNewProxyOfASlot) {
   }
 }
 
-// The second box moves along one axis on one side of the first.
+// The second box moves along one axis, on one side of the first: away from it, back, and beyond the
+// margin of the events.
 class PairEventsAlongAnAxis : public testing::TestWithParam<std::tuple<size_t, float>> {};
 
 TEST_P(PairEventsAlongAnAxis, EndAPairOnlyBeyondTheMargin) {

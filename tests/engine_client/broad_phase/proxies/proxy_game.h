@@ -82,7 +82,8 @@ class ProxyGame {
     failed |= !proxies.SetStatic(proxy.handle, proxy.options.is_static);
   }
 
-  // Shifts by eighths, which boxes of this size take without rounding, or by any value.
+  // Shifts the origin by eighths, which change box coordinates without rounding, or by arbitrary
+  // values.
   void ShiftOrigin() {
     const bool exact = random_.Below(2) == 0;
     float offset[3];

@@ -234,7 +234,8 @@ TEST_F(Populations, CompactFreesTheMemoryOfRemovedProxies) {
   EXPECT_EQ(Resolve(), before);
   EXPECT_FALSE(AnyEvents());
   proxies_.Compact();
-  EXPECT_LE(proxies_.native_bytes(), 2 * fresh.native_bytes() + 100'000);  // with event lists
+  EXPECT_LE(proxies_.native_bytes(),
+            2 * fresh.native_bytes() + 100'000);  // the lists of events stay allocated
   for (const ProxyHandle handle : living) EXPECT_TRUE(proxies_.is_alive(handle));
   for (int k = 0; k < 20'000; ++k) {
     const ProxyHandle handle = add(proxies_, k);
@@ -242,7 +243,7 @@ TEST_F(Populations, CompactFreesTheMemoryOfRemovedProxies) {
   }
 }
 
-// The events need the former owners of slots that are free by now.
+// The end events of removed proxies name their handles, although their slots have been freed.
 TEST_F(Populations, RemovedPairsKeepTheirHandlesAfterCompact) {
   const ProxyHandle a = proxies_.Add(kUnit);
   const ProxyHandle b = proxies_.Add(kTouching);

@@ -92,7 +92,7 @@ Sphere RandomSphere(ProxyGame& game) {
   return sphere;
 }
 
-// Calls the const query of each shape with a buffer, and the one that fills a vector.
+// Calls the const query of a shape, which fills a buffer, and the one that fills a vector.
 Status Ask(const ProxySet& proxies, const Aabb& box, const CollisionFilter& filter,
            std::span<ProxyHandle> found, size_t& count) {
   return proxies.QueryBox(box, filter, found, count);

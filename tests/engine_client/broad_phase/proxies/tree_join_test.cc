@@ -75,7 +75,7 @@ uint64_t ChecksAmong(size_t static_count) {
 TEST(AJoinOfBoxesThatStandApart, NeedsFewMoreChecksAmongSixteenTimesAsManyBoxes) {
   const uint64_t few = ChecksAmong(20'000);
   const uint64_t many = ChecksAmong(320'000);
-  // The larger tree has one level more; each box passes about five levels.
+  // The larger tree has one more level, and each search passes about five levels.
   EXPECT_LT(static_cast<double>(many), 1.5 * static_cast<double>(few));
   EXPECT_LT(many, 200U * 600);
 }

@@ -6,7 +6,7 @@
 namespace sweepstake::test_support {
 namespace {
 
-// Waits until the client cancels the call.
+// Returns the seconds until the deadline of the call.
 int64_t SecondsLeft(const grpc::ServerContext& context) {
   const auto left = context.deadline() - std::chrono::system_clock::now();
   return std::chrono::duration_cast<std::chrono::seconds>(left).count();

@@ -54,7 +54,7 @@ class FakePosteriors final : public v1::PosteriorsService::Service {
   Guarded<std::vector<v1::WatchPosteriorsResponse>> events;
   std::atomic<bool> ends_the_watch =
       true;                          // false: the stream stays open until the client cancels it
-  std::atomic<int> watch_count = 0;  // a watch after the first `watch_limit` ones is refused
+  std::atomic<int> watch_count = 0;  // watches beyond `watch_limit` are refused
   std::atomic<int> watch_limit = 2;
   Guarded<std::vector<std::string>> projects;  // project of each request
   Guarded<std::string> watched_scene;
@@ -116,7 +116,7 @@ class FakeSessions final : public v1::SessionsService::Service {
   Guarded<v1::KickSessionRequest> kick_request;
   Guarded<grpc::Status> kick_status;
   Guarded<v1::OrderSessionRequest>
-      order_request;  // the answer is its arm, or "SAP" if it names none
+      order_request;  // the response has its arm, or "SAP" if it has none
 
  private:
   grpc::Status ListSessions(grpc::ServerContext*, const v1::ListSessionsRequest* request,

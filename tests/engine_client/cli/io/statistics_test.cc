@@ -108,7 +108,8 @@ TEST(WilcoxonSignedRank, UsesTheNormalDistributionAboveTheExactSizes) {
   for (int i = 1; i <= 31; ++i) differences.push_back(i % 3 == 0 ? -i : i);
   const WilcoxonResult result = WilcoxonSignedRank(differences);
   EXPECT_EQ(result.positive_ranks, 331);
-  // W⁻ is 165; its mean is 248 and its variance 2604: z = 82.5 / √2604.
+  // The negative ranks sum to 165. Their expected sum is 248 and its variance 2604, so z = 82.5 /
+  // √2604 with a continuity correction of ½.
   EXPECT_NEAR(result.probability, 0.10594, 1e-4);
 }
 

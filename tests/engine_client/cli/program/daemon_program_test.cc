@@ -290,7 +290,8 @@ TEST(DaemonProgram, PriorsMoveFromOneDaemonToAnotherAndIntoAGame) {
   EXPECT_EQ(json::parse(game.out)["prior_sources"], 1);
 }
 
-// Runs one minute of play and returns the path of the exported priors.
+// Simulates one minute of a game with the embedded decider, and returns the path of the exported
+// priors.
 std::string PlayOffline(const std::filesystem::path& file) {
   EmbeddedOptions options;
   options.project = "p";
@@ -335,7 +336,8 @@ TEST(DaemonProgram, OfflineEvidenceCountsOnceHoweverOftenItIsImported) {
 TEST(DaemonProgram, EveryDecisionIsExportedAndReplayed) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());
-  // At 500 decisions per second, a slow disk would cause gaps in the log.
+  // This time scale gives 50 decisions per second. At 500 per second, a slow disk would cause gaps
+  // in the log.
   const ProgramRun game = Learn(daemon, /*time_scale=*/100);
   ASSERT_EQ(game.exit_code, 0) << game.err;
   const ProgramRun listed = RunProgram("audit list --json --daemon " + daemon.address());

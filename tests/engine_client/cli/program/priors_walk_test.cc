@@ -1,5 +1,5 @@
-// Priors from build to build, as deploy/OPERATING.md shows it (section Priors): each step is
-// the real command.
+// Carries priors from build to build with the commands that deploy/OPERATING.md lists in its
+// section Priors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -15,16 +15,17 @@ struct ProgramRun {
 // Runs `sweepstake`; `arguments` is a line for the shell.
 ProgramRun RunProgram(const std::string& arguments);
 
-// The same with `sweepstake-lab`.
+// Runs `sweepstake-lab` in the same way.
 ProgramRun RunLab(const std::string& arguments);
 
-// The same with the program that has the command: `sweepstake-lab` for `load` and `replay`.
+// Runs the program that has the command: `sweepstake-lab` for `load` and `replay`, else
+// `sweepstake`.
 ProgramRun RunEither(const std::string& arguments);
 
-// The same with `sweepstaked`.
+// Runs `sweepstaked` in the same way.
 ProgramRun RunDaemonProgram(const std::string& arguments);
 
-// A path for a file of this test process that no other one uses.
+// Returns a path that only this test process uses.
 std::string TemporaryPath(const std::string& name);
 
 // The path of a file that is removed at the end of the test.

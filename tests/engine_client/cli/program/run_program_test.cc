@@ -22,8 +22,9 @@ using testing::HasSubstr;
 constexpr char kSmallGame[] = "run --scene suite-b --objects 100 --embedded ";
 const std::string kSmallRun = std::string(kSmallGame) + "--duration 300ms ";
 
-// Runs longer and longer games until one has switched, because a short game has too few frames on a
-// busy machine. It uses the paper's policy, which explores whatever the arms cost.
+// Runs longer and longer games until one has switched arms, because a short game has too few frames
+// on a busy machine. The paper's policy is used because it explores all arms, regardless of their
+// costs.
 ProgramRun RunUntilItSwitches(const std::string& options) {
   for (int duration_ms = 300;; duration_ms *= 2) {
     ProgramRun run = RunProgram(kSmallGame + std::string("--policy paper --time-scale 1000 ") +

@@ -74,7 +74,7 @@ TEST_F(TlsProgram, EnvironmentVariablesCanNameTheFiles) {
   setenv("SWEEPSTAKE_CLIENT_TLS_SERVER_NAME", "sweepstake.example", 1);
   const ProgramRun run = RunProgram("watch --once" + Daemon());
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  // The daemon ignores these variables.
+  // `sweepstaked` ignores these variables of `sweepstake`.
   EXPECT_EQ(RunDaemonProgram("--print-config").exit_code, 0);
   for (const char* name : {"CA", "CERT", "KEY", "SERVER_NAME"}) {
     unsetenv((std::string("SWEEPSTAKE_CLIENT_TLS_") + name).c_str());

@@ -205,7 +205,8 @@ TEST(AuditLog, MissingAndSwappedRowsAreReported) {
   EXPECT_NE(ProblemOf(headless).find("first rows are missing"), std::string::npos);
 }
 
-// The rows with those from number `first` on replaced by one that says they are missing.
+// Returns the rows, with `count` rows from number `first` on replaced by one row that marks them as
+// missing.
 Rows WithMissing(Rows rows, size_t first, size_t count) {
   const auto begin = rows.begin() + static_cast<std::ptrdiff_t>(first) - 1;
   rows.erase(begin + 1, begin + static_cast<std::ptrdiff_t>(count));

@@ -84,7 +84,7 @@ void AuditedGame::Observe(uint32_t frame_count) {
   }
 }
 
-// Frames of the new epoch come shortly or long before the report.
+// Some switches are reported shortly after the first frame of the new epoch, others long after it.
 void AuditedGame::Answer() {
   SwitchCost cost{.rebuild_time_ns = random_.NextBelow(100'000),
                   .settling_cost_ns = random_.NextBelow(1'000'000)};

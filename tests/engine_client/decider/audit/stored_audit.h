@@ -1,4 +1,4 @@
-// The audit log of a store.
+// Reads the audit log of a store for tests.
 #pragma once
 
 #include <cstddef>

@@ -157,7 +157,7 @@ TEST(AdaptivePolicy, VisitsInManualModeAreNotEvidence) {
   EXPECT_EQ(game.RunToTick().lane_increments.size(), 2u);
 }
 
-// The second visit contradicts the priors.
+// The second visit of the lane contradicts the priors, which are then dropped.
 TEST(AdaptivePolicy, KeepsEarlierMeasurementsWhenItDropsThePriors) {
   SessionSetup setup = AdaptiveSetup(2);
   setup.priors = PriorsOf({1'000, 100'000});

@@ -152,8 +152,8 @@ TEST(Diagnosis, HandlesANarrowArmAmongWideOnes) {
 }
 
 TEST(Diagnosis, ValueRemainingIsTheLossOfTheArmWithTheHighestMean) {
-  // The narrow arm is at 0.52. The wide arm has mean 0.5 and is above 0.52 with a probability of
-  // almost a half. So the leader has the highest mean.
+  // The narrow posterior is at 0.52. The wide one has mean 0.5 and is above 0.52 with a probability
+  // of almost a half, but the leader is the arm with the highest mean.
   const Diagnosis same = Diagnose(Posteriors{{52e10, 48e10}, {1, 1}});
   EXPECT_EQ(same.leader, 0u);
   EXPECT_EQ(same.value_remaining_ratio, same.expected_loss_ratio);

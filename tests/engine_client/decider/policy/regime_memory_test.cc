@@ -55,7 +55,7 @@ TEST(RegimeMemory, AnUnmeasuredPropertyMatchesOnlyItself) {
   EXPECT_FALSE(memory.Observe(Moving(0.1)).is_new);
 }
 
-// Otherwise mixtures would displace regimes from the memory.
+// If mixtures stayed in the memory, they would displace regimes from it.
 TEST(RegimeMemory, ForgetsMixtures) {
   RegimeMemory memory;
   const uint32_t rest = memory.Observe(Moving(0.001)).regime;

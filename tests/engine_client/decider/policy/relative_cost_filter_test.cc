@@ -247,8 +247,8 @@ TEST_F(FilterTest, ABoundTruncatesAVagueBelief) {
   EXPECT_NEAR(filter.LogCost(0).mean, 5, 0.1);
 }
 
-// A sweep measures only eight frames of a scene whose frames differ tenfold. It has no result for
-// two of the arms.
+// A sweep measures only eight frames, while frame times in this scene differ tenfold. It has no
+// result for two of the arms.
 TEST_F(FilterTest, TheFirstLiveWindowSetsTheLevelOfAllArms) {
   RelativeCostFilter filter(kArms);
   filter.ObserveShadow(0, 1, cost_[0] - 2.3);
@@ -278,8 +278,8 @@ TEST_F(FilterTest, ABoundOfTheLaneOnlyTruncatesTheBelief) {
   EXPECT_GT(filter.Difference(1, 0).mean, 5) << "a bound above the belief counts like a cost";
 }
 
-// A bound as the first visit of a sweep is its reference: the noise is estimated from the other
-// arms' differences to it.
+// If the first visit of a sweep gives only a bound, it is still the reference: the noise is
+// estimated from the differences of the other arms to it.
 TEST_F(FilterTest, ABoundCanBeTheReferenceOfASweep) {
   RelativeCostFilter filter(kArms);
   filter.ObserveLive(0, 5);

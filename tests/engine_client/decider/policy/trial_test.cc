@@ -21,8 +21,8 @@ namespace {
 // The policy assumes the same trial budget as the clients' guard. A trial lasts two settling times.
 static_assert(AdaptivePolicy::kTrialBudget * TrialGuard::kBudgetShare == 1);
 
-// The minimum number of frames of a trial, however long they take: frames that are not judged, and
-// two over the limit.
+// The minimum number of frames of a trial, even if they are long: the frames that are not judged,
+// and two that exceed the limit.
 constexpr uint32_t kLeastFrames = 1 + kShadowWarmUpFrames + 2;
 
 SessionSetup TrialSetup(uint32_t arm_count) {
@@ -185,7 +185,7 @@ TEST(Trial, AnArmWithOnlyCappedVisitsIsNotTried) {
   EXPECT_GT(measured.frame_counts[1], 0u);
 }
 
-// The lane counts as present for five cooldowns of 40 s, which are 100 ticks.
+// After a visit, the lane counts as present for five cooldowns of 40 s, that is 100 ticks.
 TEST(Trial, ALaneWithRareVisitsCountsAsPresent) {
   TrialGame game({10'000, 500'000}, {10'000, 9'000});
   game.lane_flags[1] = kShadowCapped;

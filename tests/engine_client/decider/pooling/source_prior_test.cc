@@ -75,7 +75,7 @@ TEST(CombineSources, FollowsSourcesWithMoreWeight) {
   EXPECT_NEAR(CostUs(PriorOf(sources, 2)[1]) / CostUs(PriorOf(sources, 2)[0]), 2, 0.1);
 }
 
-// A session that resumes on a machine of half the speed, with its own evidence of two arms.
+// A session with its own evidence of two arms resumes on a machine of half the speed.
 TEST(CombineSources, AddsToTheOwnEvidenceAtItsLevel) {
   const SourceEvidence sources[] = {SourceOf({100, 200, 400}), SourceOf({100, 200, 400})};
   const std::vector<EvidenceSum> own = {SourceOf({200})[0].sum, SourceOf({400})[0].sum, {}};
@@ -93,8 +93,8 @@ double SecondIsBetter(const std::vector<EvidenceSum>& prior) {
          std::erfc(-(first.mean - second.mean) / std::sqrt(2 * (first.variance + second.variance)));
 }
 
-// A tenth of the clients claims, a million times each, that the worst arm takes 1 ns and the best
-// one 5 s.
+// A tenth of the clients sends false evidence of a million windows each: the worst arm takes 1 ns,
+// and the best one 5 s.
 TEST(CombineSources, HardlyChangesWithATenthOfHostileSources) {
   RandomStream random(7, RandomPurpose::kChoice, 0, 0);
   std::vector<SourceEvidence> sources;

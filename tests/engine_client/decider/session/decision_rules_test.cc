@@ -16,7 +16,7 @@
 namespace sweepstake::decision {
 namespace {
 
-// Arm 1 almost certainly has the highest draw.
+// The priors make arm 1 almost certain to have the highest draw.
 TEST(Arms, AreTheNamesTheClientAnnounced) {
   SessionSetup setup = PlainSetup(3);
   setup.arms = {"KDTree", "a game's own arm", "SAP"};

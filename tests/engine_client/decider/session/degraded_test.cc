@@ -92,7 +92,7 @@ TEST(Verdict, IsDegradedWhileTheOnlyArmMissesTheFloor) {
   EXPECT_EQ(client.RunTicks(2).record.diagnosis.verdict, Verdict::kStable);
 }
 
-// Frames of a menu do not depend on the arms.
+// Frames without a search, as in a menu, do not depend on the arms.
 TEST(Verdict, IgnoresFramesWithoutASearch) {
   SessionSetup setup = PlainSetup(1);
   setup.options.policy = "adaptive";

@@ -162,7 +162,7 @@ class Fuzzer {
     }
   }
 
-  // A switch that appears now was executed after the previous event.
+  // If the active arm has changed, the switch was executed after the previous event.
   void NoteSwitch() {
     if (session_.active_arm() != active_arm_) last_switch_ns_ = last_event_ns_;
     active_arm_ = session_.active_arm();
@@ -242,7 +242,7 @@ class Fuzzer {
     pending_ = decision.command->arm;
   }
 
-  // Whether the policy uses another cooldown than that of the options.
+  // Returns whether the policy uses a cooldown of its own instead of that of the options.
   bool OwnCooldown() const {
     PolicySetup setup{.options = setup_.options, .arms = setup_.arms, .priors = {}};
     setup.priors.resize(setup.arms.size());

@@ -147,7 +147,7 @@ class ScriptedGame {
     last_object_count_ = frame.object_count;
     if (frames_in_epoch_++ == 0 || count_changed) frame.flags |= kFrameRebuild;
     if (now_ns_ > 700 * kSecond && now_ns_ < 705 * kSecond) frame.flags |= kFramePaused;
-    // In the second half the tree overtakes the sweep.
+    // In the second half the tree is faster than the sweep.
     const uint64_t shift = now_ns_ > 480 * kSecond && arm_ == 3 ? 4'000'000 : 0;
     frame.detection_time_ns =
         Noisy(kDetectionNs[arm_] + shift) * ((frame.flags & kFrameRebuild) != 0 ? 6 : 1);
@@ -160,7 +160,7 @@ class ScriptedGame {
     return frame;
   }
 
-  // The scene grows denser until the tree overtakes.
+  // The scene becomes denser until the tree is the fastest.
   SceneDescriptor DescriptorOf(const FrameSample& frame) const {
     SceneDescriptor descriptor;
     descriptor.object_count = frame.object_count;

@@ -108,7 +108,7 @@ TEST_F(FlightRecorderTest, WritesBoxesFramesAndDecisionsOfFiveSeconds) {
   EXPECT_EQ(notes["worst_frame"], 601);
   EXPECT_EQ(notes["arms"], (nlohmann::json{"Slow", "Fast"}));
   EXPECT_EQ(notes["recorded_unix_ms"], recordings[0].recorded_unix_ms);
-  // 494 frames of 10 ms and one of 61 ms are over five seconds.
+  // The recorder keeps five seconds: 494 frames of 10 ms and one of 61 ms.
   ASSERT_EQ(notes["frames"].size(), 495U);
   EXPECT_EQ(notes["frames"].back(),
             (nlohmann::json{601, 61'000'000, 1'000'000, 2, 2, 0, 0, 1, 1, 0, 494}));

@@ -20,7 +20,7 @@ constexpr uint64_t kMs = 1'000'000;
 const std::vector<std::string> kArms = {"SAP", "DBVT", "KDTree"};
 const std::vector<uint32_t> kVersions = {1, 1, 2};
 
-// A game in virtual time whose frames cost what its active arm costs.
+// A game in virtual time. Each arm has a fixed cost per frame.
 class Game {
  public:
   explicit Game(std::vector<uint64_t> frame_ms) : frame_ms_(std::move(frame_ms)) {}

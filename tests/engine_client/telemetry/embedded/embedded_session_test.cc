@@ -45,7 +45,8 @@ class EmbeddedSessionTest : public ::testing::Test {
         {.frame_time_ns = adaptive_->active_arm() == 0 ? 40'000'000U : 10'000'000U});
   }
 
-  // A wait that fails ends with the test's time limit, not after a number of attempts.
+  // Loops until the condition holds. If it never does, the test ends by its time limit and not
+  // after a number of attempts.
   template <typename Condition>
   void RunUntil(Condition condition) {
     while (!condition()) {

@@ -14,7 +14,7 @@ namespace {
 
 class BoxLinkTest : public ::testing::Test {
  protected:
-  // Connects to a daemon that supports box views, and requests some.
+  // Connects to a daemon that supports box views and requests boxes every 250 ms.
   v1::Hello Connect(bool allow_box_view) {
     SessionOptions options;
     options.batch_frames = 1;

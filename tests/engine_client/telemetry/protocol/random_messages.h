@@ -17,7 +17,7 @@ class RandomMessages {
   RandomMessages(uint64_t seed, double share, int column_length)
       : random_{seed}, share_(share), column_length_(column_length) {}
 
-  // Sets the fields of `message`; of a oneof it sets the field `chosen`.
+  // Sets the fields of `message`. In a oneof it sets the field `chosen`.
   void Fill(google::protobuf::Message& message,
             const google::protobuf::FieldDescriptor* chosen = nullptr) {
     const google::protobuf::Descriptor& type = *message.GetDescriptor();

@@ -46,7 +46,7 @@ TEST(ResendBuffer, ContinuesAtTheNextMessageAfterAnAcknowledgement) {
   buffer.MarkSent();
   buffer.Acknowledge(1);
   EXPECT_EQ(buffer.Next()->sequence, 3U);
-  buffer.Acknowledge(3);  // more than this connection sent: an earlier one sent it
+  buffer.Acknowledge(3);  // an earlier connection sent these messages
   EXPECT_EQ(SendAll(buffer), Sequences{4});
 }
 
