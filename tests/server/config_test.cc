@@ -1,4 +1,4 @@
-// The configuration: its sources, their order, and the errors about wrong values.
+// The configuration: its sources, their precedence, and the errors about wrong values.
 #include "server/config.h"
 
 #include <gmock/gmock.h>
@@ -21,11 +21,11 @@ using ::testing::IsEmpty;
 
 using Words = std::vector<std::string>;
 
-// A configuration with its settings as a command line.
+// A configuration whose settings are parsed from a command line.
 struct Loaded {
   // Returns the error for these flags, or nothing.
   std::string Parse(Words words) {
-    std::reverse(words.begin(), words.end());  // as CLI11 expects them
+    std::reverse(words.begin(), words.end());  // CLI11 expects the words in reverse order
     try {
       app.parse(words);
     } catch (const CLI::Error& error) {
@@ -91,7 +91,7 @@ TEST_F(ConfigTest, TheLaterSourceWins) {
       << "max_scenes = 1\ninsecure = false\n[decision]\ncooldown_ms = 1\nsettling_ms = 1\n";
   Loaded loaded;
   const Words flags = {"--decision-cooldown-ms", "3", "--insecure"};
-  EXPECT_EQ(loaded.Parse(flags), "");  // as the program does, to find the file
+  EXPECT_EQ(loaded.Parse(flags), "");  // the program also parses the flags first, to find the file
   ASSERT_TRUE(loaded.settings.ReadFile(path_).ok());
   EXPECT_EQ(loaded.ReadEnvironment(
                 {"SWEEPSTAKE_DECISION_COOLDOWN_MS=2", "SWEEPSTAKE_MAX_SCENES=2", "PATH=/bin"}),

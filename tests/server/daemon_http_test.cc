@@ -39,7 +39,7 @@ class HangingClock final : public sessions::Clock {
     steady_.WaitUntil(deadline_ns - ahead_ns_);
   }
   void Wake() override { steady_.Wake(); }
-  // Returns when the loop hangs, and the time has gone on since.
+  // Makes the loop hang, and then advances the clock by `duration_ns`.
   void HangFor(int64_t duration_ns) {
     std::unique_lock lock(mutex_);
     hangs_ = true;

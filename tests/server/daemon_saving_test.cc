@@ -1,4 +1,5 @@
-// The daemon's flag while it copies a database whose file was removed.
+// The daemon's flag `saving`, which is set while the daemon copies a database whose file was
+// removed.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
@@ -14,8 +15,8 @@
 namespace sweepstake::server {
 namespace {
 
-// Whether every connection to a database that is opened while it lives, as that of a copy, finds
-// the daemon saving.
+// Counts the SQLite connections that are opened while this object lives, as the copy does: those
+// opened while the flag is set, and all others.
 class ConnectionsWhileSaving {
  public:
   explicit ConnectionsWhileSaving(std::shared_ptr<const std::atomic<bool>> saving) {

@@ -60,7 +60,7 @@ v1::StreamTelemetryRequest Hello() {
   hello.add_arms()->set_name("Grid");
   hello.mutable_arms(0)->set_backend_version(1);
   hello.set_mode(v1::MODE_AI);
-  hello.set_policy("paper");  // whose window counts as one observation
+  hello.set_policy("paper");  // a window counts as one observation
   return request;
 }
 
@@ -79,8 +79,8 @@ v1::StreamTelemetryRequest OneFrame(uint64_t sequence) {
   return request;
 }
 
-// Opens a session, teaches it one window with the message of that number, and returns its welcome
-// when that is acknowledged.
+// Opens a session and sends it one window in the message `sequence`. Returns the welcome message
+// once this message is acknowledged.
 v1::Welcome RunSession(int port, const v1::StreamTelemetryRequest& hello = Hello(),
                        uint64_t sequence = 1) {
   const auto channel =
@@ -302,7 +302,7 @@ TEST_F(DaemonTest, IsNotReadyWhileItsDatabaseIsFull) {
   EXPECT_EQ(*rpc::HealthOf(ChannelTo(*daemon), std::chrono::minutes(1)), rpc::Health::kServing);
 }
 
-// Waits until that many sessions have rows in the audit log.
+// Waits until `count` sessions have rows in the audit log.
 void AwaitAudited(const Daemon& daemon, int count) {
   const auto stub = v1::AuditService::NewStub(ChannelTo(daemon));
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
@@ -336,7 +336,7 @@ class DaemonTokenTest : public DaemonTest {
  protected:
   DaemonTokenTest() {
     std::filesystem::create_directory(config_.data);
-    config_.rpc.max_reads_per_s = 1'000'000;  // a test asks until the answer changes
+    config_.rpc.max_reads_per_s = 1'000'000;  // tests repeat a read until the result changes
   }
 
   auth::TokenStore Tokens() const {

@@ -28,7 +28,7 @@ class TokenCommandTest : public ::testing::Test {
     TokenCommand command;
     command.AddTo(app);
     arguments.insert(arguments.begin(), "token");
-    std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants it
+    std::reverse(arguments.begin(), arguments.end());  // CLI11 expects the words in reverse order
     std::ostringstream out;
     try {
       app.parse(arguments);
@@ -44,7 +44,7 @@ class TokenCommandTest : public ::testing::Test {
     return auth::TokenStore::Open(data_ / "tokens.db").value().Load().value();
   }
 
-  std::ostringstream notes_;  // of the latest command
+  std::ostringstream notes_;  // messages of the latest command
   test_support::TemporaryDirectory directory_;
   const fs::path data_ = directory_.path() / "data";
   const fs::path file_ = directory_.path() / "game.token";
@@ -86,7 +86,7 @@ TEST_F(TokenCommandTest, ListAndRevokeCreateNothingInAForeignDirectory) {
 }
 
 TEST_F(TokenCommandTest, FilesThatRootCreatesBelongToTheOwnerOfTheDirectory) {
-  if (geteuid() != 0) GTEST_SKIP() << "only root makes files of others";
+  if (geteuid() != 0) GTEST_SKIP() << "only root can create files of other users";
   fs::create_directory(data_);
   ASSERT_EQ(chown(data_.c_str(), 65534, 65534), 0);
   Run({"create", "game", "--role", "watch"});
@@ -108,7 +108,7 @@ TEST_F(TokenCommandTest, CreateWritesTheTokenToANewFileOfItsOwner) {
   EXPECT_EQ(fs::status(file_).permissions(), fs::perms::owner_read | fs::perms::owner_write);
   EXPECT_THAT(Run({"create", "other", "--role", "watch", "--out", file_}),
               HasSubstr("cannot create " + file_.string()));
-  EXPECT_EQ(Stored().size(), 1u) << "no token that nobody has";
+  EXPECT_EQ(Stored().size(), 1u) << "a failed command must not store a token";
 }
 
 TEST_F(TokenCommandTest, AFailedCreateLeavesNoFile) {

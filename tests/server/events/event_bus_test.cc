@@ -23,7 +23,7 @@ using ::testing::SizeIs;
 
 SceneKey Scene(const std::string& name) { return {"game", name, "", 1}; }
 
-// Runs jobs when the test says so.
+// Queues jobs and reads until the test runs them.
 class ManualStore final : public priors::AsyncPriorStore {
  public:
   void Commit(priors::SourceUpdate update, CommitCallback done) override {
@@ -55,7 +55,7 @@ class ManualStore final : public priors::AsyncPriorStore {
   absl::Status read_status;
 
  private:
-  // Reads a scene only if the test lets it.
+  // Fails to read a scene if the test has set `read_status` to an error.
   class Store final : public storage::ForwardingStore {
    public:
     explicit Store(const absl::Status& read_status) : read_status_(read_status) {}
@@ -73,7 +73,7 @@ class ManualStore final : public priors::AsyncPriorStore {
   std::deque<ReadJob> reads_;
 };
 
-// Encodes a scene as its place in `scenes`, and a decision as some text.
+// Encodes a scene as its index in `scenes`, and a decision as a text of `decision_bytes`.
 class RecordingEncoder final : public Encoder {
  public:
   std::string Scene(const SceneEvidence& scene) const override {
@@ -97,7 +97,7 @@ class RecordingEncoder final : public Encoder {
   size_t decision_bytes = 10;
 };
 
-// Takes events at once, unless it is slow.
+// Receives events at once, unless `slow` is set.
 class RecordingSink final : public Sink {
  public:
   explicit RecordingSink(const RecordingEncoder& encoder) : encoder_(encoder) {}
@@ -135,7 +135,7 @@ class RecordingSink final : public Sink {
   bool slow = false;
   std::unique_ptr<Subscriber> subscriber;
   std::vector<SceneEvidence> posteriors;
-  std::vector<std::string> names;  // what was taken, in the order of time
+  std::vector<std::string> names;  // names of the received events, in order
   size_t decision_bytes = 0;
   std::optional<absl::Status> end;
 
@@ -145,7 +145,7 @@ class RecordingSink final : public Sink {
 
 class EventBusTest : public ::testing::Test {
  protected:
-  // Watches the scenes that are there.
+  // Subscribes to all scenes of the project.
   void SetUp() override { Watch(sink_); }
   ~EventBusTest() override {
     for (RecordingSink* sink : {&sink_, &other_}) sink->subscriber.reset();
@@ -156,19 +156,20 @@ class EventBusTest : public ::testing::Test {
     bus_.Subscribe(std::move(wish), sink);
     RunReads();
   }
-  // Runs the jobs of the store, and what they post to the loop.
+  // Runs the jobs of the store, and then the tasks that they posted to the loop.
   void RunJobs() {
     store_.RunJobs();
     loop_.RunReady();
   }
-  // A job may post another one.
+  // Repeats, because a read may lead to further reads.
   void RunReads() {
     for (size_t count = 0; std::exchange(count, store_.read_count) != store_.read_count;) {
       store_.RunReads();
       loop_.RunReady();
     }
   }
-  // A session commits one window's evidence, and a visit's of another arm, and the bus is notified.
+  // Commits evidence of a session: a live window of one arm, and a lane visit of KDTree. Then
+  // notifies the bus.
   void Commit(const std::string& scene, const std::string& source, uint64_t n = 1,
               const std::string& arm = "Grid", const std::string& project = "game") {
     priors::SourceUpdate update;
@@ -189,7 +190,7 @@ class EventBusTest : public ::testing::Test {
     session.scene = Scene(scene);
     bus_.OnDecision({.session = session, .record = record});
   }
-  // Lets the time of a tick pass. Returns whether there was one.
+  // Advances the clock by one tick and runs the loop. Returns whether a tick was due.
   bool Tick() {
     const bool due = loop_.RunReady() != sessions::Clock::kNever;
     clock_.Advance(EventBus::kIntervalNs);
@@ -315,8 +316,8 @@ TEST_F(EventBusTest, ASlowWatcherHasEachSceneOnceInItsLatestState) {
   Watch(other_, {.mark = true});
   EXPECT_TRUE(other_.Take());
   for (uint64_t n = 2; n <= 5; ++n) {
-    Commit("a", "s", n);  // taken before
-    Commit("c", "u", n);  // not taken yet
+    Commit("a", "s", n);  // the slow watcher has received "a" before
+    Commit("c", "u", n);  // it has not received "c" yet
     Tick();
   }
   Decide("a");

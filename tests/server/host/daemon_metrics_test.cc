@@ -44,7 +44,7 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
   const auto reasons = static_cast<size_t>(counters_.error_counts.data() - counters);
   std::multiset<double> expected;
   for (size_t i = 0; i < sizeof(counters_) / sizeof(*counters); ++i) {
-    // Not every number is a reason.
+    // Some numbers between the reasons are not used.
     if (i >= reasons && !v1::ErrorReason_IsValid(static_cast<int>(i - reasons))) continue;
     counters[i] = (i + 1) * 1'000'003;
     expected.insert(static_cast<double>((i + 1) * 1'000'003));
@@ -73,7 +73,7 @@ TEST_F(DaemonMetricsTest, NamesFollowTheConventions) {
     EXPECT_THAT(family.help, EndsWith("."));
     const auto count = series_counts.find(family.name);
     EXPECT_EQ(family.metric.size(), count == series_counts.end() ? 1 : count->second)
-        << family.name << ": no label may make more series of it";
+        << family.name << ": no label may add series to it";
   }
 }
 

@@ -1,4 +1,4 @@
-// A process without free descriptors.
+// Makes the test process run out of free file descriptors.
 #pragma once
 
 #include <fcntl.h>

@@ -1,5 +1,5 @@
-// The service manager's end of systemd's notification protocol, for the environment of this process
-// and its children.
+// Receives systemd notifications like a service manager. This process and its children find the
+// socket through environment variables.
 #pragma once
 
 #include <chrono>

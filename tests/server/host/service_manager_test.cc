@@ -50,7 +50,8 @@ TEST(WatchdogTest, NotifiesOnlyWhileTheDaemonIsAlive) {
   life.Set(true);
   EXPECT_EQ(manager.Receive(), "WATCHDOG=1");
   EXPECT_EQ(manager.Receive(), "WATCHDOG=1");
-  // The watchdog would wait for room in a full socket, and its destructor for the watchdog.
+  // Keeps the socket empty. If it were full, the watchdog would wait for room in it, and the
+  // destructor would wait for the watchdog.
   life.Set(false);
   while (!manager.ReceiveNow().empty()) {
   }

@@ -171,7 +171,7 @@ TEST_F(AuditTest, IsListedAndExportedBySessionProjectAndScene) {
 
 using Numbers = std::vector<std::pair<uint32_t, uint64_t>>;
 
-// The segment and the number of each row.
+// Returns the segment and the number of each row.
 Numbers NumbersOf(const std::vector<decision::AuditRow>& rows) {
   Numbers numbers;
   for (const decision::AuditRow& row : rows) numbers.emplace_back(row.segment, row.row);
@@ -284,7 +284,7 @@ TEST_F(AuditTest, ATickWithoutEventsCausesNoRowAndNoCommit) {
 class AuditLossTest : public AuditTest {
  protected:
   AuditLossTest() { log_.sinks().push_back(lines_); }
-  // Advances one second, and waits until the daemon's log has a line with the text.
+  // Advances one second, and waits until the daemon's log has a line that contains `text`.
   [[nodiscard]] bool Told(const std::string& text) {
     clock_.Advance(kSecondNs);
     return Eventually([&] {

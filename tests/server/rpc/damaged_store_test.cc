@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Created before the store inside it.
+// A base class, so that the directory exists before the store is opened in it.
 class WithDirectory {
  protected:
   const test_support::TemporaryDirectory directory_;
@@ -29,7 +29,8 @@ class DamagedStoreTest : public WithDirectory, public RpcTest {
     log_.sinks().push_back(log_lines_);
   }
 
-  // Makes a session that learns one window and is then only in the store.
+  // Makes a session that learns one window, and restarts the server, so that only the store has the
+  // session. Returns a Hello that resumes it.
   v1::Hello Learnt() {
     v1::Hello hello = HelloMessage();
     {

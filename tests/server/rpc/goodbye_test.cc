@@ -118,7 +118,7 @@ TEST_F(GoodbyeTest, ADrainWithAFailingDiskReleasesClientsAtOnce) {
   const uint64_t failed = server_->counters().failed_commit_count;
   Tick();
   ASSERT_TRUE(Eventually([&] { return server_->counters().failed_commit_count == failed + 1; }));
-  // Waiting for the patience would take the test's whole time.
+  // The drain must not wait for this deadline, which is longer than the time limit of the test.
   server_->Drain(std::chrono::minutes(10));
   EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
 }

@@ -1,4 +1,4 @@
-// The way of an operator's order to the game, and its answer.
+// An operator's order is sent to the game, and the game's answer is returned.
 #include <functional>
 #include <utility>
 #include <vector>

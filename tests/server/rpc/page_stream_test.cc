@@ -14,7 +14,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// An overloaded store.
+// An overloaded store, which refuses every job and read.
 class BusyStore final : public priors::AsyncPriorStore {
  public:
   void Commit(priors::SourceUpdate /*update*/, CommitCallback /*done*/) override {}

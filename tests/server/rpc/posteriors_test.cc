@@ -82,8 +82,8 @@ class PosteriorsTest : public RpcTest {
     return writer->Finish();
   }
 
-  // Makes the hub publish to its watchers. A call passes the store and the loop. The second call is
-  // answered after everything that the first one may have overtaken.
+  // Makes the event bus publish to its watchers. Each call passes the store and the loop. The
+  // second call is answered after all work that may have been queued behind the first.
   void TellWatchers() {
     for (int i = 0; i < 2; ++i) {
       grpc::ClientContext context;
@@ -290,7 +290,8 @@ TEST_F(PosteriorsTest, OnlyAWatcherThatDoesNotReadIsDropped) {
   const auto own_channel = SmallWindowChannel();
   grpc::ClientContext context;
   const auto idle = v1::PosteriorsService::NewStub(own_channel)->WatchPosteriors(&context, {});
-  // Until its buffers are full: then time passes without dropping it.
+  // Fills the buffers of the watcher that does not read. Only then does the passing time count
+  // against it.
   for (int i = 0; i < 400; ++i)
     Store(Evidence("source " + std::to_string(i),
                    "scene " + std::to_string(i) + std::string(100, 'y'), std::string(120, 'x')));

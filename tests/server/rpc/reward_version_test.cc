@@ -25,7 +25,7 @@ v1::Hello HelloOf(const std::string& policy) {
   return hello;
 }
 
-// Created before the store inside it.
+// A base class, so that the directory exists before the store is opened in it.
 class Directory {
  protected:
   test_support::TemporaryDirectory directory_;

@@ -277,7 +277,7 @@ TEST_F(SessionsTest, WatchersReceiveTheSameBytes) {
   EXPECT_EQ(none.Next().sessions(0).scene(), "elsewhere") << "and nothing before it";
 }
 
-// Its buffers hold no more than a page of sessions with long names.
+// The watcher's connection buffers at most one page of sessions, because their names are long.
 TEST_F(SessionsTest, ASlowWatcherReceivesSeveralChangesOfASessionOnce) {
   constexpr size_t kSessions = 250;
   options_.max_streams_per_connection = 1'000;

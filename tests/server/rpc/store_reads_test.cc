@@ -95,7 +95,7 @@ priors::SourceUpdate OneWindowOf(const std::string& source) {
   return update;
 }
 
-// A reader whose lists arrive after newer ones have been published.
+// A reader that holds back the results of a list until the test releases them.
 class LateReader final : public storage::ForwardingStore {
  public:
   absl::StatusOr<std::vector<priors::SceneEvidence>> List(
@@ -128,7 +128,7 @@ class WithReader {
   Reader reader_;
 };
 
-// Uses another store for everything except commits.
+// Reads come from `reader_`, which is another store than the one for commits.
 template <typename Reader>
 class OtherReaderTest : public WithReader<Reader>, public RpcTest {
  protected:
@@ -154,8 +154,8 @@ TEST_F(LatePageTest, DoesNotReplaceNewerStateOfAWatcher) {
   ASSERT_TRUE(Applied(1));
   Tick();
   client.AwaitAcknowledgement(1);
-  // The hub reads the scene on the writing thread; the loop has the result after the second
-  // message.
+  // The event bus reads the scene on the thread that writes. The loop has the result after the
+  // second message.
   Flush();
   for (uint64_t sequence = 2; sequence <= 5; ++sequence) {
     client.Send(Frames(sequence, 1));
@@ -169,8 +169,8 @@ TEST_F(LatePageTest, DoesNotReplaceNewerStateOfAWatcher) {
   context.TryCancel();
 }
 
-// Has a page of records that is far larger than what gRPC buffers for a client that does not read.
-// The next page is returned when the test releases it.
+// Exports a first page of records that is far larger than gRPC's buffers for a client that does not
+// read. It holds back the next page until the test releases it.
 class LongExport final : public storage::ForwardingStore {
  public:
   absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& /*filter*/,
@@ -225,7 +225,7 @@ TEST_F(PageAheadTest, APageThatArrivesAfterItsClientLeftIsDropped) {
   context_.TryCancel();
   EXPECT_EQ(records->Finish().error_code(), grpc::StatusCode::CANCELLED);
   reader_.release.set_value();
-  // The Hello is read after the page, on the same thread.
+  // The welcome shows that the page was dropped: the Hello is handled after it, on the same thread.
   EXPECT_FALSE(TelemetryClient(channel_).Open(HelloMessage()).session_id().empty());
 }
 

@@ -28,7 +28,7 @@ class CountingStore final : public storage::ForwardingStore {
   std::atomic<uint64_t>& load_count_;
 };
 
-// Created before the store that uses it.
+// A base class, so that the counter exists before the store that uses it.
 class LoadCount {
  protected:
   std::atomic<uint64_t> load_count_{0};

@@ -59,7 +59,8 @@ class HostileSourcesTest : public RpcTest {
     thread_.Commit(update, [&](const absl::Status& status) { done.set_value(status); });
     EXPECT_TRUE(done.get_future().get().ok());
   }
-  // Machines of different speeds on which SAP is mostly worse than Grid, and KDTree always.
+  // Stores honest evidence from machines of different speeds. SAP is mostly worse than Grid, and
+  // KDTree always is.
   void TeachHonestly(const std::string& scene, int client) {
     decision::RandomStream random(7, decision::RandomPurpose::kChoice,
                                   static_cast<uint64_t>(client), 0);

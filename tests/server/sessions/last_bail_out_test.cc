@@ -7,8 +7,8 @@ namespace {
 
 class LastBailOutTest : public RpcTest {
  protected:
-  // A session of one window with a bail-out as message 2, whose stream was then cut. Returns a
-  // Hello that resumes it.
+  // Plays a session of one window, with a bail-out in message 2, and cuts its stream. Returns a
+  // Hello that resumes the session.
   v1::Hello Dead() {
     v1::Hello hello = OneArmHello();
     {

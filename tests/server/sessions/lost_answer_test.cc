@@ -38,7 +38,8 @@ TEST_F(LostCommitResultTest, AWatcherStillReceivesTheCommit) {
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 0; }));
   TelemetryClient next(channel_);
   next.Open(OneArmHello());  // the first session makes room for it
-  // A call passes the store and the loop, after the hub's read.
+  // These calls pass the store and the loop behind the read of the event bus, so the bus has its
+  // result afterwards.
   for (int i = 0; i < 2; ++i) {
     grpc::ClientContext call;
     v1::ListPosteriorsResponse response;

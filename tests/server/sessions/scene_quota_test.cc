@@ -173,7 +173,7 @@ TEST_F(SceneQuotaTest, AnImportBeyondTheQuotaImportsNothing) {
   EXPECT_TRUE(Import({{"a", "x"}, {"a", "y"}}).ok());
 }
 
-// Counts the calls that count scenes or projects.
+// Records how often scenes and projects are counted.
 class CountedStore final : public storage::ForwardingStore {
  public:
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {

@@ -50,8 +50,8 @@ class SourceStartTest : public RpcTest {
     }
     Put(records);
   }
-  // The cost of SAP divided by that of Grid, from the priors in the welcome message, and the
-  // deviation of SAP.
+  // The prior in the welcome message: the cost of SAP ÷ that of Grid, and the standard deviation of
+  // SAP.
   struct Start {
     double ratio = 1;
     double deviation = 0;
@@ -174,7 +174,7 @@ class SamePriorTest : public SourceStartTest {
       };
       if (mean(arm) > mean(best)) best = arm;
     }
-    // `sweepstake priors arm` prints this.
+    // `sweepstake priors arm` must select the same arm.
     EXPECT_EQ(*EmbeddedDecider::ArmOfPriors(options, arms, versions), arms[best]);
   }
 };

@@ -1,4 +1,5 @@
-// Updates that wait for an unavailable store are passed on to be kept, all of them and each once.
+// Updates that wait for an unavailable store are passed to the function that keeps them. Each is
+// passed exactly once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,14 +34,14 @@ class StoreOutageTest : public RpcTest {
     const std::lock_guard lock(mutex_);
     return kept_;
   }
-  // Advances one second, and waits until the server has handled it. Due timers run after the tasks
-  // of the same turn, so the second answer comes after them.
+  // Advances one second, and waits until the server has run the timers that are due. They run after
+  // the tasks of the same turn, so only the second answer comes after them.
   void PassSecond() {
     clock_.Advance(kSecondNs);
     server_->CountHeld();
     server_->CountHeld();
   }
-  // Advances exactly one interval of keeping.
+  // Advances until the server has passed on its waiting updates once.
   void Keep() {
     const uint64_t before = kept_count();
     for (int second = 0; second < 20 && kept_count() == before; ++second) PassSecond();

@@ -20,8 +20,8 @@ class EvidenceModel {
   // Called with a description of each error.
   using Complain = std::function<void(const std::string&)>;
 
-  // Records updates that were passed to the store. If their commit failed, the disk may have all of
-  // them or none; Settle finds out after the next start.
+  // Records updates that were passed to the store. If the commit failed, the disk has either all of
+  // them or none; Settle determines this after the next start.
   void Commit(std::span<const priors::SourceUpdate> updates, bool ok);
   // Determines which failed commits a reopened store contains.
   void Settle(priors::PriorReader& store, const Complain& complain);

@@ -50,7 +50,8 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
  private:
   // Runs the next queued item of the store after some time.
   void RunLater(bool& busy, bool (storage::StoreThread::*run_next)());
-  // Ends the streams of invalid tokens. The watcher watches again if the store could not be read.
+  // Ends the streams of invalid tokens. Restarts the watcher if it ended because the store could
+  // not be read.
   void EachSecond();
 
   World& world_;
@@ -71,7 +72,7 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   int64_t max_store_delay_ns_ = 60 * kMsNs;
   bool store_busy_ = false;
   bool reads_busy_ = false;
-  // the latest time at which the world runs the daemon again
+  // The latest time at which the world runs the daemon again.
   int64_t wake_ns_ = sessions::Clock::kNever;
 };
 

@@ -27,7 +27,7 @@ struct SentMessage {
 
 struct SentSession {
   std::vector<SentMessage> messages;  // number 1 is the first
-  // the daemon acknowledged that messages up to this one are on disk
+  // The daemon has acknowledged that the messages up to this number are on disk.
   uint64_t promised_sequence = 0;
 };
 
@@ -46,7 +46,7 @@ class SimulatedGame final : public ConnectionUser {
   bool gone() const { return gone_; }
   void BreakConnection();
 
-  // By session id.
+  // The sent messages of each session, by session id.
   const std::map<std::string, SentSession>& sessions() const { return sessions_; }
   const v1::Hello& hello() const { return hello_; }
   uint64_t resumed_count() const { return state_.counts().resumed_count; }
@@ -86,8 +86,8 @@ class SimulatedGame final : public ConnectionUser {
   bool half_closed_ = false;
   bool finishing_ = false;
   bool gone_ = false;
-  // Whether it ignores the acknowledged sequence in welcome messages, and resends those messages
-  // too.
+  // If true, the game ignores which messages the welcome message acknowledges, and resends them
+  // all.
   const bool stubborn_;
   uint64_t lost_acknowledgement_count_ = 0;
   std::optional<v1::Hello> resumption_;

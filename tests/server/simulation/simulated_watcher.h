@@ -24,7 +24,7 @@ class SimulatedWatcher final : public events::Sink, public events::Encoder {
   }
 
   const priors::SceneFilter& filter() const { return filter_; }
-  // By scene, since the last Forget.
+  // The latest evidence of each scene since the last Forget.
   const std::map<priors::SceneKey, priors::SceneEvidence>& latest() const { return latest_; }
   void Forget() { latest_.clear(); }
   void Watch(events::EventBus& bus) { bus.Subscribe({.filter = filter_}, *this); }

@@ -12,7 +12,7 @@ namespace sweepstake::simulation {
 namespace {
 
 constexpr int64_t kTroubledNs = 12 * kSecondNs;
-// By then every game must have said goodbye, including back-off, welcome and retries.
+// Within this time every game must have said goodbye, including back-off, welcome and retries.
 constexpr int64_t kCalmNs = 120 * kSecondNs;
 
 v1::Hello MakeHello(World& world, size_t game) {
@@ -75,7 +75,7 @@ std::vector<std::string> Simulation::Run() {
     return std::all_of(games_.begin(), games_.end(), [](const auto& game) { return game->gone(); });
   };
   if (!RunFor(kCalmNs, gone) && problems_.empty()) Complain("a game is stuck");
-  // The evidence that the games left reaches the disk and is published.
+  // Lets the last evidence of the games reach the disk and the watchers.
   RunFor(4 * kSecondNs, [] { return false; });
   for (const auto& game : games_) {
     tally_.resumed += game->resumed_count();

@@ -34,7 +34,7 @@ class Simulation {
  public:
   explicit Simulation(uint64_t seed);
 
-  // Returns descriptions of all violations; empty if there are none.
+  // Performs the run. Returns descriptions of all violations; empty if there are none.
   std::vector<std::string> Run();
   const Tally& tally() const { return tally_; }
 

@@ -15,7 +15,7 @@ namespace sweepstake::simulation {
 class TroubledStore final : public storage::ForwardingStore {
  public:
   struct Troubles {
-    // whether to lose the answer of a successful commit or import
+    // Returns whether to lose the answer of a successful commit or import.
     std::function<bool()> loses_answer;
     std::function<uint64_t()> unix_now_s;
   };

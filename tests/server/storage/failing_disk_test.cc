@@ -34,7 +34,7 @@ class FailingDiskTest : public ::testing::Test {
     if (!source.ok()) ADD_FAILURE() << source.status();
     return source.ok() && *source ? (*source)->progress.commit_sequence : 0;
   }
-  // Kills the process.
+  // Simulates the death of the process, and starts the next one.
   void Restart(bool power_cut) {
     disk_->Kill();
     store_.reset();
@@ -128,7 +128,8 @@ TEST_F(FailingDiskTest, DataOfAFailedSyncAreMadeDurableWithoutRoomForACheckpoint
   }
 }
 
-// The file may be set aside with its log, or read again. Neither may depend on the next power cut.
+// After the check, the daemon may replace the file or read it again. The next power cut must not
+// change the result of the check.
 TEST_F(FailingDiskTest, TheLogIsMadeDurableBeforeDamagedPagesAreChecked) {
   BeginOnDisk(1);
   CommitUpTo(2);

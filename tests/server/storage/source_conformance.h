@@ -31,7 +31,8 @@ TEST_P(SourceConformance, ARevokedSourceLosesExactlyItsEvidenceAndStaysRevoked) 
   EXPECT_EQ(Sums({Key("Grid")}).source_count, 1u);
 }
 
-// A third has no exact sum in floating point: adding and subtracting it would leave a remainder.
+// Thirds are rounded in floating point: adding and subtracting one would leave a remainder in the
+// sum.
 TEST_P(SourceConformance, ARevocationRestoresTheSumsInEveryBit) {
   const auto commit = [&](const std::string& source, double alpha) {
     SourceUpdate update = Update(source, 1, {Key("Grid")});

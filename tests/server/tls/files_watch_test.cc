@@ -42,7 +42,7 @@ class FilesWatchTest : public ::testing::Test {
                                          },
                                      .on_expiry = [this](int64_t) { ++expiry_count_; }});
   }
-  // Returns what `count` checks report.
+  // Performs `count` checks, and returns their reports.
   std::vector<std::string> Look(int count) {
     told_.clear();
     for (int i = 0; i < count; ++i) watch_->Look();

@@ -15,8 +15,8 @@ class FakeExchange final : public Exchange {
  public:
   using Headers = std::vector<std::pair<std::string, std::string>>;
 
-  // The request comes from this machine and its Host is a name of every daemon, unless the headers
-  // or `peer` differ.
+  // By default the request comes from this machine, and its Host is a name that every daemon
+  // accepts. `headers` and `peer` can change this.
   FakeExchange(boost::beast::http::verb method, const std::string& target,
                const Headers& headers = {}, const std::string& body = "",
                const std::string& peer = "ipv4:127.0.0.1:4711") {
@@ -26,7 +26,7 @@ class FakeExchange final : public Exchange {
     request_.peer = peer;
     request_.own_host = "192.0.2.1";
   }
-  // The headers of a page of the daemon, which may post.
+  // Returns the headers of a request by the daemon's own page, which may send POST requests.
   static Headers OfPage() { return {{"X-Sweepstake", "1"}}; }
 
   const Request& request() const override { return request_; }
@@ -37,7 +37,7 @@ class FakeExchange final : public Exchange {
   Request& mutable_request() { return request_; }
   // REQUIRES: the request was answered.
   const Page& answer() const { return answer_.value(); }
-  // The value of a header of the answer; empty if it is absent.
+  // Returns the value of a header of the answer; empty if it is absent.
   std::string AnswerHeader(const std::string& name) const {
     for (const auto& [header, value] : answer().headers) {
       if (header == name) return value;

@@ -30,7 +30,8 @@ using ::testing::StartsWith;
 
 constexpr HttpLimits kPatient = {.patience = std::chrono::minutes(10)};
 
-// Answers with the request; at /later after a while, at /parts in parts.
+// Answers with the text of the request. The target /later delays the answer, and /parts sends it in
+// parts.
 class Echo {
  public:
   explicit Echo(boost::asio::io_context& io) : io_(io) {}
@@ -47,7 +48,7 @@ class Echo {
   }
 
  private:
-  // Each character of a text. Without a text: no parts, and no end.
+  // Sends each character of a text as a part. Without a text it sends no parts and never ends.
   class Parts final : public PartSource {
    public:
     explicit Parts(std::string text) : text_(std::move(text)), endless_(text_.empty()) {}
@@ -206,7 +207,7 @@ TEST(HttpServerTest, AllBodiesTogetherAreBounded) {
   {
     HttpSocket slow(server->port());
     slow.Send("POST /hello HTTP/1.1\r\nContent-Length: 8\r\n\r\nabcdefg");
-    // Until the server has read the headers.
+    // Waits until the server has read the headers of the first request.
     while (test_support::Exchange(server->port(), PostOf("abc")).status != 503)
       std::this_thread::yield();
     EXPECT_EQ(test_support::Exchange(server->port(), PostOf("ab")).status, 200);
@@ -265,7 +266,7 @@ TEST(HttpServerTest, TheServerAcceptsAgainAfterATimeWithoutDescriptors) {
     exhausted.FreeOne();
     waiting = std::make_unique<HttpSocket>(server->port());
     waiting->Send("GET /hello?late HTTP/1.1\r\n\r\n");
-    // On most machines long enough for some failed attempts of the server.
+    // This is long enough on most machines for some failed attempts of the server.
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   EXPECT_THAT(waiting->ReadAnswer(), EndsWith("late\n"));

@@ -23,7 +23,7 @@ class SiteTest : public ::testing::Test {
   int Status(verb method, const std::string& target, const Headers& headers = {}) {
     return Ask(method, target, headers).status;
   }
-  // A POST of the daemon's own page to the API, with these additional headers.
+  // Sends a POST of the daemon's own page to the API, with these additional headers.
   int Post(const Headers& more, const std::string& target = "/api/x") {
     Headers headers = FakeExchange::OfPage();
     headers.insert(headers.end(), more.begin(), more.end());

@@ -18,7 +18,7 @@ class ReadQuotaTest : public RpcTest {
 
   std::unique_ptr<grpc::ClientContext> Call(const std::string& token) const {
     auto context = std::make_unique<grpc::ClientContext>();
-    // A call that is wrongly accepted then fails the test instead of blocking it.
+    // The deadline makes the test fail instead of block if a call is wrongly accepted.
     context->set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(1));
     if (!token.empty()) context->AddMetadata("authorization", "Bearer " + token);
     return context;

@@ -89,7 +89,7 @@ TEST(RoleTable, HasExactlyOneRowPerRpc) {
 TEST_F(RoleTableTest, EveryHandlerRefusesACallWithoutItsRole) {
   for (const Rpc& rpc : kRoleTable) {
     const std::string name(rpc.name);
-    // so that the limit of failures is not reached
+    // Time passes, so that the limit of failures is not reached.
     clock_.Advance(auth::FailureLimit::kIntervalNs);
     EXPECT_EQ(Call(name, "").error_code(), grpc::StatusCode::UNAUTHENTICATED) << name;
     EXPECT_EQ(Call(name, "other-token").error_code(), grpc::StatusCode::UNAUTHENTICATED) << name;

@@ -65,7 +65,7 @@ TEST_F(ConnectionTest, AnOldConnectionIsAskedToEndAndThenClosed) {
 
 TEST_F(ConnectionTest, AConnectionWithoutACallIsClosedAndOneWithAStreamStays) {
   options_.connection_idle_patience = std::chrono::milliseconds(100);
-  // so that the keepalive does not end a connection
+  // The interval is so long that the keepalive does not end a connection.
   options_.keepalive_interval = std::chrono::hours(1);
   RestartServer();
   TelemetryClient client(channel_);
@@ -201,7 +201,8 @@ TEST_F(ConnectionTest, AStreamAboveTheLimitWaitsUntilAnotherEnds) {
   }
   auto welcome = std::async(std::launch::async,
                             [this] { return TelemetryClient(channel_).Open(HelloMessage()); });
-  // On most machines long enough for a welcome message, if the stream did not wait.
+  // This takes long enough on most machines for the welcome message, if the fourth stream did not
+  // wait.
   for (uint64_t sequence = 1; sequence <= 100; ++sequence) {
     clients[0]->Send(Frames(sequence, 30));
     ASSERT_TRUE(Applied(sequence));

@@ -41,7 +41,8 @@ TEST_F(AllToldTest, ComesAfterTheLastScene) {
     EXPECT_EQ(told, count);
     EXPECT_FALSE(mark.has_posterior());
     context.TryCancel();
-    // The next records are put past the server, so the next watcher must not share the state.
+    // The next records are written without the server. The next watcher must therefore not receive
+    // the state that was read for this one.
     ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 0; }));
   }
 }

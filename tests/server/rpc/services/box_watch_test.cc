@@ -1,4 +1,4 @@
-// Operators look at the boxes of a session: who may, what the game is asked to send, and that
+// Operators watch the boxes of a session: who may do so, which request the game receives, and that
 // nothing is stored.
 #include <cmath>
 #include <functional>

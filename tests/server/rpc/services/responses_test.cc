@@ -1,4 +1,5 @@
-// Responses to a game: their content, their time, and what one response combines.
+// Responses to a game: their content, the time at which they are sent, and what one response
+// combines.
 #include <memory>
 #include <optional>
 #include <vector>
@@ -124,8 +125,8 @@ TEST_F(ResponseTest, AnAcknowledgementComesOnlyWhenTheStoreHasCommitted) {
   client.Send(Frames(2, 30));
   ASSERT_TRUE(Applied(2));
   Tick();
-  // The posteriors of the first window waited for its commit, and are sent now. If the welcome
-  // message was still being written, they were sent right after it.
+  // The posteriors of the first window are sent now, because they waited for its commit. If the
+  // welcome message was still being written, they were sent right after it.
   for (double observations = 0; observations < 4;) {
     const std::optional<Response> next = client.Read();
     ASSERT_TRUE(next);

@@ -1,4 +1,4 @@
-// Evidence is removed: of which sources, by whom, and without a trace.
+// Tests which evidence a revocation removes, who may revoke it, and that no trace of it remains.
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"
 #include "tests/server/rpc/rpc_test_fixture.h"

@@ -93,7 +93,7 @@ Seen See(PriorStore& store) {
 
 Seen SeeIn(const fs::path& directory) { return See(**OpenSqlitePriorStore(DatabaseIn(directory))); }
 
-// The progress of a migration by table, in order.
+// The progress reports of a migration, one per table, in order.
 using Told = std::vector<std::string>;
 OnMigrated TellTo(Told& told) {
   return [&told](const std::string& table, uint64_t rows, uint64_t of) {

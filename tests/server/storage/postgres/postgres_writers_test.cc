@@ -167,7 +167,7 @@ void Write(const std::string& url, uint64_t seed, std::vector<SourceUpdate>& wri
       group.push_back(Update(std::to_string(seed) + "/" + std::to_string((i + n) % 7), n,
                              {Key("arm " + std::to_string(first)),
                               Key("arm " + std::to_string((first + 1 + random() % 4) % 5))}));
-      // A third has no exact sum.
+      // Thirds are rounded, so their sums depend on the order of addition.
       for (auto& increment : group.back().increments)
         increment.evidence.alpha = static_cast<double>(random() % 1'000'000) / 3;
     }

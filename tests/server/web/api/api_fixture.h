@@ -59,7 +59,7 @@ class ApiTest : public rpc::RpcTest {
   static std::string Bearer(const std::string& token) {
     return "Authorization: Bearer " + token + "\r\n";
   }
-  // A game adds evidence to the scene.
+  // Sends frames of a game as message `sequence`, which adds evidence to the scene.
   void Learn(rpc::TelemetryClient& client, uint64_t sequence) {
     client.Send(rpc::Frames(sequence, 30));
     EXPECT_TRUE(Applied(++learnt_));
@@ -79,7 +79,8 @@ class ApiTest : public rpc::RpcTest {
 
   Config config_;
   web::HttpLimits limits_{.patience = std::chrono::minutes(10)};
-  // Comments between the events would change the expected text.
+  // No heartbeats are sent, because their comments between the events would change the expected
+  // text.
   web::EventLimits event_limits_{.heartbeat = std::chrono::minutes(10)};
   const std::shared_ptr<web::EventCounters> events_ = std::make_shared<web::EventCounters>();
   std::unique_ptr<web::HttpServer> http_;

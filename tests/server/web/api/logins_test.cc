@@ -35,7 +35,7 @@ TEST(LoginsTest, ALoginThatIsNotUsedEnds) {
   EXPECT_EQ(logins.size(), 0u);
   logins.Begin("ann", 0);
   logins.Begin("bob", Logins::kPatienceS + 1);
-  EXPECT_EQ(logins.size(), 1u) << "those that nobody asks for end, too";
+  EXPECT_EQ(logins.size(), 1u) << "logins that are not used end, too";
 }
 
 TEST(LoginsTest, TheLoginsOfATokenAreBoundedAndLeaveOthersAlone) {
