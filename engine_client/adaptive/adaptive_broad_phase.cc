@@ -208,7 +208,7 @@ void AdaptiveBroadPhase::Impl::KeepBudget() {
 }
 
 // Checks the budget after a frame in which the active arm has grown. Such a frame has allocated
-// anyway, so that freeing memory now makes no frame allocate that would not have otherwise.
+// memory anyway, so the allocations of FreeInactiveArms do not disturb a steady frame.
 void AdaptiveBroadPhase::Impl::KeepBudgetOfGrowing() {
   if (memory_budget_bytes_ != 0 && last_sample.native_bytes > budgeted_bytes_) KeepBudget();
 }
@@ -262,8 +262,8 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
   Search();
   const uint64_t detection_ns = MeasureDetection(boxes, start_ns);
   if (lane != nullptr && is_steady) lane->cost().End(work, detection_ns, epoch());
-  // Sorting is not measured: the lane's visits do not sort, and what is learnt must hold with and
-  // without sorting.
+  // Sorting is not measured: the lane's visits do not sort, and costs must be comparable between
+  // games with and without sorting.
   if (sorter_) sorter_->Sort(pairs_.pairs());
   if (!std::exchange(searched_, true)) ShowFrame(boxes);
   return std::as_const(pairs_).pairs();
@@ -277,7 +277,7 @@ void AdaptiveBroadPhase::Impl::Search() {
 }
 
 // Passes the boxes of a frame's first search to the consumers that need one set of boxes per frame.
-// Between first searches objects move as far as they do in one frame.
+// First searches are one frame apart, so the motion that they show is that of one frame.
 void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
   descriptors_.Observe(boxes);
   view_tap.OnFrame(boxes, sample_.frame_index);

@@ -116,7 +116,7 @@ class AdaptiveBroadPhase::Impl {
   bool keeps_structure_ = false;  // whether the previous arm keeps its structure during a trial
   std::optional<PendingSwitch> pending_;
   std::atomic<bool> frozen_ = false;  // written by the frame thread
-  bool manual_by_order_ = false;      // kManual was ordered by an operator and holds
+  bool manual_by_order_ = false;      // an operator ordered kManual, which is still in force
   bool searched_ = false;             // whether the current frame has searched
   bool built_ = false;  // whether the active structure holds the boxes of the latest frame
   PairBuffer pairs_;

@@ -19,8 +19,8 @@
 //   by D = 1 + (D_sample − 1) · n ÷ sample, which is exact for independent thinning. This
 //   distinguishes uniform from clustered, but not two similar degrees of clustering.
 //
-// While a scene's object count changes, it has no motion fields, because an index may then belong
-// to another object.
+// While a scene's object count changes, its descriptor has no motion fields, because an index may
+// then belong to another object.
 //
 // Not thread-safe. Allocates nothing and holds about 4 KB. Invalid boxes (aabb.h) are skipped.
 // Units: world units and frames.
@@ -73,19 +73,19 @@ class DescriptorEstimator {
   double DensityRatio(const Aabb& bounds) const;
   double ClusteringRatio(const Aabb& bounds) const;
 
-  // The current step of two frames.
+  // The state of the current step, which takes two frames.
   std::array<uint32_t, kObjectsPerStep> step_index_{};
   std::array<Aabb, kObjectsPerStep> step_box_{};
   uint32_t step_object_count_ = 0;  // the object count of the stored frame; 0 if nothing is stored
   uint64_t walk_ = 0;
 
-  // The current period.
+  // The state of the current period.
   uint32_t frame_count_ = 0;
   uint32_t object_count_ = 0;
   Moments speed_;
   uint32_t static_count_ = 0;
 
-  // The current shape periods.
+  // The state of the shape fields.
   uint32_t period_count_ = 0;
   SceneDescriptor shape_;        // from the latest complete set of shape periods
   bool shape_complete_ = false;  // whether kShapePeriods periods have ended

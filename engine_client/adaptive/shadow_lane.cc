@@ -13,7 +13,8 @@ namespace {
 
 using State = SwitchHandover::State;
 
-// Short enough to see a copied frame or an order within a fraction of a 16 ms frame.
+// The lane's thread looks for copied frames and orders at these intervals, which are a fraction of
+// a 16 ms frame.
 constexpr std::chrono::microseconds kBusyPoll{1'000};
 constexpr std::chrono::microseconds kIdlePoll{4'000};
 // The maximum number of yields while a preparation waits for a frame: long enough for the next
@@ -31,8 +32,8 @@ ShadowScheduleOptions ScheduleOf(const ShadowOptions& options) {
 
 }  // namespace
 
-// Stops a backend's call if nobody wants its result any more, its time is over, or its pairs exceed
-// the memory cap.
+// Stops a backend's call if its result is not needed any more, its time is over, or its pairs
+// exceed the memory cap.
 class ShadowLane::Watch final : public StopRequest {
  public:
   enum class End { kNone, kInterrupted, kTime, kMemory };

@@ -64,8 +64,8 @@ class ShadowLane {
     // Returns the speed of the lane thread's present core ÷ that of the fastest core; null: all
     // cores are equal.
     double (*core_speed)() noexcept = nullptr;
-    // The lane rests while engine_threads >= usable_cores(); null: it never rests for want of a
-    // core.
+    // The lane rests while engine_threads >= usable_cores(); null: the lane never rests for lack
+    // of a core.
     size_t engine_threads = 1;
     size_t (*usable_cores)() noexcept = nullptr;
   };

@@ -105,7 +105,7 @@ class ShadowSchedule {
   std::optional<uint32_t> NextArm() const;
   // REQUIRES: visit.arm is NextArm().
   void OnVisit(const ShadowVisit& visit);
-  // Adds other work of the visiting thread to the sweep's cost.
+  // Adds other work of the lane's thread to the sweep's cost.
   void Spend(uint64_t busy_ns) {
     busy_ns_ += busy_ns;
     matched_ns_ += static_cast<uint64_t>(static_cast<double>(busy_ns) / kMaxWorkRatio);
@@ -115,8 +115,8 @@ class ShadowSchedule {
 
  private:
   struct Arm {
-    uint64_t cost_ns = 0;       // cost by the latest visit; 0 before the first
-    uint64_t reference_ns = 0;  // cost by the first visit since the latest Renew
+    uint64_t cost_ns = 0;       // cost measured by the latest visit; 0 before the first
+    uint64_t reference_ns = 0;  // cost measured by the first visit since the latest Renew
     uint64_t last_sweep = 0;    // the sweep of the latest visit; 0 if none since the latest Renew
     uint32_t back_off = 0;  // minimum sweeps between visits of an arm over a cap; 0: not over a cap
     bool too_big = false;   // whether the structure exceeds the memory cap
@@ -134,7 +134,8 @@ class ShadowSchedule {
   uint64_t sweep_ = 0;  // the number of the latest sweep
   uint64_t begun_ns_ = 0;
   uint64_t busy_ns_ = 0;  // work of the lane since the latest sweep began
-  uint64_t paid_ns_ = 0;  // time at which the cost so far equals kMaxCostRatio of the elapsed time
+  // No sweep begins before this time: then the cost so far is kMaxCostRatio of the elapsed time.
+  uint64_t paid_ns_ = 0;
   uint64_t matched_ns_ = 0;  // search time that would justify all work so far
   uint64_t granted_ns_ = 0;  // time of the latest grant of savings
   uint32_t active_arm_ = 0;

@@ -41,7 +41,7 @@ class SwitchCostMeter {
   std::optional<SwitchOutcome> OnFrame(const FrameSample& sample);
 
  private:
-  // Frames of one half of the settling time.
+  // Sums over the frames of one half of the settling time.
   struct Half {
     uint64_t time_ns = 0;
     uint64_t frame_count = 0;

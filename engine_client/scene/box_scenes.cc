@@ -178,7 +178,7 @@ void StepFloatLimits(SequentialRandom& random, const Slot& slot, Aabb& box) {
   if (random.Below(4) == 0) box = SpawnFloatLimits(random, slot);
 }
 
-// Faces at −0 must touch faces at +0, so that each box gets a random sign of zero.
+// Gives each box a random sign of zero, because faces at −0 must touch faces at +0.
 Aabb SpawnSignedZeros(SequentialRandom& random, const Slot&) {
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -320,7 +320,8 @@ size_t KindIndex(std::string_view name) {
   return 0;
 }
 
-// A scene that shows a kind of boxes under another name, with a fixed object count if one is given.
+// A scene whose boxes are of the kind `kind`, under another name and with a fixed object count if
+// one is given.
 struct Special {
   std::string_view name;
   std::string_view kind;

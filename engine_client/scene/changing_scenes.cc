@@ -26,7 +26,7 @@ enum class Motion {
 struct Regime {
   Motion motion;
   float reach = 0;
-  uint32_t shown_divisor = 1;  // one object per this number is shown
+  uint32_t shown_divisor = 1;  // only one in this many objects is shown
   bool count_changes = false;  // whether a 64th of the objects comes or goes in each frame
   float scale_begin = 1;
   float scale_end = 1;

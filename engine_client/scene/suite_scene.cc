@@ -24,7 +24,7 @@ float ReflectInside(float x, float side) {
   return x > side ? 2 * side - x : x;
 }
 
-// Computed in double and rounded once.
+// Sine and cosine, computed in double and rounded once to float.
 float SinF(float x) { return static_cast<float>(math::Sin(x)); }
 float CosF(float x) { return static_cast<float>(math::Cos(x)); }
 float ExpF(float x) { return static_cast<float>(math::Exp(x)); }

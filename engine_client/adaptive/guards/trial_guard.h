@@ -41,7 +41,7 @@ class TrialGuard {
   struct End {
     uint32_t arm_before = 0;
     uint32_t tried_arm = 0;
-    uint64_t detection_time_ns = 0;  // of the shorter of two long frames, or at most the mean
+    uint64_t detection_time_ns = 0;  // the value that broke a rule; see SwitchOutcome
     uint64_t frame_count = 0;        // frames with a search in the trial
   };
 
@@ -78,7 +78,7 @@ class TrialGuard {
   }
 
  private:
-  // Sums and maxima over the compared frames of one run of an arm.
+  // Sums and maxima over compared frames of one arm.
   struct Frames {
     uint64_t count = 0;
     uint64_t detection_ns = 0;  // total of all searches

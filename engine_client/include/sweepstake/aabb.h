@@ -25,7 +25,7 @@ struct OverlapPair {
   uint32_t a;
   uint32_t b;
 
-  // The compiler itself compares the result with 0.
+  // clang-tidy reports a comparison with 0 that the compiler generates.
   // NOLINTNEXTLINE(modernize-use-nullptr)
   friend auto operator<=>(const OverlapPair&, const OverlapPair&) = default;
 };

@@ -9,7 +9,7 @@
 //   world.stepSimulation(dt_s, /*maxSubSteps=*/4);  // one search per substep
 //   (*search)->EndFrame({.frame_time_ns = dt_ns});
 //
-// A search with a single arm is that backend without adaptation.
+// A search with a single arm runs only that backend, without adaptation.
 //
 // A switch of arms does not change the simulation. The pairs of a step are exactly those whose
 // boxes overlap (aabb.h). They enter and leave the pair cache in an order that depends only on the
@@ -40,8 +40,8 @@
 // precision fails to compile.
 //
 // Cost: setAabb is O(1), and free if the box is the same. calculateOverlappingPairs is one search
-// and O(pairs). destroyProxy is O(pairs), because it removes its pairs at once. Queries cost what
-// they cost in proxy_set.h; one that finds more than 64 proxies allocates.
+// and O(pairs). destroyProxy is O(pairs), because it removes its pairs at once. proxy_set.h states
+// the cost of queries; one that finds more than 64 proxies allocates.
 #pragma once
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
@@ -110,7 +110,7 @@ class BulletBroadPhase final : public btBroadphaseInterface {
   struct Proxy : btBroadphaseProxy {
     using btBroadphaseProxy::btBroadphaseProxy;
     ProxyHandle handle;
-    CollisionFilter filter;      // the group and the mask that count
+    CollisionFilter filter;      // the group and the mask in effect
     uint32_t rest_count = 0;     // how often in a row the same box was sent, up to kRestCount
     bool is_refiltered = false;  // the next search filters the pairs again
   };

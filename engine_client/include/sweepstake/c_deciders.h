@@ -9,7 +9,8 @@
  * detach while no frame runs. Cost: a poll is linear in the frames since the last one, and takes
  * longer if a decision is due. It allocates, so a game with tight frame times polls on another
  * thread. */
-/* Before the guard: c_api.h includes the headers in the order in which they need one another. */
+/* Included before the guard, so that c_api.h includes its headers in the order of their
+ * dependencies. */
 #include "sweepstake/c_api.h"
 
 #ifndef SWEEPSTAKE_C_DECIDERS_H_
@@ -43,10 +44,12 @@ typedef struct swp_decider_options {
   const char* priors_data;    /* read during the call only; it needs no NUL at its end */
   uint64_t priors_data_bytes; /* 0 if priors_data is NULL */
   uint64_t seed;
-  double time_scale; /* 1 to 1000: every interval but the bail-out limit is divided by it */
-  uint64_t decision_interval_ns; /* time between decisions, 1 to 8.64e15 (100 days); 2 s */
-  uint64_t cooldown_ns; /* between switches that the policy chooses, at most 100 days; 40 s */
-  double fps_floor;     /* in frames/s, 0 to 1000; a slower best arm is SWP_VERDICT_DEGRADED; 30 */
+  double time_scale;             /* 1 to 1000: divides every interval except the bail-out limit */
+  uint64_t decision_interval_ns; /* time between decisions, 1 to 8.64e15 (100 days); default: 2 s */
+  uint64_t cooldown_ns; /* minimum time between switches that the policy chooses, at most 100
+                               days; default: 40 s */
+  double fps_floor;     /* frame-rate floor in frames/s, 0 to 1000; a scene whose best arm is slower
+                           is SWP_VERDICT_DEGRADED; default: 30 */
 } swp_decider_options;
 
 /* A posterior of an arm's reward, Beta(alpha, beta). */

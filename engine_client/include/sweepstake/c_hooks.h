@@ -19,7 +19,7 @@ extern "C" {
 
 /* A NULL member keeps the default. All functions may be called on any thread, several at a time,
  * and must return normally without calling the library. The pointer of a name never changes and
- * stays valid as long as the library. */
+ * is valid while the library is loaded. */
 typedef struct swp_hooks {
   uint32_t struct_size;
   uint32_t reserved; /* 0 */
@@ -29,7 +29,7 @@ typedef struct swp_hooks {
   void* (*allocate)(uint64_t bytes, uint64_t alignment, void* user);
   /* Frees what `allocate` returned for the same `bytes` and `alignment`. */
   void (*release)(void* pointer, uint64_t bytes, uint64_t alignment, void* user);
-  /* Called at the start and the end of a named stretch of work; zones of one thread nest. */
+  /* Called at the start and the end of a named zone of work. Zones of one thread may be nested. */
   void (*zone_begin)(const char* name, void* user);
   void (*zone_end)(const char* name, void* user);
   /* Called first on each thread that the library starts, so that affinity and priority can be set.

@@ -51,8 +51,9 @@ typedef struct swp_link_options {
   const char* machine_class;  /* NULL: detected from processor, threads and memory */
   const char* policy;         /* NULL: the daemon's default */
   uint64_t seed;              /* 0: the daemon chooses */
-  double time_scale;          /* 1 to 1000; above 1 a daemon refuses unless it is set to allow it */
-  uint64_t jitter_seed;       /* seed of the delays between attempts; 0: another for each link */
+  double time_scale;          /* 1 to 1000: divides the decider's intervals; a daemon refuses values
+                                 above 1 unless it is configured to allow them */
+  uint64_t jitter_seed;       /* seed of the delays between attempts; 0: a new one for each link */
   uint32_t ignore_priors;     /* 1: starts from Beta(1,1) whatever the store holds */
   uint32_t batch_interval_ms; /* a batch is sent at the first of these three limits: 1 to 10,000 */
   uint32_t batch_frames;      /* 1 to 240 */
@@ -137,10 +138,10 @@ SWP_API swp_result swp_link_connected(swp_link* link, uint64_t now_ns);
  * returned once. Call it every few milliseconds, with and without a stream, until the action is
  * another one than SWP_LINK_SEND.
  *
- * If `capacity` is too small for the message, the result is SWP_RESOURCE_EXHAUSTED, `size` is what
- * it needs, and it stays the next message. `action` is written too, and no last error is set. A
- * caller with a write in progress therefore passes NULL and 0. A capacity of batch_bytes or 8 KiB,
- * whichever is more, is enough for nearly all messages. */
+ * If `capacity` is too small for the message, the result is SWP_RESOURCE_EXHAUSTED, `size` is the
+ * size that it needs, and the message stays the next one. `action` is written too, and no last
+ * error is set. A caller with a write in progress therefore passes NULL and 0. A capacity of
+ * batch_bytes or 8 KiB, whichever is more, is enough for nearly all messages. */
 SWP_API swp_result swp_link_next_message(swp_link* link, uint64_t now_ns, void* buffer,
                                          uint64_t capacity, uint64_t* size,
                                          swp_link_action* action);
@@ -149,12 +150,12 @@ SWP_API swp_result swp_link_next_message(swp_link* link, uint64_t now_ns, void* 
  * unacknowledged is sent again on the next stream. SWP_FAILED_PRECONDITION without a stream. */
 SWP_API swp_result swp_link_on_message(swp_link* link, const void* bytes, uint64_t size,
                                        uint64_t now_ns);
-/* Reports that the stream has ended, after its last message was passed on. `message` and the code
- * are those of gRPC's status; `details` are the bytes of the trailer grpc-status-details-bin,
- * decoded from base64. `message` and `details` may be NULL. The first 256 bytes of the text are
- * kept, and shown as one line of UTF-8. `delay_ms` is the time to wait before the next stream, or
- * SWP_LINK_NEVER. Without a previous swp_link_connected, the call reports that no stream could be
- * opened. */
+/* Reports that the stream has ended, after its last message was passed to swp_link_on_message.
+ * `message` and the code are those of gRPC's status. `details` are the bytes of the trailer
+ * grpc-status-details-bin, decoded from base64. Both may be NULL. The first 256 bytes of the
+ * message are kept, and shown as one line of UTF-8. `delay_ms` is the time to wait before the next
+ * stream, or SWP_LINK_NEVER. Without a previous swp_link_connected, the call reports that no stream
+ * could be opened. */
 SWP_API swp_result swp_link_disconnected(swp_link* link, uint32_t grpc_status_code,
                                          const char* message, const void* details,
                                          uint64_t details_size, uint64_t now_ns,

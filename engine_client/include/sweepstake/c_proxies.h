@@ -15,7 +15,8 @@
  * A set has one caller at a time. Calls that take a const set are the exception: they may run on
  * any number of threads at the same time, if no other call runs. A handle of a removed proxy, or
  * one that never had a proxy, is SWP_NOT_FOUND and changes nothing. */
-/* Before the guard: c_api.h includes the headers in the order in which they need one another. */
+/* Included before the guard, so that c_api.h includes its headers in the order of their
+ * dependencies. */
 #include "sweepstake/c_api.h"
 
 #ifndef SWEEPSTAKE_C_PROXIES_H_

@@ -4,7 +4,8 @@
  *
  * Threads: a scene has one caller at a time; while no call runs, any number of threads may read its
  * boxes. Cost: a step is O(objects); the boxes are not copied. */
-/* Before the guard: c_api.h includes the headers in the order in which they need one another. */
+/* Included before the guard, so that c_api.h includes its headers in the order of their
+ * dependencies. */
 #include "sweepstake/c_api.h"
 
 #ifndef SWEEPSTAKE_C_SCENES_H_

@@ -17,7 +17,8 @@
  * Cost: a frame takes the time of its backend, a few atomic operations and a few readings of the
  * clock. Pairs are not copied; boxes are copied only in the few frames that a shadow lane measures.
  * The frame thread never waits, takes no lock, and in steady state allocates nothing. */
-/* Before the guard: c_api.h includes the headers in the order in which they need one another. */
+/* Included before the guard, so that c_api.h includes its headers in the order of their
+ * dependencies. */
 #include "sweepstake/c_api.h"
 
 #ifndef SWEEPSTAKE_C_SESSIONS_H_
@@ -84,9 +85,11 @@ typedef struct swp_session_options {
   swp_shadow_mode shadow; /* SWP_SHADOW_OFF unless set */
   uint32_t sorted_pairs;  /* 1: pairs ascend by a and then b whatever the arm, so that a switch does
                              not change a lockstep game; not part of a sample's detection time */
-  double shadow_duty_ratio;     /* the lane's maximum share of one core, over 0 to 1; 0.15 */
-  uint64_t shadow_memory_bytes; /* the lane's maximum, half of it for copied boxes; 64 MiB. If the
-                                   frames do not fit, the state is SWP_SHADOW_STATE_TOO_BIG */
+  double shadow_duty_ratio;     /* the lane's maximum share of one core, over 0 to 1; default:
+                                   0.15 */
+  uint64_t shadow_memory_bytes; /* the lane's maximum memory, half of it for copied boxes; default:
+                                   64 MiB. If the frames do not fit, the state is
+                                   SWP_SHADOW_STATE_TOO_BIG */
   uint64_t memory_budget_bytes; /* limit for all arms, the pairs and the lane, which takes at most
                                    half of it; 0: no limit. Above it, at a switch or when the active
                                    arm grows, inactive arms and then the lane are freed */
@@ -178,7 +181,7 @@ enum {
   SWP_DECISION_EXPLORING = 7,     /* no candidate; the command goes to the next arm to try */
   SWP_DECISION_REJECTED = 8,      /* a metric is not finite */
   SWP_DECISION_HELD_GATE = 9,     /* the expected gain is less than the cost of the switch */
-  SWP_DECISION_HELD_TIE = 10      /* the candidate's advantage is below the relevant difference */
+  SWP_DECISION_HELD_TIE = 10      /* the candidate's expected gain is too small to matter */
 };
 
 enum { SWP_MAX_ARMS = 32 };
@@ -247,7 +250,7 @@ SWP_API swp_result swp_session_select_arm(swp_session* session, const char* arm)
 /* Sets the mode. In SWP_MODE_MANUAL posted commands are refused unless their reason is
  * SWP_SWITCH_MANUAL. */
 SWP_API swp_result swp_session_set_mode(swp_session* session, swp_mode mode);
-/* The current state; each call reads a few bytes. */
+/* The session's current mode, active arm and number of switches. */
 SWP_API swp_result swp_session_mode(const swp_session* session, swp_mode* mode);
 SWP_API swp_result swp_session_active_arm(const swp_session* session, uint32_t* arm);
 SWP_API swp_result swp_session_switch_epoch(const swp_session* session, uint32_t* switch_epoch);
@@ -256,7 +259,7 @@ SWP_API swp_result swp_session_last_sample(const swp_session* session, swp_frame
 
 /* Functions for any thread. */
 
-/* The arms, which never change. */
+/* The session's arms, which never change. */
 SWP_API swp_result swp_session_arm_count(const swp_session* session, uint32_t* count);
 /* The name is valid until the session is destroyed. */
 SWP_API swp_result swp_session_arm_name(const swp_session* session, uint32_t arm,
@@ -285,7 +288,7 @@ SWP_API swp_result swp_session_last_outcome(const swp_session* session,
 SWP_API swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
                                        uint64_t* note_count);
 
-/* The shadow lane's counters, and its state with the reason. */
+/* The shadow lane's counters, and its state, which gives the reason if the lane does not run. */
 SWP_API swp_result swp_session_shadow_stats(const swp_session* session, swp_shadow_stats* stats);
 
 /* NOLINTEND(modernize-use-using) */

@@ -11,7 +11,8 @@
  *
  * Cost: an update and a search take the backend's time, see engine_client/broad_phase/README.md of
  * the sources. Boxes and pairs are not copied. In steady state nothing allocates. */
-/* Before the guard: c_api.h includes the headers in the order in which they need one another. */
+/* Included before the guard, so that c_api.h includes its headers in the order of their
+ * dependencies. */
 #include "sweepstake/c_api.h"
 
 #ifndef SWEEPSTAKE_C_WORLDS_H_
@@ -77,7 +78,7 @@ SWP_API swp_result swp_world_find_pairs(swp_world* world);
  * next build or update. SWP_FAILED_PRECONDITION before the search. */
 SWP_API swp_result swp_world_pairs(const swp_world* world, const swp_pair** pairs, uint64_t* count);
 
-/* The counters of the latest build or update and search, and what the world holds. */
+/* The counters of the latest build or update and search, and the memory that the world holds. */
 SWP_API swp_result swp_world_counters(const swp_world* world, swp_counters* counters);
 
 /* NOLINTEND(modernize-use-using) */

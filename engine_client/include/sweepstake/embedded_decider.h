@@ -33,7 +33,7 @@ struct ArmBelief {
   std::string arm;
   double alpha = 1;
   double beta = 1;
-  // Absent while nothing is learnt.
+  // Absent while nothing has been learnt.
   std::optional<ArmStanding> standing{};
 };
 
@@ -82,7 +82,7 @@ struct EmbeddedOptions {
   // records of each run; above 200,000 records it is refused.
   std::string source_id;
   uint64_t seed = 1;
-  double time_scale = 1;  // 1–1000: every interval but the bail-out limit is divided by it
+  double time_scale = 1;  // 1–1000: divides every interval except the bail-out limit
   // Time between decisions, 1 ns to 100 days. A decision learns from the mean over this time. Half
   // of the time doubles the noise and the cost, and detects a change twice as fast.
   uint64_t decision_interval_ns = 2'000'000'000;
@@ -157,7 +157,7 @@ class EmbeddedDecider {
 
  private:
   class Impl;
-  friend struct StudyMaker;  // of the implementation
+  friend struct StudyMaker;  // part of the implementation
   explicit EmbeddedDecider(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

@@ -69,8 +69,8 @@ struct ShadowSample {
 static_assert(sizeof(ShadowSample) == 56);
 static_assert(std::is_trivially_copyable_v<ShadowSample>);
 
-// The decider of the active arm: the game or an operator (kManual), or the policy (kAi). The same
-// values as sweepstake.v1.Mode.
+// Whether the game or an operator chooses the active arm (kManual) or the policy does (kAi). The
+// same values as sweepstake.v1.Mode.
 enum class Mode : uint32_t { kManual = 1, kAi = 2 };
 
 // Why the active arm changed; the same values as sweepstake.v1.SwitchReason.
@@ -80,11 +80,11 @@ struct SwitchCommand {
   uint64_t command_id = 0;  // 0: local
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
-  // Nonzero: a trial, which returns to the previous arm if the new arm is too expensive. It does so
-  // after two frames in a row in which detection would make the longest recent frame longer than
-  // this percentage of it, and by at least 1 ms. It also does so if all searches together exceed
-  // the recent mean by a fortieth of the trial's duration. At most 255; below 100 counts as 100. 0:
-  // no trial.
+  // Nonzero: the switch is a trial, which returns to the previous arm in two cases (trial_guard.h).
+  // First: two searches in a row exceed the longest recent search of the previous arm by more than
+  // (trial_limit_percent − 100) % of its longest recent frame, and by more than 1 ms. Second: all
+  // searches together take longer than the same number of average searches of the previous arm, by
+  // a fortieth of the trial's duration. At most 255; below 100 counts as 100. 0: no trial.
   uint32_t trial_limit_percent = 0;
 };
 
@@ -102,8 +102,8 @@ struct ModeChange {
   uint64_t order_id = 0;  // the order that the game executes with it; 0: the game's own change
 };
 
-// The decider's conclusion about the scene. It changes when three decisions in a row give the same
-// other verdict. The same values as sweepstake.v1.Verdict.
+// The decider's conclusion about the scene. It changes only after three decisions in a row give the
+// same new verdict. The same values as sweepstake.v1.Verdict.
 enum class Verdict : uint32_t {
   kUnknown = 0,    // nothing decided yet
   kStable = 1,     // one arm is the best with a probability of at least 0.8
@@ -151,7 +151,7 @@ enum class DecisionOutcome : uint32_t {
   kExploring = 7,     // no candidate; a command goes to the next arm of the exploration
   kRejected = 8,      // a metric of the window is not finite
   kHeldGate = 9,      // the expected gain is less than the cost of the switch
-  kHeldTie = 10,      // the candidate's advantage is below the relevant difference
+  kHeldTie = 10,      // the candidate's expected gain is too small to matter
 };
 
 // The latest decision and its reasons, for a game that shows or logs them

@@ -15,10 +15,10 @@
 //
 //   sweepstake: begin frame       AdaptiveBroadPhase::BeginFrame, with a switch if one is pending
 //   sweepstake: update            the active backend builds or takes the boxes
-//   sweepstake: search            it finds the pairs
+//   sweepstake: search            the active backend finds the pairs
 //   sweepstake: resolve proxies   ProxySet::Resolve
 //   sweepstake: lane visit        the shadow lane measures an arm
-//   sweepstake: lane preparation  it processes a frame for a switch
+//   sweepstake: lane preparation  the shadow lane updates the arm of the next switch
 //   sweepstake: decide            a decider takes samples, or decides
 //
 // Out of memory: if `allocate` returns null, the call ends as described at OutOfMemory().
@@ -43,9 +43,9 @@ struct Hooks {
   // Frees what `allocate` returned for the same `bytes` and `alignment`.
   void (*release)(void* pointer, size_t bytes, size_t alignment, void* user) = nullptr;
 
-  // Called at the start and the end of a named stretch of work, for a profiler. Zones of one thread
-  // nest. `name` is one of those above. It stays the same in later versions; its pointer never
-  // changes and stays valid as long as the library.
+  // Called at the start and the end of a named zone of work, for a profiler. Zones of one thread
+  // may be nested. `name` is one of the names above, which stay the same in later versions. Its
+  // pointer never changes and is valid while the library is loaded.
   void (*zone_begin)(const char* name, void* user) = nullptr;
   void (*zone_end)(const char* name, void* user) = nullptr;
 

@@ -18,8 +18,8 @@
 // - sleeping proxies, whose pairs with other sleeping and static ones are kept;
 // - moving proxies that ignore their own kind: their category is not in their own mask, as debris
 //   that collides with everything but debris. A pile of them costs no more than the same proxies
-//   far apart. Up to seven such groups of filters are possible; pairs of further ones are filtered
-//   after the search.
+//   far apart. Up to seven such groups of filters are possible; pairs of further groups are
+//   filtered after the search.
 //
 // Pairs, events and queries never depend on where a proxy is kept.
 //
@@ -31,18 +31,18 @@
 // Memory:
 // - 57 bytes per place, and 4 more with events;
 // - 24 more per place of a moving proxy, once one of these is kept outside the array;
-// - 32 more per proxy in a tree that was searched (after the first query all trees), or 36 if the
-//   tree has more than 60,000 proxies; up to four times that after many removals;
+// - 32 more per proxy in a tree that was searched, or 36 if the tree has more than 60,000 proxies;
+//   up to four times that after many removals. The first query searches all trees;
 // - 36 per proxy of the largest such tree, to sort it;
 // - 16 bytes per pair, 24 if pairs are sorted, and 8 per kept pair.
 //
 // Cost: measured by tests/bench/programs/proxies_bench.cc on one thread of AMD Zen 5, with 10,000
-// moving boxes of suite-b and 14,500 pairs. Sleeping proxies and groups that ignore their own kind
-// did not exist yet. Move takes 5 ns. Resolve takes 13 µs with filters and nothing without, 70 µs
-// with sorted pairs and 120 µs with events. With 100,000 static boxes and their 29,400 pairs it
-// takes 0.28 ms, and 0.19 ms on two threads. A query among all of these takes 0.33 µs for a box
-// that finds five, 0.33 µs for the first hit of a ray and 1.1 µs for all twelve. The first query
-// after a change takes 20 µs more for the moving proxies.
+// moving boxes of suite-b and 14,500 pairs. The measurement is without sleeping proxies and without
+// groups that ignore their own kind. Move takes 5 ns. Resolve takes 13 µs with filters and nothing
+// without, 70 µs with sorted pairs and 120 µs with events. With 100,000 static boxes and their
+// 29,400 pairs it takes 0.28 ms, and 0.19 ms on two threads. A query among all of these takes
+// 0.33 µs for a box that finds five, 0.33 µs for the first hit of a ray and 1.1 µs for all twelve.
+// The first query after a change takes 20 µs more for the moving proxies.
 //
 // Resting proxies cost a frame only for their changes (tests/bench/programs/proxy_ratios_bench.cc,
 // AMD EPYC). Replacing one static proxy takes 12 µs among 20,000, and 33 µs among 2,000,000. Adding
@@ -82,7 +82,7 @@ struct ProxyHandle {
   uint32_t generation = 0;
 
   bool is_null() const { return generation == 0; }
-  // The compiler itself compares the result with 0.
+  // clang-tidy reports a comparison with 0 that the compiler generates.
   // NOLINTNEXTLINE(modernize-use-nullptr)
   friend auto operator<=>(const ProxyHandle&, const ProxyHandle&) = default;
 };
@@ -233,8 +233,8 @@ class ProxySet {
   // 0.05 ms to save, 0.06 ms to restore. Nothing is allocated if the set has held as many proxies
   // before.
   size_t snapshot_bytes() const;
-  // Returns kInvalidArgument if `snapshot` is smaller than that. Bytes after the snapshot stay
-  // unchanged.
+  // Returns kInvalidArgument if `snapshot` is smaller than snapshot_bytes(). Bytes after the
+  // snapshot stay unchanged.
   Status Save(std::span<std::byte> snapshot) const;
   // Restores a snapshot that a set with the same options has saved at the beginning of `snapshot`.
   // Invalidates spans; handles made since the save are given out again. If the snapshot is refused,

@@ -44,8 +44,8 @@ class Scene {
 
   virtual std::string_view name() const = 0;
   // Returns the bounds of the motion. Boxes may extend beyond them by their size, in suite-h by
-  // another 1/40 of the side. For a recorded file these are the bounds in its header. Degenerate
-  // scenes leave their bounds.
+  // another 1/40 of the world's side. For a recorded file these are the bounds in its header.
+  // Degenerate scenes leave their bounds.
   virtual Aabb world() const = 0;
   // Returns the number of steps taken. At 0, aabbs() returns the boxes as they were spawned.
   virtual uint64_t frame_index() const = 0;

@@ -39,7 +39,7 @@ struct FlightRecording {
   uint64_t worst_frame_ns = 0;  // the longest frame in it
 };
 
-// The statistics of a session since it began; a consistent copy.
+// The statistics of a session since it began. All fields are from the same moment.
 struct SessionStats {
   ConnectionState state = ConnectionState::kOffline;
   std::string last_error;  // what went wrong most recently and what to do; empty: nothing
@@ -107,7 +107,8 @@ struct FlightRecorderOptions {
   uint32_t memory_mb = 0;
   // A longer frame triggers a recording, unless it was paused or loading; over 0.
   double frame_budget_ms = 50;
-  std::string directory = {};  // an existing folder, in UTF-8; a file has at most memory_mb × 4/3
+  // An existing folder; its path is UTF-8. A file has at most memory_mb × 4/3 MiB.
+  std::string directory = {};
 };
 
 struct SessionOptions {
@@ -116,7 +117,7 @@ struct SessionOptions {
   std::string build;          // empty: unknown
   std::string machine_class;  // class of comparable machines; empty: MachineClass()
   std::string policy;         // empty: the decider's default
-  double time_scale = 1;      // 1–1000; above 1 a daemon refuses unless it is set to allow it
+  double time_scale = 1;      // 1–1000: divides intervals; above 1 only if the daemon allows it
   bool ignore_priors = false;
   uint64_t seed = 0;  // 0: the decider chooses
   // Lets operators of the daemon choose the mode and the arm. Unused with an embedded decider.

@@ -50,10 +50,10 @@ enum class ShadowState : uint32_t {
 struct ShadowStats {
   ShadowState state = ShadowState::kOff;
   uint64_t sweep_count = 0;
-  uint64_t visit_count = 0;         // each to one arm
+  uint64_t visit_count = 0;         // measurements of one arm each
   uint64_t capped_visit_count = 0;  // of these, visits that ended at a cap
   uint64_t busy_time_ns = 0;        // visits and preparations
-  uint64_t memory_bytes = 0;        // copied boxes and structures, as of the latest frame it ran
+  uint64_t memory_bytes = 0;        // copied boxes and structures, after the lane's latest frame
   uint64_t copied_frame_count = 0;
   uint64_t copy_time_ns = 0;  // time of copying boxes on the frame thread
   // The estimated cost of the lane to the frame thread besides the copies: the measured slowdown of
