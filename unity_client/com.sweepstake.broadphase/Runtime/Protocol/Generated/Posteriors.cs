@@ -134,7 +134,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_HELD_SETTLING")] HeldSettling = 4,
     /// <summary>
-    /// No frame to learn from since the last tick.
+    /// There was no frame to learn from since the last tick.
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_NO_FRAMES")] NoFrames = 5,
     /// <summary>
@@ -154,7 +154,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_HELD_GATE")] HeldGate = 9,
     /// <summary>
-    /// The candidate's advantage is below the relevant difference.
+    /// The candidate's expected gain is too small to matter.
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_HELD_TIE")] HeldTie = 10,
   }
@@ -1940,7 +1940,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RewardVersionFieldNumber = 4;
     private uint rewardVersion_;
     /// <summary>
-    /// Version of the reward the evidence was measured with. Absent: 0.
+    /// Version of the reward that the evidence was measured with. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2045,7 +2045,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int ValueRemainingRatioFieldNumber = 11;
     private double valueRemainingRatio_;
     /// <summary>
-    /// What perfect information would gain over the arm with the best mean, on the same scale. Absent: 0.
+    /// The expected gain of perfect information over choosing the arm with the best mean, on the scale of expected_loss_ratio.
+    /// Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2523,7 +2524,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PosteriorFieldNumber = 3;
     private global::Sweepstake.Protocol.V1.BetaPosterior posterior_;
     /// <summary>
-    /// The posterior, of windows and visits together. Always set.
+    /// The posterior from decision windows and lane visits together. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2690,7 +2691,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int CostRatioFieldNumber = 13;
     private global::Sweepstake.Protocol.V1.CostRatio costRatio_;
     /// <summary>
-    /// The arm's cost divided by the leader's. Absent: as best_probability, or rewards of this version do not measure costs.
+    /// The arm's cost divided by the leader's. Absent: best_probability is absent, or rewards of this version do not measure costs.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3294,7 +3295,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int CandidateArmFieldNumber = 6;
     private string candidateArm_ = "";
     /// <summary>
-    /// The arm with the highest draw. Absent: none was drawn.
+    /// The arm that the policy proposed. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3461,7 +3462,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForString(130);
     private readonly pbc::RepeatedField<string> arms_ = new pbc::RepeatedField<string>();
     /// <summary>
-    /// The session's arms, in the order of best_probability and standings. Absent: nothing is learnt.
+    /// The session's arms, in the order of best_probability and standings. Absent: nothing has been learnt.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3475,7 +3476,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(138, global::Sweepstake.Protocol.V1.ArmStanding.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding> standings_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding>();
     /// <summary>
-    /// The session's measurements of each of the arms, and the conclusions. Absent: as arms.
+    /// The session's measurements of each arm, and the conclusions from them. Absent: nothing has been learnt.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4097,7 +4098,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int DetectionTimeNsFieldNumber = 2;
     private global::Sweepstake.Protocol.V1.LogHistogram detectionTimeNs_;
     /// <summary>
-    /// Broad phase only. Always set.
+    /// Time of the broad phase only. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

@@ -119,7 +119,7 @@ namespace Sweepstake.Protocol.V1 {
   }
   #region Messages
   /// <summary>
-  /// The evidence to export.
+  /// Selects the evidence to export.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ExportPriorsRequest : pb::IMessage<ExportPriorsRequest>
@@ -218,7 +218,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int WithWeightsFieldNumber = 4;
     private bool withWeights_;
     /// <summary>
-    /// True: each record has its weight. Absent: no weights.
+    /// True: each record contains its weight. Absent: no weights.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -443,7 +443,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A part of the evidence.
+  /// A part of the exported evidence.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ExportPriorsResponse : pb::IMessage<ExportPriorsResponse>
@@ -636,7 +636,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A part of the evidence.
+  /// A part of the evidence to import.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ImportPriorsRequest : pb::IMessage<ImportPriorsRequest>
@@ -702,7 +702,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PromoteFieldNumber = 2;
     private bool promote_;
     /// <summary>
-    /// True in any message of the stream: all of it counts at once, without quarantine. Absent: it must be promoted.
+    /// True in any message of the stream: all its evidence counts at once, without quarantine. Absent: it must be promoted first.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -921,7 +921,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AppliedCountFieldNumber = 1;
     private ulong appliedCount_;
     /// <summary>
-    /// Records that were new or newer than the stored ones. Absent: 0.
+    /// Number of records that were new, or newer than the stored ones. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -936,7 +936,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnchangedCountFieldNumber = 2;
     private ulong unchangedCount_;
     /// <summary>
-    /// Records that the store already had, or that belong to one of its own sessions or to a revoked source. Absent: 0.
+    /// Number of records that the store already had, or that belong to one of its own sessions or to a revoked source. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2463,7 +2463,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SourceCountFieldNumber = 1;
     private ulong sourceCount_;
     /// <summary>
-    /// Sources that were not revoked before. Absent: 0.
+    /// Number of sources, without those that were revoked before. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2478,7 +2478,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RecordCountFieldNumber = 2;
     private ulong recordCount_;
     /// <summary>
-    /// Records of these sources. Absent: 0.
+    /// Number of records of these sources. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3050,7 +3050,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SourceCountFieldNumber = 1;
     private ulong sourceCount_;
     /// <summary>
-    /// Sources with records in quarantine. Absent: 0.
+    /// Number of sources with records in quarantine. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3065,7 +3065,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int RecordCountFieldNumber = 2;
     private ulong recordCount_;
     /// <summary>
-    /// Records of these sources in quarantine. Absent: 0.
+    /// Number of records of these sources in quarantine. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3095,7 +3095,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SceneCountFieldNumber = 4;
     private ulong sceneCount_;
     /// <summary>
-    /// Scenes whose posteriors change; a scene counts once per machine class and reward version. Absent: 0.
+    /// Number of scenes whose posteriors change; a scene counts once per machine class and reward version. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3556,7 +3556,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SourceSequenceFieldNumber = 9;
     private ulong sourceSequence_;
     /// <summary>
-    /// Last increment of the source that is included. Absent (0): an error.
+    /// Number of the source's last increment that is included. Absent (0): an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3571,7 +3571,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AlphaIncrementFieldNumber = 10;
     private double alphaIncrement_;
     /// <summary>
-    /// Added to alpha, finite and ≥ 0, without any prior. Absent: 0.
+    /// What the evidence adds to alpha, finite and ≥ 0; no prior is included. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3586,7 +3586,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BetaIncrementFieldNumber = 11;
     private double betaIncrement_;
     /// <summary>
-    /// Added to beta, finite and ≥ 0, without any prior. Absent: 0.
+    /// What the evidence adds to beta, finite and ≥ 0; no prior is included. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4598,7 +4598,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BeforeFieldNumber = 3;
     private global::Sweepstake.Protocol.V1.BuildChoice before_;
     /// <summary>
-    /// The builds before. Absent: all builds.
+    /// The builds of the side 'before'. Absent: all builds.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4613,7 +4613,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AfterFieldNumber = 4;
     private global::Sweepstake.Protocol.V1.BuildChoice after_;
     /// <summary>
-    /// The builds after. Absent: all builds.
+    /// The builds of the side 'after'. Absent: all builds.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5221,7 +5221,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int KnownInBothFieldNumber = 6;
     private bool knownInBoth_;
     /// <summary>
-    /// Some cost ratio is known before, and some after. Absent: false.
+    /// On each of the two sides the cost ratio of at least one arm is known. Absent: false.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5236,7 +5236,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int LeaderChangedFieldNumber = 7;
     private bool leaderChanged_;
     /// <summary>
-    /// Other arms are the cheapest after than before. Absent: false, or not known in both.
+    /// No arm is the cheapest on both sides. Absent: false, or known_in_both is false.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5590,7 +5590,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// One arm before and after.
+  /// One arm's evidence from the builds before and from the builds after.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ArmComparison : pb::IMessage<ArmComparison>
@@ -5659,7 +5659,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BeforeFieldNumber = 2;
     private global::Sweepstake.Protocol.V1.ArmEvidence before_;
     /// <summary>
-    /// Its evidence before. Absent: none.
+    /// The evidence from the builds before. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5674,7 +5674,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AfterFieldNumber = 3;
     private global::Sweepstake.Protocol.V1.ArmEvidence after_;
     /// <summary>
-    /// Its evidence after. Absent: none.
+    /// The evidence from the builds after. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5689,7 +5689,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ChangedFieldNumber = 4;
     private bool changed_;
     /// <summary>
-    /// Its cost ratio changes by more than 5 %, or is known only before or after. Absent: false.
+    /// The arm's cost ratio changes by more than 5 %, or is known on one side only. Absent: false.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5932,7 +5932,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// The evidence of the chosen builds about an arm, in its newest version that they measured.
+  /// The evidence of the chosen builds about an arm, for the newest backend version that they measured.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ArmEvidence : pb::IMessage<ArmEvidence>
@@ -6031,7 +6031,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int CostRatioFieldNumber = 4;
     private global::Sweepstake.Protocol.V1.CostRatio costRatio_;
     /// <summary>
-    /// The cost divided by that of the cheapest arm, from this evidence alone. Absent: unknown, or rewards do not tell costs.
+    /// The cost divided by that of the cheapest arm, from this evidence alone. Absent: unknown, or rewards of this version do not
+    /// measure costs.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

@@ -311,7 +311,7 @@ namespace Sweepstake.Protocol.V1 {
         return CallInvoker.AsyncUnaryCall(__Method_PromotePriors, null, options, request);
       }
       /// <summary>
-      /// Compares what two choices of builds have measured, scene by scene. Evidence in quarantine is left out.
+      /// Compares the measurements of two choices of builds, scene by scene. Evidence in quarantine is left out.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
@@ -324,7 +324,7 @@ namespace Sweepstake.Protocol.V1 {
         return CompareBuilds(request, new grpc::CallOptions(headers, deadline, cancellationToken));
       }
       /// <summary>
-      /// Compares what two choices of builds have measured, scene by scene. Evidence in quarantine is left out.
+      /// Compares the measurements of two choices of builds, scene by scene. Evidence in quarantine is left out.
       /// </summary>
       /// <param name="request">The request to send to the server.</param>
       /// <param name="options">The options for the call.</param>

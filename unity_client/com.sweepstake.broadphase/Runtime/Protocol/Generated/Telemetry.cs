@@ -202,7 +202,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("SWITCH_REASON_POLICY")] Policy = 1,
     /// <summary>
-    /// Next arm of the initial exploration.
+    /// The next arm of the initial exploration.
     /// </summary>
     [pbr::OriginalName("SWITCH_REASON_EXPLORATION")] Exploration = 2,
     /// <summary>
@@ -210,7 +210,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("SWITCH_REASON_BAIL_OUT")] BailOut = 3,
     /// <summary>
-    /// Chosen by a person.
+    /// The game or an operator chose the arm.
     /// </summary>
     [pbr::OriginalName("SWITCH_REASON_MANUAL")] Manual = 4,
   }
@@ -238,11 +238,11 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   public enum ShadowFlag {
     /// <summary>
-    /// Nothing special.
+    /// No flag is set.
     /// </summary>
     [pbr::OriginalName("SHADOW_FLAG_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
-    /// The arm that was active on the frame thread.
+    /// The visited arm was the active one on the frame thread.
     /// </summary>
     [pbr::OriginalName("SHADOW_FLAG_ACTIVE")] Active = 1,
     /// <summary>
@@ -256,7 +256,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   public enum FrameFlag {
     /// <summary>
-    /// Nothing special.
+    /// No flag is set.
     /// </summary>
     [pbr::OriginalName("FRAME_FLAG_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
@@ -1094,7 +1094,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AcknowledgementFieldNumber = 3;
     private global::Sweepstake.Protocol.V1.Acknowledgement acknowledgement_;
     /// <summary>
-    /// Evidence that is on disk.
+    /// Acknowledges evidence that is on disk.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2718,7 +2718,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SceneDescriptorFieldNumber = 9;
     private global::Sweepstake.Protocol.V1.SceneDescriptor sceneDescriptor_;
     /// <summary>
-    /// The scene during these frames. Absent: not measured.
+    /// Properties of the scene during these frames. Absent: not measured.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6942,9 +6942,10 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialLimitPercentFieldNumber = 4;
     private uint trialLimitPercent_;
     /// <summary>
-    /// Makes the switch a trial of twice the settling time. The client returns to the previous arm if two detections in a row
-    /// exceed the longest recent one by (this − 100) % of the longest recent frame, at least 1 ms. It also returns if all
-    /// detections exceed the mean by 1/40 of the trial's time in total. The first three frames do not count. Absent (0): no trial.
+    /// Makes the switch a trial of twice the settling time, from which the client returns to the previous arm in two cases. First:
+    /// two detections in a row exceed the previous arm's longest recent one by (trial_limit_percent − 100) % of its longest recent
+    /// frame, at least 1 ms. Second: all detections together take 1/40 of the trial's time longer than as many average ones of the
+    /// previous arm. The first three frames do not count. Absent (0): no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7470,7 +7471,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(10, global::Sweepstake.Protocol.V1.BetaPosterior.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.BetaPosterior> arms_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.BetaPosterior>();
     /// <summary>
-    /// In Hello's order of arms. Absent: nothing is known.
+    /// The posterior of each arm, in Hello's order. Absent: nothing is known.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7529,7 +7530,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(42, global::Sweepstake.Protocol.V1.ArmStanding.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding> standings_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.ArmStanding>();
     /// <summary>
-    /// The session's measurements of each of the arms, and the conclusions. Absent: nothing is learnt.
+    /// The session's measurements of each arm, and the conclusions from them. Absent: nothing has been learnt.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -8182,7 +8183,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int MedianFieldNumber = 1;
     private double median_;
     /// <summary>
-    /// The true ratio is below it with a probability of 50 %. Absent: 0.
+    /// The true ratio is below the median with a probability of 50 %. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
