@@ -27,7 +27,7 @@ STRUCTS = {
     "swp_ray_hit": "QueryHit", "swp_scene_options": "SceneOptions", "swp_link_options": "NativeLinkOptions",
     "swp_link_stats": "LinkStats", "swp_decision": "Decision", "swp_sphere": "SphereQuery", "swp_box_sweep": "BoxSweepQuery",
 }
-# Structs of callbacks from native into managed code.
+# Structs that contain callbacks. Functions that take them are left out of the C# imports.
 LEFT_OUT = {"swp_executor", "swp_hooks"}
 HANDLES = {"swp_world", "swp_session", "swp_proxies", "swp_scene", "swp_link"}
 SCALARS = {

@@ -2,7 +2,7 @@
 """Writes the missing .meta of each file and folder of the Unity package, with a GUID derived from its path.
 
     make_metas.py PACKAGE           writes missing files; an existing .meta stays, so that a GUID survives a rename (git mv both)
-    make_metas.py PACKAGE --check   fails if one is missing, belongs to nothing, or has the GUID of another
+    make_metas.py PACKAGE --check   fails if one is missing, belongs to no file or folder, or has the GUID of another
 
 Unity ignores files whose name begins with a dot and folders whose name ends with ~. The samples in Samples~ need metas nevertheless: they
 are copied into a project together with them, and a sample's scene finds its scripts by their GUIDs. Plug-ins are not in the repository. Their
@@ -112,7 +112,7 @@ def errors(package):
     for name in sorted(wanted - there):
         yield f"{name} is missing; run unity_client/tools/make_metas.py"
     for name in sorted(there - wanted):
-        yield f"{name} belongs to nothing"
+        yield f"{name} belongs to no file or folder; delete it"
     files = {path.relative_to(TEMPLATES).as_posix(): path for path in TEMPLATES.rglob("*.meta")}
     files.update({name: package / name for name in there & wanted})
     owners = {}

@@ -85,7 +85,7 @@ namespace Sweepstake.Tests
             return played.Select(Sent).ToArray();
         }
 
-        /// <summary>Repeats the game until the daemon was in time; returns the messages.</summary>
+        /// <summary>Repeats the game until the daemon has decided in time; returns the messages.</summary>
         private static async Task<List<byte[]>> PlayInTime(DaemonProcess daemon, Func<string, Task> play)
         {
             for (int attempt = 0; attempt < Attempts; ++attempt)
@@ -175,7 +175,7 @@ namespace Sweepstake.Tests
             return lines.Where(line => Regex.IsMatch(line, "^sweepstake_(accepted|applied|dropped|invalid|malformed|refused|rejected|replayed)_")).ToArray();
         }
 
-        /// <summary>The sums over all windows: frames, times, checks and pairs do not depend on where a window ended.</summary>
+        /// <summary>The sums of frames, times, checks and pairs over all windows, which do not depend on where windows end.</summary>
         private static double[] WindowSums(DaemonProcess daemon)
         {
             var sums = new double[Summed.Length];

@@ -12,7 +12,7 @@ namespace Sweepstake.Tests
 
         internal Game(ITelemetryTransport transport, Action<LinkOptions> change = null, Action<SessionOptions> changeSession = null)
         {
-            // Large enough that it does not fill while the link waits for its processor or its disk.
+            // The queue is large enough that it does not fill while the link waits for a processor or a disk.
             var sessionOptions = new SessionOptions { Arms = "SAP,DBVT,KDTree", QueueFrames = 1 << 16 };
             changeSession?.Invoke(sessionOptions);
             Session = new BroadPhaseSession(sessionOptions);

@@ -62,7 +62,7 @@ namespace Sweepstake.Headless
                     default: throw new FormatException($"'{option}' is not an option.");
                 }
             }
-            catch (Exception wrong) when (wrong is OverflowException || (wrong is FormatException && !wrong.Message.EndsWith("no option.", StringComparison.Ordinal)))
+            catch (Exception wrong) when (wrong is OverflowException || (wrong is FormatException && !wrong.Message.EndsWith("is not an option.", StringComparison.Ordinal)))
             {
                 throw new FormatException($"'{value}' is not a valid value of {option}.");
             }

@@ -9,7 +9,7 @@ namespace Sweepstake.Headless
     internal static class Program
     {
         private const ulong NsPerSecond = 1_000_000_000;
-        // Time in milliseconds for writes to the local disk and for the daemon to finish. It may be long, because no game is running.
+        // Maximum time in milliseconds to complete the CSV file and the connection at the end. It may be long, because no game is running.
         private const int EndTimeoutMs = 60_000;
 
         private static int Main(string[] words)

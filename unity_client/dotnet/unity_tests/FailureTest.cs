@@ -13,7 +13,7 @@ namespace Sweepstake.Tests
     public sealed class FailureTest : Stage
     {
         private const string FullDisk = "/dev/full";
-        // More frames than fit in the ring and in a pipe.
+        // More frames than fit in the writer's ring and in the pipe that it writes to.
         private const int TooManyFrames = 20_000;
 
         private SweepstakeManager manager;

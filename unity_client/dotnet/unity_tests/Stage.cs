@@ -8,7 +8,7 @@ using UnityEngine;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>Play mode: begins before each test and ends after it, then checks that no native object is left.</summary>
+    /// <summary>Enters play mode before each test and leaves it afterwards, then checks that no native object is left.</summary>
     public abstract class Stage
     {
         private static readonly BindingFlags Fields = BindingFlags.Instance | BindingFlags.NonPublic | BindingFlags.Public;

@@ -49,7 +49,7 @@ namespace Sweepstake.Tests
             File.Delete(path);
         }
 
-        /// <summary>Its Open blocks until it is released.</summary>
+        /// <summary>A transport whose Open blocks until the test releases it.</summary>
         private sealed class StuckTransport : ITelemetryTransport
         {
             private readonly CountdownEvent stuck;

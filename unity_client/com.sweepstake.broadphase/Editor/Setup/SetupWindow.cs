@@ -12,7 +12,7 @@ using UnityEngine.UIElements;
 namespace Sweepstake.Editor
 {
     /// <summary>
-    /// Shows what is missing and how to get it, sets the define of the connection, and cleans up before the package is removed.
+    /// Shows what is missing and how to get it, sets the define SWEEPSTAKE_GRPC, and cleans up before the package is removed.
     /// </summary>
     [DocumentationPage("setup.md")]
     internal sealed class SetupWindow : EditorWindow

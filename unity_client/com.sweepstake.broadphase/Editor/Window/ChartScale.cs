@@ -5,7 +5,7 @@ using System.Globalization;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>A scale from 0 to a round number that is at least the maximum of a series.</summary>
+    /// <summary>The scale of a chart: from 0 to a round number that is at least the maximum of the series.</summary>
     internal readonly struct ChartScale
     {
         private ChartScale(float max)

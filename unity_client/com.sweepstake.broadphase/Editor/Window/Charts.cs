@@ -38,7 +38,7 @@ namespace Sweepstake.Editor
         protected abstract bool IsEmpty();
         protected abstract void Draw(MeshGenerationContext context);
 
-        /// <summary>A full series fills the width; a shorter one its right part.</summary>
+        /// <summary>Horizontal position of a value. A full series fills the width of the chart, a shorter one only the right part.</summary>
         protected float XOf(int index) => Plot.contentRect.width * (index + Series.Capacity - Shown.Count) / (Series.Capacity - 1);
 
         protected static Label Axis(string text, string place)
@@ -146,7 +146,7 @@ namespace Sweepstake.Editor
             painter.Fill();
         }
 
-        /// <summary>Medium brightness, which is visible in both themes.</summary>
+        /// <summary>A colour per backend, of medium brightness, so that it is visible in both themes.</summary>
         private static Color ColorOf(int index) => Color.HSVToRGB(index * 0.381966f % 1, 0.65f, 0.75f);
     }
 }

@@ -27,7 +27,7 @@ namespace Sweepstake.Editor
         private volatile bool isWatching;
         private volatile bool hasEnded;
 
-        /// <param name="client">Owned by the run from now on.</param>
+        /// <param name="client">The run owns it from now on and disposes of it.</param>
         internal PosteriorRun(DaemonClient client, string project)
         {
             this.client = client;
@@ -37,7 +37,7 @@ namespace Sweepstake.Editor
 
         internal PosteriorSnapshot Latest => latest;
 
-        /// <summary>Whether it has stopped reading.</summary>
+        /// <summary>Whether the run has stopped reading.</summary>
         internal bool HasEnded => hasEnded;
 
         public void Dispose() => end.Cancel();
@@ -90,7 +90,8 @@ namespace Sweepstake.Editor
         }
 
         /// <summary>
-        /// Does not publish errors: the other call does. Clears the error if that call was alive before and after a round trip.
+        /// Measures round trips with a small request. It publishes no errors, because Watch does. It clears the latest error if Watch was
+        /// connected both before and after a round trip.
         /// </summary>
         private async Task MeasureRoundTrips(CancellationToken token)
         {
@@ -123,7 +124,7 @@ namespace Sweepstake.Editor
             }
         }
 
-        /// <param name="problem">Null keeps the former problem.</param>
+        /// <param name="problem">The new problem; null keeps the former one.</param>
         private void Publish(float roundTripMs, string? problem)
         {
             lock (gate)

@@ -9,7 +9,7 @@ namespace Sweepstake.Editor
 {
     /// <summary>
     /// Reads the posteriors of a project through the daemon's service, on threads of the pool; views read <see cref="Latest"/>. It sends nothing
-    /// but its requests. Main thread.
+    /// but its requests. Use it on the main thread.
     /// </summary>
     internal sealed class PosteriorWatcher : IDisposable
     {
@@ -21,7 +21,7 @@ namespace Sweepstake.Editor
         /// <summary>The latest posteriors. After the watcher was stopped they stay, without a round-trip time.</summary>
         internal PosteriorSnapshot Latest => run?.Latest ?? kept;
 
-        /// <summary>Whether it is reading; it ends by itself only after an error that a retry cannot fix.</summary>
+        /// <summary>Whether the watcher is reading. Reading ends by itself only after an error that a retry cannot fix.</summary>
         internal bool IsRunning => run != null && !run.HasEnded;
 
         internal void Start(DaemonSettings settings, string project)

@@ -164,7 +164,8 @@ namespace Sweepstake.Unity
         /// </summary>
         public static void Shutdown()
         {
-            // End all natively at the same time: the time then does not depend on their number, and each host below ends without a wait.
+            // This ends the native objects of all managers at the same time, so the wait does not depend on their number. Each host below then
+            // ends without a wait.
             ulong endNs = SessionHost.DeadlineNs();
             foreach (SweepstakeManager manager in EnabledManagers)
                 manager.host?.BeginEnd();
@@ -273,7 +274,7 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>Stops as soon as a listener ends the session.</summary>
+        /// <summary>Raises an event for each change. Returns early if a listener ends the session.</summary>
         private void RaiseChanges(BroadPhaseSession session)
         {
             if (changes.HasOtherBackend(session))
@@ -406,7 +407,7 @@ namespace Sweepstake.Unity
 
         private void OnSceneLoaded(Scene scene, LoadSceneMode how) => flagger.Skip();
 
-        /// <summary>If domain reload is switched off, statics outlive play mode.</summary>
+        /// <summary>Resets the statics, which outlive play mode if domain reload is switched off.</summary>
         [RuntimeInitializeOnLoadMethod(RuntimeInitializeLoadType.SubsystemRegistration)]
         private static void BeginPlay()
         {

@@ -7,16 +7,16 @@ namespace Sweepstake.Unity
     {
         /// <summary>Not enabled.</summary>
         Stopped,
-        /// <summary>It could not start or had to end; <see cref="SweepstakeManager.Problem"/> says why and what to do.</summary>
+        /// <summary>The manager could not start or had to end; <see cref="SweepstakeManager.Problem"/> says why and what to do.</summary>
         Failed,
-        /// <summary>Works without a daemon: the game decides itself, and nothing leaves the machine.</summary>
+        /// <summary>The manager works without a daemon: the game decides itself, and nothing leaves the machine.</summary>
         Embedded,
         /// <summary>A daemon is configured and has not answered yet.</summary>
         Connecting,
         Online,
         /// <summary>The daemon is not available. The game continues with its current backend and reconnects automatically.</summary>
         Offline,
-        /// <summary>The daemon refuses this game for a reason that does not go away by waiting.</summary>
+        /// <summary>The daemon refuses this game. Waiting does not help; the problem's text says what to do.</summary>
         Refused,
     }
 }

@@ -58,7 +58,7 @@ namespace UnityEngine
 
         internal static List<Collider> Colliders { get; } = new List<Collider>();
 
-        /// <summary>Bounds do not follow the transforms before this call.</summary>
+        /// <summary>Updates the bounds of colliders, which do not follow the transforms before this call.</summary>
         public static void SyncTransforms()
         {
             for (int index = 0; index < Colliders.Count; ++index)

@@ -1,4 +1,4 @@
-// Stubs of Unity's documented API: the signatures that this package uses, with as much behaviour as the tests need.
+// Stubs of Unity's documented API: the signatures that this package uses, with only the behaviour that the tests need.
 using System;
 using System.Collections.Generic;
 using System.Reflection;

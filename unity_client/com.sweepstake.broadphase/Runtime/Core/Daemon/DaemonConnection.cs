@@ -28,7 +28,7 @@ namespace Sweepstake
         private byte[] buffer;
         private volatile ConnectionStatus status = ConnectionStatus.Initial;
 
-        /// <param name="transport">Disposed of when the connection has ended.</param>
+        /// <param name="transport">The connection owns it, and disposes of it when it has ended.</param>
         /// <param name="options">Null for the defaults.</param>
         /// <exception cref="SweepstakeException">The session already has a decider or a connection, or a value is out of range.</exception>
         public DaemonConnection(BroadPhaseSession session, ITelemetryTransport transport, LinkOptions? options = null)
@@ -183,7 +183,7 @@ namespace Sweepstake
             return task;
         }
 
-        /// <summary>The link's next action; for Send, the message is in the buffer. Cancel once this object is closed.</summary>
+        /// <summary>Returns the link's next action; for Send, the message is in the buffer. Once this object is closed, returns Cancel.</summary>
         private LinkAction NextAction(bool canWrite, out int size)
         {
             lock (Gate)

@@ -16,7 +16,7 @@ namespace Sweepstake
 
         /// <summary>Number of decisions since the decider was created.</summary>
         public ulong DecisionCount { get; }
-        /// <summary>Number of sources in the loaded priors; 0: it started from Beta(1,1).</summary>
+        /// <summary>Number of sources in the loaded priors; 0: the decider started from Beta(1,1).</summary>
         public ulong PriorSourceCount { get; }
         /// <summary>The posteriors in the order of arms.</summary>
         public ReadOnlyMemory<Belief> Beliefs { get; }
@@ -74,7 +74,7 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// All records that it loaded and what it has learnt since, for the next run's <see cref="DeciderOptions.PriorsData"/> or for
+        /// All records that the decider loaded and what it has learnt since, for the next run's <see cref="DeciderOptions.PriorsData"/> or for
         /// `sweepstake priors import`. Call it before Dispose, which discards them.
         /// </summary>
         /// <exception cref="SweepstakeException">The decider has ended. If it failed, the message says why.</exception>

@@ -12,7 +12,7 @@ namespace Sweepstake
     /// </summary>
     public abstract class SessionWork : IDisposable
     {
-        /// <summary>The longest that Dispose waits, in milliseconds.</summary>
+        /// <summary>Maximum time that Dispose waits for the thread, in milliseconds.</summary>
         public const int DisposeTimeoutMs = 500;
 
         private static readonly object RunningGate = new object();
@@ -34,7 +34,7 @@ namespace Sweepstake
 
         public BroadPhaseSession Session { get; }
 
-        /// <summary>Why its thread has failed; null while it runs or after it was stopped.</summary>
+        /// <summary>The exception that ended the thread; null while the thread runs or after it was stopped.</summary>
         public Exception? Failure => failure;
 
         /// <summary>Lock that is held during native calls of this object, so that none runs after it is closed.</summary>
@@ -87,7 +87,7 @@ namespace Sweepstake
             return stopping;
         }
 
-        /// <summary>Frees the native parts, once, after the end.</summary>
+        /// <summary>Frees the native parts once; called after the thread has ended or the wait for it is over.</summary>
         internal void Release()
         {
             lock (Gate)
@@ -102,7 +102,7 @@ namespace Sweepstake
                 Running.Remove(this);
         }
 
-        /// <summary>The last call of each constructor. With a null name no thread is started, and the game polls.</summary>
+        /// <summary>Starts the thread; each derived constructor calls it last. With a null name no thread is started, and the game polls.</summary>
         private protected void Start(string? threadName)
         {
             Session.Work = this;

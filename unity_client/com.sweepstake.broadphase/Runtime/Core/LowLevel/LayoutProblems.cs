@@ -10,8 +10,9 @@ namespace Sweepstake.LowLevel
 
         internal bool IsEmpty => found.Count == 0;
 
-        /// <summary>Compares the size of a struct. With `grows`, it may be larger in the library, which may be newer, but not in this
-        /// runtime.</summary>
+        /// <summary>
+        /// Compares the size of a struct. If it `grows`, it may be larger in the library, which may be newer than this runtime.
+        /// </summary>
         internal void Size(string name, uint number, int here, int inHeaders, bool grows)
         {
             uint inLibrary = NativeMethods.swp_struct_size(number);

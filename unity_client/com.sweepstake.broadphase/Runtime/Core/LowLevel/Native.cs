@@ -17,7 +17,7 @@ namespace Sweepstake
 
         internal static string Text(byte* text) => Marshal.PtrToStringUTF8((IntPtr)text) ?? "";
 
-        /// <summary>Reads `count` texts through a function of the index.</summary>
+        /// <summary>Returns textOf(0) to textOf(count − 1) as a list.</summary>
         internal static IReadOnlyList<string> Texts(uint count, Func<uint, string> textOf)
         {
             var texts = new string[count];
@@ -27,13 +27,13 @@ namespace Sweepstake
         }
     }
 
-    /// <summary>Owns texts and pinned bytes for the duration of one call.</summary>
+    /// <summary>Owns the texts and pinned bytes that are passed to one native call.</summary>
     internal sealed unsafe class CallMemory : IDisposable
     {
         private readonly List<IntPtr> texts = new List<IntPtr>();
         private readonly List<GCHandle> pins = new List<GCHandle>();
 
-        /// <summary>UTF-8 with a terminating 0; null for null.</summary>
+        /// <summary>Converts a text to UTF-8 with a terminating 0; null stays null.</summary>
         internal byte* Text(string? text)
         {
             if (text == null)

@@ -139,7 +139,7 @@ namespace Sweepstake
             set => Check(NativeMethods.swp_session_set_mode(Pointer, value));
         }
 
-        /// <summary>Index in <see cref="Arms"/>. Like the next two, call it on the frame thread.</summary>
+        /// <summary>Index of the active arm in <see cref="Arms"/>. Use it and the next two properties on the frame thread.</summary>
         public int ActiveArm
         {
             get
@@ -186,7 +186,7 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// The latest decision with its reasons; it stays after the decider has ended. Like all members below, callable from any thread.
+        /// The latest decision with its reasons; it stays after the decider has ended. It and all members below may be called from any thread.
         /// </summary>
         public Decision LastDecision
         {
@@ -220,7 +220,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Counters of the shadow lane, and its state with the reason.</summary>
+        /// <summary>Counters of the shadow lane, and its state, which gives the reason if the lane does not run.</summary>
         public ShadowStats ShadowStats
         {
             get

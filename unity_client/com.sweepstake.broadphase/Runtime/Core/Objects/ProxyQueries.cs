@@ -23,10 +23,14 @@ namespace Sweepstake
             proxies.CheckCall(NativeMethods.swp_proxies_prepare_queries(proxies.Pointer));
         }
 
-        /// <summary>For each box, finds all proxies that overlap it, by ascending id.</summary> <param name="found">Receives the proxies:
-        /// those of box k are at ends[k - 1] (0 for the first box) to ends[k].</param> <param name="ends">One entry per box; the last one
-        /// is the number of proxies found.</param> <returns>False: `found` is too small and was not filled; the last entry of `ends` is the
-        /// required size.</returns>
+        /// <summary>For each box, finds all proxies that overlap it, by ascending id.</summary>
+        /// <param name="found">
+        /// Receives the proxies: those of box k are at ends[k - 1] (0 for the first box) to ends[k].
+        /// </param>
+        /// <param name="ends">One entry per box; the last one is the number of proxies found.</param>
+        /// <returns>
+        /// False: `found` is too small and was not filled; the last entry of `ends` is the required size.
+        /// </returns>
         public bool Boxes(ReadOnlySpan<Aabb> boxes, ProxyFilter filter, Span<ProxyHandle> found, Span<ulong> ends)
         {
             CheckLengths(boxes.Length, ends.Length);

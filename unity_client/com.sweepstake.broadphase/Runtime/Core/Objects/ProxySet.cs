@@ -10,7 +10,7 @@ namespace Sweepstake
     /// <see cref="Removed"/>. One caller at a time. Queries are in <see cref="ProxyQueries"/>.
     /// </summary>
     /// <exception cref="SweepstakeException">
-    /// Thrown by each function that takes handles, if one of them is invalid; nothing has changed then.
+    /// Each function that takes handles throws this if one of them is invalid; the set is then unchanged.
     /// </exception>
     public sealed unsafe class ProxySet : NativeObject
     {

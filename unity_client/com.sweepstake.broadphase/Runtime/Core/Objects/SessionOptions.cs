@@ -23,8 +23,8 @@ namespace Sweepstake
         public string? InitialArm { get; set; }
         public SessionMode Mode { get => native.Mode; set => native.Mode = value; }
         /// <summary>
-        /// Bail-out limit in nanoseconds, above 0. A longer frame is flagged; if its arm caused the length, the arm is left at once. The daemon's
-        /// welcome message replaces the value.
+        /// Bail-out limit in nanoseconds, above 0. A longer frame is flagged. If its arm is to blame, another arm replaces it at once. The
+        /// daemon's welcome message replaces the value.
         /// </summary>
         public ulong BailOutNs { get => native.BailOutNs; set => native.BailOutNs = value; }
         /// <summary>

@@ -20,7 +20,7 @@ namespace Sweepstake
     {
         /// <summary>Incremented when the columns change.</summary>
         public const int FormatVersion = 2;
-        /// <summary>The longest that Dispose waits, in milliseconds.</summary>
+        /// <summary>Maximum time that Dispose waits for the file, in milliseconds.</summary>
         public const int DisposeTimeoutMs = 2000;
         private const int FlushIntervalMs = 100;
         private const string Header =
@@ -84,7 +84,7 @@ namespace Sweepstake
 
         /// <summary>Writes the queued samples and closes the file. May be called more than once.</summary>
         /// <returns>
-        /// True if the file is complete. Otherwise its thread continues, and <see cref="Failure"/> tells whether it succeeds.
+        /// True if the file is complete. Otherwise the writing thread continues; <see cref="Failure"/> is set if it fails.
         /// </returns>
         public bool Stop(int timeoutMs)
         {

@@ -40,7 +40,7 @@ namespace Sweepstake
         Switched = 2,
         /// <summary>No switch: the cooldown after the latest switch has not passed.</summary>
         HeldCooldown = 3,
-        /// <summary>No switch: all frames were settling, or a switch is in progress.</summary>
+        /// <summary>No switch: all frames were settling frames, or a switch is in progress.</summary>
         HeldSettling = 4,
         /// <summary>There were no new frames to learn from.</summary>
         NoFrames = 5,

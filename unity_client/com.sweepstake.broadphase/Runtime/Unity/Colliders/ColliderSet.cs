@@ -47,7 +47,7 @@ namespace Sweepstake.Unity
         private int[] layers = new int[64];
         /// <summary>Index of a collider's box in recordings, fixed while it is tracked.</summary>
         private int[] places = new int[64];
-        /// <summary>Value of searchCount when the collider was added.</summary>
+        /// <summary>The number of searches (searchCount) when the collider was added.</summary>
         private ulong[] births = new ulong[64];
         private int movingCount;
         private int count;
@@ -209,7 +209,7 @@ namespace Sweepstake.Unity
             colliders[count] = null;
         }
 
-        /// <summary>Copies one slot to another whose content was moved or removed.</summary>
+        /// <summary>Moves the content of one slot to another, whose own content was moved or removed before.</summary>
         private void Move(int from, int to)
         {
             if (from != to)

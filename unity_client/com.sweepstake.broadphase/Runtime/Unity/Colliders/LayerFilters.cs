@@ -9,7 +9,7 @@ namespace Sweepstake.Unity
         private const int LayerCount = 32;
         private readonly ProxyFilter[] filters = new ProxyFilter[LayerCount];
 
-        /// <param name="layers">All other layers get a filter that matches nothing.</param>
+        /// <param name="layers">The layers that may form pairs. All other layers get a filter that matches nothing.</param>
         /// <param name="usesMatrix">False: all of these layers collide with each other.</param>
         internal void Read(LayerMask layers, bool usesMatrix)
         {
@@ -23,7 +23,7 @@ namespace Sweepstake.Unity
 
         internal ProxyFilter Of(int layer) => filters[layer];
 
-        /// <summary>A query matches these layers, independent of the matrix.</summary>
+        /// <summary>The filter of a query for these layers; the collision matrix does not matter.</summary>
         internal static ProxyFilter Query(LayerMask layers) => new ProxyFilter(uint.MaxValue, unchecked((uint)layers.value));
 
         private static uint MaskOf(int layer, bool usesMatrix)

@@ -3,7 +3,8 @@
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// Flags frames that are excluded from learning. The first frame after a pause or a load is flagged too, because its time includes it.
+    /// Flags frames that are excluded from learning. The first frame after a pause or a load is flagged too, because its time includes the
+    /// pause or load.
     /// </summary>
     internal sealed class FrameFlagger
     {

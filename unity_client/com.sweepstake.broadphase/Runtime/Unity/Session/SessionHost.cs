@@ -4,7 +4,9 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>A session and its decider or connection: created from a config, and changed while the game runs. Main thread.</summary>
+    /// <summary>
+    /// A session and its decider or connection: created from a config, and changed while the game runs. Use it on the main thread.
+    /// </summary>
     internal sealed class SessionHost
     {
         private readonly SweepstakeConfig config;
@@ -85,7 +87,7 @@ namespace Sweepstake.Unity
             tell(WorkProblem);
         }
 
-        /// <summary>Starts to finish the CSV file, without waiting.</summary>
+        /// <summary>Begins to complete the CSV file, without waiting.</summary>
         internal void BeginEnd() => csv?.Stop(0);
 
         /// <summary>Ends the CSV file, the decider or connection, and the session. Waits until the time `endNs` at most.</summary>
