@@ -142,7 +142,7 @@ void BulletBroadPhase::TakeFilterCallback() {
 
 BulletBroadPhase::Proxy* BulletBroadPhase::Find(ProxyHandle handle) const {
   const auto options = proxies_.options(handle);
-  // The user value is the pointer itself.
+  // The user value is the address of the Proxy (see createProxy).
   // NOLINTNEXTLINE(performance-no-int-to-ptr)
   return options ? reinterpret_cast<Proxy*>(static_cast<uintptr_t>(options->user)) : nullptr;
 }

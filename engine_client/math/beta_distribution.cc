@@ -49,8 +49,8 @@ UnitPoint FromLogit(double logit) {
   return logit < 0 ? UnitPoint{small, large} : UnitPoint{large, small};
 }
 
-// Returns the series S of I_x(α, β) = x^α (1 − x)^β / (α B) × S (DLMF 8.17.8). All its terms are
-// positive; around the mean it takes some √α of them. REQUIRES: x <= ½, and 1 − I_x is not
+// Returns the series S of I_x(α, β) = x^α (1 − x)^β / (α B) × S (DLMF 8.17.8). All terms are
+// positive; around the mean, about √α terms are needed. REQUIRES: x <= ½, and 1 − I_x is not
 // negligible.
 double IncompleteBetaSeries(const BetaPosterior& p, double x) {
   constexpr double kPrecision = 1e-17;
@@ -89,7 +89,7 @@ double SummedTail(const BetaPosterior& p, double offset) {
   return math::Exp(LogitLogPeak(p)) * h * sum;
 }
 
-// Returns P(logit <= mode + offset) by the series. REQUIRES: the logit is at most 0.
+// Returns P(logit <= mode + offset) by IncompleteBetaSeries. REQUIRES: the logit is at most 0.
 double SeriesTail(const BetaPosterior& p, double offset) {
   constexpr double kNegligible = -45;
   const double log_shape = LogitLogShape(p, offset);

@@ -11,10 +11,10 @@
 namespace sweepstake::decision {
 
 // Returns v with vᵢ + vⱼ ≈ Var(yᵢ − yⱼ) and vᵢ >= 0, by weighted least squares of the relative
-// deviation. A pair has more weight the more likely it is that both variables could be the lowest,
-// compared with the one of lowest mean. The result is exact if the covariance is a diagonal matrix
-// plus a constant. If only two variables can be the lowest, it is exact for these two. REQUIRES:
-// covariance is symmetric, row by row, means.size()² numbers, all finite.
+// deviation. A pair has a high weight if both of its variables may be the lowest, judged by
+// comparing each with the variable of lowest mean. The result is exact if the covariance is a
+// diagonal matrix plus a constant. If only two variables can be the lowest, it is exact for these
+// two. REQUIRES: covariance is symmetric, row by row, means.size()² numbers, all finite.
 std::vector<double> IndependentVariancesLike(std::span<const double> means,
                                              std::span<const double> covariance);
 

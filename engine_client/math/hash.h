@@ -39,7 +39,7 @@ constexpr uint64_t Fnv1a(uint64_t hash, std::string_view bytes) {
   return hash;
 }
 
-// Returns 16 hexadecimal digits.
+// Returns the hash as 16 hexadecimal digits.
 inline std::string HexOf(uint64_t hash) {
   std::string digits;
   for (int shift = 60; shift >= 0; shift -= 4) digits += "0123456789abcdef"[hash >> shift & 15];

@@ -37,7 +37,7 @@ double Between(const Jet& left, const Jet& right, double width) {
                   width * width * (left.second + right.second) / 120);
 }
 
-// Integrates downwards from the highest end of all variables.
+// Computes the integrals over t, downwards from the highest end of all variables.
 class MaximumIntegral {
  public:
   explicit MaximumIntegral(IndependentVariables& variables);
@@ -93,8 +93,8 @@ MaximumIntegral::MaximumIntegral(IndependentVariables& variables) : source_(vari
 }
 
 // Adds the variables whose high end is at the current point, and returns whether there are any.
-// They take no part in the interval above the point, since it is too wide for the changes of their
-// densities.
+// Must be called after the interval above the point was integrated, since that interval is too wide
+// for the densities of these variables.
 bool MaximumIntegral::Join() {
   const size_t before = joined_;
   while (joined_ < variables_.size() && variables_[joined_].high >= t_) ++joined_;

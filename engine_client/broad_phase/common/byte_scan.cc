@@ -38,8 +38,7 @@ HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, siz
   OverlapPair* const out = cursor.Room(total);
   size_t found = 0;
   uint64_t bits = all[0].bits;
-  // The bits are loaded one iteration ahead, since each iteration depends on the bits of the one
-  // before.
+  // Loads the bits of the next entry one iteration ahead, so that no iteration waits for a load.
   uint64_t next_bits = all[1].bits;
   for (size_t k = 0; k < total; ++k) {
     const size_t row = all->row;
@@ -48,7 +47,8 @@ HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, siz
     const uint32_t b = lanes.id[slot];
     // Puts the smaller id first; std::minmax compiles to a branch.
     const uint32_t swapped = (a ^ b) & (a > b ? ~0U : 0U);
-    // One 64-bit store, since the compiler would combine two ids in a vector register.
+    // Stores both ids as one 64-bit word. The compiler would combine two separate ids in a vector
+    // register, which takes longer.
     const uint64_t pair = uint64_t{b ^ swapped} << 32 | (a ^ swapped);
     std::memcpy(out + found, &pair, sizeof(pair));
     found += RecordsOverlap(lanes.record[kById ? a : row], lanes.record[kById ? b : slot]) ? 1 : 0;
@@ -161,7 +161,7 @@ HWY_NOINLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t& row_to_sc
       uint64_t bits1 = CompareStep<kSwept>(d, row1, lanes, at, step);
       uint64_t bits2 = CompareStep<kSwept>(d, row2, lanes, at, step);
       uint64_t bits3 = CompareStep<kSwept>(d, row3, lanes, at, step);
-      // Drops the rows themselves and earlier slots.
+      // Clears, for each row, the bits of the row itself and of earlier slots.
       if (at < row + kRowsPerTile) {
         bits0 &= BitsBehind(row, at);
         bits1 &= BitsBehind(row + 1, at);

@@ -15,8 +15,8 @@
 
 namespace sweepstake {
 
-// The number of consecutive slots (a tile) that are compared with other slots after loading those
-// once. `begin` and `end` below are multiples of it.
+// The number of consecutive slots in a tile. A register of other slots is loaded once and compared
+// with all slots of a tile. `begin` and `end` below are multiples of this number.
 inline constexpr size_t kRowsPerTile = 4;
 
 // Appends each overlapping pair of a slot in [begin, end) and a later slot; returns the number of

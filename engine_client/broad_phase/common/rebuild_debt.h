@@ -17,9 +17,9 @@ namespace sweepstake {
 
 class RebuildDebt {
  public:
-  // Notes that the structure has been rebuilt.
+  // Must be called when the structure has been rebuilt.
   void Clear() { *this = {}; }
-  // Notes that a search has made this number of checks.
+  // Must be called after each search, with its number of checks.
   void AddSearch(uint64_t checks) {
     min_checks_ = std::min(min_checks_, checks);
     excess_checks_ += checks - min_checks_;

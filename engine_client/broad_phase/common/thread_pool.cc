@@ -1,4 +1,5 @@
-// The thread pool of executor.h. One atomic word holds the job's number and its unclaimed parts.
+// The thread pool of executor.h. A job is one call of RunParts. One atomic word holds the number of
+// the job and its unclaimed parts.
 #include <atomic>
 #include <cassert>
 #include <condition_variable>
@@ -80,13 +81,14 @@ class ThreadPool final : public Executor {
     job_.store(number << 32 | part_count);
     if (sleeper_count_.load() == 0) return;
     // Taking the lock once waits for a thread in Sleep that has checked for a job but does not wait
-    // yet. It would miss the notification.
+    // yet. Such a thread would miss the notification.
     { const std::scoped_lock lock(sleep_); }
     wake_.notify_all();
   }
 
-  // Waits until there is a job. Either the sleeper sees the job, or the publisher sees the sleeper.
-  // std::atomic::wait is not used: where libstdc++ has no futex, as on Windows, it loses wake-ups.
+  // Waits until there is a job. No wake-up is lost: either the sleeping thread sees the job, or
+  // Publish sees that a thread sleeps. std::atomic::wait is not used: where libstdc++ has no futex,
+  // as on Windows, it loses wake-ups.
   void Sleep() noexcept {
     std::unique_lock lock(sleep_);
     sleeper_count_.fetch_add(1);

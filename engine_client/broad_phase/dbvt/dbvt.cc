@@ -14,9 +14,9 @@ namespace sweepstake {
 namespace {
 
 // The cost of computing an order and building a tree from it, in checks per object. It is used for
-// every instruction set. Half the value makes the mean frame of six scenes 3 % faster with AVX-512,
-// AVX2 and SSE4 (AMD Zen 4, `sweepstake-lab bench`). The slowest frames then take 13 to 17 %
-// longer.
+// every instruction set. With half the value, the mean frame time of six scenes is 3 % shorter, but
+// the slowest frames take 13 to 17 % longer (AVX-512, AVX2 and SSE4 on AMD Zen 4, `sweepstake-lab
+// bench`).
 constexpr uint64_t kChecksPerRebuild = 100;
 // The tree is rebuilt at once if more than one entry in this number would have to be inserted
 // again.
@@ -38,7 +38,8 @@ constexpr uint32_t kShortRest = 32;
 // The minimum number of lowest inner nodes per part (some 1,500 objects). A smaller part takes less
 // time than waking a thread.
 constexpr size_t kMinGroupsPerPart = 8;
-// The number of inserted objects between two polls of the stop request; each takes 1 µs or less.
+// The number of inserted objects between two polls of the stop request; one insertion takes 1 µs or
+// less.
 constexpr size_t kInsertionsPerQuestion = 2048;
 
 bool IsOtherScene(size_t count, size_t old_count) {
@@ -72,7 +73,7 @@ class Dbvt final : public BroadPhase {
   DbvtTree tree_;
   DbvtMargins margins_;
   KdOrder splitter_;
-  AlignedBuffer<uint32_t> order_;  // the objects by slot of the latest rebuild
+  AlignedBuffer<uint32_t> order_;  // the objects in the order of the latest rebuild
   size_t ordered_count_ = 0;       // the number of objects when the latest order was begun
   bool is_ordering_ = false;
   RebuildDebt debt_;  // the tree's extra checks since the latest rebuild
@@ -158,7 +159,7 @@ void Dbvt::Update(std::span<const Aabb> boxes) {
   Refit(boxes);
 }
 
-// Adds or removes objects at the end. REQUIRES: not at rest.
+// Adds or removes objects at the end. REQUIRES: the tree is not at rest.
 void Dbvt::Resize(size_t count) {
   const size_t old_count = tree_.object_count();
   if (count == old_count) return;

@@ -29,7 +29,7 @@ HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
   return overlap;
 }
 
-// Returns false for an invalid box.
+// Returns whether `box` is valid and inside the enlarged box `fat`.
 HWY_INLINE bool IsInside(const Aabb& box, const Aabb& fat) {
   bool inside = true;
   for (int axis = 0; axis < 3; ++axis) {
@@ -54,7 +54,7 @@ HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
   return hn::AllTrue(d, hn::Or(overlap, hn::Not(hn::FirstN(d, 3))));
 }
 
-// Returns false for an invalid box.
+// Returns whether `box` is valid and inside the enlarged box `fat`.
 HWY_INLINE bool IsInside(const Aabb& box, const Aabb& fat) {
   const Half d;
   const auto min = hn::LoadU(d, box.min);
@@ -113,12 +113,13 @@ constexpr float kMaxMargin = 0.1F;
 // The number of frames of an object's motion that a margin covers.
 constexpr float kMarginFrames = 8;
 // Margins are given up if more than one object in this number leaves its margin in a frame. One
-// refit and one search for all objects then cost less than renewing the objects that have left.
+// refit and one search for all objects then cost less than new margins and candidates for the
+// objects that have left.
 constexpr size_t kObjectsPerOutside = 20;
 // The maximum number of candidates to keep. Testing more takes longer than a search in the tree. It
 // is 1.5 times kMaxPairsPerObject (dbvt.cc), the limit up to which DBVT tries margins.
 constexpr size_t kMaxCandidatesPerObject = 24;
-// The maximum number of sampled boxes, enough for a median that only scales margins.
+// The maximum number of sampled boxes, which is enough since the median only scales margins.
 constexpr size_t kSideSampleSize = 512;
 // The minimum work per part of a parallel loop. A smaller part takes less time than waking a
 // thread.
@@ -159,7 +160,7 @@ Aabb Enlarged(const Aabb& box, float margin) {
 
 }  // namespace
 
-// Takes an even sample of the valid boxes.
+// Uses evenly spaced boxes as the sample and skips invalid ones.
 void DbvtMargins::MeasureSide(std::span<const Aabb> boxes) {
   sides_.reserve(kSideSampleSize + 1);
   sides_.clear();

@@ -1,6 +1,5 @@
-// A dynamic bounding volume tree, sixteen wide. A leaf has up to sixteen entries, which are
-// objects, and an inner node up to sixteen, which are nodes. Each lane of a node holds one entry
-// and its box.
+// A dynamic bounding volume tree, sixteen wide. The entries of a leaf are up to sixteen objects,
+// those of an inner node up to sixteen nodes. Each lane of a node holds one entry and its box.
 //
 // All leaves have the same depth. The size of a box is the sum of its sides, which works for flat
 // and thin boxes too. An object is inserted where it enlarges the tree least. A node that overflows

@@ -22,7 +22,7 @@ struct ShapeClasses {
   static constexpr uint32_t kCount = 64;
   static constexpr float kRatio = 4;
 
-  // Half the maximum side of size step 0, in world units.
+  // Half the length of a side up to which a box has size step 0 on that axis, in world units.
   float threshold;
 };
 

@@ -16,8 +16,7 @@ constexpr size_t kMinBoxesPerPart = 4096;
 constexpr uint32_t kFramesPerDensityCheck = 32;
 // The size of the sample of min corners, enough to estimate the lowest and the highest tenth.
 constexpr size_t kCornerSample = 64;
-// Half the maximum side of size step 0 (ShapeClasses), as a multiple of the mean distance between
-// boxes.
+// The value of ShapeClasses::threshold, as a multiple of the mean distance between boxes.
 constexpr double kThresholdSpacings = 0.75;
 
 GridMeasure MeasureInParts(Executor* executor, std::span<const Aabb> boxes,
@@ -68,8 +67,7 @@ CornerBounds TypicalCorners(std::span<const Aabb> boxes, const CornerBounds& all
   return bounds;
 }
 
-// Returns half the maximum side of size step 0 (ShapeClasses), chosen so that a cell holds a few
-// boxes.
+// Returns a value of ShapeClasses::threshold with which a cell holds a few boxes.
 float SuitableThreshold(const CornerBounds& bounds, const GridMeasure& measure) {
   double volume = 1;
   float max_side[3] = {};

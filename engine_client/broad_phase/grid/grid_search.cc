@@ -11,7 +11,7 @@
 #include "engine_client/broad_phase/common/stop_poll.h"
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
 
-// Guarded, since this file is compiled once per target.
+// This include guard is needed since the file is compiled once per target.
 #ifndef SWEEPSTAKE_GRID_SEARCH_
 #define SWEEPSTAKE_GRID_SEARCH_
 namespace sweepstake {
@@ -147,7 +147,8 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
     row = hn::Add(row, hn::Mul(own, z_stride));
     const auto beyond = hn::Sub(last_z, own);
     max_reach = hn::Max(max_reach, hn::Max(beyond, hn::Max(up, down)));
-    // Stores the own row, from its first cell to the cell behind its last.
+    // Stores the cell behind the last one of the box's own row. The search of this row begins
+    // behind the box.
     const auto first = hn::Add(row, first_x);
     const auto behind = hn::Add(hn::Add(row, last_x), one);
     hn::StoreU(behind, di, rows.behind[0] + k);
@@ -220,14 +221,14 @@ HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, Pai
   const float* const columns = lanes.min[0];
   const auto stride = static_cast<size_t>(lanes.min[1] - lanes.min[0]);
   const uint32_t* const ids = lanes.id;
-  // Pairs are stored without a check until a chunk of the buffer is full.
+  // Pairs are stored without checking for room until a chunk of the buffer is full.
   OverlapPair* from = out.EnsureRoom(kChunk);
   OverlapPair* to = from;
   const OverlapPair* full = from + kChunk;
   uint64_t checks = 0;
   const size_t count = list.count;
   for (size_t k = 0; k < count; ++k) {
-    // Loads the box of the range, which stays in registers.
+    // Loads the box that is tested against the range. It stays in registers.
     const uint32_t slot = list.slot[k];
     const float* const own = columns + slot;
     const Aabb box = {{own[0], own[stride], own[2 * stride]},

@@ -27,10 +27,10 @@ class GridColumns {
  public:
   // Makes room for `count` slots with undefined content, and for reading a register behind them.
   void Resize(size_t count);
-  // The caller writes the ids, Gather reads them.
+  // Returns the ids by slot. The caller writes them, and Gather reads them.
   uint32_t* ids() { return ids_.data(); }
   const uint32_t* ids() const { return ids_.data(); }
-  // Copies boxes[id] to the slots [begin, end).
+  // Copies the box of each slot in [begin, end), boxes[ids()[slot]], to the columns.
   void Gather(std::span<const Aabb> boxes, size_t begin, size_t end);
 
   // Makes the box of the slot overlap nothing.
@@ -54,8 +54,9 @@ struct GroupChoice {
 
 class GridSort {
  public:
-  // Polls `stop`, which may be null; after a stop the order is undefined. REQUIRES: the cell
-  // numbers of the grids are consecutive, starting at 0.
+  // Sorts the boxes by the cells of their min corners. Polls `stop`, which may be null; after a
+  // stop the order is undefined. REQUIRES: the cell numbers of the grids are consecutive, starting
+  // at 0.
   void Sort(Executor* executor, std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
             const GroupChoice& choice, StopRequest* stop = nullptr);
 

@@ -13,8 +13,8 @@ constexpr double kMinCellSide = 1e-36;
 // Cells are this many times shorter along the rows. A row is searched as one range of slots, so
 // that more cells in it do not cost more searches.
 constexpr double kRowCells = 2;
-// The number of bisections of the logarithm of the cell size. The last step is below 0.01 for any
-// scene.
+// The number of steps of the bisection that finds log2 of the cell size. The last step is below
+// 0.01 for any scene.
 constexpr int kBisectionCount = 14;
 // A float holds every cell number up to this limit exactly.
 constexpr double kMaxCellsPerAxis = 1 << 22;
@@ -37,7 +37,7 @@ Cells Divide(const CornerBounds& bounds, const GroupShape& shape, double min_sid
   return cells;
 }
 
-// Returns the division with the smallest cells that has at most `max_count` of them.
+// Returns the division into the smallest cells with which there are at most `max_count` cells.
 Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double max_count) {
   const Cells finest = Divide(bounds, shape, 0);
   if (finest.Product() <= max_count) return finest;

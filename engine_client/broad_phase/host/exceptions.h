@@ -1,4 +1,4 @@
-// The only place that depends on whether the library was built with exceptions. Without exceptions,
+// All code that depends on whether the library was built with exceptions. Without exceptions,
 // running out of memory ends the program (OutOfMemory in sweepstake/hooks.h). The functions here
 // then only call the body.
 #pragma once

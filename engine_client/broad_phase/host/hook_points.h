@@ -1,5 +1,5 @@
-// The places where the library calls a game's hooks (sweepstake/hooks.h): zones, threads, and
-// vectors whose memory comes from the hooks. Thread-safe.
+// The calls of a game's hooks (sweepstake/hooks.h): profiler zones, threads, and vectors whose
+// memory comes from the hooks. Thread-safe.
 #pragma once
 
 #include <atomic>

@@ -37,7 +37,8 @@ class SizeClasses {
  public:
   static constexpr size_t kCount = 32;  // class 0 holds the ordinary boxes
 
-  // Takes the spreads and the `count` extents of each axis. REQUIRES: count > 0.
+  // Determines the classes from the spreads and the `count` extents of each axis. REQUIRES: count >
+  // 0.
   SizeClasses(const AxisSpread (&spreads)[3], const float* const (&extents)[3], size_t count);
 
   bool all_ordinary() const { return all_ordinary_; }

@@ -38,8 +38,8 @@ class KdOrder {
   void Begin(std::span<const LeafBlock> leaves, size_t box_count);
   // Begins a new order of these boxes.
   void Begin(std::span<const Aabb> boxes);
-  // Does some of the remaining work: moves about `budget` centers, each move counted. Returns
-  // whether the order is complete.
+  // Does a part of the remaining work, about `budget` moves of a center. Returns whether the order
+  // is complete.
   bool Advance(size_t budget);
   // Does all remaining work, in parts if there is an executor. Returns false if `stop`, which may
   // be null, ended it; the order is then incomplete.
@@ -61,15 +61,16 @@ class KdOrder {
   void TakeBoxes(std::span<uint32_t> order) const;
 
   // Orders only the boxes with the indices in `order`, each at most once, and rearranges `order`
-  // unless stopped. Splits are placed so that aligned runs of `run_parts` parts, of 16 times as
-  // many and so on stay together (KdSplitPoint).
+  // unless stopped. Where possible, a split does not divide a run of `run_parts` · kPart boxes,
+  // which becomes a block of a tree (KdSplitPoint).
   void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order, StopRequest* stop = nullptr,
             size_t run_parts = kPart);
 
   size_t native_bytes() const { return floats_.capacity_bytes() + words_.capacity_bytes(); }
 
  private:
-  // 512 ranges are enough, since the larger side of a split has at most 15/16 of its range.
+  // The maximum number of ranges on the stack. 512 are enough, since the larger side of a split has
+  // at most 15/16 of its range.
   static constexpr size_t kStackSize = 512 + SizeClasses::kCount;
 
   // A range that is still to be split.

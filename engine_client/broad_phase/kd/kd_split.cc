@@ -43,7 +43,7 @@ Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size
   for (size_t k = 0; k < candidate_count; ++k) {
     candidates[k] = sample[(2 * k + 1) * count / (2 * candidate_count)];
   }
-  // Starts with an open bracket in every lane.
+  // Starts with infinite bounds in every lane.
   const auto one = hn::Set(d, 1.0F);
   const auto max_below_low = hn::Set(d, static_cast<float>(low_rank));
   const auto min_below_high = hn::Set(d, static_cast<float>(high_rank));
@@ -64,7 +64,7 @@ Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size
     if (k < count) {
       odd = hn::Add(odd, hn::IfThenElseZero(hn::Gt(candidate, hn::Set(d, sample[k])), one));
     }
-    // Keeps the largest `low` and the smallest `high` of each lane.
+    // Sets `low` to the largest and `high` to the smallest suitable candidate of each lane so far.
     const auto rank = hn::Add(even, odd);
     const auto is_low = hn::Le(rank, max_below_low);
     const auto is_high = hn::Ge(rank, min_below_high);

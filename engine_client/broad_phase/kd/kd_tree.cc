@@ -17,7 +17,7 @@ namespace {
 // (AVX-512, AVX2 and SSE4 on AMD Zen 4, `sweepstake-lab bench`). With a lower value, the slowest
 // frames take longer.
 constexpr uint64_t kChecksPerSplit = 105;
-// The debt is counted per 256 boxes, so that it can be kept in whole checks.
+// Extra checks (the debt) are counted per 256 boxes, so that whole numbers are precise enough.
 constexpr uint64_t kDebtScale = 256;
 // The maximum growth of the leaves' mean volume, in powers of two. Beyond it, finding the pairs
 // costs more than splitting at once.
@@ -69,7 +69,7 @@ class KdTree final : public BroadPhase {
   AlignedBuffer<uint32_t> order_;
   size_t slot_count_ = 0;
   size_t unsorted_begin_ = 0;
-  size_t removed_count_ = 0;  // the boxes removed since the latest split
+  size_t removed_count_ = 0;  // the number of boxes removed since the latest split
   size_t box_count_ = 0;
   LeafTree tree_;
   PairParts parts_;
@@ -218,8 +218,8 @@ void KdTree::SplitAtOnce(std::span<const Aabb> boxes) {
   fresh_leaf_size_ = MeanLeafSize();
 }
 
-// The search itself is LeafTree::FindPairs (kd_search.cc). A step of the present split runs in
-// parallel as the first item, since it reads nothing that the search writes.
+// The search itself is LeafTree::FindPairs (kd_search.cc). If a split is in progress, its next step
+// is the first item of the parallel loop. It reads nothing that the search writes.
 void KdTree::FindPairs(PairBuffer& out) {
   const size_t before = out.size();
   const size_t steps = is_splitting_ && !split_is_done_ ? 1 : 0;

@@ -52,7 +52,7 @@ class LeafSearch {
         poll_(stop, out),
         cursor_(out) {}
 
-  // Begins with the leaves [begin, end), at most 16.
+  // Begins the search of a block, which consists of the leaves [begin, end), at most 16.
   void BeginBlock(size_t begin, size_t end) {
     begin_ = begin;
     end_ = end;
@@ -134,7 +134,7 @@ class LeafSearch {
   }
 
  private:
-  // The number of near leaves that are tested together.
+  // The maximum number of leaves in the near list, which are tested together.
   static constexpr size_t kNearCapacity = 256;
   // Room for all boxes of the near leaves.
   static constexpr size_t kFoundCapacity = kNearCapacity * kWidth;
@@ -293,7 +293,8 @@ class LeafSearch {
     return count + (hits != 0 ? 1 : 0);
   }
 
-  // Writes the pairs of `ids` with the noted boxes.
+  // Writes the pairs that the notes describe. `ids` are the ids of the boxes in the leaf's
+  // register.
   void WritePairs(const uint32_t* ids, const Notes& notes, size_t count) {
     const hn::RebindToUnsigned<Lanes16> du;
     const auto own = hn::LoadU(du, ids);

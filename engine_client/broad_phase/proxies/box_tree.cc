@@ -33,7 +33,8 @@ void BoxTree::EnsureRoomFor(size_t new_members) {
 }
 
 void BoxTree::Add(uint32_t id, std::span<uint32_t> slots) {
-  // Closes holes, so that members that come and go without an Update do not use ever more memory.
+  // Closes holes. Otherwise members that are added and removed without an Update would use more and
+  // more memory.
   if (new_.size() - new_count_ > new_.size() / 4 + 32) {
     CloseHoles(new_);
     for (size_t k = 0; k < new_.size(); ++k) slots[new_[k]] = static_cast<uint32_t>(k) | kMark;
@@ -67,8 +68,8 @@ void BoxTree::Update(std::span<const Aabb> boxes, bool any_moved, KdOrder& split
                      std::span<uint32_t> slots) {
   const bool refits_all =
       any_moved || order_.size() <= kBlock || moved_count_ * kMembersPerMovedOne > count_;
-  // Limits the slots, since a refit reads all of them, and the insertions since the latest sort,
-  // since each degrades the order.
+  // Limits the number of slots, since a refit reads all of them. Limits the number of insertions
+  // since the latest sort, since each insertion degrades the order.
   const size_t max_slots = (refits_all || count_ <= kQuicklySorted ? 2 : 4) * (count_ + kBlock);
   const size_t max_inserted = count_ / (count_ <= kQuicklySorted ? 16 : 2);
   if (!is_sorted_ || new_count_ * kMembersPerNewOne > count_ || order_.size() > max_slots ||
@@ -181,7 +182,8 @@ void BoxTree::NumberSlots(std::span<uint32_t> slots) const {
   }
 }
 
-// Spreads the members, which fill the first slots, over the blocks, kSorted in each.
+// Spreads the members over the blocks, kSorted per block. Before the call they fill the first
+// slots.
 void BoxTree::SpreadMembers() {
   const auto slot = [&](size_t at) { return order_.begin() + static_cast<std::ptrdiff_t>(at); };
   for (size_t block = order_.size() / kBlock; block-- > 0;) {

@@ -10,8 +10,8 @@
 // Many new members that are close together, such as a tile of the world, get separate branches if
 // they come at once. These branches become free again when the tile is removed. Branches are in any
 // order. The nodes above them, one for 65,536 slots, therefore prune little after many changes, but
-// they cost little. If more than 1/256 of the members have moved, or any may have moved, the whole
-// tree is refitted.
+// there are few of them. If more than 1/256 of the members have moved, or any may have moved, the
+// whole tree is refitted.
 //
 // All members are sorted again in any of these cases:
 // - More than an eighth of them are new, or more than 1/64 if these are not close together.
@@ -147,7 +147,7 @@ class BoxTree {
   size_t FreeBranch(size_t from) const;
   void ReserveSlots(size_t slot_count);
 
-  HookedVector<uint32_t> order_;  // the sorted members' ids by slot, kHole in holes
+  HookedVector<uint32_t> order_;  // the members' ids by slot; kHole marks a free slot
   HookedVector<uint32_t> new_;    // the ids of members added since the latest Update
   HookedVector<BlockState> states_;
   HookedVector<uint32_t> changed_blocks_;  // the blocks that are not kFresh

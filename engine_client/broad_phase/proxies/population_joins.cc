@@ -54,8 +54,8 @@ void PopulationJoins::FindPairs(KdOrder& splitter, PairBuffer& out) {
   Append(kept_.pairs(), out);
 }
 
-// Searches all joins and reports the number of checks to the tree of each first population. Joins
-// with the same first population are consecutive.
+// Searches all joins, each for the pairs of two populations `a` and `b`. Joins with the same `a`
+// are consecutive, and the sum of their checks is reported to the tree of `a`.
 void PopulationJoins::SearchAndNote(std::span<const Join> joins, PairBuffer& out) {
   for (size_t k = 0; k < joins.size();) {
     const Population& a = joins[k].a;

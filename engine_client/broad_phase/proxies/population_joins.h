@@ -1,5 +1,6 @@
 // Finds the pairs that the broad phase does not search for: pairs between two populations of
-// proxies, and pairs within a population (proxy_kind.h). It searches the trees of the populations.
+// proxies, and pairs within each population but one (proxy_kind.h). It searches the trees of the
+// populations.
 //
 // Two populations are searched in each frame if one of them moves and their filters may pass. Two
 // resting populations (sleeping with sleeping or static) are searched only after one of them has
@@ -62,7 +63,7 @@ class PopulationJoins {
     bool is_searched() const { return kind->id_bit() == 0 && number == 0; }
   };
   struct Join {
-    Population a;  // if the kinds differ, the moving kind
+    Population a;  // of the moving kind if the kinds differ
     Population b;  // may be the same as `a`
     bool within_one() const { return a.kind == b.kind && a.number == b.number; }
   };

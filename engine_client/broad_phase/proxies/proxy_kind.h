@@ -48,7 +48,8 @@ class ProxyKind {
     const uint8_t population = table_.population(place);
     table_.SetBox(place, box);
     NoteChange(population);
-    // If one proxy of a moving population moves, all are expected to move.
+    // If one proxy of a moving population moves, all are expected to move. RefreshTrees then refits
+    // the whole tree.
     if (MovesIn(population)) {
       moved_ |= 1U << population;
     } else {

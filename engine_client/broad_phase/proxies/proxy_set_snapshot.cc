@@ -1,4 +1,5 @@
-// Snapshots of a ProxySet: a header and all fields that results depend on.
+// Saves a ProxySet as a snapshot and restores it. A snapshot consists of a header and all fields
+// that results depend on.
 #include <string>
 
 #include "engine_client/broad_phase/proxies/proxy_set_impl.h"
@@ -67,7 +68,7 @@ void ProxySet::Impl::Visit(Self& self, Archive& archive) {
   archive.Value(self.groups_);
   PopulationJoins::Visit(self.joins_, archive);
   PairEvents::Visit(self.events_, archive);
-  // Without events, the next Resolve does not use these lists.
+  // The next Resolve uses these lists only if it finds pair events.
   if (!self.options_.pair_events) return;
   PairList pairs(self.pairs_);
   PairList begun(self.begun_);

@@ -59,7 +59,7 @@ class ProxyTable {
   // the slots.
   std::span<uint32_t> slots() { return slots_; }
 
-  // Indexed by place; a free place has an invalid box.
+  // Returns the boxes, indexed by place; a free place has an invalid box.
   std::span<const Aabb> boxes() const { return boxes_; }
   std::span<const CollisionFilter> filters() const { return filters_; }
   // Returns the boxes of population 0, with invalid boxes at all other places. REQUIRES: HideOthers
@@ -128,7 +128,8 @@ class ProxyTable {
   HookedVector<uint64_t> users_;
   HookedVector<uint32_t> generations_;
   HookedVector<uint32_t> seen_;  // the generations at the last MarkSeen
-  // The slot of the proxy in its tree. At a free place: the place that was freed before it.
+  // The slot of the proxy at each place in its tree. At a free place it holds the place that was
+  // freed before this one.
   HookedVector<uint32_t> slots_;
   HookedVector<uint8_t> populations_;
   // The places with new owners since the last MarkSeen, each once.

@@ -53,7 +53,7 @@ class TreeJoin {
   static constexpr size_t kMaxNodesOfLeaf = 8;
   static constexpr size_t kMeetings = 256;
 
-  // A box, by its lane in its leaf, and a leaf of the tree whose bounds it overlaps.
+  // A box that overlaps the bounds of a leaf of the tree. `lane` is the box's lane in its own leaf.
   struct Meeting {
     uint32_t lane;
     uint32_t leaf;

@@ -158,8 +158,8 @@ void AxisSweep::LoadBoxes(std::span<const Aabb> boxes) {
   records_[count_] = kInvalidRecord;
 }
 
-// Adds or removes faces if the count has changed. Returns false if a new sort is cheaper or if
-// stopped.
+// Adds or removes faces if the number of boxes has changed. Returns false if a new sort is cheaper
+// or if stopped.
 bool AxisSweep::ChangeCount(std::span<const Aabb> boxes) {
   const size_t before = count_;
   count_ = boxes.size();
@@ -275,7 +275,7 @@ void AxisSweep::SortAll() {
   });
 }
 
-// Orders the slots of the sweep by lower faces.
+// Writes the boxes' ids to the slots of the sweep, in the order of their lower faces.
 void AxisSweep::SetSweepOrder() {
   uint32_t* const ids = swept_.ids();
   size_t slot = 0;

@@ -10,8 +10,9 @@
 //   pairs), c = pairs that overlap on that axis.
 //
 // The pairs of a sweep are kept once there is little motion, unless there are more than 32 per box.
-// With more, writing the pairs dominates either way. New boxes add their faces and cause a sweep in
-// that frame; removed boxes remove theirs.
+// With more, writing the pairs takes most of the time either way. The faces of new boxes are
+// inserted, and their pairs are found by a sweep in that frame. The faces of removed boxes are
+// removed.
 //
 // A new sort is coarse: it divides each axis into equal steps, with four faces per step on average,
 // and sorts the faces by step in one pass. The first repair after it sorts the faces within each
@@ -19,8 +20,8 @@
 //
 // Cost, measured on AMD Zen 5 with AVX-512 and `sweepstake-lab bench`. Suite-b: 0.022 ms for 1,000
 // boxes, 0.28 ms for 10,000 and 6.4 ms for 100,000 (two threads: 0.17 and 3.4 ms for the last two).
-// 10,000 boxes of nearly-resting, which all move by ±0.001 per frame, take 0.36 ms. Memory: 80
-// bytes per box, 100 after frames with little motion, and 8 to 9 per pair while pairs are kept.
+// In the scene nearly-resting, 10,000 boxes that all move by ±0.001 per frame take 0.36 ms. Memory:
+// 80 bytes per box, 100 after frames with little motion, and 8 to 9 per pair while pairs are kept.
 // Boxes, the three orders and the pairs are kept between frames. aabb_check_count: lanes of the
 // sweep, and one per swap of a lower and an upper face.
 #pragma once

@@ -34,7 +34,7 @@ bool SortedEndpoints::CountSteps(std::span<const BoxRecord> records, const Sweep
   room.starts.EnsureDiscarding(step_count);
   uint32_t* const starts = room.starts.data();
   std::fill_n(starts, step_count, 0U);
-  uint64_t neighbours = 0;  // the pairs of faces that share a step
+  uint64_t neighbours = 0;  // the number of pairs of faces that share a step
   ForEachBlock(stop, 0, records.size(), [&](size_t begin, size_t end) {
     uint64_t sum = 0;
     for (const BoxRecord& record : records.subspan(begin, end - begin)) {

@@ -72,7 +72,7 @@ class EndpointRoom {
   RadixSort radix;
 };
 
-// The boxes that have moved since the orders were made.
+// The set of boxes that have moved since the orders were last sorted or repaired.
 class MovedBoxes {
  public:
   // Marks none of `box_count` boxes as moved.
@@ -132,7 +132,7 @@ class SortedEndpoints {
     const BoxRecord& record = records[EndpointOwner(endpoint)];
     return IsUpperFace(endpoint) ? record.max[axis_] : record.min[axis_];
   }
-  // Returns a number that orders the faces.
+  // Returns the number by which the faces are sorted.
   uint64_t Rank(std::span<const BoxRecord> records, Endpoint endpoint) const {
     return SortItemRank(PackSortItem(SortableKey(Coordinate(records, endpoint)), endpoint));
   }
@@ -183,7 +183,7 @@ bool SortedEndpoints::RepairBy(const RankOf& rank_of, const HasMoved& has_moved,
       before_known = false;
       continue;
     }
-    // Compares its rank with the rank of the face before it.
+    // Compares the face's rank with the rank of the face before it.
     const uint64_t rank = rank_of(face);
     if (!before_known) before_rank = i > 0 ? rank_of(order[i - 1]) : 0;
     before_known = true;

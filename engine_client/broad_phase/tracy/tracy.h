@@ -17,7 +17,7 @@
 //
 // The lists, the row of each box and the grids are kept between frames. The grids are laid out
 // again (as in Build) in three cases:
-// - Boxes outgrow them.
+// - Too many boxes have outgrown their cells.
 // - The checks in excess of the cheapest frame since the last layout add up to 256 per object.
 // - A search makes far more checks than its number of pairs explains. The grids are then laid out
 //   again at most every 64 frames.

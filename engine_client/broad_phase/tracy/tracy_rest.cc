@@ -50,7 +50,7 @@ size_t ListOutside(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* o
     const auto gone = hn::And(hn::Or(kept, valid), hn::Not(within));
     const auto listed = hn::And(gone, hn::FirstN(d, boxes.size() - at));
     if (hn::AllFalse(d, listed)) return;
-    // Lists the indices of the boxes that have left.
+    // Lists the indices of the boxes that have left their margins.
     const auto index = hn::Iota(du, static_cast<uint32_t>(at));
     hn::StoreU(CompressLanes(index, hn::RebindMask(du, listed)), du, outside + count);
     count += hn::CountTrue(d, listed);

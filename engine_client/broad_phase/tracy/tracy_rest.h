@@ -25,8 +25,8 @@ namespace sweepstake {
 
 class TracyRest {
  public:
-  // Encloses the boxes in margins and updates `lists` to the enlarged boxes. Returns the number of
-  // AABB checks. Start and Step poll `stop`, which may be null.
+  // Enlarges the boxes by `margin` on each side and updates `lists` to the enlarged boxes. Returns
+  // the number of AABB checks. Start and Step poll `stop`, which may be null.
   uint64_t Start(Executor* executor, std::span<const Aabb> boxes, float margin, TracyLists& lists,
                  StopRequest* stop);
   // Updates the state from the boxes of the next frame and adds its AABB checks to `checks`.

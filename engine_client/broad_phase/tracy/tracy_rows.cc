@@ -36,7 +36,7 @@ size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* 
   const auto* const group_of_class = reinterpret_cast<const int32_t*>(rows.choice.group_of_class);
   size_t count = 0;
   ForEachRegister(d, boxes, [&](const Aabb* from, size_t at) HWY_ATTR {
-    // Loads a register of halved boxes and computes their sides.
+    // Loads boxes with halved coordinates, one per lane, and computes their sides.
     auto x = hn::Zero(d);
     auto y = x;
     auto z = x;
