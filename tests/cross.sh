@@ -162,7 +162,7 @@ same_fingerprint() {
   say "$1, $2: the same boxes and pairs, $(wc -l <"$build/fingerprint-$2.txt") lines"
 }
 
-# Only NEON, then SVE2 with registers of 128, 256 and 512 bits (with --quick only 512).
+# Compares a processor with NEON only, then processors with SVE2 registers of 128, 256 and 512 bits (with --quick only 512).
 compare_aarch64() {
   local failed=0 bytes widths=(16 32 64)
   [[ -z $quick ]] || widths=(64)

@@ -123,7 +123,7 @@ PLATFORM_HEADER = re.compile(
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
 
-# These platform folders may not know gRPC and protobuf.
+# These platform folders must not include gRPC and protobuf.
 WITHOUT_RPC = {"server/events", "server/sessions", "server/storage"}
 RPC_LIBRARY = re.compile(r"^(grpc|google/protobuf)")
 
@@ -133,10 +133,11 @@ DECISION_HEADERS = re.compile(
     r"^(Eigen/.*|algorithm|array|bit|cassert|charconv|cmath|compare|concepts|cstddef|cstdint|cstring|deque|functional|"
     r"initializer_list|iterator|limits|map|memory|numbers|numeric|optional|ranges|set|span|string|string_view|tuple|"
     r"type_traits|unordered_map|utility|variant|vector)$")
-# sqrt, fabs, floor, ceil, trunc, ldexp, frexp and fmin/fmax are exact everywhere; these are not.
+# The results of these functions differ between standard libraries. (sqrt, fabs, floor, ceil, trunc, ldexp, frexp and fmin/fmax are exact
+# everywhere.)
 INEXACT = r"(?:exp2?|expm1|log(?:2|10|1p)?|pow|sin|cos|tan|asin|acos|atan2?|sinh|cosh|tanh|cbrt|hypot|[lt]gamma|erfc?)f?"
 INEXACT_CALL = re.compile(r"(?:\bstd::%s\b|(?<![\w:.>])%s\s*\(|\.%s\(\))" % (INEXACT, INEXACT, INEXACT))
-# Implementations of the standard library use different algorithms for these.
+# The results of these differ, too, because standard libraries use different algorithms for them.
 DISTRIBUTION = re.compile(r"\bstd::\w+_distribution\b|\b(?:mt19937\w*|random_device|random_shuffle)\b")
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
@@ -184,7 +185,7 @@ def include_errors(path, folder, name):
     if folder in FOR_ALL and name.startswith("Eigen/"):
         yield f"<{name}> must not be included from {folder}, which needs the standard library only"
     if folder in WITHOUT_RPC and RPC_LIBRARY.match(name):
-        yield f"<{name}> must not be included from {folder}, which knows plain values only"
+        yield f"<{name}> must not be included from {folder}, which may use plain values only"
     if folder not in PLATFORM_FOLDERS:
         if PLATFORM_HEADER.match(name) and path not in PLATFORM_FILES:
             yield f"<{name}> is not portable and must not be included from {folder}"

@@ -21,14 +21,16 @@ import sys
 import live
 from judging.common import or_dash, table
 
-# Frames at the start of a visit: the build and the warm-up, then the measured frames (engine_client/adaptive/shadow_schedule.h).
+# The frames of a visit: first the unmeasured ones (the build and the warm-up), then the measured ones
+# (engine_client/adaptive/shadow_schedule.h).
 UNMEASURED_FRAMES = 3
 VISIT_FRAMES = 8
 # With a smaller quota (in processors) the lane leaves all time to the game.
 MIN_QUOTA = 2
 CONDITIONS = [condition for condition in live.CONDITIONS if condition != "one-cpu"]
 ACTIVE, CAPPED = 1, 2
-# Distance between the quartiles of a normal distribution in standard deviations; spikes do not change the quartiles.
+# Distance between the quartiles of a normal distribution, in standard deviations. The deviation is estimated from the quartiles, because
+# spikes do not change them.
 QUARTILES_APART = 1.349
 MIN_VISITS = 4
 

@@ -81,7 +81,7 @@ page() {
   ((${#pages[@]} == 0)) || "$program" report "${pages[@]}" --out "$out/$part.html" || (($? == 3))
 }
 
-# Without brute force, which is quadratic, for more than 10,000 objects.
+# The arms for more than 10,000 objects. Brute force is left out, because its cost is quadratic.
 fast=Grid,SAP,AxisSweep,DBVT,Tracy,KDTree
 suite=suite-b,suite-g,suite-h
 shapes=sizes-1-to-1000,beams,clusters,planar,teleporting,one-huge

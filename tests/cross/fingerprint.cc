@@ -78,7 +78,7 @@ struct Backend {
   size_t thread_count;
 };
 
-// Returns every backend, alone and with `pool`.
+// Returns every backend twice: with one thread, and with the threads of `pool`.
 std::vector<Backend> MakeBackends(Executor& pool) {
   std::vector<Backend> backends;
   for (const std::string_view name : BroadPhaseNames()) {

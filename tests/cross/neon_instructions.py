@@ -26,7 +26,7 @@ sys.path.append(str(ROOT / "tests" / "bench"))
 from judging.common import meets, table  # noqa: E402
 
 BACKENDS = ("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree")
-# These processors have the instruction set and none that the kernels would prefer.
+# Each emulated processor has this instruction set, and none that the kernels would use instead.
 EMULATORS = {
     "neon": ["qemu-aarch64-static", "-cpu", "neoverse-n1", "-L", "/usr/aarch64-linux-gnu"],
     "sse4": ["qemu-x86_64-static", "-cpu", "Westmere"],

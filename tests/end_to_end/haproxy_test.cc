@@ -47,7 +47,7 @@ class Haproxy {
     close(socket_);  // HAProxy has inherited it
     AwaitStart(1);
   }
-  // Ends its worker, too, which kill -9 would leave behind.
+  // Ends HAProxy by SIGTERM. After kill -9 its worker process would continue.
   ~Haproxy() { process_.Terminate(); }
 
   int port() const { return port_; }

@@ -26,8 +26,9 @@ namespace {
 using ::testing::Ge;
 
 constexpr size_t kGameCount = 3;  // concurrent games of each daemon
-// A daemon accepts 16 bail-outs of a session at once. It may receive the bail-outs of this many
-// lives together, plus two that happened while no daemon ran.
+// A "life" is the time between two kills of a daemon. A daemon counts at most 16 bail-outs of a
+// session at once. So at most two bail-outs happen per life, and at least every fourth life lasts
+// until the daemon has all evidence.
 constexpr uint64_t kLivesUntilAllIsHeard = 4;
 constexpr uint64_t kMaxBailOutsInLife = 2;
 
@@ -35,8 +36,8 @@ struct Player {
   std::unique_ptr<ScriptedGame> game;
   uint64_t bail_out_count = 0;
   uint64_t bail_outs_in_life = 0;
-  uint64_t sent_before_life = 0;        // messages
-  priors::SourceProgress on_disk = {};  // at the last check
+  uint64_t sent_before_life = 0;        // number of messages
+  priors::SourceProgress on_disk = {};  // progress in the store at the last check
 };
 
 // Returns whether this life's daemon has evidence of the game on its disk.
@@ -148,7 +149,8 @@ void Household::Kill() {
   std::vector<SessionStats> before;
   for (const Player& player : players_) before.push_back(player.game->stats());
   daemon_->Kill();
-  // Reading compacts the store's log. The next daemon must do that equally often.
+  // Reading also compacts the store's log. In half of the cases the next daemon must do this
+  // instead.
   const bool look = Draw(1) == 0;
   for (size_t i = 0; i < kGameCount; ++i) {
     Player& player = players_[i];

@@ -159,7 +159,7 @@ std::set<std::string> NamesOn(const std::string& page) {
 TEST(MetricsTest, PromtoolHasNoComplaintAboutAnyMetric) {
   const TemporaryDirectory data;
   const TemporaryDirectory folder;
-  // Some metrics exist only with TLS.
+  // Some metrics exist only with TLS, so the daemon needs a certificate.
   const TestAuthority authority(folder.path() / "ca.pem");
   const CertificateFiles server{folder.path() / "server.pem", folder.path() / "server-key.pem"};
   authority.Issue("IP:127.0.0.1", server);

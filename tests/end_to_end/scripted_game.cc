@@ -11,13 +11,14 @@
 namespace sweepstake::test_support {
 namespace {
 
-// Frames between two checks of the session.
+// Number of frames between two checks of the session.
 constexpr uint64_t kFramesPerLook = 16;
-// Frames by which the loop may be ahead of the sender.
+// Maximum number of frames that wait for the sender.
 constexpr uint64_t kFramesAhead = 1024;
 constexpr double kRestOfFrameMs = 1;
-// Half of the frame's time, or all of it if the frame rebuilds, because the clock is then read once
-// more.
+// The clock advances by this time at each reading, so detection takes half of a frame of 8 s. If
+// the frame rebuilds the structure, the clock is read once more, and detection takes all of the
+// frame.
 constexpr double kBailOutDetectionMs = 4'000;
 
 template <typename T>
@@ -43,8 +44,7 @@ SessionOptions FastOptions() {
   return options;
 }
 
-// Advances by half of the active arm's cost at every second reading; FindPairs reads the clock
-// twice.
+// Advances by one step at each reading. FindPairs reads the clock twice, so a search takes one step.
 class ScriptedGame::ScriptedClock final : public Clock {
  public:
   void SetStep(uint64_t step_ns) { step_ns_ = step_ns; }

@@ -34,7 +34,7 @@ std::vector<std::string> Lines(std::string_view text) {
 
 absl::Status ReadFlags(CLI::App& app, std::string_view text) {
   std::vector<std::string> words = Lines(text);
-  std::reverse(words.begin(), words.end());  // as CLI11 expects them
+  std::reverse(words.begin(), words.end());  // CLI11 expects the words in reverse order
   try {
     app.parse(words);
   } catch (const CLI::Error& error) {

@@ -79,7 +79,7 @@ class Subject {
     std::set<std::string> sources;
     priors::SceneEvidence evidence;
 
-    // Counts end at their maximum.
+    // Adds evidence. As in the store, counts do not rise above kMaxCount.
     void Add(const priors::EvidenceKey& key, const priors::Evidence& more) {
       priors::Evidence& sum = evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by);
       sum += more;

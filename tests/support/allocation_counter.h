@@ -12,7 +12,7 @@
 
 namespace sweepstake::test_support {
 
-// Calls of any form of operator new by this thread since it started.
+// Returns the number of calls of any form of operator new by this thread since it started.
 uint64_t ThreadAllocationCount();
 
 }  // namespace sweepstake::test_support

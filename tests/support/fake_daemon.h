@@ -21,7 +21,7 @@ namespace sweepstake::test_support {
 
 class FakeDaemon final : public v1::TelemetryService::Service {
  public:
-  // How each connection is answered; may be changed at any time.
+  // Determines how the daemon answers connections. The test may change it at any time.
   struct Script {
     // Ends the stream with this status instead of a welcome.
     std::optional<grpc::Status> refusal;

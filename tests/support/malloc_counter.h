@@ -10,7 +10,7 @@
 
 namespace sweepstake::test_support {
 
-// Returns the calls by this thread since it started.
+// Returns the number of calls by this thread since it started.
 uint64_t ThreadMallocCount();
 
 }  // namespace sweepstake::test_support

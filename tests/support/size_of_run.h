@@ -1,5 +1,5 @@
-// The size and the seed of a test with random moments: set in its source for the test suite, and by
-// the environment for longer runs.
+// The size and the seed of a test whose events happen at random moments. Each test sets defaults
+// for the test suite; environment variables set them for longer runs.
 #pragma once
 
 #include <cstdint>

@@ -50,7 +50,7 @@ def worst(goal, values):
 
 OVER = {"each": lambda goal, cells: worst(goal, [cell[goal["figure"]] for cell in cells]), "mean": mean, "weighted": weighted,
         "share": share, "times": times, "group": worst_group}
-# For these goals the value of a single cell has no meaning.
+# Goals that are judged over all cells together; the value of a single cell is not compared with them.
 WITHOUT_CELLS = ("share", "times")
 
 

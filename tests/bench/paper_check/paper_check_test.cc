@@ -36,11 +36,12 @@ TEST(PaperGame, ObservesOncePer2SecondsOfActiveTimeWithoutSettling) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     const PaperGame game = PlayPaperGame({}, {.detection_ms = 1}, kAxisSweep, seed);
     const double active_s = game.active_percent * 9;
-    // The prior, the exploration's windows, and one window less for each activation of the arm.
+    // n* is the sum of the prior, the exploration's windows and one window per two seconds of
+    // active time. Each activation of the arm costs up to two windows.
     EXPECT_LE(game.evidence, 2 + 2 + active_s / 2 + 1);
     EXPECT_GE(game.evidence,
               2 + 1 + active_s / 2 - 2 * static_cast<double>(game.switch_count / 2 + 1));
-    // A cooldown of 40 s that begins at a frame ends at the 21st tick.
+    // A cooldown of 40 s begins at a frame between two ticks, so it ends only at the 21st tick.
     EXPECT_LE(game.switch_count, 22U);
   }
 }
@@ -59,7 +60,7 @@ TEST(PaperGame, ContinuesAWindowUntilItHasEnoughSamples) {
 }
 
 TEST(PaperGame, AFrameOverTheLimitIsABailOut) {
-  // All other arms bail out, so only the fast arm remains after its first frame.
+  // All other arms exceed the limit. After the first frame of the fast arm, no other arm is chosen.
   const PaperGame game = PlayPaperGame({}, {.detection_ms = 1, .gap_ms = 5'500}, kAxisSweep, 1);
   EXPECT_EQ(game.dominant_arm, kAxisSweep);
   EXPECT_GT(game.active_percent, 90);
@@ -108,7 +109,7 @@ TEST(PaperCheck, AggregatesRunsLikeThePapersTables) {
 TEST(PaperCheck, UsesTheStandardErrorOfThePapersNumberOfRuns) {
   const std::vector<PaperGame> games = ThreeGames();
   const auto all = CompareWithPaper(Cell("hurricane", 2000), games);
-  // The variances are those of 4, 8 and 18, and of the paper.
+  // The variance is the mean of ours (52, of 4, 8 and 18 switches) and the paper's (1.7²).
   const double error = std::sqrt((52.0 + 1.7 * 1.7) / 2 / 5);
   EXPECT_NEAR(all[kSwitches].standard_errors, (10 - 6.6) / error, 1e-12);
   EXPECT_TRUE(all[kSwitches].is_close());
@@ -118,7 +119,7 @@ TEST(PaperCheck, UsesTheStandardErrorOfThePapersNumberOfRuns) {
   const auto some = CompareWithPaper(Cell("brownian", 3000), two);
   EXPECT_NEAR(some[kEvidence].standard_errors, (200 - 203) / std::sqrt((200 + 35.5 * 35.5) / 2 / 3),
               1e-12);
-  // A dominance of 1 of 2, with one more run of each kind.
+  // Our dominance is 1 of 2. Its variance is computed with one more run of each kind.
   EXPECT_NEAR(some[kDominance].standard_errors, 0.4 / std::sqrt((0.25 * 4 - 0.25) / 3 / 5), 1e-12);
 }
 

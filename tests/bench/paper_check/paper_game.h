@@ -39,7 +39,7 @@ struct PaperRules {
 struct PaperGame {
   uint64_t switch_count = 0;  // executed in the 15 minutes after the exploration
   uint32_t dominant_arm = 0;  // the arm with the longest active time in them
-  double active_percent = 0;  // share of its active time
+  double active_percent = 0;  // its share of the active time
   double posterior_mean = 0;  // μ* = α ÷ (α + β) of that arm
   double evidence = 0;        // n* = α + β of that arm
 };

@@ -48,7 +48,7 @@ struct Fastest {
   double b_ms = std::numeric_limits<double>::infinity();
 };
 
-// a() and b() return their milliseconds.
+// Runs a() and b() in turns. Each returns the milliseconds of one turn.
 template <typename A, typename B>
 Fastest TakeTurns(int turns, const A& a, const B& b) {
   Fastest fastest;
@@ -147,7 +147,8 @@ void IgnoredInOnePlace(const Sizes& sizes) {
   }
   World a(together, kDebris);
   World b(apart, kDebris);
-  // The search looks for proxies that the movers do not ignore; none of these is near.
+  // Adds proxies that the movers do not ignore, so that a search is necessary. They are too far
+  // away to be found.
   for (ProxySet* const proxies : {&a.proxies, &b.proxies}) {
     proxies->Add({{-9, -9, -9}, {-8, -8, -8}});
     proxies->Add({{-9, -9, -9}, {-8, -8, -8}}, {.is_static = true});

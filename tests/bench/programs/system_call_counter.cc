@@ -14,7 +14,8 @@
 namespace sweepstake::test_support {
 namespace {
 
-// Memory shared with the parent. The signal handler has no other way to report its counts.
+// This memory is shared with the parent process, because the signal handler cannot report its
+// counts in another way.
 struct Tally {
   SystemCallCount calls;
   bool finished;
@@ -26,7 +27,7 @@ void OnTrap(int, siginfo_t* trap, void*) {
   tally->calls.last_number = trap->si_syscall;
 }
 
-// Allows the return from the handler and the end of the process.
+// Traps every system call except the return from a signal handler and the end of the process.
 bool TrapSystemCalls() {
   struct sigaction action = {};
   action.sa_sigaction = OnTrap;

@@ -52,7 +52,7 @@ class Game {
     hello_.set_scene(scene);
   }
 
-  // Leaves its daemon without a goodbye, and continues at this one. It may fail.
+  // Leaves its daemon without a goodbye, and tries to continue at the daemon with this address.
   void MoveTo(const std::string& address);
   void Send(bool bails_out);
   // Sends an hour's frames without waiting for an answer.

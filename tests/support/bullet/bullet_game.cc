@@ -229,7 +229,7 @@ void BulletGame::Phase() {
   }
 }
 
-// Updates the boxes first: those of the last step are from before the bodies moved.
+// Updates the boxes first, because the bodies have moved since the last step updated them.
 void BulletGame::Query() {
   world_.updateAabbs();
   const float reach = options_.half_width;

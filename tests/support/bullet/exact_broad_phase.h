@@ -54,7 +54,7 @@ class ExactBroadPhase final : public Base {
   const btOverlappingPairCache* getOverlappingPairCache() const override { return &exact_; }
 
  private:
-  // The other broad phases reuse ids; the id that was freed last is used first.
+  // Bullet's other broad phases reuse ids, beginning with the one that was freed last.
   static constexpr bool kIdsGrow = std::is_same_v<Base, btDbvtBroadphase>;
 
   static bool Overlap(const btBroadphasePair& pair) {
