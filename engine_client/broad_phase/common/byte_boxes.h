@@ -74,7 +74,7 @@ class ByteBoxes {
   void Fill(const CoordinateRange& range, const SweepAxis& axis, size_t begin, size_t end);
 
   size_t count() const { return count_; }
-  // Valid until the next Resize.
+  // Returns a view that is valid until the next Resize.
   ByteLanes Lanes();
   size_t native_bytes() const;
 

@@ -77,7 +77,8 @@ HWY_INLINE hn::Mask<D> SlotsFrom(D d, size_t first, size_t at) {
 // Stores a pair of `self` and each of the first `count` partners, the smaller id first. The second
 // half of the register of pairs is stored only if `count` requires it, or always with kAlways.
 // kAlways is faster if the second half is often needed. Grid's search uses StoreFewHits instead.
-// With AVX-512 it takes a fifth less time in Grid, but up to a fifth more in KDTree and DBVT.
+// With AVX-512, StoreFewHits takes a fifth less time in Grid, but would take up to a fifth more in
+// KDTree and DBVT.
 template <bool kAlways, class V>
 HWY_INLINE void StorePairs(V self, V partners, [[maybe_unused]] size_t count, OverlapPair* out) {
   const hn::DFromV<V> du;

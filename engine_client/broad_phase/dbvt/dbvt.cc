@@ -18,14 +18,11 @@ namespace {
 // the slowest frames take 13 to 17 % longer (AVX-512, AVX2 and SSE4 on AMD Zen 4, `sweepstake-lab
 // bench`).
 constexpr uint64_t kChecksPerRebuild = 100;
-// The tree is rebuilt at once if more than one entry in this number would have to be inserted
-// again.
+// The tree is rebuilt at once if more than 1 in 8 entries would have to be inserted again.
 constexpr size_t kEntriesPerMisplaced = 8;
-// The tree is built from scratch if more than one object in this number is added or removed in one
-// frame.
+// The tree is built from scratch if more than 1 in 4 objects is added or removed in one frame.
 constexpr size_t kObjectsPerChanged = 4;
-// A frame is calm if at most one sampled object in this number moves further than
-// DbvtMargins::Step().
+// A frame is calm if at most 1 in 32 sampled objects moves further than DbvtMargins::Step().
 constexpr size_t kSamplesPerFast = 32;
 // Margins are tried only up to this number of pairs per object, because each candidate pair takes
 // memory.

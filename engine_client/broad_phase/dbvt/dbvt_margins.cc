@@ -112,9 +112,9 @@ constexpr float kMinMargin = 0.02F;
 constexpr float kMaxMargin = 0.1F;
 // The number of frames of an object's motion that a margin covers.
 constexpr float kMarginFrames = 8;
-// Margins are given up if more than one object in this number leaves its margin in a frame. One
-// refit and one search for all objects then cost less than new margins and candidates for the
-// objects that have left.
+// Margins are given up if more than 1 in 20 objects leaves its margin in a frame. One refit and one
+// search for all objects then cost less than new margins and candidates for the objects that have
+// left.
 constexpr size_t kObjectsPerOutside = 20;
 // The maximum number of candidates to keep. Testing more takes longer than a search in the tree. It
 // is 1.5 times kMaxPairsPerObject (dbvt.cc), the limit up to which DBVT tries margins.

@@ -310,7 +310,7 @@ class BatchSearch {
     return count + static_cast<size_t>(begin < end);
   }
 
-  // Lists the later boxes of the slot's own row, and the later rows of cells.
+  // Lists the later boxes in the row of the box in `slot`, and the later rows of its block.
   void ListLaterRows(const GroupGrid& grid, size_t k, size_t slot) {
     const uint32_t end = view_.starts[blocks_.row[k] + blocks_.last_x[k] + 1];
     MakeRoom();

@@ -30,10 +30,10 @@ struct GridView {
   const uint32_t* searches;
 };
 
-// Appends the pairs that the boxes in the slots [begin, end) find and returns the number of AABB
-// checks. Parts that begin at multiples of kBatch find the pairs in the same order as a search over
-// all slots. Polls `stop`, which may be null, between batches and after many pairs have been
-// written.
+// Searches for the boxes in the slots [begin, end): appends their pairs and returns the number of
+// AABB checks. Each pair is found by one of its two boxes. If `begin` is a multiple of kBatch, the
+// order is that of a search over all slots. Polls `stop`, which may be null, between batches and
+// after many pairs have been written.
 uint64_t SearchGrids(const GridView& view, size_t begin, size_t end, PairBuffer& out,
                      StopRequest* stop);
 

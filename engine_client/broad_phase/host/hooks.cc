@@ -38,7 +38,7 @@ Status SetHooks(const Hooks& hooks) {
   }
   if (live_block_count.load() > 0) {
     return {StatusCode::kFailedPrecondition,
-            "memory of the present hooks is in use: set hooks before creating the first object"};
+            "memory from the present hooks is in use: call SetHooks before creating any object"};
   }
   hooks_of_process = hooks;
   installed_hooks.store(&hooks_of_process);

@@ -53,7 +53,7 @@ Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size
   auto below_high = hn::Set(d, static_cast<float>(count));
   for (size_t at = 0; at < candidate_count; at += hn::Lanes(d)) {
     const auto candidate = hn::Load(d, candidates + at);
-    // Counts how many keys are below each candidate, in two chains of additions.
+    // Counts how many keys are below each candidate. Two independent sums run in parallel.
     auto even = hn::Zero(d);
     auto odd = hn::Zero(d);
     size_t k = 0;

@@ -22,8 +22,8 @@ constexpr uint64_t kDebtScale = 256;
 // The maximum growth of the leaves' mean volume, in powers of two. Beyond it, finding the pairs
 // costs more than splitting at once.
 constexpr double kMaxLeafGrowth = 2;
-// A split is due if more than one slot in this number holds an unsorted box or a hole. It is made
-// at once if more than one in kSlotsPerUnsortedAtOnce does.
+// A split is due if more than 1 in 16 slots holds an unsorted box or a hole. It is made at once if
+// more than 1 in 4 slots does.
 constexpr size_t kSlotsPerUnsorted = 16;
 constexpr size_t kSlotsPerUnsortedAtOnce = 4;
 // The minimum number of blocks of 16 leaves per part. A smaller part takes less time than waking a

@@ -140,8 +140,7 @@ class LeafSearch {
   static constexpr size_t kFoundCapacity = kNearCapacity * kWidth;
   // The number of found boxes that a leaf is tested against at a time.
   static constexpr size_t kTestedTogether = 512;
-  // Room in the pair buffer is reserved for the pairs of this number of notes (see below) at a
-  // time.
+  // The number of notes (see below) for whose pairs room is reserved in the pair buffer at a time.
   static constexpr size_t kNotesPerRoom = 32;
 
   // A note records that a box of `others` overlaps boxes in a register of the leaf: the place of

@@ -7,7 +7,8 @@ namespace {
 
 // The cost of sorting all members, in checks per member.
 constexpr uint64_t kChecksPerSort = 20;
-// If more than one member in this number is new, sorting all members takes less time.
+// If more than 1 in 8 members is new, sorting all members takes less time than inserting the new
+// ones.
 constexpr size_t kMembersPerNewOne = 8;
 // If a changed block has at most this number of members, all of them are inserted into other
 // blocks, so that the block becomes free.
@@ -15,7 +16,8 @@ constexpr size_t kMinMembers = 48;
 // Sorting up to this number of members takes a few milliseconds, so that small trees may be sorted
 // more often.
 constexpr size_t kQuicklySorted = 65'536;
-// If more than one member in this number has moved, refitting the whole tree takes less time.
+// If more than 1 in 256 members has moved, refitting the whole tree takes less time than moving
+// them.
 constexpr size_t kMembersPerMovedOne = 256;
 
 constexpr size_t RoundUp(size_t count, size_t unit) { return (count + unit - 1) / unit * unit; }

@@ -89,8 +89,8 @@ constexpr double kMaxRunExtent = 2;
 // This number of members in a run degrades the tree as much as one member inserted into a block.
 constexpr size_t kRunMembersPerNewOne = 8;
 
-// If more than one member in this number has to be inserted one by one, sorting all takes less
-// time. An insertion takes 8 µs, sorting 0.1 µs per member (AMD Zen 4).
+// If more than 1 in 64 members has to be inserted one by one, sorting all takes less time. An
+// insertion takes 8 µs, sorting 0.1 µs per member (AMD Zen 4).
 constexpr size_t kMembersPerEach = 64;
 
 // The mean of boxes' extents, each summed over the axes.
@@ -251,7 +251,8 @@ void BoxTree::AppendMembers(size_t block) {
   }
 }
 
-// Replaces the members of the block by those in `ids`. REQUIRES: there is room for its slots.
+// Replaces the members of the block by those in `ids`. REQUIRES: ReserveSlots has made room for the
+// slots of the block.
 void BoxTree::WriteBlock(size_t block, std::span<const uint32_t> ids, std::span<uint32_t> slots) {
   const size_t first = block * kBlock;
   if (order_.size() < first + kBlock) {

@@ -7,7 +7,7 @@ namespace sweepstake {
 uint32_t ProxyTable::Add(const Aabb& box, const CollisionFilter& filter, uint64_t user) {
   if (freed_last_ == kNoPlace) EnsureRoomForOne();
   const uint32_t place = TakePlace();
-  // Lists the place only for its first new owner since the last MarkSeen.
+  // A place that gets several new proxies between two calls of MarkSeen is listed only once.
   if (notes_owners_ && generations_[place] - seen_[place] <= 1) new_owners_.push_back(place);
   ++generations_[place];
   filters_[place] = filter;

@@ -17,7 +17,7 @@ namespace {
 constexpr size_t kMinRowsPerPart = 1024;
 constexpr size_t kMinBoxesPerPart = 2048;
 
-// Pairs are kept between frames up to this number per box.
+// The maximum mean number of pairs per box up to which the pairs are kept between frames.
 constexpr size_t kMaxPairsPerBox = 32;
 // After a repair has exceeded its budget, and its work was lost, no repair is tried for this number
 // of frames.

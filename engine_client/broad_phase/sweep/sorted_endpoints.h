@@ -75,7 +75,7 @@ class EndpointRoom {
 // The set of boxes that have moved since the orders were last sorted or repaired.
 class MovedBoxes {
  public:
-  // Marks none of `box_count` boxes as moved.
+  // Empties the set and makes room for `box_count` boxes.
   void Clear(size_t box_count) {
     words_.EnsureDiscarding(box_count / 64 + 1);
     std::fill_n(words_.data(), box_count / 64 + 1, uint64_t{0});

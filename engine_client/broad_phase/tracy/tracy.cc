@@ -23,11 +23,11 @@ constexpr uint64_t kChecksPerLayout = 256;
 constexpr uint64_t kExpectedChecksPerBox = 128;
 constexpr uint64_t kExpectedChecksPerPair = 16;
 constexpr uint32_t kFramesPerTrial = 64;
-// The maximum number of boxes that are too long for their cells is kLongAllowance plus one per this
-// number of boxes.
+// If more boxes than kLongAllowance + n / kBoxesPerLong (n: the number of boxes) are too long for
+// their cells, the grids are laid out again.
 constexpr size_t kBoxesPerLong = 64;
 constexpr size_t kLongAllowance = 16;
-// The scene counts as nearly at rest if fewer than one in this number of boxes changes its list.
+// The scene counts as nearly at rest if fewer than 1 in 128 boxes change their lists in a frame.
 constexpr size_t kBoxesPerCrossing = 128;
 // A margin is the shortest side of the cells (narrowest_cell) divided by this. It is wide enough to
 // hold slow boxes for many frames, and narrow enough to add few pairs.

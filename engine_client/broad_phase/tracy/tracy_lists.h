@@ -92,7 +92,7 @@ class TracyLists {
   AlignedBuffer<uint32_t> order_;        // the lists before the latest Update
   AlignedBuffer<uint32_t> first_slots_;  // the first slot of each list, then size_
   AlignedBuffer<uint32_t> old_slots_;    // first_slots_ before the latest Update
-  AlignedBuffer<uint32_t> arrivals_;     // the slot for the next box that arrives in each list
+  AlignedBuffer<uint32_t> arrivals_;     // the slot of the next new box in each list
   AlignedBuffer<uint32_t> arrived_;
   GridColumns columns_;
   AlignedBuffer<uint32_t> starts_;

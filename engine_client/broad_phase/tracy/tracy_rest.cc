@@ -75,8 +75,7 @@ constexpr Aabb kEverywhere = {{-kInfinity, -kInfinity, -kInfinity},
                               {kInfinity, kInfinity, kInfinity}};
 constexpr Aabb kInvalidMargin = {{kNan, kNan, kNan}, {kNan, kNan, kNan}};
 
-// The maximum number of boxes outside their margins is kOutsideAllowance plus one per this number
-// of boxes.
+// Among n boxes, at most kOutsideAllowance + n / kBoxesPerOutside may be outside their margins.
 constexpr size_t kBoxesPerOutside = 32;
 constexpr size_t kOutsideAllowance = 8;
 constexpr size_t kMinPairsPerPart = 4096;

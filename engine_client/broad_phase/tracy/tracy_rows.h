@@ -1,6 +1,6 @@
 // The rows of cells of Tracy's grids. Each row has a list of boxes (tracy_lists.h). The rows of all
-// grids are numbered consecutively. The last number is the list of boxes that are too long for the
-// grid of their group.
+// grids are numbered consecutively. One more row, the last one, holds the boxes that are too long
+// for the grid of their group.
 //
 // Plain values; the kernel is dispatched at run time once per call.
 #pragma once
