@@ -187,7 +187,7 @@ void BulletBroadPhase::PassFound(const Query& query, btBroadphaseAabbCallback& c
   std::span<Found> found = few;
   size_t count = 0;
   Status status = query(found, count);
-  if (status.code() == StatusCode::kFailedPrecondition) {  // first query after a change
+  if (status.code() == StatusCode::kFailedPrecondition) {  // the first query after a change
     proxies_.PrepareQueries();
     status = query(found, count);
   }

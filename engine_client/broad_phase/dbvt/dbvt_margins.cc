@@ -44,8 +44,8 @@ HWY_INLINE bool IsInside(const Aabb& box, const Aabb& fat) {
 
 using Half = hn::FixedTag<float, 4>;
 
-// Like RecordsOverlap (box_record-inl.h), for boxes that are not padded to whole registers. Copying
-// all boxes to records in every frame would cost more than it saves.
+// Does the same as RecordsOverlap (box_record-inl.h), for boxes that are not padded to whole
+// registers. Copying all boxes to records in every frame would cost more than it saves.
 HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
   const Half d;
   const auto overlap = hn::And(hn::Le(hn::LoadU(d, a.min), hn::LoadU(d, b.max)),

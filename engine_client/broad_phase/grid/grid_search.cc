@@ -147,8 +147,8 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
     row = hn::Add(row, hn::Mul(own, z_stride));
     const auto beyond = hn::Sub(last_z, own);
     max_reach = hn::Max(max_reach, hn::Max(beyond, hn::Max(up, down)));
-    // Stores the cell behind the last one of the box's own row. The search of this row begins
-    // behind the box.
+    // Stores the end of the box's own row, the cell behind its last. No first cell is needed, since
+    // this row is searched from the slot behind the box on.
     const auto first = hn::Add(row, first_x);
     const auto behind = hn::Add(hn::Add(row, last_x), one);
     hn::StoreU(behind, di, rows.behind[0] + k);

@@ -130,7 +130,8 @@ void KdTree::Remove(size_t count) {
 
 // Adds the boxes from `first` on to the unsorted boxes and sorts the unsorted boxes again.
 void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
-  // Closes the holes between the remaining unsorted boxes, which get separate leaves.
+  // Closes the holes between the remaining unsorted boxes, and moves these boxes to the start of a
+  // leaf.
   uint32_t* const unsorted = order_.data() + unsorted_begin_;
   const size_t old_count = static_cast<size_t>(
       std::remove(unsorted, order_.data() + slot_count_, KdOrder::kHole) - unsorted);

@@ -102,7 +102,7 @@ class LeafTree {
   AlignedBuffer<float> bounds_;
   std::array<float*, kMaxLevels + 1> first_column_{};  // the first column of each level
   std::array<size_t, kMaxLevels + 1> stride_{};        // the length of each column of a level
-  size_t capacity_ = 0;                                // the number of slots with columns
+  size_t capacity_ = 0;                                // slots that the columns have room for
   // The number of levels for capacity_ slots, at least `top`.
   size_t level_count_ = 0;
   View view_;
