@@ -1,5 +1,5 @@
 // Passes one order to the frame thread. A newer order overwrites one that was not yet taken. Any
-// thread posts, the frame thread takes; lock-free.
+// thread may call Post, only the frame thread Take. Lock-free.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,5 @@
-// Decides which arms the shadow lane visits, and when. Visits form sweeps over the arms, which a
-// budget spaces.
+// Decides which arms the shadow lane visits, and when. Visits are grouped in sweeps over the arms.
+// A budget determines the time between sweeps.
 //
 //   if (schedule.IsDue(now_ns, search_ns)) {
 //     schedule.Begin(now_ns, search_ns, active_arm, object_count);
@@ -62,7 +62,7 @@ struct ShadowVisit {
   uint32_t frame_count = 0;   // the number of measured frames
   uint64_t detection_ns = 0;  // median of the measured frames; if there are none, the fastest
   uint64_t build_ns = 0;      // the time of the first frame
-  uint64_t busy_ns = 0;       // the time of all frames
+  uint64_t busy_ns = 0;       // total time of all frames
   uint64_t native_bytes = 0;
   uint64_t aabb_check_count = 0;  // mean over the measured frames
   bool capped = false;            // whether a cap ended the visit before the last frame
@@ -72,8 +72,8 @@ struct ShadowVisit {
   bool is_measured = true;
 };
 
-// Returns the visit whose frames took `frame_ns`, up to `cap_ns`. The caller sets arm, native_bytes
-// and aabb_check_count. REQUIRES: 1 to kShadowBurstFrames frames.
+// Summarizes a visit whose frames took `frame_ns`; frames that begin after `cap_ns` are left out.
+// The caller sets arm, native_bytes and aabb_check_count. REQUIRES: 1 to kShadowBurstFrames frames.
 ShadowVisit SummarizeVisit(std::span<const uint64_t> frame_ns, uint64_t cap_ns);
 
 class ShadowSchedule {
@@ -134,7 +134,8 @@ class ShadowSchedule {
   uint64_t sweep_ = 0;  // the number of the latest sweep
   uint64_t begun_ns_ = 0;
   uint64_t busy_ns_ = 0;  // work of the lane since the latest sweep began
-  // No sweep begins before this time: then the cost so far is kMaxCostRatio of the elapsed time.
+  // No sweep begins before this time, so that the cost so far is at most kMaxCostRatio of the
+  // elapsed time.
   uint64_t paid_ns_ = 0;
   uint64_t matched_ns_ = 0;  // search time that would justify all work so far
   uint64_t granted_ns_ = 0;  // time of the latest grant of savings

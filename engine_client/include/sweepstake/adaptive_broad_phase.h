@@ -65,8 +65,8 @@ class FrameSink {
 };
 
 // Passes one switch command to the frame thread. A newer command overwrites one that was not yet
-// taken. Any thread posts, the frame thread takes; lock-free. Arms and trial limits over 255 are
-// stored as 255; of the command id the lowest 40 bits are kept.
+// taken. Any thread may call Post, only the frame thread Take. Lock-free. Arms and trial limits
+// over 255 are stored as 255; of the command id the lowest 40 bits are kept.
 class SwitchMailbox {
  public:
   void Post(const SwitchCommand& command) noexcept;
@@ -110,11 +110,11 @@ struct AdaptiveOptions {
   // change a lockstep game. Sorting takes the same time for each arm and is not part of a sample's
   // detection time. Cost: pair_sorter.h.
   bool sorted_pairs = false;
-  // Limits the memory of all arms, of the pairs, of their sort and of the shadow lane; 0: no limit.
-  // The lane may use half of it. The limit is checked at each switch and after a frame in which the
-  // active arm has grown. Above it the memory of the inactive arms is freed, and then that of the
-  // lane, as by Trim: this frame and later switches to those arms then allocate. The active arm and
-  // the pairs are not limited.
+  // Limits the memory of all arms, of the pairs, of sorting them and of the shadow lane; 0: no
+  // limit. The lane may use half of it. The limit is checked at each switch and after a frame in
+  // which the active arm has grown. Above it the memory of the inactive arms is freed, and then
+  // that of the lane, as by Trim: this frame and later switches to those arms then allocate. The
+  // active arm and the pairs are not limited.
   uint64_t memory_budget_bytes = 0;
 };
 
@@ -150,7 +150,7 @@ class AdaptiveBroadPhase {
   void EndFrame(const FrameEnd& frame);
 
   // Frees the buffers that the next frame does not need: those of inactive arms, of pairs and of
-  // their sort. The shadow lane frees its memory soon after, on its own thread. Call it between
+  // sorting them. The shadow lane frees its memory soon after, on its own thread. Call it between
   // EndFrame and BeginFrame, for example when a level ends or memory is low. It invalidates the
   // result of FindPairs. The next frame, later switches and the lane's next sweep allocate again.
   // Cost: that of freeing the memory.

@@ -46,10 +46,10 @@ class BroadPhase {
   // Evidence about one version is kept separate from evidence about others.
   virtual uint32_t version() const = 0;
 
-  // Discards all state and takes these boxes: 0 to 2^31 − 1.
+  // Discards all state and uses these boxes, of which there may be 0 to 2^31 − 1.
   virtual void Build(std::span<const Aabb> boxes) = 0;
 
-  // Takes the boxes of the next frame. A larger count adds objects behind the last one, a smaller
+  // Sets the boxes of the next frame. A larger count adds objects behind the last one, a smaller
   // count removes the last ones; the others keep their ids. REQUIRES: Build was called.
   virtual void Update(std::span<const Aabb> boxes) = 0;
 

@@ -39,7 +39,7 @@ extern "C" {
 
 typedef struct swp_link swp_link;
 
-/* As SessionOptions in session.h. The texts are names of at most 128 bytes. */
+/* The same options as SessionOptions in session.h. The texts are names of at most 128 bytes. */
 typedef struct swp_link_options {
   uint32_t struct_size;
   uint32_t allow_operator_orders; /* 1: operators may choose mode and arm; 0 in shipped games */

@@ -60,7 +60,7 @@ typedef struct swp_proxy_options {
   uint64_t user;     /* any value of the caller */
 } swp_proxy_options;
 
-/* The id of a is below that of b. */
+/* Two proxies; the id of a is below that of b. */
 typedef struct swp_proxy_pair {
   swp_proxy a;
   swp_proxy b;
@@ -214,7 +214,7 @@ SWP_API swp_result swp_proxies_prepare_queries(swp_proxies* proxies);
 SWP_API swp_result swp_proxies_query_boxes(const swp_proxies* proxies, const swp_aabb* boxes,
                                            uint32_t box_count, const swp_filter* filter,
                                            swp_proxy* found, uint64_t capacity, uint64_t* ends);
-/* As swp_proxies_query_boxes, for the proxies that overlap spheres. */
+/* Like swp_proxies_query_boxes, but finds the proxies that overlap spheres. */
 SWP_API swp_result swp_proxies_query_spheres(const swp_proxies* proxies, const swp_sphere* spheres,
                                              uint32_t sphere_count, const swp_filter* filter,
                                              swp_proxy* found, uint64_t capacity, uint64_t* ends);
@@ -223,7 +223,7 @@ SWP_API swp_result swp_proxies_query_spheres(const swp_proxies* proxies, const s
 SWP_API swp_result swp_proxies_cast_rays(const swp_proxies* proxies, const swp_ray* rays,
                                          uint32_t ray_count, const swp_filter* filter,
                                          swp_ray_hit* hits);
-/* As swp_proxies_cast_rays, for swept boxes. */
+/* Like swp_proxies_cast_rays, but for swept boxes. */
 SWP_API swp_result swp_proxies_sweep_boxes(const swp_proxies* proxies, const swp_box_sweep* sweeps,
                                            uint32_t sweep_count, const swp_filter* filter,
                                            swp_ray_hit* hits);

@@ -112,7 +112,7 @@ typedef struct swp_frame_sample {
 } swp_frame_sample;
 
 typedef struct swp_switch_command {
-  uint64_t command_id; /* below 2^48; 0: local */
+  uint64_t command_id; /* id of the decider's command, below 2^48; 0: not from a decider */
   uint32_t arm;
   swp_switch_reason reason;
 } swp_switch_command;
@@ -148,7 +148,7 @@ typedef struct swp_shadow_stats {
   uint64_t memory_bytes; /* now */
   uint64_t copied_frame_count;
   uint64_t copy_time_ns;      /* time of copying boxes on the frame thread */
-  uint64_t warm_switch_count; /* prepared by the lane */
+  uint64_t warm_switch_count; /* switches whose arm the lane had prepared */
   uint64_t cold_switch_count;
 } swp_shadow_stats;
 
@@ -238,10 +238,10 @@ SWP_API swp_result swp_session_end_frame(swp_session* session, uint64_t frame_ti
 /* Functions of the frame thread. */
 
 /* Frees the buffers that the next frame does not need: those of inactive arms and of the pairs. The
- * shadow lane frees its memory soon after, on its own thread. For the end of a level, or when
- * memory is low. SWP_FAILED_PRECONDITION between begin_frame and end_frame. The pairs of the latest
- * search become invalid; the next frame and later switches allocate again. Cost: that of freeing
- * the memory. */
+ * shadow lane frees its memory soon after, on its own thread. Call it at the end of a level, or
+ * when memory is low. SWP_FAILED_PRECONDITION between begin_frame and end_frame. The pairs of the
+ * latest search become invalid; the next frame and later switches allocate again. Cost: that of
+ * freeing the memory. */
 SWP_API swp_result swp_session_trim(swp_session* session);
 
 /* Chooses an arm manually, from the next begin_frame on; the mode does not change. SWP_NOT_FOUND

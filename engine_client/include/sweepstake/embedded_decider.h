@@ -107,7 +107,7 @@ struct EmbeddedOptions {
 
 class EmbeddedDecider {
  public:
-  // Takes arms as in AdaptiveBroadPhase::arms() and arm_versions(). Returns kInvalidArgument,
+  // `arms` and `arm_versions` are as in AdaptiveBroadPhase. Returns kInvalidArgument,
   // kNotFound (no such file), or kDataLoss (broken priors; the message is one line and names the
   // record).
   static Result<std::unique_ptr<EmbeddedDecider>> Create(const EmbeddedOptions& options,

@@ -15,7 +15,7 @@ namespace sweepstake {
 
 class Executor {
  public:
-  // Must not throw. May be called on any thread.
+  // Runs one part. It must not throw, and may be called on any thread.
   using RunPart = void (*)(void* context, size_t part);
 
   virtual ~Executor() = default;

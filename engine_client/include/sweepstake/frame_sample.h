@@ -77,7 +77,7 @@ enum class Mode : uint32_t { kManual = 1, kAi = 2 };
 enum class SwitchReason : uint32_t { kPolicy = 1, kExploration = 2, kBailOut = 3, kManual = 4 };
 
 struct SwitchCommand {
-  uint64_t command_id = 0;  // 0: local
+  uint64_t command_id = 0;  // 0: not from a decider
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
   // Nonzero: the switch is a trial, which returns to the previous arm in two cases (trial_guard.h).
@@ -161,8 +161,8 @@ struct LastDecision {
   static constexpr size_t kMaxArms = 32;
 
   uint64_t decision_id = 0;  // counts from 1; 0 if a daemon decides, which does not send it
-  // When it was made, or received from the daemon; its age is the time since then. The clock is
-  // SteadyClock() with a Session, otherwise the one of now_ns.
+  // When the decision was made, or received from the daemon; its age is the time since then. The
+  // clock is SteadyClock() with a Session, otherwise the one of now_ns.
   uint64_t time_ns = 0;
   uint32_t active_arm = 0;
   DecisionOutcome outcome = DecisionOutcome::kKept;

@@ -162,9 +162,9 @@ struct ProxySetOptions {
   // Fills added() and removed(); the pairs are then sorted too.
   bool pair_events = false;
   // Delays the end of a pair, so that a pair whose boxes touch intermittently does not begin and
-  // end in every frame. It begins when the boxes overlap. It ends when they are more than this far
-  // apart on an axis, when one is removed or when the filters no longer pass. The pairs of Resolve
-  // stay exact. A negative value or NaN counts as 0.
+  // end in every frame. A pair begins when its boxes overlap. It ends when they are more than this
+  // far apart on an axis, when one is removed or when the filters no longer pass. The pairs of
+  // Resolve stay exact. A negative value or NaN counts as 0.
   float event_margin = 0;
   // Runs the parts of the search among static proxies (executor.h). Borrowed; must outlive the set.
   Executor* executor = nullptr;
@@ -310,14 +310,16 @@ class ProxySet {
   // message names it and no hit changes. REQUIRES: equal sizes.
   Status CastRays(std::span<const Ray> rays, const CollisionFilter& filter,
                   std::span<RayHit> hits) const;
-  // As CastRays, for swept boxes.
+  // Like CastRays, but for swept boxes.
   Status SweepBoxes(std::span<const BoxSweep> sweeps, const CollisionFilter& filter,
                     std::span<RayHit> hits) const;
-  // The proxies in boxes[k] are out[ends[k − 1]] to out[ends[k]]. If `out` is too small, `ends`
-  // still counts all results. REQUIRES: equal sizes of boxes and ends.
+  // The proxies that overlap boxes[k] are in `out` from ends[k − 1] (0 for the first box) to
+  // ends[k]. If `out` is too small, `ends` still counts all results. REQUIRES: equal sizes of boxes
+  // and ends.
   Status QueryBoxes(std::span<const Aabb> boxes, const CollisionFilter& filter,
                     std::span<ProxyHandle> out, std::span<size_t> ends) const;
-  // As QueryBoxes, for spheres. If a sphere is refused, the message names it and no result changes.
+  // Like QueryBoxes, but for spheres. If a sphere is refused, the message names it and no result
+  // changes.
   Status QuerySpheres(std::span<const Sphere> spheres, const CollisionFilter& filter,
                       std::span<ProxyHandle> out, std::span<size_t> ends) const;
 

@@ -25,10 +25,10 @@ inline constexpr uint32_t kMaxSceneObjectCount = 16'777'216;
 // describes how each scenario uses them.
 struct SceneOptions {
   uint32_t object_count = 1000;       // 0 to kMaxSceneObjectCount
-  uint64_t spawn_seed = 1;            // sizes and spawn positions
-  uint64_t motion_seed = 1;           // start velocities, directions and kicks
+  uint64_t spawn_seed = 1;            // seed of sizes and spawn positions
+  uint64_t motion_seed = 1;           // seed of start velocities, directions and kicks
   float world_half_extent = 50;       // the world is ±this on each axis; 1e-3 to 1e6
-  float fixed_step_s = 1.0F / 60.0F;  // one Step; 1e-6 to 1
+  float fixed_step_s = 1.0F / 60.0F;  // duration of one Step; 1e-6 to 1
   // Object half extents are log-uniform in [min, max] per axis; 1e-6 <= min <= max <=
   // world_half_extent.
   float half_extent_min = 0.5F;

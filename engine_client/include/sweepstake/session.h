@@ -69,7 +69,7 @@ struct SessionStats {
   std::string policy;
   uint64_t seed = 0;
   // Times of the sender thread with an embedded decider; 0 with a daemon, which decides elsewhere.
-  uint64_t intake_time_ns = 0;    // time to empty the queue and pass it to the decider
+  uint64_t intake_time_ns = 0;    // time to pass the queue's samples to the decider
   uint64_t decision_time_ns = 0;  // total time of all decisions
   uint64_t longest_decision_ns = 0;
   std::vector<ArmBelief> beliefs;  // the latest posterior snapshot; empty: none yet

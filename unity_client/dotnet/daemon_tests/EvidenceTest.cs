@@ -63,7 +63,7 @@ namespace Sweepstake.Tests
         [Test]
         public async Task ARunOfAiDecidesWithTheLaneIsTheSameEvidenceToo()
         {
-            // So many objects that it pays on every machine to leave BruteForce, whose cost is quadratic.
+            // With this many objects, leaving BruteForce is worth it on every machine, because its cost is quadratic.
             await PlayBothWays("--objects", "10000", "--mode", "ai", "--arm", "BruteForce", "--shadow", "on", "--duration", "4s");
             string[] switches = Switches(overCpp);
             Assert.That(switches, Is.Not.Empty, "the daemon has decided");

@@ -18,13 +18,13 @@ namespace Sweepstake.Unity
         void Report();
 
         /// <summary>
-        /// For debug views: the boxes of a pair of the latest search; false after the last pair, and once an object of the pairs was
-        /// removed.
+        /// Returns, for debug views, the boxes of a pair of the latest search. Returns false after the last pair, and once an object of the
+        /// pairs was removed.
         /// </summary>
         bool TryGetPair(int index, out Aabb a, out Aabb b);
 
         /// <summary>
-        /// For recordings: replaces the content of the list by the boxes of the latest search, including static ones. An object keeps its index for
+        /// Replaces the content of the list by the boxes of the latest search, including static ones, for recordings. An object keeps its index for
         /// life; an unused index has an invalid box.
         /// </summary>
         void CopyBoxes(List<Aabb> boxes);

@@ -79,7 +79,7 @@ namespace Sweepstake.Unity
         internal bool HasSearched => host != null && endedNs != 0;
 
         public SweepstakeState State { get; private set; }
-        /// <summary>What is wrong and what to do; "" if nothing is.</summary>
+        /// <summary>What is wrong and what to do; "" if nothing is wrong.</summary>
         public string Problem { get; private set; } = "";
 
         /// <summary>The names of the backends that may be selected; empty while the manager is not running.</summary>

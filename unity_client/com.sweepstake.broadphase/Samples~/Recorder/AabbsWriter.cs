@@ -87,7 +87,7 @@ namespace Sweepstake.Samples
             File.Move(PartialPath, path);
         }
 
-        /// <summary>Without <see cref="Finish"/> no file is written.</summary>
+        /// <summary>Deletes the incomplete file if <see cref="Finish"/> was not called.</summary>
         public void Dispose()
         {
             if (file == null)

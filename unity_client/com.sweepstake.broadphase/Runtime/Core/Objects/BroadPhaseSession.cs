@@ -106,8 +106,8 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// For runs that must repeat bit for bit (builds, replays, tournaments). Selects the arm with the lowest expected cost in the priors of
-        /// these options, from the next frame on. The session is then in <see cref="SessionMode.Manual"/>, where nothing depends on time: no clock
+        /// Selects the arm with the lowest expected cost in the priors of these options, from the next frame on. Use it for runs that must
+        /// repeat bit for bit (builds, replays, tournaments). The session is then in <see cref="SessionMode.Manual"/>, where nothing depends on time: no clock
         /// is read, samples have no detection time, and commands and orders are refused. <see cref="SelectArm(int)"/> still works; setting
         /// <see cref="Mode"/> ends the freeze. Call it on the frame thread.
         /// </summary>

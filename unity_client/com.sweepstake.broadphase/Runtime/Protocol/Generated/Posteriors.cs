@@ -216,7 +216,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProjectFieldNumber = 1;
     private string project_ = "";
     /// <summary>
-    /// Only this project. Absent: all.
+    /// Selects only this project. Absent: all projects.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1270,7 +1270,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProjectFieldNumber = 1;
     private string project_ = "";
     /// <summary>
-    /// Only this project. Absent: all.
+    /// Selects only this project. Absent: all projects.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1285,7 +1285,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SceneFieldNumber = 2;
     private string scene_ = "";
     /// <summary>
-    /// Only this scene. Absent: all.
+    /// Selects only this scene. Absent: all scenes.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1984,7 +1984,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SourceCountFieldNumber = 7;
     private ulong sourceCount_;
     /// <summary>
-    /// Sources (sessions) whose evidence is included. Absent: 0.
+    /// Number of sources (sessions) whose evidence is included. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2539,7 +2539,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int WindowCountFieldNumber = 4;
     private ulong windowCount_;
     /// <summary>
-    /// Decision windows in which the arm was live. Absent: 0.
+    /// Number of decision windows in which the arm was live. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2554,7 +2554,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int BailOutCountFieldNumber = 5;
     private ulong bailOutCount_;
     /// <summary>
-    /// Bail-outs charged to the arm. Absent: 0.
+    /// Number of bail-outs charged to the arm. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2569,7 +2569,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int VisitCountFieldNumber = 6;
     private ulong visitCount_;
     /// <summary>
-    /// Visits of the shadow lane. Absent: 0.
+    /// Number of visits of the shadow lane. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

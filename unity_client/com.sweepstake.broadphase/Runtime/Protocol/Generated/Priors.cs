@@ -173,7 +173,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProjectFieldNumber = 1;
     private string project_ = "";
     /// <summary>
-    /// Only this project. Absent: all.
+    /// Selects only this project. Absent: all projects.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -188,7 +188,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SceneFieldNumber = 2;
     private string scene_ = "";
     /// <summary>
-    /// Only this scene. Absent: all.
+    /// Selects only this scene. Absent: all scenes.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -203,7 +203,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int QuarantinedOnlyFieldNumber = 3;
     private bool quarantinedOnly_;
     /// <summary>
-    /// Only evidence in quarantine. Absent: all evidence.
+    /// Selects only evidence in quarantine. Absent: all evidence.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1169,7 +1169,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProjectFieldNumber = 1;
     private string project_ = "";
     /// <summary>
-    /// Only evidence of this project. Absent: all.
+    /// Selects only evidence of this project. Absent: all projects.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1229,8 +1229,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixFromSFieldNumber = 5;
     private long unixFromS_;
     /// <summary>
-    /// Only sources that began at this time or later, by the daemon's wall clock, since 1970. The start time of an imported source
-    /// counts as 0. Absent: any.
+    /// Selects only sources that began at this time or later, by the daemon's wall clock, since 1970. The start time of an imported
+    /// source counts as 0. Absent: any.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1245,7 +1245,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int UnixUntilSFieldNumber = 6;
     private long unixUntilS_;
     /// <summary>
-    /// Only sources that began at this time or before. Absent: any.
+    /// Selects only sources that began at this time or before. Absent: any.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4568,7 +4568,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ProjectFieldNumber = 1;
     private string project_ = "";
     /// <summary>
-    /// Only this project. Absent: all.
+    /// Selects only this project. Absent: all projects.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4583,7 +4583,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SceneFieldNumber = 2;
     private string scene_ = "";
     /// <summary>
-    /// Only this scene. Absent: all.
+    /// Selects only this scene. Absent: all scenes.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

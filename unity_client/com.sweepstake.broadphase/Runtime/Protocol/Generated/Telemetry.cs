@@ -2733,7 +2733,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int DroppedFrameCountFieldNumber = 10;
     private ulong droppedFrameCount_;
     /// <summary>
-    /// Frames dropped by the client's queue since the last batch. Absent (0): none.
+    /// Number of frames that the client's queue dropped since the last batch. Absent (0): none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5841,7 +5841,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SessionIdFieldNumber = 1;
     private string sessionId_ = "";
     /// <summary>
-    /// Name of the session, which is not secret. Absent: an error.
+    /// Id of the session; it is not secret. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6036,7 +6036,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PriorSourceCountFieldNumber = 14;
     private ulong priorSourceCount_;
     /// <summary>
-    /// Sessions whose evidence is in these priors; 0: they start at Beta(1,1). Absent: 0.
+    /// Number of sessions whose evidence is in the priors; 0: the priors are Beta(1,1). Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6051,7 +6051,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ResumeTokenFieldNumber = 15;
     private pb::ByteString resumeToken_ = pb::ByteString.Empty;
     /// <summary>
-    /// Secret that is required with the name to resume the session; 32 bytes. Absent: it cannot be resumed.
+    /// Secret that is required with the id to resume the session; 32 bytes. Absent: it cannot be resumed.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -9335,7 +9335,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int PairsFieldNumber = 6;
     private pb::ByteString pairs_ = pb::ByteString.Empty;
     /// <summary>
-    /// Two such numbers per overlapping pair: the indices of its boxes, the smaller first. Pairs may be left out. Absent: none.
+    /// Two little-endian 16-bit numbers per overlapping pair: the indices of its boxes, the smaller first. Pairs may be left out.
+    /// Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
