@@ -76,7 +76,8 @@ judge() {
   fi
 }
 
-# Writes one page for all documents of the part. A program built without the page prints that and exits with 3.
+# Writes one page for all documents of the part. Without the page in the program, `report` prints the reason and exits with 3, which is not
+# an error here.
 page() {
   ((${#pages[@]} == 0)) || "$program" report "${pages[@]}" --out "$out/$part.html" || (($? == 3))
 }

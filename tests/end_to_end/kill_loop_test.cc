@@ -45,7 +45,7 @@ bool IsHeard(const Player& player) {
   return player.game->stats().acknowledged_sequence > player.sent_before_life;
 }
 
-// The messages of a game that has ended with a goodbye.
+// The counts of a game that has ended with a goodbye.
 struct Sent {
   SessionStats stats;
   uint64_t bail_out_count = 0;

@@ -83,8 +83,8 @@ class Daemon final : public TelemetryTransport {
                                                 auth::Principal{});
     stream_->Accept();
   }
-  // Adds the session's id and token, which an input cannot contain. An input always has the same
-  // effect.
+  // Adds the session's id and token, which an input cannot contain, and a seed, so that an input
+  // always has the same effect.
   void Complete(v1::Hello& hello) const {
     if (hello.seed() == 0) hello.set_seed(1);
     if (hello.session_id().empty()) return;

@@ -47,8 +47,8 @@ PaperResidual Compare(std::string_view name, const PaperFigure& paper,
   return Compare(name, paper, ours, pooled, run_count);
 }
 
-// The paper gives no deviation of its counts. Ours adds one run of each kind (Laplace), because a
-// share of 1 would have a deviation of 0.
+// The paper gives no deviation of its counts. For our deviation one run of each kind is added
+// (Laplace), because a share of 1 would have a deviation of 0.
 PaperResidual CompareDominance(uint32_t dominant_run_count, std::vector<double> values) {
   const PaperFigure paper{static_cast<double>(dominant_run_count) / kPaperRunCount, 0};
   const PaperFigure ours{Mean(values), SampleDeviation(values)};
@@ -172,7 +172,8 @@ double SecondsPerObservation(const PaperCell& cell) {
   constexpr double kSettlingS = 2;
   constexpr double kNotLearnt = 2 + 2;  // part of n* from the prior and the exploration's windows
   const double active_s = cell.active_percent.mean / 100 * kObservationS;
-  const double settling_s = cell.switches.mean / 2 * kSettlingS;  // every second switch leads to it
+  const double settling_s =
+      cell.switches.mean / 2 * kSettlingS;  // every second switch leads to the dominant arm
   return (active_s - settling_s) / (cell.evidence.mean - kNotLearnt);
 }
 

@@ -117,7 +117,7 @@ Faults CountFaults(const Frame& frame) {
   return faults;
 }
 
-bool any_fault = false;  // Google Benchmark has no return value for it
+bool any_fault = false;  // a benchmark function cannot return a failure
 
 void Report(const Faults& faults, benchmark::State& state) {
   const auto per_frame = [](uint64_t count) { return static_cast<double>(count) / kCountedFrames; };

@@ -105,7 +105,7 @@ float EnterAt(const float* origin, const float* direction, const float* min, con
 
 btVector3 Vector(const float* v) { return {v[0], v[1], v[2]}; }
 
-// Bullet calls it for each box along the ray.
+// Bullet calls `process` for each box along the ray.
 struct NearestOfBullet final : btBroadphaseRayCallback {
   const Ray* ray = nullptr;
   float nearest = std::numeric_limits<float>::infinity();

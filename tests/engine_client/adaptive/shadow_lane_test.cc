@@ -411,7 +411,7 @@ TEST_F(ShadowLaneTest, PreparesASwitchAndExchangesTheBackends) {
   EXPECT_EQ(static_cast<LaneBackend&>(*own.backend).shown.size(), ShadowLane::kPreparationFrames);
   EXPECT_FALSE(lane_->TakeOver(2, own, pairs_));
   lane_->Cancel();
-  Frames(200);  // The lane continues with the backend that it got in exchange.
+  Frames(200);  // The lane continues with the test's former backend.
   EXPECT_GE(lane_->stats().sweep_count, 2U);
 }
 

@@ -38,7 +38,7 @@ class TrimTest : public ::testing::Test {
   }
   uint64_t active_bytes() const { return adaptive_->last_sample().native_bytes; }
 
-  // Creates a lane on its own thread, independent of the machine.
+  // Creates a lane on its own thread, as on a machine with two cores.
   void MakeWithLane(uint64_t memory_budget_bytes) {
     const auto make = [this](uint32_t arm) {
       return ArmBackend{nullptr, std::move(*MakeBroadPhase(options_.arms[arm]))};

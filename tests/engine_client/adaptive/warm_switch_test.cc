@@ -280,7 +280,8 @@ TEST_F(WarmSwitchTest, UsesTheExecutorOnlyOnTheFrameThread) {
   for (const uint32_t arm : {1U, 0U}) {
     adaptive_->mailbox().Post({.command_id = arm, .arm = arm});
     while (adaptive_->active_arm() != arm) frame();
-    // Run frames until the lane has visited the backend that it got in exchange.
+    // Run frames until the lane has visited the backend that it received in exchange for the
+    // prepared one.
     const uint64_t sweep_count = adaptive_->shadow_stats().sweep_count;
     while (adaptive_->shadow_stats().sweep_count < sweep_count + 2) frame();
   }

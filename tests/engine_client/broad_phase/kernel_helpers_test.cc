@@ -63,7 +63,7 @@ std::string PairsError(uint32_t self) {
   return "";
 }
 
-// The own id may be smaller than those of all partners, larger, or in between.
+// Tests own ids that are smaller than the ids of all partners, larger, and in between.
 std::string StorePairsErrors() {
   std::string errors;
   for (const uint32_t self : {0U, kFirstId + 1, 4'000'000'000U})

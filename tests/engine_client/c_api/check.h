@@ -29,7 +29,7 @@ extern int failure_count;
 /* Returns all overlapping pairs in ascending order; the caller frees them. */
 swp_pair* brute_force(const swp_aabb* boxes, uint32_t count, uint64_t* pair_count);
 
-/* Returns a copy, which the caller frees. */
+/* Returns a copy of the pairs, which the caller frees. */
 swp_pair* copy_pairs(const swp_pair* pairs, uint64_t count);
 
 /* Returns whether both contain the same pairs; sorts `found`. */

@@ -171,7 +171,7 @@ static int is_pair(uint32_t a, uint32_t b) {
          (other.filter.category & one.filter.mask) != 0;
 }
 
-/* Returns the pairs of the brute force whose filters match, by object. */
+/* Returns the pairs that brute force finds and whose filters match, as numbers of objects. */
 static swp_pair* right_pairs(const game* played, uint64_t* count) {
   uint64_t all_count = 0;
   swp_pair* pairs = brute_force(played->boxes, OBJECTS, &all_count);
@@ -194,7 +194,7 @@ static void step(game* played) {
   }
 }
 
-/* Returns a copy, which the caller frees. */
+/* Resolves the pairs of this frame. Returns a copy, which the caller frees. */
 static swp_pair* resolved_pairs(game* played, uint64_t* count) {
   const swp_aabb* moving = NULL;
   const swp_pair* found = NULL;

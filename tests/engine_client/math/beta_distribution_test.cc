@@ -43,7 +43,7 @@ double LogDensityAt(const BetaPosterior& posterior, double x) {
          log_x - log_y;
 }
 
-// Returns the error bound of the header, which results from the precision of x.
+// Returns the error bound that the header states. It results from the precision of x.
 double Tolerance(const BetaPosterior& p) {
   return 1e-10 + 1e-15 * std::sqrt(p.alpha) + 1e-15 * std::sqrt(p.beta);
 }

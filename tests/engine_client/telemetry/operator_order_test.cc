@@ -24,7 +24,7 @@ class OperatorOrderTest : public ::testing::Test {
     SessionOptions options;
     options.batch_interval_ms = 1;
     options.allow_operator_orders = allow_operator_orders;
-    adaptive_.reset();  // must precede the session, to which the lane writes
+    adaptive_.reset();  // before the session, to which its lane writes
     session_ = std::move(*MakeDaemonSession(daemon_.address(), options));
     adaptive_ = std::move(
         *AdaptiveBroadPhase::Create({.arms = {"BruteForce", "Grid", "SAP"}}, &session_->sink()));

@@ -45,7 +45,7 @@ struct Speedup {
   double mean;
 };
 
-// Compares two contestants on the frames measured by the one that measured fewer. Absent if they
+// Compares two contestants on the measured frames of the one that measured fewer. Absent if they
 // have no frame in common.
 std::optional<Speedup> SpeedupOver(const BenchRow& ours, const BenchRow& other) {
   const bool ours_is_shorter = ours.frame_count < other.frame_count;

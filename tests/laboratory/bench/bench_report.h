@@ -35,7 +35,7 @@ struct BenchOptions {
   bool peers = false;
   double peer_cap_s = 5;  // maximum total time of one peer in one cell
   bool json = false;
-  std::string command_line;  // as it was given
+  std::string command_line;  // as the user typed it
 };
 
 // One scene with one object count. All contestants of a cell saw the same frames.

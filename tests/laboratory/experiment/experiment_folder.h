@@ -75,7 +75,7 @@ struct TimeShares {
   uint64_t copying_ns = 0;    // boxes for the shadow lane
   uint64_t around_ns = 0;     // rest of the frame path: descriptors, switches
   uint64_t frame_end_ns = 0;  // sample, queue, bail-out guard
-  uint64_t intake_ns = 0;     // queue to the decider's window
+  uint64_t intake_ns = 0;     // passing frames from the queue to the decider's window
   uint64_t decision_ns = 0;   // the selector
   uint64_t longest_decision_ns = 0;
   uint64_t lane_ns = 0;  // the shadow lane's visits and preparations
@@ -90,7 +90,7 @@ struct RunRecord : PlannedRun {
   std::vector<std::string> arms;
 
   double exploration_s = 0;  // when the observation window began
-  double end_s = 0;          // when it ended
+  double end_s = 0;          // when the observation window ended
   std::vector<RecordedSwitch> switches;
   std::vector<RecordedDecision> decisions;
   std::vector<MetricWindow> windows;

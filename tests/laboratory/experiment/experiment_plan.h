@@ -39,7 +39,7 @@ struct PlannedRun {
   ExperimentCell cell;
   std::string policy;
   uint32_t run = 0;          // from 1
-  uint64_t seed = 0;         // the decider's; the same for all policies of a cell's run
+  uint64_t seed = 0;         // for the decider; the same for all policies of a run
   uint32_t initial_arm = 0;  // rotates over the runs
 
   // Returns "brownian-1000-paper-1".

@@ -41,7 +41,7 @@ struct PlayedRun {
   uint32_t switch_count = 0;            // executed in the window
   double posterior_mean = 0;            // μ* of the dominant arm at the end of the run
   double evidence = 0;                  // n*
-  Verdict verdict = Verdict::kUnknown;  // the last decision's that has one
+  Verdict verdict = Verdict::kUnknown;  // of the last decision with a verdict
 
   const std::string& dominant_name() const { return record->arms[dominant]; }
 };
@@ -86,9 +86,9 @@ struct PaperCell {
   std::string_view scene;  // a value of --scene
   uint32_t object_count = 0;
   std::string_view dominance;       // Table 3's column, as "KDTree 3/5; AxisSweep 2/5"
-  std::string_view interpretation;  // Table 3's
+  std::string_view interpretation;  // Table 3's column
   std::string_view dominant;        // Table 4: the most frequent dominant arm
-  uint32_t dominant_run_count = 0;  // of kPaperRunCount
+  uint32_t dominant_run_count = 0;  // out of kPaperRunCount runs
   PaperFigure switches;             // after the exploration, over all runs
   PaperFigure active_percent;       // over the dominant runs
   PaperFigure posterior_mean;       // μ* = α ÷ (α + β), over the dominant runs

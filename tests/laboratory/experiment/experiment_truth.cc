@@ -52,7 +52,7 @@ std::vector<PairedComparison> CompareInCell(const std::vector<ReplayedPlayer>& p
 // values.
 struct LiveScale {
   uint64_t frame_ns = 1;       // the best arm's frame, all work included
-  uint64_t other_work_ns = 0;  // the part of it that is not detection
+  uint64_t other_work_ns = 0;  // the part of frame_ns that is not detection
   uint64_t run_ns = 1;
 };
 
@@ -243,7 +243,7 @@ Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> ce
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths) {
   const std::string own = OwnPolicyName("default");
   std::vector<std::string> order;                    // the baselines, as they first appear
-  std::map<std::string, std::vector<double>> means;  // by policy, per cell
+  std::map<std::string, std::vector<double>> means;  // by policy: one mean per cell
   for (const CellTruth& truth : truths) {
     for (const ReplayedPlayer& player : truth.players) {
       if (!player.is_policy) continue;

@@ -47,7 +47,7 @@ std::optional<double> CpuSeconds(int64_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string line;
   if (pid == 0 || !std::getline(file, line)) return std::nullopt;
-  // The name in parentheses may hold spaces.
+  // The second field, the program's name in parentheses, may contain spaces.
   std::istringstream fields(line.substr(line.rfind(')') + 1));
   std::string skipped;
   for (int i = 0; i < 11; ++i) fields >> skipped;
@@ -120,7 +120,7 @@ class LoadStream {
   class Call;
 
   v1::StreamTelemetryRequest HelloRequest() const;
-  // These are called with mutex_ held.
+  // The functions below are called with mutex_ held.
   void Send(v1::StreamTelemetryRequest request);
   void WriteNext();
   void OnResponse(const v1::StreamTelemetryResponse& response);
@@ -278,7 +278,7 @@ class LoadStream::Call final
   }
 
   grpc::ClientContext context_;
-  v1::StreamTelemetryResponse response_;  // the latest
+  v1::StreamTelemetryResponse response_;  // the latest response
 
  private:
   LoadStream& stream_;
@@ -526,8 +526,8 @@ Status LoadRun::OpenStreams() {
   return {};
 }
 
-// Spreads the starts evenly over one interval of batches, at most kLongestSpreadS. They take longer
-// if otherwise more than kMaxHellosPerSecond streams would start per second.
+// Spreads the starts evenly over one interval of batches, at most kLongestSpreadS. The starts take
+// longer if more than kMaxHellosPerSecond streams would start per second.
 void LoadRun::ScheduleStarts() {
   const auto count = static_cast<double>(plan_.stream_count);
   const double spread_s = std::max(std::min(1 / plan_.batches_per_second, kLongestSpreadS),

@@ -47,7 +47,7 @@ struct LoadResult {
   double measured_s = 0;
   std::vector<double> hello_latency_ms;     // sorted; from the start of a connection to its welcome
   std::vector<double> decision_latency_ms;  // sorted
-  // Sorted; from a batch that was sent while measuring to its acknowledgement.
+  // Sorted; the time from sending a measured batch to its acknowledgement.
   std::vector<double> commit_lag_ms;
   std::vector<double> tick_lateness_ms;   // sorted
   std::optional<double> reconnect_s;      // the longest time until all streams were back

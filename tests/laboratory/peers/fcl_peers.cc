@@ -16,7 +16,7 @@ namespace {
 using Object = fcl::CollisionObject<double>;
 using CollisionSpace = fcl::BroadPhaseCollisionManager<double>;
 
-// A shape whose geometry is its box.
+// A collision shape without its own geometry; FCL uses only its box.
 class BoxShape final : public fcl::CollisionGeometry<double> {
  public:
   void computeLocalAABB() override {}

@@ -79,7 +79,7 @@ class OdePeer final : public Peer {
     for (const Aabb& box : boxes.subspan(geoms_.size())) Add(box);
   }
 
-  // ODE compares the exact boxes before it calls.
+  // ODE compares the exact boxes before it calls the function with a pair.
   void FindPairs(PairBuffer& out) override {
     dSpaceCollide(space_, &out, [](void* pairs, dGeomID a, dGeomID b) {
       AppendPair(*static_cast<PairBuffer*>(pairs), IdOf(a), IdOf(b));

@@ -37,7 +37,7 @@ class Peer : public BroadPhase {
 // One broad phase of a library.
 struct PeerKind {
   std::string_view name;
-  // Our backend that it is compared with, one of BroadPhaseNames.
+  // Our backend that this peer is compared with, one of BroadPhaseNames.
   std::string_view family;
   // The maximum object count. More objects do not fit into the library's structure or take too
   // long.
@@ -65,8 +65,8 @@ inline bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
          b.min[1] <= a.max[1] && a.min[2] <= b.max[2] && b.min[2] <= a.max[2];
 }
 
-// Returns the bounds of all boxes, enlarged on each side by a quarter of that edge; a unit box if
-// there are no boxes.
+// Returns the bounds of all boxes, enlarged on each side by a quarter of their own edge; a unit box
+// if there are no boxes.
 Aabb RoomyBounds(std::span<const Aabb> boxes);
 
 // Returns all known libraries in a fixed order, including those that this build leaves out. Safe

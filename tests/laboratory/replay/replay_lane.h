@@ -22,7 +22,8 @@ namespace sweepstake::cli {
 // The errors of a visit's times relative to the frame thread, and the slowdown of frames during
 // visits. By default there are none.
 struct LaneErrors {
-  // The standard deviation of ln(lane ÷ frame thread) between arms. Each game draws its own.
+  // The standard deviation of ln(lane ÷ frame thread) between arms. Each game draws its own value
+  // for each arm.
   double bias_deviation = 0;
   // The standard deviation of the same logarithm between the visits of an arm.
   double noise_deviation = 0;

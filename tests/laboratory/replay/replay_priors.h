@@ -29,7 +29,7 @@ inline constexpr std::array<std::string_view, 5> kReplayPriorsNames = {"none", "
 // tests/bench/results/amd-zen4-2cores-instruction-sets.csv.
 inline constexpr double kClassDeviation = 0.17;
 
-// Plays a game on a scene, whose evidence becomes the priors.
+// Plays a game on a scene. The evidence in its result becomes the priors.
 using Teach = std::function<ReplayResult(const ReplayScene& scene)>;
 
 // Returns one prior per arm, or none without evidence. `others` are the project's other scenes. For

@@ -16,7 +16,8 @@
 namespace sweepstake::cli {
 namespace {
 
-// The real client (engine_client/telemetry) sends its frames in these portions.
+// The real client (engine_client/telemetry) sends a batch after this time or after this many
+// frames.
 constexpr int64_t kBatchNs = 250'000'000;
 constexpr size_t kBatchFrames = 30;
 
@@ -93,7 +94,7 @@ class Game {
   ArmTimes since_tick_;  // in the frames since the latest tick
 
   int64_t now_ns_ = 0;      // end of the latest frame
-  uint64_t search_ns_ = 0;  // of all frames
+  uint64_t search_ns_ = 0;  // total search time of all frames
   uint32_t game_frame_ = 0;
   uint32_t trace_frame_ = 0;
   uint32_t arm_;

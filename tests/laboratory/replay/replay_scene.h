@@ -28,7 +28,7 @@ namespace sweepstake::cli {
 
 struct GameOptions {
   uint64_t frame_ns = 10'000'000;     // mean frame time of the best fixed arm
-  uint64_t run_ns = 900'000'000'000;  // length of the game on that arm: the paper's window
+  uint64_t run_ns = 900'000'000'000;  // length of a game on that arm; default: the paper's window
   uint64_t pass_ns = 0;               // length of one pass through the trace; 0: run_ns
   uint64_t other_work_ns = 0;         // per frame, besides detection; < frame_ns
 };

@@ -26,7 +26,7 @@ struct ReplayPlayer {
   enum class Kind { kPolicy, kFixed, kOracle };
   std::string name;  // "paper", "fixed:SAP", "oracle"
   Kind kind = Kind::kPolicy;
-  uint32_t arm = 0;  // for kFixed
+  uint32_t arm = 0;  // the arm of kFixed
 };
 
 struct StudyOptions {
@@ -68,7 +68,7 @@ struct StudyGame {
   double regret_oracle = 0;   // regret against the oracle that pays for its switches
   double headroom = 0;        // 1 − that oracle's time ÷ the best fixed arm's
   double frame_headroom = 0;  // the same with the best arm in every frame and free switches
-  double switches = 0;        // number of them after the exploration
+  double switches = 0;        // number of switches after the exploration
   double after_start_up_switches = 0;  // policies only: also after the first minute
   double active_share = 1;             // the dominant arm's
   double shadow_share = 0;             // share of the time that the shadow lane worked
@@ -80,7 +80,7 @@ struct StudyGame {
   std::optional<double> first_best_s{};    // when the policy first chose the best fixed arm
   std::optional<double> first_right{};     // 1 if the first choice loses at most kTieLossRatio
   std::optional<double> opening_regret{};  // regret of the first 10 s
-  std::vector<double> verdict_shares{};    // of ticks, by Verdict
+  std::vector<double> verdict_shares{};    // share of the ticks with each Verdict
   FrameMs ms{};
   Reliability reliability{};  // of a policy's decisions; in a row: the sum
   uint32_t dominant_arm = 0;  // in a row: the most frequent one

@@ -53,13 +53,14 @@ struct CostTrace {
   // One value per frame.
   std::vector<uint32_t> object_count;
   std::vector<uint32_t> pair_count;
-  std::vector<uint64_t> step_ns;     // the scene's own motion
+  std::vector<uint64_t> step_ns;     // time of the scene's own motion
   std::vector<uint64_t> control_ns;  // A/A control: a second structure of control_arm
   // These columns are frame-major.
   std::vector<uint64_t> detection_ns;
   std::vector<uint64_t> aabb_check_count;
   std::vector<uint64_t> native_bytes;
-  // 1 if the arm is very slow and was not measured in this frame; its values are another frame's.
+  // 1 if the arm is very slow and was not measured in this frame. Its values are then those of
+  // another frame.
   std::vector<uint8_t> held;
 
   uint32_t control_arm = 0;

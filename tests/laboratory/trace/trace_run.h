@@ -38,7 +38,7 @@ inline constexpr uint32_t kMaxTracedObjects = 100'000;
 
 struct TraceOptions {
   SceneChoice scene;
-  std::vector<std::string> arms;  // as ChooseArms gives them
+  std::vector<std::string> arms;  // as ChooseArms returns them
   uint32_t frame_count = 3000;    // kBurstFrames or more
   uint32_t repeat_count = 5;
 };
@@ -58,7 +58,7 @@ inline constexpr uint32_t kBlocksPerBurst = 3;
 inline constexpr uint32_t kTraceWarmupFrames = 20;
 
 struct TracePlan {
-  std::vector<std::string> arms;  // known ones
+  std::vector<std::string> arms;  // names of known arms
   uint32_t control_arm = 0;
   std::vector<uint64_t> frame_ns;  // approximate time of a frame, per arm
   uint32_t frame_count = 0;

@@ -89,8 +89,8 @@ double Total(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-// Computes the control's ratio of two sums and the standard error of its linearization (W. Cochran,
-// Sampling Techniques, §6.3).
+// Computes the control's time ÷ its twin's, and the standard error of this ratio by linearization
+// (W. Cochran, Sampling Techniques, §6.3).
 void SummarizeControl(const CostTrace& trace, TraceSummary& summary) {
   const auto control =
       WindowSums(trace.frame_count, [&](uint32_t frame) { return trace.control_ns[frame]; });

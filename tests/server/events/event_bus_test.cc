@@ -457,7 +457,7 @@ TEST_F(EventBusTest, AChangeThatIsReportedByNameOnlyIsReadAndPublished) {
        {.alpha = 0.75, .beta = 0.25, .window_count = 1, .bail_out_count = 0}});
   store_.Commit(lost, [](const absl::Status&) {});
   bus_.Reload(Scene("a"));
-  Commit("a", "s", 2);  // while it is read
+  Commit("a", "s", 2);  // while the scene is read
   Tick();
   RunJobs();
   Tick();

@@ -10,7 +10,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Created before the store and its threads.
+// A base class, so that its members exist before the store and its threads.
 class WithOpenedStore {
  protected:
   const test_support::TemporaryDirectory directory_;
@@ -121,7 +121,7 @@ class LateReads final : public storage::ReadConnection {
   priors::PriorReader& reader_;
 };
 
-// Created before the store and its threads.
+// A base class, so that its members exist before the store and its threads.
 template <typename Reader>
 class WithReader {
  protected:

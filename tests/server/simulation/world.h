@@ -20,7 +20,7 @@ class World final : public sessions::Clock {
   explicit World(uint64_t seed) : random_(seed) {}
 
   int64_t NowNs() const override { return now_ns_; }
-  // The owner runs the daemon's loop, so it never waits.
+  // Does nothing: the owner runs the daemon's loop, which therefore never waits.
   void WaitUntil(int64_t /*deadline_ns*/) override {}
   void Wake() override {}
 

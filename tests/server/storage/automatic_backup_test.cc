@@ -197,7 +197,8 @@ TEST_F(AutomaticBackupTest, AMissingOrForeignFileIsNotReplaced) {
   EXPECT_EQ(CountFiles("quarantine"), 0u);
 }
 
-// Follows the advice for a file that is lost, empty, damaged or of another program.
+// Follows the advice in the error about a database file that is lost, empty, damaged or of another
+// program.
 class LostStoreTest : public AutomaticBackupTest, public ::testing::WithParamInterface<int> {
  protected:
   void Lose() {

@@ -72,7 +72,7 @@ TEST_F(FailingDiskTest, DataReadByTheNextProcessSurviveAPowerCutWithoutASync) {
     CommitUpTo(2);
     const uint64_t before = disk_->change_count();
     ASSERT_TRUE(Commit(3).ok());
-    disk_->KillAfter(disk_->change_count() - before - 1);  // all except the sync
+    disk_->KillAfter(disk_->change_count() - before - 1);  // before the sync
     EXPECT_TRUE(absl::IsUnavailable(Commit(4))) << seed;
     EXPECT_TRUE(disk_->has_unsynced());
     Restart(/*power_cut=*/false);
@@ -138,7 +138,7 @@ TEST_F(FailingDiskTest, TheLogIsMadeDurableBeforeDamagedPagesAreChecked) {
            ->QueryInteger("SELECT rootpage FROM sqlite_schema WHERE name = 'audit_row'");
   const uint64_t before = disk_->change_count();
   ASSERT_TRUE(Commit(3).ok());
-  disk_->KillAfter(disk_->change_count() - before - 1);  // all except the sync
+  disk_->KillAfter(disk_->change_count() - before - 1);  // before the sync
   EXPECT_FALSE(Commit(4).ok());
   ASSERT_TRUE(disk_->has_unsynced());
   disk_->Kill();

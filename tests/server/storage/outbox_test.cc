@@ -84,7 +84,7 @@ TEST_F(OutboxTest, OtherUsersCannotReadIt) {
             std::filesystem::perms::none);
 }
 
-// Another daemon continues the session "two".
+// Refuses commits of the session "two", as if another daemon had continued it.
 class FencedStore final : public ForwardingStore {
  public:
   absl::Status Commit(std::span<const SourceUpdate> updates) override {

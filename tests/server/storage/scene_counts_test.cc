@@ -18,7 +18,7 @@
 namespace sweepstake::storage {
 namespace {
 
-using Count = std::pair<uint64_t, uint64_t>;  // names and keys
+using Count = std::pair<uint64_t, uint64_t>;  // numbers of scene names and of scene keys
 
 class SceneCountsTest : public ::testing::Test {
  protected:

@@ -59,7 +59,7 @@ TEST_F(SqlitePriorStoreTest, ACommitIsOneTimedFsync) {
   EXPECT_GT(durations[0].count(), 0);
 }
 
-// A store in use whose file or log has lost its name.
+// A store in use whose database file or log is moved away. A copy may replace it.
 class MisplacedStoreTest : public SqlitePriorStoreTest,
                            public ::testing::WithParamInterface<std::pair<const char*, bool>> {
  protected:

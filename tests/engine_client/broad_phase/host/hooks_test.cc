@@ -191,7 +191,7 @@ class StaticProxiesWithoutMemory {
       boxes_.erase(boxes_.begin() + static_cast<std::ptrdiff_t>(k));
     }
   }
-  // Returns whether the memory was enough.
+  // Prepares the queries with memory for `block_count` blocks. Returns whether that was enough.
   bool PrepareWith(size_t block_count) {
     memory_.blocks_left = block_count;
     bool done = true;

@@ -255,7 +255,7 @@ TEST_P(PairEventsAlongAnAxis, EndAPairOnlyBeyondTheMargin) {
   EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));
   EXPECT_EQ(resolve(1), 1U);
   EXPECT_EQ(events(), std::pair(size_t{1}, size_t{0}));
-  EXPECT_EQ(resolve(1.5F), 0U);  // the pairs are exact
+  EXPECT_EQ(resolve(1.5F), 0U);  // the pairs, unlike their events, have no margin
   EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));
   EXPECT_EQ(resolve(1), 1U);
   EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));

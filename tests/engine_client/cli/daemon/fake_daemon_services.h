@@ -115,8 +115,7 @@ class FakeSessions final : public v1::SessionsService::Service {
   std::atomic<int> watch_count = 0;  // all watches after the first are refused
   Guarded<v1::KickSessionRequest> kick_request;
   Guarded<grpc::Status> kick_status;
-  Guarded<v1::OrderSessionRequest>
-      order_request;  // the response has its arm, or "SAP" if it has none
+  Guarded<v1::OrderSessionRequest> order_request;  // the response names the request's arm, or "SAP"
 
  private:
   grpc::Status ListSessions(grpc::ServerContext*, const v1::ListSessionsRequest* request,

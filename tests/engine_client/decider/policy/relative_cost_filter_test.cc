@@ -12,8 +12,8 @@
 namespace sweepstake::decision {
 namespace {
 
-// Arms of known log-costs. The lane measures them with a bias per arm, and the load of the scene
-// moves all of them.
+// Arms of known log-costs. The lane measures each arm with its own bias. The load of the scene
+// changes the costs of all arms.
 class FilterTest : public testing::Test {
  protected:
   static constexpr uint32_t kArms = 4;

@@ -193,7 +193,7 @@ class ScriptedGame {
   std::optional<SwitchCommand> command_;
 };
 
-// Returns the first line in which they differ, as text.
+// Returns the first line in which the texts differ, with both versions.
 std::string FirstDifference(const std::string& expected, const std::string& actual) {
   std::istringstream a(expected);
   std::istringstream b(actual);

@@ -82,7 +82,7 @@ TEST_F(FlightRingTest, DoesNotFreezeForFramesWithinTheBudgetPausedOrLoading) {
 
 TEST_F(FlightRingTest, KeepsBoxesAtEqualIntervalsIfFiveSecondsDoNotFit) {
   FlightRing ring(40, kBudgetNs);
-  Frames(ring, 1008);  // keeps boxes ten times in five seconds, at last in frame 1000
+  Frames(ring, 1008);  // keeps ten copies of boxes in five seconds, the last one in frame 1000
   Frame(ring, 51, 0);
   EXPECT_FALSE(ring.frozen());
   Frame(ring, 10);  // The frame over the budget has no boxes, this one has.

@@ -1,4 +1,4 @@
-// Reports: a page with documents in it.
+// Tests the report file: the page with the documents in it.
 #include "tests/laboratory/io/report_file.h"
 
 #include <gmock/gmock.h>

@@ -157,7 +157,8 @@ TEST_F(LoadRunTest, AKickedGameDoesNotComeBack) {
   int progress_count = 0;  // since the kick; used only by the run
   std::atomic<bool> kicked{false};
   auto result = std::async(std::launch::async, [&] {
-    // A stream that reconnects would do so within a second, the interval of the progress.
+    // A kicked stream must not reconnect. It would do so within a second, which is the interval of
+    // the progress.
     return Run([&] { return progress_count == 3; },
                [&](const std::string&) { progress_count += kicked ? 1 : 0; });
   });

@@ -164,7 +164,7 @@ TEST(Random, KeepsItsArmForACooldown) {
   for (size_t i = 1; i < switches.size(); ++i) {
     const int64_t gap_ns = switches[i] - switches[i - 1];
     EXPECT_GE(gap_ns, 40 * kSecond);
-    // It chooses only at multiples of the cooldown, rounded to a tick.
+    // The policy chooses only at multiples of the cooldown, rounded to a tick.
     EXPECT_LE(gap_ns % (40 * kSecond), 12 * kSecond);
   }
 }

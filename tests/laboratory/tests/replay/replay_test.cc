@@ -19,7 +19,8 @@ using testing::HasSubstr;
 
 constexpr double kMs = 1e6;
 
-// Each arm takes a third of the other's time in one half of the trace.
+// In one half of the trace the first arm takes a third of the second arm's time, and in the other
+// half vice versa.
 SyntheticTrace TwoRegimes() {
   SyntheticTrace trace;
   trace.frame_count = 6400;
@@ -300,7 +301,7 @@ TEST(RunStudy, MillisecondsAreThoseOfTheTraceWithoutOtherWork) {
   EXPECT_NEAR(slow.median, 0.075, 1e-9);
   EXPECT_NEAR(slow.worst, 0.1, 1e-9);
   EXPECT_NEAR(slow.regret_ratio(), 1, 1e-9);
-  EXPECT_NEAR(rows[0].regret_best_fixed, 0.6, 1e-9);  // of the frame, other work included
+  EXPECT_NEAR(rows[0].regret_best_fixed, 0.6, 1e-9);  // regret of whole frames, other work included
   EXPECT_EQ(slow.lane, 0);
   EXPECT_EQ(rows[0].paper_ms, rows[1].ms.detection);
   // The lane works for a share of the frames' time; see the test of its budget.

@@ -1,4 +1,4 @@
-// What two builds have measured, compared by the daemon.
+// The daemon's comparison of the measurements of two builds.
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 

@@ -145,7 +145,7 @@ TEST_F(EventsTest, ALaterWatcherSharesTheSubscription) {
   first.Snapshot();
   LearnAndPublish(client, 1);
   const uint64_t encoded = events_->encoded_count;
-  // An equal request may have another text.
+  // The text of this request differs, but its content is the same.
   EventReader second = Watch(std::string(kPosteriors) + "?request=%7B%22project%22:%22%22%7D");
   EXPECT_THAT(second.Snapshot(),
               AllOf(HasSubstr("\"windowCount\":\"1\""), Not(HasSubstr("decisions"))));
@@ -274,7 +274,7 @@ TEST_F(SlowReaderTest, ASlowWatcherReceivesASnapshotInPlaceOfWhatItMissed) {
     ASSERT_TRUE(Eventually([&] { return events_->encoded_count == encoded; }))
         << events_->encoded_count << " of " << encoded << " at " << sequence_;
     ASSERT_LT(sequence_, 1'000u);
-    // This watcher keeps up.
+    // This watcher reads, so it receives all events.
     other.Until("\"alpha\":" + std::to_string(sequence_ + 1) + ",");
   }
   EXPECT_THAT(slow.Snapshot(), HasSubstr("\"alpha\":" + std::to_string(sequence_ + 1) + ","));

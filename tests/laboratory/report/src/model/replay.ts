@@ -1,12 +1,12 @@
 // The document of `sweepstake-lab replay --json`. Ratios are plain numbers, 0.1 for 10 %.
 import { mean, type Interval } from '../../../../../server/dashboard/src/format';
 
-// The decisions in which P(best) of the leader was in a range: the mean of P(best), and the share in which the leader was the fastest
-// algorithm, or within the tie ratio of it.
+// The decisions in which P(best) of the leader was between `low` and `high`. `predicted` is the mean of P(best). `best` is the share of
+// decisions in which the leader was the fastest algorithm. `best_or_tie` also counts leaders that took at most 0.5 % longer.
 export interface ReliabilityBin { low: number; high: number; decisions: number; predicted: number; best: number; best_or_tie: number }
-// The bins of a policy over all traces, and the mean distance between a probability and how often it was right.
+// The reliability of a policy over all traces. `error` is the mean distance between a stated probability and the observed frequency.
 export interface Calibration { policy: string; error: number; bins: ReliabilityBin[] }
-// Milliseconds per frame as recorded, without other work. `lane` is time on another core.
+// Milliseconds per frame as recorded, without other work. `lane` is the time of the shadow lane on another core.
 export interface FrameMs { detection: number; best: number; median: number; worst: number; paper: number | null; regret: number; lane: number }
 export interface ReplayRow {
   costs: string; policy: string; regret_best_fixed: number; regret_oracle: number; ci95: Interval; switches: number; active_share: number;

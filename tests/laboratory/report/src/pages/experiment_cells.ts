@@ -1,4 +1,4 @@
-// What live runs show per cell and policy: who won, the paper's tables, shares, verdicts, time.
+// The results of live runs per cell and policy: dominant algorithms, the paper's tables, shares of time, verdicts.
 import { chip } from '../charts/figure';
 import { stackedBars } from '../charts/stacked_bars';
 import { h, small, type Child } from '../dom';

@@ -1,4 +1,5 @@
-// The figures that live runs are compared with: the true ranking, regret by replay, tests, live against replay.
+// Compares live runs with the traces: the ranking of the algorithms, regret by replay, significance tests, and live against replayed
+// regret.
 import { byValue, rangeChart, type RangeRow } from '../charts/range_chart';
 import { details, small, verdict, type Child } from '../dom';
 import { interval, mean, microseconds, percent, probability, share, shareInterval, significant, times } from '../../../../../server/dashboard/src/format';
