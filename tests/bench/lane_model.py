@@ -25,7 +25,7 @@ from judging.common import or_dash, table
 # (engine_client/adaptive/shadow_schedule.h).
 UNMEASURED_FRAMES = 3
 VISIT_FRAMES = 8
-# With a smaller quota (in processors) the lane leaves all time to the game.
+# With a smaller quota (in processors) the lane does not run, so that the game has all the time.
 MIN_QUOTA = 2
 CONDITIONS = [condition for condition in live.CONDITIONS if condition != "one-cpu"]
 ACTIVE, CAPPED = 1, 2

@@ -83,7 +83,8 @@ TEST_F(OperatorOrderTest, APinnedGameKeepsItsArmAcrossARestartUntilItsRelease) {
   ASSERT_TRUE(PlayOn(game));
   EXPECT_EQ(game.adaptive().active_arm(), kPinned);
   EXPECT_EQ(game.stats().command_count, command_count);
-  // A window would add one. The sums of the store and of a session are rounded differently.
+  // A window would add one observation. Small differences come from different rounding in the store
+  // and in a session.
   EXPECT_LT(LearntEvidence(game.stats()), evidence + 0.5) << "the daemon must learn nothing";
   const grpc::Status released = Order(*daemon, game, v1::MODE_AI);
   ASSERT_TRUE(released.ok()) << released.error_message();

@@ -114,7 +114,7 @@ TEST(RestartTest, ADaemonWithAnotherPolicyStartsANewSessionThatLearns) {
   EXPECT_EQ(daemon->Terminate(), 0);
   daemon = std::make_unique<DaemonProcess>(
       data.path(), address, std::vector<std::string>{"--decision-policy", "adaptive"});
-  double least = std::numeric_limits<double>::infinity();  // at the start of the session
+  double least = std::numeric_limits<double>::infinity();  // evidence at the start of the session
   ASSERT_TRUE(game.RunUntil([&](const SessionStats& stats) {
     if (stats.session_id == first || stats.beliefs.empty()) return false;
     least = std::min(least, LearntEvidence(stats));

@@ -51,7 +51,7 @@ void RemoveDatabase() {
   for (const auto& entry : fs::directory_iterator(Folder())) fs::remove(entry.path());
 }
 
-// The bytes of a database with something in every table.
+// Returns the bytes of a database with something in every table.
 std::string ValidDatabase() {
   const fs::path path = Folder() / "priors.db";
   {
@@ -71,7 +71,7 @@ std::string ValidDatabase() {
   return bytes;
 }
 
-// Overwrites, cuts off or appends pieces.
+// Returns the bytes after changes: pieces are overwritten, cut off or appended.
 std::string Changed(std::string bytes, Input input) {
   while (!input.empty()) {
     const uint8_t change = input.Byte();

@@ -60,7 +60,7 @@ v1::StreamTelemetryRequest Hello() {
   hello.add_arms()->set_name("Grid");
   hello.mutable_arms(0)->set_backend_version(1);
   hello.set_mode(v1::MODE_AI);
-  hello.set_policy("paper");  // a window counts as one observation
+  hello.set_policy("paper");  // with this policy a window counts as one observation
   return request;
 }
 

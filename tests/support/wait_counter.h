@@ -22,11 +22,11 @@ class WaitCounter {
   WaitCounter(const WaitCounter&) = delete;
   WaitCounter& operator=(const WaitCounter&) = delete;
 
-  // False in programs with ThreadSanitizer, where nothing is counted.
+  // Returns false in programs with ThreadSanitizer, where nothing is counted.
   static bool Works();
 
   uint64_t count() const;
-  // Name of the latest counted function; empty if there is none.
+  // Returns the name of the latest counted function; empty if there is none.
   const char* last_call() const;
 };
 

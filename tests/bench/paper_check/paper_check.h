@@ -65,9 +65,9 @@ std::vector<PaperPrediction> CheckPaper(std::span<const PaperRules> rules,
                                         const PaperCheckOptions& options,
                                         const std::function<void(uint64_t done)>& on_done);
 
-// Finds the costs that give a cell's μ* and active share, or come closest to them. It increases and
-// decreases one cost after the other by a factor, which shrinks if neither helps; first with 8
-// runs, then with all.
+// Finds the costs that give a cell's μ* and active share, or come closest to them. It increases or
+// decreases one cost at a time by a factor, and shrinks the factor if neither helps. It uses 8 runs
+// first, and then all.
 PaperCosts FitPaperCosts(const PaperRules& rules, const PaperCell& cell, uint32_t seed_count);
 
 // Compares the figures of some runs with those of the cell. REQUIRES: not empty.

@@ -130,7 +130,7 @@ void MoveAll(benchmark::State& state) {
 }
 BENCHMARK(MoveAll)->Unit(benchmark::kMicrosecond);
 
-// The first query after all moving proxies moved, or after one static proxy moved.
+// Measures the first query after all moving proxies moved, or after one static proxy moved.
 void RefreshMoving(benchmark::State& state) {
   Game game({}, 0, {});
   for ([[maybe_unused]] auto _ : state) {

@@ -248,7 +248,7 @@ std::vector<Ray> AnyRays(size_t count, const std::vector<Aabb>& boxes) {
   return rays;
 }
 
-// Index of the contestant in the list.
+// Indices in the list of contestants.
 constexpr size_t kBullet = 0;
 constexpr size_t kEmbree = 1;
 constexpr size_t kFirstArm = 2;

@@ -21,7 +21,7 @@ struct ExperimentReport {
   std::vector<ExperimentSession> sessions;  // the last one made this report
   Machine machine;
   std::vector<RunRecord> records;  // the finished runs
-  std::vector<CellSummary> cells;  // by policy, then cell; point into `records`
+  std::vector<CellSummary> cells;  // ordered by policy, then cell; they point into `records`
   ExperimentTruths truths;
 
   bool complete() const { return records.size() == plan.runs.size(); }

@@ -51,7 +51,7 @@ std::vector<PairedComparison> CompareInCell(const std::vector<ReplayedPlayer>& p
 // The time scale of the live runs of one cell and policy. Replay's virtual game uses the same
 // values.
 struct LiveScale {
-  uint64_t frame_ns = 1;       // the best arm's frame, all work included
+  uint64_t frame_ns = 1;       // mean frame time of the best arm, all work included
   uint64_t other_work_ns = 0;  // the part of frame_ns that is not detection
   uint64_t run_ns = 1;
 };

@@ -91,10 +91,12 @@ Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> ce
                   const TruthOptions& options, const std::function<void(double share)>& done,
                   CellTruth& truth);
 
-// Compares AI Decides with each other policy over the cells; the mean regrets of a cell are a pair.
+// Compares AI Decides with every other policy by paired tests over the cells. A pair is the mean
+// regrets of both policies in one cell.
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths);
 
-// Returns the name of the policy; for "default" that of the policy it stands for.
+// Returns the name of the policy. For "default" this is the name of the policy that "default"
+// stands for.
 std::string OwnPolicyName(const std::string& policy);
 
 }  // namespace sweepstake::cli

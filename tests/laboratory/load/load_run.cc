@@ -228,10 +228,11 @@ class LoadRun {
 
   std::mutex mutex_;  // guards all below
   LoadResult result_;
-  std::vector<std::pair<int64_t, LoadStream*>> lost_;  // with the time of the next attempt
-  uint64_t up_count_ = 0;                              // streams with a welcome
-  uint64_t kicked_count_ = 0;                          // kicked streams
-  int64_t lost_since_ns_ = 0;                          // since when streams are lost; 0: none is
+  std::vector<std::pair<int64_t, LoadStream*>>
+      lost_;                   // lost streams, with the time of the next attempt
+  uint64_t up_count_ = 0;      // streams with a welcome
+  uint64_t kicked_count_ = 0;  // kicked streams
+  int64_t lost_since_ns_ = 0;  // since when streams are lost; 0: none is
   bool ending_ = false;
   grpc::Status last_error_;
 };
@@ -476,7 +477,7 @@ void LoadRun::OnWelcome(int64_t latency_ns) {
 
 void LoadRun::OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns) {
   const std::lock_guard lock(mutex_);
-  if (!counting_) return;  // acknowledgements after the measurement, up to the goodbye
+  if (!counting_) return;  // acknowledgements that come too late do not count
   result_.acknowledged_count += message_count;
   if (lag_ns) result_.commit_lag_ms.push_back(static_cast<double>(*lag_ns) * 1e-6);
 }

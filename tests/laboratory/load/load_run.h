@@ -27,7 +27,7 @@ struct LoadPlan {
   uint64_t scene_count = 10;  // assigned to the streams in turn
   double batches_per_second = 1;
   uint32_t batch_frames = 60;
-  uint64_t duration_ns = 30'000'000'000;  // from the moment when all streams have begun
+  uint64_t duration_ns = 30'000'000'000;  // measured time, which begins when all streams have begun
   // Maximum wait for the last acknowledgements. A daemon sends one every two seconds.
   uint64_t commit_patience_ns = 2'500'000'000;
   double bail_out_share = 0.01;  // share of the batches that a bail-out follows
@@ -36,7 +36,7 @@ struct LoadPlan {
 
 struct LoadResult {
   uint64_t welcome_count = 0;   // welcomes received, including those after a reconnection
-  uint64_t batch_count = 0;     // sent while measuring or before
+  uint64_t batch_count = 0;     // batches sent, including those before the measurement
   uint64_t bail_out_count = 0;  // sent
   uint64_t switch_count = 0;    // switch commands received and answered
   uint64_t unsent_count = 0;    // batches not sent: no connection, or too many are waiting
@@ -64,7 +64,7 @@ struct LoadResult {
 Result<LoadResult> RunLoad(const LoadPlan& plan, const std::function<bool()>& stop,
                            const std::function<void(const std::string&)>& progress);
 
-// Return the measured figures as JSON and as a table with one per line.
+// These functions return the measured figures as JSON and as a table with one per line.
 nlohmann::ordered_json LoadJson(const LoadPlan& plan, const LoadResult& result);
 std::string LoadText(const LoadPlan& plan, const LoadResult& result);
 

@@ -12,7 +12,7 @@ namespace {
 // The real lane (shadow_lane.h) builds the next arm on one frame and follows it over three more.
 constexpr size_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
 
-constexpr double kMeanBusyNs = 10e9;  // mean of an exponential distribution of lengths
+constexpr double kMeanBusyNs = 10e9;  // mean length of a stretch of other work
 
 constexpr double kSpikeShape = 1.5;
 constexpr double kMaxSpike = 100;

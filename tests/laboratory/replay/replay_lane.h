@@ -32,7 +32,8 @@ struct LaneErrors {
   double spike_ratio = 0;
   // Time of a frame during a visit ÷ that of a frame without; >= 1.
   double contention_ratio = 1;
-  // Time of a visit on the lane ÷ on the frame thread by arm, before everything above; empty: 1.
+  // Time of a visit on the lane ÷ on the frame thread, by arm. The errors above multiply this
+  // ratio. Empty: 1.
   std::vector<double> arm_ratios{};
 };
 
@@ -45,7 +46,7 @@ class ReplayLane {
   // The time at which the next sweep begins or the current visit ends.
   int64_t next_event_ns() const { return next_event_ns_; }
 
-  // The position of the game.
+  // The current time and frame of the game.
   struct Place {
     int64_t now_ns = 0;      // the end of this frame
     uint64_t search_ns = 0;  // total time of all searches
@@ -91,8 +92,8 @@ class ReplayLane {
 // traffic of a neighbour. It starts and stops at random and lengthens all frames in between. The
 // shadow lane runs on another core and is not affected.
 struct FrameLoad {
-  double ratio = 1;    // time of a frame meanwhile ÷ without; >= 1
-  double share = 0.1;  // of the time; 0 < share < 1
+  double ratio = 1;    // time of a frame with other work ÷ without; >= 1
+  double share = 0.1;  // share of the time with other work; 0 < share < 1
 };
 
 class ReplayLoad {

@@ -1,5 +1,5 @@
-// The outputs of `sweepstake-lab replay`: a text table and one JSON document; and the
-// derivation of an audit log (`replay --log`).
+// The outputs of `sweepstake-lab replay` (a text table and one JSON document), and the check of an
+// audit log (`replay --log`).
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -37,7 +37,7 @@ nlohmann::ordered_json FrameMsJson(const FrameMs& ms, const std::optional<double
 // be read), kInvalidArgument (it contains no decisions).
 Result<decision::AuditReport> ReplayLog(const std::string& file);
 
-// Return the report as one JSON document and as lines of text.
+// These functions return the report as one JSON document and as lines of text.
 nlohmann::ordered_json ReplayLogJson(const decision::AuditReport& report, const std::string& file);
 std::string ReplayLogText(const decision::AuditReport& report);
 

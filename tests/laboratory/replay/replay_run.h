@@ -51,7 +51,7 @@ struct ReliabilityBin {
   uint64_t decision_count = 0;
   double probability_sum = 0;
   uint64_t best_count = 0;  // the leader was the fastest arm
-  uint64_t tie_count = 0;   // or took at most kTieLossRatio (decision/policy/diagnosis.h) more time
+  uint64_t tie_count = 0;   // the leader took at most kTieLossRatio (diagnosis.h) more time
   bool operator==(const ReliabilityBin&) const = default;
 };
 
@@ -91,7 +91,8 @@ struct ReplayResult {
   std::array<uint64_t, 5> switch_counts{};   // executed in the whole run, by SwitchReason
   std::vector<uint64_t> active_ns;           // frame time per arm in the whole run; sum: total_ns
   uint64_t bail_out_count = 0;               // frames over the limit
-  std::vector<std::optional<int64_t>> first_active_ns;  // per arm, after the exploration
+  std::vector<std::optional<int64_t>>
+      first_active_ns;  // first choice of each arm after the exploration
   // The choice of the first tick: the commanded arm, or else the active one. Absent without a tick.
   std::optional<uint32_t> first_choice;
   std::vector<decision::ArmEvidence> taught;  // evidence for the store, per arm

@@ -47,8 +47,8 @@ class RewardVersionTest : public Directory, public RpcTest {
     return welcome;
   }
 
-  // Learns a window of the first arm and a lane visit of every arm; the third is twice as fast.
-  // Returns the Hello. REQUIRES: this is the first session of the server.
+  // Sends a live window of the first arm and a lane visit of every arm; the third arm is twice as
+  // fast. Returns the Hello. REQUIRES: this is the first session of the server.
   v1::Hello LearnInTheLane() {
     v1::Hello hello = HelloMessage();
     hello.set_policy("adaptive");
@@ -81,7 +81,7 @@ class RewardVersionTest : public Directory, public RpcTest {
     return {response.scenes().begin(), response.scenes().end()};
   }
 
-  // 0 means the daemon's default.
+  // Returns the posterior. Reward version 0 means the daemon's default.
   v1::ScenePosterior Get(uint32_t reward_version) {
     v1::GetPosteriorRequest request;
     request.set_project("game");

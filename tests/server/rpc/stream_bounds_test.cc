@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Counts the reads for Hellos.
+// Counts the reads of the store that Hellos cause.
 class CountingStore final : public storage::ForwardingStore {
  public:
   explicit CountingStore(std::atomic<uint64_t>& load_count) : load_count_(load_count) {}

@@ -185,7 +185,8 @@ TEST_F(SamePriorTest, ForSourcesThatDifferInBuildMachineClassAndVersion) {
   for (const char* build : {"1.1", "1.0", ""}) {
     for (const char* machine_class : {"desktop", "laptop"}) {
       for (const uint32_t version : {1u, 2u, 3u}) {
-        // A store returns few sources of another class.
+        // There are few sources of another machine class, because a store returns only a few of
+        // them.
         if (machine_class == std::string("laptop") && version != 2) continue;
         const std::string source = "z" + std::to_string(97 * ++n % 31);
         for (priors::PriorRecord record :

@@ -1,6 +1,7 @@
 // Overlapping files of priors, which are imported repeatedly and in any order, and what the store
-// must contain of them. A whole file whose import was acknowledged must be there completely, or
-// with newer records. Other files are there completely or not at all. Each record is there once.
+// must contain of them. If the import of a file was acknowledged, each of its records must be
+// there, or a newer record in its place. Other files are there completely or not at all. Each
+// record is there once.
 #pragma once
 
 #include <cstdint>

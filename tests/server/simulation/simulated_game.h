@@ -26,7 +26,7 @@ struct SentMessage {
 };
 
 struct SentSession {
-  std::vector<SentMessage> messages;  // number 1 is the first
+  std::vector<SentMessage> messages;  // messages[0] has the number 1
   // The daemon has acknowledged that the messages up to this number are on disk.
   uint64_t promised_sequence = 0;
 };

@@ -155,7 +155,7 @@ TEST_F(DamagedRowsTest, AnIndexThatLacksRowsIsDetectedAtTheStart) {
 }
 
 TEST_F(DamagedRowsTest, AChangedBitThatSqliteDoesNotDetectIsDetected) {
-  constexpr double kAlpha = 123 + 478'987 / 0x1p20;  // in whole units, as stores keep it
+  constexpr double kAlpha = 123 + 478'987 / 0x1p20;  // a multiple of 2^-20, as in stores
   ASSERT_TRUE(store_->Import(std::vector{Record("i", 1, Key("Grid", "canyon"), kAlpha)}).ok());
   store_.reset();
   std::string content;

@@ -173,7 +173,7 @@ TEST_F(TrialTest, TheLimitIsAtLeastOneMillisecond) {
   EXPECT_EQ(adaptive_->active_arm(), 0U);
 }
 
-// Such an arm is below the limit of a single frame, but too expensive over the whole trial. In a
+// An arm can be below the limit of a single frame, but too expensive over the whole trial. In a
 // trial of 8 s, 200 ms may be lost; 0.9 ms in each frame reach this after 223 frames.
 TEST_F(TrialTest, EndsWhenTheTotalLossExceedsTheBudget) {
   FramesTake(1'000'000);

@@ -25,7 +25,7 @@ Rows LogOf(uint64_t seed, std::string_view policy, int steps) {
   return file.rows;
 }
 
-// The cells of a CSV file.
+// Returns the cells of each line of a CSV file.
 Lines LinesOf(const std::string& csv) {
   Lines lines;
   CsvReader reader(csv);

@@ -201,7 +201,7 @@ TEST(AdaptivePolicy, StaysWhileOtherWorkMakesEveryArmSlower) {
   EXPECT_EQ(game.client.commands.size(), switch_count);
 }
 
-// A game in manual mode can then see from the verdict when mode ai would be worthwhile.
+// The verdict shows a game in manual mode when mode ai would be worthwhile.
 TEST(AdaptivePolicy, LearnsFromTheLaneInManualModeAndCommandsNothing) {
   SessionSetup setup = AdaptiveSetup(3);
   setup.mode = Mode::kManual;

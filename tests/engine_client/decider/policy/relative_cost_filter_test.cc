@@ -184,7 +184,7 @@ TEST_F(FilterTest, ALateLaneHasTheSameDriftAsAnEarlyOne) {
     filter->ObserveShadow(0, 1, 5);
     filter->ObserveShadow(1, 1, 5.1);
   }
-  // The deviations are of both arms' biases and of the noise of both visits.
+  // The deviation combines the biases of both arms and the noise of both visits.
   EXPECT_NEAR(Deviation(early.Difference(0, 1)), std::hypot(0.15, 0.15, std::hypot(0.05, 0.05)),
               0.01);
   EXPECT_NEAR(Deviation(late.Difference(0, 1)),

@@ -37,7 +37,7 @@ TEST(FpsReference, KeepsTheLastThirtyWindows) {
 }
 
 TEST(FpsScore, IsRelativeToTheRecentRange) {
-  // hi = Q95 = 97.5, lo = min(Q05 = 52.5, 48.75).
+  // The score is 1 at hi = Q95 = 97.5, and 0 at lo = min(Q05, hi / 2) = min(52.5, 48.75).
   const FpsReference reference = ReferenceOf({50, 75, 100});
   EXPECT_DOUBLE_EQ(reference.Score(48.75), 0);
   EXPECT_DOUBLE_EQ(reference.Score(97.5), 1);
@@ -45,7 +45,8 @@ TEST(FpsScore, IsRelativeToTheRecentRange) {
 }
 
 TEST(FpsScore, JudgesASlowRunAgainstThirtyFramesPerSecond) {
-  // hi = 30, lo = min(10, 15). A run with only 10 FPS does not get the full score.
+  // hi = 30, lo = min(Q05, hi / 2) = min(10, 15). A run with only 10 FPS does not get the full
+  // score.
   const FpsReference reference = ReferenceOf({10, 10, 10});
   EXPECT_DOUBLE_EQ(reference.Score(10), 0);
   EXPECT_DOUBLE_EQ(reference.Score(20), 0.5);

@@ -35,7 +35,8 @@ TEST(Window, HoldsAllFramesSinceTheLastTick) {
   ScriptedClient client(PlainSetup(1));
   client.Settle();
   client.RunToTick();
-  // hi = 100, lo = 50. The next window has 150 frames in 2 s, independent of earlier frames.
+  // The FPS score is 1 at 100 FPS and 0 at 50 FPS. The next window has 150 frames in 2 s,
+  // independent of earlier frames.
   for (int i = 0; i < 100; ++i) client.RunFrame();
   client.frame.frame_time_ns = 20'000'000;
   const Decision decision = client.RunToTick();
@@ -51,7 +52,7 @@ TEST(Window, AfterASwitchIsScoredAgainstEarlierFrameRatesToo) {
   client.Execute(1, SwitchReason::kManual);
   client.frame.frame_time_ns = 20'000'000;
   client.Settle();
-  // hi = 100, lo = 50.
+  // The frames of arm 0 still set the range: the FPS score is 1 at 100 FPS and 0 at 50 FPS.
   const double without_fps = 0.25 * 0.9 + 0.12 * 0.75 + 0.08 * 0.9;
   EXPECT_NEAR(*client.RunToTick().record.reward, without_fps, 0.01);
   client.RunTicks(FpsReference::kWindowCount);
@@ -119,7 +120,7 @@ TEST(Update, AddsTheRewardToAlphaAndItsComplementToBetaOfTheActiveArmOnly) {
   client.obedient = false;
   client.RunToTick();
   const Decision decision = client.RunToTick();
-  // FPS 1, detection 0.9, memory 0.75, checks 0.9.
+  // The scores are 1 for FPS, 0.9 for detection, 0.75 for memory and 0.9 for checks.
   EXPECT_NEAR(*decision.record.reward, 0.937, 1e-12);
   const auto after = client.session.posteriors();
   EXPECT_EQ(after[0], (BetaPosterior{1, 1}));
@@ -315,7 +316,7 @@ TEST(Ticks, HappenEveryTwoSeconds) {
   EXPECT_EQ(session.next_tick_ns(), -3 * kSecond);
   session.Tick(-3 * kSecond);
   EXPECT_EQ(session.next_tick_ns(), -1 * kSecond);
-  session.Tick(-1 * kSecond + 7);  // a little late, but the rhythm stays
+  session.Tick(-1 * kSecond + 7);  // a late tick does not delay the next one
   EXPECT_EQ(session.next_tick_ns(), kSecond);
 }
 

@@ -115,7 +115,7 @@ TEST(SampleQueue, DropsTheOldestNotesWhenThereAreTooMany) {
 // around. This is so rare that the test needs millions of frames. (lossy_ring_test.cc tests the
 // same with large elements, where it is common.)
 #ifdef __SANITIZE_THREAD__
-constexpr uint64_t kFrameCount = 300'000;  // each frame takes ten times as long
+constexpr uint64_t kFrameCount = 300'000;  // with ThreadSanitizer a frame takes ten times as long
 #else
 constexpr uint64_t kFrameCount = 4'000'000;
 #endif

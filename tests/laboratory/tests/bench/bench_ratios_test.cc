@@ -38,7 +38,7 @@ class Bench {
     report_.options.simd = std::move(simd);
     return *this;
   }
-  // The first `count` steps of the latest row were warm-up.
+  // Marks the first `count` steps of the latest row as warm-up.
   Bench& WarmUp(uint64_t count) {
     report_.rows.back().frame_count -= count;
     return *this;
@@ -54,7 +54,7 @@ class Bench {
 
   std::vector<BenchSpeedup> Speedups() const { return SpeedupsOf(report_); }
 
-  // The ratios of one kind.
+  // Returns the ratios of one kind.
   std::vector<BenchRatio> Ratios(RatioKind kind) const {
     std::vector<BenchRatio> ratios = RatiosOf(report_);
     std::erase_if(ratios, [&](const BenchRatio& ratio) { return ratio.kind != kind; });

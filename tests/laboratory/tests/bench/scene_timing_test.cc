@@ -39,7 +39,8 @@ TEST(TimeScene, MeasuresTheFramesAfterTheWarmUpAndTheirPairs) {
     EXPECT_EQ(steps[i], 140U);
     EXPECT_EQ(timings[i].step_ms.size(), 140U);
     EXPECT_EQ(timings[i].measured_count, 120U);
-    // The reference suite's table: frames 21 to 140 of B at 1,000 objects.
+    // The reference suite's table has this mean number of pairs for frames 21 to 140 of scene B
+    // with 1,000 objects.
     EXPECT_NEAR(MeanOfPairs(timings[i]), 1379, 0.5);
     EXPECT_GT(timings[i].aabb_checks_mean, 0);
     EXPECT_GT(timings[i].bytes, 0U);

@@ -150,7 +150,7 @@ TEST(Random, TakesEachArmAsOftenAsTheOthersWithItsPropensity) {
     ASSERT_EQ(decision.record.propensity, 0.25);
     ++counts[*decision.record.candidate];
   }
-  // Five standard deviations.
+  // The tolerance is five standard deviations.
   for (const int count : counts) EXPECT_NEAR(count, 1'000, 5 * 27.4);
 }
 
@@ -294,7 +294,7 @@ TEST(LinTs, DrawsFromThePosteriorOfTheLinearModel) {
   ChoiceInput input;
   input.seed = 5;
   input.decision_id = 7;
-  // Only the constant feature: mean μ, variance 1 / n.
+  // The scene has only the constant feature, so the belief has mean μ and variance 1 / n.
   const Choice choice = policy->Choose(input);
   for (uint32_t arm = 0; arm < 2; ++arm) {
     RandomStream stream(5, RandomPurpose::kChoice, 7, arm);

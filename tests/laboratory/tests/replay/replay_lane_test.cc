@@ -62,7 +62,8 @@ TEST_F(ReplayLaneTest, MeasuresTheFramesAfterTheWarmUpAndTheBuildApart) {
 
 TEST_F(ReplayLaneTest, AVisitLastsAsLongAsItsFramesTake) {
   Visits(1);
-  // 40 ms to build, two frames of 10 ms, five of 11 ms; a sweep's first visit is made twice.
+  // A visit takes 115 ms: 40 ms to build, two frames of 10 ms and five of 11 ms. The first visit of
+  // a sweep is made twice.
   EXPECT_NEAR(static_cast<double>(lane_.next_event_ns()), 2 * 115e6, 10);
   Visits(1);
   EXPECT_NEAR(static_cast<double>(lane_.busy_ns()), 2 * 115e6, 10);
@@ -81,13 +82,14 @@ TEST_F(ReplayLaneTest, ASweepWaitsUntilTheSearchesAllowForIt) {
   lane_.Advance({due_ns, /*search_ns=*/500 * kMsNs, 7, 0, 0});
   const int64_t asks_again_ns = lane_.next_event_ns();
   EXPECT_EQ(asks_again_ns, due_ns + 10 * kMsNs) << "a frame later";
-  // Twice the 460 ms of the first sweep, minus the time that the lane may work ahead.
+  // 750 ms of searches allow the next sweep. This is twice the 460 ms of the first sweep, minus the
+  // time that the lane may work in advance.
   lane_.Advance({asks_again_ns, /*search_ns=*/750 * kMsNs, 8, 0, 0});
   EXPECT_NEAR(static_cast<double>(lane_.next_event_ns() - asks_again_ns), 2 * 115e6, 20);
 }
 
 TEST_F(ReplayLaneTest, AVisitEndsAtItsTimeCap) {
-  // The frames of 10 ms were recorded with 50 µs each.
+  // Frames that take 10 ms in the game took 50 µs in the trace.
   ReplayLane capped(scene_, {.duty_ratio = 0.5, .visit_cap_ns = 45 * kMsNs / 200});
   capped.Advance({});
   const auto sample = capped.Advance({capped.next_event_ns(), 0, 0, 0});
@@ -99,7 +101,7 @@ TEST_F(ReplayLaneTest, AVisitEndsAtItsTimeCap) {
 
 TEST_F(ReplayLaneTest, RepeatsNoMoreOfAVisitThanTheRealLane) {
   Visits(1, /*active_arm=*/1);
-  // KDTree's visit lasts for 230 ms. The frames of 20 ms were recorded with 100 µs each.
+  // KDTree's visit lasts for 230 ms. Frames that take 20 ms in the game took 100 µs in the trace.
   const double repeated_ns = 200.0 * kShadowWarmUpNs;
   EXPECT_NEAR(static_cast<double>(lane_.next_event_ns()), 230e6 + repeated_ns, 20);
 }
@@ -107,7 +109,8 @@ TEST_F(ReplayLaneTest, RepeatsNoMoreOfAVisitThanTheRealLane) {
 TEST_F(ReplayLaneTest, WarmingAnArmUpDelaysTheVisitUnderWay) {
   Visits(1);
   const int64_t visit_end_ns = lane_.next_event_ns();
-  // 40 ms to build, then three frames that take 10 ms or the arm's own time.
+  // The preparation takes 40 ms to build, then three frames of 10 ms, or of the arm's own time if
+  // it is longer.
   const int64_t ready_ns = lane_.WarmUp(0, {5 * kMsNs, 0, 1, 1, 1});
   EXPECT_NEAR(static_cast<double>(ready_ns), (5 + 40 + 10 + 10 + 11) * 1e6, 10);
   EXPECT_EQ(lane_.next_event_ns(), visit_end_ns + ready_ns - 5 * kMsNs);

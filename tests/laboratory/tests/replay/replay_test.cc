@@ -197,8 +197,8 @@ TEST(Oracle, StaysWhereSwitchingCostsMoreThanItSaves) {
 
 TEST(Replay, AColdSwitchIsChargedOnce) {
   const ReplayScene scene = SceneOf(TwiceAsSlow());
-  // Seed 1 starts on KDTree; the first descriptor comes with frame 64 of 20 ms, the second tick
-  // at 4 s = 200 frames, and the frame after that builds in 40 ms; five more take 11 ms.
+  // Seed 1 starts on KDTree. The first descriptor comes after 64 frames of 20 ms. The second tick
+  // is at 4 s, that is after 200 frames. The next frame builds in 40 ms, and five more take 11 ms.
   ReplaySetup setup = SetupOf("thresholds", 1);
   const ReplayResult result = Replay(scene, setup);
   EXPECT_NEAR(static_cast<double>(result.total_ns), 900e9 + 200 * 10 * kMs + 30 * kMs + 5 * kMs,
@@ -215,7 +215,8 @@ TEST(Replay, AWarmSwitchWaitsForTheLaneAndCostsItsLastFrame) {
   ReplaySetup setup = SetupOf("thresholds", 1);
   setup.shadow_lane = true;
   const ReplayResult result = Replay(scene, setup);
-  // Building takes 40 ms, two frames more 10 ms each and one 11 ms: four frames of 20 ms.
+  // The preparation builds for 40 ms and runs frames of 10, 10 and 11 ms. Meanwhile the game runs
+  // four more frames of 20 ms.
   EXPECT_NEAR(static_cast<double>(result.total_ns), 900e9 + 204 * 10 * kMs + 1 * kMs, 1e6);
 }
 

@@ -175,7 +175,8 @@ TEST(TracePass, MeasuresTheControlsTwinOnEveryFrame) {
   EXPECT_EQ(ErrorOf(trace), "");
 }
 
-// Two arms, 40 frames, a burst: the first costs 10 ms, then 30; the second 20 ms all the time.
+// Two arms, 40 frames and a burst. A frame of the first arm costs 10 ms, later 30 ms; one of the
+// second arm always costs 20 ms.
 CostTrace TwoArmTrace() {
   CostTrace trace;
   trace.scene = "made-up";
@@ -238,7 +239,8 @@ TEST(TraceSummary, NamesTheBestFixedArmAndWhatTheOracleWouldSave) {
 TEST(TraceSummary, GivesTheControlsRatioWithAnIntervalFromItsSpread) {
   const TraceSummary summary = SummarizeTrace(TwoArmTrace());
   EXPECT_DOUBLE_EQ(summary.control_ratio, 820.0 / 800);
-  // Two windows, 420 and 400 in place of 400 each: residuals ±10, standard error 20 ÷ 800.
+  // In two windows the control takes 420 and 400 ms, and its twin 400 ms in each. The residuals are
+  // ±10, and the standard error is 20 ÷ 800.
   EXPECT_NEAR(summary.control_high - summary.control_ratio, 1.96 * 20 / 800, 1e-9);
   EXPECT_FALSE(summary.ControlIsFair());
   CostTrace fair = TwoArmTrace();

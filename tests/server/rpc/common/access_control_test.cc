@@ -290,7 +290,7 @@ TEST_F(AccessTest, OnlyTheTokenThatBeganASessionCanResumeIt) {
       EXPECT_TRUE(again.resumed());
       EXPECT_EQ(again.session_id(), first.session_id());
     }
-    RestartServer();  // the session comes from the store then
+    RestartServer();  // then the session is loaded from the store
   }
 }
 

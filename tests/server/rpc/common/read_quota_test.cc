@@ -69,7 +69,7 @@ TEST_F(ReadQuotaTest, TheRateCanBeChangedAtAnyTime) {
   for (int i = 0; i < 100; ++i) EXPECT_TRUE(List().ok());
 }
 
-// Tokens, each used from several addresses.
+// Tests tokens that are each used from several addresses.
 class TokenReadQuotaTest : public ReadQuotaTest {
  protected:
   TokenReadQuotaTest() {

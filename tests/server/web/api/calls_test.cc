@@ -155,7 +155,7 @@ TEST_F(ApiTest, TheLogsHaveTheBrowsersAddress) {
   EXPECT_EQ(Call("SessionsService/KickSession", R"({"sessionId":")" + id + "\"}").status, 200);
   EXPECT_THAT(logged_->text(),
               AllOf(HasSubstr("ipv4:127.0.0.1:"), HasSubstr("kicked session " + id)));
-  // The row is written after the answer.
+  // The row of the audit log is written only after the answer.
   std::string log;
   while (log.find("\"kicked session ") == std::string::npos)
     log = Dechunked(Call("AuditService/ExportDecisions", R"({"sessionId":"admin"})").body);
