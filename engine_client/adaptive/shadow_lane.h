@@ -105,7 +105,7 @@ class ShadowLane {
   // The frame thread records the times of its searches here.
   LaneCost& cost() { return cost_; }
 
-  // Returns all fields but the switch counts.
+  // Returns the statistics without the switch counts.
   ShadowStats stats() const;
 
  private:
@@ -124,9 +124,9 @@ class ShadowLane {
 
   struct Progress {
     uint32_t ticket = 0;
-    uint32_t frame_count = 0;  // the frames that the structure has processed
-    uint64_t frame_index = 0;  // the latest frame of these
-    bool caught_up = false;    // whether it was updated once more before the offer
+    uint32_t frame_count = 0;  // number of frames that the structure has processed
+    uint64_t frame_index = 0;  // the latest frame that the structure has processed
+    bool caught_up = false;    // whether the structure was updated once more before the offer
   };
 
   class Watch;

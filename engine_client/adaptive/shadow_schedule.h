@@ -50,7 +50,7 @@ inline constexpr uint64_t kShadowWarmUpNs = 1'000'000;
 
 struct ShadowScheduleOptions {
   double duty_ratio = 0.15;                      // the share of one thread's time, (0, 1]
-  uint64_t visit_cap_ns = 250'000'000;           // a visit may end when it takes longer
+  uint64_t visit_cap_ns = 250'000'000;           // time cap of a visit
   uint64_t memory_cap_bytes = 64 * 1024 * 1024;  // the cap of one arm's structure
   // Decisions are seconds apart, so that more frequent sweeps would add no information.
   uint64_t sweep_interval_min_ns = 250'000'000;
@@ -60,7 +60,7 @@ struct ShadowScheduleOptions {
 struct ShadowVisit {
   uint32_t arm = 0;
   uint32_t frame_count = 0;   // the number of measured frames
-  uint64_t detection_ns = 0;  // median of the measured frames; if there are none, the fastest
+  uint64_t detection_ns = 0;  // median of the measured frames; without any, the fastest frame
   uint64_t build_ns = 0;      // the time of the first frame
   uint64_t busy_ns = 0;       // total time of all frames
   uint64_t native_bytes = 0;

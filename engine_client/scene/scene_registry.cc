@@ -24,7 +24,7 @@ using ScenePointer = std::unique_ptr<Scene>;
 
 struct Entry {
   SceneDescription description;
-  bool uses_all_options;  // if false, only the object count and perhaps the spawn seed
+  bool uses_all_options;  // false: it uses only the object count and perhaps the spawn seed
   ScenePointer (*make)(std::string_view name, const SceneOptions& options);
 };
 

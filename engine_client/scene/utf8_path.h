@@ -17,7 +17,7 @@ inline std::optional<std::filesystem::path> PathOfUtf8(std::string_view text) {
   return std::filesystem::path(std::u8string(text.begin(), text.end()));
 }
 
-// Returns the path for a message.
+// Returns the path as text, for messages.
 inline std::string PathText(const std::filesystem::path& path) {
   const std::u8string text = path.u8string();
   return text::PrintableLine({reinterpret_cast<const char*>(text.data()), text.size()});

@@ -110,7 +110,7 @@ struct AdaptiveOptions {
   // change a lockstep game. Sorting takes the same time for each arm and is not part of a sample's
   // detection time. Cost: pair_sorter.h.
   bool sorted_pairs = false;
-  // Limits the memory of all arms, of the pairs, of sorting them and of the shadow lane; 0: no
+  // Limits the memory of all arms, for pairs and for sorting them, and of the shadow lane; 0: no
   // limit. The lane may use half of it. The limit is checked at each switch and after a frame in
   // which the active arm has grown. Above it the memory of the inactive arms is freed, and then
   // that of the lane, as by Trim: this frame and later switches to those arms then allocate. The
@@ -121,7 +121,7 @@ struct AdaptiveOptions {
 // The engine's data about the frame that ends.
 struct FrameEnd {
   uint64_t frame_time_ns = 0;  // unscaled time since the previous EndFrame
-  uint32_t flags = 0;          // kFramePaused and kFrameLoading
+  uint32_t flags = 0;          // kFramePaused, kFrameLoading, both or neither
 };
 
 class AdaptiveBroadPhase {
@@ -149,11 +149,11 @@ class AdaptiveBroadPhase {
   // Completes the sample and passes it to the sink.
   void EndFrame(const FrameEnd& frame);
 
-  // Frees the buffers that the next frame does not need: those of inactive arms, of pairs and of
-  // sorting them. The shadow lane frees its memory soon after, on its own thread. Call it between
-  // EndFrame and BeginFrame, for example when a level ends or memory is low. It invalidates the
-  // result of FindPairs. The next frame, later switches and the lane's next sweep allocate again.
-  // Cost: that of freeing the memory.
+  // Frees the buffers that the next frame does not need: those of inactive arms, and those for
+  // pairs and for sorting them. The shadow lane frees its memory soon after, on its own thread.
+  // Call it between EndFrame and BeginFrame, for example when a level ends or memory is low. It
+  // invalidates the result of FindPairs. The next frame, later switches and the lane's next sweep
+  // allocate again. Cost: that of freeing the memory.
   void Trim();
   // Returns the bytes that memory_budget_bytes limits.
   uint64_t memory_bytes() const;
@@ -191,11 +191,11 @@ class AdaptiveBroadPhase {
 
   // Sets the decider's verdict about the scene. Any thread; the latest call wins.
   void SetVerdict(const SceneVerdict& verdict);
-  // Returns that verdict; kUnknown before the first. Any thread; lock-free.
+  // Returns the latest verdict; kUnknown before the first. Any thread; lock-free.
   SceneVerdict verdict() const;
   // Sets the decider's latest decision. Called by the decider, one call at a time.
   void SetLastDecision(const LastDecision& decision);
-  // Returns that decision; absent before the first. Any thread; lock-free.
+  // Returns the latest decision; absent before the first. Any thread; lock-free.
   std::optional<LastDecision> last_decision() const;
   // Returns the latest outcome passed to the sink: of a switch that has settled or was refused, or
   // of the end of a trial. Absent before the first. Any thread; lock-free.

@@ -112,7 +112,7 @@ class BulletBroadPhase final : public btBroadphaseInterface {
     ProxyHandle handle;
     CollisionFilter filter;      // the group and the mask in effect
     uint32_t rest_count = 0;     // how often in a row the same box was sent, up to kRestCount
-    bool is_refiltered = false;  // the next search filters the pairs again
+    bool is_refiltered = false;  // whether the next search must filter this proxy's pairs again
   };
 
   CollisionFilter WideFilter(const CollisionFilter& filter) const;
@@ -131,8 +131,8 @@ class BulletBroadPhase final : public btBroadphaseInterface {
   ProxySet proxies_;
   btHashedOverlappingPairCache cache_;
   btOverlapFilterCallback* filter_callback_ = nullptr;  // the callback in effect
-  bool is_refiltered_ = false;                          // any proxy has is_refiltered
-  std::deque<Proxy> places_;                            // free ones have a null handle
+  bool is_refiltered_ = false;                          // whether any proxy has is_refiltered set
+  std::deque<Proxy> places_;                            // free places have a null handle
   std::vector<Proxy*> free_;
 };
 

@@ -95,7 +95,7 @@ typedef struct swp_ray_hit {
 typedef struct swp_proxies_options {
   uint32_t struct_size;
   uint32_t pair_events;         /* 1: fills swp_proxies_added and _removed */
-  uint32_t sorted_pairs;        /* 1: ascending pairs, whatever the backend; implied by events */
+  uint32_t sorted_pairs;        /* 1: pairs ascend, whatever the backend; pair events imply it */
   uint32_t thread_count;        /* as in swp_world_options */
   const swp_executor* executor; /* as in swp_world_options */
   float event_margin;           /* a pair ends when its boxes are farther apart than this on an

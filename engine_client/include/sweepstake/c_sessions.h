@@ -58,8 +58,8 @@ enum {
 typedef uint32_t swp_shadow_mode;
 enum {
   SWP_SHADOW_OFF = 0,
-  SWP_SHADOW_AUTO = 1, /* from the first SWP_MODE_AI on, while there is a spare core */
-  SWP_SHADOW_ON = 2    /* also in a game that has always been manual */
+  SWP_SHADOW_AUTO = 1, /* runs from the first SWP_MODE_AI on, while there is a spare core */
+  SWP_SHADOW_ON = 2    /* runs also in a game that has always been manual */
 };
 
 typedef struct swp_session_options {
@@ -157,8 +157,8 @@ typedef uint32_t swp_verdict_kind;
 enum {
   SWP_VERDICT_UNKNOWN = 0,   /* nothing decided yet */
   SWP_VERDICT_STABLE = 1,    /* the leader is the best arm with a probability of 0.8 or more */
-  SWP_VERDICT_TIE = 2,       /* below 0.8, but choosing the leader loses at most 0.5 % */
-  SWP_VERDICT_AMBIGUOUS = 3, /* below 0.8, and it may lose more: expect switches */
+  SWP_VERDICT_TIE = 2,       /* its probability is below 0.8, but choosing it loses at most 0.5 % */
+  SWP_VERDICT_AMBIGUOUS = 3, /* its probability is below 0.8, with a larger loss: expect switches */
   SWP_VERDICT_DEGRADED = 4   /* even the leader misses the frame-rate floor: simplify the scene */
 };
 

@@ -21,7 +21,7 @@ enum FrameFlag : uint32_t {
 // counts of bytes, pairs and objects are those of its latest search.
 struct FrameSample {
   uint64_t frame_index = 0;        // counts from the start of the session
-  uint64_t frame_time_ns = 0;      // unscaled, whole frame
+  uint64_t frame_time_ns = 0;      // unscaled time of the whole frame
   uint64_t detection_time_ns = 0;  // Build or Update plus FindPairs; 0 without a search
   uint64_t aabb_check_count = 0;
   uint64_t native_bytes = 0;
@@ -40,8 +40,8 @@ struct SceneDescriptor {
   float object_count = -1;
   float density_ratio = -1;     // sum of AABB volumes ÷ volume of their common bounds
   float size_spread = -1;       // standard deviation of ln(longest side)
-  float speed_mean = -1;        // world units per frame
-  float speed_spread = -1;      // standard deviation of the speed
+  float speed_mean = -1;        // mean distance per frame, in world units
+  float speed_spread = -1;      // standard deviation of that distance
   float clustering_ratio = -1;  // variance ÷ mean of object counts over equal cells; 1 is uniform
   float static_ratio = -1;      // fraction of objects that did not move
 };
@@ -57,7 +57,7 @@ enum ShadowFlag : uint32_t {
 // sweep; it includes the arm that was active then.
 struct ShadowSample {
   uint64_t first_frame_index = 0;
-  uint64_t detection_time_ns = 0;  // median over the measured frames: update and search
+  uint64_t detection_time_ns = 0;  // time to update and search, median of the measured frames
   uint64_t build_time_ns = 0;      // time of the first frame, which builds and searches
   uint64_t aabb_check_count = 0;   // mean over the measured frames
   uint64_t native_bytes = 0;
@@ -166,7 +166,7 @@ struct LastDecision {
   uint64_t time_ns = 0;
   uint32_t active_arm = 0;
   DecisionOutcome outcome = DecisionOutcome::kKept;
-  std::optional<uint32_t> candidate_arm = {};  // what the policy proposed
+  std::optional<uint32_t> candidate_arm = {};  // the arm that the policy proposed; absent: none
   std::optional<SwitchCommand> command = {};   // the command and its reason; absent: none
   // The expected loss of choosing the leader, relative to the cost of the best arm; 0 with a
   // daemon.
@@ -182,7 +182,7 @@ struct SwitchOutcome {
   uint64_t command_id = 0;
   uint32_t arm = 0;
   uint32_t switch_epoch = 0;
-  uint64_t rebuild_time_ns = 0;  // on the frame thread; 0: built beforehand
+  uint64_t rebuild_time_ns = 0;  // time to build on the frame thread; 0: built before the switch
   // Frame time above the settled mean, summed over the settling frames.
   uint64_t settling_cost_ns = 0;
   SwitchReason reason = SwitchReason::kPolicy;

@@ -49,7 +49,7 @@ struct SessionStats {
   std::string refusal;
   std::string session_id;  // empty before the first welcome
   uint64_t sent_frame_count = 0;
-  uint64_t dropped_frame_count = 0;  // the queue was full, or the daemon refused them
+  uint64_t dropped_frame_count = 0;  // frames lost by a full queue or refused by the daemon
   uint64_t acknowledged_sequence = 0;
   uint64_t sent_sequence = 0;
   // Sending is paused until the daemon acknowledges, because
@@ -94,7 +94,7 @@ struct TlsOptions {
 // and never displayed. At most one of the two is set. The file is read for every connection.
 struct ClientToken {
   std::string file;  // path, at most 4096 bytes, of a file with only the token
-  std::string text;  // the token itself
+  std::string text;  // the token itself, instead of a file
 };
 
 // Keeps the latest five seconds in memory and writes them to a file after a frame that took too

@@ -11,8 +11,8 @@ namespace sweepstake {
 // Values are stable: the C ABI has the same ones.
 enum class ShadowMode : uint32_t {
   kOff = 0,
-  kAuto = 1,  // from the first Mode::kAi on, also while the mode is then kManual
-  kOn = 2,    // also in a game that has always been manual
+  kAuto = 1,  // runs from the first Mode::kAi on, also while the mode is then kManual
+  kOn = 2,    // runs also in a game that has always been manual
 };
 
 struct ShadowOptions {
@@ -51,8 +51,8 @@ struct ShadowStats {
   ShadowState state = ShadowState::kOff;
   uint64_t sweep_count = 0;
   uint64_t visit_count = 0;         // measurements of one arm each
-  uint64_t capped_visit_count = 0;  // of these, visits that ended at a cap
-  uint64_t busy_time_ns = 0;        // visits and preparations
+  uint64_t capped_visit_count = 0;  // visits that ended at a cap
+  uint64_t busy_time_ns = 0;        // time of visits and preparations
   uint64_t memory_bytes = 0;        // copied boxes and structures, after the lane's latest frame
   uint64_t copied_frame_count = 0;
   uint64_t copy_time_ns = 0;  // time of copying boxes on the frame thread

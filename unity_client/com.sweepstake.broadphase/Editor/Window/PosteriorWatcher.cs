@@ -55,7 +55,7 @@ namespace Sweepstake.Editor
         internal void Start(DaemonSettings settings, string project)
         {
             kept = new PosteriorSnapshot(
-                Array.Empty<PosteriorLine>(), float.NaN, $"gRPC is missing, so {settings.address} cannot be asked for the posteriors of {project}. Window > Sweepstake > Setup shows what is missing.");
+                Array.Empty<PosteriorLine>(), float.NaN, $"gRPC is missing, so the posteriors of {project} cannot be read from {settings.address}. Window > Sweepstake > Setup shows what is missing.");
         }
 
         public void Dispose()

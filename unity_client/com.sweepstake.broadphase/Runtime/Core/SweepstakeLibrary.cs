@@ -110,7 +110,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Null if a native library may exist for the platform.</summary>
+        /// <summary>Returns the reason why the platform cannot have a native library; null if it can.</summary>
         internal static NativeLibraryException? FindPlatformProblem(bool isWebGL, int pointerBytes)
         {
             if (isWebGL)

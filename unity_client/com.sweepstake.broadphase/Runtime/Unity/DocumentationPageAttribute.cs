@@ -20,7 +20,7 @@ namespace Sweepstake.Unity
 
         public string Page { get; }
 
-        /// <summary>The editor resolves paths that begin with Packages.</summary>
+        /// <summary>Returns the URL of a page on disk. The editor resolves paths that begin with Packages.</summary>
         public static string UrlOf(string page) => new Uri(Path.GetFullPath(Folder + page)).AbsoluteUri;
     }
 }

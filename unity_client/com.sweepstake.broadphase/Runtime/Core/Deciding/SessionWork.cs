@@ -71,7 +71,7 @@ namespace Sweepstake
             Stop(DisposeTimeoutMs);
         }
 
-        /// <summary>Starts the end of all instances, then waits for each until `endNs`. Returns them for <see cref="Release"/>.</summary>
+        /// <summary>Begins to end all instances, then waits for each until `endNs`. Returns them for <see cref="Release"/>.</summary>
         internal static SessionWork[] StopAll(ulong endNs)
         {
             SessionWork[] stopping;

@@ -52,7 +52,7 @@ namespace Sweepstake
         Rejected = 8,
         /// <summary>No switch: the expected gain is lower than the cost of the switch.</summary>
         HeldGate = 9,
-        /// <summary>No switch: the candidate's advantage is too small to matter.</summary>
+        /// <summary>No switch: the candidate's expected gain is too small to matter.</summary>
         HeldTie = 10,
     }
 

@@ -53,7 +53,7 @@ namespace Sweepstake
     public enum ProxyFlags : uint
     {
         None = 0,
-        /// <summary>Pairs with moving and sleeping proxies only.</summary>
+        /// <summary>The proxy forms pairs with moving and sleeping proxies only.</summary>
         Static = 1,
         /// <summary>Read-only: see <see cref="ProxySet.SetSleeping"/>.</summary>
         Sleeping = 2,

@@ -1556,7 +1556,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PosteriorFieldNumber = 1;
     private global::Sweepstake.Protocol.V1.ScenePosterior posterior_;
     /// <summary>
-    /// The scene's complete posteriors. Absent: see decisions.
+    /// The scene's complete posteriors. Absent: this message has decisions or is the mark all_told.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1585,7 +1585,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int StampFieldNumber = 3;
     private global::Sweepstake.Protocol.V1.EventStamp stamp_;
     /// <summary>
-    /// Number and time. Always set.
+    /// Number and time of this message. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1600,7 +1600,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AllToldFieldNumber = 4;
     private bool allTold_;
     /// <summary>
-    /// True, once in a stream that requests it: every matching scene has been sent; changes follow. Absent: see posterior.
+    /// True, once in a stream that requests it: every matching scene has been sent; changes follow. Absent: not the mark.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

@@ -2493,7 +2493,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int WindowCountFieldNumber = 3;
     private ulong windowCount_;
     /// <summary>
-    /// Decision windows and lane visits of these records. Absent: 0.
+    /// Number of decision windows and lane visits in these records. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3080,7 +3080,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int WindowCountFieldNumber = 3;
     private ulong windowCount_;
     /// <summary>
-    /// Decision windows and lane visits of these records. Absent: 0.
+    /// Number of decision windows and lane visits in these records. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4948,7 +4948,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForMessage(10, global::Sweepstake.Protocol.V1.SceneComparison.Parser);
     private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.SceneComparison> scenes_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.SceneComparison>();
     /// <summary>
-    /// Some scenes. Absent: none.
+    /// Some of the compared scenes. Absent: none.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5986,7 +5986,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PosteriorFieldNumber = 1;
     private global::Sweepstake.Protocol.V1.BetaPosterior posterior_;
     /// <summary>
-    /// Beta(1,1) plus windows and visits of the lane together. Always set.
+    /// Beta(1,1) plus the evidence of windows and lane visits. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6001,7 +6001,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int LiveFieldNumber = 2;
     private global::Sweepstake.Protocol.V1.BetaPosterior live_;
     /// <summary>
-    /// Beta(1,1) plus the windows. Absent: there are none.
+    /// Beta(1,1) plus the evidence of windows. Absent: there are no windows.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6016,7 +6016,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int LaneFieldNumber = 3;
     private global::Sweepstake.Protocol.V1.BetaPosterior lane_;
     /// <summary>
-    /// Beta(1,1) plus the visits of the lane. Absent: there are none.
+    /// Beta(1,1) plus the evidence of lane visits. Absent: there are no visits.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

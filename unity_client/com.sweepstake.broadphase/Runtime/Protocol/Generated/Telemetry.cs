@@ -494,7 +494,7 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>Field number for the "goodbye" field.</summary>
     public const int GoodbyeFieldNumber = 7;
     /// <summary>
-    /// An orderly end.
+    /// Ends the session in an orderly way.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2622,7 +2622,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForUInt64(18);
     private readonly pbc::RepeatedField<ulong> detectionTimeNs_ = new pbc::RepeatedField<ulong>();
     /// <summary>
-    /// Broad phase only: update and search, rendering excluded. Absent: an error.
+    /// Time of the broad phase only: update and search, without rendering. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2636,7 +2636,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForUInt64(26);
     private readonly pbc::RepeatedField<ulong> aabbCheckCount_ = new pbc::RepeatedField<ulong>();
     /// <summary>
-    /// AABB–AABB checks. Absent: an error.
+    /// Number of AABB–AABB checks. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2664,7 +2664,7 @@ namespace Sweepstake.Protocol.V1 {
         = pb::FieldCodec.ForUInt32(42);
     private readonly pbc::RepeatedField<uint> objectCount_ = new pbc::RepeatedField<uint>();
     /// <summary>
-    /// Objects in the broad phase. Absent: an error.
+    /// Number of objects in the broad phase. Absent: an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3165,7 +3165,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int DetectionTimeNsFieldNumber = 3;
     private ulong detectionTimeNs_;
     /// <summary>
-    /// Median over the measured frames: update and search, on the fastest kind of core if that is known. Absent (0): an error.
+    /// Time to update and search, median over the measured frames, on the fastest kind of core if that is known. Absent (0): an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3195,7 +3195,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int AabbCheckCountFieldNumber = 5;
     private ulong aabbCheckCount_;
     /// <summary>
-    /// AABB–AABB checks, mean over the measured frames. Absent: 0.
+    /// Number of AABB–AABB checks, mean over the measured frames. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3225,7 +3225,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ObjectCountFieldNumber = 7;
     private uint objectCount_;
     /// <summary>
-    /// Objects in the broad phase. Absent: 0.
+    /// Number of objects in the broad phase. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3240,7 +3240,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int FrameCountFieldNumber = 8;
     private uint frameCount_;
     /// <summary>
-    /// Measured frames, without the build and the warm-up after it. Absent: 0.
+    /// Number of measured frames, without the build and the warm-up after it. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3661,7 +3661,7 @@ namespace Sweepstake.Protocol.V1 {
 
     private float objectCount_;
     /// <summary>
-    /// Objects in the broad phase.
+    /// Number of objects in the broad phase.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5418,7 +5418,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int OrderIdFieldNumber = 1;
     private ulong orderId_;
     /// <summary>
-    /// The order. Absent (0): an error.
+    /// Id of the order. Absent (0): an error.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -9261,7 +9261,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int FrameIndexFieldNumber = 1;
     private ulong frameIndex_;
     /// <summary>
-    /// The frame. Absent: 0.
+    /// Index of the frame. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -9276,7 +9276,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int ObjectCountFieldNumber = 2;
     private uint objectCount_;
     /// <summary>
-    /// Objects in the broad phase. Absent: 0.
+    /// Number of objects in the broad phase. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
