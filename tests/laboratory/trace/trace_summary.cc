@@ -202,7 +202,7 @@ void PrintTrace(const CostTrace& trace, const TraceSummary& summary, const std::
   table.Print(out);
   out << "Best fixed arm: " << trace.arms[summary.best_arm].name
       << ".\nThe cheapest arm of every frame would save " << Percent(summary.frame_headroom, 1)
-      << " of it,\nof every " << TraceSummary::kWindowFrames << " frames "
+      << " of its time,\nthat of every " << TraceSummary::kWindowFrames << " frames "
       << Percent(summary.window_headroom, 1) << ".\nA/A control: a second "
       << trace.arms[trace.control_arm].name << " takes " << Fixed(summary.control_ratio, 4)
       << " of the first one's time\n(95 %: " << Fixed(summary.control_low, 4) << " to "

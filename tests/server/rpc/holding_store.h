@@ -51,7 +51,7 @@ class HoldingStore final : public priors::AsyncPriorStore {
     const std::lock_guard lock(mutex_);
     failing_ = failing;
   }
-  // While closed it accepts nothing; earlier calls still run.
+  // Closes or reopens the store. A closed store refuses new calls; earlier calls still run.
   void Close(bool closed) {
     const std::lock_guard lock(mutex_);
     closed_ = closed;

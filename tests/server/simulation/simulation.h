@@ -39,7 +39,8 @@ class Simulation {
   const Tally& tally() const { return tally_; }
 
  private:
-  // Runs the world until `done` or for `duration_ns`; returns whether it was done.
+  // Runs the world until `done` returns true or `duration_ns` has passed. Returns whether `done`
+  // returned true.
   template <typename Done>
   bool RunFor(int64_t duration_ns, Done done);
   void AfterEvent();

@@ -20,7 +20,7 @@ class ForwardingStore : public priors::PriorStore {
       std::unique_ptr<priors::PriorStore> store = *storage::OpenMemoryPriorStore())
       : store_(std::move(store)) {}
 
-  // Returns the other store.
+  // Returns the store to which the calls are forwarded.
   priors::PriorStore& behind() { return *store_; }
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override {

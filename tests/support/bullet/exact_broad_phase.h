@@ -25,7 +25,7 @@ class ExactBroadPhase final : public Base {
     if constexpr (kIdsGrow) Base::m_gid = TakeId() - 1;
     btBroadphaseProxy* const proxy =
         Base::createProxy(min, max, shape_type, client, group, mask, dispatcher);
-    proxy->m_aabbMin = min;  // btAxisSweep3 takes it from the first setAabb
+    proxy->m_aabbMin = min;  // btAxisSweep3 itself stores it only in setAabb
     proxy->m_aabbMax = max;
     return proxy;
   }

@@ -227,7 +227,8 @@ TEST_F(TrialTest, ATrialAfterACompletedOneIsComparedWithItsArm) {
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
-// Five frames take longer than the trial. The first three are the build and the warm-up.
+// The frames are so long that five of them take longer than the trial. The first three are the
+// build and the warm-up.
 TEST_F(TrialTest, EndsIfFramesAreAlmostAsLongAsTheTrial) {
   const uint64_t long_ns = kTrialFrames * kFrameNs * 3 / 8;
   adaptive_->mailbox().Post({.command_id = 7, .arm = 1, .trial_limit_percent = 120});

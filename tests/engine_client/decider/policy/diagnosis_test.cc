@@ -200,7 +200,8 @@ TEST(LogCostDiagnosis, OfTwoArmsAgreesWithTheNormalDistribution) {
   const std::vector<double> variances = {0.01, 0.03};
   const Diagnosis diagnosis = DiagnoseLogCosts(means, variances);
   EXPECT_NEAR(diagnosis.best_probability[0], NormalDistribution(1), 1e-6);
-  // E[(y0 − y1)⁺] = s φ(z) − d Φ(−z) with d = 0.2 and s = 0.2.
+  // E[(y0 − y1)⁺] = s φ(z) − d Φ(−z), where d = 0.2 is the difference of the means, s = 0.2 its
+  // standard deviation, and z = d / s.
   const double loss =
       0.2 * (std::exp(-0.5) / std::sqrt(2 * std::numbers::pi) - NormalDistribution(-1));
   EXPECT_NEAR(diagnosis.expected_loss_ratio, std::expm1(loss), 1e-6);

@@ -206,7 +206,8 @@ TEST(Replay, AColdSwitchIsChargedOnce) {
   EXPECT_EQ(result.switch_counts[static_cast<size_t>(SwitchReason::kPolicy)], 1U);
   EXPECT_EQ(result.first_active_ns[0], 4'000'000'000);
   EXPECT_EQ(result.dominant_arm(), 0U);
-  // The session counts the switch as executed only when its batch arrives, which is 250 ms late.
+  // The session counts the switch as executed only when the batch with its first frame arrives,
+  // which is 250 ms later.
   EXPECT_NEAR(result.active_share(), 1 - 4.285 / 902.035, 1e-4);
 }
 

@@ -61,7 +61,7 @@ TEST(TraceOutput, FitsATerminalWithTheLongestNameAndShare) {
   const CostTrace trace = MakeTrace(synthetic);
   std::stringstream text;
   PrintTrace(trace, SummarizeTrace(trace), "x.costs", text);
-  EXPECT_THAT(text.str(), HasSubstr("would save 50.0 % of it"));
+  EXPECT_THAT(text.str(), HasSubstr("would save 50.0 % of its time"));
   for (std::string line; std::getline(text, line);) EXPECT_LE(line.size(), 80U) << line;
 }
 

@@ -70,8 +70,8 @@ class EventsOf : public Base {
     return {this->http_->port(), target, more, receive_bytes};
   }
   EventsOf() { this->options_.watcher_patience_ns = 3'600 * rpc::kSecondNs; }
-  // Makes ticks of the bus until the condition is true. Each leaves the server time for its work,
-  // so that the clock does not run ahead while the server has no processor.
+  // Advances the event bus tick by tick until the condition is true. Each tick leaves the server
+  // time for its work, so that the clock does not run ahead while the server has no processor.
   template <typename Condition>
   [[nodiscard]] bool TickUntil(Condition condition) {
     return Eventually([&] {
