@@ -40,7 +40,7 @@ struct Player {
   priors::SourceProgress on_disk = {};  // progress in the store at the last check
 };
 
-// Returns whether this life's daemon has evidence of the game on its disk.
+// Returns whether the current daemon has put evidence of the game on its disk.
 bool IsHeard(const Player& player) {
   return player.game->stats().acknowledged_sequence > player.sent_before_life;
 }

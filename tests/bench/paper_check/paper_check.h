@@ -36,7 +36,7 @@ struct PaperResidual {
   bool is_close() const { return -2 <= standard_errors && standard_errors <= 2; }
 };
 
-// Indices of the figures.
+// The order of PaperPrediction::figures.
 enum PaperFigureIndex : size_t { kDominance, kSwitches, kActive, kPosteriorMean, kEvidence };
 
 struct PaperPrediction {

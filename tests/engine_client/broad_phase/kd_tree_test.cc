@@ -76,7 +76,7 @@ LeafTree TreeOf(std::span<const Aabb> boxes) {
   return tree;
 }
 
-// Returns the order of these boxes, including holes.
+// Returns the order of these boxes as slots, including empty ones.
 template <typename Split>
 std::vector<uint32_t> SlotsOf(std::span<const Aabb> boxes, const Split& split) {
   const LeafTree tree = TreeOf(boxes);

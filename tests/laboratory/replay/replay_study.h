@@ -62,7 +62,7 @@ struct FrameMs {
 // The time of a frame at 60 Hz.
 inline constexpr double kFrameMsAt60Hz = 1000.0 / 60;
 
-// The figures of one player's game with one seed, and their means over the games of a row.
+// The figures of one player's game with one seed. In a StudyRow: their means over the games.
 struct StudyGame {
   double regret_best_fixed = 0;
   double regret_oracle = 0;   // regret against the oracle that pays for its switches

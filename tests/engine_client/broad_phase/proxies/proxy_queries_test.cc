@@ -120,7 +120,8 @@ void ExpectConstAnswer(const ProxySet& proxies, const Shape& shape, const Collis
   ASSERT_EQ(count, expected.size());
   ASSERT_TRUE(std::equal(expected.begin(), expected.end(), room.begin()));
   ASSERT_EQ(room.back(), T{});
-  // A buffer that is too small receives the number of hits and some of them.
+  // If the buffer is too small, the query still returns the number of hits, and fills the buffer
+  // with some of them.
   count = 0;
   std::vector<T> few(expected.size() / 2);
   ASSERT_TRUE(Ask(proxies, shape, filter, std::span(few), count).ok());
