@@ -172,8 +172,8 @@ double SecondsPerObservation(const PaperCell& cell) {
   constexpr double kSettlingS = 2;
   constexpr double kNotLearnt = 2 + 2;  // part of n* from the prior and the exploration's windows
   const double active_s = cell.active_percent.mean / 100 * kObservationS;
-  const double settling_s =
-      cell.switches.mean / 2 * kSettlingS;  // every second switch leads to the dominant arm
+  // Every second switch leads to the dominant arm.
+  const double settling_s = cell.switches.mean / 2 * kSettlingS;
   return (active_s - settling_s) / (cell.evidence.mean - kNotLearnt);
 }
 

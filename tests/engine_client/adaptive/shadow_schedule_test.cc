@@ -199,8 +199,8 @@ TEST_F(ShadowScheduleTest, DetectsACostThatDriftsInSmallSteps) {
 
 TEST_F(ShadowScheduleTest, BacksOffExponentiallyFromAnArmOverTheTimeCap) {
   cost_ns_[2] = options_.visit_cap_ns + 1;
-  cost_ns_[0] = cost_ns_[1] =
-      options_.visit_cap_ns * 10 / 18;  // cost ratio √3: due every 3rd sweep but for the back-off
+  // Without the back-off, arm 2 would be in every 1.8² = 3rd sweep.
+  cost_ns_[0] = cost_ns_[1] = options_.visit_cap_ns * 10 / 18;
   std::vector<int> sweeps_of_arm_2;
   for (int sweep = 1; sweep <= 160; ++sweep) {
     const std::vector<uint32_t> visited = Sweep();

@@ -370,8 +370,8 @@ Status PlayGrid(const ExperimentPlan& plan, const ExperimentFolder& folder,
   std::erase_if(missing, [&](const PlannedRun& run) {
     return std::find(there.begin(), there.end(), run) != there.end();
   });
-  const auto run_ns =
-      static_cast<double>(plan.window_ns + plan.window_ns / 15);  // the window and the controls
+  // The controls take a fifteenth of the window.
+  const auto run_ns = static_cast<double>(plan.window_ns + plan.window_ns / 15);
   for (size_t done = 0; done < missing.size() && !StopRequested(); ++done) {
     const PlannedRun& run = missing[done];
     const std::string text = "run " + std::to_string(done + 1) + " of " +

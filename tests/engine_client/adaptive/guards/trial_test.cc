@@ -218,8 +218,7 @@ TEST_F(TrialTest, ATrialAfterACompletedOneIsComparedWithItsArm) {
   Frames(kTrialFrames);
   adaptive_->mailbox().Post({.command_id = 8, .arm = 0, .trial_limit_percent = 120});
   Frame();
-  arms_[0]->script().find_ns =
-      kGrantedNs + kGrantedNs / 20;  // over a limit that is derived from A's own frames
+  arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 20;  // over a limit from A's own frames
   Frames(kShadowWarmUpFrames + 3);
   EXPECT_EQ(adaptive_->active_arm(), 0U);
   arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 5;

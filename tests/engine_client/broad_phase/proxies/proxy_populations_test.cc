@@ -234,8 +234,8 @@ TEST_F(Populations, CompactFreesTheMemoryOfRemovedProxies) {
   EXPECT_EQ(Resolve(), before);
   EXPECT_FALSE(AnyEvents());
   proxies_.Compact();
-  EXPECT_LE(proxies_.native_bytes(),
-            2 * fresh.native_bytes() + 100'000);  // the lists of events stay allocated
+  // The lists of events stay allocated.
+  EXPECT_LE(proxies_.native_bytes(), 2 * fresh.native_bytes() + 100'000);
   for (const ProxyHandle handle : living) EXPECT_TRUE(proxies_.is_alive(handle));
   for (int k = 0; k < 20'000; ++k) {
     const ProxyHandle handle = add(proxies_, k);
