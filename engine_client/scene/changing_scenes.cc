@@ -47,7 +47,7 @@ constexpr Regime kCamp{
     .motion = Motion::kJitter, .scale_begin = kDenseScale, .scale_end = kDenseScale};
 constexpr Regime kScatter{.motion = Motion::kJitter, .reach = 0.05F, .scale_begin = kDenseScale};
 
-constexpr uint32_t kFew = 60;  // 50 of 3,000 objects are shown
+constexpr uint32_t kFew = 60;  // as a shown_divisor: 50 of 3,000 objects are shown
 constexpr Regime kFewDrift{.motion = Motion::kJitter, .reach = 0.1F, .shown_divisor = kFew};
 
 constexpr std::array kRestAndMotion{kNearRest, kDrift};

@@ -64,7 +64,7 @@ namespace Sweepstake.Tests
 
         internal void Restart() => Start(Address);
 
-        /// <summary>Restarts the daemon without what it has learnt.</summary>
+        /// <summary>Restarts the daemon with an empty data folder, so that it has learnt nothing.</summary>
         internal void BeginAnew()
         {
             Kill();

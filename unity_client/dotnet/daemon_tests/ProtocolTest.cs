@@ -7,7 +7,7 @@ using Sweepstake.Protocol.V1;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>The behaviour of a connection with a daemon that the test scripts.</summary>
+    /// <summary>Tests how a connection behaves if the daemon sends exactly what the test chooses.</summary>
     public sealed class ProtocolTest
     {
         [Test]

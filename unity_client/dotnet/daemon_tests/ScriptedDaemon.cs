@@ -45,7 +45,7 @@ namespace Sweepstake.Tests
         private TaskCompletionSource<byte[]> waiting;
         private bool hasEnded;
 
-        /// <summary>The task that a write returns.</summary>
+        /// <summary>The task that each write returns.</summary>
         internal Task Writing { get; set; } = Task.CompletedTask;
         /// <summary>The name of the call that throws; "" for none.</summary>
         internal string Broken { get; set; } = "";

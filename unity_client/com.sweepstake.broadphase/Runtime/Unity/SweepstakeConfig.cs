@@ -9,7 +9,7 @@ namespace Sweepstake.Unity
     /// </summary>
     public enum LaneChoice
     {
-        /// <summary>On while there is a spare core; off on mobile devices.</summary>
+        /// <summary>The lane runs while there is a spare core; never on mobile devices.</summary>
         Auto,
         Off,
         On,

@@ -108,9 +108,9 @@ namespace Sweepstake
     public enum ShadowMode : uint
     {
         Off = 0,
-        /// <summary>On from the first <see cref="SessionMode.Ai"/>, while there is a spare core.</summary>
+        /// <summary>The lane runs from the first <see cref="SessionMode.Ai"/> on, while there is a spare core.</summary>
         Auto = 1,
-        /// <summary>On even if the game has always been in <see cref="SessionMode.Manual"/>.</summary>
+        /// <summary>The lane runs even if the game has always been in <see cref="SessionMode.Manual"/>.</summary>
         On = 2,
     }
 

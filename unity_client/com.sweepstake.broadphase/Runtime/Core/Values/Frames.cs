@@ -4,11 +4,11 @@ using System.Runtime.InteropServices;
 
 namespace Sweepstake
 {
-    /// <summary>Chooses whether the game or the decider selects the backend.</summary>
+    /// <summary>Whether the game or the decider selects the backend.</summary>
     public enum SessionMode : uint
     {
         Manual = 1,
-        /// <summary>AI Decides: the embedded decider or the daemon selects.</summary>
+        /// <summary>AI Decides: the embedded decider or the daemon selects the backend.</summary>
         Ai = 2,
     }
 

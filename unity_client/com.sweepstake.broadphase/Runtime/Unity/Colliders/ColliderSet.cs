@@ -103,7 +103,7 @@ namespace Sweepstake.Unity
 
         internal bool Contains(Collider collider) => slots.ContainsKey(collider);
 
-        /// <summary>Reads layer, static flag and box again.</summary>
+        /// <summary>Reads the collider's layer, static flag and box again.</summary>
         internal void Refresh(Collider collider)
         {
             if (Remove(collider))

@@ -11,7 +11,7 @@ namespace Sweepstake.Unity
     {
         /// <summary>Colliders of all scenes that are loaded now or later.</summary>
         LoadedScenes,
-        /// <summary>Colliders of its own game object and its children.</summary>
+        /// <summary>Colliders of the tracker's game object and its children.</summary>
         Children,
         /// <summary>None: the game registers each collider.</summary>
         Registered,
@@ -73,7 +73,7 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>Tracks a collider, also one outside its scope.</summary>
+        /// <summary>Tracks a collider, also one outside the tracker's scope.</summary>
         /// <returns>False if it is already tracked or the tracker is disabled.</returns>
         public bool Register(Collider collider) => colliders != null && collider != null && colliders.Add(collider);
 
@@ -95,7 +95,7 @@ namespace Sweepstake.Unity
             colliders?.RefreshFilters();
         }
 
-        /// <summary>Registers all colliders in its scope.</summary>
+        /// <summary>Registers all colliders in the tracker's scope.</summary>
         public void Scan()
         {
             if (scope == ColliderScope.Children)

@@ -14,7 +14,7 @@ namespace Sweepstake.Unity
         private readonly Action<string> tell;
         private FrameCsvWriter? csv;
 
-        /// <param name="tell">Called once for each failure on another thread.</param>
+        /// <param name="tell">Reports a problem; called once for each failure on another thread.</param>
         internal SessionHost(SweepstakeConfig config, SessionMode mode, string backend, string sceneName, Action<string> tell)
         {
             this.config = config;

@@ -23,7 +23,7 @@ namespace Sweepstake.Unity
 
         public bool IsDrawn { get => isDrawn; set => isDrawn = value; }
 
-        /// <summary>Number of pairs drawn the last time.</summary>
+        /// <summary>Number of pairs that were drawn most recently.</summary>
         public int DrawnCount { get; private set; }
 
         private void OnDrawGizmos()
