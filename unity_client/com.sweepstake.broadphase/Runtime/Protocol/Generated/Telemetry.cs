@@ -1064,7 +1064,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int WelcomeFieldNumber = 1;
     private global::Sweepstake.Protocol.V1.Welcome welcome_;
     /// <summary>
-    /// The answer to Hello, once per connection, first.
+    /// The answer to Hello, in the first response of each connection.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

@@ -148,7 +148,7 @@ namespace Sweepstake.Unity
         /// <summary>The collider of a handle in the pairs of the latest search.</summary>
         internal Collider OwnerOf(ProxyHandle handle) => owners[handle.Value];
 
-        /// <summary>Called after the end events of removed colliders were raised.</summary>
+        /// <summary>Forgets the removed colliders; called after the end events of their pairs were raised.</summary>
         internal void ForgetRemoved()
         {
             foreach (ulong handle in removed)
