@@ -172,10 +172,9 @@ int Migrate(const Config& config, bool to_store) {
   const auto print = [](const std::string& table, uint64_t rows, uint64_t total) {
     std::cerr << "sweepstaked: " << table << ": " << rows << " of " << total << " rows\n";
   };
-  return to_store ? ReportContents(config.store, sweepstake::storage::MigrateToShared(
-                                                     config.data, config.store, print))
-                  : ReportContents(config.data, sweepstake::storage::MigrateFromShared(
-                                                    config.store, config.data, print));
+  return ReportContents(
+      to_store ? config.store : config.data.string(),
+      sweepstake::storage::MigrateStore(config.data, config.store, to_store, print));
 }
 
 // Returns the address that the daemon of this configuration listens on.

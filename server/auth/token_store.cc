@@ -24,8 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using storage::Explain;
 using storage::SqliteDatabase;
-using storage::SqliteRow;
-using storage::SqlTransaction;
+using storage::SqlRow;
 
 constexpr int64_t kApplicationId = 0x53575431;  // "SWT1"
 constexpr int64_t kSchemaVersion = 1;
@@ -54,6 +53,14 @@ constexpr const char* kSchema = R"sql(
     revoked_by TEXT NOT NULL DEFAULT '' CHECK (length(CAST(revoked_by AS BLOB)) BETWEEN 0 AND 128)
   ) STRICT;
 )sql";
+
+constexpr const char* kInsert = R"sql(
+  INSERT INTO token (name, digest, role, projects, created_unix_s, created_by, expires_unix_s)
+  VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) ON CONFLICT (name) DO NOTHING RETURNING id)sql";
+constexpr const char* kSelect = R"sql(
+  SELECT id, name, digest, role, projects, created_unix_s, created_by, expires_unix_s,
+         last_used_unix_s, revoked_unix_s, revoked_by
+  FROM token ORDER BY id)sql";
 
 // The name contains the process id, because other processes may create the same file.
 fs::path UnfinishedName(const fs::path& path) {
@@ -183,7 +190,7 @@ std::optional<int64_t> TimeOf(int64_t unix_s) {
   return unix_s;
 }
 
-StoredToken TokenOf(const SqliteRow& row) {
+StoredToken TokenOf(const SqlRow& row) {
   StoredToken token;
   token.id = row.Integer(0);
   token.request = {.name = row.Text(1),
@@ -248,32 +255,30 @@ absl::StatusOr<std::string> TokenStore::Create(const TokenRequest& request, int6
   if (!status.ok()) return status;
   auto token = RandomToken();
   if (!token.ok()) return token.status();
-  SqlTransaction transaction(database_);
-  if (!transaction.begun().ok()) return transaction.begun();
+  status = InTransaction(database_, [&] { return Insert(request, *token, unix_s); });
+  if (!status.ok()) return status;
+  return token;
+}
+
+absl::Status TokenStore::Insert(const TokenRequest& request, const std::string& token,
+                                int64_t unix_s) {
   const auto count = database_.QueryInteger("SELECT count(*) FROM token");
   if (!count.ok()) return count.status();
   if (*count >= static_cast<int64_t>(kMaxTokens))
     return absl::ResourceExhaustedError(
         absl::StrCat("the token file already has the maximum of ", kMaxTokens, " tokens"));
-  auto insert = database_.Prepare(R"sql(
-    INSERT INTO token (name, digest, role, projects, created_unix_s, created_by, expires_unix_s)
-    VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) ON CONFLICT (name) DO NOTHING RETURNING id)sql");
-  if (!insert.ok()) return insert.status();
-  bool inserted = false;
-  status = insert->ForEachRow([&](const SqliteRow&) { inserted = true; }, request.name,
-                              DigestOf(*token), NameOf(request.role), TextOf(request.projects),
-                              unix_s, request.made_by, request.expires_unix_s.value_or(0));
-  if (!status.ok()) return status;
-  if (!inserted) {
+  const auto id = database_.ReadInteger(kInsert, request.name, DigestOf(token),
+                                        NameOf(request.role), TextOf(request.projects), unix_s,
+                                        request.made_by, request.expires_unix_s.value_or(0));
+  if (!id.ok()) return id.status();
+  if (*id == 0) {
     return absl::AlreadyExistsError(absl::StrCat("there is, or was, a token with the name ",
                                                  text::PrintableLine(request.name),
                                                  "; choose another name"));
   }
   // The note is written before the commit, so that no token exists without it, and after all other
   // steps that can fail, so that it does not exist without a token.
-  if (status = NoteMade(); !status.ok()) return status;
-  if (status = transaction.Commit(); !status.ok()) return status;
-  return token;
+  return NoteMade();
 }
 
 absl::Status TokenStore::Revoke(const std::string& name, const std::string& revoked_by,
@@ -290,34 +295,22 @@ absl::Status TokenStore::Revoke(const std::string& name, const std::string& revo
   }
   if (found->revoked_unix_s)
     return absl::FailedPreconditionError("this token has already been revoked");
-  auto update = database_.Prepare(
-      "UPDATE token SET revoked_unix_s = ?2, revoked_by = ?3 WHERE id = ?1 AND revoked_unix_s = 0");
-  if (!update.ok()) return update.status();
-  return update->Run(found->id, unix_s, revoked_by);
+  return database_.Run(
+      "UPDATE token SET revoked_unix_s = ?2, revoked_by = ?3 WHERE id = ?1 AND revoked_unix_s = 0",
+      found->id, unix_s, revoked_by);
 }
 
 absl::StatusOr<std::vector<StoredToken>> TokenStore::Load() {
-  auto select = database_.Prepare(R"sql(
-    SELECT id, name, digest, role, projects, created_unix_s, created_by, expires_unix_s,
-           last_used_unix_s, revoked_unix_s, revoked_by
-    FROM token ORDER BY id)sql");
-  if (!select.ok()) return select.status();
-  std::vector<StoredToken> tokens;
-  absl::Status status =
-      select->ForEachRow([&](const SqliteRow& row) { tokens.push_back(TokenOf(row)); });
-  if (!status.ok()) return status;
-  return tokens;
+  return database_.Collect<std::vector<StoredToken>>(
+      kSelect, [](const SqlRow& row, auto& tokens) { tokens.push_back(TokenOf(row)); });
 }
 
 absl::Status TokenStore::MarkUsed(std::span<const std::pair<int64_t, int64_t>> uses) {
-  SqlTransaction transaction(database_);
-  if (!transaction.begun().ok()) return transaction.begun();
-  auto update = database_.Prepare("UPDATE token SET last_used_unix_s = ?2 WHERE id = ?1");
-  if (!update.ok()) return update.status();
-  for (const auto& [id, unix_s] : uses) {
-    if (absl::Status status = update->Run(id, unix_s); !status.ok()) return status;
-  }
-  return transaction.Commit();
+  storage::SqlBatch batch;
+  for (const auto& [id, unix_s] : uses) batch.Add(id, unix_s);
+  return InTransaction(database_, [&] {
+    return database_.Run("UPDATE token SET last_used_unix_s = ?2 WHERE id = ?1", batch);
+  });
 }
 
 }  // namespace sweepstake::auth

@@ -93,6 +93,8 @@ class TokenStore {
   absl::Status Lost() const;
 
  private:
+  // Runs in the caller's transaction.
+  absl::Status Insert(const TokenRequest& request, const std::string& token, int64_t unix_s);
   TokenStore(std::filesystem::path path, storage::FileId file, storage::SqliteDatabase database)
       : path_(std::move(path)), file_(file), database_(std::move(database)) {}
 

@@ -234,22 +234,16 @@ struct SourceFilter {
   friend bool operator==(const SourceFilter&, const SourceFilter&) = default;
 };
 
-struct RevokeResult {
-  uint64_t source_count = 0;  // sources that were not revoked before
+// What a revocation or a promotion has changed.
+struct ChangeResult {
+  // sources that were not revoked before, or that had records in quarantine
+  uint64_t source_count = 0;
   uint64_t record_count = 0;
   uint64_t window_count = 0;  // including lane visits
-
-  friend bool operator==(const RevokeResult&, const RevokeResult&) = default;
-};
-
-struct PromoteResult {
-  uint64_t source_count = 0;  // sources that had records in quarantine
-  uint64_t record_count = 0;
-  uint64_t window_count = 0;  // including lane visits
-  // scenes whose evidence changes; one per machine class and reward version
+  // of a promotion: scenes whose evidence changes; one per machine class and reward version
   uint64_t scene_count = 0;
 
-  friend bool operator==(const PromoteResult&, const PromoteResult&) = default;
+  friend bool operator==(const ChangeResult&, const ChangeResult&) = default;
 };
 
 class PriorReader;
@@ -333,7 +327,7 @@ class PriorReader {
 // Errors: those of PriorReader, INVALID_ARGUMENT (a value is out of bounds; trying again cannot
 // help), UNAVAILABLE (the disk is full or read-only; trying again may help). A call that fails
 // changes nothing.
-class PriorStore : public PriorReader {
+class PriorStore : public virtual PriorReader {
  public:
   // Applies all updates or none; they are durable on return. An update is ignored if its commit
   // sequence is not above the source's stored one, because it was applied before. Updates of
@@ -380,14 +374,14 @@ class PriorStore : public PriorReader {
 
   // Moves the sources' records out of the quarantine, with the same result as if Import had
   // received them. With `preview` nothing changes.
-  virtual absl::StatusOr<PromoteResult> Promote(const SourceFilter& filter,
-                                                const Preview& preview) = 0;
+  virtual absl::StatusOr<ChangeResult> Promote(const SourceFilter& filter,
+                                               const Preview& preview) = 0;
 
   // Removes exactly the evidence of the sources, in quarantine or not, and refuses their later
   // commits and imports. An unknown id is refused later too, unless a project is set. The log of
   // administrators cannot be revoked. With `preview` nothing changes. REQUIRES: an id, a build, a
   // token or a time.
-  virtual absl::StatusOr<RevokeResult> Revoke(const SourceFilter& filter,
+  virtual absl::StatusOr<ChangeResult> Revoke(const SourceFilter& filter,
                                               const Preview& preview) = 0;
 };
 

@@ -103,16 +103,26 @@ int WriteAgain(sqlite3_file& file) {
   return code;
 }
 
-}  // namespace
+class SqliteRow final : public SqlRow {
+ public:
+  explicit SqliteRow(sqlite3_stmt* statement) : statement_(statement) {}
 
-std::string SqliteRow::Text(int column) const {
-  const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
-  if (text == nullptr) return {};
-  return {text, static_cast<size_t>(sqlite3_column_bytes(statement_, column))};
-}
+  int64_t Integer(int column) const override { return sqlite3_column_int64(statement_, column); }
+  bool Boolean(int column) const override { return Integer(column) != 0; }
+  double Amount(int column) const override { return sqlite3_column_double(statement_, column); }
+  uint64_t Count(int column) const override { return Unsigned(column); }
+  std::string Text(int column) const override {
+    const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+    if (text == nullptr) return {};
+    return {text, static_cast<size_t>(sqlite3_column_bytes(statement_, column))};
+  }
+  std::string Bytes(int column) const override { return Text(column); }
 
-void SqliteStatement::Bind(int index, const SqlValue& value) {
-  sqlite3_stmt* const statement = statement_.get();
+ private:
+  sqlite3_stmt* statement_;
+};
+
+void Bind(sqlite3_stmt* statement, int index, const SqlValue& value) {
   const auto bind_text = [&](std::string_view text) {
     // SQLite takes the null pointer of an empty view for NULL.
     const char* begin = text.empty() ? "" : text.data();
@@ -131,9 +141,7 @@ void SqliteStatement::Bind(int index, const SqlValue& value) {
   }
 }
 
-absl::Status SqliteStatement::Error(int code) const {
-  return ToStatus(code, sqlite3_errmsg(sqlite3_db_handle(statement_.get())));
-}
+}  // namespace
 
 absl::Status Explain(const std::filesystem::path& path, const absl::Status& status) {
   return {status.code(), absl::StrCat(path.string(), ": ", status.message())};
@@ -184,12 +192,24 @@ absl::Status SqliteDatabase::Configure() {
   )sql");
 }
 
-absl::StatusOr<SqliteStatement> SqliteDatabase::Prepare(std::string_view sql) {
+absl::StatusOr<SqliteDatabase::Statement> SqliteDatabase::Prepare(std::string_view sql) {
   sqlite3_stmt* statement = nullptr;
   const int code = sqlite3_prepare_v3(database_.get(), sql.data(), static_cast<int>(sql.size()),
                                       SQLITE_PREPARE_PERSISTENT, &statement, nullptr);
   if (code != SQLITE_OK) return Error(code);
-  return SqliteStatement(statement);
+  return Statement(statement);
+}
+
+absl::Status SqliteDatabase::Step(sqlite3_stmt* statement, std::span<const SqlValue> values,
+                                  OnRow on_row) {
+  for (size_t i = 0; i < values.size(); ++i) Bind(statement, static_cast<int>(i) + 1, values[i]);
+  const SqliteRow row(statement);
+  int code = SQLITE_ROW;
+  while ((code = sqlite3_step(statement)) == SQLITE_ROW) on_row(row);
+  absl::Status status = code == SQLITE_DONE ? absl::OkStatus() : Error(code);
+  sqlite3_reset(statement);  // releases the read snapshot
+  sqlite3_clear_bindings(statement);
+  return status;
 }
 
 absl::Status SqliteDatabase::Execute(const std::string& sql) {
@@ -198,20 +218,20 @@ absl::Status SqliteDatabase::Execute(const std::string& sql) {
 }
 
 absl::StatusOr<int64_t> SqliteDatabase::QueryInteger(std::string_view sql) {
-  auto statement = Prepare(sql);
+  const auto statement = Prepare(sql);
   if (!statement.ok()) return statement.status();
   int64_t value = 0;
   absl::Status status =
-      statement->ForEachRow([&](const SqliteRow& row) { value = row.Integer(0); });
+      Step(statement->get(), {}, [&](const SqlRow& row) { value = row.Integer(0); });
   if (!status.ok()) return status;
   return value;
 }
 
 absl::StatusOr<std::string> SqliteDatabase::QueryText(std::string_view sql) {
-  auto statement = Prepare(sql);
+  const auto statement = Prepare(sql);
   if (!statement.ok()) return statement.status();
   std::string value;
-  absl::Status status = statement->ForEachRow([&](const SqliteRow& row) { value = row.Text(0); });
+  absl::Status status = Step(statement->get(), {}, [&](const SqlRow& row) { value = row.Text(0); });
   if (!status.ok()) return status;
   return value;
 }
@@ -292,13 +312,14 @@ absl::StatusOr<sqlite3_file*> SqliteDatabase::LogFile() {
 }
 
 absl::Status SqliteDatabase::SyncLog() {
-  const SqlTransaction others_wait(*this);
-  if (!others_wait.begun().ok()) return others_wait.begun();
-  auto log = LogFile();
-  if (!log.ok()) return log.status();
-  int code = WriteAgain(**log);
-  if (code == SQLITE_OK) code = (*log)->pMethods->xSync(*log, SQLITE_SYNC_FULL);
-  return code == SQLITE_OK ? absl::OkStatus() : ToStatus(code, "cannot sync the write-ahead log");
+  // Other connections cannot write meanwhile.
+  return InTransaction(*this, [&] {
+    const auto log = LogFile();
+    if (!log.ok()) return log.status();
+    int code = WriteAgain(**log);
+    if (code == SQLITE_OK) code = (*log)->pMethods->xSync(*log, SQLITE_SYNC_FULL);
+    return code == SQLITE_OK ? absl::OkStatus() : ToStatus(code, "cannot sync the write-ahead log");
+  });
 }
 
 absl::Status SqliteDatabase::TimeSyncs(OnSync on_sync) {
@@ -336,13 +357,13 @@ absl::StatusOr<uint64_t> SqliteDatabase::RunRows(const char* sql, std::span<cons
     if (!statement.ok()) return statement.status();
     found = statements_.emplace(sql, *std::move(statement)).first;
   }
-  SqliteStatement& statement = found->second;
-  if (statement.empty()) return uint64_t{0};
+  sqlite3_stmt* const statement = found->second.get();
+  if (statement == nullptr) return uint64_t{0};  // the text is for PostgreSQL alone
   uint64_t changed = 0;
   do {
     const auto row = values.first(columns);
     values = values.subspan(columns);
-    if (absl::Status status = statement.ForEachRowOf(row, on_row); !status.ok()) return status;
+    if (absl::Status status = Step(statement, row, on_row); !status.ok()) return status;
     changed += static_cast<uint64_t>(sqlite3_changes(database_.get()));
   } while (!values.empty());
   return changed;

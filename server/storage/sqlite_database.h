@@ -1,10 +1,9 @@
 // A thin layer over SQLite's C interface: a connection, prepared statements and rows. Used by one
 // thread at a time.
 //
-// Statements are prepared once; their owner must destroy them before the connection. Errors map to
-// UNAVAILABLE (full, read-only, locked, I/O), DATA_LOSS (corrupt, not a database), INVALID_ARGUMENT
-// (a CHECK failed), CANCELLED (see StopWhen) and INTERNAL (our SQL is wrong); the message is
-// SQLite's.
+// Errors map to UNAVAILABLE (full, read-only, locked, I/O), DATA_LOSS (corrupt, not a database),
+// INVALID_ARGUMENT (a CHECK failed), CANCELLED (see StopWhen) and INTERNAL (our SQL is wrong); the
+// message is SQLite's.
 //
 // Every connection has three functions of its own. row_hash(values...) is a 64-bit hash of numbers
 // and texts. next_hash(hash, before, after) is `after` if hash equals `before`, that is, if the row
@@ -14,7 +13,6 @@
 
 #include <sqlite3.h>
 
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -32,70 +30,6 @@
 #include "server/storage/sql/sql_database.h"
 
 namespace sweepstake::storage {
-
-// The columns of the current row, from 0.
-class SqliteRow final : public SqlRow {
- public:
-  explicit SqliteRow(sqlite3_stmt* statement) : statement_(statement) {}
-
-  int64_t Integer(int column) const override { return sqlite3_column_int64(statement_, column); }
-  bool Boolean(int column) const override { return Integer(column) != 0; }
-  double Amount(int column) const override { return sqlite3_column_double(statement_, column); }
-  uint64_t Count(int column) const override { return Unsigned(column); }
-  std::string Text(int column) const override;
-  std::string Bytes(int column) const override { return Text(column); }
-
- private:
-  sqlite3_stmt* statement_;
-};
-
-// A prepared statement, whose first argument is `?1`.
-class SqliteStatement {
- public:
-  SqliteStatement() = default;
-  explicit SqliteStatement(sqlite3_stmt* statement) : statement_(statement) {}
-
-  // Returns whether the text has no statement.
-  bool empty() const { return statement_ == nullptr; }
-  // Runs the statement to its end and calls `on_row(const SqliteRow&)` for each row.
-  template <typename OnRow>
-  absl::Status ForEachRowOf(std::span<const SqlValue> values, OnRow on_row) {
-    const Resetter resetter{statement_.get()};
-    for (size_t i = 0; i < values.size(); ++i) Bind(static_cast<int>(i) + 1, values[i]);
-    const SqliteRow row(statement_.get());
-    int code = SQLITE_ROW;
-    while ((code = sqlite3_step(statement_.get())) == SQLITE_ROW) on_row(row);
-    return code == SQLITE_DONE ? absl::OkStatus() : Error(code);
-  }
-  template <typename OnRow, typename... Args>
-  absl::Status ForEachRow(OnRow on_row, const Args&... args) {
-    const std::array<SqlValue, sizeof...(args)> values = {ToSql(args)...};
-    return ForEachRowOf(values, on_row);
-  }
-
-  template <typename... Args>
-  absl::Status Run(const Args&... args) {
-    return ForEachRow([](const SqliteRow&) {}, args...);
-  }
-
- private:
-  struct Finalizer {
-    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-  };
-  // Makes the statement ready for its next use and releases the read snapshot.
-  struct Resetter {
-    sqlite3_stmt* statement;
-    ~Resetter() {
-      sqlite3_reset(statement);
-      sqlite3_clear_bindings(statement);
-    }
-  };
-
-  void Bind(int index, const SqlValue& value);
-  absl::Status Error(int code) const;
-
-  std::unique_ptr<sqlite3_stmt, Finalizer> statement_;
-};
 
 // Adds the name of the file to an error.
 absl::Status Explain(const std::filesystem::path& path, const absl::Status& status);
@@ -117,7 +51,6 @@ class SqliteDatabase final : public SqlDatabase {
   // Reads the schema, and sets the pragmas of every connection that writes: the timeout for locks,
   // the checks of what is read, and that a commit is on disk when it returns.
   absl::Status Configure();
-  absl::StatusOr<SqliteStatement> Prepare(std::string_view sql);
   absl::Status Execute(const std::string& sql) override;
   // Return the single value of a pragma or query.
   absl::StatusOr<int64_t> QueryInteger(std::string_view sql);
@@ -161,7 +94,15 @@ class SqliteDatabase final : public SqlDatabase {
   struct Closer {
     void operator()(sqlite3* database) const { sqlite3_close_v2(database); }
   };
+  struct Finalizer {
+    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+  };
+  using Statement = std::unique_ptr<sqlite3_stmt, Finalizer>;
+
   explicit SqliteDatabase(sqlite3* database);
+  absl::StatusOr<Statement> Prepare(std::string_view sql);
+  // Runs the statement to its end.
+  absl::Status Step(sqlite3_stmt* statement, std::span<const SqlValue> values, OnRow on_row);
   absl::StatusOr<uint64_t> RunRows(const char* sql, std::span<const SqlValue> values,
                                    size_t columns, OnRow on_row) override;
   absl::Status Error(int code) const;
@@ -173,7 +114,7 @@ class SqliteDatabase final : public SqlDatabase {
   const std::atomic<bool>* stop_ = nullptr;
   std::unique_ptr<TimedFile> timed_log_;  // used by the connection, which ends before it
   std::unique_ptr<sqlite3, Closer> database_;
-  std::unordered_map<const char*, SqliteStatement> statements_;  // by text, end before it
+  std::unordered_map<const char*, Statement> statements_;  // by text, end before it
   FilesInUse files_;
 };
 

@@ -57,14 +57,10 @@ absl::Status CheckId(SqliteDatabase& database, const fs::path& path) {
 }
 
 absl::Status CreateTables(SqliteDatabase& database) {
-  SqlTransaction transaction(database);
-  absl::Status status = transaction.begun();
-  if (status.ok()) {
-    status = database.Execute(absl::StrCat("PRAGMA application_id = ", kSqliteApplicationId,
-                                           "; PRAGMA user_version = ", kSchemaVersion, ";",
-                                           SqliteSchema()));
-  }
-  return status.ok() ? transaction.Commit() : status;
+  const std::string sql =
+      absl::StrCat("PRAGMA application_id = ", kSqliteApplicationId,
+                   "; PRAGMA user_version = ", kSchemaVersion, ";", SqliteSchema());
+  return InTransaction(database, [&] { return database.Execute(sql); });
 }
 
 absl::Status CreateFile(const fs::path& path) {

@@ -161,13 +161,9 @@ int64_t LeaveOutDamagedRows(SqliteDatabase& copy) {
   if (!count.ok() || *count == 0) return 0;
   const auto verdict = copy.QueryText("PRAGMA integrity_check(1)");
   if (!verdict.ok() || *verdict != "ok") return 0;
-  SqlTransaction transaction(copy);
-  absl::Status status = transaction.begun();
-  if (status.ok()) {
-    status = copy.Execute(
-        absl::StrCat(kMarkDamagedRows, kDeleteDamagedRows, kSourcesOfNothing, kMakeSumsAnew));
-  }
-  if (status.ok()) status = transaction.Commit();
+  const std::string sql =
+      absl::StrCat(kMarkDamagedRows, kDeleteDamagedRows, kSourcesOfNothing, kMakeSumsAnew);
+  const absl::Status status = InTransaction(copy, [&] { return copy.Execute(sql); });
   return status.ok() ? *count : 0;
 }
 

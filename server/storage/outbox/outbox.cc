@@ -1,16 +1,39 @@
 #include "server/storage/outbox/outbox.h"
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/storage/outbox/update_text.h"
 #include "server/storage/private_file.h"
+
+namespace sweepstake {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EvidenceKey, project, scene, measured_by, arm, backend_version,
+                                   machine_class, reward_version)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Evidence, alpha, beta, window_count, bail_out_count)
+
+}  // namespace sweepstake
+
+namespace sweepstake::priors {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(KeyedEvidence, key, evidence)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceProgress, source_id, commit_sequence, message_sequence,
+                                   explored_arm_count, decision_count, frame_count, seed)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AuditRow, number, bytes)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AuditRows, segment, project, scene, unix_start_ms, rows)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceOrigin, build, token_id)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceWriter, id, resumed_sequence)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceUpdate, progress, unix_time_s, increments, audit, origin,
+                                   writer)
+
+}  // namespace sweepstake::priors
 
 namespace sweepstake::storage {
 namespace {
 
+using nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr int64_t kVersion = 1;
@@ -20,6 +43,21 @@ constexpr const char* kTable = R"sql(
       body TEXT NOT NULL
     ) STRICT;
     PRAGMA user_version = 1)sql";
+
+// Converts an update to bytes (CBOR) and back, exactly to the last bit of its numbers.
+std::string BytesOf(const priors::SourceUpdate& update) {
+  const auto bytes = json::to_cbor(json(update));
+  return {bytes.begin(), bytes.end()};
+}
+
+// Error: DATA_LOSS (the bytes are not an update).
+absl::StatusOr<priors::SourceUpdate> UpdateIn(const std::string& bytes) {
+  try {
+    return json::from_cbor(bytes).get<priors::SourceUpdate>();
+  } catch (const json::exception& error) {
+    return absl::DataLossError(error.what());
+  }
+}
 
 absl::Status Unreadable(const fs::path& path, absl::string_view why) {
   return absl::DataLossError(absl::StrCat(
@@ -46,30 +84,27 @@ absl::StatusOr<Outbox> Outbox::Open(const fs::path& path) {
 }
 
 absl::Status Outbox::Replace(std::span<const priors::SourceUpdate> updates) {
-  SqlTransaction transaction(database_);
-  absl::Status status = transaction.begun();
-  if (status.ok()) status = database_.Execute("DELETE FROM waiting");
-  auto insert = database_.Prepare("INSERT INTO waiting (body) VALUES (?1)");
-  if (status.ok()) status = insert.status();
-  for (size_t i = 0; i < updates.size() && status.ok(); ++i)
-    status = insert->Run(UpdateText(updates[i]));
-  if (status.ok()) status = transaction.Commit();
+  const absl::Status status = InTransaction(database_, [&] {
+    absl::Status written = database_.Execute("DELETE FROM waiting");
+    for (size_t i = 0; i < updates.size() && written.ok(); ++i)
+      written = database_.Run("INSERT INTO waiting (body) VALUES (?1)", BytesOf(updates[i]));
+    return written;
+  });
   return status.ok() ? status : Explain(path_, status);
 }
 
 absl::StatusOr<std::vector<priors::SourceUpdate>> Outbox::Load() {
-  auto select = database_.Prepare("SELECT body FROM waiting ORDER BY place");
-  if (!select.ok()) return Explain(path_, select.status());
   std::vector<priors::SourceUpdate> updates;
   absl::Status damage;
-  absl::Status status = select->ForEachRow([&](const SqliteRow& row) {
-    auto update = UpdateIn(row.Text(0));
-    if (update.ok()) {
-      updates.push_back(*std::move(update));
-    } else {
-      damage = update.status();
-    }
-  });
+  absl::Status status =
+      database_.ForEachRow("SELECT body FROM waiting ORDER BY place", [&](const SqlRow& row) {
+        auto update = UpdateIn(row.Text(0));
+        if (update.ok()) {
+          updates.push_back(*std::move(update));
+        } else {
+          damage = update.status();
+        }
+      });
   if (!status.ok()) return Explain(path_, status);
   if (!damage.ok()) return Unreadable(path_, damage.message());
   return updates;

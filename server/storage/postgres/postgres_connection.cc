@@ -12,7 +12,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/strip.h"
-#include "server/storage/postgres/postgres_schema.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -155,7 +154,7 @@ absl::Status PostgresConnection::Open() {
 
 absl::Status PostgresConnection::CheckStoreId() {
   if (store_id_.empty()) return absl::OkStatus();
-  const auto id = PostgresStoreId(*this);
+  const auto id = ReadText("SELECT id FROM store");
   if (!id.ok() || *id == store_id_) return id.status();
   return absl::UnavailableError(
       "the database in PostgreSQL is not the one that was there before; put that one back, or "

@@ -29,7 +29,7 @@ class PostgresConnection final : public SqlDatabase {
   // Connects if the connection is missing or lost. Error: UNAVAILABLE, also if the database is not
   // the expected one.
   absl::Status Connect();
-  // Makes later connections to a database without this id (postgres_schema.h) fail.
+  // Makes later connections to a database without this id (postgres_prior_store.h) fail.
   void Expect(std::string store_id) { store_id_ = std::move(store_id); }
 
   bool shared() const override { return true; }

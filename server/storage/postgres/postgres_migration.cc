@@ -10,7 +10,7 @@
 #include "server/storage/data_directory.h"
 #include "server/storage/outbox/outbox.h"
 #include "server/storage/postgres/postgres_connection.h"
-#include "server/storage/postgres/postgres_schema.h"
+#include "server/storage/postgres/postgres_prior_store.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_schema.h"
 
@@ -151,32 +151,8 @@ constexpr const char* kSetNumbers = R"sql({
            setval(pg_get_serial_sequence('audit_row', 'id'), (SELECT max(id) FROM audit_row))})sql";
 
 absl::StatusOr<uint64_t> CountRows(const Table& table, SqlDatabase& database) {
-  uint64_t count = 0;
-  absl::Status status =
-      database.ForEachRow(table.count.c_str(), [&](const SqlRow& row) { count = row.Unsigned(0); });
-  if (!status.ok()) return status;
-  return count;
+  return database.ReadInteger(table.count.c_str());
 }
-
-// The progress of copying one table.
-class Progress {
- public:
-  Progress(const Table& table, uint64_t row_count, const OnMigrated& on_migrated)
-      : table_(table), row_count_(row_count), on_migrated_(on_migrated) {}
-
-  void Add(uint64_t rows) {
-    const uint64_t before = rows_;
-    rows_ += rows;
-    if (rows > 0 && (rows_ == row_count_ || rows_ * 10 / row_count_ != before * 10 / row_count_))
-      on_migrated_(table_.name, rows_, row_count_);
-  }
-
- private:
-  const Table& table_;
-  const uint64_t row_count_;
-  const OnMigrated& on_migrated_;
-  uint64_t rows_ = 0;
-};
 
 // A page of a table's rows.
 class Page {
@@ -223,7 +199,7 @@ absl::Status CopyTable(const Table& table, SqlDatabase& from, SqlDatabase& to,
                        const OnMigrated& on_migrated) {
   const auto row_count = CountRows(table, from);
   if (!row_count.ok()) return row_count.status();
-  Progress progress(table, *row_count, on_migrated);
+  uint64_t copied = 0;
   std::pair<int64_t, int64_t> last;
   uint64_t count = kRowsPerPage;
   while (count == kRowsPerPage) {
@@ -236,7 +212,9 @@ absl::Status CopyTable(const Table& table, SqlDatabase& from, SqlDatabase& to,
     if (!status.ok()) return status;
     last = page.last();
     count = page.count();
-    progress.Add(count);
+    const uint64_t before = std::exchange(copied, copied + count);
+    if (count > 0 && (copied == *row_count || copied * 10 / *row_count != before * 10 / *row_count))
+      on_migrated(table.name, copied, *row_count);
   }
   return absl::OkStatus();
 }
@@ -268,21 +246,21 @@ absl::Status CheckEmpty(SqlDatabase& database) {
 absl::Status CopyAll(SqlDatabase& from, SqlDatabase& to, const OnMigrated& on_migrated) {
   const SqlSnapshot snapshot(from);
   if (!snapshot.status().ok()) return snapshot.status();
-  SqlTransaction transaction(to);
-  absl::Status status = transaction.begun();
-  if (status.ok() && to.shared()) status = to.Execute("LOCK TABLE source IN EXCLUSIVE MODE");
-  if (status.ok()) status = CheckEmpty(to);
-  for (const Table& table : Tables()) {
-    if (status.ok()) status = CopyTable(table, from, to, on_migrated);
-  }
-  if (status.ok()) status = to.Run(kMakeSums);
-  if (status.ok()) status = to.Run(kSetNumbers);
-  for (const Table& table : Tables()) {
-    if (status.ok() && table.is_hashed && !to.shared())
-      status = to.Execute(absl::StrCat("UPDATE ", table.name, " SET hash = content_hash"));
-  }
-  if (status.ok()) status = CheckCounts(from, to);
-  return status.ok() ? transaction.Commit() : status;
+  return InTransaction(to, [&] {
+    absl::Status status;
+    if (to.shared()) status = to.Execute("LOCK TABLE source IN EXCLUSIVE MODE");
+    if (status.ok()) status = CheckEmpty(to);
+    for (const Table& table : Tables()) {
+      if (status.ok()) status = CopyTable(table, from, to, on_migrated);
+    }
+    if (status.ok()) status = to.Run(kMakeSums);
+    if (status.ok()) status = to.Run(kSetNumbers);
+    for (const Table& table : Tables()) {
+      if (status.ok() && table.is_hashed && !to.shared())
+        status = to.Execute(absl::StrCat("UPDATE ", table.name, " SET hash = content_hash"));
+    }
+    return status.ok() ? CheckCounts(from, to) : status;
+  });
 }
 
 absl::Status Prepare(PostgresConnection& connection) {

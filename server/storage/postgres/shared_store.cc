@@ -9,22 +9,6 @@
 #endif
 
 namespace sweepstake::storage {
-namespace {
-
-#ifdef SWEEPSTAKE_WITH_POSTGRES
-absl::Status NoStore() {
-  return absl::InvalidArgumentError(
-      "name the shared store with --store postgresql://USER@HOST/DATABASE");
-}
-#else
-absl::Status NotBuilt() {
-  return absl::UnimplementedError(
-      "store: this daemon was built without libpq; install libpq-dev and build it again");
-}
-#endif
-
-}  // namespace
-
 absl::Status CheckStoreUrl(const std::string& url) {
   const size_t scheme = url.find("://");
   const std::string name = url.substr(0, scheme);
@@ -47,14 +31,12 @@ absl::Status CheckStoreUrl(const std::string& url) {
 
 absl::StatusOr<std::string> SharedResumeKey(priors::PriorStore& store, const std::string& own) {
   SqlDatabase& database = static_cast<SqlPriorStore&>(store).database();
-  SqlTransaction transaction(database);
-  absl::Status status = transaction.begun();
   std::string key;
-  if (status.ok())
-    status = database.ForEachRow(
+  absl::Status status = InTransaction(database, [&] {
+    return database.ForEachRow(
         "UPDATE store SET resume_key = coalesce(resume_key, ?1) RETURNING resume_key",
         [&](const SqlRow& row) { key = row.Bytes(0); }, SqlBytes{own});
-  if (status.ok()) status = transaction.Commit();
+  });
   if (!status.ok()) return status;
   return key;
 }
@@ -70,34 +52,34 @@ absl::StatusOr<OpenedStore> OpenSharedStore(const std::string& url,
                      .file = {}};
 }
 
-absl::StatusOr<StoreContents> MigrateToShared(const std::filesystem::path& directory,
-                                              const std::string& url,
-                                              const OnMigrated& on_migrated) {
-  if (url.empty()) return NoStore();
-  return MigrateToPostgres(directory, url, on_migrated);
-}
-
-absl::StatusOr<StoreContents> MigrateFromShared(const std::string& url,
-                                                const std::filesystem::path& directory,
-                                                const OnMigrated& on_migrated) {
-  if (url.empty()) return NoStore();
-  return MigrateFromPostgres(url, directory, on_migrated);
+absl::StatusOr<StoreContents> MigrateStore(const std::filesystem::path& directory,
+                                           const std::string& url, bool to_shared,
+                                           const OnMigrated& on_migrated) {
+  if (url.empty()) {
+    return absl::InvalidArgumentError(
+        "name the shared store with --store postgresql://USER@HOST/DATABASE");
+  }
+  return to_shared ? MigrateToPostgres(directory, url, on_migrated)
+                   : MigrateFromPostgres(url, directory, on_migrated);
 }
 #else
+namespace {
+
+absl::Status NotBuilt() {
+  return absl::UnimplementedError(
+      "store: this daemon was built without libpq; install libpq-dev and build it again");
+}
+
+}  // namespace
+
 absl::StatusOr<OpenedStore> OpenSharedStore(const std::string& /*url*/,
                                             const priors::AuditLimits& /*limits*/) {
   return NotBuilt();
 }
 
-absl::StatusOr<StoreContents> MigrateToShared(const std::filesystem::path& /*directory*/,
-                                              const std::string& /*url*/,
-                                              const OnMigrated& /*on_migrated*/) {
-  return NotBuilt();
-}
-
-absl::StatusOr<StoreContents> MigrateFromShared(const std::string& /*url*/,
-                                                const std::filesystem::path& /*directory*/,
-                                                const OnMigrated& /*on_migrated*/) {
+absl::StatusOr<StoreContents> MigrateStore(const std::filesystem::path& /*directory*/,
+                                           const std::string& /*url*/, bool /*to_shared*/,
+                                           const OnMigrated& /*on_migrated*/) {
   return NotBuilt();
 }
 #endif

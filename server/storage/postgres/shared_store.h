@@ -34,11 +34,8 @@ absl::StatusOr<std::string> SharedResumeKey(priors::PriorStore& store, const std
 
 // Copies the store in the data directory to the shared one, or back. Errors: those of
 // postgres_migration.h, INVALID_ARGUMENT (the URL is empty), UNIMPLEMENTED.
-absl::StatusOr<StoreContents> MigrateToShared(const std::filesystem::path& directory,
-                                              const std::string& url,
-                                              const OnMigrated& on_migrated);
-absl::StatusOr<StoreContents> MigrateFromShared(const std::string& url,
-                                                const std::filesystem::path& directory,
-                                                const OnMigrated& on_migrated);
+absl::StatusOr<StoreContents> MigrateStore(const std::filesystem::path& directory,
+                                           const std::string& url, bool to_shared,
+                                           const OnMigrated& on_migrated);
 
 }  // namespace sweepstake::storage

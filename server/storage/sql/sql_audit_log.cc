@@ -104,7 +104,11 @@ absl::Status SqlAuditLog::AppendOne(const priors::SourceUpdate& update, uint64_t
   }
   if (rows.empty()) return absl::OkStatus();
   absl::StatusOr<int64_t> id = segment->id;
-  if (*id == 0) id = Add(update.progress.source_id, update.audit);
+  if (*id == 0) {
+    const AuditRows& added = update.audit;
+    id = database_.ReadInteger(kAddSegment, update.progress.source_id, added.segment, added.project,
+                               added.scene, added.unix_start_ms);
+  }
   absl::Status status = id.status();
   const bool is_admin = update.progress.source_id == decision::kAdminSession;
   if (status.ok() && !is_admin) status = GrowChunk(bytes, update.unix_time_s);
@@ -118,22 +122,12 @@ absl::Status SqlAuditLog::AppendOne(const priors::SourceUpdate& update, uint64_t
 
 absl::StatusOr<SqlAuditLog::Segment> SqlAuditLog::Find(const std::string& session_id,
                                                        uint32_t segment) {
-  Segment found;
-  absl::Status status = database_.ForEachRow(
+  return database_.Collect<Segment>(
       kFindSegment,
-      [&](const SqlRow& row) { found = {.id = row.Integer(0), .last_row = row.Unsigned(1)}; },
+      [](const SqlRow& row, Segment& found) {
+        found = {.id = row.Integer(0), .last_row = row.Unsigned(1)};
+      },
       session_id, segment);
-  if (!status.ok()) return status;
-  return found;
-}
-
-absl::StatusOr<int64_t> SqlAuditLog::Add(const std::string& session_id, const AuditRows& rows) {
-  int64_t id = 0;
-  absl::Status status = database_.ForEachRow(
-      kAddSegment, [&](const SqlRow& row) { id = row.Integer(0); }, session_id, rows.segment,
-      rows.project, rows.scene, rows.unix_start_ms);
-  if (!status.ok()) return status;
-  return id;
 }
 
 absl::Status SqlAuditLog::GrowChunk(uint64_t bytes, uint64_t unix_now_s) {

@@ -43,7 +43,6 @@ class SqlAuditLog {
   absl::Status AppendAll(std::span<const priors::SourceUpdate* const> updates, uint64_t& lost);
   absl::Status AppendOne(const priors::SourceUpdate& update, uint64_t& lost);
   absl::StatusOr<Segment> Find(const std::string& session_id, uint32_t segment);
-  absl::StatusOr<int64_t> Add(const std::string& session_id, const priors::AuditRows& rows);
   // Adds to the bytes of the latest chunk, or of a new one if that is full.
   absl::Status GrowChunk(uint64_t bytes, uint64_t unix_now_s);
   // Runs a statement that removes rows and returns their segments. Removes the segments that are

@@ -35,6 +35,15 @@ std::string GivenRows(std::span<const char* const> types) {
 
 }  // namespace
 
+absl::Status InTransaction(SqlDatabase& database, absl::FunctionRef<absl::Status()> body) {
+  absl::Status status = database.Begin();
+  if (!status.ok()) return status;
+  status = body();
+  if (status.ok()) status = database.Commit();
+  if (!status.ok()) database.Rollback();
+  return status;
+}
+
 SqlSnapshot::SqlSnapshot(SqlDatabase& database)
     : database_(database), nested_(database.in_transaction()) {
   if (!nested_) status_ = database_.BeginRead();

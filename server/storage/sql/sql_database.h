@@ -131,6 +131,25 @@ class SqlDatabase {
     return ForEachRow(
         sql, [](const SqlRow&) {}, args...);
   }
+  // Runs a statement, and returns a value that `add(row, value)` changes for each row.
+  template <typename Value, typename Add, typename... Args>
+  absl::StatusOr<Value> Collect(const char* sql, Add add, const Args&... args) {
+    Value value{};
+    absl::Status status = ForEachRow(
+        sql, [&](const SqlRow& row) { add(row, value); }, args...);
+    if (!status.ok()) return status;
+    return value;
+  }
+  // Return the only value of a statement: 0 or an empty text if it has no row.
+  template <typename... Args>
+  absl::StatusOr<int64_t> ReadInteger(const char* sql, const Args&... args) {
+    return Collect<int64_t>(
+        sql, [](const SqlRow& row, int64_t& value) { value = row.Integer(0); }, args...);
+  }
+  absl::StatusOr<std::string> ReadText(const char* sql) {
+    return Collect<std::string>(sql,
+                                [](const SqlRow& row, std::string& value) { value = row.Text(0); });
+  }
   // Returns how many rows the statement has changed. REQUIRES: the batch is not empty.
   absl::StatusOr<uint64_t> Change(const char* sql, const SqlBatch& batch) {
     return RunRows(sql, batch.values(), batch.columns(), [](const SqlRow&) {});
@@ -147,24 +166,9 @@ class SqlDatabase {
                                            size_t columns, OnRow on_row) = 0;
 };
 
-// Begins a transaction that writes, and rolls it back at the end of the scope unless it was
-// committed.
-class SqlTransaction {
- public:
-  explicit SqlTransaction(SqlDatabase& database) : database_(database), begun_(database.Begin()) {}
-  ~SqlTransaction() {
-    if (begun_.ok()) database_.Rollback();
-  }
-  SqlTransaction(const SqlTransaction&) = delete;
-  SqlTransaction& operator=(const SqlTransaction&) = delete;
-
-  const absl::Status& begun() const { return begun_; }
-  absl::Status Commit() { return database_.Commit(); }
-
- private:
-  SqlDatabase& database_;
-  const absl::Status begun_;
-};
+// Runs `body` in a transaction that writes, and commits it. Rolls back if `body` or the commit
+// fails, and returns that error.
+absl::Status InTransaction(SqlDatabase& database, absl::FunctionRef<absl::Status()> body);
 
 // Makes all reads in its scope see one state of the database. A nested scope, or one in a
 // transaction, uses the state of the outer one.

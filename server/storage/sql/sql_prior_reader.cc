@@ -377,25 +377,18 @@ absl::StatusOr<std::vector<SceneKey>> SqlPriorReader::LoadChangedScenes(std::str
 absl::StatusOr<priors::SceneCount> SqlPriorReader::CountScenes(const std::string& project) {
   const SqlSnapshot snapshot(database_);
   if (!snapshot.status().ok()) return snapshot.status();
-  priors::SceneCount count;
-  absl::Status status = database_.ForEachRow(
+  return database_.Collect<priors::SceneCount>(
       kCountScenes,
-      [&](const SqlRow& row) {
+      [](const SqlRow& row, priors::SceneCount& count) {
         count = {row.Unsigned(0), row.Unsigned(1)};
       },
       project);
-  if (!status.ok()) return status;
-  return count;
 }
 
 absl::StatusOr<uint64_t> SqlPriorReader::CountProjects() {
   const SqlSnapshot snapshot(database_);
   if (!snapshot.status().ok()) return snapshot.status();
-  uint64_t count = 0;
-  absl::Status status =
-      database_.ForEachRow(kCountProjects, [&](const SqlRow& row) { count = row.Unsigned(0); });
-  if (!status.ok()) return status;
-  return count;
+  return database_.ReadInteger(kCountProjects);
 }
 
 absl::StatusOr<SqlPriorReader::ExportKey> SqlPriorReader::NextKey(const SceneFilter& filter,
@@ -403,16 +396,13 @@ absl::StatusOr<SqlPriorReader::ExportKey> SqlPriorReader::NextKey(const SceneFil
                                                                   int64_t first_reward_version,
                                                                   bool quarantined) {
   static const auto& statements = *new EvidenceStatements(ForBothTables(kNextKey));
-  ExportKey next;
-  absl::Status status = database_.ForEachRow(
+  return database_.Collect<ExportKey>(
       statements[quarantined ? 1 : 0].c_str(),
-      [&](const SqlRow& row) {
+      [](const SqlRow& row, ExportKey& next) {
         next = {.key = KeyOf(row), .id = row.Integer(7), .damaged = !row.Boolean(8)};
       },
       filter.project, filter.scene, first.project, first.scene, first.measured_by, first.arm,
       first.backend_version, first.machine_class, first_reward_version, LineList(filter.projects));
-  if (!status.ok()) return status;
-  return next;
 }
 
 absl::Status SqlPriorReader::AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,
@@ -463,10 +453,9 @@ absl::StatusOr<std::vector<priors::AuditSegment>> SqlPriorReader::ListAudit(
     const priors::AuditFilter& filter, uint64_t after, uint32_t limit) {
   const SqlSnapshot snapshot(database_);
   if (!snapshot.status().ok()) return snapshot.status();
-  std::vector<priors::AuditSegment> segments;
-  absl::Status status = database_.ForEachRow(
+  return database_.Collect<std::vector<priors::AuditSegment>>(
       kListSegments,
-      [&](const SqlRow& row) {
+      [](const SqlRow& row, auto& segments) {
         const uint64_t first = row.Unsigned(6);
         const uint64_t count = row.Unsigned(8);
         segments.push_back({.id = row.Unsigned(0),
@@ -480,8 +469,6 @@ absl::StatusOr<std::vector<priors::AuditSegment>> SqlPriorReader::ListAudit(
                             .lost_row_count = row.Unsigned(7) - first + 1 - count});
       },
       filter.session_id, filter.project, filter.scene, after, limit, LineList(filter.projects));
-  if (!status.ok()) return status;
-  return segments;
 }
 
 absl::StatusOr<std::vector<priors::AuditRow>> SqlPriorReader::LoadAudit(uint64_t segment_id,
@@ -490,15 +477,12 @@ absl::StatusOr<std::vector<priors::AuditRow>> SqlPriorReader::LoadAudit(uint64_t
                                                                         size_t max_bytes) {
   const SqlSnapshot snapshot(database_);
   if (!snapshot.status().ok()) return snapshot.status();
-  std::vector<priors::AuditRow> rows;
-  absl::Status status = database_.ForEachRow(
+  return database_.Collect<std::vector<priors::AuditRow>>(
       kLoadRows,
-      [&](const SqlRow& row) {
+      [](const SqlRow& row, auto& rows) {
         rows.push_back({.number = row.Unsigned(0), .bytes = row.Bytes(1)});
       },
       segment_id, first_row, limit, max_bytes);
-  if (!status.ok()) return status;
-  return rows;
 }
 
 namespace {

@@ -27,7 +27,7 @@ EvidenceStatements ForBothTables(const char* sql);
 // Reads alpha, beta, window_count and bail_out_count, from column `first` on.
 priors::Evidence EvidenceOf(const SqlRow& row, int first);
 
-class SqlPriorReader final : public priors::PriorReader {
+class SqlPriorReader : public virtual priors::PriorReader {
  public:
   // `database` must outlive it.
   explicit SqlPriorReader(SqlDatabase& database) : database_(database) {}

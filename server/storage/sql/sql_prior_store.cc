@@ -209,7 +209,7 @@ void AddRow(SqlBatch& batch, const std::pair<int64_t, int64_t>& place, uint64_t 
 
 SqlPriorStore::SqlPriorStore(std::unique_ptr<SqlDatabase> database,
                              const priors::AuditLimits& audit_limits)
-    : database_(std::move(database)), reader_(*database_), audit_(*database_, audit_limits) {
+    : SqlPriorReader(*database), database_(std::move(database)), audit_(*database_, audit_limits) {
   // The limits may be lower than before, and a file that may not grow needs the room.
   Limit(audit_limits);
 }
@@ -228,13 +228,12 @@ void SqlPriorStore::CheckIncarnation() {
 
 template <typename Body>
 absl::Status SqlPriorStore::TryTransaction(Body& body) {
-  SqlTransaction transaction(*database_);
-  if (!transaction.begun().ok()) return transaction.begun();
-  CheckIncarnation();
-  new_keys_.clear();
-  added_counts_.clear();
-  absl::Status status = body();
-  if (status.ok()) status = transaction.Commit();
+  absl::Status status = storage::InTransaction(*database_, [&] {
+    CheckIncarnation();
+    new_keys_.clear();
+    added_counts_.clear();
+    return body();
+  });
   if (!status.ok()) return status;
   if (known_keys_.size() + new_keys_.size() > kMaxKnownKeys) known_keys_.clear();
   known_keys_.insert(new_keys_.begin(), new_keys_.end());
@@ -261,7 +260,7 @@ absl::StatusOr<Result> SqlPriorStore::ChangeUnless(const priors::Preview& previe
   absl::Status status = InTransaction([&] {
     result = change();
     if (!result.ok() || !preview) return result.status();
-    preview.Show(reader_);
+    preview.Show(*this);
     return absl::CancelledError("a preview");
   });
   return status.ok() || (result.ok() && absl::IsCancelled(status)) ? result : status;
@@ -272,13 +271,13 @@ absl::StatusOr<std::vector<SceneKey>> SqlPriorStore::TakeChangedScenes() {
   const SqlSnapshot snapshot(*database_);
   if (!snapshot.status().ok()) return snapshot.status();
   CheckIncarnation();
-  return reader_.LoadChangedScenes(changes_since_);
+  return LoadChangedScenes(changes_since_);
 }
 
 absl::StatusOr<priors::SceneCount> SqlPriorStore::CountScenes(const std::string& project) {
   if (const auto known = scene_counts_.find(project); known != scene_counts_.end())
     return known->second;
-  auto count = reader_.CountScenes(project);
+  auto count = SqlPriorReader::CountScenes(project);
   // Unknown projects are not kept, because clients may ask for any number of them.
   if (count.ok() && count->keys > 0 && !database_->shared()) scene_counts_[project] = *count;
   return count;
@@ -474,13 +473,10 @@ absl::Status SqlPriorStore::UpdateSources(const Sources& sources) {
 
 absl::StatusOr<SqlPriorStore::Ids> SqlPriorStore::LockMatching(const priors::SourceFilter& filter,
                                                                bool quarantined) {
-  Ids ids;
-  absl::Status status = database_->ForEachRow(
-      kLockMatching, [&](const SqlRow& row) { ids.insert(row.Integer(0)); }, filter.id,
+  return database_->Collect<Ids>(
+      kLockMatching, [](const SqlRow& row, Ids& ids) { ids.insert(row.Integer(0)); }, filter.id,
       filter.build, filter.token_id, filter.from_unix_s, filter.until_unix_s, filter.project,
       decision::kAdminSession, quarantined);
-  if (!status.ok()) return status;
-  return ids;
 }
 
 absl::Status SqlPriorStore::Bar(const Ids& sources) {
@@ -606,11 +602,10 @@ absl::StatusOr<ImportResult> SqlPriorStore::QuarantineAll(std::span<const PriorR
     newest = std::max(newest, sequence);
   }
   absl::Status status = Replace(*stored, *rows, /*quarantined=*/true, result);
-  uint64_t count = 0;
-  if (status.ok())
-    status =
-        database_->ForEachRow(kCountWaiting, [&](const SqlRow& row) { count = row.Unsigned(0); });
-  if (status.ok()) status = QuarantineBound(count, max_records);
+  if (!status.ok()) return status;
+  const auto count = database_->ReadInteger(kCountWaiting);
+  status =
+      count.ok() ? QuarantineBound(static_cast<uint64_t>(*count), max_records) : count.status();
   if (!status.ok()) return status;
   return result;
 }
@@ -620,15 +615,12 @@ absl::StatusOr<SqlPriorStore::Sequences> SqlPriorStore::LoadSequences(const std:
   static const auto& load = *new EvidenceStatements(ForBothTables(kLoadSequences));
   SqlBatch batch;
   for (const auto& [key, source] : places) batch.Add(key, source);
-  Sequences sequences;
-  absl::Status status = database_->ForEachRow(
+  return database_->Collect<Sequences>(
       load[quarantined ? 1 : 0].c_str(),
-      [&](const SqlRow& row) {
+      [](const SqlRow& row, Sequences& sequences) {
         sequences[{row.Integer(0), row.Integer(1)}] = row.Unsigned(2);
       },
       batch);
-  if (!status.ok()) return status;
-  return sequences;
 }
 
 absl::Status SqlPriorStore::Replace(const Sequences& stored, const RowList& rows, bool quarantined,
@@ -667,16 +659,13 @@ absl::StatusOr<SqlPriorStore::RowList> SqlPriorStore::TakeOut(const Ids& sources
                                                               bool with_damaged) {
   SqlBatch batch;
   for (const int64_t source : sources) batch.Add(source, project, with_damaged);
-  RowList taken;
-  absl::Status status = database_->ForEachRow(
+  return database_->Collect<RowList>(
       kTakeOut,
-      [&](const SqlRow& row) {
+      [](const SqlRow& row, RowList& taken) {
         taken.push_back({{row.Integer(0), row.Integer(1)},
                          {row.Unsigned(2), EvidenceOf(row, 3), row.Integer(7)}});
       },
       batch);
-  if (!status.ok()) return status;
-  return taken;
 }
 
 absl::Status SqlPriorStore::RecountSums(const Ids& keys) {
@@ -723,13 +712,12 @@ absl::Status SqlPriorStore::ChangeScenes(const SourceCounts& changes) {
   return status;
 }
 
-absl::StatusOr<priors::PromoteResult> SqlPriorStore::Promote(const priors::SourceFilter& filter,
-                                                             const priors::Preview& preview) {
-  return ChangeUnless<priors::PromoteResult>(preview, [&] { return PromoteAll(filter); });
+absl::StatusOr<priors::ChangeResult> SqlPriorStore::Promote(const priors::SourceFilter& filter,
+                                                            const priors::Preview& preview) {
+  return ChangeUnless<priors::ChangeResult>(preview, [&] { return PromoteAll(filter); });
 }
 
-absl::StatusOr<priors::PromoteResult> SqlPriorStore::PromoteAll(
-    const priors::SourceFilter& filter) {
+absl::StatusOr<priors::ChangeResult> SqlPriorStore::PromoteAll(const priors::SourceFilter& filter) {
   const auto matching = LockMatching(filter, /*quarantined=*/true);
   if (!matching.ok()) return matching.status();
   const auto taken = TakeOut(*matching, filter.project, /*with_damaged=*/false);
@@ -739,7 +727,7 @@ absl::StatusOr<priors::PromoteResult> SqlPriorStore::PromoteAll(
   ImportResult ignored;
   absl::Status status = Replace(*stored, *taken, /*quarantined=*/false, ignored);
   if (!status.ok()) return status;
-  priors::PromoteResult result{.record_count = taken->size()};
+  priors::ChangeResult result{.record_count = taken->size()};
   Ids sources, scenes;
   for (const auto& [place, row] : *taken) {
     sources.insert(place.second);
@@ -751,16 +739,16 @@ absl::StatusOr<priors::PromoteResult> SqlPriorStore::PromoteAll(
   return result;
 }
 
-absl::StatusOr<priors::RevokeResult> SqlPriorStore::Revoke(const priors::SourceFilter& filter,
+absl::StatusOr<priors::ChangeResult> SqlPriorStore::Revoke(const priors::SourceFilter& filter,
                                                            const priors::Preview& preview) {
   scene_counts_.clear();  // fewer scenes may have evidence then
-  return ChangeUnless<priors::RevokeResult>(preview, [&] { return RevokeAll(filter); });
+  return ChangeUnless<priors::ChangeResult>(preview, [&] { return RevokeAll(filter); });
 }
 
-absl::StatusOr<priors::RevokeResult> SqlPriorStore::RevokeAll(const priors::SourceFilter& filter) {
+absl::StatusOr<priors::ChangeResult> SqlPriorStore::RevokeAll(const priors::SourceFilter& filter) {
   auto matching = LockMatching(filter, /*quarantined=*/false);
   if (!matching.ok()) return matching.status();
-  priors::RevokeResult result{.source_count = matching->size()};
+  priors::ChangeResult result{.source_count = matching->size()};
   if (matching->empty() && BarsUnknown(filter)) {
     const auto added = LockOrAdd(std::vector<NewSource>{{filter.id}});
     if (!added.ok()) return added.status();

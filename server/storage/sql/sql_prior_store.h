@@ -30,7 +30,7 @@
 
 namespace sweepstake::storage {
 
-class SqlPriorStore final : public priors::PriorStore {
+class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
  public:
   SqlPriorStore(std::unique_ptr<SqlDatabase> database, const priors::AuditLimits& audit_limits);
 
@@ -47,50 +47,11 @@ class SqlPriorStore final : public priors::PriorStore {
       std::span<const priors::PriorRecord> records) override;
   absl::StatusOr<priors::ImportResult> Quarantine(std::span<const priors::PriorRecord> records,
                                                   uint64_t max_records) override;
-  absl::StatusOr<priors::PromoteResult> Promote(const priors::SourceFilter& filter,
-                                                const priors::Preview& preview) override;
-  absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
+  absl::StatusOr<priors::ChangeResult> Promote(const priors::SourceFilter& filter,
+                                               const priors::Preview& preview) override;
+  absl::StatusOr<priors::ChangeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override;
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override;
-
-  absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
-      const priors::SceneKey& scene) override {
-    return reader_.LoadSources(scene);
-  }
-  absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
-      const std::string& source_id) override {
-    return reader_.LoadSource(source_id);
-  }
-  absl::StatusOr<std::vector<priors::SceneEvidence>> List(
-      const priors::SceneFilter& filter, const std::optional<priors::SceneKey>& after,
-      uint32_t limit) override {
-    return reader_.List(filter, after, limit);
-  }
-  absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(
-      const priors::SceneKey& key) override {
-    return reader_.LoadScene(key);
-  }
-  absl::StatusOr<uint64_t> CountProjects() override { return reader_.CountProjects(); }
-  absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
-                                            const priors::ExportPlace& after,
-                                            uint32_t limit) override {
-    return reader_.Export(filter, after, limit);
-  }
-  absl::StatusOr<priors::ExportPage> ExportQuarantined(const priors::SceneFilter& filter,
-                                                       const priors::ExportPlace& after,
-                                                       uint32_t limit) override {
-    return reader_.ExportQuarantined(filter, after, limit);
-  }
-  absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
-                                                              uint64_t after,
-                                                              uint32_t limit) override {
-    return reader_.ListAudit(filter, after, limit);
-  }
-  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
-                                                          uint32_t limit,
-                                                          size_t max_bytes) override {
-    return reader_.LoadAudit(segment_id, first_row, limit, max_bytes);
-  }
 
  private:
   // A source that is locked until the transaction ends.
@@ -181,8 +142,8 @@ class SqlPriorStore final : public priors::PriorStore {
   absl::StatusOr<priors::ImportResult> ImportAll(std::span<const priors::PriorRecord> records);
   absl::StatusOr<priors::ImportResult> QuarantineAll(std::span<const priors::PriorRecord> records,
                                                      uint64_t max_records);
-  absl::StatusOr<priors::PromoteResult> PromoteAll(const priors::SourceFilter& filter);
-  absl::StatusOr<priors::RevokeResult> RevokeAll(const priors::SourceFilter& filter);
+  absl::StatusOr<priors::ChangeResult> PromoteAll(const priors::SourceFilter& filter);
+  absl::StatusOr<priors::ChangeResult> RevokeAll(const priors::SourceFilter& filter);
   // Returns the sequences of the stored rows, or of those in quarantine.
   absl::StatusOr<Sequences> LoadSequences(const std::set<Place>& places, bool quarantined);
   // Stores the newest given row of each place that is newer than the stored one, as evidence that
@@ -202,7 +163,6 @@ class SqlPriorStore final : public priors::PriorStore {
   absl::Status ChangeScenes(const SourceCounts& changes);
 
   const std::unique_ptr<SqlDatabase> database_;
-  SqlPriorReader reader_;
   SqlAuditLog audit_;
   uint64_t incarnation_ = 0;   // of the database whose keys are known
   std::string changes_since_;  // the first transaction that TakeChangedScenes reads

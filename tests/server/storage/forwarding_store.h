@@ -67,11 +67,11 @@ class ForwardingStore : public priors::PriorStore {
                                                   uint64_t max_records) override {
     return store_->Quarantine(records, max_records);
   }
-  absl::StatusOr<priors::PromoteResult> Promote(const priors::SourceFilter& filter,
-                                                const priors::Preview& preview) override {
+  absl::StatusOr<priors::ChangeResult> Promote(const priors::SourceFilter& filter,
+                                               const priors::Preview& preview) override {
     return store_->Promote(filter, preview);
   }
-  absl::StatusOr<priors::RevokeResult> Revoke(const priors::SourceFilter& filter,
+  absl::StatusOr<priors::ChangeResult> Revoke(const priors::SourceFilter& filter,
                                               const priors::Preview& preview) override {
     return store_->Revoke(filter, preview);
   }

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <string>
 
-#include "server/storage/outbox/update_text.h"
 #include "tests/server/storage/evidence_samples.h"
 #include "tests/server/storage/forwarding_store.h"
 #include "tests/support/temporary_directory.h"
@@ -59,9 +58,12 @@ void ExpectEqual(const SourceUpdate& left, const SourceUpdate& right) {
 }
 
 TEST_F(OutboxTest, KeepsEveryBitOfAnUpdate) {
-  const auto read = UpdateIn(UpdateText(FullUpdate()));
+  Outbox outbox = Open();
+  ASSERT_TRUE(outbox.Replace(std::vector{FullUpdate()}).ok());
+  const auto read = outbox.Load();
   ASSERT_TRUE(read.ok()) << read.status();
-  ExpectEqual(*read, FullUpdate());
+  ASSERT_THAT(*read, SizeIs(1));
+  ExpectEqual(read->front(), FullUpdate());
 }
 
 TEST_F(OutboxTest, KeepsTheLatestUpdatesInOrderAfterReopening) {

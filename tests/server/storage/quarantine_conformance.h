@@ -99,16 +99,16 @@ TEST_P(QuarantineConformance, SourcesArePromotedByIdBuildAndProjectAndAPreviewCh
     EXPECT_EQ(Waiting(), waiting);
     EXPECT_EQ(Look(), before);
     EXPECT_EQ(*store_->Promote(filter, false), preview);
-    EXPECT_EQ(*store_->Promote(filter, false), priors::PromoteResult{}) << "once";
+    EXPECT_EQ(*store_->Promote(filter, false), priors::ChangeResult{}) << "once";
     return preview;
   };
-  EXPECT_EQ(promoted({.id = "nobody"}), priors::PromoteResult{});
-  EXPECT_EQ(promoted({.token_id = 7}), priors::PromoteResult{}) << "imported sources have no token";
-  EXPECT_EQ(promoted({.build = "0.9"}), (priors::PromoteResult{1, 1, 3, 1}));
-  EXPECT_EQ(promoted({.id = "a", .project = "game"}), (priors::PromoteResult{1, 2, 6, 1}));
+  EXPECT_EQ(promoted({.id = "nobody"}), priors::ChangeResult{});
+  EXPECT_EQ(promoted({.token_id = 7}), priors::ChangeResult{}) << "imported sources have no token";
+  EXPECT_EQ(promoted({.build = "0.9"}), (priors::ChangeResult{1, 1, 3, 1}));
+  EXPECT_EQ(promoted({.id = "a", .project = "game"}), (priors::ChangeResult{1, 2, 6, 1}));
   EXPECT_EQ(Sums({Key("Grid"), Key("SAP")}).source_count, 2u);
   EXPECT_EQ(Waiting().size(), 1u);
-  EXPECT_EQ(promoted({.project = "other", .until_unix_s = 5}), (priors::PromoteResult{1, 1, 3, 1}));
+  EXPECT_EQ(promoted({.project = "other", .until_unix_s = 5}), (priors::ChangeResult{1, 1, 3, 1}));
   EXPECT_TRUE(Waiting().empty());
 }
 
@@ -119,7 +119,7 @@ TEST_P(QuarantineConformance, ANewerWaitingRecordReplacesTheCountingOneWhenPromo
   EXPECT_EQ(Quarantine({Record("a", 6, Key("Grid"), 7)}).unchanged_count, 1u) << "twice";
   EXPECT_EQ(Quarantine({Record("a", 7, Key("Grid"), 8)}).applied_count, 1u);
   EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence.alpha, 4.0);
-  EXPECT_EQ(*store_->Promote({}, false), (priors::PromoteResult{1, 1, 3, 1}));
+  EXPECT_EQ(*store_->Promote({}, false), (priors::ChangeResult{1, 1, 3, 1}));
   EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, (priors::Evidence{8, 0.5, 3, 0}));
   EXPECT_EQ(Sums({Key("Grid")}).source_count, 1u);
 }
@@ -140,16 +140,16 @@ TEST_P(QuarantineConformance, ARevokedSourceLosesItsWaitingRecordsAndStaysRevoke
   ASSERT_TRUE(store_->Import(std::vector{Record("a", 1, Key("Grid"), 1)}).ok());
   Quarantine({Record("a", 2, Key("Grid"), 2), Record("b", 1, Key("Grid"), 4)});
   const auto preview = *store_->Revoke({.id = "a"}, true);
-  EXPECT_EQ(preview, (priors::RevokeResult{1, 2, 6})) << "one counting and one waiting record";
+  EXPECT_EQ(preview, (priors::ChangeResult{1, 2, 6})) << "one counting and one waiting record";
   EXPECT_EQ(Waiting().size(), 2u);
   EXPECT_EQ(*store_->Revoke({.id = "a"}, false), preview);
   EXPECT_EQ(Look(), before);
   EXPECT_EQ(store_->Revoke({.id = "b", .project = "other"}, false)->source_count, 0u);
   EXPECT_EQ(*store_->Revoke({.id = "b", .project = "game"}, false),
-            (priors::RevokeResult{1, 1, 3}));
+            (priors::ChangeResult{1, 1, 3}));
   EXPECT_TRUE(Waiting().empty());
   EXPECT_EQ(Quarantine({Record("a", 9, Key("Grid"), 1)}).unchanged_count, 1u);
-  EXPECT_EQ(*store_->Promote({}, false), priors::PromoteResult{});
+  EXPECT_EQ(*store_->Promote({}, false), priors::ChangeResult{});
   EXPECT_EQ(Look(), before);
 }
 

@@ -52,8 +52,8 @@ TEST_P(SourceConformance, ARevocationRestoresTheSumsInEveryBit) {
 TEST_P(SourceConformance, ARevocationKeepsSourcesOfOtherProjectsAndTheAdministratorsLog) {
   const std::string admin(decision::kAdminSession);
   ASSERT_TRUE(Commit({UpdateOf({}, 100, "a", {Key("Grid")}), UpdateOf({}, 100, admin, {})}).ok());
-  EXPECT_EQ(*store_->Revoke({.id = "a", .project = "other"}, false), priors::RevokeResult{});
-  EXPECT_EQ(*store_->Revoke({.id = admin}, false), priors::RevokeResult{});
+  EXPECT_EQ(*store_->Revoke({.id = "a", .project = "other"}, false), priors::ChangeResult{});
+  EXPECT_EQ(*store_->Revoke({.id = admin}, false), priors::ChangeResult{});
   EXPECT_EQ(store_->Revoke({.from_unix_s = 1}, true)->source_count, 1u);
   EXPECT_NE(*store_->LoadSource("a"), std::nullopt);
   ASSERT_TRUE(store_->Revoke({.from_unix_s = 1}, false).ok());
@@ -66,7 +66,7 @@ TEST_P(SourceConformance, ARevocationByBuildOrTimeKeepsOtherKnownSources) {
   const priors::SourceFilter none[] = {
       {.id = "a", .build = "1.1"}, {.id = "a", .token_id = 8}, {.id = "a", .until_unix_s = 99}};
   for (const priors::SourceFilter& filter : none)
-    EXPECT_EQ(*store_->Revoke(filter, false), priors::RevokeResult{});
+    EXPECT_EQ(*store_->Revoke(filter, false), priors::ChangeResult{});
   EXPECT_NE(*store_->LoadSource("a"), std::nullopt);
   EXPECT_EQ(store_->Revoke({.id = "a"}, false)->record_count, 1u);
 }
@@ -89,15 +89,15 @@ TEST_P(SourceConformance, SourcesAreRevokedByBuildTokenAndTimeAndAPreviewChanges
     EXPECT_EQ(*store_->Revoke(filter, false), preview);
     return preview;
   };
-  EXPECT_EQ(revoked({.build = "0.9"}), priors::RevokeResult{});
-  EXPECT_EQ(revoked({.token_id = 8}), (priors::RevokeResult{1, 1, 1}));
-  EXPECT_EQ(revoked({.from_unix_s = 150, .until_unix_s = 250}), (priors::RevokeResult{1, 2, 2}));
+  EXPECT_EQ(revoked({.build = "0.9"}), priors::ChangeResult{});
+  EXPECT_EQ(revoked({.token_id = 8}), (priors::ChangeResult{1, 1, 1}));
+  EXPECT_EQ(revoked({.from_unix_s = 150, .until_unix_s = 250}), (priors::ChangeResult{1, 2, 2}));
   EXPECT_EQ(Sums({Key("Grid"), Key("SAP")}).source_count, 1u);
   ASSERT_TRUE(Commit({UpdateOf({"1.1", 0}, 400, "e", {Key("Grid")})}).ok());
   EXPECT_EQ(revoked({.project = "game", .build = "1.1"}).record_count, 1u);
   EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, (priors::Evidence{0.75, 0.25, 1, 2}));
   EXPECT_EQ(Sums({elsewhere}).source_count, 1u) << "the evidence of another project stays";
-  EXPECT_EQ(revoked({.project = "game", .from_unix_s = 1}), (priors::RevokeResult{1, 1, 1}));
+  EXPECT_EQ(revoked({.project = "game", .from_unix_s = 1}), (priors::ChangeResult{1, 1, 1}));
   EXPECT_EQ(ExportAll().size(), 1u);
 }
 
