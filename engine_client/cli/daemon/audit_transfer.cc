@@ -1,7 +1,5 @@
 #include "engine_client/cli/daemon/audit_transfer.h"
 
-#include <chrono>
-
 #include "engine_client/cli/daemon/daemon_client.h"
 #include "engine_client/cli/io/whole_file.h"
 #include "engine_client/decider/audit/audit_csv.h"
@@ -10,9 +8,6 @@
 
 namespace sweepstake::cli {
 namespace {
-
-// Enough for the largest log that a daemon keeps by default, 256 MiB, over a slow network.
-constexpr std::chrono::minutes kExportDeadline{10};
 
 template <typename Request>
 Request RequestOf(const AuditSelection& selection) {
@@ -52,7 +47,7 @@ Result<uint64_t> ExportAudit(const DaemonOptions& daemon, const AuditSelection& 
   if (!file.ok()) return file.status();
   const auto stub = v1::AuditService::NewStub(*channel);
   grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + kExportDeadline);
+  SetDeadline(context, kTransferPatience);
   const auto reader =
       stub->ExportDecisions(&context, RequestOf<v1::ExportDecisionsRequest>(selection));
   (*file)->Write(decision::AuditHeader() + '\n');

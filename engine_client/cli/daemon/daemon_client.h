@@ -26,16 +26,34 @@ TlsNames TlsOptionNames();
 Result<std::shared_ptr<grpc::Channel>> OpenChannel(const DaemonOptions& daemon,
                                                    bool own_connection = false);
 
-// The deadline of a call that transfers all evidence. The daemon ends such a call earlier if it
-// stalls.
+// The deadline of a call that answers at once.
+inline constexpr std::chrono::seconds kPatience{10};
+// The deadline of a call that transfers all evidence, or the audit log over a slow network. The
+// daemon ends such a call earlier if it stalls.
 inline constexpr std::chrono::seconds kTransferPatience = std::chrono::minutes(10);
 
 // Makes the call fail with kUnavailable after `patience`.
-void SetDeadline(grpc::ClientContext& context,
-                 std::chrono::seconds patience = std::chrono::seconds(10));
+void SetDeadline(grpc::ClientContext& context, std::chrono::seconds patience = kPatience);
 
 // Returns the daemon's status, or kUnavailable with a hint if the daemon could not be reached.
 Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon);
+
+// Makes a call that has one answer. Errors: those of OpenChannel, which `channel` is from, and of
+// ToStatus.
+template <typename Stub, typename Request, typename Response>
+Result<Response> Call(const DaemonOptions& daemon,
+                      const Result<std::shared_ptr<grpc::Channel>>& channel, const Request& request,
+                      grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+                      std::chrono::seconds patience = kPatience) {
+  if (!channel.ok()) return channel.status();
+  Stub stub(*channel);
+  grpc::ClientContext context;
+  SetDeadline(context, patience);
+  Response response;
+  const Status status = ToStatus((stub.*method)(&context, request, &response), daemon);
+  if (!status.ok()) return status;
+  return response;
+}
 
 // Cancels a call as soon as `is_stopped` returns true. It polls on its own thread, because reading
 // from the stream blocks. A call that has ended is not cancelled, because its status would become

@@ -7,21 +7,16 @@ Result<std::vector<v1::ScenePosterior>> ListPosteriors(const DaemonOptions& daem
                                                        const std::string& project,
                                                        const std::string& scene) {
   const auto channel = OpenChannel(daemon);
-  if (!channel.ok()) return channel.status();
-  const auto stub = v1::PosteriorsService::NewStub(*channel);
   std::vector<v1::ScenePosterior> scenes;
   v1::ListPosteriorsRequest request;
   request.set_project(project);
   do {
-    grpc::ClientContext context;
-    SetDeadline(context);
-    v1::ListPosteriorsResponse page;
-    const Status status = ToStatus(stub->ListPosteriors(&context, request, &page), daemon);
-    if (!status.ok()) return status;
-    for (const v1::ScenePosterior& each : page.scenes()) {
+    const auto page = Call(daemon, channel, request, &v1::PosteriorsService::Stub::ListPosteriors);
+    if (!page.ok()) return page.status();
+    for (const v1::ScenePosterior& each : page->scenes()) {
       if (scene.empty() || each.scene() == scene) scenes.push_back(each);
     }
-    request.set_page_token(page.next_page_token());
+    request.set_page_token(page->next_page_token());
   } while (!request.page_token().empty());
   return scenes;
 }

@@ -120,41 +120,31 @@ Result<ImportCounts> ImportPriors(const DaemonOptions& daemon,
 
 Result<RevokeCounts> RevokePriors(const DaemonOptions& daemon, const SourceChoice& sources,
                                   bool preview) {
-  const auto channel = OpenChannel(daemon);
-  if (!channel.ok()) return channel.status();
-  const auto stub = v1::PriorsService::NewStub(*channel);
-  grpc::ClientContext context;
-  SetDeadline(context, kTransferPatience);
   v1::RevokePriorsRequest request;
   *request.mutable_sources() = FilterOf(sources);
   request.set_preview(preview);
-  v1::RevokePriorsResponse response;
-  const Status status = ToStatus(stub->RevokePriors(&context, request, &response), daemon);
-  if (!status.ok()) return status;
-  return RevokeCounts{.source_count = response.source_count(),
-                      .record_count = response.record_count(),
-                      .window_count = response.window_count(),
-                      .leader_changes = LeadersOf(response.leader_changes())};
+  const auto response = Call(daemon, OpenChannel(daemon), request,
+                             &v1::PriorsService::Stub::RevokePriors, kTransferPatience);
+  if (!response.ok()) return response.status();
+  return RevokeCounts{.source_count = response->source_count(),
+                      .record_count = response->record_count(),
+                      .window_count = response->window_count(),
+                      .leader_changes = LeadersOf(response->leader_changes())};
 }
 
 Result<PromoteCounts> PromotePriors(const DaemonOptions& daemon, const SourceChoice& sources,
                                     bool preview) {
-  const auto channel = OpenChannel(daemon);
-  if (!channel.ok()) return channel.status();
-  const auto stub = v1::PriorsService::NewStub(*channel);
-  grpc::ClientContext context;
-  SetDeadline(context, kTransferPatience);
   v1::PromotePriorsRequest request;
   *request.mutable_sources() = FilterOf(sources);
   request.set_preview(preview);
-  v1::PromotePriorsResponse response;
-  const Status status = ToStatus(stub->PromotePriors(&context, request, &response), daemon);
-  if (!status.ok()) return status;
-  return PromoteCounts{.source_count = response.source_count(),
-                       .record_count = response.record_count(),
-                       .window_count = response.window_count(),
-                       .scene_count = response.scene_count(),
-                       .leader_changes = LeadersOf(response.leader_changes())};
+  const auto response = Call(daemon, OpenChannel(daemon), request,
+                             &v1::PriorsService::Stub::PromotePriors, kTransferPatience);
+  if (!response.ok()) return response.status();
+  return PromoteCounts{.source_count = response->source_count(),
+                       .record_count = response->record_count(),
+                       .window_count = response->window_count(),
+                       .scene_count = response->scene_count(),
+                       .leader_changes = LeadersOf(response->leader_changes())};
 }
 
 }  // namespace sweepstake::cli

@@ -11,20 +11,15 @@ Result<std::vector<v1::SessionInfo>> ListSessions(const DaemonOptions& daemon,
                                                   const std::string& project,
                                                   const std::string& scene) {
   const auto channel = OpenChannel(daemon);
-  if (!channel.ok()) return channel.status();
-  const auto stub = v1::SessionsService::NewStub(*channel);
   std::vector<v1::SessionInfo> sessions;
   v1::ListSessionsRequest request;
   request.set_project(project);
   request.set_scene(scene);
   do {
-    grpc::ClientContext context;
-    SetDeadline(context);
-    v1::ListSessionsResponse page;
-    const Status status = ToStatus(stub->ListSessions(&context, request, &page), daemon);
-    if (!status.ok()) return status;
-    for (v1::SessionInfo& each : *page.mutable_sessions()) sessions.push_back(std::move(each));
-    request.set_page_token(page.next_page_token());
+    auto page = Call(daemon, channel, request, &v1::SessionsService::Stub::ListSessions);
+    if (!page.ok()) return page.status();
+    for (v1::SessionInfo& each : *page->mutable_sessions()) sessions.push_back(std::move(each));
+    request.set_page_token(page->next_page_token());
   } while (!request.page_token().empty());
   return sessions;
 }
@@ -46,34 +41,21 @@ Status WatchSessions(const DaemonOptions& daemon, const std::string& project,
 }
 
 Status KickSession(const DaemonOptions& daemon, const std::string& session_id, bool may_return) {
-  const auto channel = OpenChannel(daemon);
-  if (!channel.ok()) return channel.status();
   v1::KickSessionRequest request;
   request.set_session_id(session_id);
   request.set_may_return(may_return);
-  grpc::ClientContext context;
-  SetDeadline(context);
-  v1::KickSessionResponse response;
-  const auto stub = v1::SessionsService::NewStub(*channel);
-  return ToStatus(stub->KickSession(&context, request, &response), daemon);
+  return Call(daemon, OpenChannel(daemon), request, &v1::SessionsService::Stub::KickSession)
+      .status();
 }
 
 Result<v1::OrderSessionResponse> OrderSession(const DaemonOptions& daemon,
                                               const std::string& session_id, v1::Mode mode,
                                               const std::string& arm) {
-  const auto channel = OpenChannel(daemon);
-  if (!channel.ok()) return channel.status();
   v1::OrderSessionRequest request;
   request.set_session_id(session_id);
   request.set_mode(mode);
   request.set_arm(arm);
-  grpc::ClientContext context;
-  SetDeadline(context);
-  v1::OrderSessionResponse response;
-  const auto stub = v1::SessionsService::NewStub(*channel);
-  const Status status = ToStatus(stub->OrderSession(&context, request, &response), daemon);
-  if (!status.ok()) return status;
-  return response;
+  return Call(daemon, OpenChannel(daemon), request, &v1::SessionsService::Stub::OrderSession);
 }
 
 }  // namespace sweepstake::cli
