@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
-#include "engine_client/cli/daemon/audit_transfer.h"
+#include "engine_client/cli/daemon/daemon_calls.h"
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
@@ -52,7 +52,7 @@ Json SegmentsJson(const std::vector<v1::AuditSegment>& segments) {
   return list;
 }
 
-int RunList(const AuditOptions& options, Terminal& terminal) {
+int RunAuditList(const AuditOptions& options, Terminal& terminal) {
   const auto segments = ListAudit(options.daemon, options.selection);
   if (!segments.ok()) return FailAnswer(terminal, segments.status());
   PrintResult(terminal, options.json,
@@ -61,7 +61,7 @@ int RunList(const AuditOptions& options, Terminal& terminal) {
   return kDone;
 }
 
-int RunExport(const AuditOptions& options, Terminal& terminal) {
+int RunAuditExport(const AuditOptions& options, Terminal& terminal) {
   const auto row_count = ExportAudit(options.daemon, options.selection, options.file);
   if (!row_count.ok()) return FailAnswer(terminal, row_count.status());
   PrintResult(terminal, options.json,
@@ -80,29 +80,26 @@ void Declare(CLI::App& command, AuditOptions& options) {
 
 }  // namespace
 
-void AddAuditCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
-  CLI::App* audit = app.add_subcommand("audit", "List and export a daemon's log of decisions");
-  audit->require_subcommand(1);
-  audit->footer(
-      "Examples:\n"
-      "  sweepstake audit list --daemon 127.0.0.1:7433\n"
-      "  sweepstake audit export --daemon 127.0.0.1:7433 --out decisions.csv\n"
-      "  sweepstake-lab replay --log decisions.csv");
+void AddAuditCommand(const CommandContext& context) {
+  const CommandContext audit =
+      AddGroup(context, "audit", "List and export a daemon's log of decisions",
+               "  sweepstake audit list --daemon 127.0.0.1:7433\n"
+               "  sweepstake audit export --daemon 127.0.0.1:7433 --out decisions.csv\n"
+               "  sweepstake-lab replay --log decisions.csv");
   AddCommand<AuditOptions>(
-      *audit, "list", "List the sessions with logged decisions",
-      "  sweepstake audit list --daemon 127.0.0.1:7433 --scene hurricane-3000\n", exit_code,
-      Declare, [&terminal](const AuditOptions& options) { return RunList(options, terminal); });
+      audit, "list", "List the sessions with logged decisions",
+      "  sweepstake audit list --daemon 127.0.0.1:7433 --scene hurricane-3000\n", Declare,
+      RunAuditList);
   AddCommand<AuditOptions>(
-      *audit, "export", "Write the decisions as CSV, also for `sweepstake-lab replay`",
+      audit, "export", "Write the decisions as CSV, also for `sweepstake-lab replay`",
       "  sweepstake audit export --daemon 127.0.0.1:7433 --out decisions.csv\n"
       "  sweepstake audit export --daemon 127.0.0.1:7433 --session ID --out one.csv\n"
       "  sweepstake-lab replay --log decisions.csv\n",
-      exit_code,
       [](CLI::App& command, AuditOptions& options) {
         Declare(command, options);
         command.add_option("--out", options.file, "File to write")->required();
       },
-      [&terminal](const AuditOptions& options) { return RunExport(options, terminal); });
+      RunAuditExport);
 }
 
 }  // namespace sweepstake::cli

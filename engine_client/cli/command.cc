@@ -131,6 +131,14 @@ void AddSeedOption(CLI::App& command, uint64_t& seed, const std::string& purpose
       ->capture_default_str();
 }
 
+CommandContext AddGroup(const CommandContext& context, const std::string& name,
+                        const std::string& description, const std::string& examples) {
+  CLI::App* group = context.app.add_subcommand(name, description);
+  group->require_subcommand(1);
+  group->footer("Examples:\n" + examples);
+  return {*group, context.terminal, context.exit_code, context.command_line};
+}
+
 std::string CommandLine(std::span<char* const> words) {
   std::string line;
   for (const char* word : words) {

@@ -45,20 +45,34 @@ void AddSeedOption(CLI::App& command, uint64_t& seed, const std::string& purpose
 // quotes unless it consists of letters, digits and harmless punctuation. A pure function.
 std::string CommandLine(std::span<char* const> words);
 
+// What functions that add commands share. Everything is borrowed until `app` has parsed.
+struct CommandContext {
+  CLI::App& app;  // gets the commands
+  Terminal& terminal;
+  int& exit_code;                   // of the command that the user chose
+  const std::string& command_line;  // what the user typed; reports keep it
+};
+
 // Adds the subcommand `name`. Its help ends with `examples` (whole lines). `declare` binds the
 // command's options; `run` gets them filled in and returns the exit code.
 template <typename Options>
-CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description,
-                     const std::string& examples, int& exit_code,
+CLI::App* AddCommand(const CommandContext& context, const std::string& name,
+                     const std::string& description, const std::string& examples,
                      void (*declare)(CLI::App&, Options&),
-                     const std::function<int(const Options&)>& run) {
-  CLI::App* command = app.add_subcommand(name, description);
+                     const std::function<int(const Options&, Terminal&)>& run) {
+  CLI::App* command = context.app.add_subcommand(name, description);
   command->footer("Examples:\n" + examples);
   // The parser keeps pointers to the options for as long as the command lives.
   auto options = std::make_shared<Options>();
   declare(*command, *options);
-  command->callback([options, run, &exit_code] { exit_code = run(*options); });
+  command->callback([options, run, &terminal = context.terminal, &exit_code = context.exit_code] {
+    exit_code = run(*options, terminal);
+  });
   return command;
 }
+
+// Adds a subcommand that has only subcommands, and returns the context for these.
+CommandContext AddGroup(const CommandContext& context, const std::string& name,
+                        const std::string& description, const std::string& examples);
 
 }  // namespace sweepstake::cli

@@ -61,13 +61,12 @@ Status CheckOptionNames(const CLI::App& app, std::span<char* const> words) {
 constexpr std::array<std::string_view, 9> kLaboratoryCommands = {
     "bench", "check", "experiment", "load", "pairs", "record", "replay", "report", "trace"};
 
-void AddCommands(CLI::App& app, Terminal& terminal, const std::string& /*command_line*/,
-                 int& exit_code) {
-  AddRunCommand(app, terminal, exit_code);
-  AddAuditCommand(app, terminal, exit_code);
-  AddWatchCommand(app, terminal, exit_code);
-  AddPriorsCommand(app, terminal, exit_code);
-  AddSessionsCommand(app, terminal, exit_code);
+void AddCommands(const CommandContext& context) {
+  AddRunCommand(context);
+  AddAuditCommand(context);
+  AddWatchCommand(context);
+  AddPriorsCommand(context);
+  AddSessionsCommand(context);
 }
 
 }  // namespace
@@ -96,7 +95,8 @@ int RunProgram(const Program& program, std::span<char* const> words, Terminal& t
              "`" +
              program.name + " COMMAND --help` shows options and examples.");
   int exit_code = kDone;
-  program.add_commands(app, terminal, CommandLine(words), exit_code);
+  const std::string command_line = CommandLine(words);
+  program.add_commands({app, terminal, exit_code, command_line});
   const auto arguments = words.empty() ? words : words.subspan(1);
   Status status = CheckCommandName(app, arguments);
   if (status.ok()) status = CheckOptionNames(app, arguments);

@@ -13,9 +13,7 @@ namespace sweepstake::cli {
 struct Program {
   std::string name;
   std::string description;
-  // Adds the commands to `app`. `command_line` is what the user typed; reports keep it.
-  void (*add_commands)(CLI::App& app, Terminal& terminal, const std::string& command_line,
-                       int& exit_code);
+  void (*add_commands)(const CommandContext& context);
 };
 
 // Runs the command of `program` that `words` name and returns the program's exit code. The first
@@ -27,14 +25,14 @@ int RunProgram(const Program& program, std::span<char* const> words, Terminal& t
 // sweepstake-lab.
 int RunCommandLine(std::span<char* const> words, Terminal& terminal);
 
-// Each function adds one subcommand to `app`. While `app` parses, the chosen subcommand runs and
-// stores its exit code. `terminal` and `exit_code` are borrowed until then.
-void AddAuditCommand(CLI::App& app, Terminal& terminal, int& exit_code);
-void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
+// Each function adds one subcommand. While the app parses, the chosen subcommand runs and stores
+// its exit code.
+void AddAuditCommand(const CommandContext& context);
+void AddPriorsCommand(const CommandContext& context);
 // Adds what works on files to the subcommand `priors`.
-void AddPriorsFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code);
-void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code);
-void AddSessionsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
-void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code);
+void AddPriorsFileCommands(const CommandContext& priors);
+void AddRunCommand(const CommandContext& context);
+void AddSessionsCommand(const CommandContext& context);
+void AddWatchCommand(const CommandContext& context);
 
 }  // namespace sweepstake::cli

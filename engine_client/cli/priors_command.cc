@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "engine_client/cli/commands.h"
+#include "engine_client/cli/daemon/daemon_calls.h"
 #include "engine_client/cli/daemon/posterior_view.h"
-#include "engine_client/cli/daemon/posteriors_transfer.h"
-#include "engine_client/cli/daemon/priors_transfer.h"
 #include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/whole_file.h"
 #include "engine_client/cli/priors/priors_text.h"
+#include "engine_client/decider/embedded/priors_file.h"
 #include "engine_client/decider/pooling/priors_sums.h"
 
 namespace sweepstake::cli {
@@ -24,7 +25,7 @@ struct PriorsOptions {
   std::string project;
   std::string scene;
   std::string file;
-  SourceChoice sources;
+  v1::SourceFilter sources;
   bool sums = false;
   bool promote = false;
   bool yes = false;
@@ -37,7 +38,7 @@ std::string QuarantinedText(const decision::PriorsGroups& groups) {
          ShowText(groups);
 }
 
-int RunList(const PriorsOptions& options, Terminal& terminal) {
+int RunPriorsList(const PriorsOptions& options, Terminal& terminal) {
   const auto scenes = ListPosteriors(options.daemon, options.project, options.scene);
   if (!scenes.ok()) return FailAnswer(terminal, scenes.status());
   const auto waiting =
@@ -88,7 +89,7 @@ Result<ExportText> TextOfRecords(const PriorsOptions& options) {
   return ExportText{FormatPriors(*records), records->size()};
 }
 
-int RunExport(const PriorsOptions& options, Terminal& terminal) {
+int RunPriorsExport(const PriorsOptions& options, Terminal& terminal) {
   const auto file = options.sums ? TextOfSums(options) : TextOfRecords(options);
   if (!file.ok()) return FailAnswer(terminal, file.status());
   const std::string waiting = DescribeWaiting(file->waiting_count);
@@ -104,10 +105,8 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
                    " was not changed; `sweepstake priors list` shows which records exist" +
                    (waiting.empty() ? "" : "; " + waiting)));
   }
-  const Status written = WritePriorsText(file->text, options.file);
-  if (!written.ok()) {
-    return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
-  }
+  if (const Status written = WriteWhole(options.file, file->text); !written.ok())
+    return Fail(terminal, written);
   const Json document = {{"command", "priors export"},
                          {"file", options.file},
                          {"records", file->count},
@@ -168,9 +167,9 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
 // Describes what was, or would be, revoked or promoted.
 template <typename Result>
 std::string CountsText(const Result& result) {
-  return std::to_string(result.source_count) + " sources with " +
-         std::to_string(result.record_count) + " records of " +
-         std::to_string(result.window_count) + " windows and visits";
+  return std::to_string(result.source_count()) + " sources with " +
+         std::to_string(result.record_count()) + " records of " +
+         std::to_string(result.window_count()) + " windows and visits";
 }
 
 std::string DoneText(const PriorsOptions& options, const std::string& done) {
@@ -178,45 +177,47 @@ std::string DoneText(const PriorsOptions& options, const std::string& done) {
 }
 
 // Lists the scenes in which another arm would become the leader.
-std::string LeadersText(const LeaderChanges& changes) {
-  if (changes.scene_count == 0) return "";
+std::string LeadersText(const v1::LeaderChanges& changes) {
+  if (changes.scene_count() == 0) return "";
   std::string text =
-      "another arm would be the leader of " + std::to_string(changes.scene_count) + " scenes:\n";
+      "another arm would be the leader of " + std::to_string(changes.scene_count()) + " scenes:\n";
   const auto named = [](const std::string& arm) { return arm.empty() ? "none" : arm; };
-  for (const LeaderChange& change : changes.scenes) {
-    text += "  " + change.project + " / " + change.scene;
-    if (!change.machine_class.empty()) text += " on " + change.machine_class;
-    text += ", reward version " + std::to_string(change.reward_version) + ": " +
-            named(change.next_arm) + " instead of " + named(change.arm) + "\n";
+  for (const v1::LeaderChange& change : changes.scenes()) {
+    text += "  " + change.project() + " / " + change.scene();
+    if (!change.machine_class().empty()) text += " on " + change.machine_class();
+    text += ", reward version " + std::to_string(change.reward_version()) + ": " +
+            named(change.next_arm()) + " instead of " + named(change.arm()) + "\n";
   }
-  if (changes.scene_count > changes.scenes.size()) text += "  and others\n";
+  if (changes.scene_count() > static_cast<uint64_t>(changes.scenes_size()))
+    text += "  and others\n";
   return text;
 }
 
-Json LeadersJson(const LeaderChanges& changes) {
+Json LeadersJson(const v1::LeaderChanges& changes) {
   Json scenes = Json::array();
-  for (const LeaderChange& change : changes.scenes) {
-    scenes.push_back({{"project", change.project},
-                      {"scene", change.scene},
-                      {"machine_class", change.machine_class},
-                      {"reward_version", change.reward_version},
-                      {"arm", change.arm},
-                      {"next_arm", change.next_arm}});
+  for (const v1::LeaderChange& change : changes.scenes()) {
+    scenes.push_back({{"project", change.project()},
+                      {"scene", change.scene()},
+                      {"machine_class", change.machine_class()},
+                      {"reward_version", change.reward_version()},
+                      {"arm", change.arm()},
+                      {"next_arm", change.next_arm()}});
   }
-  return {{"count", changes.scene_count}, {"scenes", scenes}};
+  return {{"count", changes.scene_count()}, {"scenes", scenes}};
 }
 
 // Rejects an empty range of times.
-Status CheckTimes(const SourceChoice& sources) {
-  if (sources.unix_until_s == 0 || sources.unix_from_s <= sources.unix_until_s) return {};
+Status CheckTimes(const v1::SourceFilter& sources) {
+  if (sources.unix_until_s() == 0 || sources.unix_from_s() <= sources.unix_until_s()) return {};
   return {StatusCode::kInvalidArgument, "--until is before --since; give a later time"};
 }
 
 // Requires at least one filter besides the project, so that a forgotten option does not revoke a
 // whole project or daemon.
-Status CheckNamesAny(const SourceChoice& sources) {
-  const bool any = !sources.source_id.empty() || !sources.build.empty() || sources.token_id != 0 ||
-                   sources.unix_from_s != 0 || sources.unix_until_s != 0;
+Status CheckNamesAny(const v1::SourceFilter& sources) {
+  const bool any = !sources.source_id().empty() || !sources.build().empty() ||
+                   sources.token_id() != 0 || sources.unix_from_s() != 0 ||
+                   sources.unix_until_s() != 0;
   if (any) return CheckTimes(sources);
   return {StatusCode::kInvalidArgument,
           "select the sessions to revoke with --source, --build, --token-id, --since or --until"};
@@ -225,8 +226,9 @@ Status CheckNamesAny(const SourceChoice& sources) {
 // Describes a revocation that removes nothing.
 std::string NothingText(const PriorsOptions& options) {
   std::string text = "no session matches, or all that match are revoked already";
-  const std::string& source = options.sources.source_id;
-  if (source.empty() || options.sources != SourceChoice{.source_id = source})
+  v1::SourceFilter rest = options.sources;
+  rest.clear_source_id();
+  if (options.sources.source_id().empty() || rest.ByteSizeLong() > 0)
     return text + "; `sweepstake audit list` and exports show the sessions\n";
   return text + "; if its evidence arrives later, it " + (options.yes ? "will" : "would") +
          " not count\n";
@@ -240,16 +242,16 @@ int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
   const Json document = {
       {"command", "priors revoke"},
       {"revoked", options.yes},
-      {"sources", result->source_count},
-      {"records", result->record_count},
-      {"windows", result->window_count},
-      {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes)}};
+      {"sources", result->source_count()},
+      {"records", result->record_count()},
+      {"windows", result->window_count()},
+      {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes())}};
   // Evidence of old sessions that was summed has records but no source.
-  const bool none = result->source_count == 0 && result->record_count == 0;
+  const bool none = result->source_count() == 0 && result->record_count() == 0;
   PrintResult(terminal, options.json, document,
               none ? NothingText(options)
                    : CountsText(*result) + DoneText(options, "revoked") +
-                         LeadersText(result->leader_changes));
+                         LeadersText(result->leader_changes()));
   return kDone;
 }
 
@@ -260,19 +262,19 @@ int RunPromote(const PriorsOptions& options, Terminal& terminal) {
   const Json document = {
       {"command", "priors promote"},
       {"promoted", options.yes},
-      {"sources", result->source_count},
-      {"records", result->record_count},
-      {"windows", result->window_count},
-      {"scenes", result->scene_count},
-      {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes)}};
+      {"sources", result->source_count()},
+      {"records", result->record_count()},
+      {"windows", result->window_count()},
+      {"scenes", result->scene_count()},
+      {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes())}};
   const std::string none =
       "no record in quarantine matches; `sweepstake priors list` shows the records in quarantine\n";
   PrintResult(terminal, options.json, document,
-              result->source_count == 0
+              result->source_count() == 0
                   ? none
-                  : CountsText(*result) + " for " + std::to_string(result->scene_count) +
+                  : CountsText(*result) + " for " + std::to_string(result->scene_count()) +
                         " scenes" + DoneText(options, "promoted") +
-                        LeadersText(result->leader_changes));
+                        LeadersText(result->leader_changes()));
   return kDone;
 }
 
@@ -288,25 +290,30 @@ void DeclareFilter(CLI::App& command, PriorsOptions& options) {
 
 void DeclareSources(CLI::App& command, PriorsOptions& options) {
   DeclareCommon(command, options);
-  SourceChoice& sources = options.sources;
-  command.add_option("--project", sources.project, "Only evidence of this project");
-  command.add_option("--source", sources.source_id,
+  v1::SourceFilter& sources = options.sources;
+  command.add_option("--project", *sources.mutable_project(), "Only evidence of this project");
+  command.add_option("--source", *sources.mutable_source_id(),
                      "Session id, as in `audit list` and in the source_id of an export");
-  command.add_option("--build", sources.build, "Sessions of this build of the game");
-  command.add_option("--token-id", sources.token_id, "Sessions that began with this token")
-      ->check(NotNegative());
-  command.add_option("--since", sources.unix_from_s, "Sessions that began at this time or later")
-      ->check(NotNegative())
+  command.add_option("--build", *sources.mutable_build(), "Sessions of this build of the game");
+  const auto add_number = [&](const std::string& name, void (v1::SourceFilter::*set)(int64_t),
+                              const std::string& help) {
+    return command
+        .add_option_function<int64_t>(
+            name, [&sources, set](const int64_t& value) { (sources.*set)(value); }, help)
+        ->check(NotNegative());
+  };
+  add_number("--token-id", &v1::SourceFilter::set_token_id, "Sessions that began with this token");
+  add_number("--since", &v1::SourceFilter::set_unix_from_s,
+             "Sessions that began at this time or later")
       ->type_name("UNIX_S");
-  command
-      .add_option("--until", sources.unix_until_s, "Sessions that began at this time or earlier")
-      ->check(NotNegative())
+  add_number("--until", &v1::SourceFilter::set_unix_until_s,
+             "Sessions that began at this time or earlier")
       ->type_name("UNIX_S");
   command.add_flag("--yes", options.yes,
                    "Make the change; without it, only show what would change");
 }
 
-void AddSourceCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
+void AddSourceCommands(const CommandContext& priors) {
   AddCommand<PriorsOptions>(
       priors, "promote", "Promote imported evidence: it leaves the quarantine and counts",
       "  sweepstake priors promote --daemon 127.0.0.1:7433\n"
@@ -314,41 +321,36 @@ void AddSourceCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
       "Without --yes it only shows what would count. Without a filter it promotes everything\n"
       "in quarantine, which `priors list` shows. `priors revoke` removes the evidence again,\n"
       "exactly.\n",
-      exit_code, DeclareSources,
-      [&terminal](const PriorsOptions& options) { return RunPromote(options, terminal); });
+      DeclareSources, RunPromote);
   AddCommand<PriorsOptions>(
       priors, "revoke", "Remove all evidence of the selected sessions from a daemon",
       "  sweepstake priors revoke --daemon 127.0.0.1:7433 --project arcade --build 1.3\n"
       "  sweepstake priors revoke --daemon 127.0.0.1:7433 --token-id 7 --since 1760000000 --yes\n"
       "Without --yes it only shows what would be removed. A revocation is permanent: later\n"
       "evidence of these sessions does not count, and neither does an import of it.\n",
-      exit_code, DeclareSources,
-      [&terminal](const PriorsOptions& options) { return RunRevoke(options, terminal); });
+      DeclareSources, RunRevoke);
 }
 
 }  // namespace
 
-void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
-  CLI::App* priors = app.add_subcommand("priors", "Manage a daemon's evidence and priors files");
-  priors->require_subcommand(1);
-  priors->footer(
-      "Examples:\n"
-      "  sweepstake priors list --daemon 127.0.0.1:7433\n"
-      "  sweepstake priors export --daemon 127.0.0.1:7433 --out priors.json");
+void AddPriorsCommand(const CommandContext& context) {
+  const CommandContext priors =
+      AddGroup(context, "priors", "Manage a daemon's evidence and priors files",
+               "  sweepstake priors list --daemon 127.0.0.1:7433\n"
+               "  sweepstake priors export --daemon 127.0.0.1:7433 --out priors.json");
   AddCommand<PriorsOptions>(
-      *priors, "list", "Show every scene's posteriors",
-      "  sweepstake priors list --daemon 127.0.0.1:7433 --project quickstart\n", exit_code,
+      priors, "list", "Show every scene's posteriors",
+      "  sweepstake priors list --daemon 127.0.0.1:7433 --project quickstart\n",
       [](CLI::App& command, PriorsOptions& options) {
         DeclareCommon(command, options);
         DeclareFilter(command, options);
       },
-      [&terminal](const PriorsOptions& options) { return RunList(options, terminal); });
+      RunPriorsList);
   AddCommand<PriorsOptions>(
-      *priors, "export", "Write the evidence as a priors file, for games and other daemons",
+      priors, "export", "Write the evidence as a priors file, for games and other daemons",
       "  sweepstake priors export --daemon 127.0.0.1:7433 --out evidence.json\n"
       "  sweepstake priors export --daemon 127.0.0.1:7433 --sums --out priors.json\n"
       "  sweepstake run --scene hurricane --objects 3000 --embedded --priors priors.json\n",
-      exit_code,
       [](CLI::App& command, PriorsOptions& options) {
         DeclareCommon(command, options);
         DeclareFilter(command, options);
@@ -358,23 +360,22 @@ void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
             "Sums per build and machine class, without session ids: small enough to keep in a "
             "game's repository and to ship with the game; daemons do not import them");
       },
-      [&terminal](const PriorsOptions& options) { return RunExport(options, terminal); });
+      RunPriorsExport);
   AddCommand<PriorsOptions>(
-      *priors, "import",
+      priors, "import",
       "Add a priors file to a daemon's evidence; importing it again changes nothing",
       "  sweepstake priors import --daemon 127.0.0.1:7433 --in priors.json\n"
       "  sweepstake priors import --daemon 127.0.0.1:7433 --in priors.json --promote\n"
       "The evidence stays in quarantine, where sessions do not use it, until `priors promote`.\n"
       "With --promote it counts at once.\n",
-      exit_code,
       [](CLI::App& command, PriorsOptions& options) {
         DeclareCommon(command, options);
         command.add_option("--in", options.file, "File to read")->required();
         command.add_flag("--promote", options.promote, "Make it count at once");
       },
-      [&terminal](const PriorsOptions& options) { return RunImport(options, terminal); });
-  AddSourceCommands(*priors, terminal, exit_code);
-  AddPriorsFileCommands(*priors, terminal, exit_code);
+      RunImport);
+  AddSourceCommands(priors);
+  AddPriorsFileCommands(priors);
 }
 
 }  // namespace sweepstake::cli

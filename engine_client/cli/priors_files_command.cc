@@ -14,6 +14,7 @@
 
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/whole_file.h"
 #include "engine_client/cli/priors/priors_doctor.h"
 #include "engine_client/cli/priors/priors_text.h"
 #include "engine_client/decider/embedded/evidence_ledger.h"
@@ -175,8 +176,8 @@ int RunMerge(const PriorsFileOptions& options, Terminal& terminal) {
   if (const Status once = CheckCountedOnce(*records, *others); !once.ok())
     return Fail(terminal, once);
   const Records united = Unite(*std::move(records), *std::move(others));
-  if (const Status written = WritePriorsFile(united, options.out); !written.ok())
-    return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
+  if (const Status written = WriteWhole(options.out, FormatPriors(united)); !written.ok())
+    return Fail(terminal, written);
   const Json document = {
       {"command", "priors merge"}, {"file", options.out}, {"records", united.size()}};
   PrintResult(terminal, options.json, document,
@@ -241,41 +242,38 @@ void DeclareTwoFiles(CLI::App& command, PriorsFileOptions& options) {
   AddJsonFlag(command, options.json);
 }
 
-void AddTwoFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
+void AddTwoFileCommands(const CommandContext& priors) {
   AddCommand<PriorsFileOptions>(
       priors, "diff", "Print the scenes in which two priors files differ",
       "  sweepstake priors diff monday.json friday.json\n"
       "  sweepstake priors diff all.json all.json --build 1.0 --other-build 1.1\n"
       "Costs are ratios to the cheapest arm's; those that differ by more than 5 % are printed.\n"
       "Exit code 1 if a file has no evidence of the build.\n",
-      exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareTwoFiles(command, options);
         command.add_option("--build", options.build, "Use only the evidence of this build in FILE");
         command.add_option("--other-build", options.other_build,
                            "Use only the evidence of this build in OTHER");
       },
-      [&terminal](const PriorsFileOptions& options) { return RunDiff(options, terminal); });
+      RunDiff);
   AddCommand<PriorsFileOptions>(
       priors, "merge", "Merge two priors files into one; of each source, the later record is kept",
       "  sweepstake priors merge ours.json theirs.json --out all.json\n"
       "It refuses to merge a sum of `export --sums` with sessions that the sum may contain,\n"
       "because they would count twice.\n",
-      exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareTwoFiles(command, options);
         command.add_option("--out", options.out, "File to write")->required();
       },
-      [&terminal](const PriorsFileOptions& options) { return RunMerge(options, terminal); });
+      RunMerge);
 }
 
 }  // namespace
 
-void AddPriorsFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code) {
+void AddPriorsFileCommands(const CommandContext& priors) {
   AddCommand<PriorsFileOptions>(
       priors, "show", "Print the content of a priors file by scene, machine class and build",
-      "  sweepstake priors show --in priors.json\n", exit_code, DeclareFile,
-      [&terminal](const PriorsFileOptions& options) { return RunShow(options, terminal); });
+      "  sweepstake priors show --in priors.json\n", DeclareFile, RunShow);
   AddCommand<PriorsFileOptions>(
       priors, "doctor",
       "Print which evidence of a priors file counts here, and why the rest does not",
@@ -284,28 +282,26 @@ void AddPriorsFileCommands(CLI::App& priors, Terminal& terminal, int& exit_code)
       "some of its arms count less: another build, machine class or version of an arm) or\n"
       "foreign (it does not count, such as evidence in a daemon's quarantine). Exit code 1 if\n"
       "no entry counts.\n",
-      exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareFile(command, options);
         DeclareMachineClass(command, options);
         command.add_option("--build", options.build, "Build of the game (default: unknown)");
       },
-      [&terminal](const PriorsFileOptions& options) { return RunDoctor(options, terminal); });
-  AddTwoFileCommands(priors, terminal, exit_code);
+      RunDoctor);
+  AddTwoFileCommands(priors);
   AddCommand<PriorsFileOptions>(
       priors, "arm",
       "Print the arm that a priors file expects to cost least, for builds that always use it",
       "  sweepstake priors arm --in priors.json --project arcade --scene arena\n"
       "The same file gives the same arm. For a scene that is not in the file, the arm is\n"
       "chosen from the project's other scenes; exit code 1 if there are none.\n",
-      exit_code,
       [](CLI::App& command, PriorsFileOptions& options) {
         DeclareFile(command, options);
         DeclareMachineClass(command, options);
         command.add_option("--project", options.project, "The game's project")->required();
         command.add_option("--scene", options.scene, "The game's scene")->required();
       },
-      [&terminal](const PriorsFileOptions& options) { return RunArm(options, terminal); });
+      RunArm);
 }
 
 }  // namespace sweepstake::cli

@@ -7,13 +7,12 @@
 
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/daemon_client.h"
-#include "engine_client/cli/game/frame_log.h"
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/game/run_report.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/io/json_output.h"
-#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/io/process.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
 #include "engine_client/decider/audit/audit_csv.h"
@@ -37,56 +36,48 @@ struct RunOptions {
   std::string priors;
   std::string duration = "60s";
   uint32_t fps = 0;  // 0: frames are not paced
-  std::string policy;
-  double time_scale = 1;
-  std::string project = "default";
-  std::string scene_key;
-  std::string build;
-  std::string machine_class = MachineClass();
-  bool ignore_priors = false;
-  bool allow_orders = false;
-  bool allow_box_view = false;
-  FlightRecorderOptions flight_recorder{.directory = "."};
+  SessionOptions session = DefaultSession();
   std::string shadow = "auto";
   std::string csv;
   bool json = false;
+
+  static SessionOptions DefaultSession() {
+    SessionOptions session;
+    session.scene.clear();  // until the number of objects is known
+    session.machine_class = MachineClass();
+    session.flight_recorder.directory = ".";
+    return session;
+  }
 };
 
-// Returns the name of the scene in the prior store.
-std::string SceneKey(const RunOptions& options, size_t object_count) {
-  if (!options.scene_key.empty()) return options.scene_key;
-  return std::filesystem::path(options.scene.name).stem().string() + "-" +
-         std::to_string(object_count);
+// Completes the session's options: the name of the scene in the prior store, the seed, and the
+// credentials.
+SessionOptions SessionOf(const RunOptions& options, size_t object_count) {
+  SessionOptions session = options.session;
+  if (session.scene.empty()) {
+    session.scene = std::filesystem::path(options.scene.name).stem().string() + "-" +
+                    std::to_string(object_count);
+  }
+  session.seed = options.scene.seed;
+  session.tls = options.daemon.tls;
+  session.token = options.daemon.token;
+  return session;
 }
 
 // If `decisions` is not null, it gets a line for every decision of the embedded decider.
 Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
-                                             const std::string& scene_key, WholeFile* decisions) {
-  SessionOptions session;
-  session.project = options.project;
-  session.scene = scene_key;
-  session.build = options.build;
-  session.machine_class = options.machine_class;
-  session.policy = options.policy;
-  session.time_scale = options.time_scale;
-  session.ignore_priors = options.ignore_priors;
-  session.seed = options.scene.seed;
-  session.allow_operator_orders = options.allow_orders;
-  session.allow_box_view = options.allow_box_view;
-  session.flight_recorder = options.flight_recorder;
-  session.tls = options.daemon.tls;
-  session.token = options.daemon.token;
+                                             const SessionOptions& session, WholeFile* decisions) {
   if (!options.embedded)
     return MakeDaemonSession(options.daemon.address, session, TlsOptionNames());
   EmbeddedOptions embedded;
-  if (!options.policy.empty()) embedded.policy = options.policy;
-  embedded.project = options.project;
-  embedded.scene = scene_key;
-  embedded.build = options.build;
-  embedded.machine_class = options.machine_class;
-  if (!options.ignore_priors) embedded.priors_file = options.priors;
-  embedded.seed = options.scene.seed;
-  embedded.time_scale = options.time_scale;
+  if (!session.policy.empty()) embedded.policy = session.policy;
+  embedded.project = session.project;
+  embedded.scene = session.scene;
+  embedded.build = session.build;
+  embedded.machine_class = session.machine_class;
+  if (!session.ignore_priors) embedded.priors_file = options.priors;
+  embedded.seed = session.seed;
+  embedded.time_scale = session.time_scale;
   embedded.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
   if (decisions != nullptr) {
     embedded.on_audit_row = [decisions](std::string_view row) {
@@ -99,7 +90,7 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
 
 // The files that --csv writes during the run; null without --csv.
 struct RunLogs {
-  std::unique_ptr<FrameLog> frames;
+  std::unique_ptr<WholeFile> frames;
   // Null with a daemon, which keeps its own log.
   std::unique_ptr<WholeFile> decisions;
 
@@ -122,9 +113,10 @@ Result<RunLogs> MakeLogs(const RunOptions& options) {
                   options.csv + " cannot be created as a folder: " + error.message() +
                       "; give --csv a folder, or a path that does not exist yet");
   }
-  auto frames = FrameLog::Create(folder / "frames.csv");
+  auto frames = WholeFile::Create(folder / "frames.csv");
   if (!frames.ok()) return frames.status();
   logs.frames = std::move(*frames);
+  WriteFrameHeader(*logs.frames);
   if (!options.embedded) return logs;
   auto decisions = WholeFile::Create(folder / "decisions.csv");
   if (!decisions.ok()) return decisions.status();
@@ -161,7 +153,7 @@ std::string StateText(const SessionStats& stats) {
 // The frame loop, and the lines and the progress that it prints.
 class Player {
  public:
-  Player(const RunSetup& setup, GameRun& run, const Session& session, FrameLog* log,
+  Player(const RunSetup& setup, GameRun& run, const Session& session, WholeFile* log,
          Terminal& terminal, uint64_t duration_ns, bool json)
       : setup_(setup),
         run_(run),
@@ -176,7 +168,7 @@ class Player {
     while (run_.elapsed_ns() < duration_ns_ && !StopRequested() && refusal_.empty()) {
       if (run_.Frame()) SaySwitch();
       if (run_.verdicts().size() > said_verdict_count_) SayVerdict();
-      if (log_ != nullptr) log_->Write(run_.adaptive().last_sample(), run_.adaptive());
+      if (log_ != nullptr) WriteFrame(run_.adaptive().last_sample(), run_.adaptive(), *log_);
       if (!priors_said_ && run_.elapsed_ns() >= next_look_ns_) LookForAnswer();
       if (progress_.due()) ShowProgress();
     }
@@ -239,7 +231,7 @@ class Player {
   const RunSetup& setup_;
   GameRun& run_;
   const Session& session_;
-  FrameLog* const log_;
+  WholeFile* const log_;
   Terminal& terminal_;
   const uint64_t duration_ns_;
   const bool json_;
@@ -278,11 +270,11 @@ Status CheckRun(const RunOptions& options) {
     return {StatusCode::kInvalidArgument,
             "--priors needs --embedded: a daemon uses its own priors"};
   }
-  if (options.allow_orders && options.embedded) {
+  if (options.session.allow_operator_orders && options.embedded) {
     return {StatusCode::kInvalidArgument,
             "--allow-orders needs --daemon: only operators of a daemon send orders"};
   }
-  if (options.allow_box_view && options.embedded) {
+  if (options.session.allow_box_view && options.embedded) {
     return {StatusCode::kInvalidArgument,
             "--allow-box-view needs --daemon: only operators of a daemon view boxes"};
   }
@@ -298,19 +290,19 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   RunSetup setup{options.scene, options.mode,
                  options.embedded ? "embedded" : options.daemon.address, "", ""};
   setup.scene.object_count = static_cast<uint32_t>((*scene)->aabbs().size());
-  const std::string scene_key = SceneKey(options, setup.scene.object_count);
-  if (!options.ignore_priors) setup.priors_file = options.priors;
-  setup.priors_key =
-      "project " + options.project + ", scene " + scene_key + ", machines " + options.machine_class;
+  const SessionOptions chosen = SessionOf(options, setup.scene.object_count);
+  if (!chosen.ignore_priors) setup.priors_file = options.priors;
+  setup.priors_key = "project " + chosen.project + ", scene " + chosen.scene + ", machines " +
+                     chosen.machine_class;
   // The logs are made before the session, which writes to them until its end.
   auto logs = MakeLogs(options);
   if (!logs.ok()) return Fail(terminal, logs.status());
-  auto session = MakeSession(options, scene_key, logs->decisions.get());
+  auto session = MakeSession(options, chosen, logs->decisions.get());
   if (!session.ok()) return Fail(terminal, session.status());
   AdaptiveOptions adaptive;
   adaptive.initial_arm = options.arm;
   adaptive.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
-  adaptive.shadow = ScaledShadow(ToShadowMode(options.shadow), options.time_scale);
+  adaptive.shadow = ScaledShadow(ToShadowMode(options.shadow), chosen.time_scale);
   auto run = GameRun::Create(adaptive, **scene, (*session)->sink(), FrameIntervalNs(options));
   if (!run.ok()) return Fail(terminal, run.status());
   const Status started = (*session)->Start((*run)->adaptive());
@@ -370,29 +362,29 @@ void Declare(CLI::App& command, RunOptions& options) {
                   "Maximum frames per second, as with vertical sync; 0: unlimited")
       ->check(WholeUpTo(1000))
       ->capture_default_str();
-  command.add_option("--policy", options.policy, "Policy (default: the decider's)");
+  command.add_option("--policy", options.session.policy, "Policy (default: the decider's)");
   command
-      .add_option("--time-scale", options.time_scale,
+      .add_option("--time-scale", options.session.time_scale,
                   "Divides every interval of the decider except the bail-out limit; a daemon must "
                   "allow it with --max-time-scale")
       ->check(RealFrom(1.0, 1000.0))
       ->capture_default_str();
-  command.add_option("--project", options.project, "Project the priors belong to")
+  command.add_option("--project", options.session.project, "Project the priors belong to")
       ->capture_default_str();
-  command.add_option("--scene-name", options.scene_key,
+  command.add_option("--scene-name", options.session.scene,
                      "Scene the priors belong to (default: SCENE-OBJECTS)");
-  command.add_option("--build", options.build, "Build of the game (default: unknown)");
+  command.add_option("--build", options.session.build, "Build of the game (default: unknown)");
   command
-      .add_option("--machine-class", options.machine_class,
+      .add_option("--machine-class", options.session.machine_class,
                   "Class of machines with comparable timings")
       ->capture_default_str();
-  command.add_flag("--ignore-priors", options.ignore_priors,
+  command.add_flag("--ignore-priors", options.session.ignore_priors,
                    "Start without priors, from Beta(1,1)");
-  command.add_flag("--allow-orders", options.allow_orders,
+  command.add_flag("--allow-orders", options.session.allow_operator_orders,
                    "Follow `sweepstake sessions pin` and `release` from the daemon");
-  command.add_flag("--allow-box-view", options.allow_box_view,
+  command.add_flag("--allow-box-view", options.session.allow_box_view,
                    "Send the objects' boxes to operators who view the session in the dashboard");
-  DeclareFlightRecorder(command, options.flight_recorder);
+  DeclareFlightRecorder(command, options.session.flight_recorder);
   command
       .add_option("--shadow", options.shadow,
                   "Shadow lane; auto: in mode ai, if a core is free; on: in mode manual too")
@@ -406,9 +398,9 @@ void Declare(CLI::App& command, RunOptions& options) {
 
 }  // namespace
 
-void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+void AddRunCommand(const CommandContext& context) {
   AddCommand<RunOptions>(
-      app, "run", "Run a scene on the frame path and let a decider choose the arm",
+      context, "run", "Run a scene on the frame path and let a decider choose the arm",
       "  sweepstake run --scene hurricane --objects 3000 --mode ai --embedded --duration 60s\n"
       "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433\n"
       "  sweepstake run --scene h.aabbs --mode manual --arm SAP --embedded --csv out\n"
@@ -418,8 +410,7 @@ void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "Ctrl-C ends the run and prints the report.\n"
       "Exit code 3 if the daemon was never reached; the run continues without it. Exit code 2\n"
       "if the daemon refuses the session, for example because it has no such policy.",
-      exit_code, Declare,
-      [&terminal](const RunOptions& options) { return RunRun(options, terminal); });
+      Declare, RunRun);
 }
 
 }  // namespace sweepstake::cli

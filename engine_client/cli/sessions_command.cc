@@ -3,10 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
-#include "engine_client/cli/daemon/sessions_transfer.h"
+#include "engine_client/cli/daemon/daemon_calls.h"
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/io/json_output.h"
-#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/io/process.h"
 #include "engine_client/cli/io/text_table.h"
 
 namespace sweepstake::cli {
@@ -116,7 +116,7 @@ void PrintChanges(const v1::WatchSessionsResponse& event, bool json, Terminal& t
   terminal.out.flush();
 }
 
-int RunList(const SessionsOptions& options, Terminal& terminal) {
+int RunSessionsList(const SessionsOptions& options, Terminal& terminal) {
   const auto sessions = ListSessions(options.daemon, options.project, options.scene);
   if (!sessions.ok()) return FailAnswer(terminal, sessions.status());
   Json list = Json::array();
@@ -175,81 +175,69 @@ void DeclareSession(CLI::App& command, SessionsOptions& options) {
   AddDaemonOptions(command, options.daemon);
   command.add_option("SESSION", options.session_id, "The session's id, as `list` shows it")
       ->required();
+  AddJsonFlag(command, options.json);
 }
 
 void DeclareKick(CLI::App& command, SessionsOptions& options) {
   DeclareSession(command, options);
   command.add_flag("--may-return", options.may_return,
                    "End only the connection: the client reconnects and continues the session");
-  AddJsonFlag(command, options.json);
 }
 
-void AddOrderCommands(CLI::App& sessions, Terminal& terminal, int& exit_code) {
+void AddOrderCommands(const CommandContext& sessions) {
   AddCommand<SessionsOptions>(
       sessions, "pin", "Make a game use one arm and stop learning, until `release` or a bail-out",
       "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID KDTree\n"
       "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID\n",
-      exit_code,
       [](CLI::App& command, SessionsOptions& options) {
         DeclareSession(command, options);
         command.add_option("ARM", options.arm, "Name of the arm (default: the active arm)");
-        AddJsonFlag(command, options.json);
       },
-      [&terminal](const SessionsOptions& options) {
+      [](const SessionsOptions& options, Terminal& terminal) {
         return RunOrder(options, v1::MODE_MANUAL, terminal);
       });
   AddCommand<SessionsOptions>(
       sessions, "release", "Return a game to mode ai, in which the decider chooses the arm",
-      "  sweepstake sessions release --daemon 127.0.0.1:7433 ID\n", exit_code,
-      [](CLI::App& command, SessionsOptions& options) {
-        DeclareSession(command, options);
-        AddJsonFlag(command, options.json);
-      },
-      [&terminal](const SessionsOptions& options) {
+      "  sweepstake sessions release --daemon 127.0.0.1:7433 ID\n", DeclareSession,
+      [](const SessionsOptions& options, Terminal& terminal) {
         return RunOrder(options, v1::MODE_AI, terminal);
       });
 }
 
 }  // namespace
 
-void AddSessionsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
-  CLI::App* sessions =
-      app.add_subcommand("sessions", "List, watch, end and steer a daemon's sessions");
-  sessions->require_subcommand(1);
-  sessions->footer(
-      "Examples:\n"
-      "  sweepstake sessions list --daemon 127.0.0.1:7433\n"
-      "  sweepstake sessions watch --daemon 127.0.0.1:7433 --json\n"
-      "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID\n"
-      "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID KDTree");
+void AddSessionsCommand(const CommandContext& context) {
+  const CommandContext sessions =
+      AddGroup(context, "sessions", "List, watch, end and steer a daemon's sessions",
+               "  sweepstake sessions list --daemon 127.0.0.1:7433\n"
+               "  sweepstake sessions watch --daemon 127.0.0.1:7433 --json\n"
+               "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID\n"
+               "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID KDTree");
   AddCommand<SessionsOptions>(
-      *sessions, "list", "List the daemon's sessions, including lost ones that may resume",
+      sessions, "list", "List the daemon's sessions, including lost ones that may resume",
       "  sweepstake sessions list --daemon 127.0.0.1:7433\n"
       "  sweepstake sessions list --daemon 127.0.0.1:7433 --scene hurricane-3000 --json\n",
-      exit_code,
       [](CLI::App& command, SessionsOptions& options) {
         DeclareSelection(command, options);
         AddJsonFlag(command, options.json);
       },
-      [&terminal](const SessionsOptions& options) { return RunList(options, terminal); });
+      RunSessionsList);
   AddCommand<SessionsOptions>(
-      *sessions, "watch",
+      sessions, "watch",
       "Show the sessions and their changes until Ctrl-C; reconnects if the daemon is lost",
       "  sweepstake sessions watch --daemon 127.0.0.1:7433\n"
       "  sweepstake sessions watch --daemon 127.0.0.1:7433 --json\n",
-      exit_code,
       [](CLI::App& command, SessionsOptions& options) {
         DeclareSelection(command, options);
         command.add_flag("--json", options.json, "One JSON document per line for each event");
       },
-      [&terminal](const SessionsOptions& options) { return RunWatch(options, terminal); });
+      RunWatch);
   AddCommand<SessionsOptions>(
-      *sessions, "kick", "End a session; its evidence is kept",
+      sessions, "kick", "End a session; its evidence is kept",
       "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID\n"
       "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID --may-return\n",
-      exit_code, DeclareKick,
-      [&terminal](const SessionsOptions& options) { return RunKick(options, terminal); });
-  AddOrderCommands(*sessions, terminal, exit_code);
+      DeclareKick, RunKick);
+  AddOrderCommands(sessions);
 }
 
 }  // namespace sweepstake::cli

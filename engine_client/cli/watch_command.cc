@@ -2,11 +2,11 @@
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
+#include "engine_client/cli/daemon/daemon_calls.h"
 #include "engine_client/cli/daemon/posterior_view.h"
-#include "engine_client/cli/daemon/posteriors_transfer.h"
 #include "engine_client/cli/daemon/watch_screen.h"
 #include "engine_client/cli/io/json_output.h"
-#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/io/process.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -53,9 +53,9 @@ int WatchLive(const WatchOptions& options, Terminal& terminal) {
 
 }  // namespace
 
-void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+void AddWatchCommand(const CommandContext& context) {
   AddCommand<WatchOptions>(
-      app, "watch", "Show a daemon's posteriors and decisions, live",
+      context, "watch", "Show a daemon's posteriors and decisions, live",
       "  sweepstake watch --daemon 127.0.0.1:7433\n"
       "  sweepstake watch --daemon 127.0.0.1:7433 --scene hurricane-3000\n"
       "  sweepstake watch --daemon 127.0.0.1:7433 --json      once, for programs\n"
@@ -68,7 +68,6 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "(best >= 0.8), tie (less, but choosing the leader loses at most 0.5 %), ambiguous; in\n"
       "decisions also degraded, if even the leader misses the frame-rate floor. Exit code 3 if\n"
       "no daemon answers; a daemon that is lost later is tried again until Ctrl-C.",
-      exit_code,
       [](CLI::App& command, WatchOptions& options) {
         AddDaemonOptions(command, options.daemon);
         command.add_option("--project", options.project, "Only this project");
@@ -81,7 +80,7 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
                       "With --json: one document per line for every change and decision, live")
             ->needs(json);
       },
-      [&terminal](const WatchOptions& options) {
+      [](const WatchOptions& options, Terminal& terminal) {
         const bool once = options.once || (options.json && !options.follow);
         return once ? ShowOnce(options, terminal) : WatchLive(options, terminal);
       });

@@ -50,10 +50,9 @@ void Declare(CLI::App& command, BenchOptions& options) {
 
 }  // namespace
 
-void AddBenchCommand(CLI::App& app, Terminal& terminal, const std::string& command_line,
-                     int& exit_code) {
+void AddBenchCommand(const CommandContext& context) {
   AddCommand<BenchOptions>(
-      app, "bench", "Time every arm on the same frames: take all boxes, find all pairs",
+      context, "bench", "Time every arm on the same frames: take all boxes, find all pairs",
       "  sweepstake-lab bench --scene suite-b,suite-g,suite-h --objects 1000,10000 --arms all\n"
       "  sweepstake-lab bench --scene hurricane --objects 3000 --arms SAP,KDTree --json\n"
       "  sweepstake-lab bench --scene nearly-resting,beams --objects 10000 --threads 1,2\n"
@@ -62,7 +61,8 @@ void AddBenchCommand(CLI::App& app, Terminal& terminal, const std::string& comma
       "Times are milliseconds per frame. Pairs and AABB checks are means per frame; bytes are the "
       "maximum.\n" +
           SceneHelp(),
-      exit_code, Declare, [&terminal, command_line](const BenchOptions& options) {
+      Declare,
+      [command_line = context.command_line](const BenchOptions& options, Terminal& terminal) {
         BenchOptions given = options;
         given.command_line = command_line;
         return Bench(given, terminal);

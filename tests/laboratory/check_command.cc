@@ -130,9 +130,10 @@ int RunCheck(const CheckOptions& options, Terminal& terminal) {
 
 }  // namespace
 
-void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+void AddCheckCommand(const CommandContext& context) {
   AddCommand<CheckOptions>(
-      app, "check", "Compare every arm with brute force, every frame, by the identity of the pairs",
+      context, "check",
+      "Compare every arm with brute force, every frame, by the identity of the pairs",
       "  sweepstake-lab check --scene suite-g --objects 1000,3000 --frames 300\n"
       "  sweepstake-lab check --scene all --arms DBVT,KDTree\n"
       "  sweepstake-lab check --scene degenerate --objects 300    empty, coincident, ±1e30, NaN, "
@@ -142,7 +143,6 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "with\n"
       "more than 20,000,000 pairs is not checked: exit code 2.\n" +
           SceneHelp(),
-      exit_code,
       [](CLI::App& command, CheckOptions& options) {
         AddSceneOptions(command, options.scenes, options.object_counts)->required();
         AddArmsOption(command, options.arms);
@@ -152,7 +152,7 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         AddSeedOption(command, options.seed, "the scenes");
         AddJsonFlag(command, options.json);
       },
-      [&terminal](const CheckOptions& options) { return RunCheck(options, terminal); });
+      RunCheck);
 }
 
 }  // namespace sweepstake::cli

@@ -3,12 +3,11 @@
 #include <array>
 #include <sstream>
 
-#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/io/process.h"
 #include "engine_client/cli/io/whole_file.h"
 #include "tests/laboratory/experiment/experiment_output.h"
 #include "tests/laboratory/experiment/experiment_run.h"
 #include "tests/laboratory/io/report_file.h"
-#include "tests/laboratory/io/time_left.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -49,13 +48,6 @@ Result<Opened> OpenExperiment(const CommandOptions& options) {
   return opened;
 }
 
-Status WriteText(const std::string& text, const std::filesystem::path& path) {
-  auto file = WholeFile::Create(path);
-  if (!file.ok()) return file.status();
-  (*file)->Write(text);
-  return (*file)->Commit();
-}
-
 // Writes all outputs of the finished runs. Without the report's page there is no report;
 // `sweepstake-lab report` can make it later.
 Status WriteResults(const ExperimentFolder& folder, const ExperimentReport& report,
@@ -65,8 +57,8 @@ Status WriteResults(const ExperimentFolder& folder, const ExperimentReport& repo
   PrintExperiment(report, path, text);
   PrintExperimentJson(report, path, json);
   Status status = WriteExperimentCsv(report, path);
-  if (status.ok()) status = WriteText(text.str(), path / "tables.txt");
-  if (status.ok()) status = WriteText(json.str(), path / "experiment.json");
+  if (status.ok()) status = WriteWhole(path / "tables.txt", text.str());
+  if (status.ok()) status = WriteWhole(path / "experiment.json", json.str());
   if (status.ok() && ReportPageStatus().ok()) {
     status = WriteReport(path / "report.html", std::array{json.str()}, terminal);
   }
@@ -161,10 +153,10 @@ void Declare(CLI::App& command, CommandOptions& options) {
 
 }  // namespace
 
-void AddExperimentCommand(CLI::App& app, Terminal& terminal, const std::string& command_line,
-                          int& exit_code) {
+void AddExperimentCommand(const CommandContext& context) {
   AddCommand<CommandOptions>(
-      app, "experiment", "Play the paper's grid live and write its tables, raw data and a report",
+      context, "experiment",
+      "Play the paper's grid live and write its tables, raw data and a report",
       "  sweepstake-lab experiment --time-scale 60 --out results\n"
       "  sweepstake-lab experiment --time-scale 60 --quick --out quick\n"
       "  sweepstake-lab experiment --scenes hurricane --objects 3000,10000 --policies paper --out "
@@ -175,7 +167,8 @@ void AddExperimentCommand(CLI::App& app, Terminal& terminal, const std::string& 
       "seeds. A run is the exploration and 15 minutes, divided by the time scale. Ctrl-C writes\n"
       "partial results and ends with exit code 1; --resume continues after the finished runs.\n"
       "Keep the machine free of other work, which distorts the figures.",
-      exit_code, Declare, [&terminal, command_line](const CommandOptions& options) {
+      Declare,
+      [command_line = context.command_line](const CommandOptions& options, Terminal& terminal) {
         return RunExperiment(options, command_line, terminal);
       });
 }

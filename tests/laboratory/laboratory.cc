@@ -1,19 +1,21 @@
 #include "tests/laboratory/laboratory.h"
 
+#include <chrono>
+#include <cmath>
+
 namespace sweepstake::cli {
 namespace {
 
-void AddCommands(CLI::App& app, Terminal& terminal, const std::string& command_line,
-                 int& exit_code) {
-  AddCheckCommand(app, terminal, exit_code);
-  AddBenchCommand(app, terminal, command_line, exit_code);
-  AddExperimentCommand(app, terminal, command_line, exit_code);
-  AddLoadCommand(app, terminal, exit_code);
-  AddPairsCommand(app, terminal, exit_code);
-  AddRecordCommand(app, terminal, exit_code);
-  AddReplayCommand(app, terminal, exit_code);
-  AddReportCommand(app, terminal, exit_code);
-  AddTraceCommand(app, terminal, exit_code);
+void AddCommands(const CommandContext& context) {
+  AddCheckCommand(context);
+  AddBenchCommand(context);
+  AddExperimentCommand(context);
+  AddLoadCommand(context);
+  AddPairsCommand(context);
+  AddRecordCommand(context);
+  AddReplayCommand(context);
+  AddReportCommand(context);
+  AddTraceCommand(context);
 }
 
 }  // namespace
@@ -48,6 +50,24 @@ void AddSceneChoice(CLI::App& command, SceneChoice& scene) {
   command.add_option("--objects", scene.object_count, "Object count; a file has its own")
       ->capture_default_str();
   AddSeedOption(command, scene.seed, "spawn and motion");
+}
+
+std::string DurationText(double seconds) {
+  const auto whole = [](double value) { return std::to_string(std::lround(value)); };
+  if (seconds < 90) return whole(seconds) + " s";
+  const double minutes = std::round(seconds / 60);
+  if (minutes < 90) return whole(minutes) + " min";
+  return whole(std::floor(minutes / 60)) + " h " + whole(std::fmod(minutes, 60)) + " min";
+}
+
+std::function<void(double share, const std::string& text)> OnShareWithTimeLeft(Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  return [&progress, start](double share, const std::string& text) {
+    if (!progress.due() || share <= 0) return;
+    const std::chrono::duration<double> used = std::chrono::steady_clock::now() - start;
+    progress.OnShare()(share,
+                       text + ", " + DurationText(used.count() / share * (1 - share)) + " left");
+  };
 }
 
 }  // namespace sweepstake::cli

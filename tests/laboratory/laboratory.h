@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,19 +15,16 @@ namespace sweepstake::cli {
 // Runs a command line of `sweepstake-lab`, as RunCommandLine does for `sweepstake`.
 int RunLaboratory(std::span<char* const> words, Terminal& terminal);
 
-// Each function adds one subcommand, as in engine_client/cli/commands.h. `command_line` is what the
-// user typed: the bench's report shows it, and the experiment's manifest keeps it.
-void AddBenchCommand(CLI::App& app, Terminal& terminal, const std::string& command_line,
-                     int& exit_code);
-void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code);
-void AddExperimentCommand(CLI::App& app, Terminal& terminal, const std::string& command_line,
-                          int& exit_code);
-void AddLoadCommand(CLI::App& app, Terminal& terminal, int& exit_code);
-void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
-void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code);
-void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code);
-void AddReportCommand(CLI::App& app, Terminal& terminal, int& exit_code);
-void AddTraceCommand(CLI::App& app, Terminal& terminal, int& exit_code);
+// Each function adds one subcommand, as in engine_client/cli/commands.h.
+void AddBenchCommand(const CommandContext& context);
+void AddCheckCommand(const CommandContext& context);
+void AddExperimentCommand(const CommandContext& context);
+void AddLoadCommand(const CommandContext& context);
+void AddPairsCommand(const CommandContext& context);
+void AddRecordCommand(const CommandContext& context);
+void AddReplayCommand(const CommandContext& context);
+void AddReportCommand(const CommandContext& context);
+void AddTraceCommand(const CommandContext& context);
 
 // --scene, which is returned, and --objects for a list of scenes and object counts.
 CLI::Option* AddSceneOptions(CLI::App& command, std::vector<std::string>& scenes,
@@ -35,5 +33,13 @@ CLI::Option* AddSceneOptions(CLI::App& command, std::vector<std::string>& scenes
 void AddArmsOption(CLI::App& command, std::vector<std::string>& arms);
 // --scene, which is required, --objects and --seed for one scene.
 void AddSceneChoice(CLI::App& command, SceneChoice& scene);
+
+// Returns "1 h 12 min", "3 min" or "40 s".
+std::string DurationText(double seconds);
+
+// Returns a callback that shows the finished share, its text and an estimate of the time that is
+// left. The estimate assumes the mean speed since this call. REQUIRES: `progress` outlives the
+// callback.
+std::function<void(double share, const std::string& text)> OnShareWithTimeLeft(Progress& progress);
 
 }  // namespace sweepstake::cli

@@ -4,7 +4,7 @@
 
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/io/json_output.h"
-#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/io/process.h"
 #include "tests/laboratory/laboratory.h"
 #include "tests/laboratory/load/load_run.h"
 
@@ -17,7 +17,7 @@ struct LoadOptions {
   bool json = false;
 };
 
-int Run(const LoadOptions& options, Terminal& terminal) {
+int LoadDaemon(const LoadOptions& options, Terminal& terminal) {
   LoadPlan plan = options.plan;
   const auto duration_ns = ParseDuration(options.duration);
   if (!duration_ns.ok()) return Fail(terminal, duration_ns.status());
@@ -69,9 +69,9 @@ void Declare(CLI::App& command, LoadOptions& options) {
 
 }  // namespace
 
-void AddLoadCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+void AddLoadCommand(const CommandContext& context) {
   AddCommand<LoadOptions>(
-      app, "load", "Load a daemon with thousands of simulated games",
+      context, "load", "Load a daemon with thousands of simulated games",
       "  sweepstake-lab load --daemon 127.0.0.1:7433 --streams 1000 --duration 30s\n"
       "  sweepstake-lab load --daemon 127.0.0.1:7433 --streams 10000 --server-pid PID --json\n"
       "batches_per_s were passed to gRPC. acknowledged_per_s messages (batches, bail-outs, "
@@ -83,8 +83,7 @@ void AddLoadCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "it is on disk. tick_lateness is the delay of this program's own timer: if it is large, the\n"
       "other figures do not describe the daemon. Ctrl-C ends the run early.\n"
       "Exit code 3 if no daemon answers, or if games were refused or lost at the end.",
-      exit_code, Declare,
-      [&terminal](const LoadOptions& options) { return Run(options, terminal); });
+      Declare, LoadDaemon);
 }
 
 }  // namespace sweepstake::cli

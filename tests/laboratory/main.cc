@@ -1,5 +1,5 @@
 // The program `sweepstake-lab`. laboratory.h lists its commands.
-#include "engine_client/cli/io/run_main.h"
+#include "engine_client/cli/io/process.h"
 #include "tests/laboratory/laboratory.h"
 
 int main(int argc, char** argv) {

@@ -62,14 +62,13 @@ int RunPairs(const PairsOptions& options, Terminal& terminal) {
 
 }  // namespace
 
-void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+void AddPairsCommand(const CommandContext& context) {
   AddCommand<PairsOptions>(
-      app, "pairs", "Print the overlapping pairs of one frame, \"a b\" per line, sorted",
+      context, "pairs", "Print the overlapping pairs of one frame, \"a b\" per line, sorted",
       "  sweepstake-lab pairs --scene h.aabbs --frame 10 --arm Tracy\n"
       "  sweepstake-lab pairs --scene suite-b --objects 1000 --frame 21 --arm BruteForce\n"
       "Frame 0 is the spawn state. A recorded file starts again after its last frame.\n" +
           SceneHelp(),
-      exit_code,
       [](CLI::App& command, PairsOptions& options) {
         AddSceneChoice(command, options.scene);
         command.add_option("--frame", options.frame, "Frame to show")
@@ -78,7 +77,7 @@ void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         command.add_option("--arm", options.arm, "Backend that finds the pairs")->required();
         AddJsonFlag(command, options.json);
       },
-      [&terminal](const PairsOptions& options) { return RunPairs(options, terminal); });
+      RunPairs);
 }
 
 }  // namespace sweepstake::cli

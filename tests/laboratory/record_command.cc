@@ -41,7 +41,7 @@ class ObservedScene : public Scene {
   size_t max_objects_;
 };
 
-int Run(const RecordOptions& options, Terminal& terminal) {
+int MakeRecording(const RecordOptions& options, Terminal& terminal) {
   auto scene = OpenScene(options.scene);
   if (!scene.ok()) return Fail(terminal, scene.status());
   size_t max_objects = 0;
@@ -68,14 +68,13 @@ int Run(const RecordOptions& options, Terminal& terminal) {
 
 }  // namespace
 
-void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+void AddRecordCommand(const CommandContext& context) {
   AddCommand<RecordOptions>(
-      app, "record", "Write a scene's boxes, frame by frame, as a .aabbs file",
+      context, "record", "Write a scene's boxes, frame by frame, as a .aabbs file",
       "  sweepstake-lab record --scene hurricane --objects 3000 --frames 600 --seed 1 --out "
       "h.aabbs\n"
       "The file holds the spawn state and then F frames; it appears whole or not at all.\n" +
           SceneHelp(),
-      exit_code,
       [](CLI::App& command, RecordOptions& options) {
         AddSceneChoice(command, options.scene);
         command.add_option("--frames", options.frames, "Frames after the spawn state")
@@ -84,7 +83,7 @@ void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         command.add_option("--out", options.out, "File to write")->required();
         AddJsonFlag(command, options.json);
       },
-      [&terminal](const RecordOptions& options) { return Run(options, terminal); });
+      MakeRecording);
 }
 
 }  // namespace sweepstake::cli

@@ -6,7 +6,6 @@
 
 #include "engine_client/cli/io/json_output.h"
 #include "tests/laboratory/bench/flight_replay.h"
-#include "tests/laboratory/io/time_left.h"
 #include "tests/laboratory/policies/study_policies.h"
 #include "tests/laboratory/replay/replay_output.h"
 
@@ -149,12 +148,12 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
 
 }  // namespace
 
-void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+void AddReplayCommand(const CommandContext& context) {
   std::string policies;
   for (const std::string_view name : decision::PolicyNames(decision::StudyPolicies()))
     policies.append(" ").append(name);
   AddCommand<ReplayCommandOptions>(
-      app, "replay",
+      context, "replay",
       "Replay cost traces in virtual time, the decisions of an audit log, or a flight recording",
       "  sweepstake-lab replay --costs hurricane.costs --policy default,paper,fixed --seeds 200\n"
       "  sweepstake-lab replay --costs a.costs,b.costs --policy default,oracle --priors wrong "
@@ -167,8 +166,7 @@ void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
           policies +
           "\nRegret is frame time against the best fixed arm's on the same frames; negative is "
           "better.\n",
-      exit_code, Declare,
-      [&terminal](const ReplayCommandOptions& options) { return RunReplay(options, terminal); });
+      Declare, RunReplay);
 }
 
 }  // namespace sweepstake::cli

@@ -61,13 +61,13 @@ void Declare(CLI::App& command, ReportOptions& options) {
 
 }  // namespace
 
-void AddReportCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+void AddReportCommand(const CommandContext& context) {
   AddCommand<ReportOptions>(
-      app, "report", "Charts and tables of JSON results as one HTML file that needs no network",
+      context, "report", "Charts and tables of JSON results as one HTML file that needs no network",
       "  sweepstake-lab bench --scene suite-b --json > bench.json\n"
       "  sweepstake-lab report bench.json --out bench.html\n"
       "  sweepstake-lab report results/experiment.json bench.json --out all.html\n",
-      exit_code, Declare, [&terminal](const ReportOptions& options) {
+      Declare, [](const ReportOptions& options, Terminal& terminal) {
         const Status status = Report(options, terminal);
         return status.ok() ? kDone : Fail(terminal, status);
       });

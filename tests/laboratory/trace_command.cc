@@ -5,7 +5,6 @@
 
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/whole_file.h"
-#include "tests/laboratory/io/time_left.h"
 #include "tests/laboratory/trace/trace_run.h"
 #include "tests/laboratory/trace/trace_summary.h"
 
@@ -143,9 +142,9 @@ void Declare(CLI::App& command, TraceCommandOptions& options) {
 
 }  // namespace
 
-void AddTraceCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+void AddTraceCommand(const CommandContext& context) {
   AddCommand<TraceCommandOptions>(
-      app, "trace", "Time every arm on every frame of a scene, for `sweepstake-lab replay`",
+      context, "trace", "Time every arm on every frame of a scene, for `sweepstake-lab replay`",
       "  sweepstake-lab trace --scene hurricane --objects 3000 --out hurricane.costs\n"
       "  sweepstake-lab trace --scene brownian,suite-g --objects 1000,10000 --out traces/ --json\n"
       "  sweepstake-lab trace --costs b.costs\n"
@@ -155,8 +154,7 @@ void AddTraceCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "repeat\n"
       "its last time.\n" +
           SceneHelp(),
-      exit_code, Declare,
-      [&terminal](const TraceCommandOptions& options) { return Trace(options, terminal); });
+      Declare, Trace);
 }
 
 }  // namespace sweepstake::cli

@@ -55,6 +55,24 @@ Result<Response> Call(const DaemonOptions& daemon,
   return response;
 }
 
+// Makes a call that has several answers, and calls `on_part` with each. Errors: those of
+// OpenChannel and of ToStatus.
+template <typename Stub, typename Request, typename Part, typename OnPart>
+Status ReadParts(const DaemonOptions& daemon, const Request& request,
+                 std::unique_ptr<grpc::ClientReader<Part>> (Stub::*method)(grpc::ClientContext*,
+                                                                           const Request&),
+                 std::chrono::seconds patience, const OnPart& on_part) {
+  const auto channel = OpenChannel(daemon);
+  if (!channel.ok()) return channel.status();
+  Stub stub(*channel);
+  grpc::ClientContext context;
+  SetDeadline(context, patience);
+  const auto reader = (stub.*method)(&context, request);
+  Part part;
+  while (reader->Read(&part)) on_part(part);
+  return ToStatus(reader->Finish(), daemon);
+}
+
 // Cancels a call as soon as `is_stopped` returns true. It polls on its own thread, because reading
 // from the stream blocks. A call that has ended is not cancelled, because its status would become
 // CANCELLED.
@@ -70,24 +88,6 @@ class Canceller {
   std::thread thread_;
 };
 
-// Calls `on_event` with each event of the stream until `is_stopped` returns true, which another
-// thread calls every 50 ms. Returns kUnavailable if the daemon cannot be reached or ends the
-// stream.
-template <typename Event>
-Status ReadEvents(grpc::ClientContext& context, grpc::ClientReader<Event>& reader,
-                  const DaemonOptions& daemon, const std::function<bool()>& is_stopped,
-                  const std::function<void(const Event&)>& on_event) {
-  {
-    const Canceller canceller(context, is_stopped);
-    Event event;
-    while (reader.Read(&event)) on_event(event);
-  }
-  const grpc::Status status = reader.Finish();
-  if (is_stopped()) return {};
-  if (!status.ok()) return ToStatus(status, daemon);
-  return {StatusCode::kUnavailable, "the daemon at " + daemon.address + " ended the watch"};
-}
-
 // Reads a stream of events of a daemon until the stream ends or `is_stopped` returns true.
 using Watch = std::function<Status(const std::shared_ptr<grpc::Channel>& channel,
                                    const std::function<bool()>& is_stopped)>;
@@ -98,5 +98,33 @@ using Watch = std::function<Status(const std::shared_ptr<grpc::Channel>& channel
 // `is_stopped`. Returns an error if the daemon was never reached or refuses the watch.
 Status KeepWatching(const DaemonOptions& daemon, const std::function<bool()>& is_stopped,
                     const std::function<void(const Status&)>& on_connection, const Watch& watch);
+
+// Does the same for a call, and calls `on_event` with each event. Another thread calls `is_stopped`
+// every 50 ms.
+template <typename Stub, typename Request, typename Event>
+Status KeepWatching(const DaemonOptions& daemon, const Request& request,
+                    std::unique_ptr<grpc::ClientReader<Event>> (Stub::*method)(grpc::ClientContext*,
+                                                                               const Request&),
+                    const std::function<bool()>& is_stopped,
+                    const std::function<void(const Event&)>& on_event,
+                    const std::function<void(const Status&)>& on_connection) {
+  return KeepWatching(
+      daemon, is_stopped, on_connection,
+      [&](const std::shared_ptr<grpc::Channel>& channel, const std::function<bool()>& ends) {
+        Stub stub(channel);
+        grpc::ClientContext context;
+        const auto reader = (stub.*method)(&context, request);
+        {
+          const Canceller canceller(context, ends);
+          Event event;
+          while (reader->Read(&event)) on_event(event);
+        }
+        const grpc::Status status = reader->Finish();
+        if (ends()) return Status();
+        if (!status.ok()) return ToStatus(status, daemon);
+        return Status(StatusCode::kUnavailable,
+                      "the daemon at " + daemon.address + " ended the watch");
+      });
+}
 
 }  // namespace sweepstake::cli

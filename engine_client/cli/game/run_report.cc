@@ -5,10 +5,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/io/csv_file.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/standing_cells.h"
 #include "engine_client/cli/io/text_table.h"
+#include "engine_client/cli/io/whole_file.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -196,14 +196,15 @@ Json TotalsJson(const RunSummary& summary) {
 }
 
 Status WriteSwitches(const RunSummary& summary, const std::filesystem::path& path) {
-  auto csv = CsvFile::Create(path, {"frame", "time_s", "from", "to", "reason", "rebuild_time_ns",
-                                    "settling_cost_ns", "trial_detection_time_ns"});
+  const auto csv = WholeFile::Create(path);
   if (!csv.ok()) return csv.status();
+  (*csv)->WriteRow({"frame", "time_s", "from", "to", "reason", "rebuild_time_ns",
+                    "settling_cost_ns", "trial_detection_time_ns"});
   for (const SwitchRow& row : summary.switches) {
-    (*csv)->Row({std::to_string(row.frame_index), Fixed(row.time_s, 6), row.from, row.to,
-                 ReasonName(row.reason), std::to_string(row.rebuild_time_ns),
-                 std::to_string(row.settling_cost_ns),
-                 std::to_string(row.trial_detection_time_ns)});
+    (*csv)->WriteRow({std::to_string(row.frame_index), Fixed(row.time_s, 6), row.from, row.to,
+                      ReasonName(row.reason), std::to_string(row.rebuild_time_ns),
+                      std::to_string(row.settling_cost_ns),
+                      std::to_string(row.trial_detection_time_ns)});
   }
   return (*csv)->Commit();
 }
@@ -212,11 +213,11 @@ std::string ExactText(uint64_t count) { return std::to_string(count); }
 std::string ExactText(double value) { return Fixed(value, 9); }
 
 Status WritePosteriors(const RunSummary& summary, const std::filesystem::path& path) {
-  auto csv =
-      CsvFile::Create(path, {"arm", "backend_version", "alpha", "beta", "mean", "n", "active_s",
-                             "frames", "live_windows", "lane_visits", "best_probability",
-                             "cost_ratio", "cost_ratio_low", "cost_ratio_high"});
+  const auto csv = WholeFile::Create(path);
   if (!csv.ok()) return csv.status();
+  (*csv)->WriteRow({"arm", "backend_version", "alpha", "beta", "mean", "n", "active_s", "frames",
+                    "live_windows", "lane_visits", "best_probability", "cost_ratio",
+                    "cost_ratio_low", "cost_ratio_high"});
   for (const ArmRow& row : summary.arms) {
     const std::optional<ArmStanding>& standing = row.belief.standing;
     const auto known = [&](auto ArmStanding::*value) {
@@ -225,12 +226,13 @@ Status WritePosteriors(const RunSummary& summary, const std::filesystem::path& p
     const auto ratio = [&](double CostRatio::*value) {
       return standing && standing->cost_ratio ? ExactText((*standing->cost_ratio).*value) : "";
     };
-    (*csv)->Row({row.arm, std::to_string(row.backend_version), Fixed(row.belief.alpha, 9),
-                 Fixed(row.belief.beta, 9), Fixed(row.mean(), 9),
-                 known(&ArmStanding::effective_window_count), Fixed(row.active_s(), 6),
-                 std::to_string(row.activity.frame_count), known(&ArmStanding::live_window_count),
-                 known(&ArmStanding::lane_visit_count), known(&ArmStanding::best_probability),
-                 ratio(&CostRatio::median), ratio(&CostRatio::low), ratio(&CostRatio::high)});
+    (*csv)->WriteRow({row.arm, std::to_string(row.backend_version), Fixed(row.belief.alpha, 9),
+                      Fixed(row.belief.beta, 9), Fixed(row.mean(), 9),
+                      known(&ArmStanding::effective_window_count), Fixed(row.active_s(), 6),
+                      std::to_string(row.activity.frame_count),
+                      known(&ArmStanding::live_window_count), known(&ArmStanding::lane_visit_count),
+                      known(&ArmStanding::best_probability), ratio(&CostRatio::median),
+                      ratio(&CostRatio::low), ratio(&CostRatio::high)});
   }
   return (*csv)->Commit();
 }
@@ -358,6 +360,19 @@ Json RunReportJson(const RunSummary& summary) {
     document["verdict_changes"].push_back(VerdictChangeJson(row));
   }
   return document;
+}
+
+void WriteFrameHeader(WholeFile& csv) {
+  csv.WriteRow({"frame", "arm", "switch_epoch", "frame_time_ns", "detection_time_ns",
+                "aabb_check_count", "pair_count", "object_count", "native_bytes", "flags"});
+}
+
+void WriteFrame(const FrameSample& sample, const AdaptiveBroadPhase& adaptive, WholeFile& csv) {
+  csv.WriteRow({std::to_string(sample.frame_index), adaptive.arms()[sample.arm],
+                std::to_string(sample.switch_epoch), std::to_string(sample.frame_time_ns),
+                std::to_string(sample.detection_time_ns), std::to_string(sample.aabb_check_count),
+                std::to_string(sample.pair_count), std::to_string(sample.object_count),
+                std::to_string(sample.native_bytes), std::to_string(sample.flags)});
 }
 
 Status WriteRunReportCsv(const RunSummary& summary, const std::filesystem::path& folder) {

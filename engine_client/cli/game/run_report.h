@@ -1,5 +1,5 @@
 // The output of `sweepstake run` during a run and at its end: text, JSON and CSV files. All
-// functions except the last one are pure.
+// functions except those that write files are pure.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engine_client/cli/game/run_summary.h"
+#include "engine_client/cli/io/whole_file.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {
@@ -37,6 +38,10 @@ std::string DroppedText(const SessionStats& session, uint64_t frame_count);
 // Returns the report at the end: a table of the arms and some lines.
 std::string RunReportText(const RunSummary& summary);
 nlohmann::ordered_json RunReportJson(const RunSummary& summary);
+// Write the first line of frames.csv, and the line of a frame. Call WriteFrame between frames, so
+// that its time does not count as frame time.
+void WriteFrameHeader(WholeFile& csv);
+void WriteFrame(const FrameSample& sample, const AdaptiveBroadPhase& adaptive, WholeFile& csv);
 // Writes switches.csv and posteriors.csv into the existing `folder`. Error: kInvalidArgument (a
 // file cannot be written).
 Status WriteRunReportCsv(const RunSummary& summary, const std::filesystem::path& folder);

@@ -1,8 +1,11 @@
-// A text table. Columns are two spaces apart, and columns of numbers are aligned right.
+// A text table, and numbers as text. Columns are two spaces apart, and columns of numbers are
+// aligned right.
 #pragma once
 
+#include <cstdint>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sweepstake::cli {
@@ -36,5 +39,11 @@ std::string Fixed(double value, int decimals);
 
 // Returns 100 times `ratio` with `decimals` digits after the point: "12.3 %".
 std::string Percent(double ratio, int decimals);
+
+// Returns the number with commas between thousands: "12,345,678".
+std::string Grouped(uint64_t value);
+
+// Returns the number of characters of UTF-8 text.
+size_t LetterCount(std::string_view text);
 
 }  // namespace sweepstake::cli

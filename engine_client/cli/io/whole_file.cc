@@ -1,7 +1,10 @@
 #include "engine_client/cli/io/whole_file.h"
 
+#include <string>
 #include <system_error>
 #include <utility>
+
+#include "engine_client/decider/audit/csv.h"
 
 namespace sweepstake::cli {
 
@@ -38,6 +41,12 @@ void WholeFile::Write(std::string_view bytes) {
   file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
+void WholeFile::WriteRow(std::initializer_list<std::string_view> cells) {
+  std::string line;
+  decision::AppendCsvLine(line, cells);
+  Write(line + "\r\n");
+}
+
 Status WholeFile::Commit() {
   file_.close();
   std::error_code error;
@@ -47,6 +56,13 @@ Status WholeFile::Commit() {
             path_.string() + " cannot be written; check that its disk is not full"};
   }
   return {};
+}
+
+Status WriteWhole(const std::filesystem::path& path, std::string_view bytes) {
+  const auto file = WholeFile::Create(path);
+  if (!file.ok()) return file.status();
+  (*file)->Write(bytes);
+  return (*file)->Commit();
 }
 
 }  // namespace sweepstake::cli

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <memory>
 #include <string_view>
 
@@ -22,6 +23,8 @@ class WholeFile {
   WholeFile& operator=(const WholeFile&) = delete;
 
   void Write(std::string_view bytes);
+  // Writes a line of CSV (RFC 4180).
+  void WriteRow(std::initializer_list<std::string_view> cells);
   // Renames the temporary file to its final name. Error: kInvalidArgument (it could not be
   // written).
   Status Commit();
@@ -33,5 +36,8 @@ class WholeFile {
   std::filesystem::path temporary_path_;
   std::ofstream file_;
 };
+
+// Writes a file with this content. Errors: those of WholeFile.
+Status WriteWhole(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace sweepstake::cli

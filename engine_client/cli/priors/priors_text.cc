@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "engine_client/cli/io/json_output.h"
-#include "engine_client/cli/io/numbers.h"
 #include "engine_client/cli/io/text_table.h"
 
 namespace sweepstake::cli {

@@ -1,6 +1,5 @@
 #include "engine_client/decider/audit/audit_csv.h"
 
-#include <span>
 #include <utility>
 
 #include "engine_client/decider/audit/field_text.h"
@@ -83,14 +82,6 @@ Lines LinesOf(const AuditRow& row, bool writes_names) {
   return lines;
 }
 
-void AppendLine(std::string& text, std::span<const std::string> cells) {
-  const char* separator = "";
-  for (const std::string& cell : cells) {
-    AppendCsv(text += separator, cell);
-    separator = ",";
-  }
-}
-
 }  // namespace
 
 const std::vector<std::string>& AuditColumns() {
@@ -102,7 +93,7 @@ Lines AuditCells(const AuditRow& row) { return LinesOf(row, /*writes_names=*/fal
 
 std::string AuditHeader() {
   std::string text;
-  AppendLine(text, AuditColumns());
+  AppendCsvLine(text, AuditColumns());
   return text;
 }
 
@@ -110,7 +101,7 @@ std::string AuditLines(const AuditRow& row) {
   std::string text;
   for (const auto& line : AuditCells(row)) {
     if (!text.empty()) text += '\n';
-    AppendLine(text, line);
+    AppendCsvLine(text, line);
   }
   return text;
 }

@@ -11,6 +11,16 @@ namespace sweepstake::decision {
 // Appends the cell, in quotes if it contains a comma, a quote or a line break.
 void AppendCsv(std::string& out, std::string_view cell);
 
+// Appends the cells, separated by commas.
+template <typename Cells>
+void AppendCsvLine(std::string& out, const Cells& cells) {
+  const char* separator = "";
+  for (const std::string_view cell : cells) {
+    AppendCsv(out += separator, cell);
+    separator = ",";
+  }
+}
+
 // Reads record by record. Lines end with LF or CR LF; the last line end may be missing.
 class CsvReader {
  public:

@@ -458,11 +458,6 @@ Result<bool> HasArray(const Json& document, const char* name) {
   return Broken(std::string("the priors have no array \"") + name + "\" of objects");
 }
 
-Status Unwritable(const std::filesystem::path& path) {
-  return {StatusCode::kUnavailable,
-          "cannot write " + path.string() + "; check that the folder exists and has room"};
-}
-
 }  // namespace
 
 Result<std::vector<PriorRecord>> ParsePriors(std::string_view text) {
@@ -529,27 +524,6 @@ Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& pat
   Result<std::vector<PriorRecord>> records = ParsePriors(text);
   if (!records.ok()) return Broken(path.string() + ": " + records.status().message());
   return records;
-}
-
-Status WritePriorsFile(std::span<const PriorRecord> records, const std::filesystem::path& path) {
-  return WritePriorsText(FormatPriors(records), path);
-}
-
-Status WritePriorsText(std::string_view text, const std::filesystem::path& path) {
-  std::error_code error;
-  // Does not replace a device or a pipe by a file.
-  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
-    return Unwritable(path);
-  }
-  std::filesystem::path partial = path;
-  partial += ".partial";
-  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  if (file) std::filesystem::rename(partial, path, error);
-  if (file && !error) return {};
-  std::filesystem::remove(partial, error);
-  return Unwritable(path);
 }
 
 }  // namespace sweepstake

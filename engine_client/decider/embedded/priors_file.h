@@ -22,7 +22,7 @@
 //
 // Bounds: 128 MiB, 200,000 records or 1,000,000 sums, names of 128 bytes. Errors are one line and
 // name the record, or the scene of sums, by its position from 0: kNotFound (no such file),
-// kDataLoss (broken content), kUnavailable (cannot be written).
+// kDataLoss (broken content).
 #pragma once
 
 #include <filesystem>
@@ -43,9 +43,4 @@ Result<std::vector<PriorRecord>> ParsePriors(std::string_view text);
 std::string FormatPriors(std::span<const PriorRecord> records);
 
 Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& path);
-// Writes the file atomically: after an error the previous file is unchanged.
-Status WritePriorsFile(std::span<const PriorRecord> records, const std::filesystem::path& path);
-// Does the same with a text that FormatPriors returned.
-Status WritePriorsText(std::string_view text, const std::filesystem::path& path);
-
 }  // namespace sweepstake

@@ -23,16 +23,18 @@ struct Numbers {
 // parse error.
 int Parse(const std::string& arguments, Numbers& parsed) {
   CLI::App app("test", "test");
+  Terminal terminal{.out = std::cout, .err = std::cerr};
   int exit_code = -1;
   AddCommand<Numbers>(
-      app, "numbers", "Reads numbers", "  test numbers --whole 1\n", exit_code,
+      {app, terminal, exit_code, arguments}, "numbers", "Reads numbers",
+      "  test numbers --whole 1\n",
       [](CLI::App& command, Numbers& numbers) {
         command.add_option("--whole", numbers.whole)->check(WholeUpTo(10));
         command.add_option("--real", numbers.real)->check(RealFrom(0, 1));
         AddSeedOption(command, numbers.seed, "the test");
         AddJsonFlag(command, numbers.json);
       },
-      [&](const Numbers& numbers) {
+      [&](const Numbers& numbers, Terminal&) {
         parsed = numbers;
         return 42;
       });
@@ -64,10 +66,12 @@ TEST(AddCommand, KeepsTheDefaultsOfOptionsThatAreNotGiven) {
 
 TEST(AddCommand, EndsItsHelpWithTheExamples) {
   CLI::App app("test", "test");
+  Terminal terminal{.out = std::cout, .err = std::cerr};
   int exit_code = 0;
+  const std::string line;
   CLI::App* command = AddCommand<Numbers>(
-      app, "numbers", "Reads numbers", "  test numbers\n", exit_code, [](CLI::App&, Numbers&) {},
-      [](const Numbers&) { return 0; });
+      {app, terminal, exit_code, line}, "numbers", "Reads numbers", "  test numbers\n",
+      [](CLI::App&, Numbers&) {}, [](const Numbers&, Terminal&) { return 0; });
   EXPECT_THAT(command->help(), HasSubstr("Examples:\n  test numbers\n"));
 }
 

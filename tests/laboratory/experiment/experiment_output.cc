@@ -8,7 +8,6 @@
 
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/io/json_output.h"
-#include "engine_client/cli/io/numbers.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
 #include "engine_client/decider/audit/csv.h"

@@ -9,7 +9,7 @@
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/duration.h"
-#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/io/process.h"
 #include "engine_client/decider/options.h"
 #include "engine_client/telemetry/common/study_session.h"
 #include "sweepstake/session.h"

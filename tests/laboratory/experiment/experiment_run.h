@@ -7,7 +7,7 @@
 //
 // Each trace and each run is written to disk when it ends. All functions call `on_progress` with
 // the finished share and the name of the current cell or run. They return early, without an error,
-// if a stop was requested (stop_signal.h).
+// if a stop was requested (process.h).
 #pragma once
 
 #include <cstdint>

@@ -10,19 +10,16 @@ namespace sweepstake::cli {
 
 Status WriteDocument(const std::filesystem::path& path, const DocumentFormat& format,
                      const nlohmann::ordered_json& content) {
-  auto file = WholeFile::Create(path);
-  if (!file.ok()) return file.status();
   nlohmann::ordered_json document = {{"format", format.name}, {"version", format.version}};
   document.update(content);
+  std::string bytes;
   if (format.is_cbor) {
-    std::string bytes;
     nlohmann::ordered_json::to_cbor(document, bytes);
-    (*file)->Write(bytes);
   } else {
     constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
-    (*file)->Write(document.dump(format.is_indented ? 2 : -1, ' ', false, kReplace) + "\n");
+    bytes = document.dump(format.is_indented ? 2 : -1, ' ', false, kReplace) + "\n";
   }
-  return (*file)->Commit();
+  return WriteWhole(path, bytes);
 }
 
 Status ReadDocument(const std::filesystem::path& path, const DocumentFormat& format,

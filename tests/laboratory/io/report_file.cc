@@ -42,10 +42,7 @@ Status ReportPageStatus() {
 Status WriteReport(const std::string& path, std::span<const std::string> documents,
                    Terminal& terminal) {
   if (Status status = ReportPageStatus(); !status.ok()) return status;
-  auto file = WholeFile::Create(path);
-  if (!file.ok()) return file.status();
-  (*file)->Write(FillReportPage(ReportPage(), documents));
-  Status status = (*file)->Commit();
+  Status status = WriteWhole(path, FillReportPage(ReportPage(), documents));
   if (status.ok()) terminal.err << "The report is in " << path << '\n';
   return status;
 }

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "engine_client/cli/io/json_output.h"
-#include "engine_client/cli/io/numbers.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/decider/session/policy_registry.h"
 #include "tests/laboratory/policies/study_policies.h"

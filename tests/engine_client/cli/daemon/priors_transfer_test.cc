@@ -5,7 +5,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/daemon/priors_transfer.h"
+#include "engine_client/cli/daemon/daemon_calls.h"
+#include "engine_client/cli/io/whole_file.h"
+#include "engine_client/decider/embedded/priors_file.h"
 #include "tests/engine_client/cli/command_run.h"
 #include "tests/engine_client/cli/daemon/fake_daemon_services.h"
 #include "tests/support/file_text.h"
@@ -110,7 +112,7 @@ TEST(PriorsCommand, CountsRecordsThatAreStoredUnderAnotherScene) {
   EXPECT_EQ(result->absent_count, 1U);
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "p.json").string();
-  ASSERT_TRUE(WritePriorsFile(std::vector{renamed}, file).ok());
+  ASSERT_TRUE(WriteWhole(file, FormatPriors(std::vector{renamed})).ok());
   const CommandRun run = RunCommand("priors import --in " + file + " --daemon " + daemon.address());
   EXPECT_THAT(run.out, HasSubstr("1 of these are not stored under their project and scene"));
 }

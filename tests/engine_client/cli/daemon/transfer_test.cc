@@ -8,9 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "engine_client/cli/daemon/audit_transfer.h"
-#include "engine_client/cli/daemon/posteriors_transfer.h"
-#include "engine_client/cli/daemon/sessions_transfer.h"
+#include "engine_client/cli/daemon/daemon_calls.h"
 #include "engine_client/decider/audit/audit_csv.h"
 #include "engine_client/decider/audit/audit_log.h"
 #include "engine_client/telemetry/conversion/audit_conversion.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/cli/game/frame_log.h"
+#include "engine_client/cli/game/run_report.h"
 #include "engine_client/cli/game/run_summary.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "tests/support/temporary_directory.h"
@@ -199,10 +199,11 @@ TEST_F(GameRunTest, AnUnknownArmIsAnErrorThatListsTheArms) {
 TEST_F(GameRunTest, TheFrameLogHasARowPerFrame) {
   Start(Mode::kManual, "SAP");
   const test_support::TemporaryDirectory folder;
-  const auto log = std::move(*FrameLog::Create(folder.path() / "frames.csv"));
+  const auto log = std::move(*WholeFile::Create(folder.path() / "frames.csv"));
+  WriteFrameHeader(*log);
   for (int i = 0; i < 3; ++i) {
     run_->Frame();
-    log->Write(run_->adaptive().last_sample(), run_->adaptive());
+    WriteFrame(run_->adaptive().last_sample(), run_->adaptive(), *log);
   }
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "frames.csv"));
   ASSERT_TRUE(log->Commit().ok());

@@ -54,5 +54,16 @@ TEST(WholeFile, RejectsAFileThatCannotBeWrittenAtOnce) {
   EXPECT_EQ(FileCount(folder.path()), 0U);
 }
 
+TEST(WriteRow, QuotesCellsAsInRfc4180) {
+  const test_support::TemporaryDirectory folder;
+  const path place = folder.path() / "rows.csv";
+  const auto file = std::move(*WholeFile::Create(place));
+  file->WriteRow({"a", "b"});
+  file->WriteRow({"1", "x,y"});
+  file->WriteRow({"a\"b", "a\nb"});
+  EXPECT_TRUE(file->Commit().ok());
+  EXPECT_EQ(Content(place), "a,b\r\n1,\"x,y\"\r\n\"a\"\"b\",\"a\nb\"\r\n");
+}
+
 }  // namespace
 }  // namespace sweepstake::cli

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/cli/io/whole_file.h"
 #include "engine_client/decider/embedded/priors_file.h"
 #include "engine_client/decider/policy/log_cost.h"
 #include "engine_client/decider/pooling/priors_sums.h"
@@ -51,7 +52,7 @@ class PriorsFilesTest : public testing::Test {
  protected:
   std::string Write(const std::string& name, const std::vector<PriorRecord>& records) {
     const std::string path = (folder_.path() / name).string();
-    EXPECT_TRUE(WritePriorsFile(records, path).ok());
+    EXPECT_TRUE(WriteWhole(path, FormatPriors(records)).ok());
     return path;
   }
   // Returns the only entry of the doctor's output for build 1.1.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "engine_client/decider/embedded/priors_file.h"
@@ -258,6 +259,10 @@ class EmbeddedDeciderPriors : public ::testing::Test {
   }
   void TearDown() override { std::filesystem::remove(path_); }
 
+  void Write(const std::vector<PriorRecord>& records) const {
+    std::ofstream(path_, std::ios::binary) << FormatPriors(records);
+  }
+
   static PriorRecord RecordOf(const std::string& arm, uint32_t version, const std::string& source) {
     PriorRecord record;
     record.key.project = record.key.scene = "default";
@@ -290,7 +295,7 @@ TEST_F(EmbeddedDeciderPriors, AreTheSumOfTheSourcesOfMatchingArms) {
   records.back().key.machine_class = "phone";
   records.push_back(RecordOf("DBVT", 1, "g"));
   records.back().key.reward_version = 2;
-  ASSERT_TRUE(WritePriorsFile(records, path_).ok());
+  Write(records);
   const auto decider = MakeDecider(Options());
   // As in a daemon, the count includes the scene's sources of other arms and versions.
   EXPECT_EQ(decider->prior_source_count(), 4U);
@@ -304,7 +309,7 @@ TEST_F(EmbeddedDeciderPriors, HaveTheRewardVersionOfThePolicy) {
   std::vector<PriorRecord> records = {RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b"),
                                       RecordOf("DBVT", 1, "c")};
   records[1].key.reward_version = records[2].key.reward_version = 3;
-  ASSERT_TRUE(WritePriorsFile(records, path_).ok());
+  Write(records);
   EXPECT_EQ(MakeDecider(Options())->prior_source_count(), 1U);
   EmbeddedOptions adaptive = Options();
   adaptive.policy = "adaptive";
@@ -314,7 +319,7 @@ TEST_F(EmbeddedDeciderPriors, HaveTheRewardVersionOfThePolicy) {
 TEST_F(EmbeddedDeciderPriors, ErrorsNameTheInvalidRecord) {
   PriorRecord broken = RecordOf("SAP", 1, "a");
   broken.evidence.alpha = -1;
-  ASSERT_TRUE(WritePriorsFile(std::vector{RecordOf("SAP", 1, "x"), broken}, path_).ok());
+  Write({RecordOf("SAP", 1, "x"), broken});
   const auto made = EmbeddedDecider::Create(Options(), kArms, kVersions, 0);
   ASSERT_FALSE(made.ok());
   EXPECT_EQ(made.status().code(), StatusCode::kDataLoss);
@@ -399,8 +404,7 @@ TEST(EmbeddedDeciderExport, HasANewSourceIdInEachRunByDefault) {
 }
 
 TEST_F(EmbeddedDeciderPriors, OfAFileAndATextAreMerged) {
-  ASSERT_TRUE(
-      WritePriorsFile(std::vector{RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b")}, path_).ok());
+  Write({RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b")});
   std::vector<PriorRecord> saved = {RecordOf("SAP", 1, "b"), RecordOf("DBVT", 1, "c")};
   saved[0].source_sequence = 2;
   saved[0].evidence.alpha = 100;

@@ -11,7 +11,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/io/process.h"
 #include "engine_client/cli/io/terminal.h"
 #include "tests/laboratory/tests/experiment/experiment_records.h"
 #include "tests/laboratory/tests/lab_command.h"

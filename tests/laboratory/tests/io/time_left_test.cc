@@ -1,4 +1,4 @@
-#include "tests/laboratory/io/time_left.h"
+#include "tests/laboratory/laboratory.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -13,7 +13,7 @@
 #include <string>
 #include <thread>
 
-#include "engine_client/cli/daemon/sessions_transfer.h"
+#include "engine_client/cli/daemon/daemon_calls.h"
 #include "server/rpc/rpc_server.h"
 #include "server/storage/store_thread.h"
 #include "tests/server/rpc/holding_store.h"

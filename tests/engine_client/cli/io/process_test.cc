@@ -1,4 +1,4 @@
-#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/io/process.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,10 @@
-#include "engine_client/cli/io/run_main.h"
+#include "engine_client/cli/io/process.h"
 
 #include <grpc/support/log.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <exception>
 #include <iostream>
 
@@ -16,6 +17,13 @@ size_t ColumnsOfStderr() {
   winsize size{};
   const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
   return known ? size.ws_col : kDefaultColumns;
+}
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+void OnStop(int signal) {
+  stop_requested = 1;
+  std::signal(signal, SIG_DFL);
 }
 
 }  // namespace
@@ -36,5 +44,12 @@ int RunMain(int argc, char** argv, int (*run)(std::span<char* const> words, Term
     return kCheckFailed;
   }
 }
+
+void InstallStopSignal() {
+  std::signal(SIGINT, OnStop);
+  std::signal(SIGTERM, OnStop);
+}
+
+bool StopRequested() { return stop_requested != 0; }
 
 }  // namespace sweepstake::cli
