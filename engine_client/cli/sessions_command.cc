@@ -1,5 +1,6 @@
 // `sweepstake sessions list|watch|kick|pin|release`: shows, ends and steers the sessions of a
 // daemon.
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
@@ -8,6 +9,7 @@
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/process.h"
 #include "engine_client/cli/io/text_table.h"
+#include "engine_client/decider/types.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -24,31 +26,13 @@ struct SessionsOptions {
   bool json = false;
 };
 
-std::string StateText(v1::SessionState state) {
-  switch (state) {
-    case v1::SESSION_STATE_CONNECTED:
-      return "connected";
-    case v1::SESSION_STATE_LOST:
-      return "lost";
-    case v1::SESSION_STATE_ENDING:
-      return "ending";
-    default:
-      return "unknown";
-  }
-}
+// Words of v1::SessionState and v1::SessionEnd by value.
+constexpr std::array<std::string_view, 4> kStateNames = {"unknown", "connected", "lost", "ending"};
+constexpr std::array<std::string_view, 4> kEndNames = {"unknown", "goodbye", "kicked", "forgotten"};
 
-std::string EndText(v1::SessionEnd end) {
-  switch (end) {
-    case v1::SESSION_END_GOODBYE:
-      return "goodbye";
-    case v1::SESSION_END_KICKED:
-      return "kicked";
-    case v1::SESSION_END_FORGOTTEN:
-      return "forgotten";
-    default:
-      return "unknown";
-  }
-}
+std::string StateText(v1::SessionState state) { return decision::NameOf(kStateNames, state); }
+
+std::string EndText(v1::SessionEnd end) { return decision::NameOf(kEndNames, end); }
 
 std::string ModeText(v1::Mode mode) { return mode == v1::MODE_AI ? "ai" : "manual"; }
 

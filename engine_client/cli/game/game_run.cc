@@ -118,16 +118,6 @@ void GameRun::NoteVerdict(const FrameSample& sample) {
       {.frame_index = sample.frame_index, .time_ns = elapsed_ns(), .verdict = verdict});
 }
 
-void GameRun::OnFrame(const FrameSample& sample) noexcept { sink_.OnFrame(sample); }
-
-void GameRun::OnDescriptor(const SceneDescriptor& descriptor) noexcept {
-  sink_.OnDescriptor(descriptor);
-}
-
-void GameRun::OnModeChange(const ModeChange& change) noexcept { sink_.OnModeChange(change); }
-
-void GameRun::OnShadow(const ShadowSample& sample) noexcept { sink_.OnShadow(sample); }
-
 void GameRun::OnSwitch(const SwitchOutcome& outcome) noexcept {
   if (outcomes_.size() < kMaxOutcomes) outcomes_.push_back(outcome);
   sink_.OnSwitch(outcome);

@@ -79,11 +79,13 @@ class GameRun final : private FrameSink {
   GameRun(Scene& scene, FrameSink& sink, uint64_t frame_interval_ns);
 
   void OnBoxes(std::span<const Aabb> boxes) noexcept override { sink_.OnBoxes(boxes); }
-  void OnFrame(const FrameSample& sample) noexcept override;
-  void OnDescriptor(const SceneDescriptor& descriptor) noexcept override;
+  void OnFrame(const FrameSample& sample) noexcept override { sink_.OnFrame(sample); }
+  void OnDescriptor(const SceneDescriptor& descriptor) noexcept override {
+    sink_.OnDescriptor(descriptor);
+  }
   void OnSwitch(const SwitchOutcome& outcome) noexcept override;
-  void OnModeChange(const ModeChange& change) noexcept override;
-  void OnShadow(const ShadowSample& sample) noexcept override;
+  void OnModeChange(const ModeChange& change) noexcept override { sink_.OnModeChange(change); }
+  void OnShadow(const ShadowSample& sample) noexcept override { sink_.OnShadow(sample); }
   // Waits until the next frame is due. Returns the time.
   uint64_t Pace(uint64_t now_ns);
   bool Note(const FrameSample& sample);

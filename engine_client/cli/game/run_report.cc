@@ -9,6 +9,7 @@
 #include "engine_client/cli/io/standing_cells.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
+#include "engine_client/decider/types.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -18,23 +19,16 @@ using Json = nlohmann::ordered_json;
 constexpr std::array kReasons = {SwitchReason::kPolicy, SwitchReason::kExploration,
                                  SwitchReason::kBailOut, SwitchReason::kManual};
 
-std::string StateName(ShadowState state) {
-  switch (state) {
-    case ShadowState::kOff:
-      return "off";
-    case ShadowState::kOneArm:
-      return "off, there is only one arm";
-    case ShadowState::kNoSpareCore:
-      return "off, no core to spare";
-    case ShadowState::kPaused:
-      return "paused in manual mode";
-    case ShadowState::kRunning:
-      return "running";
-    case ShadowState::kTooBig:
-      return "off, the scene is too big for the lane's memory";
-  }
-  return "unknown";
-}
+// Words of ShadowState by value.
+constexpr std::array<std::string_view, 6> kShadowStateNames = {
+    "off",
+    "off, there is only one arm",
+    "off, no core to spare",
+    "paused in manual mode",
+    "running",
+    "off, the scene is too big for the lane's memory"};
+
+std::string StateName(ShadowState state) { return decision::NameOf(kShadowStateNames, state); }
 
 std::string TimeText(double time_s, uint64_t frame_index) {
   return Fixed(time_s, 1) + " s  frame " + std::to_string(frame_index) + ": ";

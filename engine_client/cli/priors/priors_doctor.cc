@@ -1,6 +1,7 @@
 #include "engine_client/cli/priors/priors_doctor.h"
 
 #include <algorithm>
+#include <array>
 
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/priors/priors_text.h"
@@ -19,17 +20,10 @@ constexpr uint64_t kOldDays = 180;
 
 std::string OrUnknown(const std::string& name) { return name.empty() ? "unknown" : name; }
 
-const char* WordOf(Fitness fitness) {
-  switch (fitness) {
-    case Fitness::kValid:
-      return "valid";
-    case Fitness::kNear:
-      return "near";
-    case Fitness::kForeign:
-      break;
-  }
-  return "foreign";
-}
+// Words by value.
+constexpr std::array<const char*, 3> kFitnessNames = {"valid", "near", "foreign"};
+
+const char* WordOf(Fitness fitness) { return kFitnessNames[static_cast<size_t>(fitness)]; }
 
 // Returns the weight relative to evidence that this machine and build measured with the same
 // version of the arm.
@@ -123,15 +117,10 @@ std::string DoctorText(const std::vector<Diagnosed>& diagnosed) {
 Json DoctorJson(const std::vector<Diagnosed>& diagnosed) {
   Json entries = Json::array();
   for (const Diagnosed& one : diagnosed) {
-    entries.push_back({{"project", one.key.project},
-                       {"scene", one.key.scene},
-                       {"build", one.key.build},
-                       {"machine_class", one.key.machine_class},
-                       {"reward_version", one.key.reward_version},
-                       {"quarantined", one.key.is_quarantined},
-                       {"fitness", WordOf(one.fitness)},
-                       {"weight", one.weight},
-                       {"reasons", one.reasons}});
+    Json& entry = entries.emplace_back(KeyJson(one.key));
+    entry["fitness"] = WordOf(one.fitness);
+    entry["weight"] = one.weight;
+    entry["reasons"] = one.reasons;
   }
   return entries;
 }

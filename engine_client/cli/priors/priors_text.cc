@@ -38,6 +38,15 @@ std::string NameOf(const decision::PriorsGroupKey& key) {
   return name;
 }
 
+Json KeyJson(const decision::PriorsGroupKey& key) {
+  return {{"project", key.project},
+          {"scene", key.scene},
+          {"build", key.build},
+          {"machine_class", key.machine_class},
+          {"reward_version", key.reward_version},
+          {"quarantined", key.is_quarantined}};
+}
+
 std::string ShowText(const PriorsGroups& groups) {
   TextTable table({"arm", "version", "windows", "visits", "bail-outs", "cost ratio"});
   for (const auto& [key, group] : groups) {
@@ -62,14 +71,9 @@ Json ShowJson(const PriorsGroups& groups) {
                       {"bail_outs", arm.evidence.bail_out_count},
                       {"cost_ratio", OrNull(RatioOf(arm))}});
     }
-    entries.push_back({{"project", key.project},
-                       {"scene", key.scene},
-                       {"build", key.build},
-                       {"machine_class", key.machine_class},
-                       {"reward_version", key.reward_version},
-                       {"quarantined", key.is_quarantined},
-                       {"sources", group.sources.size()},
-                       {"arms", arms}});
+    Json& entry = entries.emplace_back(KeyJson(key));
+    entry["sources"] = group.sources.size();
+    entry["arms"] = std::move(arms);
   }
   return entries;
 }

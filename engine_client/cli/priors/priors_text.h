@@ -13,6 +13,8 @@ namespace sweepstake::cli {
 // Returns "project/scene", followed by the class of machines, the build and the quarantine if they
 // are set.
 std::string NameOf(const decision::PriorsGroupKey& key);
+// Returns an object with the members of the key.
+nlohmann::ordered_json KeyJson(const decision::PriorsGroupKey& key);
 
 // Returns a table with a title and a row per arm for each group. Costs are shown only for reward
 // version 3.
