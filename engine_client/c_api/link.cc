@@ -1,5 +1,4 @@
 // The session with a daemon over the caller's transport: a SessionLink behind a lock.
-#include <algorithm>
 #include <cstring>
 #include <mutex>
 #include <string>
@@ -301,12 +300,6 @@ swp_result swp_link_beliefs(swp_link* link, swp_belief* beliefs, uint32_t capaci
   return UseLink(link, [&](Link& live) {
     if (count == nullptr) return NullArgument("count");
     if (beliefs == nullptr && capacity > 0) return NullArgument("beliefs");
-    const SessionStats stats = live.protocol.stats();
-    *count = static_cast<uint32_t>(stats.beliefs.size());
-    if (stats.beliefs.size() > capacity) return TooFewPlaces();
-    std::transform(stats.beliefs.begin(), stats.beliefs.end(), beliefs, [](const auto& belief) {
-      return swp_belief{belief.alpha, belief.beta};
-    });
-    return kOk;
+    return GiveBeliefs(live.protocol.stats().beliefs, beliefs, capacity, count);
   });
 }

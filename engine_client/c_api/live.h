@@ -130,4 +130,14 @@ swp_result Use(Object* object, const Body& body) noexcept {
   }
 }
 
+// Reads a value of the content into `*out`, which an error calls `name`.
+template <typename Object, typename Value, typename Read>
+swp_result Get(const Object* object, std::string_view name, Value* out, const Read& read) noexcept {
+  return Use(object, [&](const auto& live) {
+    if (out == nullptr) return NullArgument(name);
+    *out = static_cast<Value>(read(live));
+    return kOk;
+  });
+}
+
 }  // namespace sweepstake::c_api

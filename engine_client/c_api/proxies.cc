@@ -23,6 +23,7 @@ using sweepstake::ProxySetOptions;
 using sweepstake::Ray;
 using sweepstake::RayHit;
 using sweepstake::Sphere;
+using sweepstake::Status;
 using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 
 // The structs cross the boundary by pointer cast.
@@ -131,7 +132,7 @@ class Batch {
 };
 
 // Converts the status of a query.
-swp_result ToQueryResult(const sweepstake::Status& status) {
+swp_result ToQueryResult(const Status& status) {
   if (status.code() != sweepstake::StatusCode::kFailedPrecondition) return ToResult(status);
   return Fail(SWP_FAILED_PRECONDITION,
               "call swp_proxies_prepare_queries first, and again after every change");
@@ -158,6 +159,47 @@ void Unpack(swp_ray_hit* hits, uint64_t count) {
 struct swp_proxies final : Handle<Proxies> {
   using Handle::Handle;
 };
+
+namespace {
+
+// Finds the proxies that touch each of the shapes. `names` are the required arguments in an error.
+template <typename Shape, typename Given>
+swp_result QueryShapes(const swp_proxies* proxies,
+                       Status (ProxySet::*query)(std::span<const Shape>, const CollisionFilter&,
+                                                 std::span<ProxyHandle>, std::span<size_t>) const,
+                       const Given* shapes, uint32_t count, std::string_view names,
+                       const swp_filter* filter, swp_proxy* found, uint64_t capacity,
+                       uint64_t* ends) {
+  return Use(proxies, [&](const Proxies& live) {
+    if ((shapes == nullptr || ends == nullptr) && count > 0) return NullArgument(names);
+    if (found == nullptr && capacity > 0) return NullArgument("found");
+    const std::span asked{reinterpret_cast<const Shape*>(shapes), count};
+    const std::span out{reinterpret_cast<ProxyHandle*>(found), capacity};
+    const std::span places{reinterpret_cast<size_t*>(ends), count};
+    const Status status = (live.set.*query)(asked, FilterOrAll(filter), out, places);
+    if (!status.ok()) return ToQueryResult(status);
+    return !places.empty() && places.back() > capacity ? TooFewPlaces() : kOk;
+  });
+}
+
+// Finds the nearest hit of each of the moving shapes.
+template <typename Shape, typename Given>
+swp_result CastShapes(const swp_proxies* proxies,
+                      Status (ProxySet::*cast)(std::span<const Shape>, const CollisionFilter&,
+                                               std::span<RayHit>) const,
+                      const Given* shapes, uint32_t count, std::string_view names,
+                      const swp_filter* filter, swp_ray_hit* hits) {
+  return Use(proxies, [&](const Proxies& live) {
+    if ((shapes == nullptr || hits == nullptr) && count > 0) return NullArgument(names);
+    const std::span given{reinterpret_cast<const Shape*>(shapes), count};
+    const Status status = (live.set.*cast)(given, FilterOrAll(filter), Packed(hits, count));
+    if (!status.ok()) return ToQueryResult(status);
+    Unpack(hits, count);
+    return kOk;
+  });
+}
+
+}  // namespace
 
 swp_result swp_proxies_options_init(swp_proxies_options* options) {
   return Give("swp_proxies_options", kProxyDefaults, options);
@@ -254,11 +296,8 @@ swp_result swp_proxies_compact(swp_proxies* proxies) {
 }
 
 swp_result swp_proxies_snapshot_bytes(const swp_proxies* proxies, uint64_t* bytes) {
-  return Use(proxies, [&](const Proxies& live) {
-    if (bytes == nullptr) return NullArgument("bytes");
-    *bytes = live.set.snapshot_bytes();
-    return kOk;
-  });
+  return Get(proxies, "bytes", bytes,
+             [](const Proxies& live) { return live.set.snapshot_bytes(); });
 }
 
 swp_result swp_proxies_save(const swp_proxies* proxies, void* snapshot, uint64_t capacity) {
@@ -363,59 +402,27 @@ swp_result swp_proxies_prepare_queries(swp_proxies* proxies) {
 swp_result swp_proxies_query_boxes(const swp_proxies* proxies, const swp_aabb* boxes,
                                    uint32_t box_count, const swp_filter* filter, swp_proxy* found,
                                    uint64_t capacity, uint64_t* ends) {
-  return Use(proxies, [&](const Proxies& live) {
-    if ((boxes == nullptr || ends == nullptr) && box_count > 0)
-      return NullArgument("boxes and ends");
-    if (found == nullptr && capacity > 0) return NullArgument("found");
-    const std::span out{reinterpret_cast<ProxyHandle*>(found), capacity};
-    const std::span places{reinterpret_cast<size_t*>(ends), box_count};
-    const auto status =
-        live.set.QueryBoxes(ToBoxes(boxes, box_count), FilterOrAll(filter), out, places);
-    if (!status.ok()) return ToQueryResult(status);
-    return !places.empty() && places.back() > capacity ? TooFewPlaces() : kOk;
-  });
+  return QueryShapes(proxies, &ProxySet::QueryBoxes, boxes, box_count, "boxes and ends", filter,
+                     found, capacity, ends);
 }
 
 swp_result swp_proxies_query_spheres(const swp_proxies* proxies, const swp_sphere* spheres,
                                      uint32_t sphere_count, const swp_filter* filter,
                                      swp_proxy* found, uint64_t capacity, uint64_t* ends) {
-  return Use(proxies, [&](const Proxies& live) {
-    if ((spheres == nullptr || ends == nullptr) && sphere_count > 0)
-      return NullArgument("spheres and ends");
-    if (found == nullptr && capacity > 0) return NullArgument("found");
-    const std::span asked{reinterpret_cast<const Sphere*>(spheres), sphere_count};
-    const std::span out{reinterpret_cast<ProxyHandle*>(found), capacity};
-    const std::span places{reinterpret_cast<size_t*>(ends), sphere_count};
-    const auto status = live.set.QuerySpheres(asked, FilterOrAll(filter), out, places);
-    if (!status.ok()) return ToQueryResult(status);
-    return !places.empty() && places.back() > capacity ? TooFewPlaces() : kOk;
-  });
+  return QueryShapes(proxies, &ProxySet::QuerySpheres, spheres, sphere_count, "spheres and ends",
+                     filter, found, capacity, ends);
 }
 
 swp_result swp_proxies_cast_rays(const swp_proxies* proxies, const swp_ray* rays,
                                  uint32_t ray_count, const swp_filter* filter, swp_ray_hit* hits) {
-  return Use(proxies, [&](const Proxies& live) {
-    if ((rays == nullptr || hits == nullptr) && ray_count > 0) return NullArgument("rays and hits");
-    const std::span cast{reinterpret_cast<const Ray*>(rays), ray_count};
-    const auto status = live.set.CastRays(cast, FilterOrAll(filter), Packed(hits, ray_count));
-    if (!status.ok()) return ToQueryResult(status);
-    Unpack(hits, ray_count);
-    return kOk;
-  });
+  return CastShapes(proxies, &ProxySet::CastRays, rays, ray_count, "rays and hits", filter, hits);
 }
 
 swp_result swp_proxies_sweep_boxes(const swp_proxies* proxies, const swp_box_sweep* sweeps,
                                    uint32_t sweep_count, const swp_filter* filter,
                                    swp_ray_hit* hits) {
-  return Use(proxies, [&](const Proxies& live) {
-    if ((sweeps == nullptr || hits == nullptr) && sweep_count > 0)
-      return NullArgument("sweeps and hits");
-    const std::span swept{reinterpret_cast<const BoxSweep*>(sweeps), sweep_count};
-    const auto status = live.set.SweepBoxes(swept, FilterOrAll(filter), Packed(hits, sweep_count));
-    if (!status.ok()) return ToQueryResult(status);
-    Unpack(hits, sweep_count);
-    return kOk;
-  });
+  return CastShapes(proxies, &ProxySet::SweepBoxes, sweeps, sweep_count, "sweeps and hits", filter,
+                    hits);
 }
 
 swp_result swp_proxies_cast_ray(const swp_proxies* proxies, const swp_ray* ray,

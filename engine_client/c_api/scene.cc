@@ -99,34 +99,22 @@ swp_result swp_scene_boxes(const swp_scene* scene, const swp_aabb** boxes, uint3
 }
 
 swp_result swp_scene_world(const swp_scene* scene, swp_aabb* world) {
-  return Use(scene, [&](const OwnScene& live) {
-    if (world == nullptr) return NullArgument("world");
-    const Aabb bounds = live.scene->world();
-    for (int axis = 0; axis < 3; ++axis) {
-      world->min[axis] = bounds.min[axis];
-      world->max[axis] = bounds.max[axis];
-    }
-    return kOk;
-  });
+  return Get(scene, "world", world,
+             [](const OwnScene& live) { return std::bit_cast<swp_aabb>(live.scene->world()); });
 }
 
 swp_result swp_scene_frame_index(const swp_scene* scene, uint64_t* frame_index) {
-  return Use(scene, [&](const OwnScene& live) {
-    if (frame_index == nullptr) return NullArgument("frame_index");
-    *frame_index = live.scene->frame_index();
-    return kOk;
-  });
+  return Get(scene, "frame_index", frame_index,
+             [](const OwnScene& live) { return live.scene->frame_index(); });
 }
 
 swp_result swp_scene_hash(const swp_scene* scene, uint64_t* hash) {
-  return Use(scene, [&](const OwnScene& live) {
-    if (hash == nullptr) return NullArgument("hash");
+  return Get(scene, "hash", hash, [](const OwnScene& live) {
     uint64_t sum = sweepstake::math::kFnv1aStart;
     for (const Aabb& box : live.scene->aabbs()) {
       for (const float value : box.min) sum = HashFloat(sum, value);
       for (const float value : box.max) sum = HashFloat(sum, value);
     }
-    *hash = sum;
-    return kOk;
+    return sum;
   });
 }

@@ -2,7 +2,6 @@
 #include "engine_client/c_api/session.h"
 
 #include <bit>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -193,33 +192,21 @@ swp_result swp_session_set_mode(swp_session* session, swp_mode mode) {
 }
 
 swp_result swp_session_mode(const swp_session* session, swp_mode* mode) {
-  return Use(session, [&](const LiveSession& live) {
-    if (mode == nullptr) return NullArgument("mode");
-    *mode = static_cast<swp_mode>(live.adaptive->mode());
-    return kOk;
-  });
+  return Get(session, "mode", mode, [](const LiveSession& live) { return live.adaptive->mode(); });
 }
 
 swp_result swp_session_active_arm(const swp_session* session, uint32_t* arm) {
-  return Use(session, [&](const LiveSession& live) {
-    if (arm == nullptr) return NullArgument("arm");
-    *arm = live.adaptive->active_arm();
-    return kOk;
-  });
+  return Get(session, "arm", arm,
+             [](const LiveSession& live) { return live.adaptive->active_arm(); });
 }
 
 swp_result swp_session_switch_epoch(const swp_session* session, uint32_t* switch_epoch) {
-  return Use(session, [&](const LiveSession& live) {
-    if (switch_epoch == nullptr) return NullArgument("switch_epoch");
-    *switch_epoch = live.adaptive->switch_epoch();
-    return kOk;
-  });
+  return Get(session, "switch_epoch", switch_epoch,
+             [](const LiveSession& live) { return live.adaptive->switch_epoch(); });
 }
 
 swp_result swp_session_last_sample(const swp_session* session, swp_frame_sample* sample) {
-  return Use(session, [&](const LiveSession& live) {
-    if (sample == nullptr) return NullArgument("sample");
-    std::memcpy(sample, &live.adaptive->last_sample(), sizeof *sample);
-    return kOk;
+  return Get(session, "sample", sample, [](const LiveSession& live) {
+    return std::bit_cast<swp_frame_sample>(live.adaptive->last_sample());
   });
 }

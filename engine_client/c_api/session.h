@@ -47,6 +47,15 @@ struct LiveSession {
   std::atomic<LinkedSession*> link = nullptr;  // null: none is attached
 };
 
+// Copies the beliefs to the caller's array of `capacity` places.
+inline swp_result GiveBeliefs(std::span<const ArmBelief> known, swp_belief* beliefs,
+                              uint32_t capacity, uint32_t* count) noexcept {
+  *count = static_cast<uint32_t>(known.size());
+  if (known.size() > capacity) return TooFewPlaces();
+  for (size_t i = 0; i < known.size(); ++i) beliefs[i] = {known[i].alpha, known[i].beta};
+  return SWP_OK;
+}
+
 }  // namespace sweepstake::c_api
 
 struct swp_session final : sweepstake::c_api::Handle<sweepstake::c_api::LiveSession> {

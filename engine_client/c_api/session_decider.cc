@@ -6,7 +6,6 @@
 #include "engine_client/c_api/sized_struct.h"
 
 using sweepstake::AdaptiveBroadPhase;
-using sweepstake::ArmBelief;
 using sweepstake::DeciderLoop;
 using sweepstake::EmbeddedDecider;
 using sweepstake::EmbeddedOptions;
@@ -163,11 +162,7 @@ swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs, 
     if (count == nullptr) return NullArgument("count");
     if (beliefs == nullptr && capacity > 0) return NullArgument("beliefs");
     if (!live.decider_loop) return NoDecider();
-    const std::vector<ArmBelief> current = live.decider_loop->decider().beliefs();
-    *count = static_cast<uint32_t>(current.size());
-    if (current.size() > capacity) return TooFewPlaces();
-    for (size_t i = 0; i < current.size(); ++i) beliefs[i] = {current[i].alpha, current[i].beta};
-    return kOk;
+    return GiveBeliefs(live.decider_loop->decider().beliefs(), beliefs, capacity, count);
   });
 }
 

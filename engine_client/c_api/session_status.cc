@@ -44,11 +44,8 @@ swp_result CheckArm(const LiveSession& session, uint32_t arm) {
 }  // namespace
 
 swp_result swp_session_arm_count(const swp_session* session, uint32_t* count) {
-  return Use(session, [&](const LiveSession& live) {
-    if (count == nullptr) return NullArgument("count");
-    *count = static_cast<uint32_t>(live.adaptive->arms().size());
-    return kOk;
-  });
+  return Get(session, "count", count,
+             [](const LiveSession& live) { return live.adaptive->arms().size(); });
 }
 
 swp_result swp_session_arm_name(const swp_session* session, uint32_t arm, const char** name) {
@@ -71,11 +68,8 @@ swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
 }
 
 swp_result swp_session_verdict(const swp_session* session, swp_verdict* verdict) {
-  return Use(session, [&](const LiveSession& live) {
-    if (verdict == nullptr) return NullArgument("verdict");
-    *verdict = ToC(live.adaptive->verdict());
-    return kOk;
-  });
+  return Get(session, "verdict", verdict,
+             [](const LiveSession& live) { return ToC(live.adaptive->verdict()); });
 }
 
 swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,

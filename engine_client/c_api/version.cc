@@ -1,4 +1,5 @@
 #include <cstddef>
+#include <utility>
 
 #include "engine_client/c_api/boundary.h"
 #include "sweepstake/adaptive_broad_phase.h"
@@ -47,6 +48,35 @@ static_assert(static_cast<int>(SWP_FRAME_PAUSED) == kFramePaused);
 static_assert(static_cast<int>(SWP_FRAME_LOADING) == kFrameLoading);
 static_assert(static_cast<int>(SWP_FRAME_BAIL_OUT) == kFrameBailOut);
 
+constexpr std::pair<swp_struct, uint32_t> kStructSizes[] = {
+    {SWP_STRUCT_AABB, sizeof(swp_aabb)},
+    {SWP_STRUCT_PAIR, sizeof(swp_pair)},
+    {SWP_STRUCT_COUNTERS, sizeof(swp_counters)},
+    {SWP_STRUCT_HOOKS, sizeof(swp_hooks)},
+    {SWP_STRUCT_LINK_OPTIONS, sizeof(swp_link_options)},
+    {SWP_STRUCT_LINK_STATS, sizeof(swp_link_stats)},
+    {SWP_STRUCT_SCENE_OPTIONS, sizeof(swp_scene_options)},
+    {SWP_STRUCT_SESSION_OPTIONS, sizeof(swp_session_options)},
+    {SWP_STRUCT_FRAME_SAMPLE, sizeof(swp_frame_sample)},
+    {SWP_STRUCT_SWITCH_COMMAND, sizeof(swp_switch_command)},
+    {SWP_STRUCT_SWITCH_OUTCOME, sizeof(swp_switch_outcome)},
+    {SWP_STRUCT_DECIDER_OPTIONS, sizeof(swp_decider_options)},
+    {SWP_STRUCT_BELIEF, sizeof(swp_belief)},
+    {SWP_STRUCT_EXECUTOR, sizeof(swp_executor)},
+    {SWP_STRUCT_WORLD_OPTIONS, sizeof(swp_world_options)},
+    {SWP_STRUCT_PROXIES_OPTIONS, sizeof(swp_proxies_options)},
+    {SWP_STRUCT_FILTER, sizeof(swp_filter)},
+    {SWP_STRUCT_PROXY_OPTIONS, sizeof(swp_proxy_options)},
+    {SWP_STRUCT_PROXY_PAIR, sizeof(swp_proxy_pair)},
+    {SWP_STRUCT_RAY, sizeof(swp_ray)},
+    {SWP_STRUCT_SPHERE, sizeof(swp_sphere)},
+    {SWP_STRUCT_BOX_SWEEP, sizeof(swp_box_sweep)},
+    {SWP_STRUCT_RAY_HIT, sizeof(swp_ray_hit)},
+    {SWP_STRUCT_SHADOW_STATS, sizeof(swp_shadow_stats)},
+    {SWP_STRUCT_DECISION, sizeof(swp_decision)},
+    {SWP_STRUCT_VERDICT, sizeof(swp_verdict)},
+};
+
 }  // namespace
 
 uint32_t swp_abi_version(void) { return SWP_ABI_VERSION; }
@@ -63,60 +93,8 @@ swp_result swp_version(uint32_t* major, uint32_t* minor, uint32_t* patch) {
 }
 
 uint32_t swp_struct_size(swp_struct which) {
-  switch (which) {
-    case SWP_STRUCT_AABB:
-      return sizeof(swp_aabb);
-    case SWP_STRUCT_PAIR:
-      return sizeof(swp_pair);
-    case SWP_STRUCT_COUNTERS:
-      return sizeof(swp_counters);
-    case SWP_STRUCT_HOOKS:
-      return sizeof(swp_hooks);
-    case SWP_STRUCT_LINK_OPTIONS:
-      return sizeof(swp_link_options);
-    case SWP_STRUCT_LINK_STATS:
-      return sizeof(swp_link_stats);
-    case SWP_STRUCT_SCENE_OPTIONS:
-      return sizeof(swp_scene_options);
-    case SWP_STRUCT_SESSION_OPTIONS:
-      return sizeof(swp_session_options);
-    case SWP_STRUCT_FRAME_SAMPLE:
-      return sizeof(swp_frame_sample);
-    case SWP_STRUCT_SWITCH_COMMAND:
-      return sizeof(swp_switch_command);
-    case SWP_STRUCT_SWITCH_OUTCOME:
-      return sizeof(swp_switch_outcome);
-    case SWP_STRUCT_DECIDER_OPTIONS:
-      return sizeof(swp_decider_options);
-    case SWP_STRUCT_BELIEF:
-      return sizeof(swp_belief);
-    case SWP_STRUCT_EXECUTOR:
-      return sizeof(swp_executor);
-    case SWP_STRUCT_WORLD_OPTIONS:
-      return sizeof(swp_world_options);
-    case SWP_STRUCT_PROXIES_OPTIONS:
-      return sizeof(swp_proxies_options);
-    case SWP_STRUCT_FILTER:
-      return sizeof(swp_filter);
-    case SWP_STRUCT_PROXY_OPTIONS:
-      return sizeof(swp_proxy_options);
-    case SWP_STRUCT_PROXY_PAIR:
-      return sizeof(swp_proxy_pair);
-    case SWP_STRUCT_RAY:
-      return sizeof(swp_ray);
-    case SWP_STRUCT_SPHERE:
-      return sizeof(swp_sphere);
-    case SWP_STRUCT_BOX_SWEEP:
-      return sizeof(swp_box_sweep);
-    case SWP_STRUCT_RAY_HIT:
-      return sizeof(swp_ray_hit);
-    case SWP_STRUCT_SHADOW_STATS:
-      return sizeof(swp_shadow_stats);
-    case SWP_STRUCT_DECISION:
-      return sizeof(swp_decision);
-    case SWP_STRUCT_VERDICT:
-      return sizeof(swp_verdict);
-    default:
-      return 0;
+  for (const auto& [known, size] : kStructSizes) {
+    if (known == which) return size;
   }
+  return 0;
 }
