@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "engine_client/telemetry/common/session_base.h"
-#include "engine_client/telemetry/common/units.h"
 #include "engine_client/telemetry/daemon_connection.h"
 #include "engine_client/telemetry/protocol/session_link.h"
 

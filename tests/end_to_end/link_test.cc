@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "engine_client/telemetry/common/units.h"
 #include "engine_client/telemetry/daemon_connection.h"
+#include "engine_client/telemetry/protocol/messages.h"
 #include "sweepstake/c_api.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_directory.h"

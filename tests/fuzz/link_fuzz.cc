@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "engine_client/telemetry/common/units.h"
+#include "engine_client/telemetry/protocol/messages.h"
 #include "engine_client/telemetry/protocol/session_link.h"
 #include "sweepstake/v1/telemetry.pb.h"
 #include "tests/fuzz/input.h"

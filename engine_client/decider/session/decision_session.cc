@@ -176,7 +176,7 @@ void DecisionSession::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
 
 Decision DecisionSession::Tick(int64_t now_ns) {
   assert(now_ns >= next_tick_ns_);
-  if (observer_) ReportTick(now_ns);
+  if (observer_) observer_->OnTick({now_ns, shadow_samples_, descriptor_}, runs_);
   ScheduleNextTick(now_ns);
   AdoptLaterRun(now_ns);
   gate_.OnTick(runs_.active_frames_seen(), now_ns);
@@ -196,10 +196,6 @@ Decision DecisionSession::Tick(int64_t now_ns) {
   runs_.ClearWindow();
   last_tick_ns_ = now_ns;
   return Close(std::move(decision));
-}
-
-void DecisionSession::ReportTick(int64_t now_ns) {
-  observer_->OnTick({now_ns, shadow_samples_, descriptor_}, runs_);
 }
 
 // Learns from the scene descriptor and the samples of the shadow lane. In manual mode they are not

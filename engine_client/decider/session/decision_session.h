@@ -169,7 +169,6 @@ class DecisionSession {
   void Activate(const ArmRun& run, SwitchReason reason, int64_t now_ns);
 
   // The steps of a decision.
-  void ReportTick(int64_t now_ns);
   void ScheduleNextTick(int64_t now_ns);
   Decision Open(int64_t now_ns);
   Decision Close(Decision decision);

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <vector>
 
-#include "engine_client/telemetry/common/units.h"
 #include "engine_client/telemetry/protocol/wire.h"
 
 namespace sweepstake {

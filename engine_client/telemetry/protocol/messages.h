@@ -14,6 +14,13 @@
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/frame_sample.h"
 
+namespace sweepstake {
+
+// Messages have times in milliseconds.
+inline constexpr uint64_t kNsPerMs = 1'000'000;
+
+}  // namespace sweepstake
+
 namespace sweepstake::protocol {
 
 enum class Capability : uint32_t { kOperatorOrders = 1, kBoxView = 2 };

@@ -70,7 +70,7 @@ void ResumableSession::OnWelcome(const protocol::Welcome& welcome) {
   // The daemon could not read its store, which may already contain the sent messages under the old
   // session. They must not count again in a new session.
   if (!resumed && welcome.priors_unavailable && !session_id_.empty())
-    counts_.discarded_frame_count += buffer_.DiscardSent();
+    counts_.dropped_frame_count += buffer_.DiscardSent();
   if (!resumed) BeginSession();
   session_id_ = welcome.session_id;
   resume_token_ = welcome.resume_token;
@@ -106,14 +106,14 @@ void ResumableSession::MarkSent() {
 }
 
 void ResumableSession::Disconnect(bool unknown_session, bool refused) {
-  if (refused && online_) counts_.discarded_frame_count += buffer_.DiscardSent();
+  if (refused && online_) counts_.dropped_frame_count += buffer_.DiscardSent();
   if (refused && !online_) ForgetSession();
   if (unknown_session) session_id_.clear();
   online_ = false;
 }
 
 void ResumableSession::ForgetSession() {
-  counts_.discarded_frame_count += buffer_.DiscardSent();
+  counts_.dropped_frame_count += buffer_.DiscardSent();
   session_id_.clear();
 }
 

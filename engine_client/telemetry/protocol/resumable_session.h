@@ -20,6 +20,7 @@
 #include <string>
 
 #include "engine_client/telemetry/protocol/messages.h"
+#include "sweepstake/session.h"
 
 namespace sweepstake {
 
@@ -89,16 +90,6 @@ class ResumableSession {
     Mode mode = Mode::kAi;
   };
 
-  struct Counts {
-    uint64_t connection_count = 0;
-    uint64_t resumed_count = 0;
-    uint64_t resent_message_count = 0;
-    uint64_t sent_frame_count = 0;       // counts a frame once, even if it was sent again
-    uint64_t discarded_frame_count = 0;  // frames in messages that DiscardSent dropped
-    uint64_t acknowledged_sequence = 0;
-    uint64_t sent_sequence = 0;
-  };
-
   // `hello` has the fields that do not change: project, scene, arms and so on.
   ResumableSession(protocol::Hello hello, size_t unacknowledged_max);
 
@@ -128,7 +119,9 @@ class ResumableSession {
   void ForgetSession();
 
   const std::string& session_id() const { return session_id_; }
-  const Counts& counts() const { return counts_; }
+  // The counts of connections, messages and frames; the other members are not set. A frame that was
+  // sent again is counted once, and a dropped one was in a message that DiscardSent dropped.
+  const SessionStats& counts() const { return counts_; }
 
  private:
   void BeginSession();
@@ -138,7 +131,7 @@ class ResumableSession {
   std::string session_id_;    // empty: none yet
   std::string resume_token_;  // secret that belongs to session_id_
   bool online_ = false;
-  Counts counts_;
+  SessionStats counts_;
 };
 
 }  // namespace sweepstake

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "engine_client/telemetry/common/decider_loop.h"
-#include "engine_client/telemetry/common/units.h"
 #include "engine_client/telemetry/protocol/wire.h"
 #include "engine_client/text/names.h"
 #include "sweepstake/machine_class.h"
@@ -439,22 +438,14 @@ void SessionLink::GiveUp() {
 }
 
 SessionStats SessionLink::stats() const {
-  const ResumableSession::Counts& counts = state_.counts();
-  SessionStats stats;
+  SessionStats stats = state_.counts();
   stats.state = !stream_ || stream_->given_up ? ConnectionState::kOffline
                 : state_.online()             ? ConnectionState::kOnline
                                               : ConnectionState::kConnecting;
   stats.last_error = last_error_;
   stats.refusal = refusal_;
   stats.session_id = state_.session_id();
-  stats.sent_frame_count = counts.sent_frame_count;
-  stats.dropped_frame_count = counts.discarded_frame_count;
-  stats.acknowledged_sequence = counts.acknowledged_sequence;
-  stats.sent_sequence = counts.sent_sequence;
   stats.awaits_acknowledgement = stats.state == ConnectionState::kOnline && state_.full();
-  stats.connection_count = counts.connection_count;
-  stats.resumed_count = counts.resumed_count;
-  stats.resent_message_count = counts.resent_message_count;
   stats.command_count = command_count_;
   stats.unknown_message_count = unknown_message_count_;
   stats.prior_source_count = welcome_.prior_source_count;

@@ -121,7 +121,7 @@ TEST_F(SessionStateTest, ARefusedResumeBeginsANewSessionAndSendsNothingTwice) {
   EXPECT_EQ(state_.Connect(kPosition).session_id, "a");
   state_.Disconnect(false, /*refused=*/true);
   EXPECT_EQ(state_.Connect(kPosition).session_id, "");
-  EXPECT_EQ(state_.counts().discarded_frame_count, 2U) << "session a may already contain them";
+  EXPECT_EQ(state_.counts().dropped_frame_count, 2U) << "session a may already contain them";
   state_.OnWelcome(WelcomeTo("b"));
   EXPECT_EQ(SendAll(), Sequences{1}) << "only the message that was never sent";
 }
@@ -138,7 +138,7 @@ TEST_F(SessionStateTest, SendsNothingTwiceIfTheDaemonCannotReadTheOldSession) {
   welcome.priors_unavailable = true;
   state_.OnWelcome(welcome);
   EXPECT_EQ(SendAll(), Sequences{1}) << "only the message that was never sent";
-  EXPECT_EQ(state_.counts().discarded_frame_count, 2U);
+  EXPECT_EQ(state_.counts().dropped_frame_count, 2U);
 }
 
 TEST_F(SessionStateTest, AWelcomeThatDoesNotResumeBeginsANewSession) {
@@ -169,7 +169,7 @@ TEST_F(SessionStateTest, DropsRefusedMessagesSoThatTheyAreNotRefusedAgain) {
   SendAll();
   state_.Append(Batch());
   state_.Disconnect(false, /*refused=*/true);
-  EXPECT_EQ(state_.counts().discarded_frame_count, 1U);
+  EXPECT_EQ(state_.counts().dropped_frame_count, 1U);
   state_.Connect(kPosition);
   state_.OnWelcome(WelcomeTo("a", true, 0));
   EXPECT_EQ(SendAll(), Sequences{2});
@@ -185,7 +185,7 @@ TEST_F(SessionStateTest, ResumedElsewhereSendsNothingTwice) {
   state_.ForgetSession();
   state_.Disconnect(false, false);
   EXPECT_EQ(state_.session_id(), "");
-  EXPECT_EQ(state_.counts().discarded_frame_count, 1U);
+  EXPECT_EQ(state_.counts().dropped_frame_count, 1U);
   state_.Connect(kPosition);
   state_.OnWelcome(WelcomeTo("other", false, 0));
   EXPECT_EQ(SendAll(), Sequences{1}) << "the message that was never sent, with a new number";
