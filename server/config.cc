@@ -18,7 +18,6 @@
 #include "absl/strings/str_split.h"
 #include "engine_client/decider/session/policy_registry.h"
 #include "engine_client/decider/session/session_setup.h"
-#include "engine_client/telemetry/tls/loopback.h"
 #include "engine_client/telemetry/tls/tls_files.h"
 #include "engine_client/text/names.h"
 #include "server/storage/postgres/shared_store.h"

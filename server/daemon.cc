@@ -10,7 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "engine_client/telemetry/tls/loopback.h"
+#include "engine_client/telemetry/tls/tls_files.h"
 #include "server/daemon_files.h"
 #include "server/daemon_site.h"
 #include "server/host/descriptor_limit.h"

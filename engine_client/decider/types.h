@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -22,17 +23,8 @@ namespace sweepstake::decision {
 // bail-out is answered but is not evidence, because its client's token or address sent too many.
 inline constexpr uint32_t kFrameNoEvidence = uint32_t{1} << 31;
 
-// The properties of the scene that matter to a broad phase (sweepstake.v1.SceneDescriptor). A value
-// that was not measured is absent.
-struct SceneDescriptor {
-  std::optional<double> object_count;
-  std::optional<double> density_ratio;
-  std::optional<double> size_spread;
-  std::optional<double> speed_mean;
-  std::optional<double> speed_spread;
-  std::optional<double> clustering_ratio;
-  std::optional<double> static_ratio;
-};
+// Returns whether a value of a SceneDescriptor was measured.
+inline bool IsMeasured(float value) { return std::isfinite(value) && value >= 0; }
 
 // The early end of a trial (SwitchCommand). detection_time_ns is the shorter one of the two frames
 // that ended it, or at most the mean of all frames. It is a lower bound of the arm's cost.
@@ -48,6 +40,15 @@ struct SwitchCost {
   // present if the client itself switched back; the switch has no cost yet
   std::optional<TrialEnd> ended_trial = {};
 };
+
+inline SwitchCost SwitchCostOf(const SwitchOutcome& outcome) {
+  SwitchCost cost = {.rebuild_time_ns = outcome.rebuild_time_ns,
+                     .settling_cost_ns = outcome.settling_cost_ns};
+  if (outcome.trial_detection_time_ns > 0)
+    cost.ended_trial = {.arm = outcome.trial_arm,
+                        .detection_time_ns = outcome.trial_detection_time_ns};
+  return cost;
+}
 
 // Words of an enumeration by value. An empty word means that the value does not exist.
 inline constexpr std::array<std::string_view, 3> kModeNames = {"", "manual", "ai"};

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine_client/telemetry/tls/loopback.h"
+#include "engine_client/telemetry/protocol/wire.h"
 #include "engine_client/telemetry/tls/tls_files.h"
 
 namespace sweepstake {
@@ -156,6 +156,17 @@ std::string ConnectionAdvice(const std::string& reason, bool with_tls, const Tls
   return "the daemon may require a client certificate: give one that its authority has signed (" +
          names.cert + " and " + names.key +
          "); otherwise its own TLS files may be broken: see its log or /readyz";
+}
+
+v1::ErrorReason ReasonOf(const grpc::Status& status) {
+  v1::ErrorReason reason = v1::ERROR_REASON_UNSPECIFIED;
+  v1::ErrorReason_Parse("ERROR_REASON_" + protocol::ErrorReasonIn(status.error_details()), &reason);
+  return reason;
+}
+
+std::string MessageWithReason(const grpc::Status& status) {
+  const std::string name = protocol::ErrorReasonIn(status.error_details());
+  return name.empty() ? status.error_message() : status.error_message() + " (" + name + ")";
 }
 
 }  // namespace sweepstake

@@ -1,5 +1,5 @@
-// A channel to a daemon, in plain text or with TLS, for sessions and for the command line.
-// Thread-safe.
+// A channel to a daemon, in plain text or with TLS, for sessions and for the command line, and what
+// its errors say. Thread-safe.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -11,6 +11,7 @@
 #include "engine_client/telemetry/common/validation.h"
 #include "sweepstake/session.h"
 #include "sweepstake/status.h"
+#include "sweepstake/v1/errors.pb.h"
 
 namespace sweepstake {
 
@@ -28,5 +29,12 @@ Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& addr
 // Returns advice for the user about a failed connection; empty if `reason` already says everything.
 // `reason` is gRPC's message. The advice refers to the options by `names`.
 std::string ConnectionAdvice(const std::string& reason, bool with_tls, const TlsNames& names);
+
+// Returns why the daemon refused a call or ended a stream (errors.proto). ERROR_REASON_UNSPECIFIED
+// if the status contains no reason or one that only newer versions define.
+v1::ErrorReason ReasonOf(const grpc::Status& status);
+
+// Returns the message, with the reason's name in brackets if there is one: "... (DRAINING)".
+std::string MessageWithReason(const grpc::Status& status);
 
 }  // namespace sweepstake

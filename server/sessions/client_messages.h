@@ -57,7 +57,7 @@ struct FrameBatch {
   std::vector<FrameSample> frames;
   std::vector<ShadowSample> shadows;
   uint64_t dropped_frame_count = 0;
-  std::optional<decision::SceneDescriptor> descriptor;
+  std::optional<SceneDescriptor> descriptor;
 };
 
 // The result of a switch command, or a switch that the game made by itself.

@@ -4,7 +4,6 @@
 #include <chrono>
 
 #include "engine_client/telemetry/daemon_channel.h"
-#include "engine_client/telemetry/error_reason.h"
 
 namespace sweepstake::cli {
 namespace {

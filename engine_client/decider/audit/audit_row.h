@@ -170,20 +170,10 @@ void VisitFields(T& logged, Visit&& visit) {
   visit("decision_count", decision_count);
 }
 
-template <EitherConst<Window> T, typename Visit>
-void VisitFields(T& window, Visit&& visit) {
-  Window::VisitFields(window, visit);
-}
-
-template <EitherConst<ArmRun> T, typename Visit>
-void VisitFields(T& run, Visit&& visit) {
-  ArmRun::VisitFields(run, visit);
-}
-
-template <EitherConst<ArmRuns> T, typename Visit>
-void VisitFields(T& runs, Visit&& visit) {
-  ArmRuns::VisitFields(runs, visit);
-}
+// For the classes of the runs, which visit their private members themselves.
+template <typename T, typename Visit>
+requires requires(T& fields, Visit& visit) { T::VisitFields(fields, visit); }
+void VisitFields(T& fields, Visit&& visit) { T::VisitFields(fields, visit); }
 
 // Decisions do not depend on the frame's index and its pairs, which are not logged.
 template <EitherConst<FrameSample> T, typename Visit>
@@ -230,17 +220,24 @@ void VisitFields(T& sample, Visit&& visit) {
   visit("flags", flags);
 }
 
+// A value that was not measured is absent in the log.
 template <EitherConst<SceneDescriptor> T, typename Visit>
 void VisitFields(T& scene, Visit&& visit) {
+  const auto visit_value = [&](std::string_view name, auto& value) {
+    std::optional<double> measured;
+    if (IsMeasured(value)) measured = value;
+    visit(name, measured);
+    if constexpr (!std::is_const_v<T>) value = static_cast<float>(measured.value_or(-1));
+  };
   auto& [object_count, density_ratio, size_spread, speed_mean, speed_spread, clustering_ratio,
          static_ratio] = scene;
-  visit("object_count", object_count);
-  visit("density_ratio", density_ratio);
-  visit("size_spread", size_spread);
-  visit("speed_mean", speed_mean);
-  visit("speed_spread", speed_spread);
-  visit("clustering_ratio", clustering_ratio);
-  visit("static_ratio", static_ratio);
+  visit_value("object_count", object_count);
+  visit_value("density_ratio", density_ratio);
+  visit_value("size_spread", size_spread);
+  visit_value("speed_mean", speed_mean);
+  visit_value("speed_spread", speed_spread);
+  visit_value("clustering_ratio", clustering_ratio);
+  visit_value("static_ratio", static_ratio);
 }
 
 template <EitherConst<Increment> T, typename Visit>

@@ -1,6 +1,5 @@
 // Passes frames and outcomes of the game to the decision session, and its commands back.
 #include "sweepstake/embedded_decider.h"
-#include "engine_client/decider/session/policy_registry.h"
 
 #include <algorithm>
 #include <array>
@@ -11,13 +10,13 @@
 
 #include "engine_client/decider/audit/audit_csv.h"
 #include "engine_client/decider/audit/audit_log.h"
-#include "engine_client/decider/embedded/decision_conversion.h"
 #include "engine_client/decider/embedded/evidence_ledger.h"
 #include "engine_client/decider/embedded/priors_file.h"
 #include "engine_client/decider/embedded/study_maker.h"
 #include "engine_client/decider/pooling/priors_sums.h"
 #include "engine_client/decider/session/arm_runs.h"
 #include "engine_client/decider/session/decision_session.h"
+#include "engine_client/decider/session/policy_registry.h"
 #include "engine_client/text/names.h"
 #include "sweepstake/machine_class.h"
 
@@ -145,103 +144,75 @@ decision::AuditOrigin OriginOf(const EmbeddedOptions& options, std::span<const u
           .unix_start_ms = 0};
 }
 
+SceneVerdict FromDecision(const decision::Diagnosis& diagnosis) {
+  if (diagnosis.best_probability.empty()) return {};
+  return {.verdict = diagnosis.verdict,
+          .leader_arm = diagnosis.leader,
+          .leader_probability = diagnosis.best_probability[diagnosis.leader]};
+}
+
+std::vector<ArmBelief> FromDecision(std::span<const decision::BetaPosterior> posteriors,
+                                    std::span<const ArmStanding> standings,
+                                    const decision::Diagnosis& diagnosis,
+                                    std::span<const std::string> arms) {
+  std::vector<ArmBelief> beliefs;
+  beliefs.reserve(posteriors.size());
+  for (size_t arm = 0; arm < posteriors.size(); ++arm) {
+    ArmBelief& belief =
+        beliefs.emplace_back(ArmBelief{arms[arm], posteriors[arm].alpha, posteriors[arm].beta});
+    if (!diagnosis.best_probability.empty()) belief.standing = standings[arm];
+  }
+  return beliefs;
+}
+
+DecisionEvent FromDecision(const decision::Decision& decision, std::span<const std::string> arms) {
+  const decision::DecisionRecord& record = decision.record;
+  DecisionEvent event;
+  event.decision_id = record.decision_id;
+  event.time_ns = static_cast<uint64_t>(record.time_ns);
+  event.active_arm = record.active_arm;
+  event.candidate_arm = record.candidate;
+  event.outcome = record.outcome;
+  event.command = decision.command;
+  event.reward = record.reward;
+  event.beliefs = FromDecision(record.posteriors, record.standings, record.diagnosis, arms);
+  event.best_probability = record.diagnosis.best_probability;
+  event.expected_loss_ratio = record.diagnosis.expected_loss_ratio;
+  event.verdict = FromDecision(record.diagnosis);
+  return event;
+}
+
 }  // namespace
 
-class EmbeddedDecider::Impl : private decision::AuditSink {
+class EmbeddedDecider::Impl final : public decision::AuditSink {
  public:
-  using OnDecision = std::function<void(const DecisionEvent&)>;
+  Impl(decision::SessionSetup setup, decision::PolicyRegistry policies, EvidenceLedger given,
+       const EmbeddedOptions& options)
+      : session(std::move(setup), policies),
+        ledger(std::move(given)),
+        on_decision(options.on_decision),
+        on_audit_row(options.on_audit_row) {}
 
-  Impl(decision::SessionSetup setup, decision::PolicyRegistry policies, EvidenceLedger ledger,
-       OnDecision on_decision)
-      : settling_ns_(static_cast<uint64_t>(setup.options.settling_ns)),
-        session_(std::move(setup), policies),
-        ledger_(std::move(ledger)),
-        on_decision_(std::move(on_decision)) {}
-
-  void StartAudit(std::function<void(std::string_view)> on_audit_row,
-                  decision::AuditOrigin origin) {
-    on_audit_row_ = std::move(on_audit_row);
-    decision::StartAudit(session_, *this, std::move(origin));
+  // Takes the decision's evidence, and its command, which replaces an earlier one.
+  void Follow(const decision::Decision& decision) {
+    ledger.Add(decision);
+    last_decision = FromDecision(decision, session.arms());
+    if (on_decision) on_decision(*last_decision);
+    if (decision.command) pending_command = decision.command;
   }
 
-  void Observe(std::span<const FrameSample> frames, int64_t now_ns);
-  void Observe(const SwitchOutcome& outcome, int64_t now_ns);
-  void Observe(std::span<const ShadowSample> samples);
-  void Observe(const SceneDescriptor& descriptor);
-  void SetMode(Mode mode, uint32_t active_arm, int64_t now_ns);
-  std::optional<SwitchCommand> Poll(int64_t now_ns);
-
-  uint64_t settling_ns() const { return settling_ns_; }
-  const decision::DecisionSession& session() const { return session_; }
-  const EvidenceLedger& ledger() const { return ledger_; }
-  const std::optional<DecisionEvent>& last_decision() const { return last_decision_; }
-
- private:
-  void Follow(const decision::Decision& decision);
   void OnAuditRow(const decision::AuditRow& row) override {
-    on_audit_row_(decision::AuditLines(row));
+    on_audit_row(decision::AuditLines(row));
   }
 
-  const uint64_t settling_ns_;
-  decision::DecisionSession session_;
-  EvidenceLedger ledger_;
-  const OnDecision on_decision_;
-  std::function<void(std::string_view)> on_audit_row_;  // null: no log
-  uint32_t latest_epoch_ = 0;                           // latest epoch of all frames and outcomes
-  std::optional<SwitchCommand> pending_command_;
-  std::optional<DecisionEvent> last_decision_;
+  decision::DecisionSession session;
+  EvidenceLedger ledger;
+  const std::function<void(const DecisionEvent&)> on_decision;
+  const std::function<void(std::string_view)> on_audit_row;  // null: no log
+  uint32_t latest_epoch = 0;                                 // of all frames and outcomes
+  std::optional<SwitchCommand> pending_command;
+  std::optional<DecisionEvent> last_decision;
 };
-
-void EmbeddedDecider::Impl::Observe(std::span<const FrameSample> frames, int64_t now_ns) {
-  size_t first = 0;  // index of the first frame that is not yet observed
-  for (size_t i = 0; i < frames.size(); ++i) {
-    latest_epoch_ = frames[i].switch_epoch;
-    if ((frames[i].flags & kFrameBailOut) == 0) continue;
-    session_.ObserveFrames(frames.subspan(first, i + 1 - first));
-    first = i + 1;
-    Follow(session_.ObserveBailOut(frames[i], now_ns));
-  }
-  session_.ObserveFrames(frames.subspan(first));
-}
-
-// The outcome of a switch arrives when the arm has settled, long after the first frame of its
-// epoch, and adds the reason. The outcome of an epoch that has ended meanwhile is ignored: it would
-// take the session back to that epoch.
-void EmbeddedDecider::Impl::Observe(const SwitchOutcome& outcome, int64_t now_ns) {
-  if (outcome.executed == 0) return session_.ObserveRefusal(outcome.command_id);
-  if (decision::IsLaterEpoch(latest_epoch_, outcome.switch_epoch)) return;
-  if (std::max(outcome.arm, outcome.trial_arm) >= session_.arms().size()) return;
-  latest_epoch_ = outcome.switch_epoch;
-  session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, outcome.reason, now_ns,
-                         SwitchCostOf(outcome));
-}
-
-void EmbeddedDecider::Impl::Observe(std::span<const ShadowSample> samples) {
-  session_.ObserveShadow(samples);
-}
-
-void EmbeddedDecider::Impl::Observe(const SceneDescriptor& descriptor) {
-  session_.ObserveDescriptor(ToDecision(descriptor));
-}
-
-void EmbeddedDecider::Impl::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
-  if (active_arm >= session_.arms().size()) return;
-  session_.SetMode(mode, active_arm, now_ns);
-  if (mode == Mode::kManual) pending_command_.reset();
-}
-
-std::optional<SwitchCommand> EmbeddedDecider::Impl::Poll(int64_t now_ns) {
-  if (now_ns >= session_.next_tick_ns()) Follow(session_.Tick(now_ns));
-  return std::exchange(pending_command_, std::nullopt);
-}
-
-// Takes the decision's evidence, and its command, which replaces an earlier one.
-void EmbeddedDecider::Impl::Follow(const decision::Decision& decision) {
-  ledger_.Add(decision);
-  last_decision_ = FromDecision(decision, session_.arms());
-  if (on_decision_) on_decision_(*last_decision_);
-  if (decision.command) pending_command_ = decision.command;
-}
 
 Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
     const EmbeddedOptions& options, std::span<const std::string> arms,
@@ -269,8 +240,9 @@ Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
     return Status(StatusCode::kInvalidArgument, *error);
   }
   auto impl = std::make_unique<EmbeddedDecider::Impl>(std::move(setup), policies, std::move(ledger),
-                                                      options.on_decision);
-  if (options.on_audit_row) impl->StartAudit(options.on_audit_row, OriginOf(options, arm_versions));
+                                                      options);
+  if (options.on_audit_row)
+    decision::StartAudit(impl->session, *impl, OriginOf(options, arm_versions));
   return std::unique_ptr<EmbeddedDecider>(new EmbeddedDecider(std::move(impl)));
 }
 
@@ -280,7 +252,7 @@ Result<std::string> EmbeddedDecider::ArmOfPriors(const EmbeddedOptions& options,
   const auto decider = Create(options, arms, arm_versions, 0);
   if (!decider.ok()) return decider.status();
   std::optional<size_t> best;
-  const auto& given = (*decider)->impl_->ledger().prior().evidence;
+  const auto& given = (*decider)->impl_->ledger.prior().evidence;
   const auto mean = [&](size_t arm) { return given[arm].alpha / given[arm].evidence(); };
   for (size_t arm = 0; arm < given.size(); ++arm) {
     if (given[arm].evidence() > 0 && (!best || mean(arm) > mean(*best))) best = arm;
@@ -297,37 +269,66 @@ EmbeddedDecider::EmbeddedDecider(std::unique_ptr<Impl> impl) : impl_(std::move(i
 EmbeddedDecider::~EmbeddedDecider() = default;
 
 void EmbeddedDecider::Observe(std::span<const FrameSample> frames, uint64_t now_ns) {
-  impl_->Observe(frames, static_cast<int64_t>(now_ns));
+  decision::DecisionSession& session = impl_->session;
+  size_t first = 0;  // index of the first frame that is not yet observed
+  for (size_t i = 0; i < frames.size(); ++i) {
+    impl_->latest_epoch = frames[i].switch_epoch;
+    if ((frames[i].flags & kFrameBailOut) == 0) continue;
+    session.ObserveFrames(frames.subspan(first, i + 1 - first));
+    first = i + 1;
+    impl_->Follow(session.ObserveBailOut(frames[i], static_cast<int64_t>(now_ns)));
+  }
+  session.ObserveFrames(frames.subspan(first));
 }
+
+// The outcome of a switch arrives when the arm has settled, long after the first frame of its
+// epoch, and adds the reason. The outcome of an epoch that has ended meanwhile is ignored: it would
+// take the session back to that epoch.
 void EmbeddedDecider::Observe(const SwitchOutcome& outcome, uint64_t now_ns) {
-  impl_->Observe(outcome, static_cast<int64_t>(now_ns));
+  decision::DecisionSession& session = impl_->session;
+  if (outcome.executed == 0) return session.ObserveRefusal(outcome.command_id);
+  if (decision::IsLaterEpoch(impl_->latest_epoch, outcome.switch_epoch)) return;
+  if (std::max(outcome.arm, outcome.trial_arm) >= session.arms().size()) return;
+  impl_->latest_epoch = outcome.switch_epoch;
+  session.ObserveSwitch(outcome.arm, outcome.switch_epoch, outcome.reason,
+                        static_cast<int64_t>(now_ns), decision::SwitchCostOf(outcome));
 }
-void EmbeddedDecider::Observe(std::span<const ShadowSample> samples) { impl_->Observe(samples); }
-void EmbeddedDecider::Observe(const SceneDescriptor& descriptor) { impl_->Observe(descriptor); }
+
+void EmbeddedDecider::Observe(std::span<const ShadowSample> samples) {
+  impl_->session.ObserveShadow(samples);
+}
+
+void EmbeddedDecider::Observe(const SceneDescriptor& descriptor) {
+  impl_->session.ObserveDescriptor(descriptor);
+}
+
 void EmbeddedDecider::SetMode(Mode mode, uint32_t active_arm, uint64_t now_ns) {
-  impl_->SetMode(mode, active_arm, static_cast<int64_t>(now_ns));
+  if (active_arm >= impl_->session.arms().size()) return;
+  impl_->session.SetMode(mode, active_arm, static_cast<int64_t>(now_ns));
+  if (mode == Mode::kManual) impl_->pending_command.reset();
 }
+
 std::optional<SwitchCommand> EmbeddedDecider::Poll(uint64_t now_ns) {
-  return impl_->Poll(static_cast<int64_t>(now_ns));
+  const auto now = static_cast<int64_t>(now_ns);
+  if (now >= impl_->session.next_tick_ns()) impl_->Follow(impl_->session.Tick(now));
+  return std::exchange(impl_->pending_command, std::nullopt);
 }
 
 std::string EmbeddedDecider::AuditHeader() { return decision::AuditHeader(); }
-uint64_t EmbeddedDecider::settling_ns() const { return impl_->settling_ns(); }
+uint64_t EmbeddedDecider::settling_ns() const {
+  return static_cast<uint64_t>(impl_->session.setup().options.settling_ns);
+}
 std::vector<ArmBelief> EmbeddedDecider::beliefs() const {
-  const decision::DecisionSession& session = impl_->session();
+  const decision::DecisionSession& session = impl_->session;
   return FromDecision(session.posteriors(), session.standings(), session.diagnosis(),
                       session.arms());
 }
-SceneVerdict EmbeddedDecider::verdict() const { return FromDecision(impl_->session().diagnosis()); }
+SceneVerdict EmbeddedDecider::verdict() const { return FromDecision(impl_->session.diagnosis()); }
 const std::optional<DecisionEvent>& EmbeddedDecider::last_decision() const {
-  return impl_->last_decision();
+  return impl_->last_decision;
 }
-uint64_t EmbeddedDecider::decision_count() const { return impl_->session().decision_count(); }
-uint64_t EmbeddedDecider::prior_source_count() const {
-  return impl_->ledger().prior().source_count;
-}
-std::string EmbeddedDecider::ExportPriors() const {
-  return FormatPriors(impl_->ledger().records());
-}
+uint64_t EmbeddedDecider::decision_count() const { return impl_->session.decision_count(); }
+uint64_t EmbeddedDecider::prior_source_count() const { return impl_->ledger.prior().source_count; }
+std::string EmbeddedDecider::ExportPriors() const { return FormatPriors(impl_->ledger.records()); }
 
 }  // namespace sweepstake

@@ -20,11 +20,11 @@ constexpr uint64_t kMemory = 10;       // descriptors that the centre of a regim
 
 RegimeMemory::Features RegimeMemory::FeaturesOf(const SceneDescriptor& descriptor) {
   Features features{kUnmeasured, kUnmeasured, kUnmeasured};
-  if (descriptor.object_count)
-    features[0] = math::Log(std::max(*descriptor.object_count, 1.0)) / kCountStep;
-  if (descriptor.speed_mean)
-    features[1] = math::Log(std::max(*descriptor.speed_mean, kMinSpeed)) / kSpeedStep;
-  if (descriptor.static_ratio) features[2] = *descriptor.static_ratio / kStaticStep;
+  if (IsMeasured(descriptor.object_count))
+    features[0] = math::Log(std::max<double>(descriptor.object_count, 1)) / kCountStep;
+  if (IsMeasured(descriptor.speed_mean))
+    features[1] = math::Log(std::max<double>(descriptor.speed_mean, kMinSpeed)) / kSpeedStep;
+  if (IsMeasured(descriptor.static_ratio)) features[2] = descriptor.static_ratio / kStaticStep;
   return features;
 }
 

@@ -1,5 +1,6 @@
 #include "engine_client/telemetry/tls/tls_files.h"
 
+#include <arpa/inet.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
 #include <openssl/ssl.h>
@@ -151,6 +152,13 @@ int64_t EarliestExpiryUnixS(const std::string& certificates) {
   }
   ERR_clear_error();
   return earliest;
+}
+
+bool IsLoopback(const std::string& address) {
+  const std::string host = address.substr(0, address.rfind(':'));
+  in_addr number{};
+  const bool is_number = inet_pton(AF_INET, host.c_str(), &number) == 1;
+  return host == "localhost" || host == "[::1]" || (is_number && ntohl(number.s_addr) >> 24 == 127);
 }
 
 }  // namespace sweepstake::tls

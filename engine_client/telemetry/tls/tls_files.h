@@ -1,5 +1,6 @@
-// Reads and checks the files of a TLS endpoint. The daemon and its clients do this before they use
-// gRPC, which reports an unusable file only as a failed connection.
+// Reads and checks the files of a TLS endpoint, and decides which addresses need TLS. The daemon
+// and its clients share these rules. They check the files before they use gRPC, which reports an
+// unusable file only as a failed connection.
 //
 // Thread-safe. Files are in PEM format and have at most 1 MiB each.
 #pragma once
@@ -41,5 +42,10 @@ std::vector<absl::Status> Check(const Files& files);
 // Returns the earliest time at which one of these certificates expires, in seconds since 1970.
 // REQUIRES: `certificates` is the Texts::cert of a successful Read.
 int64_t EarliestExpiryUnixS(const std::string& certificates);
+
+// Returns whether HOST:PORT is on the same machine: a numeric loopback address, or localhost. Other
+// names are not resolved, because they may resolve to another machine at the next call. Even a name
+// that begins with "127." may belong to another machine.
+bool IsLoopback(const std::string& address);
 
 }  // namespace sweepstake::tls

@@ -359,22 +359,6 @@ ShadowSample FromProto(const v1::ShadowSample& sample) {
           .flags = sample.flags() & kKnownShadowFlags};
 }
 
-decision::SceneDescriptor FromProto(const v1::SceneDescriptor& descriptor) {
-  // `measured` in engine_client/decider/embedded/decision_conversion.cc has the same rule.
-  const auto measured = [](bool present, float value) -> std::optional<double> {
-    if (!present || !std::isfinite(value) || value < 0) return std::nullopt;
-    return value;
-  };
-  return {.object_count = measured(descriptor.has_object_count(), descriptor.object_count()),
-          .density_ratio = measured(descriptor.has_density_ratio(), descriptor.density_ratio()),
-          .size_spread = measured(descriptor.has_size_spread(), descriptor.size_spread()),
-          .speed_mean = measured(descriptor.has_speed_mean(), descriptor.speed_mean()),
-          .speed_spread = measured(descriptor.has_speed_spread(), descriptor.speed_spread()),
-          .clustering_ratio =
-              measured(descriptor.has_clustering_ratio(), descriptor.clustering_ratio()),
-          .static_ratio = measured(descriptor.has_static_ratio(), descriptor.static_ratio())};
-}
-
 decision::SwitchCost CostOf(const v1::SwitchOutcome& outcome) {
   decision::SwitchCost cost = {
       .rebuild_time_ns = std::min<uint64_t>(outcome.rebuild_time_ns(), sessions::kMaxFrameNs),
@@ -397,7 +381,8 @@ void FromProto(const v1::FrameBatch& message, sessions::FrameBatch& batch) {
     batch.shadows.push_back(FromProto(sample));
   batch.dropped_frame_count = message.dropped_frame_count();
   batch.descriptor.reset();
-  if (message.has_scene_descriptor()) batch.descriptor = FromProto(message.scene_descriptor());
+  if (message.has_scene_descriptor())
+    batch.descriptor = sweepstake::FromProto(message.scene_descriptor());
 }
 
 sessions::SwitchAnswer FromProto(const v1::SwitchOutcome& message) {

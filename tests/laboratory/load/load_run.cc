@@ -24,7 +24,7 @@
 #include "engine_client/cli/daemon/daemon_client.h"
 #include "engine_client/cli/io/statistics.h"
 #include "engine_client/cli/io/text_table.h"
-#include "engine_client/telemetry/error_reason.h"
+#include "engine_client/telemetry/daemon_channel.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 
 namespace sweepstake::cli {

@@ -18,19 +18,17 @@ using Matrix = Eigen::Matrix<double, kSize, kSize>;
 
 constexpr double kMinPriorEvidence = 1e-6;  // keeps the inverse finite for all priors
 
-// Returns the value if it is positive, else 0. NaN gives 0, because it fails the comparison.
-double Positive(const std::optional<double>& value) {
-  return value && *value > 0 ? std::min(*value, 1e300) : 0;
-}
+// Returns the value, or 0 if it was not measured.
+double Positive(float value) { return IsMeasured(value) ? value : 0; }
 
 // Maps [0, ∞) to [0, 1). The value 1, which is typical of these descriptors, gives ½.
-double Squashed(const std::optional<double>& value) {
+double Squashed(float value) {
   const double positive = Positive(value);
   return positive / (1 + positive);
 }
 
 // Returns the logarithm of the count, scaled so that a million objects give 1.
-double LogCount(const std::optional<double>& count) {
+double LogCount(float count) {
   return std::min(1.0, math::Log(1 + Positive(count)) / math::Log(1e6));
 }
 

@@ -104,8 +104,8 @@ class ThresholdsPolicy : public RewardPolicy {
     return RewardPolicy::LearnBailOut(arm);
   }
   void LearnDescriptor(const SceneDescriptor& descriptor, int64_t /*now_ns*/) override {
-    if (descriptor.object_count) object_count_ = descriptor.object_count;
-    if (descriptor.density_ratio) density_ratio_ = *descriptor.density_ratio;
+    if (IsMeasured(descriptor.object_count)) object_count_ = descriptor.object_count;
+    if (IsMeasured(descriptor.density_ratio)) density_ratio_ = descriptor.density_ratio;
   }
   Choice Choose(const ChoiceInput& input) const override {
     for (const std::string_view name : PreferredArms()) {

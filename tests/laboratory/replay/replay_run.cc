@@ -9,7 +9,6 @@
 #include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/adaptive/guards/trial_guard.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
-#include "engine_client/decider/embedded/decision_conversion.h"
 #include "engine_client/decider/policy/diagnosis.h"
 #include "tests/laboratory/policies/study_policies.h"
 
@@ -312,7 +311,7 @@ void Game::ReportTrialEnd() {
 void Game::Report(const SwitchOutcome& outcome) {
   Flush();
   session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, outcome.reason, now_ns_,
-                         SwitchCostOf(outcome));
+                         decision::SwitchCostOf(outcome));
 }
 
 void Game::ObserveScene() {

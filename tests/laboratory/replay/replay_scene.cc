@@ -8,7 +8,6 @@
 
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/cli/io/statistics.h"
-#include "engine_client/decider/embedded/decision_conversion.h"
 #include "engine_client/math/hash.h"
 
 namespace sweepstake::cli {
@@ -144,9 +143,8 @@ void ReplayScene::FindNearestBursts(const CostTrace& trace) {
 }
 
 void ReplayScene::TakeDescriptors(const CostTrace& trace) {
-  for (const TracedDescriptor& traced : trace.descriptors) {
-    descriptors_.push_back(ToDecision(traced.descriptor));
-  }
+  for (const TracedDescriptor& traced : trace.descriptors)
+    descriptors_.push_back(traced.descriptor);
   if (descriptors_.empty()) return;
   uint32_t latest = 0;
   for (uint32_t frame = 0; frame < trace_frame_count_; ++frame) {
@@ -169,7 +167,7 @@ double ReplayScene::mean_object_count() const {
   return static_cast<double>(sum) / trace_frame_count_;
 }
 
-const decision::SceneDescriptor* ReplayScene::descriptor(uint32_t trace_frame) const {
+const SceneDescriptor* ReplayScene::descriptor(uint32_t trace_frame) const {
   return latest_descriptor_.empty() ? nullptr : &descriptors_[latest_descriptor_[trace_frame]];
 }
 

@@ -65,7 +65,7 @@ class ReplayScene {
   double mean_object_count() const;  // over the trace
 
   // Returns the latest descriptor that the client has sent at this frame, or null if there is none.
-  const decision::SceneDescriptor* descriptor(uint32_t trace_frame) const;
+  const SceneDescriptor* descriptor(uint32_t trace_frame) const;
 
   // Returns the times of the first frames of a fresh structure of `arm`, beginning with the one
   // that builds it, ÷ those of a running structure, as measured in the burst nearest to this frame.
@@ -103,7 +103,7 @@ class ReplayScene {
   // One list per burst: burst_frame_count_ values for the first arm, then for the next.
   std::vector<std::vector<double>> slowdown_;
   std::vector<uint32_t> nearest_burst_;  // index, per frame
-  std::vector<decision::SceneDescriptor> descriptors_;
+  std::vector<SceneDescriptor> descriptors_;
   std::vector<uint32_t> latest_descriptor_;  // index, per frame; empty if there are none
 };
 

@@ -90,14 +90,14 @@ TEST(MessageValidation, AcceptsOnlyMeasuredValuesOfTheScene) {
   message.set_size_spread(std::numeric_limits<float>::infinity());
   message.set_speed_mean(-1);
   message.set_static_ratio(0);
-  const decision::SceneDescriptor descriptor =
+  const SceneDescriptor descriptor =
       *std::get<sessions::FrameBatch>(Converted(request).message).descriptor;
-  EXPECT_EQ(descriptor.object_count, 1000.0);
-  EXPECT_FALSE(descriptor.density_ratio.has_value());
-  EXPECT_FALSE(descriptor.size_spread.has_value());
-  EXPECT_FALSE(descriptor.speed_mean.has_value());
-  EXPECT_FALSE(descriptor.speed_spread.has_value());
-  EXPECT_EQ(descriptor.static_ratio, 0.0);
+  EXPECT_EQ(descriptor.object_count, 1000);
+  EXPECT_FALSE(decision::IsMeasured(descriptor.density_ratio));
+  EXPECT_FALSE(decision::IsMeasured(descriptor.size_spread));
+  EXPECT_FALSE(decision::IsMeasured(descriptor.speed_mean));
+  EXPECT_FALSE(decision::IsMeasured(descriptor.speed_spread));
+  EXPECT_EQ(descriptor.static_ratio, 0);
 }
 
 TEST(MessageValidation, LimitsTheCostOfASwitch) {

@@ -7,7 +7,7 @@
 
 #include <set>
 
-#include "engine_client/telemetry/error_reason.h"
+#include "engine_client/telemetry/daemon_channel.h"
 
 namespace sweepstake::rpc {
 namespace {

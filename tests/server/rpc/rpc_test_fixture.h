@@ -20,7 +20,7 @@
 
 #include "engine_client/decider/audit/audit_log.h"
 #include "engine_client/telemetry/conversion/audit_conversion.h"
-#include "engine_client/telemetry/error_reason.h"
+#include "engine_client/telemetry/daemon_channel.h"
 #include "server/rpc/rpc_server.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "server/storage/store_thread.h"

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "engine_client/telemetry/error_reason.h"
+#include "engine_client/telemetry/daemon_channel.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/sessions/session_start.h"

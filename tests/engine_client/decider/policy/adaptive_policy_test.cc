@@ -32,7 +32,11 @@ std::vector<BetaPosterior> PriorsOf(const std::vector<double>& cost_us) {
   return priors;
 }
 
-SceneDescriptor MovingAt(double speed) { return {{}, {}, {}, speed, {}, {}, {}}; }
+SceneDescriptor MovingAt(float speed) {
+  SceneDescriptor descriptor;
+  descriptor.speed_mean = speed;
+  return descriptor;
+}
 
 // A game whose frame time is all detection.
 class Game {
@@ -252,7 +256,7 @@ TEST(AdaptivePolicy, AReturningRegimeRestoresItsBeliefs) {
   const auto run_regime = [&](bool rests) {
     game.cost_us = rests ? std::vector<double>{15'000, 9'000} : std::vector<double>{10'000, 14'000};
     for (int tick = 0; tick < 15; ++tick) {
-      game.client.session.ObserveDescriptor(MovingAt(rests ? 0.001 : 0.1));
+      game.client.session.ObserveDescriptor(MovingAt(rests ? 0.001F : 0.1F));
       game.RunToTick();
       if (tick == 2 && !game.lane_on) {
         EXPECT_EQ(game.client.arm, rests ? 1u : 0u);

@@ -10,7 +10,7 @@ namespace {
 SceneDescriptor DescriptorOf(double speed) {
   SceneDescriptor descriptor;
   descriptor.object_count = 1'000;
-  descriptor.speed_mean = speed;
+  descriptor.speed_mean = static_cast<float>(speed);
   return descriptor;
 }
 

@@ -7,9 +7,9 @@ namespace {
 
 SceneDescriptor Moving(double speed, double object_count = 1'000, double static_ratio = 0) {
   SceneDescriptor descriptor;
-  descriptor.object_count = object_count;
-  descriptor.speed_mean = speed;
-  descriptor.static_ratio = static_ratio;
+  descriptor.object_count = static_cast<float>(object_count);
+  descriptor.speed_mean = static_cast<float>(speed);
+  descriptor.static_ratio = static_cast<float>(static_ratio);
   return descriptor;
 }
 

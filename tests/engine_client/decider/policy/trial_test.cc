@@ -272,7 +272,7 @@ TEST(Trial, ASlowdownIsPartlyAttributedToTheArmInAChangingScene) {
     for (int tick = 0; tick < 60; ++tick) {
       SceneDescriptor descriptor;
       descriptor.object_count = 1'000;
-      descriptor.speed_mean = scene_changes && tick < 30 ? 0.001 : 0.1;
+      descriptor.speed_mean = scene_changes && tick < 30 ? 0.001F : 0.1F;
       game.client.session.ObserveDescriptor(descriptor);
       game.RunTick();
     }

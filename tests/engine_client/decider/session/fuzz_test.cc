@@ -69,12 +69,11 @@ class Fuzzer {
     return kCounts[Below(kCounts.size())];
   }
 
-  std::optional<double> AnyDescription() {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-    constexpr std::array<double, 7> kValues = {0, 0.4, 3'000, -1, 1.7e308, kInfinity, kNan};
-    if (OneIn(3)) return std::nullopt;
-    return kValues[Below(kValues.size())];
+  float AnyDescription() {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    constexpr std::array<float, 7> kValues = {0, 0.4F, 3'000, -1, 3e38F, kInfinity, kNan};
+    return OneIn(3) ? -1 : kValues[Below(kValues.size())];
   }
 
   SceneDescriptor AnyDescriptor() {

@@ -163,8 +163,8 @@ class ScriptedGame {
   // The scene becomes denser until the tree is the fastest.
   SceneDescriptor DescriptorOf(const FrameSample& frame) const {
     SceneDescriptor descriptor;
-    descriptor.object_count = frame.object_count;
-    descriptor.density_ratio = static_cast<double>(now_ns_ / kSecond) * 0x1p-10;
+    descriptor.object_count = static_cast<float>(frame.object_count);
+    descriptor.density_ratio = static_cast<float>(now_ns_ / kSecond) * 0x1p-10F;
     descriptor.speed_mean = 0.25;
     return descriptor;
   }

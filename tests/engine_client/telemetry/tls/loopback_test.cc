@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/tls/loopback.h"
+#include "engine_client/telemetry/tls/tls_files.h"
 
 #include <gtest/gtest.h>
 

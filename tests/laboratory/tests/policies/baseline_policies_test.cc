@@ -61,7 +61,7 @@ void Learn(Policy& policy, uint32_t arm, uint64_t frame_time_ns) {
   policy.LearnWindow({.arm = arm, .window = window});
 }
 
-SceneDescriptor SceneWith(double object_count, double density_ratio = 0) {
+SceneDescriptor SceneWith(float object_count, float density_ratio = 0) {
   SceneDescriptor descriptor;
   descriptor.object_count = object_count;
   descriptor.density_ratio = density_ratio;
@@ -338,10 +338,10 @@ TEST(LinTs, CountsABailOutAsManyObservationsOfNothing) {
 }
 
 TEST(LinTs, FeaturesStayBetweenZeroAndOne) {
-  SceneDescriptor descriptor = SceneWith(1e300, 1e308);
+  SceneDescriptor descriptor = SceneWith(3e38F, 3e38F);
   descriptor.static_ratio = 7;
   descriptor.speed_mean = -3;
-  descriptor.clustering_ratio = std::nan("");
+  descriptor.clustering_ratio = std::nanf("");
   for (const double feature : LinTsPolicy::FeaturesOf(descriptor)) {
     EXPECT_GE(feature, 0);
     EXPECT_LE(feature, 1);

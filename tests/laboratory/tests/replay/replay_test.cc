@@ -91,7 +91,7 @@ TEST(ReplayScene, AFrameHasTheDescriptorThatWasSentLastAndMayHaveNone) {
   const auto scene = ReplayScene::Create(trace, {});
   EXPECT_EQ(scene->descriptor(31)->object_count, 1000);
   EXPECT_EQ(scene->descriptor(32)->object_count, 2000);
-  EXPECT_FALSE(scene->descriptor(32)->speed_mean) << "was not measured";
+  EXPECT_FALSE(decision::IsMeasured(scene->descriptor(32)->speed_mean)) << "was not measured";
   trace.descriptors.clear();
   EXPECT_EQ(ReplayScene::Create(trace, {})->descriptor(0), nullptr);
 }

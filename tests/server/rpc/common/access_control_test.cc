@@ -2,7 +2,7 @@
 // session.
 #include <functional>
 
-#include "engine_client/telemetry/error_reason.h"
+#include "engine_client/telemetry/daemon_channel.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"

@@ -1,6 +1,6 @@
 // Limits on the rate of listings, exports and new watchers, and on the number of concurrent
 // exports, imports and watchers.
-#include "engine_client/telemetry/error_reason.h"
+#include "engine_client/telemetry/daemon_channel.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "sweepstake/v1/sessions.grpc.pb.h"
