@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 
-#include "server/sessions/client_messages.h"
 #include "server/sessions/prior_store.h"
 #include "server/sessions/session_observer.h"
 #include "server/sessions/session_table.h"
@@ -45,7 +44,8 @@ class Encoder {
   virtual std::string Decision(const sessions::DecisionEvent& decision) const = 0;
   virtual std::string Session(const sessions::SessionView& session) const = 0;
   virtual std::string SessionEnd(const std::string& session_id, sessions::SessionEnd end) const = 0;
-  virtual std::string Boxes(const sessions::BoxView& view) const = 0;
+  // `view` is an encoded message sweepstake.v1.BoxView.
+  virtual std::string Boxes(const std::string& view) const = 0;
   // `all_told` makes the message a mark.
   virtual std::string Stamp(Kind kind, const EventStamp& stamp, bool all_told) const = 0;
 };

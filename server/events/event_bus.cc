@@ -49,7 +49,7 @@ class EventBus::BoxFeed final : public sessions::BoxViewListener {
   BoxFeed(const BoxFeed&) = delete;
   BoxFeed& operator=(const BoxFeed&) = delete;
 
-  void OnView(const sessions::BoxView& view) override {
+  void OnView(const std::string& view) override {
     Put(channel_, "", bus_.MakeEvent(Kind::kBoxes, Shared(bus_.encoder_.Boxes(view))));
     Wake(channel_);
   }

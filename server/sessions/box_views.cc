@@ -53,7 +53,7 @@ void BoxViews::Remove(BoxViewListener& viewer) {
   ++*turn_;
 }
 
-void BoxViews::OnView(const BoxView& view) {
+void BoxViews::OnView(const std::string& view) {
   // This is a copy, because a viewer that ends is removed meanwhile.
   const std::vector<BoxViewListener*> viewers = viewers_;
   for (BoxViewListener* viewer : viewers) viewer->OnView(view);

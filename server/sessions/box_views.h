@@ -7,10 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
-#include "server/sessions/client_messages.h"
 #include "server/sessions/common/decision_loop.h"
 
 namespace sweepstake::sessions {
@@ -22,8 +22,8 @@ class BoxViewListener {
  public:
   virtual ~BoxViewListener() = default;
 
-  // The newest view.
-  virtual void OnView(const BoxView& view) = 0;
+  // The newest view, an encoded message sweepstake.v1.BoxView.
+  virtual void OnView(const std::string& view) = 0;
   // No more views follow. The viewer has been removed.
   virtual void OnEnd(const absl::Status& status) = 0;
 };
@@ -52,7 +52,7 @@ class BoxViews {
   // Does nothing if the viewer was not added.
   void Remove(BoxViewListener& viewer);
   // Drops the view if there are no viewers.
-  void OnView(const BoxView& view);
+  void OnView(const std::string& view);
 
  private:
   // Sends a box request to the game, and schedules the next one before this one expires.

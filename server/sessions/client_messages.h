@@ -2,7 +2,6 @@
 // explains the fields.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,22 +13,15 @@
 
 namespace sweepstake::sessions {
 
-struct ArmKey {
-  std::string name;
-  uint32_t backend_version = 1;
-
-  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
-  friend auto operator<=>(const ArmKey&, const ArmKey&) = default;
-};
-
 // The first message of a stream.
 struct Hello {
   priors::SceneKey scene;  // with the reward version of the policy
-  std::vector<ArmKey> arms;
-  std::string build;         // empty if unknown
-  std::string session_id;    // id of the session to resume; empty for a new one
-  std::string resume_token;  // proves that the client owns the session
-  std::string policy;        // never empty
+  std::vector<std::string> arms;
+  std::vector<uint32_t> backend_versions;  // one per arm
+  std::string build;                       // empty if unknown
+  std::string session_id;                  // id of the session to resume; empty for a new one
+  std::string resume_token;                // proves that the client owns the session
+  std::string policy;                      // never empty
   Mode mode = Mode::kManual;
   uint32_t active_arm = 0;
   uint32_t switch_epoch = 0;
@@ -39,19 +31,6 @@ struct Hello {
   bool takes_orders = false;
   bool shows_boxes = false;
 };
-
-inline std::vector<std::string> ArmNamesOf(const Hello& hello) {
-  std::vector<std::string> names;
-  for (const ArmKey& arm : hello.arms) names.push_back(arm.name);
-  return names;
-}
-
-// Returns the backend version of each arm, in the order of the arms.
-inline std::vector<uint32_t> BackendVersionsOf(const Hello& hello) {
-  std::vector<uint32_t> versions;
-  for (const ArmKey& arm : hello.arms) versions.push_back(arm.backend_version);
-  return versions;
-}
 
 struct FrameBatch {
   std::vector<FrameSample> frames;
@@ -87,16 +66,6 @@ struct UnknownMessage {};
 struct Telemetry {
   uint64_t sequence = 0;  // counts from 1; a resent message keeps its number
   std::variant<UnknownMessage, FrameBatch, SwitchAnswer, BailOut, ModeChange, OrderRefusal> message;
-};
-
-// The boxes of some of the objects of a frame.
-struct BoxView {
-  uint64_t frame_index = 0;
-  uint32_t object_count = 0;
-  uint32_t stride = 0;
-  std::vector<float> bounds;
-  std::string boxes;
-  std::string pairs;
 };
 
 }  // namespace sweepstake::sessions

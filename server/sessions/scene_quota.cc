@@ -26,13 +26,14 @@ absl::Status CheckSceneCount(const priors::SceneCount& count, const HostedSessio
                    "every session, or raise --max-scenes"));
 }
 
-absl::Status SceneQuota::Add(const priors::SceneKey& scene, const ArmKey& arm) {
+absl::Status SceneQuota::Add(const priors::SceneKey& scene, const std::string& arm,
+                             uint32_t backend_version) {
   if (!scenes_.contains(scene)) {
     if (absl::Status status = AddScene(scene); !status.ok()) return status;
   }
   Scene& known = scenes_[scene];
-  known.arms.insert(arm.name);
-  known.versions.insert(arm);
+  known.arms.insert(arm);
+  known.versions.emplace(arm, backend_version);
   if (known.arms.size() <= decision::kMaxArms &&
       known.versions.size() <= decision::kMaxArms * kVersionsPerArm) {
     return absl::OkStatus();
@@ -56,7 +57,7 @@ absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
   if (stored->has_value()) {
     for (const auto& arm : (*stored)->arms) {
       known.arms.insert(arm.name);
-      known.versions.insert({arm.name, arm.backend_version});
+      known.versions.emplace(arm.name, arm.backend_version);
     }
     return absl::OkStatus();
   }

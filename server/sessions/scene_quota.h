@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "server/sessions/client_messages.h"
 #include "server/sessions/common/options.h"
 #include "server/sessions/new_scenes.h"
 #include "server/sessions/prior_store.h"
@@ -40,10 +39,10 @@ class SceneQuota {
   // Checks that the scene and its arm may be stored in addition to the stored and the added ones.
   // Error: RESOURCE_EXHAUSTED, whose message names the limit. If the store cannot be read,
   // everything is allowed: such a store does not accept writes either.
-  absl::Status Add(const priors::SceneKey& scene, const ArmKey& arm);
+  absl::Status Add(const priors::SceneKey& scene, const std::string& arm, uint32_t backend_version);
   absl::Status Add(const priors::EvidenceKey& key) {
-    return Add({key.project, key.scene, key.machine_class, key.reward_version},
-               {key.arm, key.backend_version});
+    return Add({key.project, key.scene, key.machine_class, key.reward_version}, key.arm,
+               key.backend_version);
   }
 
   // The store's counts for the scene that was added last; absent if that scene is stored.
@@ -54,7 +53,7 @@ class SceneQuota {
  private:
   struct Scene {
     std::set<std::string> arms;
-    std::set<ArmKey> versions;
+    std::set<std::pair<std::string, uint32_t>> versions;
   };
 
   struct Project {

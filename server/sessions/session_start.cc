@@ -29,9 +29,9 @@ std::string NewSessionId(const HostedSessionOptions& options) {
 
 std::vector<EvidenceKey> KeysOf(const Hello& hello) {
   std::vector<EvidenceKey> keys;
-  for (const ArmKey& arm : hello.arms) {
+  for (size_t i = 0; i < hello.arms.size(); ++i) {
     for (const std::string_view by : {std::string_view(), decision::kLaneName})
-      keys.push_back(EvidenceKeyOf(hello.scene, arm.name, arm.backend_version, by));
+      keys.push_back(EvidenceKeyOf(hello.scene, hello.arms[i], hello.backend_versions[i], by));
   }
   return keys;
 }
@@ -47,8 +47,8 @@ decision::PriorKey PriorKeyOf(const Hello& hello, const StoredStart& start) {
           .reward_version = hello.scene.reward_version,
           .build = hello.build,
           .source = start.source ? start.source->progress.source_id : "",
-          .arms = ArmNamesOf(hello),
-          .backend_versions = BackendVersionsOf(hello),
+          .arms = hello.arms,
+          .backend_versions = hello.backend_versions,
           .compares_sources = StartsFromPriors(hello)};
 }
 
@@ -198,8 +198,8 @@ bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>
 void CheckQuota(priors::PriorReader& store, const Hello& hello, const HostedSessionOptions& options,
                 bool counts, StoredStart& start) {
   SceneQuota quota(store, options, counts);
-  for (const ArmKey& arm : hello.arms) {
-    start.refusal = quota.Add(hello.scene, arm);
+  for (size_t i = 0; i < hello.arms.size(); ++i) {
+    start.refusal = quota.Add(hello.scene, hello.arms[i], hello.backend_versions[i]);
     if (!start.refusal.ok()) return;
   }
   start.new_scene = quota.unstored();
@@ -221,8 +221,8 @@ SessionIdentity IdentityOf(const Hello& hello, const StoredStart& start, int64_t
                 : !start.kept_id.empty() ? start.kept_id
                                          : NewSessionId(options);
   identity.scene = hello.scene;
-  identity.arms = ArmNamesOf(hello);
-  identity.backend_versions = BackendVersionsOf(hello);
+  identity.arms = hello.arms;
+  identity.backend_versions = hello.backend_versions;
   // The seed determines the order of exploration, so a resumed session keeps its seed.
   identity.seed = hello.seed != 0 ? hello.seed : options.random_bits();
   if (start.source) {

@@ -86,8 +86,6 @@ void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& messag
   message.set_beta(posterior.beta);
 }
 
-namespace {}  // namespace
-
 void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& message) {
   for (const auto& posterior : record.posteriors) ToProto(posterior, *message.add_arms());
   const decision::Diagnosis& diagnosis = record.diagnosis;
@@ -256,15 +254,6 @@ void ToProto(const sessions::SessionView& session, v1::SessionInfo& message) {
   message.set_dropped_frame_count(session.dropped_frame_count);
 }
 
-void ToProto(const sessions::BoxView& view, v1::BoxView& message) {
-  message.set_frame_index(view.frame_index);
-  message.set_object_count(view.object_count);
-  message.set_stride(view.stride);
-  message.mutable_bounds()->Assign(view.bounds.begin(), view.bounds.end());
-  message.set_boxes(view.boxes);
-  message.set_pairs(view.pairs);
-}
-
 void ToProto(const events::EventStamp& stamp, v1::EventStamp& message) {
   message.set_boot(stamp.boot);
   message.set_sequence(stamp.sequence);
@@ -409,6 +398,7 @@ sessions::Hello FromProto(const v1::Hello& message) {
           {message.project(), message.scene(), message.machine_class(),
            decision::PolicyKindOf(message.policy(), decision::ShippedPolicies()).reward_version},
       .arms = {},
+      .backend_versions = {},
       .build = message.build(),
       .session_id = message.session_id(),
       .resume_token = message.resume_token(),
@@ -421,8 +411,10 @@ sessions::Hello FromProto(const v1::Hello& message) {
       .ignores_priors = message.ignore_priors(),
       .takes_orders = Has(message, v1::CAPABILITY_OPERATOR_ORDERS),
       .shows_boxes = Has(message, v1::CAPABILITY_BOX_VIEW)};
-  for (const v1::Arm& arm : message.arms())
-    hello.arms.push_back({arm.name(), arm.backend_version()});
+  for (const v1::Arm& arm : message.arms()) {
+    hello.arms.push_back(arm.name());
+    hello.backend_versions.push_back(arm.backend_version());
+  }
   return hello;
 }
 
@@ -452,15 +444,6 @@ void FromProto(const v1::StreamTelemetryRequest& request, sessions::Telemetry& t
   } else {
     telemetry.message = sessions::UnknownMessage{};
   }
-}
-
-sessions::BoxView FromProto(const v1::BoxView& message) {
-  return {.frame_index = message.frame_index(),
-          .object_count = message.object_count(),
-          .stride = message.stride(),
-          .bounds = {message.bounds().begin(), message.bounds().end()},
-          .boxes = message.boxes(),
-          .pairs = message.pairs()};
 }
 
 priors::SceneKey FromProto(const v1::ScenePosterior& message) {

@@ -53,7 +53,6 @@ void ToProto(const sessions::DecisionEvent& event, v1::DecisionEvent& message);
 void ToProto(const sessions::GameSession& session, const sessions::Hello& hello,
              const RpcOptions& options, v1::Welcome& message);
 void ToProto(const sessions::SessionView& session, v1::SessionInfo& message);
-void ToProto(const sessions::BoxView& view, v1::BoxView& message);
 void ToProto(const events::EventStamp& stamp, v1::EventStamp& message);
 // The caller sets builds.
 void ToProto(const decision::SceneComparison& scene, v1::SceneComparison& message);
@@ -66,7 +65,6 @@ sessions::Hello FromProto(const v1::Hello& message);
 // Reuses the memory of `telemetry`. A value of a scene descriptor that is negative or not finite
 // counts as not measured, and each cost of a switch is limited to kMaxFrameNs.
 void FromProto(const v1::StreamTelemetryRequest& request, sessions::Telemetry& telemetry);
-sessions::BoxView FromProto(const v1::BoxView& message);
 // Reads only the key.
 priors::SceneKey FromProto(const v1::ScenePosterior& message);
 

@@ -37,9 +37,9 @@ class EventEncoder final : public events::Encoder {
     ended.set_end(static_cast<v1::SessionEnd>(end));
     return response.SerializeAsString();
   }
-  std::string Boxes(const sessions::BoxView& view) const override {
+  std::string Boxes(const std::string& view) const override {
     v1::WatchBoxesResponse response;
-    ToProto(view, *response.mutable_view());
+    response.mutable_view()->ParseFromString(view);
     return response.SerializeAsString();
   }
   std::string Stamp(events::Kind kind, const events::EventStamp& stamp,

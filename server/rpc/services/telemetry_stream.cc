@@ -124,7 +124,8 @@ absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
   if (request.has_goodbye()) {
     session->End();
   } else if (request.has_box_view()) {
-    session->boxes().OnView(FromProto(request.box_view()));
+    request.mutable_box_view()->DiscardUnknownFields();
+    session->boxes().OnView(request.box_view().SerializeAsString());
   } else {
     FromProto(request, telemetry_);
     session->Apply(telemetry_);

@@ -88,7 +88,7 @@ class RecordingEncoder final : public Encoder {
   std::string SessionEnd(const std::string& id, sessions::SessionEnd /*end*/) const override {
     return id;
   }
-  std::string Boxes(const sessions::BoxView& /*view*/) const override { return ""; }
+  std::string Boxes(const std::string& /*view*/) const override { return ""; }
   std::string Stamp(Kind /*kind*/, const EventStamp& /*stamp*/, bool /*all_told*/) const override {
     return "";
   }

@@ -69,7 +69,8 @@ class NoObserver final : public SessionObserver {
 Hello HelloOf(const std::string& scene) {
   Hello hello;
   hello.scene = {"game", scene, "", 1};
-  hello.arms = {{"Grid", 1}};
+  hello.arms = {"Grid"};
+  hello.backend_versions = {1};
   hello.policy = "paper";
   return hello;
 }

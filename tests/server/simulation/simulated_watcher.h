@@ -60,7 +60,7 @@ class SimulatedWatcher final : public events::Sink, public events::Encoder {
                          sessions::SessionEnd /*end*/) const override {
     return "";
   }
-  std::string Boxes(const sessions::BoxView& /*view*/) const override { return ""; }
+  std::string Boxes(const std::string& /*view*/) const override { return ""; }
   std::string Stamp(events::Kind /*kind*/, const events::EventStamp& /*stamp*/,
                     bool /*all_told*/) const override {
     return "";
