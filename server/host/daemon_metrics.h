@@ -26,6 +26,10 @@ struct StoreState {
   std::filesystem::path database;  // file of the store
 };
 
+// Returns the metrics that every Prometheus client exports about its process: start time, CPU,
+// memory, descriptors. Reads /proc. A metric that cannot be read is omitted.
+std::vector<prometheus::MetricFamily> ProcessFamilies();
+
 // Measures durations, and collects the counters of other objects. Thread-safe.
 class DaemonMetrics {
  public:

@@ -1,4 +1,4 @@
-#include "server/host/process_metrics.h"
+#include "server/host/daemon_metrics.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
