@@ -35,15 +35,21 @@ bool TlsKeepsOut(const tls::Files& files) {
 
 web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc) {
   web::ApiOptions options;
-  options.channel = rpc.own_channel();
-  options.caller_key = rpc::kCallerKey;
   for (const rpc::Rpc& method : rpc::kRoleTable) options.methods.emplace_back(method.name);
-  options.identify = [&rpc](const std::string& caller, std::optional<std::string_view> token) {
-    return rpc.IdentifyOverHttp(caller, token);
+  options.begin_call = [&rpc](auto request, const std::string& peer, const auto& token,
+                              auto on_response, auto on_end) {
+    return rpc.CallOverHttp({.request = std::move(request),
+                             .peer = peer,
+                             .token = token,
+                             .on_response = std::move(on_response),
+                             .on_end = std::move(on_end)});
   };
-  options.begin_watch = [&rpc](const auto& request, const std::string& caller, const auto& token,
+  options.identify = [&rpc](const std::string& peer, std::optional<std::string_view> token) {
+    return rpc.IdentifyOverHttp(peer, token);
+  };
+  options.begin_watch = [&rpc](const auto& request, const std::string& peer, const auto& token,
                                auto sink) {
-    return rpc.WatchOverHttp(request, caller, token, std::move(sink));
+    return rpc.WatchOverHttp(request, peer, token, std::move(sink));
   };
   options.post_to_loop = [&rpc](auto task) { rpc.loop().Post(std::move(task)); };
   options.asks_for_tokens = [&rpc] { return rpc.asks_over_http(); };

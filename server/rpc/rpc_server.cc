@@ -13,7 +13,6 @@
 #include <thread>
 #include <utility>
 
-#include "server/rpc/common/own_connection.h"
 #include "server/rpc/connection_listener.h"
 #include "server/rpc/services/watch_call.h"
 
@@ -88,14 +87,15 @@ RpcServer::RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPr
       access_(options_, clock, log),
       events_(store, loop_, sessions_, encoder_),
       sessions_({options_, loop_, store, counters_, events_}),
-      context_{options_, loop_, store, counters_, events_, sessions_, stalls_, access_, log},
+      context_{options_,  loop_,   store,   counters_, events_,
+               sessions_, stalls_, access_, log,       admin_},
       stalls_(loop_, options_.watcher_patience_ns),
       telemetry_(context_),
       admin_(options_, loop_, store, counters_),
       posteriors_(context_),
-      priors_(context_, admin_),
+      priors_(context_),
       audit_(context_),
-      sessions_service_(context_, admin_),
+      sessions_service_(context_),
       loop_(clock, options_.on_timer) {}
 
 absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,
@@ -132,10 +132,13 @@ absl::Status RpcServer::Listen(const std::string& address) {
   SetLimits(builder, options_);
   if (!options_.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
   BindListener(builder, *credentials);
-  Register(builder);
+  builder.RegisterService(&telemetry_);
+  builder.RegisterService(&posteriors_);
+  builder.RegisterService(&priors_);
+  builder.RegisterService(&audit_);
+  builder.RegisterService(&sessions_service_);
   server_ = builder.BuildAndStart();
   if (server_ == nullptr) return absl::UnavailableError("gRPC could not start its server");
-  if (absl::Status status = ServeOneself(); !status.ok()) return status;
   if (absl::Status status = listener_->Listen(address); !status.ok()) return status;
   port_ = listener_->port();
   last_beat_ns_ = loop_.clock().NowNs();
@@ -143,51 +146,34 @@ absl::Status RpcServer::Listen(const std::string& address) {
   return absl::OkStatus();
 }
 
-absl::Status RpcServer::ServeOneself() {
-  grpc::ServerBuilder builder;
-  builder.SetMaxReceiveMessageSize(static_cast<int>(kMaxMessageBytes));
-  builder.SetOption(std::make_unique<WithoutReflection>());
-  Register(builder);
-  own_server_ = builder.BuildAndStart();
-  if (own_server_ == nullptr)
-    return absl::UnavailableError("gRPC could not start the daemon's internal server");
-  auto channel = ConnectWithin(*own_server_);
-  if (channel.ok()) own_channel_ = *std::move(channel);
-  return channel.status();
+bool RpcServer::CallOverHttp(HttpCall call) {
+  if (!drained_) return BeginHttpCall(context_, std::move(call));
+  call.on_end(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; try again later"));
+  return true;
 }
 
-void RpcServer::Register(grpc::ServerBuilder& builder) {
-  builder.RegisterService(&telemetry_);
-  builder.RegisterService(&posteriors_);
-  builder.RegisterService(&priors_);
-  builder.RegisterService(&audit_);
-  builder.RegisterService(&sessions_service_);
-}
-
-bool RpcServer::WatchOverHttp(const google::protobuf::Message& request, const std::string& caller,
+bool RpcServer::WatchOverHttp(const google::protobuf::Message& request, const std::string& peer,
                               std::optional<std::string_view> token,
                               std::shared_ptr<events::Sink> sink) {
   std::optional<events::Wish> wish = WishOf(request);
   if (!wish) return false;
   wish->mark = false;
   wish->snapshots = true;
-  wish->on_end = [this, caller](const absl::Status& status) {
-    access_.refusals().TellEnd(caller, status);
+  wish->on_end = [this, peer](const absl::Status& status) {
+    access_.refusals().TellEnd(peer, status);
     CountError(status, counters_);
   };
-  auto holder = access_.AuthorizeOverHttp(caller, token, RpcOf(wish->kind));
-  loop_.Post(
-      [this, wish = *std::move(wish), caller, sink = std::move(sink), holder = std::move(holder)] {
-        if (holder.ok()) return BeginWatch(context_, wish, *holder, caller, *sink);
-        CountError(holder.status(), counters_);
-        sink->OnEnd(holder.status());
-      });
+  auto caller = access_.AuthorizeOverHttp(peer, token, RpcOf(wish->kind));
+  loop_.Post([this, wish = *std::move(wish), sink = std::move(sink), caller = std::move(caller)] {
+    if (caller.ok()) return BeginWatch(context_, wish, *caller, *sink);
+    CountError(caller.status(), counters_);
+    sink->OnEnd(caller.status());
+  });
   return true;
 }
 
 RpcServer::~RpcServer() {
   Drain(std::chrono::milliseconds(0));
-  own_server_.reset();
   server_.reset();
 }
 
@@ -292,8 +278,7 @@ std::vector<priors::SourceUpdate> RpcServer::Waiting() const {
 }
 
 void RpcServer::Drain(std::chrono::milliseconds patience) {
-  if (server_ == nullptr || drained_) return;
-  drained_ = true;
+  if (server_ == nullptr || drained_.exchange(true)) return;
   const auto deadline = std::chrono::steady_clock::now() + patience;
   server_->GetHealthCheckService()->Shutdown();
   RunOnLoop([this] {
@@ -304,11 +289,8 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
     admin_.Retry();
   });
   listener_.reset();
-  for (grpc::Server* const server : {own_server_.get(), server_.get()}) {
-    if (server == nullptr) continue;
-    server->Shutdown(std::chrono::system_clock::now() + patience);
-    server->Wait();
-  }
+  server_->Shutdown(std::chrono::system_clock::now() + patience);
+  server_->Wait();
   AwaitCommits(deadline);
   if (options_.keep_waiting) RunOnLoop([this] { options_.keep_waiting(Waiting()); });
 }

@@ -24,6 +24,7 @@
 #include "server/rpc/common/access_control.h"
 #include "server/rpc/services/audit_service.h"
 #include "server/rpc/services/event_encoder.h"
+#include "server/rpc/services/http_calls.h"
 #include "server/rpc/services/posteriors_service.h"
 #include "server/rpc/services/priors_service.h"
 #include "server/rpc/services/service_context.h"
@@ -57,17 +58,16 @@ class RpcServer {
   void RecordAction(std::string who, std::string action) {
     admin_.Record(std::move(who), std::move(action));
   }
-  // A channel to this server's services without the listener. Its calls name their original caller
-  // in the metadata kCallerKey. It may outlive the server; calls are UNAVAILABLE then.
-  const std::shared_ptr<grpc::Channel>& own_channel() const { return own_channel_; }
+  // Begins a call for an HTTP request (BeginHttpCall). After Drain, calls are UNAVAILABLE.
+  bool CallOverHttp(HttpCall call);
   // Identifies an HTTP caller, like AccessControl. Any thread may call it.
-  absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& caller,
+  absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& peer,
                                                    std::optional<std::string_view> token) {
-    return access_.AuthorizeOverHttp(caller, token, std::nullopt);
+    return access_.AuthorizeOverHttp(peer, token, std::nullopt);
   }
   // Begins a watch for an HTTP request. Returns false if the message is not a request of a Watch
   // method. The sink takes snapshots, and is used on the loop. Any thread may call it.
-  bool WatchOverHttp(const google::protobuf::Message& request, const std::string& caller,
+  bool WatchOverHttp(const google::protobuf::Message& request, const std::string& peer,
                      std::optional<std::string_view> token, std::shared_ptr<events::Sink> sink);
   sessions::DecisionLoop& loop() { return loop_; }
   bool asks_over_http() const { return access_.asks_over_http(); }
@@ -87,9 +87,6 @@ class RpcServer {
   RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPriorStore& store,
             spdlog::logger& log);
   absl::Status Listen(const std::string& address);
-  // Starts a second server with the same services, for the daemon's internal calls.
-  absl::Status ServeOneself();
-  void Register(grpc::ServerBuilder& builder);
   // Creates the listener. The server of this builder will serve its connections.
   void BindListener(grpc::ServerBuilder& builder,
                     const std::shared_ptr<grpc::ServerCredentials>& credentials);
@@ -135,14 +132,11 @@ class RpcServer {
   int64_t away_at_ns_ = 0;                // when the store was last unhealthy; used on the loop
   int64_t keep_at_ns_ = 0;                // next keep while it is unhealthy; used on the loop
   bool is_kept_ = false;                  // updates may be kept elsewhere; used on the loop
-  std::shared_ptr<grpc::Channel> own_channel_;
-  bool drained_ = false;  // used by Drain's caller
+  std::atomic<bool> drained_ = false;
   // The loop is declared after everything that its tasks use, because its destructor runs the last
   // tasks.
   sessions::DecisionLoop loop_;
   std::unique_ptr<grpc::Server> server_;
-  // Only the daemon can reach it, so it has no connection limits.
-  std::unique_ptr<grpc::Server> own_server_;
   std::unique_ptr<ConnectionListener> listener_;
   int port_ = 0;
 };

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "server/sessions/common/reasons.h"
-#include "sweepstake/v1/errors.pb.h"
 
 namespace sweepstake::web {
 namespace {
@@ -37,17 +36,6 @@ int HttpStatusOf(absl::StatusCode code) {
 }
 
 }  // namespace
-
-absl::Status FromGrpc(const grpc::Status& status) {
-  absl::Status converted(static_cast<absl::StatusCode>(status.error_code()),
-                         status.error_message());
-  v1::StatusDetails details;
-  if (!details.ParseFromString(status.error_details())) return converted;
-  v1::ErrorInfo info;
-  if (details.details().empty() || !info.ParseFromString(details.details(0).value()))
-    return converted;
-  return sessions::WithReason(converted, info.reason());
-}
 
 std::string ErrorJson(const absl::Status& status) {
   const nlohmann::ordered_json error = {{"error",

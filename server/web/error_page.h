@@ -2,18 +2,12 @@
 // Pure functions.
 #pragma once
 
-#include <grpcpp/support/status.h>
-
 #include <string>
 
 #include "absl/status/status.h"
 #include "server/web/http_message.h"
 
 namespace sweepstake::web {
-
-// Returns a status of the daemon's services as one of absl's, with its reason
-// (server/sessions/common/reasons.h).
-absl::Status FromGrpc(const grpc::Status& status);
 
 // Returns {"error":{"code":"NOT_FOUND","reason":"UNKNOWN_SCENE","message":"…"}}. The reason is
 // empty if the status has none.

@@ -69,7 +69,7 @@ void Echo(const std::shared_ptr<Exchange>& exchange) {
   const auto message =
       FromJson(request.is_post() ? request.message.body() : *query, *method->request);
   if (!message.ok()) return exchange->Answer(ErrorPage(message.status()));
-  const auto json = ToJson(BufferOf(Serialize(**message)), *method->request);
+  const auto json = ToJson(**message);
   Require(json.ok(), "a request that was read can be written");
   const auto again = FromJson(*json, *method->request);
   Require(again.ok() && Serialize(**again) == Serialize(**message),

@@ -11,7 +11,6 @@
 #include "engine_client/text/names.h"
 #include "server/net/peer_address.h"
 #include "server/rpc/common/error_reasons.h"
-#include "server/rpc/common/own_connection.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -27,44 +26,35 @@ std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
   return value.substr(kScheme.size());
 }
 
-// Returns whether the daemon itself makes the call.
-bool IsOwn(const grpc::ServerContextBase& call) { return call.peer().starts_with(kOwnPeer); }
-
 // Returns the key under which a token is counted.
 std::string HolderOf(int64_t token_id) { return absl::StrCat("token ", token_id); }
 
 }  // namespace
 
-absl::StatusOr<auth::Principal> AccessControl::Authorize(const grpc::ServerContextBase& call,
-                                                         Rpc rpc) {
-  return Check(CallerOf(call), TokenOf(call), IsOwn(call) ? asks_over_http() : asks_for_tokens(),
-               rpc);
+absl::StatusOr<Caller> AccessControl::Authorize(const grpc::ServerContextBase& call, Rpc rpc) {
+  return Check(call.peer(), TokenOf(call), asks_for_tokens(), rpc);
 }
 
-absl::StatusOr<auth::Principal> AccessControl::AuthorizeOverHttp(
-    const std::string& caller, std::optional<std::string_view> token, std::optional<Rpc> rpc) {
-  return Check(caller, token, asks_over_http(), rpc);
-}
-
-absl::StatusOr<auth::Principal> AccessControl::Check(const std::string& caller,
-                                                     std::optional<std::string_view> token,
-                                                     bool asks, std::optional<Rpc> rpc) {
-  auto holder = Identify(caller, token, asks);
+absl::StatusOr<Caller> AccessControl::Check(const std::string& peer,
+                                            std::optional<std::string_view> token, bool asks,
+                                            std::optional<Rpc> rpc) {
+  auto holder = Identify(peer, token, asks);
   if (holder.ok() && rpc) {
-    const absl::Status allowed = CheckRole(*holder, net::AddressOf(caller), *rpc);
+    const absl::Status allowed = CheckRole(*holder, net::AddressOf(peer), *rpc);
     if (!allowed.ok()) holder = allowed;
   }
-  if (!holder.ok()) refusals_.Tell(caller, holder.status());
-  return holder;
+  if (holder.ok()) return Caller{*std::move(holder), peer};
+  refusals_.Tell(peer, holder.status());
+  return holder.status();
 }
 
-absl::StatusOr<auth::Principal> AccessControl::Identify(const std::string& caller,
+absl::StatusOr<auth::Principal> AccessControl::Identify(const std::string& peer,
                                                         std::optional<std::string_view> token,
                                                         bool asks) {
   if (!asks) return auth::Principal{};
   std::optional<auth::Principal> holder;
   if (token && tokens_ != nullptr) holder = tokens_->Find(*token);
-  if (!holder) return Unauthenticated(caller, token.has_value());
+  if (!holder) return Unauthenticated(peer, token.has_value());
   return *std::move(holder);
 }
 
@@ -79,8 +69,8 @@ absl::Status AccessControl::CheckRole(const auth::Principal& caller, const std::
                    "; this token has the role ", std::string(NameOf(caller.role))));
 }
 
-absl::Status AccessControl::Unauthenticated(const std::string& caller, bool has_token) {
-  const std::string address = net::AddressOf(caller);
+absl::Status AccessControl::Unauthenticated(const std::string& peer, bool has_token) {
+  const std::string address = net::AddressOf(peer);
   const auto verdict = failures_.Count(address, clock_.NowNs());
   const absl::Status beyond = Refused(
       v1::ERROR_REASON_TOO_MANY_FAILURES,
@@ -209,21 +199,14 @@ absl::Status CheckProject(const auth::Principal& caller, std::string_view projec
                    "; use a token that is (`sweepstaked token create --project`)"));
 }
 
-std::string CallerOf(const grpc::ServerContextBase& call) {
-  const auto& metadata = call.client_metadata();
-  const auto found = IsOwn(call) ? metadata.find(kCallerKey) : metadata.end();
-  return found == metadata.end() ? call.peer()
-                                 : std::string(found->second.data(), found->second.size());
-}
-
 std::string NameForLog(const auth::Principal& caller) {
   return caller.token_id == 0 ? "a caller without a token"
                               : absl::StrCat("token ", text::PrintableLine(caller.name));
 }
 
-std::string NameAndAddress(const auth::Principal& caller, const grpc::ServerContextBase& call) {
-  const std::string where = CallerOf(call);
-  return caller.token_id == 0 ? where : absl::StrCat(NameForLog(caller), " at ", where);
+std::string NameAndAddress(const Caller& caller) {
+  if (caller.token_id == 0) return caller.peer;
+  return absl::StrCat(NameForLog(caller), " at ", caller.peer);
 }
 
 }  // namespace sweepstake::rpc

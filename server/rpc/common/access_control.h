@@ -32,6 +32,11 @@
 
 namespace sweepstake::rpc {
 
+// The caller of a method, and its address.
+struct Caller : auth::Principal {
+  std::string peer;  // the remote address in gRPC's format
+};
+
 class AccessControl {
  public:
   // All three arguments are borrowed.
@@ -42,13 +47,15 @@ class AccessControl {
   // (its role does not allow this RPC), RESOURCE_EXHAUSTED (too many unauthenticated calls from the
   // address, or the token or the address reads too often). Unauthenticated calls from an address
   // never block a valid token from there. Refusals are logged.
-  absl::StatusOr<auth::Principal> Authorize(const grpc::ServerContextBase& call, Rpc rpc);
+  absl::StatusOr<Caller> Authorize(const grpc::ServerContextBase& call, Rpc rpc);
 
   // The same for an HTTP request; without `rpc`, returns the holder of the token whatever the role.
-  // `caller` is the remote address in gRPC's format.
-  absl::StatusOr<auth::Principal> AuthorizeOverHttp(const std::string& caller,
-                                                    std::optional<std::string_view> token,
-                                                    std::optional<Rpc> rpc);
+  // `peer` is the remote address in gRPC's format.
+  absl::StatusOr<Caller> AuthorizeOverHttp(const std::string& peer,
+                                           std::optional<std::string_view> token,
+                                           std::optional<Rpc> rpc) {
+    return Check(peer, token, asks_over_http(), rpc);
+  }
 
   // Returns whether calls must have tokens.
   bool asks_for_tokens() const { return tokens_ != nullptr && !tokens_->empty(); }
@@ -95,11 +102,10 @@ class AccessControl {
   };
 
   // Returns the holder of the token, or a caller that needs none if `asks` is false.
-  absl::StatusOr<auth::Principal> Identify(const std::string& caller,
+  absl::StatusOr<auth::Principal> Identify(const std::string& peer,
                                            std::optional<std::string_view> token, bool asks);
-  absl::StatusOr<auth::Principal> Check(const std::string& caller,
-                                        std::optional<std::string_view> token, bool asks,
-                                        std::optional<Rpc> rpc);
+  absl::StatusOr<Caller> Check(const std::string& peer, std::optional<std::string_view> token,
+                               bool asks, std::optional<Rpc> rpc);
   absl::Status CheckRole(const auth::Principal& caller, const std::string& address, Rpc rpc);
   // Counts a call of the token (0: none) at the address (empty: not counted). Returns a description
   // of the token or address that exceeds the rate; empty if neither does.
@@ -109,7 +115,7 @@ class AccessControl {
   // local proxy share.
   std::string CountGame(auth::RateLimit& limit, double per_s, const std::string& address,
                         int64_t token_id);
-  absl::Status Unauthenticated(const std::string& caller, bool has_token);
+  absl::Status Unauthenticated(const std::string& peer, bool has_token);
 
   const RpcOptions& options_;
   const auth::TokenDirectory* const tokens_;
@@ -134,24 +140,9 @@ absl::Status Narrow(const auth::Principal& caller, Filter& filter) {
   return filter.project.empty() ? absl::OkStatus() : CheckProject(caller, filter.project);
 }
 
-// The metadata in which the daemon's HTTP side names the original caller, in gRPC's format. It is
-// ignored in calls from others.
-inline constexpr char kCallerKey[] = "sweepstake-caller";
-// Returns the caller's address in gRPC's format. For a call of the daemon's HTTP side it is the
-// HTTP client's address.
-std::string CallerOf(const grpc::ServerContextBase& call);
-
 // Returns the caller's name for the log.
 std::string NameForLog(const auth::Principal& caller);
 // Returns the caller's name and address for the audit log; the address alone if there is no token.
-std::string NameAndAddress(const auth::Principal& caller, const grpc::ServerContextBase& call);
-
-// A streaming call that is refused at once.
-template <typename Reactor>
-class RefusedCall final : public Reactor {
- public:
-  explicit RefusedCall(const grpc::Status& status) { this->Finish(status); }
-  void OnDone() override { delete this; }
-};
+std::string NameAndAddress(const Caller& caller);
 
 }  // namespace sweepstake::rpc

@@ -15,19 +15,16 @@ namespace {
 using priors::AuditFilter;
 using priors::AuditSegment;
 
-using SegmentStream = PageStream<v1::ListAuditSegmentsResponse, uint64_t>;
-
-absl::StatusOr<SegmentStream::Page> LoadSegments(priors::PriorReader& store,
-                                                 const AuditFilter& filter, uint64_t after) {
+absl::StatusOr<Page> LoadSegments(priors::PriorReader& store, const AuditFilter& filter,
+                                  uint64_t& after) {
   const auto segments = store.ListAudit(filter, after, kAuditSegmentsPerMessage);
   if (!segments.ok()) return segments.status();
-  SegmentStream::Page page;
-  page.last = segments->size() < kAuditSegmentsPerMessage;
+  const auto response = std::make_shared<v1::ListAuditSegmentsResponse>();
   for (const AuditSegment& segment : *segments) {
-    ToProto(segment, *page.response.add_segments());
-    page.next = segment.id;
+    ToProto(segment, *response->add_segments());
+    after = segment.id;
   }
-  return page;
+  return Page{.response = response, .last = segments->size() < kAuditSegmentsPerMessage};
 }
 
 // An export begins after this row of a session; 0: with the first row.
@@ -42,8 +39,6 @@ struct RowPlace {
   std::optional<AuditSegment> segment;  // the current one
   uint64_t next_row = 1;                // the next row of the current segment
 };
-
-using RowStream = PageStream<v1::ExportDecisionsResponse, RowPlace>;
 
 // Begins the next segment unless one is current. Returns false if there is none.
 absl::StatusOr<bool> EnterSegment(priors::PriorReader& store, const AuditFilter& filter,
@@ -86,37 +81,30 @@ size_t AddRows(const std::vector<priors::AuditRow>& rows, RowPlace& place,
   return bytes;
 }
 
-absl::StatusOr<RowStream::Page> LoadRows(priors::PriorReader& store, const AuditFilter& filter,
-                                         const LastRead& last_read, const RowPlace& place) {
-  RowStream::Page page;
-  page.next = place;
+absl::StatusOr<Page> LoadRows(priors::PriorReader& store, const AuditFilter& filter,
+                              const LastRead& last_read, RowPlace& place) {
+  const auto response = std::make_shared<v1::ExportDecisionsResponse>();
   for (size_t bytes = 0; bytes < kAuditBytesPerMessage;) {
-    const auto entered = EnterSegment(store, filter, last_read, page.next);
+    const auto entered = EnterSegment(store, filter, last_read, place);
     if (!entered.ok()) return entered.status();
-    page.last = !*entered;
-    if (page.last) return page;
-    auto rows = store.LoadAudit(page.next.segment->id, page.next.next_row, kAuditRowsPerPage,
+    if (!*entered) return Page{.response = response, .last = true};
+    auto rows = store.LoadAudit(place.segment->id, place.next_row, kAuditRowsPerPage,
                                 kAuditBytesPerMessage - bytes);
     if (!rows.ok()) return rows.status();
     if (rows->empty()) {
-      page.next.segment.reset();
+      place.segment.reset();
     } else {
-      bytes += AddRows(*rows, page.next, page.response);
+      bytes += AddRows(*rows, place, *response);
     }
   }
-  return page;
+  return Page{.response = response};
 }
 
-// Returns the part of the request that the caller may see. Refusals are logged.
+// Returns the part of the request that the caller may see.
 template <typename Request>
-absl::StatusOr<AuditFilter> FilterOf(const absl::StatusOr<auth::Principal>& caller,
-                                     const Request& request, const std::string& peer,
-                                     RefusalLog& refusals) {
-  if (!caller.ok()) return caller.status();
+absl::StatusOr<AuditFilter> FilterOf(const Caller& caller, const Request& request) {
   AuditFilter filter{request.session_id(), request.project(), request.scene()};
-  absl::Status status = Narrow(*caller, filter);
-  refusals.TellEnd(peer, status);
-  if (!status.ok()) return status;
+  if (absl::Status allowed = Narrow(caller, filter); !allowed.ok()) return allowed;
   return filter;
 }
 
@@ -134,38 +122,37 @@ absl::StatusOr<LastRead> LastReadOf(const v1::ExportDecisionsRequest& request) {
 
 }  // namespace
 
+absl::StatusOr<LoadPage> PagesOf(const Caller& caller,
+                                 const v1::ListAuditSegmentsRequest& request) {
+  auto filter = FilterOf(caller, request);
+  if (!filter.ok()) return filter.status();
+  return LoadPage(
+      [filter = *std::move(filter), after = uint64_t{0}](priors::PriorReader& store) mutable {
+        return LoadSegments(store, filter, after);
+      });
+}
+
+absl::StatusOr<LoadPage> PagesOf(const Caller& caller, const v1::ExportDecisionsRequest& request) {
+  auto filter = FilterOf(caller, request);
+  if (!filter.ok()) return filter.status();
+  const auto last_read = LastReadOf(request);
+  if (!last_read.ok()) return last_read.status();
+  return LoadPage([filter = *std::move(filter), last_read = *last_read,
+                   place = RowPlace()](priors::PriorReader& store) mutable {
+    return LoadRows(store, filter, last_read, place);
+  });
+}
+
 grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAuditSegments(
     grpc::CallbackServerContext* call, const v1::ListAuditSegmentsRequest* request) {
-  const auto caller = context_.access.Authorize(*call, RpcOf("AuditService/ListAuditSegments"));
-  const auto filter = FilterOf(caller, *request, CallerOf(*call), context_.access.refusals());
-  if (!filter.ok()) {
-    return new RefusedCall<grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>>(
-        ToGrpc(filter.status(), context_.counters));
-  }
-  return SegmentStream::Start(context_, *call, *caller,
-                              [filter = *filter](priors::PriorReader& store, uint64_t after) {
-                                return LoadSegments(store, filter, after);
-                              });
+  return ServePages<v1::ListAuditSegmentsResponse>(
+      context_, *call, RpcOf("AuditService/ListAuditSegments"), *request);
 }
 
 grpc::ServerWriteReactor<v1::ExportDecisionsResponse>* AuditService::ExportDecisions(
     grpc::CallbackServerContext* call, const v1::ExportDecisionsRequest* request) {
-  const auto caller = context_.access.Authorize(*call, RpcOf("AuditService/ExportDecisions"));
-  const auto filter = FilterOf(caller, *request, CallerOf(*call), context_.access.refusals());
-  if (!filter.ok()) {
-    return new RefusedCall<grpc::ServerWriteReactor<v1::ExportDecisionsResponse>>(
-        ToGrpc(filter.status(), context_.counters));
-  }
-  const auto last_read = LastReadOf(*request);
-  if (!last_read.ok()) {
-    return new RefusedCall<grpc::ServerWriteReactor<v1::ExportDecisionsResponse>>(
-        ToGrpc(last_read.status(), context_.counters));
-  }
-  return RowStream::Start(context_, *call, *caller,
-                          [filter = *filter, last_read = *last_read](priors::PriorReader& store,
-                                                                     const RowPlace& place) {
-                            return LoadRows(store, filter, last_read, place);
-                          });
+  return ServePages<v1::ExportDecisionsResponse>(context_, *call,
+                                                 RpcOf("AuditService/ExportDecisions"), *request);
 }
 
 }  // namespace sweepstake::rpc

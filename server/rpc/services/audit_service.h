@@ -3,10 +3,13 @@
 // It reads the store page by page, as fast as the client reads.
 #pragma once
 
-#include "server/rpc/services/service_context.h"
+#include "server/rpc/services/page_stream.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 
 namespace sweepstake::rpc {
+
+absl::StatusOr<LoadPage> PagesOf(const Caller& caller, const v1::ListAuditSegmentsRequest& request);
+absl::StatusOr<LoadPage> PagesOf(const Caller& caller, const v1::ExportDecisionsRequest& request);
 
 class AuditService final
     : public v1::AuditService::WithCallbackMethod_ListAuditSegments<

@@ -1,12 +1,12 @@
 // A response stream that is read from the store page by page, as fast as the client reads, one page
-// ahead of the page that is written. Every streaming export uses it. It ends with DEADLINE_EXCEEDED
-// if it makes no progress for RpcOptions::watcher_patience_ns, or is not done within
-// transfer_patience_ns. AccessControl limits the number of exports.
+// ahead of the page that is written. Every streaming export uses it.
 //
-// Used on the decision loop; gRPC's callbacks run elsewhere and only post to the loop. It owns
-// itself until gRPC is done with it; results of the store reach it through a weak pointer.
+// Each such method has a function
+//   absl::StatusOr<LoadPage> PagesOf(const Caller&, const Request&)
+// whose errors refuse the call.
 #pragma once
 
+#include <google/protobuf/message.h>
 #include <grpcpp/grpcpp.h>
 
 #include <functional>
@@ -16,136 +16,114 @@
 
 #include "absl/status/statusor.h"
 #include "server/rpc/common/error_reasons.h"
-#include "server/rpc/services/service_context.h"
 #include "server/rpc/services/stall_sweep.h"
+#include "server/rpc/services/unary_call.h"
 #include "server/sessions/prior_store.h"
 
 namespace sweepstake::rpc {
 
-// `Place` is where the next page begins. It is copied to the store's thread.
-template <typename Response, typename Place>
-struct StreamPage {
-  Response response{};
-  Place next{};
-  bool empty = false;  // the response is not sent, and the stream ends
-  bool last = false;   // the stream ends after this response
+struct Page {
+  std::shared_ptr<const google::protobuf::Message> response;  // null: the stream ends without it
+  bool last = false;                                          // the stream ends after this response
+};
+// Reads the next page; it keeps its place. It runs on the store's reading thread.
+using LoadPage = std::function<absl::StatusOr<Page>(priors::PriorReader&)>;
+
+// The transport of a stream: a gRPC call, or an HTTP request. Used on the decision loop.
+class PageSink {
+ public:
+  virtual ~PageSink() = default;
+  // Each call leads to one PageStream::OnWritten. At most one write is pending.
+  virtual void Write(const std::shared_ptr<const google::protobuf::Message>& response) = 0;
+  // Ends the stream. No write is pending.
+  virtual void Finish(const absl::Status& status) = 0;
+  // Makes a pending write fail.
+  virtual void Cancel(const absl::Status& status) = 0;
 };
 
-template <typename Response, typename Place>
-class PageStream final : public grpc::ServerWriteReactor<Response>,
-                         public StallingCall,
-                         public std::enable_shared_from_this<PageStream<Response, Place>> {
+// Used on the decision loop. Its sink owns it until the last call of the stream; results of the
+// store reach it through a weak pointer.
+class PageStream final : public Transfer, public std::enable_shared_from_this<PageStream> {
  public:
-  using Page = StreamPage<Response, Place>;
-  // Reads the page that begins at the place. It runs on the store's reading thread.
-  using Load = std::function<absl::StatusOr<Page>(priors::PriorReader&, const Place&)>;
+  PageStream(ServiceContext& context, Caller caller, LoadPage load, PageSink& sink)
+      : Transfer(context, std::move(caller)),
+        load_(std::make_shared<const LoadPage>(std::move(load))),
+        sink_(sink) {}
 
-  // The stream ends when the caller's token is revoked or expires.
-  static PageStream* Start(ServiceContext& context, grpc::CallbackServerContext& call,
-                           auth::Principal caller, Load load) {
-    std::shared_ptr<PageStream> stream(
-        new PageStream(context, call, std::move(caller), std::move(load)));
-    PageStream* raw = stream.get();
-    raw->self_ = std::move(stream);
-    context.loop.Post([raw] { raw->Begin(); });
-    return raw;
-  }
-
-  void OnWriteDone(bool ok) override {
-    context_.loop.Post([this, ok] { OnWritten(ok); });
-  }
-  // A pending write fails, and so does the next one, so the stream ends soon.
-  void OnCancel() override {}
-  void OnDone() override {
-    context_.loop.Post([this] { self_.reset(); });
-  }
-  int64_t waiting_since_ns() const override { return last_progress_ns_; }
-  int64_t deadline_ns() const override { return deadline_ns_; }
-  void OnStalled() override {
-    context_.stalls.Remove(*this);
-    const absl::Status stalled =
-        Refused(v1::ERROR_REASON_CALL_STALLED,
-                "the answer was not read, or not in time; ask again, for less");
-    context_.access.refusals().TellEnd(CallerOf(call_), stalled);
-    Cancel(call_, ToGrpc(stalled, context_.counters));
-  }
+  // Called first. The stream ends when the caller's token is revoked or expires.
+  void Begin();
+  void OnWritten(bool ok);
+  void OnStalled() override;
 
  private:
-  PageStream(ServiceContext& context, grpc::CallbackServerContext& call, auth::Principal caller,
-             Load load)
-      : context_(context), call_(call), caller_(std::move(caller)), load_(std::move(load)) {}
-
-  void Begin() {
-    last_progress_ns_ = context_.loop.clock().NowNs();
-    deadline_ns_ = last_progress_ns_ + context_.options.transfer_patience_ns;
-    context_.stalls.Add(*this);
-    auto transfer = context_.access.BeginTransfer(caller_, v1::ERROR_REASON_TOO_MANY_READS);
-    if (!transfer.ok()) return End(transfer.status());
-    transfer_ = *std::move(transfer);
-    LoadNext();
-  }
-
   // At most one page is being read or waits to be written.
-  void LoadNext() {
-    const bool submitted =
-        context_.store.Read([weak = this->weak_from_this(), &loop = context_.loop, load = load_,
-                             place = page_.next](priors::PriorReader& store) {
-          if (weak.expired()) return;  // it ended while the previous page was written
-          loop.Post([weak, page = load(store, place)]() mutable {
-            if (!page.ok()) page = StoreFailed(page.status());
-            if (const auto self = weak.lock()) self->OnPage(std::move(page));
-          });
-        });
-    if (!submitted) {
-      OnPage(Refused(v1::ERROR_REASON_STORE_BUSY,
-                     "the prior store has too much to do; ask again later"));
-    }
-  }
+  void LoadNext();
+  void OnPage(absl::StatusOr<Page> page);
+  void WriteNext();
+  void End(const absl::Status& status);
 
-  void OnPage(absl::StatusOr<Page> page) {
-    ahead_ = std::move(page);
-    if (!writes_ && !ended_) WriteNext();
-  }
-
-  void WriteNext() {
-    if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
-      return End(still);
-    auto next = *std::exchange(ahead_, std::nullopt);
-    if (!next.ok()) return End(next.status());
-    page_ = *std::move(next);
-    if (page_.empty) return End(absl::OkStatus());
-    writes_ = true;
-    this->StartWrite(&page_.response);
-    if (!page_.last) LoadNext();
-  }
-
-  void OnWritten(bool ok) {
-    last_progress_ns_ = context_.loop.clock().NowNs();
-    writes_ = false;
-    if (!ok) return End(absl::CancelledError("the connection was lost"));
-    if (page_.last) return End(absl::OkStatus());
-    if (ahead_) WriteNext();
-  }
-
-  void End(const absl::Status& status) {
-    ended_ = true;
-    context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
-    context_.access.refusals().TellEnd(CallerOf(call_), status);
-    this->Finish(ToGrpc(status, context_.counters));
-  }
-
-  ServiceContext& context_;
-  grpc::CallbackServerContext& call_;
-  const auth::Principal caller_;
-  const Load load_;
-  std::shared_ptr<PageStream> self_;           // keeps this object alive until OnDone
+  const std::shared_ptr<const LoadPage> load_;
+  PageSink& sink_;
   Page page_;                                  // the page that is written, or was written last
   std::optional<absl::StatusOr<Page>> ahead_;  // the page after it
   bool writes_ = false;
   bool ended_ = false;
-  AccessControl::Share transfer_;
-  int64_t last_progress_ns_ = 0;
-  int64_t deadline_ns_ = sessions::Clock::kNever;
 };
+
+// A stream over gRPC, whose callbacks run elsewhere and only post to the loop. It owns itself until
+// gRPC is done with it.
+template <typename Response>
+class PageCall final : public grpc::ServerWriteReactor<Response>, public PageSink {
+ public:
+  PageCall(ServiceContext& context, grpc::CallbackServerContext& call, Caller caller, LoadPage load)
+      : context_(context),
+        call_(call),
+        stream_(std::make_shared<PageStream>(context, std::move(caller), std::move(load), *this)) {
+    context.loop.Post([this] { stream_->Begin(); });
+  }
+
+  void Write(const std::shared_ptr<const google::protobuf::Message>& response) override {
+    this->StartWrite(static_cast<const Response*>(response.get()));
+  }
+  void Finish(const absl::Status& status) override {
+    grpc::ServerWriteReactor<Response>::Finish(ToGrpc(status, context_.counters));
+  }
+  void Cancel(const absl::Status& status) override {
+    rpc::Cancel(call_, ToGrpc(status, context_.counters));
+  }
+  void OnWriteDone(bool ok) override {
+    context_.loop.Post([this, ok] { stream_->OnWritten(ok); });
+  }
+  // A pending write fails, and so does the next one, so the stream ends soon.
+  void OnCancel() override {}
+  void OnDone() override {
+    context_.loop.Post([this] { delete this; });
+  }
+
+ private:
+  ServiceContext& context_;
+  grpc::CallbackServerContext& call_;
+  const std::shared_ptr<PageStream> stream_;
+};
+
+// Returns the pages for the caller, or an error. Refusals are logged.
+template <typename Request>
+absl::StatusOr<LoadPage> PagesFor(ServiceContext& context, const absl::StatusOr<Caller>& caller,
+                                  const Request& request) {
+  if (!caller.ok()) return caller.status();
+  auto load = PagesOf(*caller, request);
+  context.access.refusals().TellEnd(caller->peer, load.status());
+  return load;
+}
+
+template <typename Response, typename Request>
+grpc::ServerWriteReactor<Response>* ServePages(ServiceContext& context,
+                                               grpc::CallbackServerContext& call, Rpc rpc,
+                                               const Request& request) {
+  const auto caller = context.access.Authorize(call, rpc);
+  auto load = PagesFor(context, caller, request);
+  if (load.ok()) return new PageCall<Response>(context, call, *caller, *std::move(load));
+  return new RefusedCall<grpc::ServerWriteReactor<Response>>(context, load.status());
+}
 
 }  // namespace sweepstake::rpc

@@ -67,69 +67,59 @@ void ReadAndAnswer(ServiceContext& context, const EndCall& end, Read read, Answe
           end(result.ok() ? answer(*result) : StoreFailed(result.status()));
         });
       });
-  if (submitted) return;
-  end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try again later"));
+  if (!submitted) end(StoreBusy());
 }
 
 }  // namespace
 
-grpc::ServerUnaryReactor* PosteriorsService::ListPosteriors(
-    grpc::CallbackServerContext* call, const v1::ListPosteriorsRequest* request,
-    v1::ListPosteriorsResponse* response) {
-  constexpr Rpc kRpc = RpcOf("PosteriorsService/ListPosteriors");
-  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, const EndCall& end) {
-    priors::SceneFilter filter{request->project(), {}};
-    if (const absl::Status allowed = Narrow(caller, filter); !allowed.ok()) return end(allowed);
-    const std::optional<SceneKey> after = KeyOf(request->page_token());
-    if (!after && !request->page_token().empty()) {
-      return end(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                         "page_token is not a next_page_token of this daemon"));
-    }
-    const uint32_t limit =
-        request->page_size() == 0 ? kScenesPerPage : std::min(request->page_size(), kScenesPerPage);
-    ReadAndAnswer(
-        context_, end,
-        [filter, after, limit](priors::PriorReader& store) {
-          return ToProto(store.List(filter, after, limit));
-        },
-        [this, response, limit](const std::vector<v1::ScenePosterior>& scenes) {
-          for (const v1::ScenePosterior& scene : scenes) {
-            v1::ScenePosterior& added = *response->add_scenes() = scene;
-            added.set_active_session_count(context_.sessions.ActiveCount(FromProto(scene)));
-          }
-          if (scenes.size() == limit)
-            response->set_next_page_token(TokenOf(FromProto(scenes.back())));
-          return absl::OkStatus();
-        });
-  });
+void Answer(ServiceContext& context, const Caller& caller, const v1::ListPosteriorsRequest& request,
+            v1::ListPosteriorsResponse& response, const EndCall& end) {
+  priors::SceneFilter filter{request.project(), {}};
+  if (const absl::Status allowed = Narrow(caller, filter); !allowed.ok()) return end(allowed);
+  const std::optional<SceneKey> after = KeyOf(request.page_token());
+  if (!after && !request.page_token().empty()) {
+    return end(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                       "page_token is not a next_page_token of this daemon"));
+  }
+  const uint32_t limit =
+      request.page_size() == 0 ? kScenesPerPage : std::min(request.page_size(), kScenesPerPage);
+  ReadAndAnswer(
+      context, end,
+      [filter, after, limit](priors::PriorReader& store) {
+        return ToProto(store.List(filter, after, limit));
+      },
+      [&context, &response, limit](const std::vector<v1::ScenePosterior>& scenes) {
+        for (const v1::ScenePosterior& scene : scenes) {
+          v1::ScenePosterior& added = *response.add_scenes() = scene;
+          added.set_active_session_count(context.sessions.ActiveCount(FromProto(scene)));
+        }
+        if (scenes.size() == limit) response.set_next_page_token(TokenOf(FromProto(scenes.back())));
+        return absl::OkStatus();
+      });
 }
 
-grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerContext* call,
-                                                          const v1::GetPosteriorRequest* request,
-                                                          v1::GetPosteriorResponse* response) {
-  constexpr Rpc kRpc = RpcOf("PosteriorsService/GetPosterior");
-  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, const EndCall& end) {
-    if (const absl::Status allowed = CheckProject(caller, request->project()); !allowed.ok())
-      return end(allowed);
-    const SceneKey key{request->project(), request->scene(), request->machine_class(),
-                       request->reward_version() != 0 ? request->reward_version()
-                                                      : DefaultRewardVersion(context_.options)};
-    if (!text::IsName(key.project) || !text::IsName(key.scene) ||
-        !text::IsOptionalName(key.machine_class)) {
-      return end(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                         "project and scene must have 1 to 128 bytes and no control characters"));
-    }
-    ReadAndAnswer(
-        context_, end, [key](priors::PriorReader& store) { return store.LoadScene(key); },
-        [this, response, key](const std::optional<SceneEvidence>& scene) {
-          if (!scene)
-            return Refused(v1::ERROR_REASON_UNKNOWN_SCENE,
-                           "there is no evidence of this scene on this class of machines");
-          ToProto(*scene, *response->mutable_scene());
-          response->mutable_scene()->set_active_session_count(context_.sessions.ActiveCount(key));
-          return absl::OkStatus();
-        });
-  });
+void Answer(ServiceContext& context, const Caller& caller, const v1::GetPosteriorRequest& request,
+            v1::GetPosteriorResponse& response, const EndCall& end) {
+  if (const absl::Status allowed = CheckProject(caller, request.project()); !allowed.ok())
+    return end(allowed);
+  const SceneKey key{request.project(), request.scene(), request.machine_class(),
+                     request.reward_version() != 0 ? request.reward_version()
+                                                   : DefaultRewardVersion(context.options)};
+  if (!text::IsName(key.project) || !text::IsName(key.scene) ||
+      !text::IsOptionalName(key.machine_class)) {
+    return end(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                       "project and scene must have 1 to 128 bytes and no control characters"));
+  }
+  ReadAndAnswer(
+      context, end, [key](priors::PriorReader& store) { return store.LoadScene(key); },
+      [&context, &response, key](const std::optional<SceneEvidence>& scene) {
+        if (!scene)
+          return Refused(v1::ERROR_REASON_UNKNOWN_SCENE,
+                         "there is no evidence of this scene on this class of machines");
+        ToProto(*scene, *response.mutable_scene());
+        response.mutable_scene()->set_active_session_count(context.sessions.ActiveCount(key));
+        return absl::OkStatus();
+      });
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* PosteriorsService::WatchPosteriors(

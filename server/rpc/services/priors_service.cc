@@ -2,20 +2,21 @@
 
 #include <spdlog/logger.h>
 
+#include <algorithm>
+#include <map>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "engine_client/decider/pooling/priors_diff.h"
+#include "engine_client/decider/pooling/priors_sums.h"
 #include "engine_client/text/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/leader_preview.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
-#include "server/rpc/services/build_comparison.h"
-#include "server/rpc/services/page_stream.h"
-#include "server/rpc/services/unary_call.h"
-#include "server/sessions/admin_log.h"
 #include "server/sessions/scene_quota.h"
 #include "server/sessions/session_table.h"
 #include "server/sessions/source_weights.h"
@@ -28,56 +29,110 @@ using priors::PriorRecord;
 // A place in an export: first the evidence that counts, then the records in quarantine.
 struct TransferPlace {
   bool in_quarantine = false;
-  priors::ExportPlace after;
+  priors::ExportPlace after = {};
 };
-using ExportStream = PageStream<v1::ExportPriorsResponse, TransferPlace>;
 
-absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
-                                               const priors::SceneFilter& filter,
-                                               const TransferPlace& place, bool with_weights) {
+absl::StatusOr<Page> LoadRecords(priors::PriorReader& store, const priors::SceneFilter& filter,
+                                 TransferPlace& place, bool with_weights) {
   const auto stored = place.in_quarantine
                           ? store.ExportQuarantined(filter, place.after, kRecordsPerMessage)
                           : store.Export(filter, place.after, kRecordsPerMessage);
   if (!stored.ok()) return stored.status();
   const bool ends = stored->records.size() < kRecordsPerMessage;
-  if (ends && stored->records.empty() && !place.in_quarantine)
-    return LoadRecords(store, filter, {.in_quarantine = true, .after = {}}, with_weights);
-  ExportStream::Page page;
-  page.empty = stored->records.empty();
-  page.last = ends && place.in_quarantine;
+  const bool last = ends && place.in_quarantine;
+  place = ends ? TransferPlace{.in_quarantine = true}
+               : TransferPlace{place.in_quarantine, stored->next};
+  if (stored->records.empty())
+    return last ? Page{} : LoadRecords(store, filter, place, with_weights);
+  const auto response = std::make_shared<v1::ExportPriorsResponse>();
   sessions::SourceWeights weights(store);
   for (const PriorRecord& record : stored->records) {
-    v1::PriorRecord& message = *page.response.add_records();
+    v1::PriorRecord& message = *response->add_records();
     message = ToProto(record);
     if (!with_weights) continue;
     const auto weight = weights.Of(record);
     if (!weight.ok()) return weight.status();
     message.set_weight(*weight);
   }
-  page.next = ends ? TransferPlace{.in_quarantine = true, .after = {}}
-                   : TransferPlace{place.in_quarantine, stored->next};
-  return page;
+  return Page{.response = response, .last = last};
 }
 
-// A place in a comparison. The page behind it continues the comparison.
-struct ComparisonPlace {
-  priors::ExportPlace after;
-  std::shared_ptr<BuildComparison> comparison;
-};
-using ComparisonStream = PageStream<v1::CompareBuildsResponse, ComparisonPlace>;
+bool IsChosen(const v1::BuildChoice& choice, const std::string& build) {
+  return !choice.has_build() || (choice.build() == build) != choice.others();
+}
 
-absl::StatusOr<ComparisonStream::Page> LoadComparison(priors::PriorReader& store,
-                                                      const priors::SceneFilter& filter,
-                                                      const ComparisonPlace& place) {
-  auto stored = store.Export(filter, place.after, kRecordsPerMessage);
+// Returns the evidence of the chosen builds as if it were that of one build.
+decision::PriorsGroups GroupsOf(const v1::BuildChoice& choice,
+                                const std::vector<PriorRecord>& sums) {
+  std::vector<PriorRecord> chosen;
+  for (const PriorRecord& sum : sums) {
+    if (!IsChosen(choice, sum.build)) continue;
+    chosen.push_back(sum);
+    chosen.back().build.clear();
+  }
+  return decision::GroupPriors(chosen);
+}
+
+// Adds the builds with evidence of the scene, the latest one first.
+void AddBuilds(const std::vector<PriorRecord>& sums, v1::SceneComparison& scene) {
+  std::map<std::string, uint64_t> last_seen;  // by build
+  for (const PriorRecord& sum : sums) {
+    if (sum.key.machine_class != scene.machine_class() ||
+        sum.key.reward_version != scene.reward_version())
+      continue;
+    uint64_t& seen = last_seen[sum.build];
+    seen = std::max(seen, sum.last_seen_unix_s);
+  }
+  std::vector<std::pair<std::string, uint64_t>> builds(last_seen.begin(), last_seen.end());
+  std::stable_sort(builds.begin(), builds.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  for (auto& [build, seen] : builds) scene.add_builds(std::move(build));
+}
+
+// Compares what two choices of builds have measured, scene by scene.
+class BuildComparison {
+ public:
+  explicit BuildComparison(v1::CompareBuildsRequest request) : request_(std::move(request)) {}
+
+  // Adds a record that counts. Appends the scenes that have ended to the response. REQUIRES: the
+  // records of a scene come one after the other.
+  void Add(PriorRecord record, v1::CompareBuildsResponse& response) {
+    if (record.key.scene != scene_.scene || record.key.project != scene_.project) {
+      EndScene(response);
+      scene_ = record.key;
+    }
+    sums_.Add(std::move(record));
+  }
+
+  // Appends the last scene to the response.
+  void EndScene(v1::CompareBuildsResponse& response) {
+    const std::vector<PriorRecord> sums = std::exchange(sums_, {}).Take();
+    const decision::PriorsGroups before = GroupsOf(request_.before(), sums);
+    const decision::PriorsGroups after = GroupsOf(request_.after(), sums);
+    for (const decision::SceneComparison& scene : decision::ComparePriors(before, after)) {
+      if (request_.changes_only() && !scene.changed()) continue;
+      v1::SceneComparison& message = *response.add_scenes();
+      ToProto(scene, message);
+      AddBuilds(sums, message);
+    }
+  }
+
+ private:
+  const v1::CompareBuildsRequest request_;
+  BuildSums sums_;  // of the scene
+  EvidenceKey scene_;
+};
+
+absl::StatusOr<Page> LoadComparison(priors::PriorReader& store, const priors::SceneFilter& filter,
+                                    priors::ExportPlace& place, BuildComparison& comparison) {
+  auto stored = store.Export(filter, place, kRecordsPerMessage);
   if (!stored.ok()) return stored.status();
-  ComparisonStream::Page page;
-  page.next = {stored->next, place.comparison};
-  page.last = stored->records.size() < kRecordsPerMessage;
-  for (PriorRecord& record : stored->records)
-    place.comparison->Add(std::move(record), page.response);
-  if (page.last) place.comparison->EndScene(page.response);
-  return page;
+  place = stored->next;
+  const bool last = stored->records.size() < kRecordsPerMessage;
+  const auto response = std::make_shared<v1::CompareBuildsResponse>();
+  for (PriorRecord& record : stored->records) comparison.Add(std::move(record), *response);
+  if (last) comparison.EndScene(*response);
+  return Page{.response = response, .last = last};
 }
 
 // Called with the result of an import or a promotion.
@@ -92,18 +147,15 @@ void OnEvidence(ServiceContext& context, const absl::Status& status,
 
 // One import. gRPC's callbacks parse and check one message at a time and post to the decision loop.
 // Everything else runs there, except for the store's job.
-class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, public StallingCall {
+class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, public Transfer {
  public:
   // `collected_count` is shared by all imports.
-  PriorImport(ServiceContext& context, sessions::AdminLog& admin,
-              std::atomic<size_t>& collected_count, grpc::CallbackServerContext& call,
-              grpc::ByteBuffer& response, auth::Principal caller)
-      : context_(context),
-        admin_(admin),
+  PriorImport(ServiceContext& context, std::atomic<size_t>& collected_count,
+              grpc::CallbackServerContext& call, grpc::ByteBuffer& response, Caller caller)
+      : Transfer(context, std::move(caller)),
         collected_count_(collected_count),
         call_(call),
-        response_(response),
-        caller_(std::move(caller)) {
+        response_(response) {
     context_.loop.Post([this] { Begin(); });
   }
   ~PriorImport() override { collected_count_ -= records_.size(); }
@@ -115,32 +167,24 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   void OnDone() override {
     context_.loop.Post([this] { delete this; });
   }
-  int64_t waiting_since_ns() const override { return last_progress_ns_; }
-  int64_t deadline_ns() const override { return deadline_ns_; }
   void OnStalled() override {
-    context_.stalls.Remove(*this);
     const absl::Status stalled = Refused(
         v1::ERROR_REASON_CALL_STALLED, "no records came, or not all in time; nothing was imported");
-    context_.access.refusals().TellEnd(CallerOf(call_), stalled);
+    EndTransfer(stalled);
     Cancel(call_, ToGrpc(stalled, context_.counters));
   }
 
  private:
   void Begin() {
-    last_progress_ns_ = context_.loop.clock().NowNs();
-    deadline_ns_ = last_progress_ns_ + context_.options.transfer_patience_ns;
-    context_.stalls.Add(*this);
-    auto transfer = context_.access.BeginTransfer(caller_, v1::ERROR_REASON_TOO_MANY_IMPORTS);
-    if (!transfer.ok()) return End(transfer.status());
-    transfer_ = *std::move(transfer);
-    ReadNext();
+    const absl::Status begun = BeginTransfer(v1::ERROR_REASON_TOO_MANY_IMPORTS);
+    begun.ok() ? ReadNext() : End(begun);
   }
 
   // Fails if the token was revoked meanwhile.
   void ReadNext() {
     if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
       return End(still);
-    last_progress_ns_ = context_.loop.clock().NowNs();
+    OnProgress();
     StartRead(&bytes_);
   }
 
@@ -150,7 +194,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
       return End(absl::CancelledError("the stream broke off; nothing was imported"));
     if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
       return End(still);
-    last_progress_ns_ = deadline_ns_ = sessions::Clock::kNever;  // the daemon waits for the store
+    WaitForStore();
     const bool submitted = context_.store.Submit([this](priors::PriorStore& store) {
       if (const absl::Status allowed = CheckQuota(store); !allowed.ok())
         return context_.loop.Post([this, allowed] { End(allowed); });
@@ -159,9 +203,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
       // PostLater, as for commits: earlier results of the store come first.
       context_.loop.PostLater([this, result] { OnImported(result); });
     });
-    if (!submitted)
-      End(Refused(v1::ERROR_REASON_STORE_BUSY,
-                  "the prior store has too much to do; import again later"));
+    if (!submitted) End(StoreBusy());
   }
 
   absl::Status CheckQuota(priors::PriorStore& store) {
@@ -187,13 +229,12 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
                                             result->applied_count, " of them new or newer, which ",
                                             promotes_ ? "count at once" : "wait in quarantine");
     context_.log.info("{} {}", NameForLog(caller_), action);
-    admin_.Record(NameAndAddress(caller_, call_), action);
+    context_.admin.Record(NameAndAddress(caller_), action);
     End(absl::OkStatus());
   }
 
   void End(const absl::Status& status) {
-    context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
-    context_.access.refusals().TellEnd(CallerOf(call_), status);
+    EndTransfer(status);
     Finish(ToGrpc(status, context_.counters));
   }
 
@@ -231,15 +272,9 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     return absl::OkStatus();
   }
 
-  ServiceContext& context_;
-  sessions::AdminLog& admin_;
   std::atomic<size_t>& collected_count_;
   grpc::CallbackServerContext& call_;
   grpc::ByteBuffer& response_;
-  const auth::Principal caller_;
-  AccessControl::Share transfer_;  // used on the loop, like the next two
-  int64_t last_progress_ns_ = 0;
-  int64_t deadline_ns_ = sessions::Clock::kNever;
   grpc::ByteBuffer bytes_;
   v1::ImportPriorsRequest request_;
   std::vector<PriorRecord> records_;
@@ -273,8 +308,8 @@ absl::StatusOr<priors::SourceFilter> FilterOf(const v1::SourceFilter& sources,
 }
 
 // Returns what was done to which evidence, as the rest of a sentence.
-template <typename Result>
-std::string ChangeText(const char* verb, const Result& result, const v1::SourceFilter& sources) {
+std::string ChangeText(const char* verb, const priors::ChangeResult& result,
+                       const v1::SourceFilter& sources) {
   std::string text = absl::StrCat(verb, " ", result.source_count, " sources with ",
                                   result.record_count, " records");
   const auto add = [&text](const char* what, const auto& value) {
@@ -315,139 +350,111 @@ absl::Status CheckPromotion(priors::PriorStore& store, const priors::SourceFilte
   return absl::OkStatus();
 }
 
-// Serves the pages that load(store, filter, place) reads. The filter is narrowed to what the caller
-// may see.
-template <typename Stream, typename Load>
-auto ServePages(ServiceContext& context, grpc::CallbackServerContext& call, Rpc rpc,
-                priors::SceneFilter filter, Load load)
-    -> grpc::ServerWriteReactor<decltype(Stream::Page::response)>* {
-  const auto caller = context.access.Authorize(call, rpc);
-  absl::Status allowed = caller.status();
-  if (allowed.ok()) {
-    allowed = Narrow(*caller, filter);
-    context.access.refusals().TellEnd(CallerOf(call), allowed);
+// Returns the filter of a request, narrowed to what the caller may see.
+template <typename Request>
+absl::StatusOr<priors::SceneFilter> ScenesOf(const Caller& caller, const Request& request) {
+  priors::SceneFilter filter{request.project(), request.scene()};
+  if (absl::Status allowed = Narrow(caller, filter); !allowed.ok()) return allowed;
+  return filter;
+}
+
+// Revokes or promotes sources: runs the change, or previews it, on the store's thread.
+template <typename Request, typename Response>
+void ChangeSources(ServiceContext& context, const Caller& caller, const Request& request,
+                   Response& response, const EndCall& end) {
+  constexpr bool kPromotes = std::is_same_v<Request, v1::PromotePriorsRequest>;
+  auto selected = FilterOf(request.sources(), caller);
+  if (!selected.ok()) return end(selected.status());
+  if (!kPromotes && !NamesAny(request.sources())) {
+    return end(
+        Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                "name the sources to revoke: by source_id, build, token_id, or a time since 1970"));
   }
-  if (!allowed.ok()) {
-    return new RefusedCall<grpc::ServerWriteReactor<decltype(Stream::Page::response)>>(
-        ToGrpc(allowed, context.counters));
-  }
-  return Stream::Start(context, call, *caller,
-                       [filter, load](priors::PriorReader& store, const auto& place) {
-                         return load(store, filter, place);
-                       });
+  const auto change = [&context, &request, &response, caller, end,
+                       filter = *std::move(selected)](priors::PriorStore& store) {
+    sessions::SceneQuota quota(store, context.options);
+    if (kPromotes) {
+      if (const absl::Status allowed = CheckPromotion(store, filter, quota); !allowed.ok())
+        return context.loop.Post([end, allowed] { end(allowed); });
+    }
+    LeaderPreview leaders(store, filter.project, request.preview());
+    const auto result = kPromotes ? store.Promote(filter, leaders.preview())
+                                  : store.Revoke(filter, leaders.preview());
+    // PostLater, as for commits: earlier results of the store come first.
+    context.loop.PostLater([&context, &request, &response, caller, end, result,
+                            changes = leaders.Changes(), new_scenes = quota.new_scenes()] {
+      if (!request.preview()) OnEvidence(context, result.status(), new_scenes);
+      if (!result.ok()) return end(StoreFailed(result.status()));
+      if (!changes.ok()) return end(StoreFailed(changes.status()));
+      response.set_source_count(result->source_count);
+      response.set_record_count(result->record_count);
+      response.set_window_count(result->window_count);
+      if constexpr (kPromotes) response.set_scene_count(result->scene_count);
+      if (request.preview()) {
+        *response.mutable_leader_changes() = *changes;
+      } else {
+        const std::string who = NameAndAddress(caller);
+        const std::string action =
+            ChangeText(kPromotes ? "promoted" : "revoked", *result, request.sources());
+        context.log.warn("{} {}", who, action);
+        context.admin.Record(who, action);
+      }
+      end(absl::OkStatus());
+    });
+  };
+  if (!context.store.Submit(change)) end(StoreBusy());
 }
 
 }  // namespace
 
+absl::StatusOr<LoadPage> PagesOf(const Caller& caller, const v1::ExportPriorsRequest& request) {
+  auto filter = ScenesOf(caller, request);
+  if (!filter.ok()) return filter.status();
+  return LoadPage([filter = *std::move(filter),
+                   place = TransferPlace{.in_quarantine = request.quarantined_only()},
+                   with_weights = request.with_weights()](priors::PriorReader& store) mutable {
+    return LoadRecords(store, filter, place, with_weights);
+  });
+}
+
+absl::StatusOr<LoadPage> PagesOf(const Caller& caller, const v1::CompareBuildsRequest& request) {
+  auto filter = ScenesOf(caller, request);
+  if (!filter.ok()) return filter.status();
+  return LoadPage([filter = *std::move(filter), place = priors::ExportPlace(),
+                   comparison = std::make_shared<BuildComparison>(request)](
+                      priors::PriorReader& store) mutable {
+    return LoadComparison(store, filter, place, *comparison);
+  });
+}
+
+void Answer(ServiceContext& context, const Caller& caller, const v1::RevokePriorsRequest& request,
+            v1::RevokePriorsResponse& response, const EndCall& end) {
+  ChangeSources(context, caller, request, response, end);
+}
+
+void Answer(ServiceContext& context, const Caller& caller, const v1::PromotePriorsRequest& request,
+            v1::PromotePriorsResponse& response, const EndCall& end) {
+  ChangeSources(context, caller, request, response, end);
+}
+
 grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
     grpc::CallbackServerContext* call, const v1::ExportPriorsRequest* request) {
-  return ServePages<ExportStream>(
-      context_, *call, RpcOf("PriorsService/ExportPriors"), {request->project(), request->scene()},
-      [quarantined_only = request->quarantined_only(), with_weights = request->with_weights()](
-          priors::PriorReader& store, const priors::SceneFilter& filter, TransferPlace place) {
-        place.in_quarantine = place.in_quarantine || quarantined_only;
-        return LoadRecords(store, filter, place, with_weights);
-      });
+  return ServePages<v1::ExportPriorsResponse>(context_, *call, RpcOf("PriorsService/ExportPriors"),
+                                              *request);
 }
 
 grpc::ServerWriteReactor<v1::CompareBuildsResponse>* PriorsService::CompareBuilds(
     grpc::CallbackServerContext* call, const v1::CompareBuildsRequest* request) {
-  return ServePages<ComparisonStream>(
-      context_, *call, RpcOf("PriorsService/CompareBuilds"), {request->project(), request->scene()},
-      [first = std::make_shared<BuildComparison>(*request)](
-          priors::PriorReader& store, const priors::SceneFilter& filter, ComparisonPlace place) {
-        if (place.comparison == nullptr) place.comparison = first;
-        return LoadComparison(store, filter, place);
-      });
+  return ServePages<v1::CompareBuildsResponse>(context_, *call,
+                                               RpcOf("PriorsService/CompareBuilds"), *request);
 }
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* PriorsService::ImportPriors(
     grpc::CallbackServerContext* call, grpc::ByteBuffer* response) {
   auto caller = context_.access.Authorize(*call, RpcOf("PriorsService/ImportPriors"));
-  if (caller.ok()) {
-    return new PriorImport(context_, admin_, collected_count_, *call, *response,
-                           *std::move(caller));
-  }
-  return new RefusedCall<grpc::ServerReadReactor<grpc::ByteBuffer>>(
-      ToGrpc(caller.status(), context_.counters));
-}
-
-grpc::ServerUnaryReactor* PriorsService::RevokePriors(grpc::CallbackServerContext* call,
-                                                      const v1::RevokePriorsRequest* request,
-                                                      v1::RevokePriorsResponse* response) {
-  constexpr Rpc kRpc = RpcOf("PriorsService/RevokePriors");
-  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, EndCall end) {
-    auto filter = FilterOf(request->sources(), caller);
-    if (!filter.ok()) return end(filter.status());
-    if (!NamesAny(request->sources())) {
-      return end(Refused(
-          v1::ERROR_REASON_INVALID_MESSAGE,
-          "name the sources to revoke: by source_id, build, token_id, or a time since 1970"));
-    }
-    const bool submitted =
-        context_.store.Submit([this, request, response, end, filter = *std::move(filter),
-                               who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
-          LeaderPreview leaders(store, filter.project, request->preview());
-          const auto result = store.Revoke(filter, leaders.preview());
-          // PostLater, as for commits: earlier results of the store come first.
-          context_.loop.PostLater(
-              [this, request, response, end, who, result, changes = leaders.Changes()] {
-                if (!result.ok()) return end(StoreFailed(result.status()));
-                if (!changes.ok()) return end(StoreFailed(changes.status()));
-                if (request->preview()) *response->mutable_leader_changes() = *changes;
-                response->set_source_count(result->source_count);
-                response->set_record_count(result->record_count);
-                response->set_window_count(result->window_count);
-                if (!request->preview()) {
-                  OnChanged(ChangeText("revoked", *result, request->sources()), who);
-                  context_.events.Reset();
-                }
-                end(absl::OkStatus());
-              });
-        });
-    if (!submitted)
-      end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try later"));
-  });
-}
-
-grpc::ServerUnaryReactor* PriorsService::PromotePriors(grpc::CallbackServerContext* call,
-                                                       const v1::PromotePriorsRequest* request,
-                                                       v1::PromotePriorsResponse* response) {
-  constexpr Rpc kRpc = RpcOf("PriorsService/PromotePriors");
-  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, EndCall end) {
-    auto filter = FilterOf(request->sources(), caller);
-    if (!filter.ok()) return end(filter.status());
-    const bool submitted =
-        context_.store.Submit([this, request, response, end, filter = *std::move(filter),
-                               who = NameAndAddress(caller, *call)](priors::PriorStore& store) {
-          sessions::SceneQuota quota(store, context_.options);
-          if (const absl::Status allowed = CheckPromotion(store, filter, quota); !allowed.ok())
-            return context_.loop.Post([end, allowed] { end(allowed); });
-          LeaderPreview leaders(store, filter.project, request->preview());
-          const auto result = store.Promote(filter, leaders.preview());
-          context_.loop.PostLater([this, request, response, end, who, result,
-                                   changes = leaders.Changes(), new_scenes = quota.new_scenes()] {
-            if (!request->preview()) OnEvidence(context_, result.status(), new_scenes);
-            if (!result.ok()) return end(StoreFailed(result.status()));
-            if (!changes.ok()) return end(StoreFailed(changes.status()));
-            if (request->preview()) *response->mutable_leader_changes() = *changes;
-            response->set_source_count(result->source_count);
-            response->set_record_count(result->record_count);
-            response->set_window_count(result->window_count);
-            response->set_scene_count(result->scene_count);
-            if (!request->preview())
-              OnChanged(ChangeText("promoted", *result, request->sources()), who);
-            end(absl::OkStatus());
-          });
-        });
-    if (!submitted)
-      end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try later"));
-  });
-}
-
-void PriorsService::OnChanged(const std::string& action, const std::string& who) {
-  context_.log.warn("{} {}", who, action);
-  admin_.Record(who, action);
+  if (caller.ok())
+    return new PriorImport(context_, collected_count_, *call, *response, *std::move(caller));
+  return new RefusedCall<grpc::ServerReadReactor<grpc::ByteBuffer>>(context_, caller.status());
 }
 
 }  // namespace sweepstake::rpc

@@ -9,15 +9,18 @@
 
 #include <atomic>
 
-#include "server/rpc/services/service_context.h"
-#include "server/sessions/prior_store.h"
+#include "server/rpc/services/page_stream.h"
+#include "server/rpc/services/unary_call.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 
-namespace sweepstake::sessions {
-class AdminLog;
-}
-
 namespace sweepstake::rpc {
+
+absl::StatusOr<LoadPage> PagesOf(const Caller& caller, const v1::ExportPriorsRequest& request);
+absl::StatusOr<LoadPage> PagesOf(const Caller& caller, const v1::CompareBuildsRequest& request);
+void Answer(ServiceContext& context, const Caller& caller, const v1::RevokePriorsRequest& request,
+            v1::RevokePriorsResponse& response, const EndCall& end);
+void Answer(ServiceContext& context, const Caller& caller, const v1::PromotePriorsRequest& request,
+            v1::PromotePriorsResponse& response, const EndCall& end);
 
 class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportPriors<
                                 v1::PriorsService::WithRawCallbackMethod_ImportPriors<
@@ -26,8 +29,7 @@ class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportP
                                             v1::PriorsService::WithCallbackMethod_CompareBuilds<
                                                 v1::PriorsService::Service>>>>> {
  public:
-  PriorsService(ServiceContext& context, sessions::AdminLog& admin)
-      : context_(context), admin_(admin) {}
+  explicit PriorsService(ServiceContext& context) : context_(context) {}
 
   grpc::ServerWriteReactor<v1::ExportPriorsResponse>* ExportPriors(
       grpc::CallbackServerContext* call, const v1::ExportPriorsRequest* request) override;
@@ -35,19 +37,19 @@ class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportP
                                                           grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* RevokePriors(grpc::CallbackServerContext* call,
                                          const v1::RevokePriorsRequest* request,
-                                         v1::RevokePriorsResponse* response) override;
+                                         v1::RevokePriorsResponse* response) override {
+    return ServeUnary(context_, *call, RpcOf("PriorsService/RevokePriors"), *request, *response);
+  }
   grpc::ServerUnaryReactor* PromotePriors(grpc::CallbackServerContext* call,
                                           const v1::PromotePriorsRequest* request,
-                                          v1::PromotePriorsResponse* response) override;
+                                          v1::PromotePriorsResponse* response) override {
+    return ServeUnary(context_, *call, RpcOf("PriorsService/PromotePriors"), *request, *response);
+  }
   grpc::ServerWriteReactor<v1::CompareBuildsResponse>* CompareBuilds(
       grpc::CallbackServerContext* call, const v1::CompareBuildsRequest* request) override;
 
  private:
-  // Logs a revocation or a promotion that was committed.
-  void OnChanged(const std::string& action, const std::string& who);
-
   ServiceContext& context_;
-  sessions::AdminLog& admin_;
   std::atomic<size_t> collected_count_{0};  // records in memory, of all current imports
 };
 

@@ -3,6 +3,7 @@
 
 #include "server/events/event_bus.h"
 #include "server/rpc/common/access_control.h"
+#include "server/sessions/admin_log.h"
 #include "server/sessions/session_table.h"
 
 namespace spdlog {
@@ -23,6 +24,7 @@ struct ServiceContext {
   StallSweep& stalls;                // used on the loop only
   AccessControl& access;
   spdlog::logger& log;
+  sessions::AdminLog& admin;
 };
 
 }  // namespace sweepstake::rpc

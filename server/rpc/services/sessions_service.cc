@@ -15,13 +15,11 @@
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/unary_call.h"
 #include "server/rpc/services/watch_call.h"
-#include "server/sessions/admin_log.h"
 #include "server/sessions/session_table.h"
 
 namespace sweepstake::rpc {
 namespace {
 
-// The caller sets the operator and the time.
 // Returns the order as the rest of a sentence.
 std::string OrderText(const v1::OrderSessionRequest& order, const std::string& session_id) {
   const std::string text = absl::StrCat("ordered session ", session_id);
@@ -29,6 +27,7 @@ std::string OrderText(const v1::OrderSessionRequest& order, const std::string& s
   return text + (order.arm().empty() ? " to keep its arm" : " to keep to " + order.arm());
 }
 
+// Returns the order; the caller sets the operator and the time.
 absl::StatusOr<decision::OrderReport> OrderOf(const v1::OrderSessionRequest& request,
                                               const std::vector<std::string>& arms) {
   if (request.mode() != v1::MODE_MANUAL && request.mode() != v1::MODE_AI) {
@@ -52,26 +51,81 @@ absl::StatusOr<decision::OrderReport> OrderOf(const v1::OrderSessionRequest& req
   return order;
 }
 
+// Returns the session if it is in memory and has not ended. For a session of a project that the
+// caller may not use, the answer is null too, so that it reveals nothing.
+std::shared_ptr<sessions::GameSession> FindFor(const ServiceContext& context,
+                                               const auth::Principal& caller,
+                                               const std::string& session_id) {
+  std::shared_ptr<sessions::GameSession> session = context.sessions.Find(session_id);
+  const bool shown =
+      session != nullptr && !session->ended() && caller.MayUse(session->identity().scene.project);
+  return shown ? session : nullptr;
+}
+
 }  // namespace
 
-grpc::ServerUnaryReactor* SessionsService::ListSessions(grpc::CallbackServerContext* call,
-                                                        const v1::ListSessionsRequest* request,
-                                                        v1::ListSessionsResponse* response) {
-  constexpr Rpc kRpc = RpcOf("SessionsService/ListSessions");
-  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, EndCall end) {
-    priors::SceneFilter filter{request->project(), request->scene()};
-    if (const absl::Status allowed = Narrow(caller, filter); !allowed.ok()) return end(allowed);
-    context_.loop.Post([this, request, response, filter = std::move(filter), end = std::move(end)] {
-      const uint32_t limit = request->page_size() == 0
-                                 ? kSessionsPerPage
-                                 : std::min(request->page_size(), kSessionsPerPage);
-      for (const sessions::SessionView& session :
-           context_.sessions.List(filter, request->page_token(), limit)) {
-        ToProto(session, *response->add_sessions());
+void Answer(ServiceContext& context, const Caller& caller, const v1::ListSessionsRequest& request,
+            v1::ListSessionsResponse& response, const EndCall& end) {
+  priors::SceneFilter filter{request.project(), request.scene()};
+  if (const absl::Status allowed = Narrow(caller, filter); !allowed.ok()) return end(allowed);
+  context.loop.Post([&context, &request, &response, filter = std::move(filter), end] {
+    const uint32_t limit = request.page_size() == 0
+                               ? kSessionsPerPage
+                               : std::min(request.page_size(), kSessionsPerPage);
+    for (const sessions::SessionView& session :
+         context.sessions.List(filter, request.page_token(), limit)) {
+      ToProto(session, *response.add_sessions());
+    }
+    if (response.sessions_size() == static_cast<int>(limit))
+      response.set_next_page_token(response.sessions().rbegin()->session_id());
+    end(absl::OkStatus());
+  });
+}
+
+void Answer(ServiceContext& context, const Caller& caller, const v1::KickSessionRequest& request,
+            v1::KickSessionResponse& /*response*/, const EndCall& end) {
+  context.loop.Post([&context, &request, caller, end] {
+    const std::shared_ptr<sessions::GameSession> session =
+        FindFor(context, caller, request.session_id());
+    if (session == nullptr) return end(sessions::UnknownSession());
+    const sessions::SessionIdentity& identity = session->identity();
+    context.sessions.Kick(*session, request.may_return());
+    const std::string who = NameAndAddress(caller);
+    const std::string action = absl::StrCat(
+        "kicked session ", identity.id, " of ", identity.scene.project, "/", identity.scene.scene,
+        request.may_return() ? ", which may return" : ", which may not return");
+    context.log.warn("{} {}", who, action);
+    context.admin.Record(who, action);
+    end(absl::OkStatus());
+  });
+}
+
+void Answer(ServiceContext& context, const Caller& caller, const v1::OrderSessionRequest& request,
+            v1::OrderSessionResponse& response, const EndCall& end) {
+  context.loop.Post([&context, &request, &response, caller, end] {
+    const std::shared_ptr<sessions::GameSession> session =
+        FindFor(context, caller, request.session_id());
+    if (session == nullptr) return end(sessions::UnknownSession());
+    auto order = OrderOf(request, session->identity().arms);
+    if (!order.ok()) return end(order.status());
+    const std::string who = NameAndAddress(caller);
+    order->operator_name = who;
+    order->now_ns = context.loop.clock().NowNs();
+    // Recorded before the answer, because the daemon may end before the game answers. The
+    // session's own log has the order once its next decision is on disk.
+    const std::string action = OrderText(request, session->identity().id);
+    context.admin.Record(who, action);
+    session->Order(*order, [&context, &response, who, end, action,
+                            &decisions = session->decisions()](const absl::Status& status) {
+      context.admin.Record(who, status.ok() ? absl::StrCat(action, ", and the game obeyed")
+                                            : absl::StrCat(action, ", which was refused: ",
+                                                           NameOf(ReasonOfRefusal(status))));
+      if (status.ok()) {
+        context.log.info("{} {}", who, action);
+        response.set_mode(static_cast<v1::Mode>(decisions.mode()));
+        response.set_active_arm(decisions.arms()[decisions.active_arm()]);
       }
-      if (response->sessions_size() == static_cast<int>(limit))
-        response->set_next_page_token(response->sessions().rbegin()->session_id());
-      end(absl::OkStatus());
+      end(status);
     });
   });
 }
@@ -81,74 +135,9 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* SessionsService::WatchSessions(
   return ServeWatch<v1::WatchSessionsRequest>(context_, *call, *request);
 }
 
-std::shared_ptr<sessions::GameSession> SessionsService::FindFor(
-    const auth::Principal& caller, const std::string& session_id) const {
-  std::shared_ptr<sessions::GameSession> session = context_.sessions.Find(session_id);
-  const bool shown =
-      session != nullptr && !session->ended() && caller.MayUse(session->identity().scene.project);
-  return shown ? session : nullptr;
-}
-
-grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerContext* call,
-                                                       const v1::KickSessionRequest* request,
-                                                       v1::KickSessionResponse* /*response*/) {
-  constexpr Rpc kRpc = RpcOf("SessionsService/KickSession");
-  return ServeUnary(context_, *call, kRpc, [&](auth::Principal caller, EndCall end) {
-    std::string who = NameAndAddress(caller, *call);
-    context_.loop.Post([this, request, caller = std::move(caller), who = std::move(who),
-                        end = std::move(end)] {
-      const std::shared_ptr<sessions::GameSession> session = FindFor(caller, request->session_id());
-      if (session == nullptr) return end(sessions::UnknownSession());
-      const bool may_return = request->may_return();
-      const sessions::SessionIdentity& identity = session->identity();
-      context_.sessions.Kick(*session, may_return);
-      const std::string action = absl::StrCat(
-          "kicked session ", identity.id, " of ", identity.scene.project, "/", identity.scene.scene,
-          may_return ? ", which may return" : ", which may not return");
-      context_.log.warn("{} {}", who, action);
-      admin_.Record(who, action);
-      end(absl::OkStatus());
-    });
-  });
-}
-
 grpc::ServerWriteReactor<grpc::ByteBuffer>* SessionsService::WatchBoxes(
     grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
   return ServeWatch<v1::WatchBoxesRequest>(context_, *call, *request);
-}
-
-grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerContext* call,
-                                                        const v1::OrderSessionRequest* request,
-                                                        v1::OrderSessionResponse* response) {
-  constexpr Rpc kRpc = RpcOf("SessionsService/OrderSession");
-  return ServeUnary(context_, *call, kRpc, [&](auth::Principal caller, EndCall end) {
-    std::string who = NameAndAddress(caller, *call);
-    context_.loop.Post([this, request, response, caller = std::move(caller), who = std::move(who),
-                        end = std::move(end)] {
-      const std::shared_ptr<sessions::GameSession> session = FindFor(caller, request->session_id());
-      if (session == nullptr) return end(sessions::UnknownSession());
-      auto order = OrderOf(*request, session->identity().arms);
-      if (!order.ok()) return end(order.status());
-      order->operator_name = who;
-      order->now_ns = context_.loop.clock().NowNs();
-      // Recorded before the answer, because the daemon may end before the game answers. The
-      // session's own log has the order once its next decision is on disk.
-      const std::string action = OrderText(*request, session->identity().id);
-      admin_.Record(who, action);
-      session->Order(*order, [this, request, response, who, end, action,
-                              &decisions = session->decisions()](const absl::Status& status) {
-        admin_.Record(who, status.ok() ? absl::StrCat(action, ", and the game obeyed")
-                                       : absl::StrCat(action, ", which was refused: ",
-                                                      NameOf(ReasonOfRefusal(status))));
-        if (status.ok()) {
-          context_.log.info("{} {}", who, action);
-          response->set_mode(static_cast<v1::Mode>(decisions.mode()));
-          response->set_active_arm(decisions.arms()[decisions.active_arm()]);
-        }
-        end(status);
-      });
-    });
-  });
 }
 
 }  // namespace sweepstake::rpc

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "server/rpc/common/error_reasons.h"
+
 namespace sweepstake::rpc {
 
 void Cancel(grpc::CallbackServerContext& call, const grpc::Status& status) {
@@ -30,6 +32,20 @@ void StallSweep::Sweep() {
     if (call.waiting_since_ns() <= overdue_ns || call.deadline_ns() <= now_ns) call.OnStalled();
   }
   Schedule();
+}
+
+absl::Status Transfer::BeginTransfer(v1::ErrorReason refusal) {
+  OnProgress();
+  deadline_ns_ = last_progress_ns_ + context_.options.transfer_patience_ns;
+  context_.stalls.Add(*this);
+  auto share = context_.access.BeginTransfer(caller_, refusal);
+  if (share.ok()) share_ = *std::move(share);
+  return share.status();
+}
+
+void Transfer::EndTransfer(const absl::Status& status) {
+  context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
+  context_.access.refusals().TellEnd(caller_.peer, status);
 }
 
 }  // namespace sweepstake::rpc

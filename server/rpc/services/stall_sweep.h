@@ -6,8 +6,9 @@
 
 #include <cstdint>
 #include <set>
+#include <utility>
 
-#include "server/sessions/common/decision_loop.h"
+#include "server/rpc/services/service_context.h"
 
 namespace sweepstake::rpc {
 
@@ -46,6 +47,36 @@ class StallSweep {
   const int64_t patience_ns_;
   std::set<StallingCall*> calls_;
   bool scheduled_ = false;
+};
+
+// An export or import under way. It ends with DEADLINE_EXCEEDED if it makes no progress for
+// RpcOptions::watcher_patience_ns, or is not done within transfer_patience_ns. AccessControl limits
+// the number of transfers.
+class Transfer : public StallingCall {
+ public:
+  int64_t waiting_since_ns() const override { return last_progress_ns_; }
+  int64_t deadline_ns() const override { return deadline_ns_; }
+
+ protected:
+  Transfer(ServiceContext& context, Caller caller)
+      : context_(context), caller_(std::move(caller)) {}
+
+  // Counts the transfer, and begins to watch its progress. Error: RESOURCE_EXHAUSTED with the
+  // reason `refusal`.
+  absl::Status BeginTransfer(v1::ErrorReason refusal);
+  void OnProgress() { last_progress_ns_ = context_.loop.clock().NowNs(); }
+  // Called while the daemon waits for the store instead of the client.
+  void WaitForStore() { last_progress_ns_ = deadline_ns_ = sessions::Clock::kNever; }
+  // Called before the call is finished. Logs refusals.
+  void EndTransfer(const absl::Status& status);
+
+  ServiceContext& context_;
+  const Caller caller_;
+
+ private:
+  AccessControl::Share share_;
+  int64_t last_progress_ns_ = 0;
+  int64_t deadline_ns_ = sessions::Clock::kNever;
 };
 
 }  // namespace sweepstake::rpc

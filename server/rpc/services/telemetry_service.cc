@@ -9,6 +9,7 @@
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/stall_sweep.h"
+#include "server/rpc/services/unary_call.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -95,7 +96,7 @@ grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* TelemetryService::S
   auto caller = context_.access.Authorize(*call, RpcOf("TelemetryService/StreamTelemetry"));
   if (caller.ok()) return new TelemetryCall(context_, streams_, *call, *std::move(caller));
   return new RefusedCall<grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>>(
-      ToGrpc(caller.status(), context_.counters));
+      context_, caller.status());
 }
 
 }  // namespace sweepstake::rpc

@@ -1,5 +1,9 @@
 // Serves a call with one answer: checks the caller first, and sends every error to the client with
 // its reason. Refusals are logged.
+//
+// Each method with one answer has a function
+//   void Answer(ServiceContext&, const Caller&, const Request&, Response&, const EndCall&)
+// which must not block. Request and response live until the call has ended.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -16,14 +20,19 @@ namespace sweepstake::rpc {
 // Ends the call. Called once, on any thread; the response must be complete by then.
 using EndCall = std::function<void(const absl::Status&)>;
 
-// Serves the call with `handle(caller, end)` if the caller may make it. Neither function may block.
-template <typename Handle>
+// The status of a call whose job the store has refused.
+inline absl::Status StoreBusy() {
+  return Refused(v1::ERROR_REASON_STORE_BUSY,
+                 "the prior store has too much to do; try again later");
+}
+
+template <typename Request, typename Response>
 grpc::ServerUnaryReactor* ServeUnary(ServiceContext& context, grpc::CallbackServerContext& call,
-                                     Rpc rpc, Handle handle) {
+                                     Rpc rpc, const Request& request, Response& response) {
   grpc::ServerUnaryReactor* reactor = call.DefaultReactor();
-  if (auto caller = context.access.Authorize(call, rpc); caller.ok()) {
-    handle(*std::move(caller),
-           [reactor, &context, peer = CallerOf(call)](const absl::Status& status) {
+  if (const auto caller = context.access.Authorize(call, rpc); caller.ok()) {
+    Answer(context, *caller, request, response,
+           [reactor, &context, peer = caller->peer](const absl::Status& status) {
              context.access.refusals().TellEnd(peer, status);
              reactor->Finish(ToGrpc(status, context.counters));
            });
@@ -32,5 +41,15 @@ grpc::ServerUnaryReactor* ServeUnary(ServiceContext& context, grpc::CallbackServ
   }
   return reactor;
 }
+
+// A streaming call that is refused at once.
+template <typename Reactor>
+class RefusedCall final : public Reactor {
+ public:
+  RefusedCall(ServiceContext& context, const absl::Status& status) {
+    this->Finish(ToGrpc(status, context.counters));
+  }
+  void OnDone() override { delete this; }
+};
 
 }  // namespace sweepstake::rpc

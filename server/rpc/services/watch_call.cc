@@ -5,6 +5,7 @@
 
 #include "server/net/peer_address.h"
 #include "server/rpc/services/stall_sweep.h"
+#include "server/rpc/services/unary_call.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -33,13 +34,13 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
                         public events::Sink {
  public:
   WatchCall(ServiceContext& context, grpc::CallbackServerContext& call, events::Wish wish,
-            const auth::Principal& caller)
+            const Caller& caller)
       : context_(context),
         call_(call),
         max_events_(wish.kind == events::Kind::kSessions ? kSessionsPerPage : 1) {
     context_.loop.Post([this, wish = std::move(wish), caller] {
       context_.stalls.Add(*this);
-      BeginWatch(context_, wish, caller, CallerOf(call_), *this);
+      BeginWatch(context_, wish, caller, *this);
     });
   }
 
@@ -53,7 +54,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void OnEnd(const absl::Status& status) override {
     if (end_) return;
     end_ = status;
-    context_.access.refusals().TellEnd(CallerOf(call_), status);
+    context_.access.refusals().TellEnd(call_.peer(), status);
     subscriber_.reset();
     context_.stalls.Remove(*this);
     if (!writing_) return Finish(ToGrpc(status, context_.counters));
@@ -136,10 +137,11 @@ Rpc RpcOf(events::Kind kind) {
   }
 }
 
-void BeginWatch(ServiceContext& context, events::Wish wish, const auth::Principal& caller,
-                const std::string& peer, events::Sink& sink) {
+void BeginWatch(ServiceContext& context, events::Wish wish, const Caller& caller,
+                events::Sink& sink) {
   const absl::Status allowed = Narrow(caller, wish.filter);
-  auto share = allowed.ok() ? context.access.BeginWatch(caller, net::AddressOf(peer)) : allowed;
+  auto share =
+      allowed.ok() ? context.access.BeginWatch(caller, net::AddressOf(caller.peer)) : allowed;
   if (!share.ok()) {
     if (wish.on_end) wish.on_end(share.status());
     return sink.OnEnd(share.status());
@@ -158,11 +160,10 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* ServeWatch(ServiceContext& context,
   absl::Status status = caller.status();
   if (status.ok() && !parsed) {
     status = Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse");
-    context.access.refusals().TellEnd(CallerOf(call), status);
+    context.access.refusals().TellEnd(call.peer(), status);
   }
   if (status.ok()) return new WatchCall(context, call, std::move(wish), *caller);
-  return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(
-      ToGrpc(status, context.counters));
+  return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(context, status);
 }
 
 }  // namespace sweepstake::rpc

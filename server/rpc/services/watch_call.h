@@ -22,11 +22,11 @@ std::optional<events::Wish> WishOf(const google::protobuf::Message& request);
 // Returns the Watch method of the kind.
 Rpc RpcOf(events::Kind kind);
 
-// Begins to watch for an authorized caller at `peer`. The errors that end the watch go to the sink;
+// Begins to watch for an authorized caller. The errors that end the watch go to the sink;
 // PERMISSION_DENIED (the project), RESOURCE_EXHAUSTED (as AccessControl::BeginWatch), and those of
 // EventBus::Subscribe are possible at once. Called on the loop.
-void BeginWatch(ServiceContext& context, events::Wish wish, const auth::Principal& caller,
-                const std::string& peer, events::Sink& sink);
+void BeginWatch(ServiceContext& context, events::Wish wish, const Caller& caller,
+                events::Sink& sink);
 
 // Serves a call that watches. A client that does not read for RpcOptions::watcher_patience_ns is
 // disconnected. `parsed` says whether its request is valid.

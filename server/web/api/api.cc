@@ -10,7 +10,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "server/net/peer_address.h"
-#include "server/web/api/line_answer.h"
 #include "server/web/error_page.h"
 #include "server/web/query.h"
 
@@ -25,10 +24,6 @@ constexpr std::string_view kWhoAmI = "/api/whoami";
 constexpr absl::string_view kScheme = "Bearer ";
 constexpr size_t kMaxTokenBytes = 256;
 constexpr int kNoContent = 204;
-
-Page JsonPage(std::string json) {
-  return {.body = std::move(json), .content_type = "application/json"};
-}
 
 Page OnlyPage(const std::string& method) {
   return {.status = 405,
@@ -94,7 +89,7 @@ absl::Status UnknownMethod() {
 Api::Api(ApiOptions options, boost::asio::io_context& io)
     : options_(std::move(options)),
       methods_(options_.methods),
-      upstream_(options_.channel, options_.caller_key, io),
+      calls_(options_.begin_call, io),
       topics_(io, options_.begin_watch, options_.post_to_loop, options_.events,
               *options_.event_counters) {}
 
@@ -119,17 +114,9 @@ void Api::Call(const std::shared_ptr<Exchange>& exchange, std::string_view name)
   if (method == nullptr) return exchange->Answer(ErrorPage(UnknownMethod()));
   auto token = TokenOf(request);
   if (!token.ok()) return exchange->Answer(ErrorPage(token.status()));
-  const auto message = FromJson(request.message.body(), *method->request);
+  auto message = FromJson(request.message.body(), *method->request);
   if (!message.ok()) return exchange->Answer(ErrorPage(message.status()));
-  UpstreamRequest upstream{method->path, BufferOf(Serialize(**message)), request.peer,
-                           *std::move(token)};
-  if (method->streams) return AnswerWithLines(upstream_, *method, std::move(upstream), exchange);
-  upstream_.Ask(
-      std::move(upstream), [exchange, method](const absl::Status& status, grpc::ByteBuffer bytes) {
-        if (!status.ok()) return exchange->Answer(ErrorPage(status));
-        auto json = ToJson(std::move(bytes), *method->response);
-        exchange->Answer(json.ok() ? JsonPage(*std::move(json)) : ErrorPage(json.status()));
-      });
+  calls_.Begin(*method, *std::move(message), *token, exchange);
 }
 
 void Api::Watch(const std::shared_ptr<Exchange>& exchange, std::string_view name) {
@@ -209,7 +196,8 @@ Page Api::WhoAmI(const Request& request) {
   answer["stableProbability"] = options_.stable_probability;
   answer["tieLossRatio"] = options_.tie_loss_ratio;
   answer["projects"] = holder.ok() ? holder->projects : std::vector<std::string>();
-  return JsonPage(answer.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+  return {.body = answer.dump(-1, ' ', false, ordered_json::error_handler_t::replace),
+          .content_type = "application/json"};
 }
 
 }  // namespace sweepstake::web

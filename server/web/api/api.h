@@ -21,20 +21,19 @@
 
 #include "absl/status/statusor.h"
 #include "server/auth/principal.h"
+#include "server/web/api/calls.h"
 #include "server/web/api/event_topics.h"
 #include "server/web/api/logins.h"
 #include "server/web/api/methods.h"
-#include "server/web/api/upstream.h"
 #include "server/web/http_message.h"
 
 namespace sweepstake::web {
 
 struct ApiOptions {
-  std::shared_ptr<grpc::Channel> channel;  // to the daemon's services
-  std::string caller_key;                  // the metadata that contains the address of the caller
-  std::vector<std::string> methods;        // the methods that may be called: "SERVICE/METHOD"
-  // Returns the holder of the token, or an error. `caller` as in UpstreamRequest.
-  std::function<absl::StatusOr<auth::Principal>(const std::string& caller,
+  std::vector<std::string> methods;  // the methods that may be called: "SERVICE/METHOD"
+  BeginCall begin_call;              // thread-safe
+  // Returns the holder of the token, or an error. `peer` as in BeginCall.
+  std::function<absl::StatusOr<auth::Principal>(const std::string& peer,
                                                 std::optional<std::string_view> token)>
       identify;
   std::function<bool()> asks_for_tokens;
@@ -73,7 +72,7 @@ class Api {
   const ApiOptions options_;
   const Methods methods_;
   Logins logins_;
-  Upstream upstream_;
+  Calls calls_;
   EventTopics topics_;
 };
 

@@ -11,7 +11,12 @@ namespace sweepstake::web {
 
 EventTopics::EventTopics(boost::asio::io_context& io, BeginWatch begin_watch,
                          PostToLoop post_to_loop, EventLimits limits, EventCounters& counters)
-    : context_{io, std::move(begin_watch), std::move(post_to_loop), limits, counters},
+    : context_{io,
+               std::move(begin_watch),
+               std::move(post_to_loop),
+               std::make_shared<Inbox>(io),
+               limits,
+               counters},
       beat_timer_(io) {
   BeatLater();
 }
@@ -25,9 +30,9 @@ void EventTopics::Watch(const std::shared_ptr<Exchange>& exchange, const Method&
     return exchange->Answer(ErrorPage(absl::ResourceExhaustedError(
         "the daemon, or your address, has as many watchers as it may; try again later")));
   }
-  // A path and a token have no line breaks.
+  // A type and a token have no line breaks.
   const std::string key =
-      absl::StrCat(method.path, "\n", token.value_or(""), "\n", Serialize(request));
+      absl::StrCat(request.GetTypeName(), "\n", token.value_or(""), "\n", Serialize(request));
   std::shared_ptr<Topic>& topic = topics_[key];
   if (topic == nullptr) {
     topic = std::make_shared<Topic>(context_, *method.response, [this, key] { Remove(key); });

@@ -17,6 +17,7 @@ class EventTopics {
   // It borrows `io` and `counters`.
   EventTopics(boost::asio::io_context& io, BeginWatch begin_watch, PostToLoop post_to_loop,
               EventLimits limits, EventCounters& counters);
+  ~EventTopics() { context_.inbox->Close(); }
 
   // Answers with the events of the method. Errors: NOT_FOUND (the method has none),
   // RESOURCE_EXHAUSTED, those of the daemon's subscription.

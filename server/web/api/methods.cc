@@ -4,7 +4,6 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/util/json_util.h>
-#include <grpcpp/support/proto_buffer_reader.h>
 
 #include <utility>
 
@@ -30,8 +29,7 @@ Methods::Methods(std::span<const std::string> names) {
     const std::string full_name = absl::StrCat(kPackage, name);
     const auto* method = pool->FindMethodByName(absl::StrReplaceAll(full_name, {{"/", "."}}));
     if (method == nullptr || method->client_streaming()) continue;
-    methods_[full_name] = {.path = absl::StrCat("/", full_name),
-                           .request = PrototypeOf(method->input_type()),
+    methods_[full_name] = {.request = PrototypeOf(method->input_type()),
                            .response = PrototypeOf(method->output_type()),
                            .streams = method->server_streaming()};
   }
@@ -67,22 +65,6 @@ std::string Serialize(const Message& message) {
   message.SerializeToCodedStream(&coded);
   coded.Trim();
   return bytes;
-}
-
-grpc::ByteBuffer BufferOf(const std::string& bytes) {
-  const grpc::Slice slice(bytes);
-  return {&slice, 1};
-}
-
-bool Parse(grpc::ByteBuffer bytes, Message& message) {
-  grpc::ProtoBufferReader reader(&bytes);
-  return reader.status().ok() && message.ParseFromZeroCopyStream(&reader) && reader.status().ok();
-}
-
-absl::StatusOr<std::string> ToJson(grpc::ByteBuffer bytes, const Message& prototype) {
-  const std::unique_ptr<Message> message(prototype.New());
-  if (Parse(std::move(bytes), *message)) return ToJson(*message);
-  return absl::InternalError("an answer of the daemon cannot be read");
 }
 
 }  // namespace sweepstake::web

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <google/protobuf/message.h>
-#include <grpcpp/support/byte_buffer.h>
 
 #include <map>
 #include <memory>
@@ -17,7 +16,6 @@
 namespace sweepstake::web {
 
 struct Method {
-  std::string path;  // in gRPC's form: "/sweepstake.v1.PosteriorsService/ListPosteriors"
   const google::protobuf::Message* request = nullptr;  // an empty message
   const google::protobuf::Message* response = nullptr;
   bool streams = false;  // has any number of responses
@@ -44,11 +42,5 @@ absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message);
 
 // Equal messages have equal bytes.
 std::string Serialize(const google::protobuf::Message& message);
-grpc::ByteBuffer BufferOf(const std::string& bytes);
-// Returns false if the bytes are not a message of this type.
-bool Parse(grpc::ByteBuffer bytes, google::protobuf::Message& message);
-// Parses a message of the prototype's type and converts it to JSON. Error: INTERNAL.
-absl::StatusOr<std::string> ToJson(grpc::ByteBuffer bytes,
-                                   const google::protobuf::Message& prototype);
 
 }  // namespace sweepstake::web

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <iterator>
-#include <mutex>
 
 #include "absl/strings/str_cat.h"
 #include "server/web/error_page.h"
@@ -32,10 +31,9 @@ SharedText Shared(std::string text) { return std::make_shared<const std::string>
 class Topic::Feed final : public events::Sink, public std::enable_shared_from_this<Feed> {
  public:
   explicit Feed(Topic& topic)
-      : topic_(&topic), io_(&topic.context_.io), post_to_loop_(topic.context_.post_to_loop) {}
+      : topic_(&topic), inbox_(topic.context_.inbox), post_to_loop_(topic.context_.post_to_loop) {}
 
-  // These two are called on the server's thread. After Close, the topic and the context are not
-  // used any more.
+  // These two are called on the server's thread. After Close, the topic is not used any more.
   void WantSnapshot() {
     post_to_loop_([self = shared_from_this()] {
       self->snapshot_wanted_ = true;
@@ -44,10 +42,6 @@ class Topic::Feed final : public events::Sink, public std::enable_shared_from_th
   }
   void Close() {
     topic_ = nullptr;
-    {
-      const std::lock_guard lock(mutex_);
-      io_ = nullptr;
-    }
     post_to_loop_([self = shared_from_this()] { self->subscriber_.reset(); });
   }
 
@@ -80,16 +74,13 @@ class Topic::Feed final : public events::Sink, public std::enable_shared_from_th
  private:
   // Runs `call` on the server's thread unless the feed is closed by then.
   void Post(std::function<void()> call) {
-    const std::lock_guard lock(mutex_);
-    if (io_ == nullptr) return;
-    boost::asio::post(*io_, [self = shared_from_this(), call = std::move(call)] {
+    inbox_->Post([self = shared_from_this(), call = std::move(call)] {
       if (self->topic_ != nullptr) call();
     });
   }
 
   Topic* topic_;  // used on the server's thread; null: closed
-  std::mutex mutex_;
-  boost::asio::io_context* io_;  // guarded by mutex_; null: closed
+  const std::shared_ptr<Inbox> inbox_;
   const PostToLoop post_to_loop_;
   // These are used on the loop.
   std::unique_ptr<events::Subscriber> subscriber_;

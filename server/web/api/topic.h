@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "server/events/subscriber.h"
+#include "server/web/api/inbox.h"
 #include "server/web/api/methods.h"
 #include "server/web/http_message.h"
 
@@ -57,10 +58,10 @@ struct EventCounters {
   std::atomic<uint64_t> skip_count{0};     // times that a watcher read too slowly
 };
 
-// Begins to watch as the message asks, for a caller in gRPC's format with or without a token.
+// Begins to watch as the message asks, for a client in gRPC's format with or without a token.
 // Returns false if the message is not a request of a Watch method.
 using BeginWatch = std::function<bool(
-    const google::protobuf::Message& request, const std::string& caller,
+    const google::protobuf::Message& request, const std::string& peer,
     const std::optional<std::string>& token, std::shared_ptr<events::Sink> sink)>;
 
 // Runs a task on the decision loop.
@@ -71,6 +72,7 @@ struct TopicContext {
   boost::asio::io_context& io;
   const BeginWatch begin_watch;
   const PostToLoop post_to_loop;
+  const std::shared_ptr<Inbox> inbox;
   const EventLimits limits;
   EventCounters& counters;
 };

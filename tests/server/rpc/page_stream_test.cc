@@ -47,15 +47,16 @@ struct Services {
   sessions::SessionTable sessions{{options, loop, store, counters, events}};
   StallSweep stalls{loop, options.watcher_patience_ns};
   AccessControl access{options, clock, log};
-  ServiceContext context{options, loop, store, counters, events, sessions, stalls, access, log};
+  sessions::AdminLog admin{options, loop, store, counters};
+  ServiceContext context{options,  loop,   store,  counters, events,
+                         sessions, stalls, access, log,      admin};
 };
 
 TEST(PageStreamTest, AFinishedStreamIsNotEndedAgainBeforeTheLoopProcessesItsEnd) {
-  using Stream = PageStream<v1::ExportPriorsResponse, int>;
   Services services;
   grpc::CallbackServerContext call;
-  Stream* stream = Stream::Start(services.context, call, {},
-                                 [](priors::PriorReader&, int) { return Stream::Page{}; });
+  auto* const stream = new PageCall<v1::ExportPriorsResponse>(
+      services.context, call, {}, [](priors::PriorReader&) { return Page{}; });
   services.Settle();
   services.clock.Advance(2 * services.options.watcher_patience_ns);
   services.Settle();

@@ -18,7 +18,9 @@ SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
       watcher_(watcher),
       events_(store_, loop_, sessions_, watcher),
       sessions_({options_, loop_, store_, counters_, events_}),
-      context_{options_, loop_, store_, counters_, events_, sessions_, stalls_, access_, log_},
+      admin_(options_, loop_, store_, counters_),
+      context_{options_,  loop_,   store_,  counters_, events_,
+               sessions_, stalls_, access_, log_,      admin_},
       stalls_(loop_, options_.watcher_patience_ns) {
   EachSecond();
 }

@@ -81,7 +81,9 @@ struct PromptDaemon {
   sessions::SessionTable sessions{{options, loop, store, counters, events}};
   StallSweep stalls{loop, options.watcher_patience_ns};
   AccessControl access{options, clock, log};
-  ServiceContext context{options, loop, store, counters, events, sessions, stalls, access, log};
+  sessions::AdminLog admin{options, loop, store, counters};
+  ServiceContext context{options,  loop,   store,  counters, events,
+                         sessions, stalls, access, log,      admin};
   TelemetryStreams streams;
 };
 

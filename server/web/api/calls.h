@@ -1,0 +1,64 @@
+// The calls of the daemon's methods over HTTP that are under way. A call with one response is
+// answered with it. A stream is answered with one JSON message per line, as fast as the client
+// reads; an error before the first line is the status of the answer, and a later error is the last
+// line. Used on the server's thread only.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "server/web/api/inbox.h"
+#include "server/web/api/methods.h"
+#include "server/web/http_message.h"
+
+namespace sweepstake::web {
+
+// The last copy is destroyed when the client has taken the response, with the value true, or has
+// gone.
+using Taken = std::shared_ptr<bool>;
+using OnResponse =
+    std::function<void(const std::shared_ptr<const google::protobuf::Message>&, Taken)>;
+using OnEnd = std::function<void(const absl::Status&)>;
+// Begins a call for a client, in gRPC's format, with or without a token. Returns false if the
+// method cannot be called. The callbacks come from any thread, `on_end` last and once. A stream
+// has its next response when the previous one was taken.
+using BeginCall = std::function<bool(
+    std::shared_ptr<const google::protobuf::Message> request, const std::string& peer,
+    const std::optional<std::string>& token, OnResponse on_response, OnEnd on_end)>;
+
+class Calls {
+ public:
+  Calls(BeginCall begin, boost::asio::io_context& io)
+      : begin_(std::move(begin)), io_(io), inbox_(std::make_shared<Inbox>(io)) {}
+  ~Calls() { inbox_->Close(); }
+  Calls(const Calls&) = delete;
+  Calls& operator=(const Calls&) = delete;
+
+  // Calls the method, and answers. Error: NOT_FOUND (the method has a stream of events).
+  void Begin(const Method& method, std::shared_ptr<const google::protobuf::Message> request,
+             const std::optional<std::string>& token, std::shared_ptr<Exchange> exchange);
+
+ private:
+  struct Answer;
+  class Lines;
+
+  void OnCallResponse(uint64_t number, const google::protobuf::Message& response, Taken taken);
+  void OnCallEnd(uint64_t number, const absl::Status& status);
+  // Answers at once.
+  void Finish(uint64_t number, Page page);
+  void ShowLines(uint64_t number);
+
+  const BeginCall begin_;
+  boost::asio::io_context& io_;
+  const std::shared_ptr<Inbox> inbox_;
+  std::map<uint64_t, std::shared_ptr<Answer>> answers_;
+  uint64_t last_number_ = 0;
+};
+
+}  // namespace sweepstake::web
