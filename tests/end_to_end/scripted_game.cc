@@ -44,7 +44,8 @@ SessionOptions FastOptions() {
   return options;
 }
 
-// Advances by one step at each reading. FindPairs reads the clock twice, so a search takes one step.
+// Advances by one step at each reading. FindPairs reads the clock twice, so a search takes one
+// step.
 class ScriptedGame::ScriptedClock final : public Clock {
  public:
   void SetStep(uint64_t step_ns) { step_ns_ = step_ns; }

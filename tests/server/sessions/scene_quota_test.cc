@@ -217,7 +217,7 @@ TEST_F(SceneQuotaTest, TheProjectOfAnUnreadableSceneCountsAsStoredOnlyIfTheScene
   const auto project_count = [&](const absl::Status& error) {
     UnreadableStore store(error);
     sessions::SceneQuota quota(store, options_);
-    EXPECT_TRUE(quota.Add({"game", "a", "desktop", 1}, {"Grid", 1}).ok());
+    EXPECT_TRUE(quota.Add({"game", "a", "desktop", 1}, "Grid", 1).ok());
     return quota.unstored()->project_count;
   };
   EXPECT_EQ(project_count(absl::UnavailableError("the disk does not answer")), 0u);
