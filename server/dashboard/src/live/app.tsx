@@ -1,13 +1,13 @@
 // The frame around the views: navigation, state of the connection, login, theme and keyboard shortcuts.
 import { effect, signal } from '@preact/signals';
 import type { ComponentType } from 'preact';
-import { useEffect, useErrorBoundary, useState } from 'preact/hooks';
+import { useErrorBoundary } from 'preact/hooks';
 import { chooseTheme, keptTheme, THEMES, type Theme } from '../theme';
 import { ConnectionBadge } from './parts/badge';
 import { confirmed, QuestionHost } from './parts/dialog';
 import { addShortcuts, KeySheet, listenToKeys, showKeys } from './parts/keys';
 import { Name } from './parts/name';
-import { Empty, Failure, Loading } from './parts/states';
+import { Empty, Failure, Later } from './parts/states';
 import { toast, ToastHost } from './parts/toast';
 import { visible } from './parts/visible';
 import { account, accountError, learnAccount, logout, needsLogin } from './state/account';
@@ -35,20 +35,6 @@ const PLACES: readonly { name: RouteName; href: string; title: string; key: stri
   { name: 'health', href: '/health', title: 'Health', key: 'h' },
 ];
 
-const loaded = new Map<RouteName, ComponentType>();
-
-// Loads a view on first use. This fails after an update of the daemon, whose files have other names: then "Try again" reloads the page.
-function Later({ name }: { name: RouteName }) {
-  const [error, setError] = useState<ApiError | undefined>(undefined);
-  const [, setReady] = useState(false);
-  useEffect(() => {
-    if (!loaded.has(name)) LATER[name]!().then((view) => { loaded.set(name, view); setReady(true); }, (reason: unknown) => setError(asApiError(reason)));
-  }, [name]);
-  const View = loaded.get(name);
-  if (View) return <View />;
-  return error ? <Failure what="This view" error={error} onRetry={() => location.reload()} /> : <Loading what="the view" />;
-}
-
 // Catches an exception of a view, so that the frame and the other views still work.
 function Guarded() {
   const [broken] = useErrorBoundary((error: unknown) => console.error(error));
@@ -62,7 +48,8 @@ function View() {
   if (needsLogin.value) return <Login />;
   if (!account.value && accountError.value) return <Failure what="The dashboard" error={accountError.value} onRetry={() => void learnAccount()} />;
   if (name === 'overview') return <Overview />;
-  if (LATER[name]) return <Later key={name} name={name} />;
+  const load = LATER[name];
+  if (load) return <Later key={name} name={name} load={load} props={{}} />;
   return <Empty title="This page does not exist"><p>The dashboard has no page <Name text={path} />. <a href="/">The overview</a> lists all scenes.</p></Empty>;
 }
 

@@ -5,7 +5,7 @@ import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/pos
 import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { significant } from '../../format';
 import { kindWord, outcomeWord, reasonWord, verdictWord } from '../views/words';
-import { msOf } from './rows';
+import { msOf } from './log';
 
 /** The gains and costs of a switch to the candidate. Gain and loss are natural logarithms of ratios of detection times. */
 export type Gate = Pick<AuditGate, 'gain' | 'loss' | 'horizonS' | 'cooldownS' | 'costS'>;

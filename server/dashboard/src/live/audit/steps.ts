@@ -1,11 +1,10 @@
 // A session's steps: the rows of its audit log, then the decisions of the live stream.
-import { AuditKind, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
+import { AuditKind, type AuditRow, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome, type DecisionEvent, type FrameMeasurements } from '../../gen/sweepstake/v1/posteriors_pb';
 import { type ShadowSample, SwitchReason } from '../../gen/sweepstake/v1/telemetry_pb';
 import { bucketsOf, type Percentiles, percentiles } from '../numbers/histogram';
 import { type Told, toldOfEvent, toldOfRow } from './explain';
-import type { PlacedRow } from './log';
-import { once, unixMsOf, type WindowMeans, windowOf } from './rows';
+import { NS_PER_MS, type PlacedRow, unixMsOf } from './log';
 
 export interface Step {
   timeMs: number; // by the daemon's clock
@@ -47,6 +46,37 @@ export function mergedSteps(logged: readonly Step[], events: readonly DecisionEv
   });
   return [...known, ...later];
 }
+
+/** Wraps a function so that it computes each answer once, because views ask for all rows whenever one is added. */
+function once<Of extends object, Answer>(compute: (of: Of) => Answer): (of: Of) => Answer {
+  const known = new WeakMap<Of, { answer: Answer }>();
+  return (of) => {
+    const before = known.get(of) ?? { answer: compute(of) };
+    known.set(of, before);
+    return before.answer;
+  };
+}
+
+/** The costs of the frames of a decision window. */
+export interface WindowMeans {
+  frameMs: number; // mean
+  detectionMs: number; // mean of the frames that did not rebuild
+  checkCount: number; // mean per frame
+  nativeBytes: number; // peak
+}
+
+/** Undefined: the window has no frames. */
+export const windowOf = once((row: AuditRow): WindowMeans | undefined => {
+  const window = row.runs?.active?.window;
+  const frameCount = Number(window?.frameCount ?? 0);
+  if (!window || frameCount === 0) return undefined;
+  return {
+    frameMs: window.timeNs / frameCount / NS_PER_MS,
+    detectionMs: window.ordinaryFrameCount > 0 ? window.ordinaryDetectionNs / Number(window.ordinaryFrameCount) / NS_PER_MS : Number.NaN,
+    checkCount: window.checkCount / frameCount,
+    nativeBytes: Number(window.peakBytes),
+  };
+});
 
 export interface Measured {
   timeMs: number;

@@ -2,7 +2,7 @@
 import type { Step } from '../audit/steps';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { explained } from '../audit/explain';
-import { msOf } from '../audit/rows';
+import { msOf } from '../audit/log';
 import { AuditKind } from '../../gen/sweepstake/v1/audit_pb';
 import { isHeldBack, kindWord, outcomeWord } from '../views/words';
 import type { Range } from './view_state';

@@ -1,6 +1,7 @@
 // Placeholders of a view without data: loading, empty, or failed.
-import type { ComponentChildren } from 'preact';
+import type { ComponentChildren, ComponentType } from 'preact';
 import type { ApiError } from '../transport/calls';
+import { type Reading, useReading } from '../transport/reading';
 
 export const Loading = ({ what }: { what: string }) => <p class="state" role="status">Loading {what} …</p>;
 
@@ -11,9 +12,30 @@ export function Empty({ title, children }: { title: string; children?: Component
 export function Failure({ what, error, onRetry }: { what: string; error: ApiError; onRetry?: () => void }) {
   return (
     <div class="state failure" role="alert">
-      <p class="lead">{what} cannot be shown</p>
+      <p class="lead">{what[0]!.toUpperCase() + what.slice(1)} cannot be shown</p>
       <p>{error.message}{error.reason && <span class="soft"> ({error.reason})</span>}</p>
       {onRetry && <p><button type="button" onClick={onRetry}>Try again</button></p>}
     </div>
   );
+}
+
+interface ReadProps<Value> { reading: Reading<Value>; what: string; onRetry?: () => void; children(value: Value): ComponentChildren }
+
+/** Shows a value that is read, or the error, or that the page waits for it. */
+export function Read<Value>({ reading: { value, error, again }, what, onRetry = again, children }: ReadProps<Value>) {
+  if (error) return <Failure what={what} error={error} onRetry={onRetry} />;
+  return value === undefined ? <Loading what={what} /> : <>{children(value)}</>;
+}
+
+const loaded = new Map<string, unknown>();
+
+interface LaterProps<Props> { name: string; load: () => Promise<ComponentType<Props>>; props: Props }
+
+/** Loads a view on first use. This fails after an update of the daemon, whose files have other names: then "Try again" reloads the page. */
+export function Later<Props extends object>({ name, load, props }: LaterProps<Props>) {
+  const known = loaded.get(name) as ComponentType<Props> | undefined;
+  const reading = useReading(name, async () => known ?? load());
+  if (reading.value) loaded.set(name, reading.value);
+  const shown = known ? { ...reading, value: known } : reading;
+  return <Read reading={shown} what="the view" onRetry={() => location.reload()}>{(View) => <View {...props} />}</Read>;
 }

@@ -7,6 +7,7 @@ import { route, setQuery } from '../state/route';
 import { grouped } from '../../format';
 import { download } from './download';
 import { useEntered } from './entered';
+import { Name } from './name';
 import { RowOrder, sortedBy, sortingOf, sortingText, type PlacedRow, type Sorting, type SortValue } from './row_order';
 import { fileName } from './visible';
 
@@ -17,7 +18,7 @@ const OVERSCAN = 10;  // rows drawn above and below the visible ones
 export interface Column<Row> {
   id: string;
   title: string;
-  cell(row: Row): ComponentChildren;
+  cell?(row: Row): ComponentChildren;  // absent: the value of `sort`, as a name or a count
   sort?(row: Row): SortValue;  // absent: the table cannot be sorted by this column
   csv?(row: Row): CsvValue;  // the value in a CSV file; absent: the value of `sort`
   isText?: boolean;  // aligned to the left, as the first column always is
@@ -48,12 +49,18 @@ function Heading<Row>({ column, sorting, onSort }: { column: Column<Row>; sortin
   );
 }
 
+function cellOf<Row>({ cell, sort }: Column<Row>, row: Row): ComponentChildren {
+  if (cell) return cell(row);
+  const value = sort?.(row);
+  return typeof value === 'string' ? <Name text={value} /> : value === undefined ? '–' : grouped(value);
+}
+
 function Line<Row>({ placed, columns, index }: { placed: PlacedRow<Row>; columns: readonly Column<Row>[]; index: number }) {
   const [first, ...others] = columns;
   return (
     <tr aria-rowindex={index + 2} class={placed.isGone ? 'gone' : undefined} data-key={placed.key} tabIndex={-1}>
-      <th scope="row">{first!.cell(placed.row)}</th>
-      {others.map((column) => <td key={column.id} class={column.isText ? 'text' : undefined}>{column.cell(placed.row)}</td>)}
+      <th scope="row">{cellOf(first!, placed.row)}</th>
+      {others.map((column) => <td key={column.id} class={column.isText ? 'text' : undefined}>{cellOf(column, placed.row)}</td>)}
     </tr>
   );
 }

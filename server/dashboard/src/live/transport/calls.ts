@@ -26,14 +26,10 @@ interface ErrorBody {
   error?: { code?: string; reason?: string; message?: string };
 }
 
-function errorOf(body: ErrorBody | undefined, fallback: string): ApiError {
-  const { code = 'UNKNOWN', reason = '', message = '' } = body?.error ?? {};
-  return new ApiError(code, reason, message || fallback);
-}
-
 export function parseError(text: string, fallback: string): ApiError {
   try {
-    return errorOf(JSON.parse(text) as ErrorBody, fallback);
+    const { code = 'UNKNOWN', reason = '', message = '' } = (JSON.parse(text) as ErrorBody).error ?? {};
+    return new ApiError(code, reason, message || fallback);
   } catch {
     return new ApiError('UNKNOWN', '', fallback);
   }

@@ -1,21 +1,19 @@
 // The audit log: the list of sessions with a log, their rows with filters and pages, and an explanation of each row at its own URL.
-import { AuditKind, type AuditSegment } from '../../gen/sweepstake/v1/audit_pb';
+import { AuditKind, type AuditSegment, AuditService } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { grouped } from '../../format';
-import type { PlacedRow } from '../audit/log';
-import { type Filter as RowFilter, PAGE_ROWS } from '../audit/page';
-import { rowId, unixMsOf } from '../audit/rows';
+import { auditRows, collectPage, type Filter as RowFilter, findRow, type Page, PAGE_ROWS, type PlacedRow, rowId, unixMsOf } from '../audit/log';
 import { stepOfRow } from '../audit/steps';
-import { usePage, useRow, useSegments } from '../audit/use_page';
 import { Arm } from '../parts/arm';
 import { ago, now, timeText } from '../parts/clock';
 import { CopyLink } from '../parts/copy_link';
 import { Choice, Filter, matches } from '../parts/filter';
 import { Name } from '../parts/name';
-import { Empty, Failure, Loading } from '../parts/states';
+import { Empty, Failure, Loading, Read } from '../parts/states';
 import { type Column, Table } from '../parts/table';
 import { visible } from '../parts/visible';
 import { decisionsHref, route, sessionHref, setQuery } from '../state/route';
+import { useList, useReading } from '../transport/reading';
 import { explainedRow } from '../audit/explain';
 import { Why } from './session/why';
 import { kindWord, outcomeWord } from './words';
@@ -39,13 +37,9 @@ const SEGMENTS: readonly Column<AuditSegment>[] = [
   { id: 'lost', title: 'Lost', hint: 'Rows that could not be written', sort: ({ lostRowCount }) => Number(lostRowCount), cell: ({ lostRowCount }) => grouped(Number(lostRowCount)) },
 ];
 
-function Segments() {
-  const { value, error, again } = useSegments();
-  if (error) return <Failure what="The list of logs" error={error} onRetry={again} />;
-  if (!value) return <Loading what="the list of logs" />;
-  if (value.length === 0) return <Empty title="There are no decisions yet"><p>Each session has a log here after its first decision.</p></Empty>;
+function SegmentTable({ all, again }: { all: readonly AuditSegment[]; again: () => void }) {
   const text = route.value.query.get('q') ?? '';
-  const shown = value.filter(({ sessionId, project, scene }) => matches(text, [sessionId, project, scene]));
+  const shown = all.filter(({ sessionId, project, scene }) => matches(text, [sessionId, project, scene]));
   return (
     <>
       <p>The log of a session has a row for every decision and for every event that decisions depend on. Choose a session or a scene.</p>
@@ -53,6 +47,17 @@ function Segments() {
         tools={<><Filter label="Search logs" /><button type="button" onClick={again}>Read again</button></>} />
       {shown.length === 0 && <Empty title="No log matches the search" />}
     </>
+  );
+}
+
+function Segments() {
+  const reading = useList(AuditService.method.listAuditSegments, {});
+  return (
+    <Read reading={reading} what="the list of logs">
+      {(parts) => (parts.some(({ segments }) => segments.length > 0)
+        ? <SegmentTable all={parts.flatMap(({ segments }) => segments)} again={reading.again} />
+        : <Empty title="There are no decisions yet"><p>Each session has a log here after its first decision.</p></Empty>)}
+    </Read>
   );
 }
 
@@ -99,14 +104,15 @@ function asked(): Asked {
 }
 
 function OneRow({ session, row }: { session: string; row: string }) {
-  const { value, error, again } = useRow(session, row);
-  if (error) return <Failure what="The row" error={error} onRetry={again} />;
-  if (value === undefined) return <Loading what="the row" />;
-  const step = value && stepOfRow(value);
-  if (!value) return <Empty title="The log does not have this row"><p>The row was removed because the size of the log is limited, or it never existed.</p></Empty>;
-  return step
-    ? <Why step={step} sessionId={session} onRead={again} onClose={() => setQuery({ row: undefined })} />
-    : <p class="why">{explainedRow(value.row, value.setup).map((sentence) => <bdi key={sentence}>{visible(sentence)}</bdi>)}</p>;
+  const reading = useReading(row, (cancel) => findRow(auditRows({ sessionId: session }, cancel), row));
+  const missing = <Empty title="The log does not have this row"><p>The row was removed because the size of the log is limited, or it never existed.</p></Empty>;
+  const shown = (placed: PlacedRow) => {
+    const step = stepOfRow(placed);
+    return step
+      ? <Why step={step} sessionId={session} onRead={reading.again} onClose={() => setQuery({ row: undefined })} />
+      : <p class="why">{explainedRow(placed.row, placed.setup).map((sentence) => <bdi key={sentence}>{visible(sentence)}</bdi>)}</p>;
+  };
+  return <Read reading={reading} what="the row">{(placed) => (placed ? shown(placed) : missing)}</Read>;
 }
 
 function Pager({ page, matchCount, order }: { page: number; matchCount: number; order: string }) {
@@ -131,22 +137,25 @@ const KINDS = choicesOf<AuditKind>(AuditKind, kindWord);
 const OUTCOMES = choicesOf<DecisionOutcome>(DecisionOutcome, outcomeWord);
 
 function Rows({ session, project, scene, filter, page }: Asked) {
-  const { value, error, atMs, rowCount, again } = usePage({ sessionId: session, project, scene }, filter, page);
-  const arms = [...new Set((value?.rows ?? []).flatMap(({ setup }) => setup?.arms ?? []).concat(filter.arm || []))].sort();
+  const selection = { sessionId: session, project, scene };
+  const { value, error, isReading, atMs, again } = useReading<Page>(JSON.stringify([selection, filter, page]),
+    (cancel, show) => collectPage(auditRows(selection, cancel), filter, page, show));
+  const found = isReading || error ? undefined : value;
+  const arms = [...new Set((found?.rows ?? []).flatMap(({ setup }) => setup?.arms ?? []).concat(filter.arm || []))].sort();
   return (
     <>
       <div class="tools">
         <Choice label="Kind" parameter="kind" options={KINDS} />
         <Choice label="Outcome" parameter="outcome" options={OUTCOMES} />
         <Choice label="Arm" parameter="arm" options={[['', 'any'], ...arms.map((arm) => [arm, visible(arm)] as const)]} />
-        <button type="button" onClick={again} disabled={!value && !error}>Read again</button>
-        {atMs !== undefined && <span class="soft">read {ago(atMs, now.value)}</span>}
+        <button type="button" onClick={again} disabled={isReading}>Read again</button>
+        {found && <span class="soft">read {ago(atMs, now.value)}</span>}
       </div>
-      {error && <Failure what="The log" error={error} onRetry={again} />}
-      {!value && !error && <Loading what={rowCount > 0 ? `the log, ${grouped(rowCount)} rows so far` : 'the log'} />}
-      {value && <Pager page={page} matchCount={value.matchCount} order={session ? 'newest first' : 'the newest logs first'} />}
-      {value && value.rows.length > 0 && <Table caption="Rows" columns={ROWS} rows={value.rows} keyOf={({ row }) => rowId(row)} sort="-time" sortParameter="rows" />}
-      {value && value.rows.length === 0 && <Empty title={value.rowCount === 0 ? 'There is no log for this selection' : 'No row matches the filter'} />}
+      {error && <Failure what="the log" error={error} onRetry={again} />}
+      {isReading && <Loading what={value ? `the log, ${grouped(value.rowCount)} rows so far` : 'the log'} />}
+      {found && <Pager page={page} matchCount={found.matchCount} order={session ? 'newest first' : 'the newest logs first'} />}
+      {found && found.rows.length > 0 && <Table caption="Rows" columns={ROWS} rows={found.rows} keyOf={({ row }) => rowId(row)} sort="-time" sortParameter="rows" />}
+      {found?.rows.length === 0 && <Empty title={found.rowCount === 0 ? 'There is no log for this selection' : 'No row matches the filter'} />}
     </>
   );
 }

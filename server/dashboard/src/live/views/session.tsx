@@ -1,7 +1,6 @@
 // The view of a session: which arm ran when and why, frame costs, posteriors, shadow lane, and an operator's orders.
 import { useComputed } from '@preact/signals';
-import type { ComponentType } from 'preact';
-import { useEffect, useMemo, useState } from 'preact/hooks';
+import { useEffect, useMemo } from 'preact/hooks';
 import { counted, grouped } from '../../format';
 import { armsOf, isSwitch, measuredOf, type Step } from '../audit/steps';
 import { type SessionLog, useSessionLog, useSteps } from '../audit/use_log';
@@ -18,13 +17,12 @@ import { Chip } from '../parts/chips';
 import { ago, now, timeText } from '../parts/clock';
 import { CopyLink } from '../parts/copy_link';
 import { Name } from '../parts/name';
-import { Empty, Failure, Loading } from '../parts/states';
+import { Empty, Failure, Later, Loading } from '../parts/states';
 import { type Column, Table } from '../parts/table';
 import { account, isOperator } from '../state/account';
 import { decisionsHref, route, sceneHref, setQuery } from '../state/route';
 import { sceneKeyOf } from '../state/scenes';
 import { isConnected, lastMessageMs, sessionInView, sessions, type SessionState } from '../state/sessions';
-import { type ApiError, asApiError } from '../transport/calls';
 import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
@@ -139,17 +137,6 @@ function Costs({ sessionId, steps, moments, domain }: ChartsProps) {
   return <CostCharts columns={columns} moments={moments} domain={domain} names={[sessionId]} />;
 }
 
-// Loads the code that draws boxes on first use.
-function BoxesLater({ sessionId }: { sessionId: string }) {
-  const [View, setView] = useState<ComponentType<{ sessionId: string }> | undefined>(undefined);
-  const [error, setError] = useState<ApiError | undefined>(undefined);
-  useEffect(() => {
-    import('./session/boxes').then(({ SessionBoxes }) => setView(() => SessionBoxes), (reason: unknown) => setError(asApiError(reason)));
-  }, []);
-  if (error) return <Failure what="The boxes" error={error} onRetry={() => location.reload()} />;
-  return View ? <View sessionId={sessionId} /> : <Loading what="the view" />;
-}
-
 function Boxes({ sessionId, isOver }: { sessionId: string; isOver: boolean }) {
   const isShown = route.value.query.has('boxes') && isOperator.value && !isOver;
   const reason = isOver ? 'The session has ended.' : isOperator.value ? '' : `Viewing boxes needs the role operator; yours is ${account.value?.role ?? 'unknown'}.`;
@@ -160,7 +147,7 @@ function Boxes({ sessionId, isOver }: { sessionId: string; isOver: boolean }) {
         <button type="button" disabled={reason !== ''} aria-pressed={isShown} onClick={() => setQuery({ boxes: isShown ? undefined : 'on' })}>Show boxes</button>
         <span class="soft">{reason || 'While this view is open, the game sends boxes of its objects: at most 64 kB, four times a second.'}</span>
       </p>
-      {isShown && <BoxesLater sessionId={sessionId} />}
+      {isShown && <Later name="boxes" load={async () => (await import('./session/boxes')).SessionBoxes} props={{ sessionId }} />}
     </section>
   );
 }

@@ -1,6 +1,6 @@
 // The scenes in which two builds differ in what arms cost. The daemon compares them.
 import { useMemo } from 'preact/hooks';
-import type { ArmComparison, SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
+import { type ArmComparison, PriorsService, type SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
 import { ChartFrame } from '../../charts/frame';
 import { Intervals } from '../../charts/intervals';
 import { LOG_COST_REWARD_VERSION } from '../../numbers/log_cost';
@@ -8,12 +8,11 @@ import { Arm } from '../../parts/arm';
 import { Chip } from '../../parts/chips';
 import { Choice } from '../../parts/filter';
 import { Name } from '../../parts/name';
-import { Failure, Loading } from '../../parts/states';
+import { Read } from '../../parts/states';
 import { type Column, Table } from '../../parts/table';
 import { visible } from '../../parts/visible';
-import { useComparison } from '../../state/comparison';
-import type { Evidence } from '../../state/evidence';
 import { route, sceneHref } from '../../state/route';
+import { useList } from '../../transport/reading';
 
 interface Row { scene: SceneComparison; change: ArmComparison; key: string }
 
@@ -53,7 +52,7 @@ const COLUMNS: readonly Column<Row>[] = [
   { id: 'project', title: 'Project', isText: true, sort: ({ scene }) => scene.project, cell: ({ scene }) => <Name text={scene.project} /> },
 ];
 
-function Picture({ change: { project, scene, machineClass, arms }, before, after }: { change: SceneComparison; before: string; after: string }) {
+function Picture({ change: { project, scene, machineClass, arms }, before, after }: Builds & { change: SceneComparison }) {
   const title = `What arms cost in ${visible(scene)}${machineClass && ` on ${visible(machineClass)}`}`;
   const rows = arms.map((change) => ({ arm: change.arm, before: beforeOf(change), after: afterOf(change) }));
   const table = () => ({
@@ -68,7 +67,7 @@ function Picture({ change: { project, scene, machineClass, arms }, before, after
   );
 }
 
-function Pictures({ changes, before, after }: { changes: readonly SceneComparison[]; before: string; after: string }) {
+function Pictures({ changes, before, after }: Builds & { changes: readonly SceneComparison[] }) {
   const shown = useMemo(() => [...changes].sort(byWeight).slice(0, MAX_PICTURES), [changes]);
   return (
     <>
@@ -78,10 +77,9 @@ function Pictures({ changes, before, after }: { changes: readonly SceneCompariso
   );
 }
 
-function Differences({ project, before, after }: { project: string; before: string; after: string }) {
-  const { scenes: changes, error, again } = useComparison({ project, before: { build: before }, after: { build: after }, changesOnly: true });
-  if (error) return <Failure what="The comparison" error={error} onRetry={again} />;
-  if (!changes) return <Loading what="the comparison" />;
+interface Builds { before: string; after: string }
+
+function ChangeTable({ changes, before, after }: Builds & { changes: readonly SceneComparison[] }) {
   const rows = changes.flatMap((scene): Row[] => scene.arms.map((change) => ({ scene, change, key: `${keyOf(scene)}\n${change.arm}` })));
   if (rows.length === 0) return <p role="status">The builds agree on every scene to within 5 %.</p>;
   return (
@@ -94,9 +92,15 @@ function Differences({ project, before, after }: { project: string; before: stri
   );
 }
 
-export function Changes({ evidence, project }: { evidence: Evidence; project: string }) {
+function Differences({ project, before, after }: Builds & { project: string }) {
+  const reading = useList(PriorsService.method.compareBuilds, { project, before: { build: before }, after: { build: after }, changesOnly: true });
+  const table = (changes: readonly SceneComparison[]) => <ChangeTable changes={changes} before={before} after={after} />;
+  return <Read reading={reading} what="the comparison">{(parts) => table(parts.flatMap(({ scenes }) => scenes))}</Read>;
+}
+
+/** `known` are the builds with evidence. */
+export function Changes({ known, project }: { known: readonly string[]; project: string }) {
   const chosen = [route.value.query.get('before') ?? '', route.value.query.get('after') ?? ''] as const;
-  const known = [...evidence.builds.values()].map(({ build }) => build);
   const builds = [...new Set([...known, ...chosen])].filter(Boolean).sort();
   const options = [['', 'choose'], ...builds.map((build) => [build, visible(build)] as const)] as const;
   const missing = chosen.find((build) => build && !known.includes(build));

@@ -10,7 +10,8 @@ import { Name } from '../../parts/name';
 import { toast } from '../../parts/toast';
 import { visible } from '../../parts/visible';
 import { account, isOperator } from '../../state/account';
-import { type ApiError, asApiError, call } from '../../transport/calls';
+import { asApiError, call } from '../../transport/calls';
+import { type Reading, useReading } from '../../transport/reading';
 
 /** Selects the sources that match all fields that are set. Times are when a source began, in seconds since 1970. */
 export interface Scope { project?: string; sourceId?: string; build?: string; tokenId?: bigint; unixFromS?: bigint; unixUntilS?: bigint }
@@ -58,26 +59,8 @@ const countsText = ({ sourceCount, recordCount, windowCount, sceneCount }: Count
   `${many(sourceCount, 'source')} with ${many(recordCount, 'record')} of ${many(windowCount, 'window or visit', 'windows and visits')}${
     sceneCount === undefined ? '' : ` for ${many(sceneCount, 'scene')}`}`;
 
-// The state of the dialog: the scope, and the daemon's preview or the error.
-interface Preview { scope: Scope; counts?: Counts; error?: ApiError }
-
 const ask = (action: Action, sources: Scope, preview: boolean): Promise<Counts> =>
   (action === 'promote' ? call(DEEDS.promote.method, { sources, preview }) : call(DEEDS.revoke.method, { sources, preview }));
-
-function usePreview(action: Action, scope: Scope | undefined): Preview | undefined {
-  const [preview, setPreview] = useState<Preview | undefined>(undefined);
-  useEffect(() => {
-    let isCurrent = scope !== undefined;
-    setPreview(undefined);
-    if (scope) {
-      ask(action, scope, true).then(
-        (counts) => { if (isCurrent) setPreview({ scope, counts }); },
-        (error: unknown) => { if (isCurrent) setPreview({ scope, error: asApiError(error) }); });
-    }
-    return () => { isCurrent = false; };
-  }, [action, scope]);
-  return preview?.scope === scope ? preview : undefined;
-}
 
 async function act(action: Action, scope: Scope): Promise<void> {
   const { done, notDone } = DEEDS[action];
@@ -104,11 +87,11 @@ function ScopeWords({ action, scope: { project, sourceId, build, tokenId, unixFr
 
 const isAny = ({ sourceCount, recordCount }: Counts) => sourceCount > 0n || recordCount > 0n;
 
-function PreviewWords({ action, preview }: { action: Action; preview: Preview | undefined }) {
+function PreviewWords({ action, preview: { value: counts, error } }: { action: Action; preview: Reading<Counts | undefined> }) {
   const { what, none, would } = DEEDS[action];
-  if (!preview) return <>Asking the daemon {what} …</>;
-  if (preview.error) return <span class="problem">{preview.error.message}</span>;
-  return isAny(preview.counts!) ? <b>{countsText(preview.counts!)} {would}.</b> : <>{none}</>;
+  if (error) return <span class="problem">{error.message}</span>;
+  if (!counts) return <>Asking the daemon {what} …</>;
+  return isAny(counts) ? <b>{countsText(counts)} {would}.</b> : <>{none}</>;
 }
 
 // The scenes in which another arm would become the leader.
@@ -181,12 +164,12 @@ const Consequences = ({ action }: { action: Action }) => (action === 'promote'
 
 function Dialog({ question: { action, scope: start, isOpen }, known, onClose, onDone }: { question: Asked; known: Known; onClose(): void; onDone(): void }) {
   const [scope, setScope] = useState<Scope | undefined>(isOpen ? undefined : start);
-  const preview = usePreview(action, scope);
+  const preview = useReading(scope, async () => scope && ask(action, scope, true));
   const { title, verb } = DEEDS[action];
-  const goes = preview?.counts !== undefined && isAny(preview.counts);
+  const goes = preview.value !== undefined && isAny(preview.value);
   const confirm = async () => {
     onClose();
-    await act(action, preview!.scope);
+    await act(action, scope!);
     onDone();
   };
   return (
@@ -194,7 +177,7 @@ function Dialog({ question: { action, scope: start, isOpen }, known, onClose, on
       {isOpen && <ScopeForm scope={start} known={known} onChange={() => setScope(undefined)} onAsk={setScope} />}
       {scope && <ScopeWords action={action} scope={scope} />}
       <p role="status">{scope && <PreviewWords action={action} preview={preview} />}</p>
-      {goes && <Leaders changes={preview.counts!.leaderChanges} />}
+      {goes && <Leaders changes={preview.value!.leaderChanges} />}
       <Consequences action={action} />
       <p class="buttons">
         <button type="button" autoFocus={!isOpen} onClick={onClose}>Cancel</button>

@@ -1,24 +1,24 @@
 // The evidence that a scene's beliefs rest on, by what measured it and by build. It is read on request.
 import { useState } from 'preact/hooks';
-import type { SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
+import { type CompareBuildsResponse, PriorsService, type SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
 import { ChartFrame } from '../../charts/frame';
 import { Ridgeline, type RidgeRow } from '../../charts/ridgeline';
 import { mean } from '../../numbers/beta';
 import { LOG_COST_REWARD_VERSION, rewardText } from '../../numbers/log_cost';
 import { Choice } from '../../parts/filter';
 import { Name } from '../../parts/name';
-import { Failure, Loading } from '../../parts/states';
+import { Read } from '../../parts/states';
 import { visible } from '../../parts/visible';
-import { useComparison } from '../../state/comparison';
 import { route } from '../../state/route';
 import type { SceneName } from '../../state/scenes';
+import { useList } from '../../transport/reading';
 
 const NO_EVIDENCE = 'No evidence of this scene is stored yet.';
 
 const textOf = ({ rewardVersion }: SceneName) => (reward: number) => rewardText(reward, rewardVersion === LOG_COST_REWARD_VERSION);
 
-const find = (scenes: readonly SceneComparison[], { machineClass, rewardVersion }: SceneName) =>
-  scenes.find((scene) => scene.machineClass === machineClass && scene.rewardVersion === rewardVersion);
+const find = (parts: readonly CompareBuildsResponse[], { machineClass, rewardVersion }: SceneName) =>
+  parts.flatMap(({ scenes }) => scenes).find((scene) => scene.machineClass === machineClass && scene.rewardVersion === rewardVersion);
 
 /** Returns a row per arm and way of measuring. */
 export function measuredRows(scene: SceneComparison | undefined): RidgeRow[] {
@@ -56,19 +56,16 @@ const BUILD = 'build'; // in the address
 function ByBuild({ builds, name }: { builds: readonly string[]; name: SceneName }) {
   const asked = route.value.query.get(BUILD);
   const build = asked !== null && builds.includes(asked) ? asked : builds[0] ?? '';
-  const { scenes, error, again } = useComparison({ project: name.project, scene: name.scene, before: { build, others: true } });
-  if (error) return <Failure what="The evidence of builds" error={error} onRetry={again} />;
-  if (!scenes) return <Loading what="the evidence of builds" />;
-  const rows = priorRows(find(scenes, name));
+  const reading = useList(PriorsService.method.compareBuilds, { project: name.project, scene: name.scene, before: { build, others: true } });
   const title = 'Prior and posterior of a build';
   const text = textOf(name);
   const shown = <Name text={build || 'unknown'} />;
-  const table = () => ({
+  const tableOf = (rows: readonly RidgeRow[]) => ({
     header: ['arm', 'mean', 'alpha', 'beta', 'prior mean', 'prior alpha', 'prior beta'],
     rows: rows.map(({ arm, posterior, before }) => [arm, ...[posterior, before].flatMap((beta) => [beta && text(mean(beta)), beta?.alpha, beta?.beta])]),
   });
-  return (
-    <ChartFrame id="build" title={title} names={[name.project, name.scene, build]} table={table} empty={rows.length === 0 && NO_EVIDENCE}
+  const figure = (rows: RidgeRow[]) => (
+    <ChartFrame id="build" title={title} names={[name.project, name.scene, build]} table={() => tableOf(rows)} empty={rows.length === 0 && NO_EVIDENCE}
       note={builds.length > 1
         ? <>Dashed grey: the evidence of the other builds. Filled: that and the evidence of build {shown}, windows and visits together.</>
         : <>Only build {shown} has evidence of this scene.</>}>
@@ -76,14 +73,15 @@ function ByBuild({ builds, name }: { builds: readonly string[]; name: SceneName 
       <Ridgeline title={title} rows={rows} rewardVersion={name.rewardVersion} />
     </ChartFrame>
   );
+  return <Read reading={reading} what="the evidence of builds">{(parts) => figure(priorRows(find(parts, name)))}</Read>;
 }
 
 function Evidence({ name }: { name: SceneName }) {
-  const { scenes, error, again } = useComparison({ project: name.project, scene: name.scene });
-  if (error) return <Failure what="The evidence" error={error} onRetry={again} />;
-  if (!scenes) return <Loading what="the evidence" />;
-  const scene = find(scenes, name);
-  return <div class="beside"><ByMeasure scene={scene} name={name} /><ByBuild builds={scene?.builds ?? []} name={name} /></div>;
+  const both = (scene: SceneComparison | undefined) => (
+    <div class="beside"><ByMeasure scene={scene} name={name} /><ByBuild builds={scene?.builds ?? []} name={name} /></div>
+  );
+  const reading = useList(PriorsService.method.compareBuilds, { project: name.project, scene: name.scene });
+  return <Read reading={reading} what="the evidence">{(parts) => both(find(parts, name))}</Read>;
 }
 
 export function Taught({ name }: { name: SceneName }) {

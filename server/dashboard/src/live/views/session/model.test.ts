@@ -1,9 +1,8 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { AuditKind } from '../../../gen/sweepstake/v1/audit_pb';
-import { windowOf } from '../../audit/rows';
 import { rows, setup } from '../../audit/sample_log';
-import { armsOf, forEachVisit, measuredOf, mergedSteps, type Step, stepOfRow } from '../../audit/steps';
+import { armsOf, forEachVisit, measuredOf, mergedSteps, type Step, stepOfRow, windowOf } from '../../audit/steps';
 import { DecisionEventSchema, DecisionOutcome } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { middleOf } from '../../numbers/histogram';
 import { beliefRows, costColumns, laneSums, priorAndPosterior, stepFor, switchMoments } from './model';

@@ -2,7 +2,7 @@
 import { useEffect } from 'preact/hooks';
 import { kindWord } from '../words';
 import { explained, explainedRow } from '../../audit/explain';
-import { entriesOf, rowId } from '../../audit/rows';
+import { entriesOf, rowId } from '../../audit/log';
 import type { Step } from '../../audit/steps';
 import { timeText } from '../../parts/clock';
 import { addShortcuts } from '../../parts/keys';
