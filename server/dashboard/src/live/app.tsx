@@ -3,7 +3,8 @@ import { effect, signal } from '@preact/signals';
 import type { ComponentType } from 'preact';
 import { useErrorBoundary } from 'preact/hooks';
 import { chooseTheme, keptTheme, THEMES, type Theme } from '../theme';
-import { ConnectionBadge } from './parts/badge';
+import { ConnectionBadge } from './parts/chips';
+import { startClock } from './parts/clock';
 import { confirmed, QuestionHost } from './parts/dialog';
 import { addShortcuts, KeySheet, listenToKeys, showKeys } from './parts/keys';
 import { Name } from './parts/name';
@@ -117,6 +118,7 @@ function titleOf(): string {
 
 export function startApp(): void {
   listenToKeys();
+  startClock();
   addShortcuts(PLACES.map(({ href, title, key }) => ({ keys: `g ${key}`, what: `Go to ${title.toLowerCase()}`, run: () => navigate(href) })));
   effect(() => { document.title = titleOf(); });
 }

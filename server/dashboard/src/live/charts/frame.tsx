@@ -1,14 +1,12 @@
 // The frame of a chart: title, note, a table of the values, and buttons that save table and picture as files.
 import type { ComponentChildren } from 'preact';
 import { useRef, useState } from 'preact/hooks';
-import { csvOf, type CsvValue } from '../numbers/csv';
-import { download } from '../parts/download';
+import { csvOf, type CsvValue, download } from '../parts/download';
+import { type Column, Table } from '../parts/table';
 import { toast } from '../parts/toast';
 import { fileName, visible } from '../parts/visible';
 import './charts.css';
 import { savePng } from './png';
-
-const MAX_TABLE_ROWS = 200;
 
 /** The values of a chart. */
 export interface ChartTable { header: readonly string[]; rows: readonly (readonly CsvValue[])[] }
@@ -26,26 +24,14 @@ interface FrameProps {
   children: ComponentChildren;
 }
 
-function ValueTable({ title, table: { header, rows } }: { title: string; table: ChartTable }) {
-  const shown = rows.slice(-MAX_TABLE_ROWS);
-  return (
-    <div class="scroll" tabIndex={0} role="region" aria-label={`${title}, as a table`}>
-      {shown.length < rows.length && <p class="soft">The last {shown.length} of {rows.length} rows. The CSV file has all rows.</p>}
-      <table>
-        <caption class="unseen">{title}</caption>
-        <thead><tr>{header.map((name) => <th key={name} scope="col"><bdi>{visible(name)}</bdi></th>)}</tr></thead>
-        <tbody>
-          {shown.map((row, i) => (
-            <tr key={i}>
-              {row.map((value, column) => <td key={column} class={typeof value === 'string' ? 'text' : ''}>
-                {value === null || value === undefined ? '–' : <bdi>{visible(String(value))}</bdi>}
-              </td>)}
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </div>
-  );
+// The rows have no names, so a row's key is its index.
+function ValueTable({ id, title, table: { header, rows } }: { id: string; title: string; table: ChartTable }) {
+  const columns = header.map((name, i): Column<number> => {
+    const valueOf = (row: number) => rows[row]?.[i];
+    const sort = (row: number) => { const value = valueOf(row); return typeof value === 'string' ? value : value === null || value === undefined ? undefined : Number(value); };
+    return { id: String(i), title: visible(name), sort, isText: typeof valueOf(0) === 'string', cell: (row) => <bdi>{visible(String(valueOf(row) ?? '–'))}</bdi> };
+  });
+  return <Table isBare caption={`${title}, as a table`} columns={columns} rows={[...rows.keys()]} keyOf={String} sort="" sortParameter={`${id}-table`} />;
 }
 
 export function ChartFrame({ id, title, note, names, table, empty, children }: FrameProps) {
@@ -68,7 +54,7 @@ export function ChartFrame({ id, title, note, names, table, empty, children }: F
         {note && <p class="soft">{note}</p>}
       </figcaption>
       {empty ? <p class="empty-chart">{empty}</p> : children}
-      {open && !empty && <ValueTable title={title} table={table()} />}
+      {open && !empty && <ValueTable id={id} title={title} table={table()} />}
     </figure>
   );
 }

@@ -2,7 +2,7 @@
 import { compact, significant } from '../../format';
 import { colourOf } from '../../palette';
 import type { Ratio } from '../numbers/log_cost';
-import { logTicks } from '../numbers/ridge';
+import { logTicks } from '../numbers/beta';
 import { shapeOf } from '../parts/arm';
 import { visible } from '../parts/visible';
 import { useWidth } from './width';

@@ -1,5 +1,6 @@
 // Draws a time chart with uPlot.
 import uPlot from 'uplot';
+import { timeText } from '../parts/clock';
 import { resolved, translucent } from './colours';
 import { crosshairMs, type Range, setRange } from './view_state';
 
@@ -51,17 +52,14 @@ const TICK = 10; // length of a moment's line in pixels in a chart of stacked ar
 const SECOND = 1000;
 const DAY = 86_400 * SECOND;
 
-const two = (value: number) => String(value).padStart(2, '0');
-
 /** The steps of time axes in milliseconds: round clock times. */
 export const TIME_STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10_800, 21_600, 43_200, 86_400, 172_800, 604_800].map((s) => s * SECOND);
 
 /** Returns the label of a time on an axis with steps of `stepMs`. Rounds to seconds, since uPlot's positions are off by fractions of a millisecond. */
 export function axisTime(ms: number, stepMs: number): string {
-  const date = new Date(Math.round(ms / SECOND) * SECOND);
-  if (stepMs >= DAY) return `${two(date.getMonth() + 1)}-${two(date.getDate())}`;
-  const minutes = `${two(date.getHours())}:${two(date.getMinutes())}`;
-  return stepMs >= 60 * SECOND ? minutes : `${minutes}:${two(date.getSeconds())}`;
+  const [day = '', time = ''] = timeText(Math.round(ms / SECOND) * SECOND).split(' ');
+  if (stepMs >= DAY) return day.slice(5);
+  return stepMs >= 60 * SECOND ? time.slice(0, 5) : time;
 }
 
 /** Rounds to 1, 2 or 5 times a power of ten: up if `isUp`, else down. */

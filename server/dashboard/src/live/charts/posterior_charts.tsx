@@ -1,15 +1,12 @@
 // The posteriors of a scene or session over time: means with credible bands, probabilities of being the best arm, and expected loss.
 import { useMemo } from 'preact/hooks';
 import { share, significant } from '../../format';
-import type { CsvValue } from '../numbers/csv';
 import { costNsOf, LOG_COST_REWARD_VERSION, nsText } from '../numbers/log_cost';
 import type { Belief, SeriesRow } from '../numbers/series';
 import { thresholds } from '../state/account';
-import { armStyle } from './arm_style';
-import { hatched } from './colours';
-import { ChartFrame, type ChartTable } from './frame';
+import { armStyle, hatched } from './colours';
 import { type Band, fillOf, type Line, type Moment } from './plot';
-import { TimeChart } from './time_chart';
+import { TimeFigure } from './time_chart';
 import { domainOf, range, type Range } from './view_state';
 
 export interface PosteriorChartsProps {
@@ -31,8 +28,6 @@ const PARTS = ['mean', 'low50', 'high50', 'low95', 'high95'] as const;
 // Costs fall as rewards rise, so the ends of an interval are exchanged.
 const COST_PART: Readonly<Record<keyof Belief, keyof Belief>> = { mean: 'mean', low50: 'high50', high50: 'low50', low95: 'high95', high95: 'low95' };
 
-const isoTime = (ms: number) => new Date(ms).toISOString();
-
 function valueOf(belief: Belief | undefined, part: keyof Belief, tellsCosts: boolean): number | null {
   if (!belief) return null;
   return tellsCosts ? costNsOf(belief[COST_PART[part]]) : belief[part];
@@ -53,25 +48,16 @@ function bandLines(arms: readonly string[], rows: readonly SeriesRow[], tellsCos
   return { lines, bands };
 }
 
-function table(arms: readonly string[], rows: readonly SeriesRow[], columns: readonly string[], cells: (row: SeriesRow, arm: number) => CsvValue[]): ChartTable {
-  return {
-    header: ['time', ...arms.flatMap((arm) => columns.map((column) => (column ? `${arm} ${column}` : arm)))],
-    rows: rows.map((row) => [isoTime(row.timeMs), ...arms.flatMap((_, i) => cells(row, i))]),
-  };
-}
+const noteOf = (rows: readonly SeriesRow[], notYet = NOT_YET) => rows.length < 2 && notYet;
 
-export function BandsChart({ arms, rows, rewardVersion, names, moments, domain, values, notYet = NOT_YET, assumed = NONE }: PosteriorChartsProps) {
+export function BandsChart({ arms, rows, rewardVersion, domain, notYet, assumed = NONE, ...rest }: PosteriorChartsProps) {
   const tellsCosts = rewardVersion === LOG_COST_REWARD_VERSION;
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
-  const { lines, bands } = useMemo(() => bandLines(arms, rows, tellsCosts, assumed), [arms, rows, tellsCosts, assumed]);
-  const title = tellsCosts ? 'Estimated detection time of each arm' : 'Estimated reward of each arm';
-  const cells = (row: SeriesRow, arm: number) => PARTS.map((part) => valueOf(row.beliefs[arm], part, tellsCosts));
+  const drawn = useMemo(() => bandLines(arms, rows, tellsCosts, assumed), [arms, rows, tellsCosts, assumed]);
   return (
-    <ChartFrame id="bands" title={title} names={names} note="Mean, with 50 % and 95 % credible bands." empty={rows.length < 2 && notYet}
-      table={() => table(arms, rows, PARTS.map((part) => (tellsCosts ? `${part} ns` : part)), cells)}>
-      <TimeChart title={title} timesMs={timesMs} lines={lines} bands={bands} {...(moments && { moments })} {...(values && { values })} scale={tellsCosts ? 'log' : 'unit'}
-        domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={tellsCosts ? nsText : (value) => significant(value)} height={260} />
-    </ChartFrame>
+    <TimeFigure {...rest} {...drawn} id="bands" title={tellsCosts ? 'Estimated detection time of each arm' : 'Estimated reward of each arm'} timesMs={timesMs}
+      note="Mean, with 50 % and 95 % credible bands." empty={noteOf(rows, notYet)} unit={tellsCosts ? 'ns' : ''} scale={tellsCosts ? 'log' : 'unit'}
+      domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={tellsCosts ? nsText : (value) => significant(value)} height={260} />
   );
 }
 
@@ -104,31 +90,27 @@ function stackLines(arms: readonly string[], rows: readonly SeriesRow[]): { line
   return { lines, bands };
 }
 
-export function BestChart({ arms, rows, names, moments, domain, notYet = NOT_YET }: PosteriorChartsProps) {
+export function BestChart({ arms, rows, domain, notYet, names, moments = [] }: PosteriorChartsProps) {
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
-  const { lines, bands } = useMemo(() => stackLines(arms, rows), [arms, rows]);
-  const title = 'Probability that each arm is the best';
+  const drawn = useMemo(() => stackLines(arms, rows), [arms, rows]);
+  const { stableProbability } = thresholds.value;
   return (
-    <ChartFrame id="best" title={title} names={names} note={`The scene is stable if the leader reaches ${thresholds.value.stableProbability}.`} empty={rows.length < 2 && notYet}
-      table={() => table(arms, rows, [''], (row, arm) => [row.best[arm] ?? null])}>
-      <TimeChart title={title} timesMs={timesMs} lines={lines} bands={bands} {...(moments && { moments })} scale="unit"
-        levels={[{ value: thresholds.value.stableProbability, label: 'stable' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)}
-        format={(value) => value.toFixed(3)} height={200} />
-    </ChartFrame>
+    <TimeFigure {...drawn} id="best" title="Probability that each arm is the best" names={names} timesMs={timesMs} moments={moments}
+      note={`The scene is stable if the leader reaches ${stableProbability}.`} empty={noteOf(rows, notYet)} scale="unit"
+      levels={[{ value: stableProbability, label: 'stable' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)}
+      format={(value) => value.toFixed(3)} height={200} />
   );
 }
 
-export function LossChart({ rows, names, moments, domain, notYet = NOT_YET }: PosteriorChartsProps) {
+export function LossChart({ rows, domain, notYet, names, moments = [] }: PosteriorChartsProps) {
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
   const lines = useMemo((): Line[] => [{
-    label: 'loss', values: rows.map(({ expectedLossRatio }) => expectedLossRatio ?? null), colour: 'var(--accent)', stepped: true,
+    label: 'expected loss', values: rows.map(({ expectedLossRatio }) => expectedLossRatio ?? null), colour: 'var(--accent)', stepped: true,
   }], [rows]);
-  const title = 'Expected loss of choosing the leader';
+  const { tieLossRatio } = thresholds.value;
   return (
-    <ChartFrame id="loss" title={title} names={names} note={`Up to ${share(thresholds.value.tieLossRatio)} the scene is a tie: the choice of the arm does not matter.`} empty={rows.length < 2 && notYet}
-      table={() => ({ header: ['time', 'expected loss'], rows: rows.map((row) => [isoTime(row.timeMs), row.expectedLossRatio ?? null]) })}>
-      <TimeChart title={title} timesMs={timesMs} lines={lines} {...(moments && { moments })} scale="zero" levels={[{ value: thresholds.value.tieLossRatio, label: 'a tie' }]}
-        domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={share} height={140} />
-    </ChartFrame>
+    <TimeFigure id="loss" title="Expected loss of choosing the leader" names={names} timesMs={timesMs} lines={lines} moments={moments}
+      note={`Up to ${share(tieLossRatio)} the scene is a tie: the choice of the arm does not matter.`} empty={noteOf(rows, notYet)} scale="zero"
+      levels={[{ value: tieLossRatio, label: 'a tie' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={share} height={140} />
   );
 }

@@ -1,9 +1,8 @@
 // The posterior of each arm, one row per arm over a shared axis: density, mean, and 50 % and 95 % credible intervals.
 import { useState } from 'preact/hooks';
 import { colourOf } from '../../palette';
-import { type Beta, centralInterval, type Interval, mean } from '../numbers/beta';
+import { type Beta, centralInterval, type Interval, linearTicks, logTicks, mean, ridge, ridgeAxis } from '../numbers/beta';
 import { costNsOf, LOG_COST_REWARD_VERSION, rewardOfNs, rewardText } from '../numbers/log_cost';
-import { linearTicks, logTicks, ridge, ridgeAxis } from '../numbers/ridge';
 import { shapeOf } from '../parts/arm';
 import { visible } from '../parts/visible';
 import { useWidth } from './width';

@@ -1,13 +1,15 @@
 // A chart over time: lines and bands, and a legend with the values at the crosshair. All charts of a view share crosshair and zoom.
 // Drag to zoom, double-click to show all. Keys: arrows move the crosshair, + and − zoom, 0 shows all.
 import { useSignalEffect } from '@preact/signals';
+import type { ComponentChildren } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import type uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { Name } from '../parts/name';
 import { theme } from './colours';
+import { ChartFrame } from './frame';
 import { createPlot, dataOf, type Line, type Picture, showCrosshair } from './plot';
-import { crosshairMs, hiddenArms, pausedMs, placeAt, range, setPaused, setRange, toggleArm, zoomed } from './view_state';
+import { crosshairMs, hiddenArms, pausedMs, placeAt, range, setPaused, setRange, toggleArm, zoomAction } from './view_state';
 import { useIsSeen, useWidth } from './width';
 
 interface TimeChartProps extends Omit<Picture, 'hidden'> { title: string; height?: number }
@@ -40,11 +42,8 @@ function actionOf(key: string, { timesMs, domain }: Picture): (() => void) | und
     case 'ArrowRight': return step(1);
     case 'Home': return () => { crosshairMs.value = timesMs.find((each) => each >= domain.fromMs); };
     case 'End': return () => { crosshairMs.value = timesMs[placeAt(timesMs, domain.toMs)]; };
-    case '+': case '=': return () => setRange(zoomed(domain, at, 0.5));
-    case '-': return () => setRange(range.peek() && zoomed(domain, at, 2));
-    case '0': return () => setRange(undefined);
     case 'Escape': return () => { crosshairMs.value = undefined; };
-    default: return undefined;
+    default: return zoomAction(key, domain, at);
   }
 }
 
@@ -79,7 +78,7 @@ function Legend({ picture: { lines, timesMs, format, domain } }: { picture: Pict
   );
 }
 
-export function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
+function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
   const picture: Picture = { ...rest, hidden: hiddenArms.value };
   const latest = useRef(picture);
   latest.current = picture;
@@ -131,6 +130,28 @@ export function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
       <p class="unseen" role="status">{spoken}</p>
     </div>
   );
+}
+
+interface TimeFigureProps extends TimeChartProps {
+  id: string;
+  note?: ComponentChildren;
+  names: readonly string[]; // parts of the names of exported files
+  empty?: ComponentChildren; // shown instead of the chart if there is nothing to draw
+  unit?: string; // of the values in the table
+  laterMs?: number; // difference between real times, which tables have, and drawn times
+}
+
+/** A time chart in a frame, whose table has the values of the lines. */
+export function TimeFigure({ id, note, names, empty, unit = '', laterMs = 0, ...chart }: TimeFigureProps) {
+  const { title, timesMs, lines } = chart;
+  const table = () => {
+    const columns = lines.filter(({ label }) => label !== '');
+    return {
+      header: ['time', ...columns.map(({ label }) => `${label} ${unit}`.trim())],
+      rows: timesMs.map((ms, i) => [new Date(ms + laterMs).toISOString(), ...columns.map(({ told, values }) => (told ?? values)[i] ?? null)]),
+    };
+  };
+  return <ChartFrame id={id} title={title} note={note} names={names} table={table} empty={empty}><TimeChart {...chart} /></ChartFrame>;
 }
 
 /** The buttons for pausing and for undoing a zoom, which act on all charts of a view. */

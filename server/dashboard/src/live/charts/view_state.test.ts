@@ -1,5 +1,4 @@
 import { describe, expect, it } from 'vitest';
-import { armStyle } from './arm_style';
 import { axisTime, TIME_STEPS } from './plot';
 import { domainOf, placeAt, zoomed } from './view_state';
 
@@ -24,11 +23,4 @@ it('The labels of a time axis are as short as its steps allow', () => {
   const ms = new Date(2026, 2, 9, 7, 5, 3).getTime();
   expect([1000, 60_000, 86_400_000].map((step) => axisTime(ms, step))).toEqual(['07:05:03', '07:05', '03-09']);
   expect(TIME_STEPS).toEqual([...TIME_STEPS].sort((a, b) => a - b));
-});
-
-it('Built-in and custom arms differ without colour', () => {
-  const arms = ['BruteForce', 'Grid', 'SAP', 'AxisSweep', 'DBVT', 'Tracy', 'KDTree', 'mine', 'yours', 'theirs'];
-  const styles = arms.map((arm) => armStyle(arm, arms));
-  expect(new Set(styles.map(({ dash }) => dash.join())).size).toBe(arms.length);
-  expect(new Set(styles.map(({ hatch }) => hatch)).size).toBe(arms.length);
 });

@@ -84,3 +84,13 @@ export function zoomed({ fromMs, toMs }: Range, aboutMs: number, asked: number):
   const about = Math.min(Math.max(aboutMs, fromMs), toMs);
   return { fromMs: about - (about - fromMs) * factor, toMs: about + (toMs - about) * factor };
 }
+
+/** Returns the action of a key that zooms about a time, or undefined. */
+export function zoomAction(key: string, domain: Range, aboutMs: number): (() => void) | undefined {
+  switch (key) {
+    case '+': case '=': return () => setRange(zoomed(domain, aboutMs, 0.5));
+    case '-': return () => setRange(range.peek() && zoomed(domain, aboutMs, 2));
+    case '0': return () => setRange(undefined);
+    default: return undefined;
+  }
+}

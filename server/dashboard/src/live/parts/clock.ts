@@ -1,10 +1,9 @@
 // A clock that updates texts such as "3 min ago", and functions that format times.
-import { signal, type ReadonlySignal } from '@preact/signals';
+import { signal } from '@preact/signals';
 
-const clock = signal(Date.now());
 // The browser's time in milliseconds since 1970, updated once a second while the page is visible.
-export const now: ReadonlySignal<number> = clock;
-setInterval(() => { if (!document.hidden) clock.value = Date.now(); }, 1000);
+export const now = signal(Date.now());
+export const startClock = () => setInterval(() => { if (!document.hidden) now.value = Date.now(); }, 1000);
 
 const UNITS: readonly [string, number][] = [['d', 86_400], ['h', 3600], ['min', 60], ['s', 1]];
 
@@ -17,9 +16,5 @@ export function duration(ms: number): string {
 
 export const ago = (sinceMs: number, nowMs: number) => (nowMs - sinceMs < 2000 ? 'now' : `${duration(nowMs - sinceMs)} ago`);
 
-// Returns a time in the browser's time zone, such as "2026-03-01 14:05:09".
-export function timeText(unixMs: number): string {
-  const date = new Date(unixMs);
-  const two = (value: number) => String(value).padStart(2, '0');
-  return `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())} ${two(date.getHours())}:${two(date.getMinutes())}:${two(date.getSeconds())}`;
-}
+// Returns a time in the browser's time zone, such as "2026-03-01 14:05:09", which is how dates are written in Swedish.
+export const timeText = (unixMs: number) => new Date(unixMs).toLocaleString('sv');

@@ -2,10 +2,9 @@
 // table, and can be saved as CSV.
 import type { ComponentChildren } from 'preact';
 import { useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
-import { csvOf, type CsvValue } from '../numbers/csv';
+import { csvOf, type CsvValue, download } from './download';
 import { route, setQuery } from '../state/route';
 import { grouped } from '../../format';
-import { download } from './download';
 import { useEntered } from './entered';
 import { Name } from './name';
 import { RowOrder, sortedBy, sortingOf, sortingText, type PlacedRow, type Sorting, type SortValue } from './row_order';
@@ -34,6 +33,7 @@ export interface TableProps<Row> {
   sort: string;  // the column that the table is sorted by at first; "-" before it for descending
   sortParameter?: string;  // name of the sorting in the URL, if a view has several tables
   tools?: ComponentChildren;
+  isBare?: boolean;  // without the line of tools
 }
 
 function Heading<Row>({ column, sorting, onSort }: { column: Column<Row>; sorting: Sorting; onSort(sorting: Sorting): void }) {
@@ -129,7 +129,7 @@ function useOrder<Row>() {
   return order;
 }
 
-export function Table<Row>({ caption, columns, rows, keyOf, sort, sortParameter = 'sort', tools }: TableProps<Row>) {
+export function Table<Row>({ caption, columns, rows, keyOf, sort, sortParameter = 'sort', tools, isBare = false }: TableProps<Row>) {
   const sorting = sortingOf(route.value.query.get(sortParameter) ?? sort);
   const { isEntered, handlers } = useEntered();
   const [, drawAgain] = useState(0);
@@ -147,7 +147,7 @@ export function Table<Row>({ caption, columns, rows, keyOf, sort, sortParameter 
   };
   return (
     <div class="table">
-      <div class="tools">
+      {!isBare && <div class="tools">
         {tools}
         <div class="side">
           <span class="soft count">{caption}: {grouped(rows.length)}</span>
@@ -155,7 +155,7 @@ export function Table<Row>({ caption, columns, rows, keyOf, sort, sortParameter 
             title="Rows keep their places while you are in the table">Sort again</button>
           <button type="button" class="quiet" onClick={() => download(`${fileName('sweepstake', caption)}.csv`, csvText(columns, sorted), 'text/csv')}>CSV</button>
         </div>
-      </div>
+      </div>}
       <div class="scroll" ref={box} role="region" aria-label={caption} tabIndex={0} onScroll={look} {...handlers}
         onKeyDown={(event) => moveFocus(event, box.current!, placed.length)}>
         <table aria-rowcount={placed.length + 1}>

@@ -1,49 +1,101 @@
 // Polls the daemon's health while a view shows it: the checks of /readyz for the overview and the health view, the figures of /metrics
 // for the health view.
-import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
+import { computed, signal, type Signal } from '@preact/signals';
 import { asApiError, parseError, type ApiError } from '../transport/calls';
-import { parseChecks, parseMetrics, type Check, type Metrics } from './metrics';
+
+// One check of /readyz?verbose.
+export interface Check {
+  name: string;
+  isOk: boolean;
+  note: string;  // the problem of a failed check, or a warning
+}
+
+const CHECK = /^\[([+-])\](\S+) (?:ok|failed)(?:: (.*)|, but (.*))?$/;
+
+export function parseChecks(text: string): Check[] {
+  return text.split('\n').map((line) => CHECK.exec(line)).filter((found) => found !== null)
+    .map(([, sign, name, problem, note]) => ({ name: name!, isOk: sign === '+', note: problem ?? note ?? '' }));
+}
+
+// By the name of a metric family: its values by their labels, such as `reason="MALFORMED_MESSAGE"`; '' for a value without labels.
+export type Metrics = ReadonlyMap<string, ReadonlyMap<string, number>>;
+
+const SAMPLE = /^([a-zA-Z_:][\w:]*)(?:\{(.*)\})? (\S+)/;
+const numberOf = (text: string) => (text === '+Inf' ? Infinity : text === '-Inf' ? -Infinity : Number(text));
+
+// Reads the Prometheus text format.
+export function parseMetrics(text: string): Metrics {
+  const families = new Map<string, Map<string, number>>();
+  for (const line of text.split('\n')) {
+    const found = line.startsWith('#') ? null : SAMPLE.exec(line);
+    if (!found) continue;
+    const [, name, labels = '', value] = found;
+    if (!families.has(name!)) families.set(name!, new Map());
+    families.get(name!)!.set(labels, numberOf(value!));
+  }
+  return families;
+}
+
+export const valueOf = (metrics: Metrics, name: string): number | undefined => metrics.get(name)?.get('');
+export const sumOf = (metrics: Metrics, name: string): number => [...metrics.get(name)?.values() ?? []].reduce((sum, value) => sum + value, 0);
+
+// Returns the value of the label `name`: "frame_time" for the label 'reason' of `reason="frame_time"`.
+export const labelOf = (labels: string, name: string) => new RegExp(`(?:^|,)${name}="((?:[^"\\\\]|\\\\.)*)"`).exec(labels)?.[1] ?? '';
+
+// Returns the cumulative counts of a histogram's buckets, with ascending upper bounds.
+function bucketsOf(metrics: Metrics, name: string): [bound: number, count: number][] {
+  return [...metrics.get(`${name}_bucket`) ?? []].map(([labels, count]): [number, number] => [numberOf(labelOf(labels, 'le')), count])
+    .sort(([a], [b]) => a - b);
+}
+
+// Returns the upper bound of the bucket that contains the quantile of the observations after `before`; undefined if there are none.
+export function quantileOf(metrics: Metrics, before: Metrics | undefined, name: string, share: number): number | undefined {
+  const earlier = new Map(before ? bucketsOf(before, name) : []);
+  const buckets = bucketsOf(metrics, name).map(([bound, count]): [number, number] => [bound, count - (earlier.get(bound) ?? 0)]);
+  const total = buckets.at(-1)?.[1] ?? 0;
+  if (total <= 0) return undefined;
+  return buckets.find(([, count]) => count >= share * total)?.[0];
+}
 
 const CHECKS_INTERVAL_MS = 10_000;
 const FIGURES_INTERVAL_MS = 2000;
 const PATIENCE_MS = 5000;  // timeout of a request
-export const MAX_SAMPLES = 151;  // five minutes at FIGURES_INTERVAL_MS
+const MAX_SAMPLES = 151;  // five minutes at FIGURES_INTERVAL_MS
 
 export interface Sample {
   atMs: number;
   metrics: Metrics;
 }
 
-const heldChecks = signal<readonly Check[] | undefined>(undefined);
-const heldSamples = signal<readonly Sample[]>([]);
 const checksError = signal<ApiError | undefined>(undefined);
 const figuresError = signal<ApiError | undefined>(undefined);
-export const checks: ReadonlySignal<readonly Check[] | undefined> = heldChecks;  // undefined: not known yet
-export const samples: ReadonlySignal<readonly Sample[]> = heldSamples;  // oldest first
-export const healthError: ReadonlySignal<ApiError | undefined> = computed(() => checksError.value ?? figuresError.value);
+export const checks = signal<readonly Check[] | undefined>(undefined);  // undefined: not known yet
+export const samples = signal<readonly Sample[]>([]);  // oldest first
+export const healthError = computed(() => checksError.value ?? figuresError.value);
 
-// Requests `path` and passes the parsed answer to `take`. If `parse` returns undefined, that is an error, whatever the HTTP status.
-async function learn<Found>(path: string, parse: (text: string) => Found | undefined, take: (found: Found) => void, problem: Signal<ApiError | undefined>): Promise<void> {
+// Requests `path` and passes the text to `take`. If `take` finds nothing in it, that is an error, whatever the HTTP status.
+async function learn(path: string, take: (text: string) => boolean, problem: Signal<ApiError | undefined>): Promise<void> {
   try {
     const response = await fetch(path, { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) });
     const text = await response.text();
-    const found = parse(text);
-    if (found === undefined) throw parseError(text, `the daemon answered ${path} with ${response.status} ${response.statusText}`);
-    take(found);
+    if (!take(text)) throw parseError(text, `the daemon answered ${path} with ${response.status} ${response.statusText}`);
     problem.value = undefined;
   } catch (error) {
     problem.value = asApiError(error);
   }
 }
 
-const checksIn = (text: string) => { const all = parseChecks(text); return all.length > 0 ? all : undefined; };
-const metricsIn = (text: string) => { const all = parseMetrics(text); return all.size > 0 ? all : undefined; };
-
 // A daemon that is not ready answers with status 503, and the answer still lists the checks.
-export const learnChecks = () => learn('/readyz?verbose', checksIn, (all) => { heldChecks.value = all; }, checksError);
+export const learnChecks = () => learn('/readyz?verbose', (text) => {
+  const all = parseChecks(text);
+  if (all.length > 0) checks.value = all;
+  return all.length > 0;
+}, checksError);
 
-export const learnFigures = () => learn('/metrics', metricsIn, (metrics) => {
-  heldSamples.value = [...heldSamples.peek(), { atMs: Date.now(), metrics }].slice(-MAX_SAMPLES);
+export const learnFigures = () => learn('/metrics', (text) => {
+  const metrics = parseMetrics(text);
+  if (metrics.size > 0) samples.value = [...samples.peek(), { atMs: Date.now(), metrics }].slice(-MAX_SAMPLES);
+  return metrics.size > 0;
 }, figuresError);
 
 function repeat(task: () => Promise<void>, intervalMs: number): () => void {

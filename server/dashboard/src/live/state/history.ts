@@ -21,6 +21,10 @@ export interface SceneHistory {
 
 export const NO_HISTORY: SceneHistory = { arms: [], rows: [] };
 
+/** Returns the leader's P(best) over time, oldest first. */
+export const trendOf = ({ rows }: SceneHistory): number[] =>
+  rows.map(({ arms }) => Math.max(0, ...arms.map((arm) => arm?.best ?? 0))).filter((best) => best > 0);
+
 const isSame = (a: HistoryRow | undefined, b: HistoryRow) => a !== undefined && a.arms.length === b.arms.length
   && b.arms.every((arm, i) => arm?.alpha === a.arms[i]?.alpha && arm?.beta === a.arms[i]?.beta && arm?.best === a.arms[i]?.best);
 

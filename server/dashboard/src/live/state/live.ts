@@ -1,22 +1,35 @@
 // Keeps the page's state up to date: follows the daemon's streams while the page is open, and writes their messages into scenes.ts
 // and sessions.ts.
-import { effect, signal, type ReadonlySignal } from '@preact/signals';
+import { batch, effect, signal } from '@preact/signals';
 import { PosteriorsService, type DecisionEvent, type ScenePosterior, type WatchPosteriorsResponse } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionsService, type SessionInfo, type WatchSessionsResponse } from '../../gen/sweepstake/v1/sessions_pb';
 import type { EventStamp } from '../../gen/sweepstake/v1/events_pb';
 import { Watch, type Listener } from '../transport/events';
-import { heard, startPulse } from '../transport/pulse';
-import { setConnection } from './connection';
-import { applyWhenHidden, withNextFrame } from './frame';
+import { heard, setConnection, startPulse } from './connection';
 import { account, learnAccount, needsLogin } from './account';
 import * as scenes from './scenes';
 import * as sessions from './sessions';
 
-const known = signal({ scenes: false, sessions: false });
 // Whether the first snapshot of the scenes and of the sessions was received.
-export const isKnown: ReadonlySignal<{ scenes: boolean; sessions: boolean }> = known;
+export const isKnown = signal({ scenes: false, sessions: false });
 
 const ASK_AGAIN_MS = 3000;  // interval of requests for the account until one succeeds
+const HIDDEN_INTERVAL_MS = 1000;  // a hidden page has no animation frames and uses a timer instead
+
+let updates: (() => void)[] = [];
+
+function applyUpdates(): void {
+  const all = updates;
+  updates = [];
+  batch(() => all.forEach((update) => update()));
+}
+
+// Calls `update` at the next animation frame, together with earlier updates, so that each view is drawn once for any number of messages.
+function withNextFrame(update: () => void): void {
+  if (updates.push(update) > 1) return;
+  if (document.hidden) setTimeout(applyUpdates, HIDDEN_INTERVAL_MS);
+  else requestAnimationFrame(applyUpdates);
+}
 
 const timeOf = (stamp: EventStamp | undefined) => (stamp ? Number(stamp.unixMs) : Date.now());
 
@@ -47,7 +60,7 @@ function listener<Message>(stream: 'scenes' | 'sessions', took: (messages: reado
       waiting = undefined;  // changes from here on are applied after the snapshot
       withNextFrame(() => {
         took(whole, true);
-        known.value = { ...known.peek(), [stream]: true };
+        isKnown.value = { ...isKnown.peek(), [stream]: true };
       });
     },
     status: (status, error) => {
@@ -104,7 +117,8 @@ function shareConnections(): void {
 
 // Starts the streams when the daemon has granted access, and again after a login.
 export function startLive(): void {
-  applyWhenHidden();
+  // The next animation frame of a hidden page comes when the page is shown again.
+  document.addEventListener('visibilitychange', () => document.hidden && applyUpdates());
   startPulse();
   void learnAccount();
   setInterval(() => account.peek() ?? void learnAccount(), ASK_AGAIN_MS);

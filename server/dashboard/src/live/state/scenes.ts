@@ -1,10 +1,17 @@
 // The scenes of the daemon, as in its last message.
-import { signal, type ReadonlySignal } from '@preact/signals';
+import { signal } from '@preact/signals';
 import type { ArmPosterior, DecisionEvent, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
-import { keepLast, shareOf } from './bounds';
 import { addToHistory, NO_HISTORY, type SceneHistory } from './history';
 
-export const MAX_SCENE_DECISIONS = 500;
+const MAX_SCENE_DECISIONS = 500;
+
+// Bounds of the page's memory. The page may be open for weeks, with any number of scenes and sessions.
+export const MAX_DECISIONS = 20_000;
+const MIN_SHARE = 20;
+
+// Returns how many decisions each of `count` scenes or sessions may keep (at most `most`), so that all together keep about MAX_DECISIONS.
+export const shareOf = (count: number, most: number) =>
+  Math.max(MIN_SHARE, Math.min(most, Math.floor(MAX_DECISIONS / Math.max(count, 1))));
 
 export interface SceneState {
   key: string;
@@ -24,8 +31,8 @@ export interface SceneName {
   rewardVersion: number;
 }
 
-const held = signal<ReadonlyMap<string, SceneState>>(new Map());
-export const scenes: ReadonlySignal<ReadonlyMap<string, SceneState>> = held;
+/** Only this file changes it. */
+export const scenes = signal<ReadonlyMap<string, SceneState>>(new Map());
 
 // Key of the scene that a view shows; '': none. This scene keeps MAX_SCENE_DECISIONS decisions even if there are many scenes.
 export const sceneInView = signal('');
@@ -46,7 +53,7 @@ export const leaderProbabilityOf = ({ leaderArm, arms }: ScenePosterior) =>
   arms.find(({ arm, isOutdated }) => arm === leaderArm && !isOutdated)?.bestProbability ?? 0;
 
 /** When a source last added evidence of the arm, by the daemon's clock; 0: unknown. */
-export const lastSeenMs = ({ unixLastSeenS }: ArmPosterior) => 1000 * Number(unixLastSeenS);
+export const lastSeenMs = ({ unixLastSeenS }: Pick<ArmPosterior, 'unixLastSeenS'>) => 1000 * Number(unixLastSeenS);
 
 function withPosterior(state: SceneState | undefined, key: string, posterior: ScenePosterior, timeMs: number, isNew: boolean): SceneState {
   return {
@@ -60,8 +67,8 @@ function withPosterior(state: SceneState | undefined, key: string, posterior: Sc
 
 // Replaces all scenes by those of a snapshot. Known scenes keep their history.
 export function takeSnapshot(posteriors: readonly ScenePosterior[], timeMs: number): void {
-  const before = held.peek();
-  held.value = new Map(posteriors.map((posterior) => {
+  const before = scenes.peek();
+  scenes.value = new Map(posteriors.map((posterior) => {
     const key = sceneKey(posterior);
     return [key, withPosterior(before.get(key), key, posterior, timeMs, false)];
   }));
@@ -69,7 +76,7 @@ export function takeSnapshot(posteriors: readonly ScenePosterior[], timeMs: numb
 
 // Adds changed posteriors and new decisions. Decisions of unknown scenes are ignored.
 export function takeChanges(posteriors: readonly ScenePosterior[], decisions: readonly DecisionEvent[], timeMs: number): void {
-  const next = new Map(held.peek());
+  const next = new Map(scenes.peek());
   for (const posterior of posteriors) {
     const key = sceneKey(posterior);
     next.set(key, withPosterior(next.get(key), key, posterior, timeMs, true));
@@ -79,9 +86,9 @@ export function takeChanges(posteriors: readonly ScenePosterior[], decisions: re
     const state = next.get(key);
     if (!state) continue;
     const limit = key === sceneInView.peek() ? MAX_SCENE_DECISIONS : share;
-    next.set(key, { ...state, changedMs: Date.now(), decisions: keepLast(state.decisions, added, limit) });
+    next.set(key, { ...state, changedMs: Date.now(), decisions: [...state.decisions, ...added].slice(-limit) });
   }
-  held.value = next;
+  scenes.value = next;
 }
 
 export function groupedBy<Item>(items: readonly Item[], keyOf: (item: Item) => string): Map<string, Item[]> {

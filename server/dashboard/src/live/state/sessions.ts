@@ -1,12 +1,11 @@
 // The sessions that the daemon has in memory, and some that ended while the page was open.
 import { create } from '@bufbuild/protobuf';
-import { computed, signal, type ReadonlySignal } from '@preact/signals';
+import { computed, signal } from '@preact/signals';
 import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEndedSchema, SessionState as Link, type SessionEnded, type SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
-import { keepLast, shareOf } from './bounds';
-import { groupedBy } from './scenes';
+import { groupedBy, shareOf } from './scenes';
 
-export const MAX_SESSION_DECISIONS = 2000;
+const MAX_SESSION_DECISIONS = 2000;
 export const MAX_ENDED_SESSIONS = 50;
 
 export interface SessionState {
@@ -15,14 +14,14 @@ export interface SessionState {
   decisions: readonly DecisionEvent[];  // oldest first; up to MAX_SESSION_DECISIONS, fewer if there are many sessions
 }
 
-const held = signal<ReadonlyMap<string, SessionState>>(new Map());
-export const sessions: ReadonlySignal<ReadonlyMap<string, SessionState>> = held;
+/** Only this file changes it. */
+export const sessions = signal<ReadonlyMap<string, SessionState>>(new Map());
 
 // Id of the session that a view shows; '': none. This session keeps MAX_SESSION_DECISIONS decisions even if there are many sessions.
 export const sessionInView = signal('');
 
 export const isConnected = ({ info, ended }: SessionState) => !ended && info.state === Link.CONNECTED;
-export const connectedSessions: ReadonlySignal<readonly SessionState[]> = computed(() => [...held.value.values()].filter(isConnected));
+export const connectedSessions = computed(() => [...sessions.value.values()].filter(isConnected));
 
 // Returns when the daemon last received a message from the session's game, as far as the page knows, by the daemon's clock; 0: unknown.
 // `info` may be old, since the daemon sends it only when another field changes. Decisions arrive at once, so the last decision with
@@ -49,32 +48,32 @@ function withInfo(all: Map<string, SessionState>, infos: readonly SessionInfo[])
 // Replaces all sessions by those of a snapshot. A known session that is missing has ended while the page was disconnected.
 export function takeSnapshot(infos: readonly SessionInfo[]): void {
   const there = new Set(infos.map(({ sessionId }) => sessionId));
-  const gone = [...held.peek()].filter(([id]) => !there.has(id)).map(([id, session]): [string, SessionState] =>
+  const gone = [...sessions.peek()].filter(([id]) => !there.has(id)).map(([id, session]): [string, SessionState] =>
     [id, { ...session, ended: session.ended ?? create(SessionEndedSchema, { sessionId: id }) }]);
-  const known = [...held.peek()].filter(([id]) => there.has(id));
-  held.value = forgetEnded(withInfo(new Map([...gone, ...known]), infos));
+  const known = [...sessions.peek()].filter(([id]) => there.has(id));
+  sessions.value = forgetEnded(withInfo(new Map([...gone, ...known]), infos));
 }
 
 export function takeChanges(infos: readonly SessionInfo[], ended: readonly SessionEnded[]): void {
-  const next = withInfo(new Map(held.peek()), infos);
+  const next = withInfo(new Map(sessions.peek()), infos);
   for (const end of ended) {
     const session = next.get(end.sessionId);
     if (!session) continue;
     next.delete(end.sessionId);  // the ended ones are ordered by their end
     next.set(end.sessionId, { ...session, ended: end });
   }
-  held.value = forgetEnded(next);
+  sessions.value = forgetEnded(next);
 }
 
 // Adds decisions to their sessions. Decisions of unknown sessions are ignored.
 export function takeDecisions(decisions: readonly DecisionEvent[]): void {
-  const next = new Map(held.peek());
+  const next = new Map(sessions.peek());
   const share = shareOf(next.size, MAX_SESSION_DECISIONS);
   for (const [id, added] of groupedBy(decisions, ({ sessionId }) => sessionId)) {
     const session = next.get(id);
     if (!session) continue;
     const limit = id === sessionInView.peek() ? MAX_SESSION_DECISIONS : share;
-    next.set(id, { ...session, decisions: keepLast(session.decisions, added, limit) });
+    next.set(id, { ...session, decisions: [...session.decisions, ...added].slice(-limit) });
   }
-  held.value = next;
+  sessions.value = next;
 }

@@ -3,11 +3,10 @@ import { beforeEach, describe, expect, it } from 'vitest';
 import { DecisionEventSchema, DecisionOutcome, ScenePosteriorSchema, type DecisionEvent, type ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEnd, SessionEndedSchema, SessionInfoSchema, SessionState as Link } from '../../gen/sweepstake/v1/sessions_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
-import { keepLast, MAX_DECISIONS, shareOf } from './bounds';
-import { addToHistory, MAX_POINTS, NO_HISTORY } from './history';
+import { addToHistory, MAX_POINTS, NO_HISTORY, trendOf } from './history';
 import * as scenes from './scenes';
 import * as sessions from './sessions';
-import { isDegraded, MAX_TREND, summaryOf, thinned } from './summaries';
+import { isDegraded, summaryOf } from './summaries';
 
 const posteriorOf = (scene: string, alpha = 2, beta = 2, rewardVersion = 3): ScenePosterior => create(ScenePosteriorSchema, {
   project: 'p', scene, rewardVersion,
@@ -56,7 +55,7 @@ describe('scenes', () => {
     const decisions = Array.from({ length: 600 }, (_, i) => [decisionOf('s0', i), decisionOf('s1', i)]).flat();
     scenes.takeChanges([], decisions, 2);
     expect(stateOf('s0').decisions).toHaveLength(500);
-    expect(stateOf('s1').decisions).toHaveLength(MAX_DECISIONS / 400);
+    expect(stateOf('s1').decisions).toHaveLength(scenes.MAX_DECISIONS / 400);
     expect(stateOf('s1').decisions.at(-1)!.decisionId).toBe(599n);
   });
 });
@@ -116,7 +115,9 @@ describe('history', () => {
     const history = addToHistory(addToHistory(NO_HISTORY, scene, 1), scene, 2);
     expect(history.rows).toHaveLength(1);
     scene.arms[0]!.bestProbability = 0.5;
-    expect(addToHistory(history, scene, 3).rows.map(({ arms }) => arms[0]!.best)).toEqual([undefined, 0.5]);
+    const later = addToHistory(history, scene, 3);
+    expect(later.rows.map(({ arms }) => arms[0]!.best)).toEqual([undefined, 0.5]);
+    expect(trendOf(later)).toEqual([0.5]);
   });
 
   it('has the newest version of a backend only', () => {
@@ -165,21 +166,4 @@ describe('summaries', () => {
     expect(is({ ...connected, state: Link.LOST })(bad)).toBe(false);
     expect(is()(bad), 'of a session that ended').toBe(false);
   });
-
-  it('keep a bounded curve of P(best) of the leader, with one value per changed posterior', () => {
-    let summary = summaryOf(state(judged(Verdict.TIE, 0.6)));
-    expect(summaryOf({ ...summary.state }, summary).trend).toHaveLength(1);
-    for (let i = 0; i < 1000; ++i) summary = summaryOf(state(judged(Verdict.TIE, i / 1000)), summary);
-    expect(summary.trend.length).toBeLessThanOrEqual(MAX_TREND);
-  });
-
-  it('thin a curve without losing its extremes', () => {
-    expect(thinned([1, 2, 9, 3, 5, 4, 0, 6, 7])).toEqual([1, 9, 0, 6, 7, 7]);
-  });
-});
-
-it('bounds the decisions of many sessions together', () => {
-  expect(shareOf(1, 500)).toBe(500);
-  expect(shareOf(1000, 500)).toBe(20);
-  expect(keepLast([1, 2, 3], [4], 3)).toEqual([2, 3, 4]);
 });

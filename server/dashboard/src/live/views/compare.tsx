@@ -14,7 +14,7 @@ import { mean } from '../numbers/beta';
 import { seriesOf, type SeriesRow } from '../numbers/series';
 import { Arm } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
-import { CopyLink } from '../parts/copy_link';
+import { CopyLink } from '../parts/toast';
 import { Name } from '../parts/name';
 import { Empty } from '../parts/states';
 import { navigate, sceneHref, sessionHref, setQuery } from '../state/route';
@@ -24,7 +24,7 @@ import { visible } from '../parts/visible';
 import { leaderProbabilityOf, scenes, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
 import { isDegraded } from '../state/summaries';
-import { armNames, armRows, ridgeRows } from './scene/model';
+import { armNames, armRows, ridgeRows } from './scene/arms';
 import { CostCharts, type Ends } from './session/cost_charts';
 import { LogState, toldIn } from './session/log_state';
 import { type CostColumns, costColumns, stepQuery, switchMoments } from './session/model';
@@ -35,7 +35,7 @@ const span = (ranges: readonly (readonly [number, number])[]): [number, number] 
 interface Side { state: SceneState; ridges: RidgeRow[]; arms: string[]; rows: SeriesRow[] }
 
 function sideOf(state: SceneState): Side {
-  const rows = armRows(state);
+  const rows = armRows(state.posterior);
   const arms = armNames(rows);
   return { state, ridges: ridgeRows(rows), arms, rows: seriesOf(state.history, arms) };
 }

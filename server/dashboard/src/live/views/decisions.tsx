@@ -6,7 +6,7 @@ import { auditRows, collectPage, type Filter as RowFilter, findRow, type Page, P
 import { stepOfRow } from '../audit/steps';
 import { Arm } from '../parts/arm';
 import { ago, now, timeText } from '../parts/clock';
-import { CopyLink } from '../parts/copy_link';
+import { CopyLink } from '../parts/toast';
 import { Choice, Filter, matches } from '../parts/filter';
 import { Name } from '../parts/name';
 import { Empty, Failure, Loading, Read } from '../parts/states';
@@ -30,11 +30,10 @@ const SEGMENTS: readonly Column<AuditSegment>[] = [
   { id: 'scene', title: 'Scene', isText: true, sort: ({ scene }) => scene,
     cell: ({ project, scene }) => (scene ? <a href={decisionsHref({ project, scene })}><Name text={scene} /></a> : '–') },
   { id: 'project', title: 'Project', isText: true, sort: ({ project }) => project, cell: ({ project }) => <Name text={project} unknown="–" /> },
-  { id: 'part', title: 'Part', hint: 'A session that continues after a restart of the daemon begins a new part', sort: ({ segment }) => segment, cell: ({ segment }) => String(segment) },
-  { id: 'rows', title: 'Rows', sort: ({ rowCount }) => Number(rowCount), cell: ({ rowCount }) => grouped(Number(rowCount)) },
-  { id: 'removed', title: 'Removed', hint: 'Older rows that were removed because the size of the log is limited', sort: ({ firstRow }) => Math.max(0, Number(firstRow) - 1),
-    cell: ({ firstRow }) => grouped(Math.max(0, Number(firstRow) - 1)) },
-  { id: 'lost', title: 'Lost', hint: 'Rows that could not be written', sort: ({ lostRowCount }) => Number(lostRowCount), cell: ({ lostRowCount }) => grouped(Number(lostRowCount)) },
+  { id: 'part', title: 'Part', hint: 'A session that continues after a restart of the daemon begins a new part', sort: ({ segment }) => segment },
+  { id: 'rows', title: 'Rows', sort: ({ rowCount }) => Number(rowCount) },
+  { id: 'removed', title: 'Removed', hint: 'Older rows that were removed because the size of the log is limited', sort: ({ firstRow }) => Math.max(0, Number(firstRow) - 1) },
+  { id: 'lost', title: 'Lost', hint: 'Rows that could not be written', sort: ({ lostRowCount }) => Number(lostRowCount) },
 ];
 
 function SegmentTable({ all, again }: { all: readonly AuditSegment[]; again: () => void }) {

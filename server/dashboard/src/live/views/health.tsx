@@ -3,12 +3,12 @@ import { useEffect } from 'preact/hooks';
 import { bytes, grouped, significant } from '../../format';
 import { Chip } from '../parts/chips';
 import { duration, now, timeText } from '../parts/clock';
-import { CopyLink } from '../parts/copy_link';
+import { CopyLink } from '../parts/toast';
 import { Sparkline } from '../parts/sparkline';
 import { Failure, Loading } from '../parts/states';
 import { account } from '../state/account';
-import { checks, followChecks, followFigures, healthError, learnChecks, learnFigures, samples, type Sample } from '../state/health';
-import { labelOf, quantileOf, sumOf, valueOf, type Metrics } from '../state/metrics';
+import { checks, followChecks, followFigures, healthError, labelOf, learnChecks, learnFigures, type Metrics, quantileOf, type Sample, samples, sumOf,
+  valueOf } from '../state/health';
 
 const WINDOW = 30;  // number of samples for rates and quantiles: one minute
 

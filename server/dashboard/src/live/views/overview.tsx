@@ -4,7 +4,7 @@ import { counted, grouped, share, significant } from '../../format';
 import { Arm } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
 import { ago, now } from '../parts/clock';
-import { CopyLink } from '../parts/copy_link';
+import { CopyLink } from '../parts/toast';
 import { Choice, Filter, matches } from '../parts/filter';
 import { Name } from '../parts/name';
 import { Sparkline } from '../parts/sparkline';
@@ -13,6 +13,7 @@ import { Table, type Column } from '../parts/table';
 import { visible } from '../parts/visible';
 import { thresholds } from '../state/account';
 import { connection } from '../state/connection';
+import { trendOf } from '../state/history';
 import { isKnown } from '../state/live';
 import { route, sceneHref } from '../state/route';
 import { connectedSessions, sessions } from '../state/sessions';
@@ -32,17 +33,16 @@ const COLUMNS: readonly Column<SceneSummary>[] = [
   { id: 'p', title: 'P(best)', hint: 'Probability that the leader is the best arm', sort: (row) => (sceneOf(row).leaderArm ? row.leaderProbability : undefined),
     cell: (row) => (sceneOf(row).leaderArm ? row.leaderProbability.toFixed(3) : '–') },
   { id: 'trend', title: 'Trend', isText: true, hint: 'P(best) of the leader since the page was opened, from 0 to 1. The dotted line is the threshold of stable scenes.',
-    cell: (row) => <Sparkline values={row.trend} low={0} high={1} mark={thresholds.value.stableProbability} /> },
+    cell: (row) => <Sparkline values={trendOf(row.state.history)} low={0} high={1} mark={thresholds.value.stableProbability} /> },
   { id: 'loss', title: 'Loss', width: '6rem', hint: 'Expected extra cost of choosing the leader instead of the best arm', sort: (row) => (sceneOf(row).leaderArm ? sceneOf(row).expectedLossRatio : undefined),
     cell: (row) => (sceneOf(row).leaderArm ? share(sceneOf(row).expectedLossRatio) : '–') },
-  { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount, cell: (row) => grouped(sceneOf(row).activeSessionCount) },
-  { id: 'evidence', title: 'Evidence', width: '7rem', hint: 'Decision windows and visits of the shadow lane in all sessions', sort: (row) => Number(row.evidence),
-    cell: (row) => grouped(Number(row.evidence)) },
+  { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount },
+  { id: 'evidence', title: 'Evidence', width: '7rem', hint: 'Decision windows and visits of the shadow lane in all sessions', sort: (row) => Number(row.evidence) },
   { id: 'changed', title: 'Changed', width: '7rem', hint: 'Time of the last change since the page was opened, or of the latest evidence before that', sort: (row) => row.state.changedMs || undefined,
     cell: (row) => (row.state.changedMs ? ago(row.state.changedMs, now.value) : '–') },
-  { id: 'project', title: 'Project', isText: true, sort: (row) => sceneOf(row).project, cell: (row) => <Name text={sceneOf(row).project} /> },
-  { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: (row) => sceneOf(row).machineClass, cell: (row) => <Name text={sceneOf(row).machineClass} /> },
-  { id: 'reward', title: 'Reward', hint: 'Version of the reward; AI Decides uses version 3', sort: (row) => sceneOf(row).rewardVersion, cell: (row) => sceneOf(row).rewardVersion },
+  { id: 'project', title: 'Project', isText: true, sort: (row) => sceneOf(row).project },
+  { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: (row) => sceneOf(row).machineClass },
+  { id: 'reward', title: 'Reward', hint: 'Version of the reward; AI Decides uses version 3', sort: (row) => sceneOf(row).rewardVersion },
 ];
 
 const VERDICTS = [Verdict.DEGRADED, Verdict.AMBIGUOUS, Verdict.UNSPECIFIED, Verdict.TIE, Verdict.STABLE];
@@ -111,10 +111,10 @@ const PROJECTS: readonly Column<ProjectSum>[] = [
   { id: 'project', title: 'Project', sort: ({ project }) => project, cell: ({ project }) => <a href={`/?project=${encodeURIComponent(project)}`}><Name text={project} /></a> },
   { id: 'verdict', title: 'Least certain scene', isText: true, hint: 'The scene of the project whose best arm is least certain. Sorted by uncertainty.', sort: ({ worst }) => worst.uncertainty,
     csv: ({ worst }) => sceneOf(worst).scene, cell: ({ worst }) => <><VerdictChip verdict={worst.verdict} /> <a href={sceneHref(sceneOf(worst))}><Name text={sceneOf(worst).scene} /></a></> },
-  { id: 'unsettled', title: 'Not settled', hint: 'Scenes with the verdict ambiguous or degraded', sort: ({ unsettledCount }) => unsettledCount, cell: ({ unsettledCount }) => grouped(unsettledCount) },
-  { id: 'scenes', title: 'Scenes', sort: ({ sceneCount }) => sceneCount, cell: ({ sceneCount }) => grouped(sceneCount) },
-  { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: ({ sessionCount }) => sessionCount, cell: ({ sessionCount }) => grouped(sessionCount) },
-  { id: 'evidence', title: 'Evidence', hint: 'Decision windows and visits of the shadow lane in all sessions', sort: ({ evidence }) => Number(evidence), cell: ({ evidence }) => grouped(Number(evidence)) },
+  { id: 'unsettled', title: 'Not settled', hint: 'Scenes with the verdict ambiguous or degraded', sort: ({ unsettledCount }) => unsettledCount },
+  { id: 'scenes', title: 'Scenes', sort: ({ sceneCount }) => sceneCount },
+  { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: ({ sessionCount }) => sessionCount },
+  { id: 'evidence', title: 'Evidence', hint: 'Decision windows and visits of the shadow lane in all sessions', sort: ({ evidence }) => Number(evidence) },
 ];
 
 function Projects({ all }: { all: readonly SceneSummary[] }) {

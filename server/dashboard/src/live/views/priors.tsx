@@ -3,7 +3,7 @@
 import { type PriorRecord, PriorsService } from '../../gen/sweepstake/v1/priors_pb';
 import { grouped } from '../../format';
 import { ago, now } from '../parts/clock';
-import { CopyLink } from '../parts/copy_link';
+import { CopyLink } from '../parts/toast';
 import { download } from '../parts/download';
 import { Choice, Filter } from '../parts/filter';
 import { Name } from '../parts/name';

@@ -12,7 +12,7 @@ import { mean } from '../numbers/beta';
 import { seriesOf } from '../numbers/series';
 import { VerdictChip } from '../parts/chips';
 import { ago, now } from '../parts/clock';
-import { CopyLink } from '../parts/copy_link';
+import { CopyLink } from '../parts/toast';
 import { Name } from '../parts/name';
 import { visible } from '../parts/visible';
 import { Empty, Failure, Loading } from '../parts/states';
@@ -25,10 +25,9 @@ import { leaderProbabilityOf, sceneInView, sceneKey, scenes, type SceneName, typ
 import { sessions } from '../state/sessions';
 import { isDegraded } from '../state/summaries';
 import { CompareScenes } from './compare';
-import { ArmTable } from './scene/arm_table';
 import { Latest, Sessions, Variants, variantsOf } from './scene/lists';
 import { Builds, buildStarts } from './scene/builds';
-import { armNames, type ArmRow, armRows, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/model';
+import { armNames, type ArmRow, armRows, ArmTable, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/arms';
 import { Taught } from './scene/taught';
 import { verdictWord } from './words';
 
@@ -66,8 +65,8 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   const ridges = useMemo(() => ridgeRows(rows, before), [rows]);
   const table = () => ({
     header: ['arm', 'backend version', 'measured', 'alpha', 'beta', 'mean reward', 'reward 95 % from', 'to', 'P(best)', 'cost ratio', 'windows', 'lane visits', 'equivalent windows', 'bail-outs'],
-    rows: rows.map(({ arm, backendVersion, measured, posterior: beta, reward95, bestProbability, costRatio, windowCount, visitCount, effectiveWindowCount, bailOutCount }) =>
-      [arm, backendVersion, measured, beta.alpha, beta.beta, mean(beta), ...reward95, bestProbability, costRatio?.median, windowCount, visitCount, effectiveWindowCount, bailOutCount]),
+    rows: rows.map(({ arm, backendVersion, measured, posterior: beta, costRatio, ...row }) => [arm, backendVersion, measured, beta.alpha, beta.beta, mean(beta),
+      row.rewardLow95, row.rewardHigh95, row.bestProbability, costRatio?.median, row.windowCount, row.visitCount, row.effectiveWindowCount, row.bailOutCount]),
   });
   return (
     <ChartFrame id="beliefs" title={title} names={[posterior.project, posterior.scene]} table={table} empty={rows.length === 0 && 'There is no evidence of any arm yet.'}
@@ -93,7 +92,7 @@ function Charts({ state, rows }: { state: SceneState; rows: readonly ArmRow[] })
   const names = armNames(rows);
   const arms = useMemo(() => names, [names.join('\n')]);
   const beliefs = useMemo(() => seriesOf(state.history, arms), [arms, state.history]);
-  const never = rows.filter(({ measured, isOld }) => measured === 'never' && !isOld).map(({ arm }) => arm).join('\n');
+  const never = rows.filter(({ measured, isOutdated }) => measured === 'never' && !isOutdated).map(({ arm }) => arm).join('\n');
   const assumed = useMemo(() => new Set(never.split('\n')), [never]);
   const builds = useBuilds(state.posterior);
   const moments = useMemo(() => [...latestSwitches(state.decisions), ...builds], [state.decisions, builds]);
@@ -112,7 +111,7 @@ function Charts({ state, rows }: { state: SceneState; rows: readonly ArmRow[] })
 function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) {
   const state = useFrozen(latest, true);
   const before = useRef(latest.posterior).current;
-  const rows = useMemo(() => armRows(state), [state]);
+  const rows = useMemo(() => armRows(state.posterior), [state]);
   return (
     <>
       <header class="title"><h1><span class="soft"><Name text={name.project} /> /</span> <Name text={name.scene} /></h1><CopyLink /></header>

@@ -15,7 +15,7 @@ import { LOG_COST_REWARD_VERSION, nsText } from '../numbers/log_cost';
 import { Arm } from '../parts/arm';
 import { Chip } from '../parts/chips';
 import { ago, now, timeText } from '../parts/clock';
-import { CopyLink } from '../parts/copy_link';
+import { CopyLink } from '../parts/toast';
 import { Name } from '../parts/name';
 import { Empty, Failure, Later, Loading } from '../parts/states';
 import { type Column, Table } from '../parts/table';
@@ -83,11 +83,11 @@ const decisionTable = (steps: readonly Step[]) => ({
 
 const LANE_COLUMNS: readonly Column<LaneSum>[] = [
   { id: 'arm', title: 'Arm', sort: ({ arm }) => arm, cell: ({ arm }) => <Arm name={arm} hollow /> },
-  { id: 'visits', title: 'Visits', sort: ({ visitCount }) => visitCount, cell: ({ visitCount }) => String(visitCount) },
+  { id: 'visits', title: 'Visits', sort: ({ visitCount }) => visitCount },
   { id: 'median', title: 'Median', hint: 'Median detection time in the lane', sort: ({ medianNs }) => medianNs, cell: ({ medianNs }) => nsText(medianNs) },
   { id: 'last', title: 'Last', sort: ({ lastNs }) => lastNs, cell: ({ lastNs }) => nsText(lastNs) },
   { id: 'build', title: 'Build', hint: 'Median time to build the arm’s data structure', sort: ({ buildNs }) => buildNs, cell: ({ buildNs }) => nsText(buildNs) },
-  { id: 'capped', title: 'Cut short', hint: 'Visits that reached the time limit of the lane', sort: ({ cappedCount }) => cappedCount, cell: ({ cappedCount }) => String(cappedCount) },
+  { id: 'capped', title: 'Cut short', hint: 'Visits that reached the time limit of the lane', sort: ({ cappedCount }) => cappedCount },
   { id: 'when', title: 'Last visit', sort: ({ lastMs }) => lastMs, cell: ({ lastMs }) => timeText(lastMs) },
 ];
 

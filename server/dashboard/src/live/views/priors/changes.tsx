@@ -48,8 +48,8 @@ const COLUMNS: readonly Column<Row>[] = [
     cell: ({ change }) => <Chip tone={change.changed ? 'warn' : 'plain'}>{changeWord(change)}</Chip> },
   { id: 'leader', title: 'Cheapest arm', isText: true, hint: 'Whether the same arm is the cheapest in both builds', sort: ({ scene }) => leaderWord(scene),
     cell: ({ scene }) => (scene.leaderChanged ? <Chip tone="bad" sign="≠">another</Chip> : leaderWord(scene)) },
-  { id: 'class', title: 'Machines', isText: true, sort: ({ scene }) => scene.machineClass, cell: ({ scene }) => <Name text={scene.machineClass} /> },
-  { id: 'project', title: 'Project', isText: true, sort: ({ scene }) => scene.project, cell: ({ scene }) => <Name text={scene.project} /> },
+  { id: 'class', title: 'Machines', isText: true, sort: ({ scene }) => scene.machineClass },
+  { id: 'project', title: 'Project', isText: true, sort: ({ scene }) => scene.project },
 ];
 
 function Picture({ change: { project, scene, machineClass, arms }, before, after }: Builds & { change: SceneComparison }) {

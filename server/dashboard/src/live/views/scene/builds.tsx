@@ -3,7 +3,6 @@ import { useComputed } from '@preact/signals';
 import { bytes, significant } from '../../../format';
 import type { SessionInfo } from '../../../gen/sweepstake/v1/sessions_pb';
 import { bucketsOf, type Buckets, countOf, type LogHistogram, merged, type Percentiles, percentiles } from '../../numbers/histogram';
-import { Name } from '../../parts/name';
 import { type Column, Table } from '../../parts/table';
 import type { SceneName } from '../../state/scenes';
 import { isConnected, sessions, type SessionState } from '../../state/sessions';
@@ -61,13 +60,13 @@ const three = (id: string, title: string, values: (row: BuildRow) => Percentiles
   }));
 
 const COLUMNS: readonly Column<BuildRow>[] = [
-  { id: 'build', title: 'Build', sort: ({ build }) => build, cell: ({ build }) => <Name text={build} /> },
+  { id: 'build', title: 'Build', sort: ({ build }) => build },
   { id: 'sessions', title: 'Sessions', sort: ({ sessionCount }) => sessionCount, cell: ({ sessionCount, onlineCount }) => `${sessionCount}, ${onlineCount} online` },
   ...three('frame', 'Frame', ({ frameNs }) => frameNs, ms),
   ...three('detection', 'Detection', ({ detectionNs }) => detectionNs, ms),
   ...three('memory', 'Memory', ({ nativeBytes }) => nativeBytes, bytes).slice(1, 2),
-  { id: 'frames', title: 'Frames', hint: 'Number of frames in the percentiles', sort: ({ frameCount }) => frameCount, cell: ({ frameCount }) => frameCount.toLocaleString('en') },
-  { id: 'dropped', title: 'Dropped', hint: 'Frames that games measured but could not send', sort: ({ droppedCount }) => droppedCount, cell: ({ droppedCount }) => String(droppedCount) },
+  { id: 'frames', title: 'Frames', hint: 'Number of frames in the percentiles', sort: ({ frameCount }) => frameCount },
+  { id: 'dropped', title: 'Dropped', hint: 'Frames that games measured but could not send', sort: ({ droppedCount }) => droppedCount },
 ];
 
 export function Builds({ name: { project, scene } }: { name: SceneName }) {

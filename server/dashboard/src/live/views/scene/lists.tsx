@@ -38,7 +38,7 @@ function variantColumns(own: string): readonly Column<SceneState>[] {
     { id: 'p', title: 'P(best)', sort: ({ posterior }) => leaderProbabilityOf(posterior),
       cell: ({ posterior }) => (posterior.leaderArm ? leaderProbabilityOf(posterior).toFixed(3) : '–') },
     { id: 'loss', title: 'Loss', sort: ({ posterior }) => posterior.expectedLossRatio, cell: ({ posterior }) => share(posterior.expectedLossRatio) },
-    { id: 'sources', title: 'Sources', hint: 'Sessions that added evidence', sort: ({ posterior }) => Number(posterior.sourceCount), cell: ({ posterior }) => String(posterior.sourceCount) },
+    { id: 'sources', title: 'Sources', hint: 'Sessions that added evidence', sort: ({ posterior }) => Number(posterior.sourceCount) },
     { id: 'compare', title: 'Comparison', isText: true, cell: ({ key }) => (key === own ? '' : <a href={besideHref(key)}>Compare</a>) },
   ];
 }
@@ -57,12 +57,12 @@ const SESSION_COLUMNS: readonly Column<SessionState>[] = [
       return <Chip tone={isConnected(session) ? 'good' : 'plain'} sign={mark} title={meaning}>{name}</Chip>;
     } },
   { id: 'arm', title: 'Active arm', isText: true, sort: ({ info }) => info.activeArm, cell: ({ info }) => <Arm name={info.activeArm} /> },
-  { id: 'mode', title: 'Mode', isText: true, sort: ({ info }) => modeWord(info.mode).name, cell: ({ info }) => modeWord(info.mode).name },
-  { id: 'build', title: 'Build', isText: true, sort: ({ info }) => info.build, cell: ({ info }) => <Name text={info.build} /> },
+  { id: 'mode', title: 'Mode', isText: true, sort: ({ info }) => modeWord(info.mode).name },
+  { id: 'build', title: 'Build', isText: true, sort: ({ info }) => info.build },
   { id: 'start', title: 'Began', sort: ({ info }) => Number(info.unixStartMs), cell: ({ info }) => timeText(Number(info.unixStartMs)) },
   { id: 'last', title: 'Last message', sort: lastMessageMs,
     cell: (session) => (lastMessageMs(session) > 0 ? ago(lastMessageMs(session), now.value) : '–') },
-  { id: 'dropped', title: 'Dropped frames', hint: 'Frames that the game measured but could not send', sort: ({ info }) => Number(info.droppedFrameCount), cell: ({ info }) => String(info.droppedFrameCount) },
+  { id: 'dropped', title: 'Dropped frames', hint: 'Frames that the game measured but could not send', sort: ({ info }) => Number(info.droppedFrameCount) },
 ];
 
 export function Sessions({ name }: { name: SceneName }) {

@@ -3,11 +3,10 @@
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { SessionsService } from '../../../gen/sweepstake/v1/sessions_pb';
 import { counted, grouped } from '../../../format';
-import { drawBoxes } from '../../charts/box_picture';
+import { type Boxes, boxesOf, type Camera, drawBoxes, START, turned, zoomed } from '../../numbers/boxes';
 import { theme } from '../../charts/colours';
 import { pausedMs } from '../../charts/view_state';
 import { useWidth } from '../../charts/width';
-import { type Boxes, boxesOf, type Camera, START, turned, zoomed } from '../../numbers/boxes';
 import { Empty, Failure, Loading } from '../../parts/states';
 import type { ApiError } from '../../transport/calls';
 import { Watch } from '../../transport/events';

@@ -2,9 +2,8 @@
 // AABB checks and objects.
 import { useMemo } from 'preact/hooks';
 import { bytes, compact, significant } from '../../../format';
-import { ChartFrame } from '../../charts/frame';
-import type { Level, Line, Moment, Scale } from '../../charts/plot';
-import { TimeChart } from '../../charts/time_chart';
+import type { Level, Line, Moment } from '../../charts/plot';
+import { TimeFigure } from '../../charts/time_chart';
 import type { Range } from '../../charts/view_state';
 import type { CostColumns } from './model';
 
@@ -17,37 +16,6 @@ const PARTS = [
   { label: 'window mean', colour: 'var(--soft)', dash: [2, 2] }, { label: 'p50', colour: 'var(--kind-1)', dash: [] },
   { label: 'p95', colour: 'var(--kind-3)', dash: [8, 3] }, { label: 'p99', colour: 'var(--kind-4)', dash: [4, 2] },
 ] as const;
-
-interface CostChartProps {
-  id: string;
-  title: string;
-  note?: string;
-  timesMs: readonly number[];
-  laterMs: number;
-  lines: readonly Line[];
-  levels?: readonly Level[];
-  moments: readonly Moment[];
-  domain: Range;
-  names: readonly string[];
-  format: (value: number) => string;
-  height?: number;
-  values?: readonly [number, number];
-  scale?: Scale;
-}
-
-function CostChart({ id, title, note, timesMs, laterMs, lines, levels, moments, domain, names, format, height = 180, values, scale = 'zero' }: CostChartProps) {
-  const hasValues = lines.some((line) => line.values.some((value) => value !== null));
-  const table = () => ({
-    header: ['time', ...lines.map(({ label }) => label)],
-    rows: timesMs.map((ms, i) => [new Date(ms + laterMs).toISOString(), ...lines.map((line) => line.values[i] ?? null)]),
-  });
-  return (
-    <ChartFrame id={id} title={title} note={note} names={names} table={table} empty={!hasValues && 'Nothing was measured yet.'}>
-      <TimeChart title={title} timesMs={timesMs} lines={lines} {...(levels && { levels })} {...(values && { values })} moments={moments} scale={scale} domain={domain}
-        format={format} height={height} />
-    </ChartFrame>
-  );
-}
 
 const percentileLines = (columns: readonly (number | null)[][], first: string): Line[] =>
   PARTS.map(({ label, colour, dash }, i) => ({ label: i === 0 ? first : label, values: columns[i] ?? [], colour, dash }));
@@ -73,17 +41,19 @@ export function CostCharts({ columns, moments, domain, names, ends, laterMs = 0 
     frame: percentileLines(columns.frame, 'window mean'), detection: percentileLines(columns.detection, 'window mean'),
     bytes: percentileLines(columns.bytes, 'window peak'), checks: single('checks', columns.checks), objects: single('objects', columns.objects),
   }), [columns]);
-  const common = { timesMs, moments, domain, names, laterMs };
+  const common = { timesMs, moments, domain, names, laterMs, scale: 'zero' } as const;
+  const figure = (drawn: readonly Line[]) => ({ ...common, lines: drawn,
+    empty: !drawn.some((line) => line.values.some((value) => value !== null)) && 'Nothing was measured yet.' });
   return (
     <>
-      <CostChart {...common} id="frame-time" title="Frame time" lines={lines.frame} levels={BUDGETS} format={ms} {...(ends && { values: ends.frameMs })}
+      <TimeFigure {...figure(lines.frame)} id="frame-time" title="Frame time" levels={BUDGETS} format={ms} height={180} {...(ends && { values: ends.frameMs })}
         note="Percentiles cover the frames since the page was opened. The mean of each window is from the audit log. 60 and 30 fps: budgets of 16.7 and 33.3 ms." />
-      <CostChart {...common} id="detection" title="Detection time" lines={lines.detection} levels={BUDGETS_ASIDE} format={ms} scale="log"
+      <TimeFigure {...figure(lines.detection)} id="detection" title="Detection time" levels={BUDGETS_ASIDE} format={ms} height={180} scale="log"
         {...(ends && { values: ends.detectionMs })} note="Time of the broad phase per frame, on a logarithmic axis. The budgets of a frame are drawn if values come near them." />
       <div class="beside">
-        <CostChart {...common} id="memory" title="Memory" lines={lines.bytes} format={bytes} height={140} />
-        <CostChart {...common} id="checks" title="AABB checks per frame" lines={lines.checks} format={compact} height={140} />
-        <CostChart {...common} id="objects" title="Objects" lines={lines.objects} format={compact} height={140} />
+        <TimeFigure {...figure(lines.bytes)} id="memory" title="Memory" format={bytes} height={140} />
+        <TimeFigure {...figure(lines.checks)} id="checks" title="AABB checks per frame" format={compact} height={140} />
+        <TimeFigure {...figure(lines.objects)} id="objects" title="Objects" format={compact} height={140} />
       </div>
     </>
   );

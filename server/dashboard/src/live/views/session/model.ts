@@ -1,7 +1,7 @@
 // The data of a session's charts and tables, computed from the steps of its log.
 import type { Measured as MeasuredBy, RidgeRow } from '../../charts/ridgeline';
 import type { Moment } from '../../charts/plot';
-import { armStyle } from '../../charts/arm_style';
+import { armStyle } from '../../charts/colours';
 import { forEachVisit, isSwitch, type Measured, type Step } from '../../audit/steps';
 import { ShadowFlag } from '../../../gen/sweepstake/v1/telemetry_pb';
 import type { Beta } from '../../numbers/beta';

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { csvOf } from './csv';
+import { csvOf } from '../parts/download';
 
 describe('writing CSV', () => {
   it('quotes cells with commas, quotes and line breaks', () =>

@@ -4,7 +4,7 @@ import type { Step } from '../audit/steps';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import type { Told } from '../audit/explain';
-import { joined, thinned, timelineOf, wordsOf } from './timeline_model';
+import { joined, thinned, timelineOf, wordsOf } from './timeline';
 
 const told = (activeArm: string, candidate: string, outcome: DecisionOutcome): Told => ({
   activeArm, candidate, outcome, reason: SwitchReason.UNSPECIFIED, rewardVersion: 3, verdict: Verdict.AMBIGUOUS, leader: '', leaderProbability: 0,

@@ -2,9 +2,7 @@ import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { DecisionEventSchema, DecisionOutcome, ScenePosteriorSchema } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { colourOf } from '../../../palette';
-import { NO_HISTORY } from '../../state/history';
-import type { SceneState } from '../../state/scenes';
-import { armNames, armRows, latestSwitches, MAX_SWITCHES, measuredBy, ridgeRows } from './model';
+import { armNames, armRows, latestSwitches, MAX_SWITCHES, measuredBy, ridgeRows } from './arms';
 
 const posterior = create(ScenePosteriorSchema, {
   rewardVersion: 3,
@@ -14,30 +12,19 @@ const posterior = create(ScenePosteriorSchema, {
     { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 }, unixLastSeenS: 7n, rewardLow95: 0.6, rewardHigh95: 0.8, bestProbability: 0.75, costRatio: { median: 1, low: 1, high: 1 } },
   ],
 });
-const state: SceneState = {
-  key: 'k', posterior, changedMs: 0, history: NO_HISTORY,
-  decisions: [],
-};
-
 describe('the origin of measurements', () => {
   it('is live, lane or never; an arm that never ran in a game is not live', () => {
     expect(measuredBy({ windowCount: 1n, visitCount: 0n, bailOutCount: 0n })).toBe('live');
     expect(measuredBy({ windowCount: 0n, visitCount: 0n, bailOutCount: 1n })).toBe('live');
     expect(measuredBy({ windowCount: 0n, visitCount: 9n, bailOutCount: 0n })).toBe('lane');
     expect(measuredBy({ windowCount: 0n, visitCount: 0n, bailOutCount: 0n })).toBe('never');
-    expect(armRows(state).map(({ measured }) => measured)).toEqual(['live', 'lane', 'never']);
+    expect(armRows(posterior).map(({ measured }) => measured)).toEqual(['live', 'lane', 'never']);
   });
 });
 
 describe('the rows of a scene', () => {
-  const rows = armRows(state);
-  it('name the version of a backend if there are several', () => expect(rows.map(({ label, isOld }) => [label, isOld])).toEqual([['A v1', true], ['A v2', false], ['B', false]]));
-  it('have the equivalent number of windows', () => expect(rows.map(({ effectiveWindowCount }) => effectiveWindowCount)).toEqual([5.5, 0, 0]));
-  it('have the time of the latest evidence of each arm', () => expect(rows.map(({ changedMs }) => changedMs)).toEqual([undefined, undefined, 7000]));
-  it('have the figures that the daemon sent', () => {
-    expect(rows[2]).toMatchObject({ reward95: [0.6, 0.8], bestProbability: 0.75, costRatio: { median: 1 } });
-    expect(rows[0]).toMatchObject({ bestProbability: undefined, costRatio: undefined });
-  });
+  const rows = armRows(posterior);
+  it('name the version of a backend if there are several', () => expect(rows.map(({ label, isOutdated }) => [label, isOutdated])).toEqual([['A v1', true], ['A v2', false], ['B', false]]));
   it('are drawn with the most probable arm first and old versions last', () => expect(ridgeRows(rows).map(({ label }) => label)).toEqual(['B', 'A v2', 'A v1']));
   it('have the earlier posterior behind them if it differs', () => {
     const before = create(ScenePosteriorSchema, { arms: [{ arm: 'A', backendVersion: 2, posterior: { alpha: 5, beta: 4 } }, { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 } }] });

@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { labelOf, parseChecks, parseMetrics, quantileOf, sumOf, valueOf } from './metrics';
+import { labelOf, parseChecks, parseMetrics, quantileOf, sumOf, valueOf } from './health';
 
 it('reads checks, their problems and their notes', () => {
   const text = '[+]decision-loop ok\n[-]store failed: disk full: /x\n[+]tls ok, but it expires\nreadyz check failed\n';

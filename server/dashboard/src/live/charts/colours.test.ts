@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { colourOf, FAMILIES } from '../../palette';
 import { shapeOf } from '../parts/arm';
-import { armStyle } from './arm_style';
+import { armStyle } from './colours';
 
 const others = Array.from({ length: 20 }, (_, i) => `Mine ${i}`); // custom backends of a game
 const arms = [...others.slice(0, 3), ...FAMILIES, ...others.slice(3)];
