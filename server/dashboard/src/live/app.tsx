@@ -1,19 +1,20 @@
-// The frame around the views: navigation, state of the connection, login, theme and keyboard shortcuts.
+// The dashboard's entry point, and the frame around the views: navigation, state of the connection, login, theme and keyboard shortcuts.
 import { effect, signal } from '@preact/signals';
-import type { ComponentType } from 'preact';
+import { type ComponentType, render } from 'preact';
 import { useErrorBoundary } from 'preact/hooks';
 import { chooseTheme, keptTheme, THEMES, type Theme } from '../theme';
 import { ConnectionBadge } from './parts/chips';
 import { startClock } from './parts/clock';
 import { confirmed, QuestionHost } from './parts/dialog';
 import { addShortcuts, KeySheet, listenToKeys, showKeys } from './parts/keys';
-import { Name } from './parts/name';
+import { Name, visible } from './parts/name';
 import { Empty, Failure, Later } from './parts/states';
 import { toast, ToastHost } from './parts/toast';
-import { visible } from './parts/visible';
 import { account, accountError, learnAccount, logout, needsLogin } from './state/account';
 import { connection } from './state/connection';
-import { navigate, route, type RouteName } from './state/route';
+import { startLive } from './state/live';
+import { followLinks, navigate, route, type RouteName } from './state/route';
+import { followScenes } from './state/summaries';
 import { ApiError, asApiError } from './transport/calls';
 import { Login } from './views/login';
 import { Overview } from './views/overview';
@@ -97,7 +98,7 @@ function Header() {
 // Without a connection the page still shows the last data that it received, in grey.
 const isOld = () => !['live', 'connecting'].includes(connection.value.status);
 
-export function App() {
+function App() {
   return (
     <>
       <Header />
@@ -116,9 +117,11 @@ function titleOf(): string {
   return `${place} · Sweepstake`;
 }
 
-export function startApp(): void {
-  listenToKeys();
-  startClock();
-  addShortcuts(PLACES.map(({ href, title, key }) => ({ keys: `g ${key}`, what: `Go to ${title.toLowerCase()}`, run: () => navigate(href) })));
-  effect(() => { document.title = titleOf(); });
-}
+followLinks();
+listenToKeys();
+startClock();
+addShortcuts(PLACES.map(({ href, title, key }) => ({ keys: `g ${key}`, what: `Go to ${title.toLowerCase()}`, run: () => navigate(href) })));
+effect(() => { document.title = titleOf(); });
+followScenes();
+startLive();
+render(<App />, document.getElementById('app')!);

@@ -4,7 +4,7 @@ import { useRef, useState } from 'preact/hooks';
 import { csvOf, type CsvValue, download } from '../parts/download';
 import { type Column, Table } from '../parts/table';
 import { toast } from '../parts/toast';
-import { fileName, visible } from '../parts/visible';
+import { fileName, visible } from '../parts/name';
 import './charts.css';
 import { savePng } from './png';
 

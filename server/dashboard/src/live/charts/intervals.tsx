@@ -4,7 +4,7 @@ import { colourOf } from '../../palette';
 import type { Ratio } from '../numbers/log_cost';
 import { logTicks } from '../numbers/beta';
 import { shapeOf } from '../parts/arm';
-import { visible } from '../parts/visible';
+import { visible } from '../parts/name';
 import { useWidth } from './width';
 
 /** Undefined: no evidence of the arm. */

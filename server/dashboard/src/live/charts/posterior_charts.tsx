@@ -2,7 +2,7 @@
 import { useMemo } from 'preact/hooks';
 import { share, significant } from '../../format';
 import { costNsOf, LOG_COST_REWARD_VERSION, nsText } from '../numbers/log_cost';
-import type { Belief, SeriesRow } from '../numbers/series';
+import type { Belief, SeriesRow } from '../state/history';
 import { thresholds } from '../state/account';
 import { armStyle, hatched } from './colours';
 import { type Band, fillOf, type Line, type Moment } from './plot';

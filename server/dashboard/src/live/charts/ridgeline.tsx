@@ -4,7 +4,7 @@ import { colourOf } from '../../palette';
 import { type Beta, centralInterval, type Interval, linearTicks, logTicks, mean, ridge, ridgeAxis } from '../numbers/beta';
 import { costNsOf, LOG_COST_REWARD_VERSION, rewardOfNs, rewardText } from '../numbers/log_cost';
 import { shapeOf } from '../parts/arm';
-import { visible } from '../parts/visible';
+import { visible } from '../parts/name';
 import { useWidth } from './width';
 
 /** How an arm was measured. */

@@ -4,7 +4,7 @@
 import type { JSX } from 'preact';
 import { useId, useMemo, useRef, useState } from 'preact/hooks';
 import { shapeOf } from '../parts/arm';
-import { visible } from '../parts/visible';
+import { visible } from '../parts/name';
 import { armStyle } from './colours';
 import { axisTime, LEFT, RIGHT, TIME_STEPS } from './plot';
 import { linearTicks } from '../numbers/beta';

@@ -5,10 +5,8 @@ import { useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { csvOf, type CsvValue, download } from './download';
 import { route, setQuery } from '../state/route';
 import { grouped } from '../../format';
-import { useEntered } from './entered';
-import { Name } from './name';
+import { fileName, Name } from './name';
 import { RowOrder, sortedBy, sortingOf, sortingText, type PlacedRow, type Sorting, type SortValue } from './row_order';
-import { fileName } from './visible';
 
 const ROW_PX = 37;  // height of a row; equal to --row in style.css
 const ALL_UP_TO = 80;  // tables up to this number of rows are drawn whole
@@ -170,4 +168,18 @@ export function Table<Row>({ caption, columns, rows, keyOf, sort, sortParameter 
       </div>
     </div>
   );
+}
+
+export function useEntered() {
+  const [entered, setEntered] = useState({ pointer: false, focus: false });
+  const handlers = {
+    onPointerEnter: () => setEntered((before) => ({ ...before, pointer: true })),
+    onPointerLeave: () => setEntered((before) => ({ ...before, pointer: false })),
+    onFocusIn: () => setEntered((before) => ({ ...before, focus: true })),
+    onFocusOut: (event: FocusEvent) => {
+      const isWithin = (event.currentTarget as Element).contains(event.relatedTarget as Node | null);
+      if (!isWithin) setEntered((before) => ({ ...before, focus: false }));
+    },
+  };
+  return { isEntered: entered.pointer || entered.focus, handlers };
 }

@@ -1,6 +1,6 @@
 // The daemon's health: its checks, and figures that show problems early.
 import { useEffect } from 'preact/hooks';
-import { bytes, grouped, significant } from '../../format';
+import { bytes, grouped, mean, significant } from '../../format';
 import { Chip } from '../parts/chips';
 import { duration, now, timeText } from '../parts/clock';
 import { CopyLink } from '../parts/toast';
@@ -22,7 +22,8 @@ interface Row {
 }
 
 type Reader = (metrics: Metrics) => number | undefined;
-const named = (name: string): Reader => (metrics) => valueOf(metrics, name);
+const readerOf = (figure: string | Reader): Reader => (typeof figure === 'string' ? (metrics) => valueOf(metrics, figure) : figure);
+const shown = (value: number | undefined, text: (value: number) => string) => (value === undefined ? '–' : text(value));
 
 // Returns the growth of a counter per second between consecutive samples.
 function ratesOf(all: readonly Sample[], read: Reader): number[] {
@@ -33,21 +34,16 @@ function ratesOf(all: readonly Sample[], read: Reader): number[] {
   });
 }
 
-const present = (values: readonly (number | undefined)[]) => values.filter((value) => value !== undefined);
-
-function gauge(name: string, all: readonly Sample[], read: Reader, text: (value: number) => string, more: Partial<Row> = {}): Row {
-  const curve = present(all.map(({ metrics }) => read(metrics)));
-  const value = curve.at(-1);
-  return { name, value: value === undefined ? '–' : text(value), curve, ...more };
+function gauge(name: string, all: readonly Sample[], figure: string | Reader, text = grouped, more: Partial<Row> = {}): Row {
+  const curve = all.map(({ metrics }) => readerOf(figure)(metrics)).filter((value) => value !== undefined);
+  return { name, value: shown(curve.at(-1), text), curve, ...more };
 }
 
 const perSecond = (value: number) => `${significant(value)} /s`;
 
-function rate(name: string, all: readonly Sample[], read: Reader, text = perSecond, more: Partial<Row> = {}): Row {
-  const curve = ratesOf(all, read);
-  const lately = curve.slice(-WINDOW);
-  const value = lately.length ? lately.reduce((sum, each) => sum + each, 0) / lately.length : undefined;
-  return { name, value: value === undefined ? '–' : text(value), curve, ...more };
+function rate(name: string, all: readonly Sample[], figure: string, text = perSecond): Row {
+  const curve = ratesOf(all, readerOf(figure));
+  return { name, value: shown(curve.length ? mean(curve.slice(-WINDOW)) : undefined, text), curve };
 }
 
 function seconds(value: number | undefined): string {
@@ -63,34 +59,28 @@ function latency(name: string, all: readonly Sample[], histogram: string, hint: 
   return { name, hint, value: `${seconds(at(0.5))}, p99 ${seconds(at(0.99))}`, isBad: (at(0.99) ?? 0) >= 1 };
 }
 
-const count = (value: number) => grouped(value);
-
-function loopRows(all: readonly Sample[]): Row[] {
-  return [
+const groupsOf = (all: readonly Sample[]): readonly { heading: string; rows: readonly Row[]; empty?: string }[] => [
+  { heading: 'Decision loop', rows: [
     latency('Lateness', all, 'sweepstake_decision_loop_lateness_seconds', 'How late the loop ran its timers: median and 99th percentile of the last minute'),
-    rate('Decisions', all, named('sweepstake_decisions_total')),
-    rate('Switch commands', all, named('sweepstake_switch_commands_total')),
-    gauge('Refused switches', all, named('sweepstake_refused_switches_total'), count, { hint: 'Switch commands that a game did not execute, since the start of the daemon' }),
-  ];
-}
+    rate('Decisions', all, 'sweepstake_decisions_total'),
+    rate('Switch commands', all, 'sweepstake_switch_commands_total'),
+    gauge('Refused switches', all, 'sweepstake_refused_switches_total', grouped, { hint: 'Switch commands that a game did not execute, since the start of the daemon' }),
+  ] },
+  { heading: 'Games and watchers', rows: [
+    gauge('Streams of games', all, 'sweepstake_open_streams'),
+    gauge('Sessions in memory', all, 'sweepstake_sessions'),
+    gauge('Watchers', all, 'sweepstake_open_watchers'),
+    rate('Messages', all, 'sweepstake_applied_messages_total'),
+    rate('Frames', all, 'sweepstake_accepted_frames_total'),
+    rate('Visits of the shadow lane', all, 'sweepstake_accepted_shadow_samples_total'),
+    gauge('Frames that games dropped', all, 'sweepstake_dropped_frames_total', grouped, { hint: 'Since the start of the daemon: frames that did not fit into the queue of a game' }),
+    gauge('Resumed sessions', all, 'sweepstake_resumed_sessions_total'),
+  ] },
+  { heading: 'Store', rows: storeRows(all) },
+  { heading: 'Process', rows: processRows(all) },
+  { heading: 'Refused since the start', rows: refusalRows(all), empty: 'Nothing was refused.' },
+];
 
-function streamRows(all: readonly Sample[]): Row[] {
-  return [
-    gauge('Streams of games', all, named('sweepstake_open_streams'), count),
-    gauge('Sessions in memory', all, named('sweepstake_sessions'), count),
-    gauge('Watchers', all, named('sweepstake_open_watchers'), count),
-    rate('Messages', all, named('sweepstake_applied_messages_total')),
-    rate('Frames', all, named('sweepstake_accepted_frames_total')),
-    rate('Visits of the shadow lane', all, named('sweepstake_accepted_shadow_samples_total')),
-    gauge('Frames that games dropped', all, named('sweepstake_dropped_frames_total'), count, { hint: 'Since the start of the daemon: frames that did not fit into the queue of a game' }),
-    gauge('Resumed sessions', all, named('sweepstake_resumed_sessions_total'), count),
-  ];
-}
-
-function backupRow(metrics: Metrics): Row {
-  const unixS = valueOf(metrics, 'sweepstake_store_last_backup_timestamp_seconds') ?? 0;
-  return { name: 'Last backup', value: unixS ? `${duration(now.value - unixS * 1000)} ago` : 'none', ...(unixS && { hint: timeText(unixS * 1000) }) };
-}
 
 function storeRows(all: readonly Sample[]): Row[] {
   const { metrics } = all.at(-1)!;
@@ -98,21 +88,22 @@ function storeRows(all: readonly Sample[]): Row[] {
   const used = valueOf(metrics, 'sweepstake_store_used_size_bytes') ?? 0;
   const isHealthy = valueOf(metrics, 'sweepstake_store_healthy') !== 0;
   const isDamaged = (valueOf(metrics, 'sweepstake_store_damaged') ?? 0) > 0;
+  const backupS = valueOf(metrics, 'sweepstake_store_last_backup_timestamp_seconds') ?? 0;
   const lostRows = valueOf(metrics, 'sweepstake_lost_audit_rows_total') ?? 0;
   const state = !isHealthy ? 'cannot read or write' : isDamaged ? 'has lost evidence' : 'works';
   return [
     { name: 'State', value: state, isBad: !isHealthy || isDamaged },
-    gauge('Space in use', all, named('sweepstake_store_used_size_bytes'), (value) => (most ? `${bytes(value)} of ${bytes(most)}` : bytes(value)),
+    gauge('Space in use', all, 'sweepstake_store_used_size_bytes', (value) => (most ? `${bytes(value)} of ${bytes(most)}` : bytes(value)),
       { isBad: most > 0 && used > 0.9 * most }),
-    gauge('Size of the file', all, named('sweepstake_store_size_bytes'), bytes),
-    gauge('Write-ahead log', all, named('sweepstake_store_wal_size_bytes'), bytes),
-    gauge('Queued updates', all, named('sweepstake_store_queued_commits'), count),
-    gauge('Queued reads', all, named('sweepstake_store_queued_reads'), count),
+    gauge('Size of the file', all, 'sweepstake_store_size_bytes', bytes),
+    gauge('Write-ahead log', all, 'sweepstake_store_wal_size_bytes', bytes),
+    gauge('Queued updates', all, 'sweepstake_store_queued_commits'),
+    gauge('Queued reads', all, 'sweepstake_store_queued_reads'),
     latency('Commit', all, 'sweepstake_store_commit_duration_seconds', 'How long a group of updates took: median and 99th percentile of the last minute'),
     latency('Sync', all, 'sweepstake_store_fsync_duration_seconds', 'How long fsync took: median and 99th percentile of the last minute'),
-    gauge('Audit log not yet written', all, named('sweepstake_waiting_audit_bytes'), bytes),
-    { name: 'Lost audit rows', value: count(lostRows), isBad: lostRows > 0 },
-    backupRow(metrics),
+    gauge('Audit log not yet written', all, 'sweepstake_waiting_audit_bytes', bytes),
+    { name: 'Lost audit rows', value: grouped(lostRows), isBad: lostRows > 0 },
+    { name: 'Last backup', value: backupS ? `${duration(now.value - backupS * 1000)} ago` : 'none', ...(backupS && { hint: timeText(backupS * 1000) }) },
   ];
 }
 
@@ -123,9 +114,9 @@ function processRows(all: readonly Sample[]): Row[] {
   return [
     { name: 'Version', value: account.value?.version || labelOf([...metrics.get('sweepstake_build_info')?.keys() ?? []][0] ?? '', 'version') || '–' },
     { name: 'Uptime', value: started ? duration(now.value - started * 1000) : '–' },
-    rate('Processor', all, named('process_cpu_seconds_total'), (cores) => `${significant(100 * cores, 2)} % of a core`),
-    gauge('Memory', all, named('process_resident_memory_bytes'), bytes),
-    gauge('Open files', all, named('process_open_fds'), (value) => `${count(value)} of ${count(valueOf(metrics, 'process_max_fds') ?? NaN)}`),
+    rate('Processor', all, 'process_cpu_seconds_total', (cores) => `${significant(100 * cores, 2)} % of a core`),
+    gauge('Memory', all, 'process_resident_memory_bytes', bytes),
+    gauge('Open files', all, 'process_open_fds', (value) => `${grouped(value)} of ${grouped(valueOf(metrics, 'process_max_fds') ?? NaN)}`),
     ...(expires ? [{ name: 'TLS certificate expires', value: timeText(expires * 1000), isBad: expires * 1000 < now.value }] : []),
   ];
 }
@@ -134,8 +125,8 @@ function processRows(all: readonly Sample[]): Row[] {
 function refusalRows(all: readonly Sample[]): Row[] {
   const { metrics } = all.at(-1)!;
   const byReason = (family: string, what: string) => [...metrics.get(family) ?? []].filter(([, value]) => value > 0)
-    .map(([labels]): Row => gauge(`${what}: ${labelOf(labels, 'reason')}`, all, (each) => each.get(family)?.get(labels), count));
-  const total = (name: string, what: string) => (sumOf(metrics, name) > 0 ? [gauge(what, all, named(name), count)] : []);
+    .map(([labels]): Row => gauge(`${what}: ${labelOf(labels, 'reason')}`, all, (each) => each.get(family)?.get(labels)));
+  const total = (name: string, what: string) => (sumOf(metrics, name) > 0 ? [gauge(what, all, name)] : []);
   return [
     ...byReason('sweepstake_errors_total', 'Failed calls'),
     ...byReason('sweepstake_rejected_frames_total', 'Frames rejected'),
@@ -201,13 +192,7 @@ export function Health() {
       {error && <Failure what="The current health" error={error} onRetry={() => { void learnChecks(); void learnFigures(); }} />}
       {(checks.value || !error) && <section class="card"><h2>Ready to serve</h2><Checks /></section>}
       {all.length === 0 ? !error && <Loading what="the figures" /> : (
-        <div class="cards">
-          <Rows heading="Decision loop" rows={loopRows(all)} />
-          <Rows heading="Games and watchers" rows={streamRows(all)} />
-          <Rows heading="Store" rows={storeRows(all)} />
-          <Rows heading="Process" rows={processRows(all)} />
-          <Rows heading="Refused since the start" rows={refusalRows(all)} empty="Nothing was refused." />
-        </div>
+        <div class="cards">{groupsOf(all).map((group) => <Rows key={group.heading} {...group} />)}</div>
       )}
     </>
   );

@@ -7,10 +7,9 @@ import { LOG_COST_REWARD_VERSION } from '../../numbers/log_cost';
 import { Arm } from '../../parts/arm';
 import { Chip } from '../../parts/chips';
 import { Choice } from '../../parts/filter';
-import { Name } from '../../parts/name';
+import { Name, visible } from '../../parts/name';
 import { Read } from '../../parts/states';
 import { type Column, Table } from '../../parts/table';
-import { visible } from '../../parts/visible';
 import { route, sceneHref } from '../../state/route';
 import { useList } from '../../transport/reading';
 

@@ -7,7 +7,7 @@ import { ShadowFlag } from '../../../gen/sweepstake/v1/telemetry_pb';
 import type { Beta } from '../../numbers/beta';
 import { keepExtremes } from '../../numbers/downsample';
 import { type Percentiles } from '../../numbers/histogram';
-import { beliefOf, type SeriesRow } from '../../numbers/series';
+import { beliefOf, type SeriesRow } from '../../state/history';
 
 const MAX_POINTS = 600;
 

@@ -3,10 +3,9 @@
 import { useState } from 'preact/hooks';
 import { SessionsService, type SessionInfo } from '../../../gen/sweepstake/v1/sessions_pb';
 import { Mode } from '../../../gen/sweepstake/v1/telemetry_pb';
-import { Name } from '../../parts/name';
+import { Name, visible } from '../../parts/name';
 import { confirmed } from '../../parts/dialog';
 import { toast } from '../../parts/toast';
-import { visible } from '../../parts/visible';
 import { account, isOperator } from '../../state/account';
 import { asApiError, call } from '../../transport/calls';
 import { modeWord } from '../words';

@@ -6,8 +6,7 @@ import { entriesOf, rowId } from '../../audit/log';
 import type { Step } from '../../audit/steps';
 import { timeText } from '../../parts/clock';
 import { addShortcuts } from '../../parts/keys';
-import { Name } from '../../parts/name';
-import { visible } from '../../parts/visible';
+import { Name, visible } from '../../parts/name';
 import { decisionsHref } from '../../state/route';
 
 interface WhyProps { step: Step; sessionId: string; onRead: () => void; onClose: () => void }

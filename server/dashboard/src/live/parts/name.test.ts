@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { fileName, visible } from './visible';
+import { fileName, visible } from './name';
 
 it('does not change names of visible characters', () => {
   expect(visible("Ölfaß – 'scène' <b>&amp;</b> 日本 🎮")).toBe("Ölfaß – 'scène' <b>&amp;</b> 日本 🎮");

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import { centralInterval } from './beta';
-import { seriesOf } from './series';
+import { centralInterval } from '../numbers/beta';
+import { seriesOf } from '../state/history';
 
 describe('a series of posteriors', () => {
   const history = { arms: ['B', 'A'], rows: [

@@ -1,10 +1,14 @@
 // A session's log while a view shows it: read completely once, then the new rows after each decision of the session.
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type { DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
-import { usePaced } from '../charts/view_state';
+import { pausedMs, usePaced } from '../charts/view_state';
 import { type ApiError, asApiError } from '../transport/calls';
 import { auditRows, type PlacedRow } from './log';
 import { mergedSteps, type Step, stepOfRow } from './steps';
+import { grouped } from '../../format';
+import { ago, now } from '../parts/clock';
+import { Failure, Loading } from '../parts/states';
+import type { SessionState } from '../state/sessions';
 
 /** The number of latest steps that are kept, about three hours at the paper's interval. */
 export const MAX_STEPS = 5000;
@@ -88,4 +92,18 @@ export function useSteps({ steps, isReading }: SessionLog, events: readonly Deci
   const all = useMemo(() => ({ steps, events, isReading }), [steps, events, isReading]);
   const paced = usePaced(all, PACE_MS);
   return useMemo(() => ({ steps: mergedSteps(paced.steps, paced.events ?? [], rewardVersion), hasLog: !paced.isReading }), [paced, rewardVersion]);
+}
+
+/** Returns the session's latest decision; undefined while the view is paused. */
+export const toldIn = (state: SessionState | undefined) => (pausedMs.value === undefined ? state?.decisions.at(-1) : undefined);
+
+export function LogState({ log }: { log: SessionLog }) {
+  if (log.error && log.steps.length === 0) return <Failure what="The session’s log" error={log.error} onRetry={log.again} />;
+  if (log.isReading && log.steps.length === 0) return <Loading what="the session’s log" />;
+  return (
+    <p class="soft log-state">
+      <span class="row-count">{grouped(log.droppedCount + log.steps.length)} rows</span> of the audit log, read {ago(log.atMs, now.value)}{log.error && <>: <span role="status">{log.error.message}; the page tries again</span></>}.
+      {log.droppedCount > 0 && <> The last {grouped(MAX_STEPS)} are shown; <code>sweepstake audit export</code> writes all rows.</>} <button type="button" class="quiet" disabled={log.isReading} onClick={log.again}>Read again</button>
+    </p>
+  );
 }

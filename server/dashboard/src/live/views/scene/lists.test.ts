@@ -4,7 +4,7 @@ import { DecisionEventSchema } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { SessionInfoSchema, SessionState as Link } from '../../../gen/sweepstake/v1/sessions_pb';
 import { middleOf } from '../../numbers/histogram';
 import type { SessionState } from '../../state/sessions';
-import { buildRows, buildStarts } from './builds';
+import { buildRows, buildStarts } from './lists';
 
 const session = (build: string, state: Link, bucket: number, unixStartMs: bigint): SessionState => ({
   info: create(SessionInfoSchema, { build, state, unixStartMs, droppedFrameCount: 2n }),
