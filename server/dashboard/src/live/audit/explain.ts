@@ -1,57 +1,29 @@
 // "Why this arm?": a decision in sentences.
-import { type AuditGate, AuditKind, type AuditRow, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
+import { type AuditDecision, type AuditGate, AuditKind, type AuditRow, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
 import { LOG_COST_REWARD_VERSION, rewardText } from '../numbers/log_cost';
 import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
-import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { Mode, SwitchReason } from '../../gen/sweepstake/v1/telemetry_pb';
 import { significant } from '../../format';
 import { kindWord, outcomeWord, reasonWord, verdictWord } from '../views/words';
 import { msOf } from './log';
 
-/** The gains and costs of a switch to the candidate. Gain and loss are natural logarithms of ratios of detection times. */
-export type Gate = Pick<AuditGate, 'gain' | 'loss' | 'horizonS' | 'cooldownS' | 'costS'>;
-
-/** A decision, from the audit log or from the live stream. */
-export interface Told {
-  activeArm: string;
-  candidate: string; // '': none
-  outcome: DecisionOutcome;
+/** A decision, from the audit log or from the live stream. Gains and losses of the gate are natural logarithms of ratios of costs. */
+export interface Told extends Pick<AuditDecision,
+  'activeArm' | 'candidate' | 'outcome' | 'reward' | 'rewardVersion' | 'verdict' | 'leader' | 'bestProbability' | 'expectedLossRatio'> {
   reason: SwitchReason;
-  reward?: number; // absent: nothing was learnt from the window
-  rewardVersion: number;
-  verdict: Verdict;
-  leader: string; // '': nothing is learnt
-  leaderProbability: number;
-  expectedLossRatio: number;
-  gate?: Gate;
+  gate?: Pick<AuditGate, 'gain' | 'loss' | 'horizonS' | 'cooldownS' | 'costS'>;
   cooldownMs?: number;
 }
 
 /** REQUIRES: a row with a decision (a tick or a bail-out). */
 export function toldOfRow({ decision, reason }: AuditRow, setup?: AuditSetup): Told {
-  const { activeArm, candidate, outcome, reward, rewardVersion, verdict, leader, bestProbability, expectedLossRatio, gate } = decision!;
-  return {
-    activeArm, candidate, outcome, reason, rewardVersion, verdict, leader, expectedLossRatio,
-    ...(reward !== undefined && { reward }),
-    leaderProbability: Math.max(0, ...bestProbability),
-    ...(gate && { gate }),
-    ...(setup && { cooldownMs: gate ? gate.cooldownS * 1000 : msOf(setup.cooldownNs) }),
-  };
+  const { gate } = decision!;
+  return { ...decision!, reason, ...(setup && { cooldownMs: gate ? gate.cooldownS * 1000 : msOf(setup.cooldownNs) }) };
 }
 
 export function toldOfEvent(event: DecisionEvent, rewardVersion: number): Told {
-  const leaderProbability = Math.max(0, ...event.bestProbability);
-  return {
-    activeArm: event.activeArm,
-    candidate: event.candidateArm,
-    outcome: event.outcome,
-    reason: event.reason,
-    ...(event.reward !== undefined && { reward: event.reward }),
-    rewardVersion,
-    verdict: event.verdict,
-    leader: event.arms[event.bestProbability.indexOf(leaderProbability)] ?? '',
-    leaderProbability,
-    expectedLossRatio: event.expectedLossRatio,
-  };
+  const { bestProbability, arms, candidateArm } = event;
+  return { ...event, candidate: candidateArm, rewardVersion, leader: arms[bestProbability.indexOf(Math.max(...bestProbability))] ?? '' };
 }
 
 const percent = (share: number) => `${significant(100 * share, 2)} %`;
@@ -91,8 +63,9 @@ function whatWeighed({ candidate, activeArm, gate, outcome }: Told): string | un
     + `and the change itself counts as ${worth(gate.costS)}. That ${pays ? pay : 'does not pay'}.`;
 }
 
-function whatIsBelieved({ leader, leaderProbability, expectedLossRatio, verdict }: Told): string | undefined {
+function whatIsBelieved({ leader, bestProbability, expectedLossRatio, verdict }: Told): string | undefined {
   if (!leader) return undefined;
+  const leaderProbability = Math.max(...bestProbability);
   const believed = `After this decision ${leader} is the best arm with a probability of ${leaderProbability > 0.999 ? 'over 99.9 %' : percent(leaderProbability)}, `
     + `and choosing it loses ${percent(expectedLossRatio)} on average.`;
   return `${believed} The scene is called ${verdictWord(verdict).name}: ${verdictWord(verdict).meaning} The word changes when three decisions in a row agree.`;

@@ -4,6 +4,7 @@ import { DecisionOutcome, type DecisionEvent, type FrameMeasurements } from '../
 import { type ShadowSample, SwitchReason } from '../../gen/sweepstake/v1/telemetry_pb';
 import { bucketsOf, type Percentiles, percentiles } from '../numbers/histogram';
 import { type Told, toldOfEvent, toldOfRow } from './explain';
+import { once } from '../numbers/beta';
 import { NS_PER_MS, type PlacedRow, unixMsOf } from './log';
 
 export interface Step {
@@ -47,16 +48,6 @@ export function mergedSteps(logged: readonly Step[], events: readonly DecisionEv
   return [...known, ...later];
 }
 
-/** Wraps a function so that it computes each answer once, because views ask for all rows whenever one is added. */
-function once<Of extends object, Answer>(compute: (of: Of) => Answer): (of: Of) => Answer {
-  const known = new WeakMap<Of, { answer: Answer }>();
-  return (of) => {
-    const before = known.get(of) ?? { answer: compute(of) };
-    known.set(of, before);
-    return before.answer;
-  };
-}
-
 /** The costs of the frames of a decision window. */
 export interface WindowMeans {
   frameMs: number; // mean
@@ -78,34 +69,14 @@ export const windowOf = once((row: AuditRow): WindowMeans | undefined => {
   };
 });
 
-export interface Measured {
-  timeMs: number;
-  frameMs: Percentiles | undefined;
-  detectionMs: Percentiles | undefined;
-  nativeBytes: Percentiles | undefined;
-  window: WindowMeans | undefined;
-  objectCount: number | undefined;
-}
+const inMs = (values: Percentiles | undefined) => values?.map((ns) => ns / NS_PER_MS);
 
-const inMs = (values: Percentiles | undefined): Percentiles | undefined =>
-  values && [values[0] / 1e6, values[1] / 1e6, values[2] / 1e6];
-
-const percentilesOf = once(({ frameTimeNs, detectionTimeNs, nativeBytes }: FrameMeasurements) => ({
+/** Returns p50, p95 and p99 of the frames, where they are known. */
+export const percentilesOf = once(({ frameTimeNs, detectionTimeNs, nativeBytes }: FrameMeasurements) => ({
   frameMs: inMs(frameTimeNs && percentiles(bucketsOf(frameTimeNs))),
   detectionMs: inMs(detectionTimeNs && percentiles(bucketsOf(detectionTimeNs))),
   nativeBytes: nativeBytes && percentiles(bucketsOf(nativeBytes)),
 }));
-const UNKNOWN = { frameMs: undefined, detectionMs: undefined, nativeBytes: undefined };
-
-/** Returns the costs of frames, of each step that has some. */
-export function measuredOf(steps: readonly Step[]): Measured[] {
-  return steps.filter(({ kind, placed, event }) => event?.measurements || (placed && kind === AuditKind.TICK)).map(({ timeMs, placed, event }) => ({
-    timeMs,
-    ...(event?.measurements ? percentilesOf(event.measurements) : UNKNOWN),
-    window: placed && windowOf(placed.row),
-    objectCount: placed?.row.scene?.objectCount,
-  }));
-}
 
 /** Calls `visit` with each visit of the shadow lane in the log, oldest first. */
 export function forEachVisit(steps: readonly Step[], visit: (arm: string, sample: ShadowSample, timeMs: number) => void): void {

@@ -4,7 +4,7 @@ import { colourOf } from '../../palette';
 import type { Ratio } from '../numbers/log_cost';
 import { logTicks } from '../numbers/beta';
 import { shapeOf } from '../parts/arm';
-import { visible } from '../parts/name';
+import { AXIS, shortened, SIDE, tickCount, Ticks } from './ridgeline';
 import { useWidth } from './width';
 
 /** Undefined: no evidence of the arm. */
@@ -12,9 +12,6 @@ export interface IntervalRow { arm: string; before: Ratio | undefined; after: Ra
 
 const ROW = 44;
 const TOP = 4;
-const AXIS = 34;
-const SIDE = 12;
-const TICK_SIDE = 26; // pixels from the edge to the centre of a tick's text, so that the text is not cut off
 const REACH = 10; // intervals are cut off at this multiple of the largest median, and at the smallest median ÷ this
 
 /** Returns an axis of ratios that shows all medians, and their intervals up to a factor of REACH. REQUIRES: `ratios` is not empty. */
@@ -41,27 +38,12 @@ function Bar({ arm, ratio: { median, low, high }, y, x, isBefore }: { arm: strin
 const textOf = (ratio: Ratio | undefined) => (ratio ? significant(ratio.median) : 'not known');
 
 function Row({ row: { arm, before, after }, top, x, width }: { row: IntervalRow; top: number; x: Place; width: number }) {
-  const most = Math.max(8, Math.floor(width / 22));
   return (
     <g>
-      <text class="halo" x={SIDE} y={top + 12} font-size=".8rem" font-weight="600" fill="var(--text)">{[...visible(arm)].slice(0, most).join('')}</text>
+      <text class="halo" x={SIDE} y={top + 12} font-size=".8rem" font-weight="600" fill="var(--text)">{shortened(arm, width)}</text>
       <text class="halo" x={width - SIDE} y={top + 12} font-size=".73rem" fill="var(--soft)" text-anchor="end">{`${textOf(before)} → ${textOf(after)}`}</text>
       {before && <Bar arm={arm} ratio={before} y={top + 21} x={x} isBefore />}
       {after && <Bar arm={arm} ratio={after} y={top + 34} x={x} isBefore={false} />}
-    </g>
-  );
-}
-
-function Ticks({ axis: [low, high], x, width, y, unit }: { axis: readonly [number, number]; x: Place; width: number; y: number; unit: string }) {
-  return (
-    <g font-size=".73rem" fill="var(--soft)" text-anchor="middle">
-      {logTicks(low, high, Math.max(2, Math.floor(width / 90))).map((ratio) => (
-        <g key={ratio}>
-          <line x1={x(ratio)} x2={x(ratio)} y1={0} y2={y} stroke="var(--rule)" />
-          <text x={Math.min(Math.max(x(ratio), TICK_SIDE), width - TICK_SIDE)} y={y + 14}>{compact(ratio)}</text>
-        </g>
-      ))}
-      <text x={width / 2} y={y + 29}>{unit}</text>
     </g>
   );
 }
@@ -73,12 +55,13 @@ export function Intervals({ title, rows, unit }: IntervalsProps) {
   const axis = ratioAxis(rows.flatMap(({ before, after }) => [before, after]).filter((each): each is Ratio => each !== undefined));
   const span = Math.log(axis[1] / axis[0]);
   const x: Place = (ratio) => SIDE + (width - 2 * SIDE) * Math.min(Math.max(Math.log(ratio / axis[0]) / span, 0), 1);
+  const ticks = logTicks(...axis, tickCount(width)).map((ratio) => ({ x: x(ratio), text: compact(ratio) }));
   const height = TOP + rows.length * ROW + AXIS;
   return (
     <div ref={element} class="intervals">
       {width > 0 && (
         <svg class="picture" width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="img" aria-label={`${title}; the table has the values`}>
-          <Ticks axis={axis} x={x} width={width} y={height - AXIS} unit={unit} />
+          <Ticks ticks={ticks} width={width} y={height - AXIS} unit={unit} />
           {rows.map((row, i) => <Row key={row.arm} row={row} top={TOP + i * ROW} x={x} width={width} />)}
         </svg>
       )}

@@ -27,8 +27,9 @@ export const MEASURED_WORDS: Readonly<Record<Measured, string>> = {
 const ROW = 62;
 const CREST = 34;
 const TOP = 6;
-const AXIS = 34;
-const SIDE = 12;
+/** The heights and margins of an axis below a chart, in pixels. */
+export const AXIS = 34;
+export const SIDE = 12;
 const TICK_SIDE = 26; // pixels from the edge to the centre of a tick's text, so that the text is not cut off
 const ROOM_FOR_INTERVAL = 380; // minimum width in pixels at which the interval is written beside the arm's name
 
@@ -85,28 +86,36 @@ function Row({ row, base, axis, width }: { row: RidgeRow; base: number; axis: Ax
   );
 }
 
-function shortened(name: string, width: number): string {
+/** Returns a name that fits into a chart of this width. */
+export function shortened(name: string, width: number): string {
   const shown = visible(name);
   const most = Math.max(8, Math.floor(width / 22));
   return [...shown].length <= most ? shown : `${[...shown].slice(0, most - 1).join('')}…`;
 }
 
-function Ticks({ axis, width, y }: { axis: Axis; width: number; y: number }) {
-  const count = Math.max(2, Math.floor(width / 90));
-  const rewards = axis.tellsCosts
-    ? logTicks(costNsOf(axis.high), costNsOf(axis.low), count).map(rewardOfNs)
-    : linearTicks(axis.low, axis.high, count);
+interface TicksProps { ticks: readonly { x: number; text: string }[]; width: number; y: number; unit: string }
+
+/** The axis of a chart with lines at round values. The text of a tick is moved inwards if it would be cut off. */
+export function Ticks({ ticks, width, y, unit }: TicksProps) {
   return (
     <g font-size=".73rem" fill="var(--soft)" text-anchor="middle">
-      {rewards.map((reward) => (
-        <g key={reward}>
-          <line x1={axis.x(reward)} x2={axis.x(reward)} y1={0} y2={y} stroke="var(--rule)" />
-          <text x={Math.min(Math.max(axis.x(reward), TICK_SIDE), width - TICK_SIDE)} y={y + 14}>{rewardText(reward, axis.tellsCosts)}</text>
+      {ticks.map(({ x, text }) => (
+        <g key={text}>
+          <line x1={x} x2={x} y1={0} y2={y} stroke="var(--rule)" />
+          <text x={Math.min(Math.max(x, TICK_SIDE), width - TICK_SIDE)} y={y + 14}>{text}</text>
         </g>
       ))}
-      <text x={width / 2} y={y + 29}>{axis.tellsCosts ? 'detection time per frame (less is better)' : 'reward (more is better)'}</text>
+      <text x={width / 2} y={y + 29}>{unit}</text>
     </g>
   );
+}
+
+/** Returns how many ticks have room. */
+export const tickCount = (width: number) => Math.max(2, Math.floor(width / 90));
+
+function ticksOf({ low, high, x, tellsCosts }: Axis, width: number): { x: number; text: string }[] {
+  const rewards = tellsCosts ? logTicks(costNsOf(high), costNsOf(low), tickCount(width)).map(rewardOfNs) : linearTicks(low, high, tickCount(width));
+  return rewards.map((reward) => ({ x: x(reward), text: rewardText(reward, tellsCosts) }));
 }
 
 interface RidgelineProps {
@@ -130,7 +139,8 @@ export function Ridgeline({ title, rows, rewardVersion, rewards = ridgeRange(row
       {width > 0 && (
         <svg class="picture" width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="img"
           aria-label={`${title}; the table has the values`} onPointerMove={onPointerMove} onPointerLeave={() => setPointer(undefined)}>
-          <Ticks axis={axis} width={width} y={height - AXIS} />
+          <Ticks ticks={ticksOf(axis, width)} width={width} y={height - AXIS}
+            unit={axis.tellsCosts ? 'detection time per frame (less is better)' : 'reward (more is better)'} />
           {rows.map((row, i) => <Row key={row.label} row={row} base={TOP + (i + 1) * ROW - 12} axis={axis} width={width} />)}
           {pointer !== undefined && (
             <g pointer-events="none">

@@ -1,5 +1,4 @@
 import { describe, expect, it } from 'vitest';
-import { axisTime, TIME_STEPS } from './plot';
 import { domainOf, placeAt, zoomed } from './view_state';
 
 describe('the range of time', () => {
@@ -17,10 +16,4 @@ describe('the range of time', () => {
   });
 
   it('finds the last time that is not after a given time', () => expect([-1, 1, 4, 5, 99].map((ms) => placeAt([1, 4, 5], ms))).toEqual([-1, 0, 1, 2, 2]));
-});
-
-it('The labels of a time axis are as short as its steps allow', () => {
-  const ms = new Date(2026, 2, 9, 7, 5, 3).getTime();
-  expect([1000, 60_000, 86_400_000].map((step) => axisTime(ms, step))).toEqual(['07:05:03', '07:05', '03-09']);
-  expect(TIME_STEPS).toEqual([...TIME_STEPS].sort((a, b) => a - b));
 });

@@ -112,3 +112,13 @@ export function logTicks(low: number, high: number, count: number): number[] {
   const step = Math.ceil(powersOnly.length / Math.max(count, 1));
   return powersOnly.filter((_, i) => i % step === 0);
 }
+
+/** Wraps a function so that it computes each answer once. Views ask for all rows whenever one is added. */
+export function once<Of extends object, Answer>(compute: (of: Of) => Answer): (of: Of) => Answer {
+  const known = new WeakMap<Of, { answer: Answer }>();
+  return (of) => {
+    const before = known.get(of) ?? { answer: compute(of) };
+    known.set(of, before);
+    return before.answer;
+  };
+}

@@ -37,12 +37,10 @@ export interface TableProps<Row> {
 function Heading<Row>({ column, sorting, onSort }: { column: Column<Row>; sorting: Sorting; onSort(sorting: Sorting): void }) {
   const isSorted = sorting.column === column.id;
   const order = !isSorted ? undefined : sorting.isDescending ? 'descending' : 'ascending';
-  const className = column.isText ? 'text' : undefined;
-  const style = column.width ? { minWidth: column.width } : undefined;
-  if (!column.sort) return <th scope="col" class={className} style={style} title={column.hint}>{column.title}</th>;
+  const sort = () => onSort({ column: column.id, isDescending: isSorted && !sorting.isDescending });
   return (
-    <th scope="col" class={className} style={style} title={column.hint} aria-sort={order}>
-      <button type="button" class="sort" onClick={() => onSort({ column: column.id, isDescending: isSorted && !sorting.isDescending })}>{column.title}</button>
+    <th scope="col" class={column.isText ? 'text' : undefined} style={column.width && { minWidth: column.width }} title={column.hint} aria-sort={order}>
+      {column.sort ? <button type="button" class="sort" onClick={sort}>{column.title}</button> : column.title}
     </th>
   );
 }

@@ -1,5 +1,4 @@
 import { describe, expect, it } from 'vitest';
-import { centralInterval } from '../numbers/beta';
 import { seriesOf } from '../state/history';
 
 describe('a series of posteriors', () => {
@@ -17,10 +16,5 @@ describe('a series of posteriors', () => {
   it('has the probabilities and the loss that the daemon sent', () => {
     expect(rows[0]).toMatchObject({ best: [undefined, undefined], expectedLossRatio: undefined });
     expect(rows[1]).toMatchObject({ best: [0.875, 0.125], expectedLossRatio: 0.25 });
-  });
-
-  it('has the credible intervals of the posteriors', () => {
-    const { low95, high95 } = rows[1]!.beliefs[0]!;
-    expect([low95, high95]).toEqual(centralInterval({ alpha: 20, beta: 10 }, 0.95));
   });
 });

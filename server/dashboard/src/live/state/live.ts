@@ -33,35 +33,27 @@ function withNextFrame(update: () => void): void {
 
 const timeOf = (stamp: EventStamp | undefined) => (stamp ? Number(stamp.unixMs) : Date.now());
 
-// Returns a listener of one stream. It calls `took` with each complete snapshot, and once per frame with the changes since.
+// Returns a listener of one stream. It calls `took` with each snapshot, and once per frame with the changes since.
 function listener<Message>(stream: 'scenes' | 'sessions', took: (messages: readonly Message[], isSnapshot: boolean) => void): Listener<Message> {
-  let snapshot: Message[] | undefined;
   let waiting: Message[] | undefined;  // changes to apply at the next frame
   return {
     heard,
-    snapshotBegan: () => { snapshot = []; },
-    message(message) {
-      if (snapshot) {
-        snapshot.push(message);
-        return;
-      }
-      if (!waiting) {
-        const taken: Message[] = waiting = [];
+    messages(messages, isSnapshot) {
+      if (isSnapshot) {
+        waiting = undefined;  // changes from here on are applied after the snapshot
+        withNextFrame(() => {
+          took(messages, true);
+          isKnown.value = { ...isKnown.peek(), [stream]: true };
+        });
+      } else if (waiting) {
+        waiting.push(...messages);
+      } else {
+        const taken = waiting = [...messages];
         withNextFrame(() => {
           if (waiting === taken) waiting = undefined;
           took(taken, false);
         });
       }
-      waiting.push(message);
-    },
-    snapshotEnded() {
-      const whole = snapshot ?? [];
-      snapshot = undefined;
-      waiting = undefined;  // changes from here on are applied after the snapshot
-      withNextFrame(() => {
-        took(whole, true);
-        isKnown.value = { ...isKnown.peek(), [stream]: true };
-      });
     },
     status: (status, error) => {
       setConnection(stream, { status, ...(error && { error }) });

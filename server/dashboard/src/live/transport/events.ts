@@ -10,13 +10,11 @@ const MAX_SILENCE_MS = 40_000;  // silence after which it reconnects; the daemon
 export type LinkStatus = 'connecting' | 'live' | 'offline' | 'denied';
 
 export interface Listener<Message> {
-  // The messages until snapshotEnded are the complete state. Anything known before that is not among them no longer exists.
-  snapshotBegan(): void;
-  message(message: Message): void;
-  snapshotEnded(): void;
+  // A snapshot is the complete state: anything known before that it does not contain no longer exists.
+  messages(messages: readonly Message[], isSnapshot: boolean): void;
   status(status: LinkStatus, error?: ApiError): void;
   // Called for each event and each sign of life.
-  heard(): void;
+  heard?(): void;
 }
 
 interface ServerEvent {
@@ -52,6 +50,7 @@ export const delayAfter = (failures: number, random: number) =>
 export class Watch<Input extends DescMessage, Output extends DescMessage> {
   private lastId = '';  // id of the last event; empty: request a snapshot
   private isWhole = false;  // a complete snapshot was received
+  private snapshot: MessageShape<Output>[] | undefined;  // its messages so far
   private failures = 0;
   private attempt: AbortController | undefined;
   private isClosed = false;
@@ -110,7 +109,7 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
       for await (const event of eventsOf(linesOf(response.body!))) {
         clearTimeout(silence);
         silence = setTimeout(() => attempt.abort(), MAX_SILENCE_MS);
-        this.listener.heard();
+        this.listener.heard?.();
         if (event) this.take(event);
         if (this.isWhole) this.failures = 0;  // only now, so that a snapshot that always breaks off is not requested without delay
       }
@@ -130,12 +129,14 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
     if (name === 'snapshot-begin') {
       this.isWhole = false;
       this.lastId = '';
-      this.listener.snapshotBegan();
+      this.snapshot = [];
     } else if (name === 'snapshot-end') {
       this.isWhole = true;
-      this.listener.snapshotEnded();
+      this.listener.messages(this.snapshot ?? [], true);
+      this.snapshot = undefined;
     } else if (name === 'message') {
-      this.listener.message(messageOf(this.method.output, data));
+      const message = messageOf(this.method.output, data);
+      if (!this.snapshot?.push(message)) this.listener.messages([message], false);
     }
     if (id !== undefined && this.isWhole) this.lastId = id;
   }

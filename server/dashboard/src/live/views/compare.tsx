@@ -2,7 +2,7 @@
 import { useComputed } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
 import { share } from '../../format';
-import { armsOf, measuredOf, type Step } from '../audit/steps';
+import { armsOf, type Step } from '../audit/steps';
 import { LogState, type SessionLog, toldIn, useSessionLog, useSteps } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import { bandRange, BandsChart, BestChart } from '../charts/posterior_charts';
@@ -103,7 +103,7 @@ function useSession(id: string): SessionData {
   const state = useComputed(() => sessions.value.get(id)).value;
   const log = useSessionLog(id, toldIn(state));
   const { steps, hasLog } = useSteps(log, state?.decisions, log.steps.at(-1)?.told?.rewardVersion ?? 0);
-  const drawn = useMemo(() => ({ steps, arms: armsOf(steps), columns: costColumns(measuredOf(steps)) }), [steps]);
+  const drawn = useMemo(() => ({ steps, arms: armsOf(steps), columns: costColumns(steps) }), [steps]);
   const latest = { id, log, ...drawn, laterMs: 0 };
   return useFrozen(latest, hasLog);
 }
@@ -121,7 +121,7 @@ const startOf = ({ steps }: SessionData, otherwiseMs: number) =>
 const laidTo = (startMs: number, data: SessionData): SessionData => {
   const laterMs = startOf(data, startMs) - startMs;
   const steps = data.steps.map((step) => ({ ...step, timeMs: step.timeMs - laterMs }));
-  return { ...data, steps, columns: costColumns(measuredOf(steps)), laterMs };
+  return { ...data, steps, columns: costColumns(steps), laterMs };
 };
 
 function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain, ends }: { data: SessionData; domain: Range; ends: Ends }) {

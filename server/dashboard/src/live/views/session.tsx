@@ -2,7 +2,7 @@
 import { useComputed } from '@preact/signals';
 import { useEffect, useMemo } from 'preact/hooks';
 import { counted, grouped } from '../../format';
-import { armsOf, isSwitch, measuredOf, type Step } from '../audit/steps';
+import { armsOf, isSwitch, type Step } from '../audit/steps';
 import { LogState, type SessionLog, toldIn, useSessionLog, useSteps } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import type { Moment } from '../charts/plot';
@@ -132,7 +132,7 @@ function Beliefs({ sessionId, steps, arms, moments, rewardVersion, domain }: Cha
 }
 
 function Costs({ sessionId, steps, moments, domain }: ChartsProps) {
-  const columns = useMemo(() => costColumns(measuredOf(steps)), [steps]);
+  const columns = useMemo(() => costColumns(steps), [steps]);
   return <CostCharts columns={columns} moments={moments} domain={domain} names={[sessionId]} />;
 }
 

@@ -30,28 +30,26 @@ interface Asked { action: Action; scope: Scope; isOpen: boolean } // open: the u
 const asked = signal<Asked | undefined>(undefined);
 const REASON_ID = 'priors-reason';
 
-export const operatorReason = () => (isOperator.value ? '' : `Promoting and revoking need the role operator; yours is ${account.value?.role ?? 'not known'}.`);
+const operatorReason = () => (isOperator.value ? '' : `Promoting and revoking need the role operator; yours is ${account.value?.role ?? 'not known'}.`);
 
 /** The reason why the buttons are disabled, if they are. */
 export const OperatorReason = () => <span id={REASON_ID} class="soft">{operatorReason()}</span>;
 
-interface ButtonProps { action: Action; scope: Scope; of?: string; isOpen?: boolean; children: string }
+interface ButtonProps { scope: Scope; of?: string }
 
-function QuestionButton({ action, scope, of, isOpen = false, children }: ButtonProps) {
+function QuestionButton({ action, scope, of, isOpen, all }: ButtonProps & { action: Action; isOpen: boolean; all: string }) {
   const reason = operatorReason();
   return (
     <button type="button" class={of ? 'quiet' : undefined} disabled={reason !== ''} title={reason || undefined} aria-describedby={reason ? REASON_ID : undefined}
-      aria-label={of && `${DEEDS[action].verb} ${visible(of)}`} onClick={() => { asked.value = { action, scope, isOpen }; }}>{children}</button>
+      aria-label={of && `${DEEDS[action].verb} ${visible(of)}`} onClick={() => { asked.value = { action, scope, isOpen }; }}>{of ? `${DEEDS[action].verb} …` : all}</button>
   );
 }
 
 /** Opens the dialog for the sources of the scope. Without `of`, the user selects the sources. */
-export const RevokeButton = ({ scope, of }: { scope: Scope; of?: string }) =>
-  <QuestionButton action="revoke" scope={scope} {...(of ? { of } : { isOpen: true })}>Revoke …</QuestionButton>;
+export const RevokeButton = (props: ButtonProps) => <QuestionButton {...props} action="revoke" isOpen={!props.of} all="Revoke …" />;
 
 /** Opens the dialog for the scope's evidence in quarantine. Without `of`, it is all of it. */
-export const PromoteButton = ({ scope, of }: { scope: Scope; of?: string }) =>
-  <QuestionButton action="promote" scope={scope} {...(of ? { of } : {})}>{of ? 'Promote …' : 'Promote all …'}</QuestionButton>;
+export const PromoteButton = (props: ButtonProps) => <QuestionButton {...props} action="promote" isOpen={false} all="Promote all …" />;
 
 const many = (count: bigint, one: string, several = `${one}s`) => `${grouped(Number(count))} ${count === 1n ? one : several}`;
 const countsText = ({ sourceCount, recordCount, windowCount, sceneCount }: Counts) =>

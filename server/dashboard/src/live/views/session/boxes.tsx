@@ -34,10 +34,7 @@ function useBoxes(sessionId: string): { boxes: Boxes | undefined; error: ApiErro
   useEffect(() => {
     if (isHidden) return undefined;
     const watch = new Watch(SessionsService.method.watchBoxes, { sessionId }, {
-      snapshotBegan: () => undefined,
-      snapshotEnded: () => undefined,
-      heard: () => undefined,
-      message: ({ view }) => { if (view && pausedMs.peek() === undefined) setBoxes(boxesOf(view)); },
+      messages: ([message]) => { if (message?.view && pausedMs.peek() === undefined) setBoxes(boxesOf(message.view)); },
       status: (status, reason) => {
         setError(status === 'live' ? undefined : reason);
         if (reason && FINAL.includes(reason.code)) watch.close();

@@ -2,7 +2,7 @@ import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { AuditKind } from '../../../gen/sweepstake/v1/audit_pb';
 import { rows, setup } from '../../audit/sample_log';
-import { armsOf, forEachVisit, measuredOf, mergedSteps, type Step, stepOfRow, windowOf } from '../../audit/steps';
+import { armsOf, forEachVisit, mergedSteps, type Step, stepOfRow, windowOf } from '../../audit/steps';
 import { DecisionEventSchema, DecisionOutcome } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { middleOf } from '../../numbers/histogram';
 import { beliefRows, costColumns, laneSums, priorAndPosterior, stepFor, switchMoments } from './model';
@@ -38,7 +38,7 @@ describe('costs', () => {
   it('are in columns: window means from the log, percentiles from live decisions', () => {
     const measurements = { frameTimeNs: { bucketSteps: [190], counts: [100] }, detectionTimeNs: { bucketSteps: [160], counts: [100] }, nativeBytes: { bucketSteps: [100], counts: [100] } };
     const all = mergedSteps(steps, [create(DecisionEventSchema, { decisionId: 10_000n, activeArm: 'SAP', measurements })], 3);
-    const columns = costColumns(measuredOf(all));
+    const columns = costColumns(all);
     expect(columns.frame.map((column) => column.at(-1))).toEqual([null, middleOf(190) / 1e6, middleOf(190) / 1e6, middleOf(190) / 1e6]);
     expect(columns.frame[0]!.filter((value) => value !== null).length).toBeGreaterThan(20);
     expect(columns.checks).toContain(rows.map(windowOf).find((window) => window !== undefined)!.checkCount);

@@ -2,11 +2,11 @@
 import type { Measured as MeasuredBy, RidgeRow } from '../../charts/ridgeline';
 import type { Moment } from '../../charts/plot';
 import { armStyle } from '../../charts/colours';
-import { forEachVisit, isSwitch, type Measured, type Step } from '../../audit/steps';
+import { AuditKind } from '../../../gen/sweepstake/v1/audit_pb';
+import { forEachVisit, isSwitch, percentilesOf, type Step, windowOf } from '../../audit/steps';
 import { ShadowFlag } from '../../../gen/sweepstake/v1/telemetry_pb';
 import type { Beta } from '../../numbers/beta';
 import { keepExtremes } from '../../numbers/downsample';
-import { type Percentiles } from '../../numbers/histogram';
 import { beliefOf, type SeriesRow } from '../../state/history';
 
 const MAX_POINTS = 600;
@@ -81,8 +81,6 @@ export interface CostColumns {
 }
 
 const orNull = (value: number | undefined) => (value === undefined || Number.isNaN(value) ? null : value);
-const withPercentiles = (own: (number | null)[], all: readonly (Percentiles | undefined)[]) =>
-  [own, ...[0, 1, 2].map((place) => all.map((each) => orNull(each?.[place])))];
 
 // Forward fill: a sparse value holds until the next one.
 function held(values: (number | null)[]): (number | null)[] {
@@ -90,18 +88,22 @@ function held(values: (number | null)[]): (number | null)[] {
   return values.map((value) => (latest = value ?? latest));
 }
 
-export function costColumns(all: readonly Measured[]): CostColumns {
-  const worst = (each: Measured) => orNull(each.frameMs?.[2] ?? each.window?.frameMs);
-  const slowest = (each: Measured) => orNull(each.detectionMs?.[2] ?? each.window?.detectionMs);
-  const kept = keepExtremes(all.map(({ timeMs }) => timeMs), [all.map(worst), all.map(slowest)], MAX_POINTS).map((i) => all[i]!);
-  const means = (value: (each: Measured) => number | undefined) => kept.map((each) => orNull(value(each)));
+type Part = 'frameMs' | 'detectionMs' | 'nativeBytes';
+
+export function costColumns(steps: readonly Step[]): CostColumns {
+  const all = steps.filter(({ kind, placed, event }) => event?.measurements || (placed && kind === AuditKind.TICK)).map(({ timeMs, placed, event }) =>
+    ({ timeMs, frames: event?.measurements && percentilesOf(event.measurements), window: placed && windowOf(placed.row), scene: placed?.row.scene }));
+  const worst = (part: Part) => all.map(({ frames, window }) => orNull(frames?.[part]?.[2] ?? window?.[part]));
+  const kept = keepExtremes(all.map(({ timeMs }) => timeMs), [worst('frameMs'), worst('detectionMs')], MAX_POINTS).map((i) => all[i]!);
+  const columns = (part: Part) =>
+    [kept.map(({ window }) => orNull(window?.[part])), ...[0, 1, 2].map((place) => kept.map(({ frames }) => orNull(frames?.[part]?.[place])))];
   return {
     timesMs: kept.map(({ timeMs }) => timeMs),
-    frame: withPercentiles(means(({ window }) => window?.frameMs), kept.map(({ frameMs }) => frameMs)),
-    detection: withPercentiles(means(({ window }) => window?.detectionMs), kept.map(({ detectionMs }) => detectionMs)),
-    bytes: withPercentiles(means(({ window }) => window?.nativeBytes), kept.map(({ nativeBytes }) => nativeBytes)),
-    checks: means(({ window }) => window?.checkCount),
-    objects: held(means(({ objectCount }) => objectCount)),
+    frame: columns('frameMs'),
+    detection: columns('detectionMs'),
+    bytes: columns('nativeBytes'),
+    checks: kept.map(({ window }) => orNull(window?.checkCount)),
+    objects: held(kept.map(({ scene }) => orNull(scene?.objectCount))),
   };
 }
 
