@@ -95,9 +95,7 @@ LANGUAGE_EXCEPTIONS = {
     "tests/house_rules_test.py": "it holds the patterns",
 }
 # Folders whose language has not been rewritten yet.
-LANGUAGE_PENDING = (
-    "server/dashboard/src/live/audit", "server/dashboard/src/live/numbers/priors_diff",
-    "server/dashboard/src/live/views/priors", "server/dashboard/src/live/views/scene/taught")
+LANGUAGE_PENDING = ()
 
 
 def language_errors(path, text):

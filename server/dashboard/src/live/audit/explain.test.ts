@@ -55,18 +55,18 @@ describe('the rows of a log', () => {
     }
   });
 
-  it('say that the game was told to change, from which arm to which', () => {
+  it('name both arms of a switch', () => {
     const row = rows.find((each) => each.decision?.outcome === DecisionOutcome.SWITCHED)!;
     const [from, to] = [row.decision!.activeArm, row.decision!.candidate];
     expect(from).not.toBe(to);
     expect(toldOfRow(row, setup)).toMatchObject({ activeArm: from, candidate: to, outcome: DecisionOutcome.SWITCHED, leader: row.decision!.leader });
-    expect(explainedRow(row, setup)[0]).toBe(`The game was told to change from ${from} to ${to}. The arm had the lowest cost in this random draw from the posteriors.`);
+    expect(explainedRow(row, setup)[0]).toBe(`The daemon commanded a switch from ${from} to ${to}. The arm had the lowest cost in this random draw from the posteriors.`);
   });
 
   it('name who gave an order or did an action', () => {
     const said = (init: MessageInitShape<typeof AuditRowSchema>) => explainedRow(create(AuditRowSchema, init));
     const order = { kind: AuditKind.ORDER, operatorName: 'ann' };
-    expect(said({ ...order, mode: Mode.MANUAL, arm: 'SAP' })).toEqual(['ann told the game to keep to SAP.']);
+    expect(said({ ...order, mode: Mode.MANUAL, arm: 'SAP' })).toEqual(['ann ordered the game to keep to SAP.']);
     expect(said({ ...order, mode: Mode.AI })).toEqual(['ann let the daemon decide.']);
     expect(said({ kind: AuditKind.ADMIN, operatorName: 'ann', action: 'kicked session a' })).toEqual(['ann kicked session a.']);
     expect(said({ kind: AuditKind.ADMIN, action: 'token x was made' })).toEqual(['Token x was made.']);

@@ -35,8 +35,8 @@ export const durationText = (ms: number) => (ms < 1000 ? `${significant(ms, 2)} 
 function whatHappened({ activeArm, candidate, outcome, reason, cooldownMs }: Told): string {
   const other = candidate && candidate !== activeArm ? candidate : 'another arm';
   switch (outcome) {
-    case DecisionOutcome.SWITCHED: return `The game was told to change from ${activeArm} to ${other}. ${reasonWord(reason).meaning}`;
-    case DecisionOutcome.KEPT: return `${activeArm} stays: the policy would take no other arm.`;
+    case DecisionOutcome.SWITCHED: return `The daemon commanded a switch from ${activeArm} to ${other}. ${reasonWord(reason).meaning}`;
+    case DecisionOutcome.KEPT: return `${activeArm} stays: the policy chose it again.`;
     case DecisionOutcome.HELD_COOLDOWN:
       return `${other} looks better, but ${activeArm} stays: after a switch `
         + (cooldownMs === undefined ? 'the cooldown has to pass' : `${durationText(cooldownMs)} have to pass`) + ' before the next one.';
@@ -44,7 +44,7 @@ function whatHappened({ activeArm, candidate, outcome, reason, cooldownMs }: Tol
     case DecisionOutcome.HELD_TIE: return `${other} looks better, but by too little to matter, so ${activeArm} stays.`;
     case DecisionOutcome.EXPLORING:
       return reason === SwitchReason.EXPLORATION
-        ? `${activeArm} has been measured, and it is the next arm's turn: at the start every arm is measured once.`
+        ? `${activeArm} has been measured, and the next arm follows: at the start every arm is measured once.`
         : `${activeArm} is being measured: at the start every arm is measured once.`;
     default: return `${activeArm} was active. ${outcomeWord(outcome).meaning}`;
   }
@@ -68,7 +68,7 @@ function whatIsBelieved({ leader, bestProbability, expectedLossRatio, verdict }:
   const leaderProbability = Math.max(...bestProbability);
   const believed = `After this decision ${leader} is the best arm with a probability of ${leaderProbability > 0.999 ? 'over 99.9 %' : percent(leaderProbability)}, `
     + `and choosing it loses ${percent(expectedLossRatio)} on average.`;
-  return `${believed} The scene is called ${verdictWord(verdict).name}: ${verdictWord(verdict).meaning} The word changes when three decisions in a row agree.`;
+  return `${believed} The scene is called ${verdictWord(verdict).name}: ${verdictWord(verdict).meaning} The verdict changes when three decisions in a row agree.`;
 }
 
 function whatWasMeasured({ activeArm, reward, rewardVersion }: Told): string | undefined {
@@ -83,7 +83,7 @@ export const explained = (told: Told): string[] =>
 
 function orderText({ operatorName, mode, arm }: AuditRow): string {
   if (mode === Mode.AI) return `${operatorName} let the daemon decide.`;
-  return `${operatorName} told the game to keep to ${arm || 'the active arm'}.`;
+  return `${operatorName} ordered the game to keep to ${arm || 'the active arm'}.`;
 }
 
 // Without an operator the action is the whole sentence.
@@ -102,7 +102,7 @@ export function explainedRow(row: AuditRow, setup?: AuditSetup): string[] {
       const costMs = msOf((switchCost?.rebuildTimeNs ?? 0n) + (switchCost?.settlingCostNs ?? 0n));
       return [`The game now uses ${arm}. ${reasonWord(row.reason).meaning} The change cost ${durationText(costMs)} of frame time.`];
     }
-    case AuditKind.MODE: return [row.mode === Mode.AI ? 'The daemon decides.' : `The game keeps to ${arm} by hand.`];
+    case AuditKind.MODE: return [row.mode === Mode.AI ? 'The daemon decides.' : `The game keeps ${arm}, which a person chose.`];
     case AuditKind.ORDER: return [orderText(row)];
     case AuditKind.ADMIN: return [actionText(row)];
     case AuditKind.SETUP: return [`${meaning} Policy ${setup?.policy ?? ''}, arms ${setup?.arms.join(', ') ?? ''}.`];

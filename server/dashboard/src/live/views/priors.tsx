@@ -151,7 +151,7 @@ const WAITING: readonly Column<Group>[] = [
   SOURCE_COUNT, ...ORIGIN,
 ];
 
-// A session that is no longer in memory is shown by its rows in the audit log.
+// A session that has left the daemon's memory is shown by its rows in the audit log.
 const sourceHref = (id: string) => (sessions.value.has(id) ? sessionHref(id) : decisionsHref({ session: id }));
 
 const SOURCES: readonly Column<Group>[] = [

@@ -26,7 +26,7 @@ import { isDegraded } from '../state/summaries';
 import { CompareScenes } from './compare';
 import { Builds, buildStarts, Latest, Sessions, Variants, variantsOf } from './scene/lists';
 import { armNames, type ArmRow, armRows, ArmTable, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/arms';
-import { Taught } from './scene/taught';
+import { SceneEvidence } from './scene/evidence';
 import { verdictWord } from './words';
 
 function Sentence({ state }: { state: SceneState }) {
@@ -118,7 +118,7 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
       <Beliefs rows={rows} state={state} before={before} />
       <ArmTable rows={rows} rewardVersion={name.rewardVersion} />
       <section aria-labelledby="time-heading"><h2 id="time-heading">Over time</h2><Charts state={state} rows={rows} /></section>
-      <section aria-labelledby="taught-heading"><h2 id="taught-heading">Evidence</h2><Taught name={name} /></section>
+      <section aria-labelledby="evidence-heading"><h2 id="evidence-heading">Evidence</h2><SceneEvidence name={name} /></section>
       <section aria-labelledby="classes-heading"><h2 id="classes-heading">Comparison of machines</h2><Variants name={name} /></section>
       <section aria-labelledby="builds-heading"><h2 id="builds-heading">Comparison of builds</h2><Builds name={name} /></section>
       <section aria-labelledby="sessions-heading"><h2 id="sessions-heading">Sessions</h2><Sessions name={name} /></section>

@@ -20,9 +20,9 @@ interface Counts { sourceCount: bigint; recordCount: bigint; windowCount: bigint
 
 const DEEDS = {
   revoke: { verb: 'Revoke', title: 'Revoke evidence?', done: 'Revoked', notDone: 'Not revoked', would: 'would go', what: 'what would go',
-    none: 'Nothing would go: no source that is not revoked already matches.', method: PriorsService.method.revokePriors },
+    none: 'Nothing would go: every matching source is revoked already, or none matches.', method: PriorsService.method.revokePriors },
   promote: { verb: 'Promote', title: 'Promote imports?', done: 'Promoted', notDone: 'Not promoted', would: 'would count', what: 'what would count',
-    none: 'Nothing would count: nothing that matches waits.', method: PriorsService.method.promotePriors },
+    none: 'Nothing would count: no evidence in quarantine matches.', method: PriorsService.method.promotePriors },
 } as const;
 
 interface Asked { action: Action; scope: Scope; isOpen: boolean } // open: the user selects the sources in the dialog
@@ -154,10 +154,10 @@ function ScopeForm({ scope, known: { projects, builds }, onChange, onAsk }: { sc
 }
 
 const Consequences = ({ action }: { action: Action }) => (action === 'promote'
-  ? <p class="soft small">New sessions begin with it, and the posteriors of its scenes change. What is not right is taken out again by revoking it. The audit log
-    says who did it.</p>
-  : <p class="soft small">New sessions begin without it. Sessions that run play on, and what they teach counts no more; no import brings it back. Sessions that begin
-    later are other sources, of the same build too. <b>This cannot be undone.</b> The audit log says who did it.</p>);
+  ? <p class="soft small">New sessions start from this evidence, and the posteriors of its scenes change. To undo the promotion, revoke the evidence. The audit log
+    records who promoted it.</p>
+  : <p class="soft small">New sessions start without this evidence, and an import cannot restore it. Running sessions continue, but their later evidence does not
+    count. Sessions that begin later are other sources, even with the same build. <b>This cannot be undone.</b> The audit log records who revoked it.</p>);
 
 function Dialog({ question: { action, scope: start, isOpen }, known, onClose, onDone }: { question: Asked; known: Known; onClose(): void; onDone(): void }) {
   const [scope, setScope] = useState<Scope | undefined>(isOpen ? undefined : start);

@@ -1,4 +1,4 @@
-// The evidence that a scene's beliefs rest on, by what measured it and by build. It is read on request.
+// The evidence behind a scene's posteriors, by the thread that measured it and by build. The page reads it on request.
 import { useState } from 'preact/hooks';
 import { type CompareBuildsResponse, PriorsService, type SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
 import { ChartFrame } from '../../charts/frame';
@@ -43,8 +43,8 @@ function ByMeasure({ scene, name }: { scene: SceneComparison | undefined; name: 
   });
   return (
     <ChartFrame id="measured" title={title} names={[name.project, name.scene]} table={table} empty={rows.length === 0 && NO_EVIDENCE}
-      note="Games run an arm when the policy chooses it. The lane runs all arms on the same frames, off the frame thread; its costs of some arms are off by 10 to 20 %. Beliefs
-        compare the arms by the lane, at the mean level of the arms that games ran too. A belief may therefore lie beside both of its measurements here.">
+      note="Games run an arm when the policy chooses it. The lane runs all arms on the same frames, off the frame thread. Its costs of some arms are wrong by 10 to 20 %.
+        Posteriors compare the arms by their costs in the lane, scaled to the mean cost of the arms that also ran in games. A posterior may therefore differ from both measurements.">
       <Ridgeline title={title} rows={rows} rewardVersion={name.rewardVersion} />
     </ChartFrame>
   );
@@ -83,8 +83,8 @@ function Evidence({ name }: { name: SceneName }) {
   return <Read reading={reading} what="the evidence">{(parts) => both(find(parts, name))}</Read>;
 }
 
-export function Taught({ name }: { name: SceneName }) {
+export function SceneEvidence({ name }: { name: SceneName }) {
   const [isOpen, open] = useState(false);
   if (isOpen) return <Evidence name={name} />;
-  return <p><button type="button" onClick={() => open(true)}>Tell sources apart</button> <span class="soft">shows the stored evidence by what measured it, and by build</span></p>;
+  return <p><button type="button" onClick={() => open(true)}>Tell sources apart</button> <span class="soft">shows the stored evidence of games and of the shadow lane, and that of each build</span></p>;
 }

@@ -1,7 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { expect, it } from 'vitest';
 import { SceneComparisonSchema } from '../../../gen/sweepstake/v1/priors_pb';
-import { measuredRows, priorRows } from './taught';
+import { measuredRows, priorRows } from './evidence';
 
 const beta = (alpha: number) => ({ alpha, beta: 1 });
 const SCENE = create(SceneComparisonSchema, { arms: [
