@@ -1,10 +1,12 @@
 // The posterior of each arm, one row per arm over a shared axis: density, mean, and 50 % and 95 % credible intervals.
+import type { ComponentChildren } from 'preact';
 import { useState } from 'preact/hooks';
 import { colourOf } from '../../palette';
 import { type Beta, centralInterval, type Interval, linearTicks, logTicks, mean, ridge, ridgeAxis } from '../numbers/beta';
 import { costNsOf, LOG_COST_REWARD_VERSION, rewardOfNs, rewardText } from '../numbers/log_cost';
 import { shapeOf } from '../parts/arm';
 import { visible } from '../parts/name';
+import { ChartFrame, type ChartTable } from './frame';
 import { useWidth } from './width';
 
 /** How an arm was measured. */
@@ -125,7 +127,7 @@ interface RidgelineProps {
   rewards?: readonly [number, number]; // range of an axis shared with other charts; absent: the range of these rows
 }
 
-export function Ridgeline({ title, rows, rewardVersion, rewards = ridgeRange(rows) }: RidgelineProps) {
+function Ridgeline({ title, rows, rewardVersion, rewards = ridgeRange(rows) }: RidgelineProps) {
   const { element, width } = useWidth<HTMLDivElement>();
   const [pointer, setPointer] = useState<number | undefined>(undefined);
   const height = TOP + rows.length * ROW + AXIS;
@@ -153,5 +155,30 @@ export function Ridgeline({ title, rows, rewardVersion, rewards = ridgeRange(row
         </svg>
       )}
     </div>
+  );
+}
+
+interface RidgeFigureProps extends RidgelineProps {
+  id: string;
+  names: readonly string[]; // parts of the names of exported files
+  note?: ComponentChildren;
+  notYet: string; // shown if there are no rows
+  table?: () => ChartTable; // absent: the values of the rows
+  children?: ComponentChildren; // above the chart
+}
+
+/** A chart of posteriors in a frame. */
+export function RidgeFigure({ id, names, note, notYet, table, children, ...chart }: RidgeFigureProps) {
+  const { title, rows } = chart;
+  const values = () => ({
+    header: ['arm', 'measured', 'alpha', 'beta', 'mean reward', '95 % from', 'to', 'prior alpha', 'prior beta'],
+    rows: rows.map(({ label, measured, posterior, reward95, before }) =>
+      [label, measured, posterior.alpha, posterior.beta, mean(posterior), reward95?.[0], reward95?.[1], before?.alpha, before?.beta]),
+  });
+  return (
+    <ChartFrame id={id} title={title} names={names} note={note} table={table ?? values} empty={rows.length === 0 && notYet}>
+      {children}
+      <Ridgeline {...chart} />
+    </ChartFrame>
   );
 }

@@ -1,12 +1,11 @@
 // A search field whose text is in the URL. The key "/" focuses it.
-import { useRef, useState } from 'preact/hooks';
+import { useEffect, useRef } from 'preact/hooks';
 import { route, setQuery } from '../state/route';
-import { useShortcuts, type Shortcut } from './keys';
+import { addShortcuts } from './keys';
 
 export function Filter({ label, parameter = 'q' }: { label: string; parameter?: string }) {
   const input = useRef<HTMLInputElement>(null);
-  const [shortcuts] = useState<readonly Shortcut[]>([{ keys: '/', what: label, run: () => input.current?.focus() }]);
-  useShortcuts(shortcuts);
+  useEffect(() => addShortcuts([{ keys: '/', what: label, run: () => input.current?.focus() }]), [label]);
   return (
     <label class="filter">
       <span class="unseen">{label}</span>

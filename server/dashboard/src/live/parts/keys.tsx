@@ -1,9 +1,8 @@
 // Keyboard shortcuts, and the dialog that lists the shortcuts of the current view.
 import { signal } from '@preact/signals';
-import { useEffect } from 'preact/hooks';
 import { Modal } from './dialog';
 
-export interface Shortcut {
+interface Shortcut {
   keys: string;  // one key, or two in sequence separated by a space: "g o"
   what: string;
   run(): void;
@@ -19,9 +18,6 @@ export function addShortcuts(shortcuts: readonly Shortcut[]): () => void {
   active.value = [...active.peek(), ...shortcuts];
   return () => { active.value = active.peek().filter((each) => !shortcuts.includes(each)); };
 }
-
-// Enables the shortcuts while the component is shown. REQUIRES: `shortcuts` is the same array at each call.
-export const useShortcuts = (shortcuts: readonly Shortcut[]) => useEffect(() => addShortcuts(shortcuts), [shortcuts]);
 
 const isTyping = (target: EventTarget | null) =>
   target instanceof HTMLElement && (target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName));

@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { labelOf, parseChecks, parseMetrics, quantileOf, sumOf, valueOf } from './health';
+import { parseChecks, parseMetrics, quantileOf } from './health';
 
 it('reads checks, their problems and their notes', () => {
   const text = '[+]decision-loop ok\n[-]store failed: disk full: /x\n[+]tls ok, but it expires\nreadyz check failed\n';
@@ -10,25 +10,12 @@ it('reads checks, their problems and their notes', () => {
   ]);
 });
 
-const TEXT = `# HELP sweepstake_sessions Sessions in memory.
-# TYPE sweepstake_sessions gauge
-sweepstake_sessions 3
-errors_total{reason="STORE_BUSY"} 2
-errors_total{reason="A \\"b\\""} 5
-commit_bucket{le="0.001"} 90
+const TEXT = `commit_bucket{le="0.001"} 90
 commit_bucket{le="0.01"} 99
 commit_bucket{le="+Inf"} 100
 commit_sum 1.5
 commit_count 100
 `;
-
-it('reads figures by their labels', () => {
-  const metrics = parseMetrics(TEXT);
-  expect(valueOf(metrics, 'sweepstake_sessions')).toBe(3);
-  expect(valueOf(metrics, 'absent')).toBeUndefined();
-  expect(sumOf(metrics, 'errors_total')).toBe(7);
-  expect([...metrics.get('errors_total')!.keys()].map((labels) => labelOf(labels, 'reason'))).toEqual(['STORE_BUSY', 'A \\"b\\"']);
-});
 
 it('reads quantiles of all observations, and of those after an earlier reading', () => {
   const metrics = parseMetrics(TEXT);

@@ -1,5 +1,5 @@
 // The rows of the overview, one per scene. They are updated at most every half second, and only for scenes that changed.
-import { effect, signal } from '@preact/signals';
+import { effect, signal, untracked } from '@preact/signals';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { leaderProbabilityOf, scenes, type SceneState } from './scenes';
 import { isConnected, sessions, type SessionState } from './sessions';
@@ -9,7 +9,7 @@ const INTERVAL_MS = 500;
 export interface SceneSummary {
   state: SceneState;
   leaderProbability: number;  // the leader's P(best); 0 without evidence
-  verdict: Verdict;  // the verdict of the posterior, or DEGRADED if a session reports that
+  verdict: Verdict;
   evidence: bigint;  // windows and lane visits of all arms
   uncertainty: number;  // sort key: degraded scenes are highest, then uncertain ones
 }
@@ -31,10 +31,13 @@ export function isDegraded({ decisions }: Pick<SceneState, 'decisions'>, all: Re
   });
 }
 
+/** Returns the verdict of the posterior, or DEGRADED if a session reports that. */
+export const verdictOf = (state: SceneState) => (isDegraded(state, sessions.value) ? Verdict.DEGRADED : state.posterior.verdict);
+
 export function summaryOf(state: SceneState): SceneSummary {
   const { posterior } = state;
   const leaderProbability = leaderProbabilityOf(posterior);
-  const verdict = isDegraded(state, sessions.peek()) ? Verdict.DEGRADED : posterior.verdict;
+  const verdict = verdictOf(state);
   return {
     state, leaderProbability, verdict,
     evidence: posterior.arms.reduce((sum, { windowCount, visitCount }) => sum + windowCount + visitCount, 0n),
@@ -44,14 +47,14 @@ export function summaryOf(state: SceneState): SceneSummary {
 
 let timer: ReturnType<typeof setTimeout> | undefined;
 
-function update(): void {
+const update = () => untracked(() => {
   timer = undefined;
   const before = new Map(summaries.peek().map((summary) => [summary.state.key, summary]));
   summaries.value = [...scenes.peek().values()].map((state) => {
     const known = before.get(state.key);
     return known?.state === state && known.verdict !== Verdict.DEGRADED ? known : summaryOf(state);
   });
-}
+});
 
 export function followScenes(): void {
   effect(() => {

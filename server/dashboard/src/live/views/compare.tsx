@@ -6,11 +6,10 @@ import { armsOf, type Step } from '../audit/steps';
 import { LogState, type SessionLog, toldIn, useSessionLog, useSteps } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import { bandRange, BandsChart, BestChart } from '../charts/posterior_charts';
-import { Ridgeline, ridgeRange, type RidgeRow } from '../charts/ridgeline';
+import { RidgeFigure, ridgeRange, type RidgeRow } from '../charts/ridgeline';
 import { TimelineChart } from '../charts/timeline';
 import { TimeTools } from '../charts/time_chart';
 import { domainOf, range, type Range, useFrozen } from '../charts/view_state';
-import { mean } from '../numbers/beta';
 import { seriesOf, type SeriesRow } from '../state/history';
 import { Arm } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
@@ -19,10 +18,9 @@ import { Name, visible } from '../parts/name';
 import { Empty } from '../parts/states';
 import { navigate, sceneHref, sessionHref, setQuery } from '../state/route';
 import type { SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
-import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { leaderProbabilityOf, scenes, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
-import { isDegraded } from '../state/summaries';
+import { verdictOf } from '../state/summaries';
 import { armNames, armRows, ridgeRows } from './scene/arms';
 import { CostCharts, type Ends } from './session/cost_charts';
 import { type CostColumns, costColumns, stepQuery, switchMoments } from './session/model';
@@ -48,20 +46,14 @@ const inOrderOf = (first: readonly RidgeRow[], rows: readonly RidgeRow[]): Ridge
 function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, values }: { side: Side; rewards: readonly [number, number]; domain: Range; values: readonly [number, number] }) {
   const { posterior } = state;
   const { leaderArm: leader, expectedLossRatio } = posterior;
-  const verdict = isDegraded(state, sessions.value) ? Verdict.DEGRADED : posterior.verdict;
   const names = [posterior.project, posterior.scene, posterior.machineClass];
-  const table = () => ({
-    header: ['arm', 'measured', 'alpha', 'beta', 'mean reward', '95 % from', 'to'],
-    rows: ridges.map(({ label, measured, posterior: beta, reward95 = [] }) => [label, measured, beta.alpha, beta.beta, mean(beta), ...reward95]),
-  });
   const common = { arms, rows, rewardVersion: posterior.rewardVersion, names, domain };
   return (
     <div>
       <h2><a href={sceneHref(posterior)}><Name text={posterior.scene} /></a> on <Name text={posterior.machineClass} /></h2>
-      <p><VerdictChip verdict={verdict} /> {leader && <><Arm name={leader} />, P(best) {leaderProbabilityOf(posterior).toFixed(3)}, loss {share(expectedLossRatio)}</>}</p>
-      <ChartFrame id="beliefs" title="Posterior of each arm" names={names} table={table} empty={ridges.length === 0 && 'There is no evidence yet.'}>
-        <Ridgeline title="Posterior of each arm" rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards} />
-      </ChartFrame>
+      <p><VerdictChip verdict={verdictOf(state)} /> {leader && <><Arm name={leader} />, P(best) {leaderProbabilityOf(posterior).toFixed(3)}, loss {share(expectedLossRatio)}</>}</p>
+      <RidgeFigure id="beliefs" title="Posterior of each arm" names={names} rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards}
+        notYet="There is no evidence yet." />
       <BandsChart {...common} values={values} />
       <BestChart {...common} />
     </div>

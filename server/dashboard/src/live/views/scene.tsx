@@ -2,10 +2,9 @@
 import { useComputed } from '@preact/signals';
 import { useEffect, useMemo, useRef } from 'preact/hooks';
 import { counted, share } from '../../format';
-import { ChartFrame } from '../charts/frame';
 import { BandsChart, BestChart, LossChart } from '../charts/posterior_charts';
 import type { Moment } from '../charts/plot';
-import { Ridgeline } from '../charts/ridgeline';
+import { RidgeFigure } from '../charts/ridgeline';
 import { TimeTools } from '../charts/time_chart';
 import { useFrozen } from '../charts/view_state';
 import { mean } from '../numbers/beta';
@@ -22,7 +21,7 @@ import { isKnown } from '../state/live';
 import { decisionsHref, route, sceneHref, sceneNameOf } from '../state/route';
 import { leaderProbabilityOf, sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
-import { isDegraded } from '../state/summaries';
+import { verdictOf } from '../state/summaries';
 import { CompareScenes } from './compare';
 import { Builds, buildStarts, Latest, Sessions, Variants, variantsOf } from './scene/lists';
 import { armNames, type ArmRow, armRows, ArmTable, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/arms';
@@ -31,12 +30,11 @@ import { verdictWord } from './words';
 
 function Sentence({ state }: { state: SceneState }) {
   const { posterior } = state;
-  const isBad = isDegraded(state, sessions.value);
-  const verdict = isBad ? Verdict.DEGRADED : posterior.verdict;
+  const verdict = verdictOf(state);
   if (!posterior.leaderArm) return <p><VerdictChip verdict={verdict} /> {verdictWord(verdict).meaning}</p>;
   return (
     <p>
-      <VerdictChip verdict={verdict} /> {isBad && `${verdictWord(verdict).meaning} `}<b><Name text={posterior.leaderArm} /></b> is the best arm with a probability of{' '}
+      <VerdictChip verdict={verdict} /> {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} `}<b><Name text={posterior.leaderArm} /></b> is the best arm with a probability of{' '}
       <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. Perfect
       knowledge would gain <b>{share(posterior.valueRemainingRatio)}</b>.
     </p>
@@ -59,7 +57,6 @@ function Facts({ state }: { state: SceneState }) {
 }
 
 function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow[]; state: SceneState; before: ScenePosterior }) {
-  const title = 'Posterior of each arm';
   const ridges = useMemo(() => ridgeRows(rows, before), [rows]);
   const table = () => ({
     header: ['arm', 'backend version', 'measured', 'alpha', 'beta', 'mean reward', 'reward 95 % from', 'to', 'P(best)', 'cost ratio', 'windows', 'lane visits', 'equivalent windows', 'bail-outs'],
@@ -67,11 +64,10 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
       row.rewardLow95, row.rewardHigh95, row.bestProbability, costRatio?.median, row.windowCount, row.visitCount, row.effectiveWindowCount, row.bailOutCount]),
   });
   return (
-    <ChartFrame id="beliefs" title={title} names={[posterior.project, posterior.scene]} table={table} empty={rows.length === 0 && 'There is no evidence of any arm yet.'}
+    <RidgeFigure id="beliefs" title="Posterior of each arm" names={[posterior.project, posterior.scene]} table={table} rows={ridges}
+      rewardVersion={posterior.rewardVersion} notYet="There is no evidence of any arm yet."
       note="Thick: 50 %, thin: 95 %. Dashed arms never ran in a game. Dashed grey: the posterior when you opened this view, if it has changed since. The prior of a build
-        is below, under Evidence; the prior of a session is in the view of that session.">
-      <Ridgeline title={title} rows={ridges} rewardVersion={posterior.rewardVersion} />
-    </ChartFrame>
+        is below, under Evidence; the prior of a session is in the view of that session." />
   );
 }
 

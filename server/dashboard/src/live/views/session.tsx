@@ -7,7 +7,7 @@ import { LogState, type SessionLog, toldIn, useSessionLog, useSteps } from '../a
 import { ChartFrame } from '../charts/frame';
 import type { Moment } from '../charts/plot';
 import { BandsChart, BestChart } from '../charts/posterior_charts';
-import { Ridgeline } from '../charts/ridgeline';
+import { RidgeFigure } from '../charts/ridgeline';
 import { TimelineChart } from '../charts/timeline';
 import { TimeTools } from '../charts/time_chart';
 import { domainOf, range, type Range, useFrozen } from '../charts/view_state';
@@ -111,22 +111,15 @@ function Timeline({ sessionId, steps, arms, domain }: ChartsProps) {
 function Beliefs({ sessionId, steps, arms, moments, rewardVersion, domain }: ChartsProps) {
   const rows = useMemo(() => beliefRows(steps, arms.length), [steps, arms]);
   const ridges = useMemo(() => priorAndPosterior(steps, arms), [steps, arms]);
-  const title = 'Prior and posterior of this session';
   const known = useMemo(() => rows.filter(({ beliefs }) => beliefs.some(Boolean)), [rows]);
   const assumed = useMemo(() => new Set(ridges.filter(({ measured }) => measured === 'never').map(({ arm }) => arm)), [ridges]);
   const common = { arms, assumed, moments, rewardVersion, names: [sessionId], domain, notYet: 'The log has fewer than two decisions.' };
-  const table = () => ({
-    header: ['arm', 'measured', 'alpha', 'beta', 'prior alpha', 'prior beta'],
-    rows: ridges.map(({ arm, measured, posterior, before }) => [arm, measured, posterior.alpha, posterior.beta, before?.alpha ?? 1, before?.beta ?? 1]),
-  });
   return (
     <>
       <BestChart {...common} rows={rows} />
       <BandsChart {...common} rows={known} />
-      <ChartFrame id="prior" title={title} names={[sessionId]} table={table} empty={ridges.length === 0 && 'The log has no decision yet.'}
-        note="Dashed grey: the prior that the session began with, if it had one.">
-        <Ridgeline title={title} rows={ridges} rewardVersion={rewardVersion} />
-      </ChartFrame>
+      <RidgeFigure id="prior" title="Prior and posterior of this session" names={[sessionId]} rows={ridges} rewardVersion={rewardVersion}
+        notYet="The log has no decision yet." note="Dashed grey: the prior that the session began with, if it had one." />
     </>
   );
 }

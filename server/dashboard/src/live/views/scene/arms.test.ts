@@ -2,7 +2,7 @@ import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { DecisionEventSchema, DecisionOutcome, ScenePosteriorSchema } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { colourOf } from '../../../palette';
-import { armNames, armRows, latestSwitches, MAX_SWITCHES, measuredBy, ridgeRows } from './arms';
+import { armNames, armRows, latestSwitches, MAX_SWITCHES, ridgeRows } from './arms';
 
 const posterior = create(ScenePosteriorSchema, {
   rewardVersion: 3,
@@ -12,18 +12,9 @@ const posterior = create(ScenePosteriorSchema, {
     { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 }, unixLastSeenS: 7n, rewardLow95: 0.6, rewardHigh95: 0.8, bestProbability: 0.75, costRatio: { median: 1, low: 1, high: 1 } },
   ],
 });
-describe('the origin of measurements', () => {
-  it('is live, lane or never; an arm that never ran in a game is not live', () => {
-    expect(measuredBy({ windowCount: 1n, visitCount: 0n, bailOutCount: 0n })).toBe('live');
-    expect(measuredBy({ windowCount: 0n, visitCount: 0n, bailOutCount: 1n })).toBe('live');
-    expect(measuredBy({ windowCount: 0n, visitCount: 9n, bailOutCount: 0n })).toBe('lane');
-    expect(measuredBy({ windowCount: 0n, visitCount: 0n, bailOutCount: 0n })).toBe('never');
-    expect(armRows(posterior).map(({ measured }) => measured)).toEqual(['live', 'lane', 'never']);
-  });
-});
-
 describe('the rows of a scene', () => {
   const rows = armRows(posterior);
+  it('are measured live, in the lane only, or never', () => expect(rows.map(({ measured }) => measured)).toEqual(['live', 'lane', 'never']));
   it('name the version of a backend if there are several', () => expect(rows.map(({ label, isOutdated }) => [label, isOutdated])).toEqual([['A v1', true], ['A v2', false], ['B', false]]));
   it('are drawn with the most probable arm first and old versions last', () => expect(ridgeRows(rows).map(({ label }) => label)).toEqual(['B', 'A v2', 'A v1']));
   it('have the earlier posterior behind them if it differs', () => {

@@ -15,7 +15,7 @@ import { lastSeenMs } from '../../state/scenes';
 export type ArmRow = Omit<ArmPosterior, 'posterior'> & { key: string; label: string; measured: Measured; posterior: Beta };
 
 /** An arm is measured live if it has windows or bail-outs; then it ran in a game. */
-export function measuredBy({ windowCount, visitCount, bailOutCount }: Pick<ArmPosterior, 'windowCount' | 'visitCount' | 'bailOutCount'>): Measured {
+function measuredBy({ windowCount, visitCount, bailOutCount }: ArmPosterior): Measured {
   if (windowCount > 0n || bailOutCount > 0n) return 'live';
   return visitCount > 0n ? 'lane' : 'never';
 }

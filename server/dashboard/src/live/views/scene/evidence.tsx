@@ -1,10 +1,7 @@
 // The evidence behind a scene's posteriors, by the thread that measured it and by build. The page reads it on request.
 import { useState } from 'preact/hooks';
 import { type CompareBuildsResponse, PriorsService, type SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
-import { ChartFrame } from '../../charts/frame';
-import { Ridgeline, type RidgeRow } from '../../charts/ridgeline';
-import { mean } from '../../numbers/beta';
-import { LOG_COST_REWARD_VERSION, rewardText } from '../../numbers/log_cost';
+import { RidgeFigure, type RidgeRow } from '../../charts/ridgeline';
 import { Choice } from '../../parts/filter';
 import { Name, visible } from '../../parts/name';
 import { Read } from '../../parts/states';
@@ -14,13 +11,11 @@ import { useList } from '../../transport/reading';
 
 const NO_EVIDENCE = 'No evidence of this scene is stored yet.';
 
-const textOf = ({ rewardVersion }: SceneName) => (reward: number) => rewardText(reward, rewardVersion === LOG_COST_REWARD_VERSION);
-
 const find = (parts: readonly CompareBuildsResponse[], { machineClass, rewardVersion }: SceneName) =>
   parts.flatMap(({ scenes }) => scenes).find((scene) => scene.machineClass === machineClass && scene.rewardVersion === rewardVersion);
 
 /** Returns a row per arm and way of measuring. */
-export function measuredRows(scene: SceneComparison | undefined): RidgeRow[] {
+function measuredRows(scene: SceneComparison | undefined): RidgeRow[] {
   return (scene?.arms ?? []).flatMap(({ arm, after }): RidgeRow[] => {
     const known = (['live', 'lane'] as const).filter((measured) => after?.[measured]);
     return known.map((measured) => ({ arm, label: `${arm} ${measured}`, posterior: after![measured]!, measured, ...(known.length > 1 && { isPart: true as const }) }));
@@ -28,49 +23,33 @@ export function measuredRows(scene: SceneComparison | undefined): RidgeRow[] {
 }
 
 /** Returns a row per arm: the evidence of all builds, and behind it that of the builds before. */
-export function priorRows(scene: SceneComparison | undefined): RidgeRow[] {
+function priorRows(scene: SceneComparison | undefined): RidgeRow[] {
   return (scene?.arms ?? []).flatMap(({ arm, before, after }): RidgeRow[] => (after?.posterior
     ? [{ arm, label: arm, posterior: after.posterior, measured: after.live ? 'live' : 'lane', ...(before?.posterior && { before: before.posterior }) }] : []));
 }
 
 function ByMeasure({ scene, name }: { scene: SceneComparison | undefined; name: SceneName }) {
-  const rows = measuredRows(scene);
-  const title = 'Measured in games, and in the shadow lane';
-  const text = textOf(name);
-  const table = () => ({
-    header: ['arm', 'measured', 'mean', 'alpha', 'beta'],
-    rows: rows.map(({ arm, measured, posterior }) => [arm, measured, text(mean(posterior)), posterior.alpha, posterior.beta]),
-  });
   return (
-    <ChartFrame id="measured" title={title} names={[name.project, name.scene]} table={table} empty={rows.length === 0 && NO_EVIDENCE}
+    <RidgeFigure id="measured" title="Measured in games, and in the shadow lane" names={[name.project, name.scene]} rows={measuredRows(scene)}
+      rewardVersion={name.rewardVersion} notYet={NO_EVIDENCE}
       note="Games run an arm when the policy chooses it. The lane runs all arms on the same frames, off the frame thread. Its costs of some arms are wrong by 10 to 20 %.
-        Posteriors compare the arms by their costs in the lane, scaled to the mean cost of the arms that also ran in games. A posterior may therefore differ from both measurements.">
-      <Ridgeline title={title} rows={rows} rewardVersion={name.rewardVersion} />
-    </ChartFrame>
+        Posteriors compare the arms by their costs in the lane, scaled to the mean cost of the arms that also ran in games. A posterior may therefore differ from both
+        measurements." />
   );
 }
 
-const BUILD = 'build'; // in the address
-
 function ByBuild({ builds, name }: { builds: readonly string[]; name: SceneName }) {
-  const asked = route.value.query.get(BUILD);
+  const asked = route.value.query.get('build');
   const build = asked !== null && builds.includes(asked) ? asked : builds[0] ?? '';
   const reading = useList(PriorsService.method.compareBuilds, { project: name.project, scene: name.scene, before: { build, others: true } });
-  const title = 'Prior and posterior of a build';
-  const text = textOf(name);
   const shown = <Name text={build || 'unknown'} />;
-  const tableOf = (rows: readonly RidgeRow[]) => ({
-    header: ['arm', 'mean', 'alpha', 'beta', 'prior mean', 'prior alpha', 'prior beta'],
-    rows: rows.map(({ arm, posterior, before }) => [arm, ...[posterior, before].flatMap((beta) => [beta && text(mean(beta)), beta?.alpha, beta?.beta])]),
-  });
   const figure = (rows: RidgeRow[]) => (
-    <ChartFrame id="build" title={title} names={[name.project, name.scene, build]} table={() => tableOf(rows)} empty={rows.length === 0 && NO_EVIDENCE}
+    <RidgeFigure id="build" title="Prior and posterior of a build" names={[name.project, name.scene, build]} rows={rows} rewardVersion={name.rewardVersion} notYet={NO_EVIDENCE}
       note={builds.length > 1
         ? <>Dashed grey: the evidence of the other builds. Filled: that and the evidence of build {shown}, windows and visits together.</>
         : <>Only build {shown} has evidence of this scene.</>}>
-      {builds.length > 1 && <Choice label="Build" parameter={BUILD} options={builds.map((each) => [each, visible(each) || 'unknown'] as const)} />}
-      <Ridgeline title={title} rows={rows} rewardVersion={name.rewardVersion} />
-    </ChartFrame>
+      {builds.length > 1 && <Choice label="Build" parameter="build" options={builds.map((each) => [each, visible(each) || 'unknown'] as const)} />}
+    </RidgeFigure>
   );
   return <Read reading={reading} what="the evidence of builds">{(parts) => figure(priorRows(find(parts, name)))}</Read>;
 }
