@@ -40,11 +40,8 @@ export function resolved(colour: string): string {
 export const translucent = (colour: string, opacity: number) =>
   resolved(colour).replace(/^rgb\(([^)]*)\)$/, (_, channels: string) => `rgba(${channels.replaceAll(' ', ', ').replaceAll(',,', ',')}, ${opacity})`);
 
-// Eight hatches that differ without colour, as line segments in a square of 8 × 8 pixels.
-const HATCHES: readonly (readonly [number, number, number, number])[][] = [
-  [], [[0, 8, 8, 0]], [[0, 0, 8, 8]], [[0, 4, 8, 4]], [[4, 0, 4, 8]], [[0, 8, 8, 0], [0, 0, 8, 8]], [[0, 2, 8, 2], [0, 6, 8, 6]],
-  [[2, 0, 2, 8], [6, 0, 6, 8]],
-];
+// Eight hatches that differ without colour, as paths in a square of 8 × 8 pixels.
+const HATCHES = ['', 'M0 8L8 0', 'M0 0L8 8', 'M0 4H8', 'M4 0V8', 'M0 8L8 0M0 0L8 8', 'M0 2H8M0 6H8', 'M2 0V8M6 0V8'];
 
 function tileOf(colour: string, hatch: number, scale: number): HTMLCanvasElement | undefined {
   const name = `${colour} ${hatch} ${scale}`;
@@ -59,12 +56,7 @@ function tileOf(colour: string, hatch: number, scale: number): HTMLCanvasElement
   pen.fillRect(0, 0, 8, 8);
   pen.strokeStyle = resolved(colour);
   pen.lineWidth = 1.2;
-  for (const [x1, y1, x2, y2] of HATCHES[hatch % HATCHES.length]!) {
-    pen.beginPath();
-    pen.moveTo(x1, y1);
-    pen.lineTo(x2, y2);
-    pen.stroke();
-  }
+  pen.stroke(new Path2D(HATCHES[hatch % HATCHES.length]));
   tiles.set(name, tile);
   return tile;
 }

@@ -82,6 +82,15 @@ export function valueRange({ scale, levels = [], values }: Pick<Picture, 'scale'
   return [0, Math.max(most * 1.08, Math.max(0, ...shown) * 1.15) || 1];
 }
 
+interface Stroke { colour: string; width: number; dash: number[] } // in CSS pixels
+
+function drawLine({ ctx }: uPlot, [x1, y1, x2, y2]: readonly [number, number, number, number], { colour, width, dash }: Stroke): void {
+  ctx.strokeStyle = resolved(colour);
+  ctx.lineWidth = width * uPlot.pxRatio;
+  ctx.setLineDash(dash.map((length) => length * uPlot.pxRatio));
+  ctx.stroke(new Path2D(`M${x1} ${y1}L${x2} ${y2}`));
+}
+
 function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
   const { ctx, bbox } = plot;
   let wordsY = Infinity;
@@ -89,13 +98,7 @@ function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
     const y = plot.valToPos(value, 'y', true);
     if (y < bbox.top || y > bbox.top + bbox.height) continue;
     ctx.save();
-    ctx.strokeStyle = resolved('var(--bad)');
-    ctx.lineWidth = uPlot.pxRatio;
-    ctx.setLineDash([6 * uPlot.pxRatio, 4 * uPlot.pxRatio]);
-    ctx.beginPath();
-    ctx.moveTo(bbox.left, y);
-    ctx.lineTo(bbox.left + bbox.width, y);
-    ctx.stroke();
+    drawLine(plot, [bbox.left, y, bbox.left + bbox.width, y], { colour: 'var(--bad)', width: 1, dash: [6, 4] });
     if (Math.abs(wordsY - y) >= 12 * uPlot.pxRatio) { // closer labels would overlap
       ctx.fillStyle = resolved('var(--bad)');
       ctx.font = fontOf(11 * uPlot.pxRatio);
@@ -133,17 +136,9 @@ function drawMoments(plot: uPlot, { moments = [], domain, scale }: Picture): voi
     const x = plot.valToPos(timeMs, 'x', true);
     if (!label && x - last < MOMENT * uPlot.pxRatio) continue;
     last = x;
-    ctx.beginPath();
-    ctx.moveTo(x, bbox.top);
-    ctx.lineTo(x, bbox.top + (scale === 'unit' ? TICK * uPlot.pxRatio : bbox.height));
-    ctx.strokeStyle = resolved('var(--card)'); // an outline, so that the line is visible on an area of the same colour
-    ctx.lineWidth = 3 * uPlot.pxRatio;
-    ctx.setLineDash([]);
-    ctx.stroke();
-    ctx.strokeStyle = resolved(colour);
-    ctx.lineWidth = uPlot.pxRatio;
-    ctx.setLineDash([2 * uPlot.pxRatio, 2 * uPlot.pxRatio]);
-    ctx.stroke();
+    const line = [x, bbox.top, x, bbox.top + (scale === 'unit' ? TICK * uPlot.pxRatio : bbox.height)] as const;
+    drawLine(plot, line, { colour: 'var(--card)', width: 3, dash: [] }); // an outline, so that the line is visible on an area of the same colour
+    drawLine(plot, line, { colour, width: 1, dash: [2, 2] });
     if (label) wordsEnd = drawName(plot, label, x, wordsEnd);
   }
   ctx.restore();

@@ -67,16 +67,7 @@ export function domainOf(timesMs: readonly number[], shown: Range | undefined): 
 }
 
 /** Returns the index of the last time that is not after `timeMs`; −1 if there is none. REQUIRES: times ascend. */
-export function placeAt(timesMs: readonly number[], timeMs: number): number {
-  let low = 0;
-  let high = timesMs.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (timesMs[middle]! <= timeMs) low = middle + 1;
-    else high = middle;
-  }
-  return low - 1;
-}
+export const placeAt = (timesMs: readonly number[], timeMs: number) => timesMs.findLastIndex((each) => each <= timeMs);
 
 /** Zooms about a time. A factor below 1 shows less, but at least 10 ms. */
 export function zoomed({ fromMs, toMs }: Range, aboutMs: number, asked: number): Range {

@@ -109,14 +109,9 @@ export function drawBoxes(canvas: HTMLCanvasElement, boxes: Boxes, camera: Camer
   if (!pen) return;
   pen.scale(scale, scale);
   const { plain, overlapping, pairs } = framesOf(boxes, camera, size);
-  pen.globalAlpha = boxes.count > 1000 ? 0.35 : 0.7;
-  pen.strokeStyle = resolved('var(--soft)');
-  pen.lineWidth = 0.75;
-  pen.stroke(plain);
-  pen.strokeStyle = resolved('var(--bad)');
-  pen.stroke(overlapping);
-  pen.globalAlpha = 1;
-  pen.strokeStyle = resolved('var(--accent)');
-  pen.lineWidth = 1.5;
-  pen.stroke(pairs);
+  const opacity = boxes.count > 1000 ? 0.35 : 0.7;
+  for (const [path, colour, alpha, lineWidth] of [[plain, 'soft', opacity, 0.75], [overlapping, 'bad', opacity, 0.75], [pairs, 'accent', 1, 1.5]] as const) {
+    Object.assign(pen, { strokeStyle: resolved(`var(--${colour})`), globalAlpha: alpha, lineWidth });
+    pen.stroke(path);
+  }
 }

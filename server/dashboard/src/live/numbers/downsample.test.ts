@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { keepExtremes, pick } from './downsample';
+import { keepExtremes } from './downsample';
 
 const count = 100_000;
 const x = Array.from({ length: count }, (_, i) => i * 0.5);
@@ -21,8 +21,8 @@ describe('keeping extremes', () => {
     const b = noise.map((value, i) => (i === 90_000 ? -9 : value));
     const kept = keepExtremes(x, [a, b], 100);
     expect(kept.length).toBeLessThanOrEqual(100);
-    expect(pick(a, kept)).toContain(9);
-    expect(pick(b, kept)).toContain(-9);
+    expect(kept).toContain(500);
+    expect(kept).toContain(90_000);
   });
 
   it('keeps all points in their order if they are few', () => expect(keepExtremes([1, 2, 3], [[3, 1, 2]], 8)).toEqual([0, 1, 2]));

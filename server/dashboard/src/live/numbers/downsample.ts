@@ -38,6 +38,3 @@ export function keepExtremes(x: ArrayLike<number>, columns: readonly Column[], l
   }
   return [...keep].sort((a, b) => a - b);
 }
-
-/** Returns the values at the indices. */
-export const pick = <T>(values: ArrayLike<T>, indices: readonly number[]): T[] => indices.map((i) => values[i]!);

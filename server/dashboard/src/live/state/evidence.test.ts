@@ -1,7 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { expect, it } from 'vitest';
 import { PriorRecordSchema } from '../../gen/sweepstake/v1/priors_pb';
-import { groupsOf, priorsFile } from './evidence';
+import { groupsOf, mostOf, namesOf, priorsFile, sumOf } from './evidence';
 
 const recordOf = (sourceId: string, more: Omit<Parameters<typeof create<typeof PriorRecordSchema>>[1] & object, '$typeName'> = {}) =>
   create(PriorRecordSchema, { project: 'p', scene: 's', arm: 'SAP', backendVersion: 1, rewardVersion: 3, sourceId, sourceSequence: 7n,
@@ -10,13 +10,13 @@ const recordOf = (sourceId: string, more: Omit<Parameters<typeof create<typeof P
 it('sums evidence by arm, by source and by build', () => {
   const records = [
     recordOf('x', { build: '1.1', unixLastSeenS: 50n, machineClass: 'desktop', weight: 0.02 }), recordOf('y', { build: '1.2', unixLastSeenS: 70n }),
-    recordOf('z', { build: '1.1', unixLastSeenS: 60n, arm: 'Grid', bailOutCount: 1n }), recordOf('x', { build: '1.1', measuredBy: 'lane', weight: 0.5 }),
+    recordOf('z', { build: '1.1', unixLastSeenS: 60n, arm: 'Grid' }), recordOf('x', { build: '1.1', measuredBy: 'lane', weight: 0.5 }),
   ];
-  expect(groupsOf(records, 'arm', 'measuredBy').map(({ key, alpha, beta, sourceIds }) => [key, alpha, beta, sourceIds.size])).toEqual(
-    [['SAP\n', 3, 1, 2], ['Grid\n', 1.5, 0.5, 1], ['SAP\nlane', 1.5, 0.5, 1]]);
-  expect(groupsOf(records, 'sourceId').map(({ key, windowCount, weight }) => [key, windowCount, weight])).toEqual([['x', 4, 0.5], ['y', 2, 0], ['z', 2, 0]]);
-  expect(groupsOf(records, 'build')).toMatchObject([
-    { key: '1.1', windowCount: 6, bailOutCount: 1, lastSeenS: 60, arms: new Set(['SAP', 'Grid']), machineClasses: new Set(['desktop', '']) }, { key: '1.2' }]);
+  const [alpha, windows, weight, seen] = [sumOf('alphaIncrement'), sumOf('windowCount'), mostOf('weight'), mostOf('unixLastSeenS')];
+  expect(groupsOf(records, 'arm', 'measuredBy').map((group) => [group.key, alpha(group), namesOf('sourceId')(group)])).toEqual(
+    [['SAP\n', 3, ['x', 'y']], ['Grid\n', 1.5, ['z']], ['SAP\nlane', 1.5, ['x']]]);
+  expect(groupsOf(records, 'sourceId').map((group) => [group.key, windows(group), weight(group)])).toEqual([['x', 4, 0.5], ['y', 2, 0], ['z', 2, 0]]);
+  expect(groupsOf(records, 'build').map((group) => [group.key, windows(group), seen(group)])).toEqual([['1.1', 6, 60], ['1.2', 2, 70]]);
 });
 
 it('writes the file format of `sweepstake priors import`', () => {

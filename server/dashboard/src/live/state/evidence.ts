@@ -1,51 +1,24 @@
 // The daemon's evidence, while the view of the priors is open. The tables show it in groups: by scene and arm, by source, by build.
 import type { PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
+import { once } from '../numbers/beta';
+import { groupedBy } from './scenes';
 
 export const MAX_RECORDS = 200_000;  // the largest file that `sweepstake priors import` accepts
 
-// Some records, and their sums.
-export interface Group {
-  key: string;
-  example: PriorRecord;  // one of the records, for the fields that are equal in all of them
-  sourceIds: Set<string>;
-  scenes: Set<string>;
-  arms: Set<string>;
-  machineClasses: Set<string>;
-  windowCount: number;
-  bailOutCount: number;
-  alpha: number;
-  beta: number;
-  weight: number;  // the highest weight of a record
-  lastSeenS: number;  // by the daemon's clock; 0: unknown
-}
-
-const emptyGroup = (key: string, example: PriorRecord): Group => ({ key, example, sourceIds: new Set(), scenes: new Set(), arms: new Set(),
-  machineClasses: new Set(), windowCount: 0, bailOutCount: 0, alpha: 0, beta: 0, weight: 0, lastSeenS: 0 });
-
-function add(group: Group, record: PriorRecord): void {
-  group.sourceIds.add(record.sourceId);
-  group.scenes.add(record.scene);
-  group.arms.add(record.arm);
-  group.machineClasses.add(record.machineClass);
-  group.windowCount += Number(record.windowCount);
-  group.bailOutCount += Number(record.bailOutCount);
-  group.alpha += record.alphaIncrement;
-  group.beta += record.betaIncrement;
-  group.weight = Math.max(group.weight, record.weight);
-  group.lastSeenS = Math.max(group.lastSeenS, Number(record.unixLastSeenS));
-}
+// `example` is one of the records, for the fields that are equal in all of them.
+export interface Group { key: string; example: PriorRecord; records: readonly PriorRecord[] }
 
 // Returns the groups of the records that are equal in these fields.
-export function groupsOf(records: readonly PriorRecord[], ...fields: readonly (keyof PriorRecord)[]): Group[] {
-  const groups = new Map<string, Group>();
-  for (const record of records) {
-    const key = fields.map((field) => record[field]).join('\n');
-    const group = groups.get(key) ?? emptyGroup(key, record);
-    groups.set(key, group);
-    add(group, record);
-  }
-  return [...groups.values()];
-}
+export const groupsOf = (records: readonly PriorRecord[], ...fields: readonly (keyof PriorRecord)[]): Group[] =>
+  [...groupedBy(records, (record) => fields.map((field) => record[field]).join('\n'))].map(([key, own]) => ({ key, example: own[0]!, records: own }));
+
+// These return functions of a group: the sum of a field, its highest value, and its distinct values.
+export const sumOf = (field: 'windowCount' | 'bailOutCount' | 'alphaIncrement' | 'betaIncrement') =>
+  once(({ records }: Group) => records.reduce((sum, record) => sum + Number(record[field]), 0));
+export const mostOf = (field: 'weight' | 'unixLastSeenS') =>
+  once(({ records }: Group) => records.reduce((most, record) => Math.max(most, Number(record[field])), 0));
+export const namesOf = (field: 'sourceId' | 'scene' | 'arm' | 'machineClass') =>
+  once(({ records }: Group) => [...new Set(records.map((record) => record[field]))]);
 
 // Returns a file that `sweepstake priors import` and games can read.
 export function priorsFile(records: readonly PriorRecord[]): string {

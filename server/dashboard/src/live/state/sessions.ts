@@ -27,9 +27,8 @@ export const connectedSessions = computed(() => [...sessions.value.values()].fil
 // `info` may be old, since the daemon sends it only when another field changes. Decisions arrive at once, so the last decision with
 // frames gives a newer time.
 export function lastMessageMs({ info, decisions }: SessionState): number {
-  let last = decisions.length - 1;
-  while (decisions[last]?.outcome === DecisionOutcome.NO_FRAMES) --last;
-  return Math.max(Number(info.unixLastMessageMs), Number(decisions[last]?.unixMs ?? 0n));
+  const last = decisions.findLast(({ outcome }) => outcome !== DecisionOutcome.NO_FRAMES);
+  return Math.max(Number(info.unixLastMessageMs), Number(last?.unixMs ?? 0n));
 }
 
 function forgetEnded(all: Map<string, SessionState>): Map<string, SessionState> {

@@ -20,6 +20,7 @@ import { useEffect, useRef } from 'preact/hooks';
 import { SessionState as Link } from '../../gen/sweepstake/v1/sessions_pb';
 import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { checks, followChecks } from '../state/health';
+import { groupedBy } from '../state/scenes';
 import { connectedSessions, sessions, type SessionState } from '../state/sessions';
 
 const sceneOf = ({ state }: SceneSummary) => state.posterior;
@@ -93,29 +94,21 @@ function Tools({ all }: { all: readonly SceneSummary[] }) {
   );
 }
 
-interface ProjectSum { project: string; sceneCount: number; unsettledCount: number; sessionCount: number; evidence: bigint; worst: SceneSummary }
+interface Project { project: string; scenes: readonly SceneSummary[]; worst: SceneSummary }
 
 const isUnsettled = ({ verdict }: SceneSummary) => verdict === Verdict.AMBIGUOUS || verdict === Verdict.DEGRADED;
 
-function projectsOf(all: readonly SceneSummary[]): ProjectSum[] {
-  const sums = new Map<string, ProjectSum>();
-  for (const row of all) {
-    const { project, activeSessionCount } = sceneOf(row);
-    const sum = sums.get(project) ?? { project, sceneCount: 0, unsettledCount: 0, sessionCount: 0, evidence: 0n, worst: row };
-    sums.set(project, { project, sceneCount: sum.sceneCount + 1, unsettledCount: sum.unsettledCount + Number(isUnsettled(row)), sessionCount: sum.sessionCount + activeSessionCount,
-      evidence: sum.evidence + row.evidence, worst: row.uncertainty > sum.worst.uncertainty ? row : sum.worst });
-  }
-  return [...sums.values()];
-}
+const projectsOf = (all: readonly SceneSummary[]): Project[] => [...groupedBy(all, (row) => sceneOf(row).project)].map(([project, own]) =>
+  ({ project, scenes: own, worst: own.reduce((worst, row) => (row.uncertainty > worst.uncertainty ? row : worst)) }));
 
-const PROJECTS: readonly Column<ProjectSum>[] = [
+const PROJECTS: readonly Column<Project>[] = [
   { id: 'project', title: 'Project', sort: ({ project }) => project, cell: ({ project }) => <a href={`/?project=${encodeURIComponent(project)}`}><Name text={project} /></a> },
   { id: 'verdict', title: 'Least certain scene', isText: true, hint: 'The scene of the project whose best arm is least certain. Sorted by uncertainty.', sort: ({ worst }) => worst.uncertainty,
     csv: ({ worst }) => sceneOf(worst).scene, cell: ({ worst }) => <><VerdictChip verdict={worst.verdict} /> <a href={sceneHref(sceneOf(worst))}><Name text={sceneOf(worst).scene} /></a></> },
-  { id: 'unsettled', title: 'Not settled', hint: 'Scenes with the verdict ambiguous or degraded', sort: ({ unsettledCount }) => unsettledCount },
-  { id: 'scenes', title: 'Scenes', sort: ({ sceneCount }) => sceneCount },
-  { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: ({ sessionCount }) => sessionCount },
-  { id: 'evidence', title: 'Evidence', hint: 'Decision windows and visits of the shadow lane in all sessions', sort: ({ evidence }) => Number(evidence) },
+  { id: 'unsettled', title: 'Not settled', hint: 'Scenes with the verdict ambiguous or degraded', sort: (row) => row.scenes.filter(isUnsettled).length },
+  { id: 'scenes', title: 'Scenes', sort: (row) => row.scenes.length },
+  { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => row.scenes.reduce((sum, each) => sum + sceneOf(each).activeSessionCount, 0) },
+  { id: 'evidence', title: 'Evidence', hint: 'Decision windows and visits of the shadow lane in all sessions', sort: (row) => row.scenes.reduce((sum, { evidence }) => sum + Number(evidence), 0) },
 ];
 
 function Projects({ all }: { all: readonly SceneSummary[] }) {

@@ -8,7 +8,7 @@ import { download } from '../parts/download';
 import { Choice, Filter, matches } from '../parts/filter';
 import { fileName, Name, visible } from '../parts/name';
 import { Empty, Failure, Loading } from '../parts/states';
-import { type Group, groupsOf, MAX_RECORDS, priorsFile } from '../state/evidence';
+import { type Group, groupsOf, MAX_RECORDS, priorsFile, mostOf, namesOf, sumOf } from '../state/evidence';
 import { scenes } from '../state/scenes';
 import { type ApiError, asApiError, stream } from '../transport/calls';
 import { useReading } from '../transport/reading';
@@ -117,23 +117,24 @@ export function Priors() {
 
 const LANE = 'lane'; // measured_by of the shadow lane; the frame thread has no name
 
-const list = (names: ReadonlySet<string>) => [...names].join(', ');
+const [sourcesOf, scenesOf, armsOf, classesOf] = [namesOf('sourceId'), namesOf('scene'), namesOf('arm'), namesOf('machineClass')];
+const [alphaOf, betaOf, weightOf, lastSeenS] = [sumOf('alphaIncrement'), sumOf('betaIncrement'), mostOf('weight'), mostOf('unixLastSeenS')];
 const NUMBERS: readonly Column<Group>[] = [
-  { id: 'windows', title: 'Windows', hint: 'Decision windows, and visits of the lane', sort: (row) => row.windowCount },
-  { id: 'bails', title: 'Bail-outs', sort: (row) => row.bailOutCount },
+  { id: 'windows', title: 'Windows', hint: 'Decision windows, and visits of the lane', sort: sumOf('windowCount') },
+  { id: 'bails', title: 'Bail-outs', sort: sumOf('bailOutCount') },
 ];
 const BUILD: Column<Group> = { id: 'build', title: 'Build', isText: true, sort: ({ example }) => example.build };
-const SOURCE_COUNT: Column<Group> = { id: 'sources', title: 'Sources', hint: 'Sessions and imported sources', sort: ({ sourceIds }) => sourceIds.size };
+const SOURCE_COUNT: Column<Group> = { id: 'sources', title: 'Sources', hint: 'Sessions and imported sources', sort: (row) => sourcesOf(row).length };
 const PROJECT: Column<Group> = { id: 'project', title: 'Project', isText: true, sort: ({ example }) => example.project };
 
 // The columns that builds and sources have in common.
 const ORIGIN: readonly Column<Group>[] = [
   ...NUMBERS,
-  { id: 'arms', title: 'Arms', sort: (row) => row.arms.size },
-  { id: 'seen', title: 'Last seen', hint: 'When it last added evidence, by the clock of its daemon', sort: (row) => row.lastSeenS || undefined,
-    csv: (row) => (row.lastSeenS ? new Date(1000 * row.lastSeenS).toISOString() : ''), cell: (row) => (row.lastSeenS ? timeText(1000 * row.lastSeenS) : '–') },
-  { id: 'classes', title: 'Machines', isText: true, sort: (row) => list(row.machineClasses) },
-  { id: 'scenes', title: 'Scenes', isText: true, sort: (row) => list(row.scenes) },
+  { id: 'arms', title: 'Arms', sort: (row) => armsOf(row).length },
+  { id: 'seen', title: 'Last seen', hint: 'When it last added evidence, by the clock of its daemon', sort: (row) => lastSeenS(row) || undefined,
+    csv: (row) => (lastSeenS(row) ? new Date(1000 * lastSeenS(row)).toISOString() : ''), cell: (row) => (lastSeenS(row) ? timeText(1000 * lastSeenS(row)) : '–') },
+  { id: 'classes', title: 'Machines', isText: true, sort: (row) => classesOf(row).join(', ') },
+  { id: 'scenes', title: 'Scenes', isText: true, sort: (row) => scenesOf(row).join(', ') },
   PROJECT,
 ];
 
@@ -164,11 +165,11 @@ const SOURCES: readonly Column<Group>[] = [
   BUILD,
   { id: 'weight', title: 'Weight', hint: 'The highest weight of its records in a new session on its class of machines, with the build that was seen last in the scene and '
     + 'the newest backends. 0: newer sources of every arm have replaced it. 1: rewards do not depend on the cost alone, and all sources are summed',
-    sort: ({ weight }) => weight, cell: ({ weight }) => significant(weight) },
+    sort: weightOf, cell: (row) => significant(weightOf(row)) },
   ...ORIGIN,
 ];
 
-const meanOf = ({ alpha, beta }: Group) => (alpha + beta > 0 ? alpha / (alpha + beta) : undefined);
+const meanOf = (row: Group) => (alphaOf(row) + betaOf(row) > 0 ? alphaOf(row) / (alphaOf(row) + betaOf(row)) : undefined);
 
 const SUMS: readonly Column<Group>[] = [
   { id: 'scene', title: 'Scene', sort: ({ example }) => `${example.project}\n${example.scene}`, csv: ({ example }) => example.scene,
@@ -181,8 +182,8 @@ const SUMS: readonly Column<Group>[] = [
   { id: 'backend', title: 'Version', hint: 'Version of the backend’s code; evidence of different versions is kept apart', sort: ({ example }) => example.backendVersion },
   SOURCE_COUNT, ...NUMBERS,
   { id: 'mean', title: 'Mean reward', hint: 'α ÷ (α + β) of the evidence alone', sort: meanOf, cell: (row) => meanOf(row)?.toFixed(4) ?? '–' },
-  { id: 'alpha', title: 'α', hint: 'Successes, without any prior', sort: (row) => row.alpha, cell: (row) => significant(row.alpha, 4) },
-  { id: 'beta', title: 'β', hint: 'Failures, without any prior', sort: (row) => row.beta, cell: (row) => significant(row.beta, 4) },
+  { id: 'alpha', title: 'α', hint: 'Successes, without any prior', sort: alphaOf, cell: (row) => significant(alphaOf(row), 4) },
+  { id: 'beta', title: 'β', hint: 'Failures, without any prior', sort: betaOf, cell: (row) => significant(betaOf(row), 4) },
   PROJECT,
   { id: 'class', title: 'Machines', isText: true, sort: ({ example }) => example.machineClass },
   { id: 'reward', title: 'Reward', sort: ({ example }) => example.rewardVersion },
@@ -193,7 +194,7 @@ interface GroupsProps { records: readonly PriorRecord[]; by: readonly (keyof Pri
 function Groups({ records, by, ...table }: GroupsProps) {
   const groups = useMemo(() => groupsOf(records, ...by), [records]);
   const filter = route.value.query.get('q') ?? '';
-  const rows = groups.filter(({ key, scenes, arms, machineClasses }) => matches(filter, [key, ...scenes, ...arms, ...machineClasses]));
+  const rows = groups.filter((group) => matches(filter, [group.key, ...scenesOf(group), ...armsOf(group), ...classesOf(group)]));
   return <Table {...table} rows={rows} keyOf={({ key }) => key} />;
 }
 

@@ -21,8 +21,7 @@ export function beliefRows(steps: readonly Step[], armCount: number): SeriesRow[
   const told = steps.filter((step) => step.told && bestOf(step).length === armCount);
   const timesMs = told.map(({ timeMs }) => timeMs);
   const columns = Array.from({ length: armCount }, (_, arm) => told.map((step) => bestOf(step)[arm] ?? null));
-  let lastKnown = told.length - 1; // index of the last decision with posteriors, where the bands end
-  while (lastKnown >= 0 && posteriorsOf(told[lastKnown]!).length === 0) --lastKnown;
+  const lastKnown = told.findLastIndex((step) => posteriorsOf(step).length > 0); // the last decision with posteriors, where the bands end
   const kept = new Set(keepExtremes(timesMs, columns, MAX_POINTS));
   if (lastKnown >= 0) kept.add(lastKnown);
   return [...kept].sort((a, b) => a - b).map((i) => {
