@@ -53,7 +53,7 @@ function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, value
       <h2><a href={sceneHref(posterior)}><Name text={posterior.scene} /></a> on <Name text={posterior.machineClass} /></h2>
       <p><VerdictChip verdict={verdictOf(state)} /> {leader && <><Arm name={leader} />, P(best) {leaderProbabilityOf(posterior).toFixed(3)}, loss {share(expectedLossRatio)}</>}</p>
       <RidgeFigure id="beliefs" title="Posterior of each arm" names={names} rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards}
-        notYet="There is no evidence yet." />
+        notYet="No arm has evidence yet." />
       <BandsChart {...common} values={values} />
       <BestChart {...common} />
     </div>

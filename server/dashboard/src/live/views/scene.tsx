@@ -65,7 +65,7 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   });
   return (
     <RidgeFigure id="beliefs" title="Posterior of each arm" names={[posterior.project, posterior.scene]} table={table} rows={ridges}
-      rewardVersion={posterior.rewardVersion} notYet="There is no evidence of any arm yet."
+      rewardVersion={posterior.rewardVersion} notYet="No arm has evidence yet."
       note="Thick: 50 %, thin: 95 %. Dashed arms never ran in a game. Dashed grey: the posterior when you opened this view, if it has changed since. The prior of a build
         is below, under Evidence; the prior of a session is in the view of that session." />
   );
