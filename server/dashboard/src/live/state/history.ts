@@ -2,7 +2,7 @@
 // extreme. So no peak is lost, and memory does not grow with the time that the page is open.
 import type { ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { keepExtremes } from '../numbers/downsample';
-import { type Beta, mean, once, quantiles } from '../numbers/beta';
+import { type Beta, mean, quantiles } from '../numbers/beta';
 
 export const MAX_POINTS = 256;
 
@@ -58,10 +58,20 @@ export interface SeriesRow {
   expectedLossRatio: number | undefined;
 }
 
-export const beliefOf = once((posterior: Beta): Belief => {
+const MAX_BELIEFS = 20_000; // entries of the cache
+const beliefs = new Map<string, Belief>();
+
+// Most arms of a decision have the same posterior as in the decision before, in another object. So the cache has values as keys.
+export function beliefOf(posterior: Beta): Belief {
+  const key = `${posterior.alpha} ${posterior.beta}`;
+  const known = beliefs.get(key);
+  if (known) return known;
   const [low95, low50, high50, high95] = quantiles(posterior, [0.025, 0.25, 0.75, 0.975]) as [number, number, number, number];
-  return { mean: mean(posterior), low50, high50, low95, high95 };
-});
+  const belief = { mean: mean(posterior), low50, high50, low95, high95 };
+  if (beliefs.size >= MAX_BELIEFS) beliefs.clear();
+  beliefs.set(key, belief);
+  return belief;
+}
 
 /** Returns a row for each row of the history, oldest first. */
 export function seriesOf({ arms: known, rows }: SceneHistory, arms: readonly string[]): SeriesRow[] {
