@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { assertAccessible, assertNoTrouble, expecting, judge, openPage, refusalOf, rowsOf, runInBrowser } from './browser.mjs';
+import { assertAccessible, assertNoTrouble, expecting, judge, openPage, refusalOf, refused, rowsOf, runInBrowser } from './browser.mjs';
 import { Game, pause, RealDaemon, until, watched } from './real_daemon.mjs';
 
 const [sweepstaked, sweepstake] = process.argv.slice(2);
@@ -386,9 +386,12 @@ async function checkRoles(context, folder) {
   await page.getByText('Viewing boxes needs the role operator; yours is watch.').waitFor();
   assert.ok(await page.getByRole('button', { name: 'Show boxes' }).isDisabled());
   const sessionId = new URL(page.url()).pathname.split('/').at(-1);
-  for (const [method, request] of [['OrderSession', { mode: 'MODE_AI' }], ['KickSession', { mayReturn: true }], ['KickSession', {}], ['WatchBoxes', {}]]) {
+  for (const [method, request] of [['OrderSession', { mode: 'MODE_AI' }], ['KickSession', { mayReturn: true }], ['KickSession', {}]]) {
     assert.equal(await refusalOf(page, `SessionsService/${method}`, { sessionId, ...request }), 403, `the daemon refuses ${method}, which the page does not offer`);
   }
+  const boxes = await expecting(page, refused(403), () => page.evaluate(async (id) =>
+    (await fetch(`/events/sweepstake.v1.SessionsService/WatchBoxes?request=${encodeURIComponent(JSON.stringify({ sessionId: id }))}`)).status, sessionId));
+  assert.equal(boxes, 403, 'a reader may watch boxes');
   assertNoTrouble(page, 'a reader');
   await page.close();
   await game.quit();

@@ -154,7 +154,7 @@ TEST_F(ASnapshot, IsRefusedWithAnotherVersionOrOtherOptions) {
   auto other = snapshot_;
   const uint32_t version = 77;
   std::memcpy(other.data() + 4, &version, sizeof version);
-  ExpectRefused(other, StatusCode::kInvalidArgument, "of version 77");
+  ExpectRefused(other, StatusCode::kInvalidArgument, "has version 77");
   ExpectRefused(Saved(ProxySet({.sorted_pairs = true})), StatusCode::kInvalidArgument,
                 "other options");
   ExpectRefused(Saved(ProxySet({.pair_events = true, .event_margin = 1})),
