@@ -2,7 +2,7 @@
 # Installs missing packages, builds, runs the tests and prints ctest's summary last.
 #
 #   tests/run.sh                    the default suite (preset dev)
-#   tests/run.sh --long             also the long tests: benchmarks, C# of the Unity package, pages in a browser
+#   tests/run.sh --long             also the long tests: benchmarks, PostgreSQL, C# of the Unity package, browsers
 #   tests/run.sh asan tsan          the same tests under AddressSanitizer + UBSan, then under ThreadSanitizer
 #   tests/run.sh release --quick    builds the shipped parts, and runs only basic tests of programs and package
 #   tests/run.sh dev -R Grid        the first other option and all after it are passed to ctest
