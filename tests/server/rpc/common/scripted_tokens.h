@@ -37,14 +37,22 @@ class ScriptedTokens final : public auth::TokenDirectory {
   }
   bool IsValid(const auth::Principal& caller) const override {
     const std::lock_guard lock(mutex_);
+    ++checks_[caller.name];
     for (const auto& [token, holder] : tokens_) {
       if (holder.token_id == caller.token_id) return true;
     }
     return false;
   }
+  // How often a call under way has checked that the token of `name` is still valid.
+  size_t CheckCount(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = checks_.find(name);
+    return found == checks_.end() ? 0 : found->second;
+  }
 
  private:
   mutable std::mutex mutex_;  // guards the members below
+  mutable std::map<std::string, size_t> checks_;
   std::map<std::string, auth::Principal> tokens_;
   int64_t last_id_ = 0;
 };
