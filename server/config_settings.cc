@@ -27,7 +27,6 @@ constexpr const char* kFixedGroup = "Settings that need a restart";
 constexpr const char* kLiveGroup = "Settings that SIGHUP reloads";
 constexpr const char* kDecisionGroup = "Decisions (need a restart)";
 
-constexpr int64_t kNsPerMs = 1'000'000;
 constexpr int64_t kYearMs = 31'536'000'000;
 constexpr int64_t kMiB = 1 << 20;
 
@@ -167,7 +166,8 @@ void AddLive(Table& table, Config& config) {
   table.Whole("max_watchers", rpc.max_watchers, 1, 100'000,
               "watchers at one time; each token and remote address may have half of them");
   table.Whole("resume_window_ms", rpc.resume_window_ns, 0, kYearMs,
-              "time in ms that a session stays in memory after its connection is lost", kNsPerMs);
+              "time in ms that a session stays in memory after its connection is lost",
+              rpc::kNsPerMs);
   table.Whole("database_mb", config.database_bytes, 8, 1 << 24,
               "maximum size of priors.db in MiB; a full store accepts no new evidence", kMiB);
   table.Whole("backup_count", config.backup_count, 0, 1'000,
@@ -183,7 +183,7 @@ void AddLive(Table& table, Config& config) {
 
 void AddDecision(Table& table, decision::DecisionOptions& options) {
   const auto milliseconds = [&](const char* key, auto& field, const char* help) {
-    table.Whole(key, field, 0, kYearMs, help, kNsPerMs);
+    table.Whole(key, field, 0, kYearMs, help, rpc::kNsPerMs);
   };
   table.Group(kDecisionGroup);
   table.Text("decision.policy", options.policy, "policy of sessions that request none");

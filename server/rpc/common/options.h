@@ -50,6 +50,7 @@ inline constexpr uint32_t kMaxStreamsWithoutSession = 1'000;
 inline constexpr uint32_t kScenesPerPage = 100;  // maximum number of scenes per page of a listing
 // maximum number of sessions per page of a listing
 inline constexpr uint32_t kSessionsPerPage = 100;
+inline constexpr int64_t kNsPerMs = 1'000'000;
 
 // RpcServer::Adjust changes the Adjustable members; changes take effect at once.
 struct RpcOptions : sessions::HostedSessionOptions {

@@ -20,8 +20,6 @@ namespace {
 constexpr uint32_t kKnownFlags = 15;
 constexpr uint32_t kKnownShadowFlags = 3;
 
-constexpr int64_t kNsPerMs = 1'000'000;
-
 uint32_t Milliseconds(int64_t interval_ns) {
   return static_cast<uint32_t>(
       std::clamp<int64_t>((interval_ns + kNsPerMs / 2) / kNsPerMs, 0, UINT32_MAX));
