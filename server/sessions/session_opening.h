@@ -1,6 +1,7 @@
 // The path from a Hello to its session: session_table, store, scene_quota, session_start (which
-// calls decision::PriorFor), new_scenes, session_table. No step is repeated. If another connection
-// resumes the session meanwhile, and this one may not, this one is refused and connects again.
+// calls decision::PriorFor), new_scenes, session_table. The table is searched again after the read,
+// because the loop does other work in between. If another connection resumes the session in that
+// time, and this one may not, this one is refused and connects again.
 //
 // - If the session to resume is in memory, the client gets it back unchanged.
 // - Otherwise the store is read, on its reading thread. If it does not have the scene, its writing
