@@ -14,6 +14,7 @@ namespace {
 
 using rpc::TelemetryClient;
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
@@ -123,6 +124,39 @@ TEST_F(ApiTest, OnlyMethodsOfTheRoleTableWithOneRequestAreThere) {
   }
   EXPECT_EQ(Get("/api/sweepstake.v1.PosteriorsService/ListPosteriors").status, 405);
   EXPECT_EQ(Post("/events/sweepstake.v1.PosteriorsService/WatchPosteriors", "{}").status, 405);
+}
+
+TEST_F(ApiTest, EveryMethodOfTheRoleTableIsCalledOrWatched) {
+  for (const rpc::Rpc& rpc : rpc::kRoleTable) {
+    const std::string name(rpc.name);
+    if (name == "TelemetryService/StreamTelemetry" || name == "PriorsService/ImportPriors")
+      continue;  // their requests are streams
+    const Answer answer = Call(name, "{}");
+    if (name.find("/Watch") != std::string::npos) {
+      EXPECT_EQ(answer.status, 404) << name;
+      EXPECT_THAT(answer.body, HasSubstr("under /events/")) << name;
+    } else {
+      EXPECT_THAT(answer.body, Not(HasSubstr("under /events/"))) << name;
+      EXPECT_THAT(answer.status, AnyOf(200, 400, 404)) << name << answer.body;
+    }
+  }
+}
+
+TEST_F(ApiTest, AClientThatLeavesEndsItsExport) {
+  options_.max_transfers = 1;
+  server_->Adjust(options_);
+  // More records than the buffers of a connection take.
+  for (int i = 0; i < 200; ++i) PutScene("scene " + std::to_string(i), 100);
+  const std::string small = R"({"scene":"scene 7"})";
+  {
+    test_support::HttpSocket client(http_->port(), /*receive_bytes=*/4096);
+    client.Send("POST /api/sweepstake.v1.PriorsService/ExportPriors HTTP/1.1\r\nHost: " + host_ +
+                "\r\nX-Sweepstake: 1\r\nContent-Length: 2\r\n\r\n{}");
+    client.ReadUntil("\"records\"");
+    EXPECT_EQ(Call("PriorsService/ExportPriors", small).status, 429) << "the export is not over";
+  }
+  EXPECT_TRUE(
+      rpc::Eventually([&] { return Call("PriorsService/ExportPriors", small).status == 200; }));
 }
 
 TEST_F(ApiTest, AnInvalidRequestIsRefused) {
