@@ -1,4 +1,5 @@
-// Events for watchers, encoded once however many watchers there are, and what encodes them.
+// An event for watchers (gRPC calls and browsers), and the interface that encodes it. An event is
+// encoded once for all watchers.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +14,10 @@ namespace sweepstake::events {
 
 enum class Kind : uint8_t { kPosteriors, kSessions, kBoxes };
 
-// Identifies an event of a daemon and states when it was made.
+// Identifies an event and says when the daemon made it.
 struct EventStamp {
-  uint64_t boot = 0;      // a random number of the daemon's run
-  uint64_t sequence = 0;  // counts the events of the run, from 1
+  uint64_t boot = 0;      // random number, drawn once per run of the daemon
+  uint64_t sequence = 0;  // number of the event in this run, from 1
   int64_t unix_ms = 0;
 };
 
@@ -24,29 +25,30 @@ struct EventStamp {
 struct Event {
   EventStamp stamp;
   std::shared_ptr<const std::string> body;
-  std::string tail;       // the stamp, and for a scene the number of its active sessions
-  bool all_told = false;  // the mark: the whole initial state has been sent
+  std::string tail;       // the stamp; for a scene also the number of its connected sessions
+  bool all_told = false;  // whether this event marks the end of the initial state
   // The message as JSON, made at its first use. Only the thread of the HTTP server uses it.
   mutable std::string json = {};
 };
 using EventPtr = std::shared_ptr<const Event>;
 
-// Encodes parts of messages. Protobuf merges the parts of a message that stand one after another.
-// Thread-safe.
+// Encodes the parts of an event as protobuf messages. Parts are joined by appending their bytes,
+// because protobuf's parser merges messages that follow one another. Thread-safe.
 class Encoder {
  public:
   virtual ~Encoder() = default;
 
-  // Computes the scene's figures, which takes 0.3 to 3 ms.
+  // Computes the scene's verdict and credible intervals, which takes 0.3 to 3 ms.
   virtual std::string Scene(const priors::SceneEvidence& scene) const = 0;
-  // The part of a scene's message that is not in the store.
+  // Encodes the number of connected sessions of a scene. It is the only part of the scene's message
+  // that is not in the store.
   virtual std::string ActiveSessions(uint32_t count) const = 0;
   virtual std::string Decision(const sessions::DecisionEvent& decision) const = 0;
   virtual std::string Session(const sessions::SessionView& session) const = 0;
   virtual std::string SessionEnd(const std::string& session_id, sessions::SessionEnd end) const = 0;
   // `view` is an encoded message sweepstake.v1.BoxView.
   virtual std::string Boxes(const std::string& view) const = 0;
-  // `all_told` makes the message a mark.
+  // Encodes the stamp. `all_told` says whether the message marks the end of the initial state.
   virtual std::string Stamp(Kind kind, const EventStamp& stamp, bool all_told) const = 0;
 };
 

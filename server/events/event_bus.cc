@@ -16,7 +16,8 @@ using priors::SceneEvidence;
 using priors::SceneKey;
 using sessions::Refused;
 
-// Names have no control characters.
+// Returns the key as one string. A newline separates the fields, because names have no control
+// characters.
 std::string TextOf(const SceneKey& key) {
   return absl::StrCat(key.project, "\n", key.scene, "\n", key.machine_class, "\n",
                       key.reward_version);
@@ -38,7 +39,7 @@ std::shared_ptr<const std::string> Shared(std::string body) {
 
 }  // namespace
 
-// Passes the views of a session on to its channel.
+// Receives the box views of one session and publishes them on the channel of its viewers.
 class EventBus::BoxFeed final : public sessions::BoxViewListener {
  public:
   BoxFeed(EventBus& bus, Channel& channel, const std::shared_ptr<sessions::GameSession>& session)
@@ -171,7 +172,7 @@ void EventBus::OnScenes(const ChannelPtr& channel, uint64_t last_sequence,
   for (const PageScene& scene : page) {
     const std::string key = TextOf(scene.key);
     const auto known = channel->state.find(key);
-    // A change that was published after the page was requested may be newer than the page.
+    // Keep an event that was published after the page was requested: it may be newer than the page.
     if (known == channel->state.end() || known->second->stamp.sequence <= last_sequence)
       Put(*channel, key, SceneEvent(scene.key, scene.body));
   }
@@ -279,15 +280,16 @@ void EventBus::OnEvidence(const SceneKey& key, std::span<const KeyedEvidence> in
   Scene& scene = found->second;
   scene.changed = true;
   if (unknown) return Load(key);
-  // Sums that are being read will contain these increments: the store committed them before.
+  // While the sums are being read, there is nothing to add. The result will contain these
+  // increments, because it is posted to the loop after the report of their commit.
   if (!scene.sums) return;
   Advance(*scene.sums, increments, new_source);
   ScheduleTick();
 }
 
-// The job runs on the thread that commits, because the sums must be exact. They reach the loop in
-// the same order as the reports of commits, so they contain exactly the increments that were
-// reported before.
+// Reads the sums on the store's writing thread, which also commits. Results and reports of commits
+// reach the loop in the same order. The sums therefore contain exactly the increments that were
+// reported before them.
 void EventBus::Load(const SceneKey& key) {
   const bool submitted = store_.Submit([this, key](priors::PriorStore& store) {
     loop_.PostLater([this, key, loaded = store.LoadScene(key)] { OnLoaded(key, loaded); });
@@ -311,7 +313,7 @@ void EventBus::OnLoaded(const SceneKey& key,
   const auto found = scenes_.find(key);
   if (found == scenes_.end()) return;
   if (absl::IsUnavailable(loaded.status())) return LoadLater(found->second);
-  // A damaged scene is read again at its next evidence only.
+  // The scene is damaged or not stored. It is read again when its next evidence is committed.
   if (!loaded.ok() || !loaded->has_value()) {
     scenes_.erase(found);
     return;
@@ -356,7 +358,7 @@ void EventBus::PublishSessions() {
   for (const auto& [id, change] : std::exchange(changed_sessions_, {})) {
     const bool has_ended = change.end != sessions::SessionEnd::kNone;
     const auto session = has_ended ? std::nullopt : sessions_.Describe(id);
-    if (!has_ended && !session) continue;  // the next tick reports its end
+    if (!has_ended && !session) continue;  // it has just left memory; the next tick reports its end
     const EventPtr event = MakeEvent(
         Kind::kSessions,
         Shared(has_ended ? encoder_.SessionEnd(id, change.end) : encoder_.Session(*session)));

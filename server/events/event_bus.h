@@ -1,14 +1,20 @@
-// The events of the daemon for everyone who watches, with one cache of what is watched.
+// Publishes the daemon's events (posteriors, sessions, boxes) to watchers, and caches the state
+// that they watch.
 //
-// Watchers with the same filter share a channel. It keeps the latest event of each matching scene
-// or session, so that a later watcher costs the store nothing. A channel of scenes is filled from
-// the store page by page; the figures of a page are computed on the store's reading thread. After
-// that the bus reads a scene once more, at its first change, and then adds the increments of each
-// commit. Figures are computed once for each change. Changes are published at 4 Hz: one timer runs
-// while something has changed. Decisions are published at the same ticks.
+// Watchers with the same filter share a channel. The channel keeps the latest event of each
+// matching scene or session, so that a further watcher needs no read of the store.
 //
-// Used on the decision loop only. It has no thread, clock or connection of its own. The memory of
-// the sums is bounded by kMaxScenes; that of the channels by the quotas of scenes and sessions.
+// A channel of scenes is filled from the store page by page. The store's reading thread computes
+// the verdicts and intervals of the scenes. At the first change of a scene, the bus reads the
+// scene's sums of evidence from the store. From then on it adds the increments of each commit to
+// these sums.
+//
+// Changes and decisions are published every 250 ms. The timer runs only while something has
+// changed.
+//
+// Used on the decision loop only. It has no thread, clock or connection of its own. kMaxScenes
+// bounds the memory of the sums. The quotas of scenes and sessions bound the memory of the
+// channels.
 #pragma once
 
 #include <cstddef>
@@ -33,35 +39,38 @@
 
 namespace sweepstake::events {
 
-// What subscribers with the same filter share.
+// The state that subscribers with the same filter share.
 struct Channel {
   Kind kind = Kind::kPosteriors;
   priors::SceneFilter filter = {};
   std::map<std::string, EventPtr> state = {};  // the latest event of each scene or session
-  bool complete = false;                       // the state contains everything that matches
-  uint64_t load_count = 0;                     // the results of earlier loads are dropped
+  bool complete = false;                       // whether `state` has every match
+  uint64_t load_count = 0;  // number of the latest load; results of earlier loads are dropped
   std::vector<Subscriber*> subscribers = {};
-  std::unique_ptr<sessions::BoxViewListener> boxes = {};  // for Kind::kBoxes
+  // receives box views; null for the other kinds
+  std::unique_ptr<sessions::BoxViewListener> boxes = {};
 };
 
 class EventBus final : public sessions::SessionObserver {
  public:
-  // The number of scenes that could not be read and are tried again at each tick.
+  // Maximum number of failed reads of scenes that are repeated per tick.
   static constexpr size_t kReadsPerTick = 100;
-  // Beyond this number, sums of scenes that are not changing are dropped. They are read again at
-  // the next change.
+  // If more scenes than this have sums in memory, the sums of scenes without a pending change are
+  // dropped. They are read again at the scene's next change.
   static constexpr size_t kMaxScenes = 10'000;
-  static constexpr uint32_t kPageSize = 100;  // scenes, or sessions, that are loaded at a time
-  // The maximum decisions in one message, which then has 130 kB at most.
+  static constexpr uint32_t kPageSize = 100;  // scenes or sessions per page of a load
+  // Maximum number of decisions in one message. It limits the message to 130 kB.
   static constexpr uint32_t kDecisionsPerMessage = 100;
 
-  // It borrows everything. The store must be closed, and the loop done, before the bus is
+  // Borrows all arguments. REQUIRES: the store is closed and the loop has ended before the bus is
   // destroyed.
   EventBus(priors::AsyncPriorStore& store, sessions::DecisionLoop& loop,
            const sessions::SessionTable& sessions, const Encoder& encoder);
 
-  // Begins a subscription, or ends it at once. Errors: UNAVAILABLE (draining, or the store is
-  // busy); for boxes: NOT_FOUND, and those of BoxViews::Add.
+  // Begins a subscription. An error ends it with Sink::OnEnd:
+  // - UNAVAILABLE: the daemon is draining, or the store is busy.
+  // - For boxes: NOT_FOUND (the filter does not match an active session with this id), and the
+  //   errors of BoxViews::Add.
   void Subscribe(Wish wish, Sink& sink);
 
   void OnSession(const std::string& session_id, const sessions::SessionChange& change) override;
@@ -71,11 +80,13 @@ class EventBus final : public sessions::SessionObserver {
                   bool new_source) override;
   void Forget(const priors::SceneKey& scene) override { scenes_.erase(scene); }
   void Reload(const priors::SceneKey& scene) override;
-  // Called when evidence was imported or revoked: all scenes are read and published again.
+  // Called after evidence was imported, promoted or revoked. All watched scenes are read and
+  // published again.
   void Reset();
-  // Ends the subscriptions of callers that may not watch any more.
+  // Ends the subscriptions whose Wish::check returns an error, for instance because the token was
+  // revoked.
   void EndRefused();
-  // Ends all subscriptions. No other begins, and the store is not read any more.
+  // Ends all subscriptions and refuses new ones. The store is not read any more.
   void Drain();
 
  private:
@@ -84,8 +95,8 @@ class EventBus final : public sessions::SessionObserver {
 
   struct Scene {
     std::optional<priors::SceneEvidence> sums;  // absent while the store reads them
-    bool changed = false;                       // since the last tick
-    bool unread = false;                        // the store could not read them: try again
+    bool changed = false;                       // whether it changed since the last tick
+    bool unread = false;  // whether the last read failed; a later tick repeats it
   };
   // The decisions of a scene since the last tick.
   struct Decisions {
@@ -100,12 +111,12 @@ class EventBus final : public sessions::SessionObserver {
 
   absl::Status Join(Subscriber& subscriber);
   absl::Status JoinBoxes(Subscriber& subscriber);
-  // Does nothing if it is not subscribed.
+  // Does nothing if the subscriber is not subscribed.
   void Remove(Subscriber& subscriber);
   void End(Subscriber& subscriber, const absl::Status& status);
   void EndAll(const absl::Status& status, const Channel* of = nullptr);
 
-  // Fills the channel, from the store or from the table of sessions.
+  // Fill the channel page by page: scenes from the store, sessions from the table of sessions.
   void LoadScenes(const ChannelPtr& channel, const std::optional<priors::SceneKey>& after);
   void OnScenes(const ChannelPtr& channel, uint64_t last_sequence,
                 const std::vector<PageScene>& page);
@@ -115,10 +126,11 @@ class EventBus final : public sessions::SessionObserver {
   EventPtr Mark(Kind kind);
   EventPtr MakeEvent(Kind kind, std::shared_ptr<const std::string> body);
   EventPtr SceneEvent(const priors::SceneKey& key, std::shared_ptr<const std::string> body);
-  // Returns the event as it would be made now; null if its session has left memory.
+  // Returns a new event for the scene or session of `event`, with its present number of connected
+  // sessions or its present state. Returns null if the session has left memory.
   EventPtr Refreshed(const Channel& channel, const std::string& key, const EventPtr& event);
 
-  // Calls `use` with each channel of the kind that shows the scene.
+  // Calls `use` with each channel of the kind whose filter matches the scene.
   template <typename Use>
   void ForEachChannel(Kind kind, const priors::SceneKey& scene, Use use) const;
   static void Put(Channel& channel, const std::string& key, const EventPtr& event);
@@ -128,7 +140,8 @@ class EventBus final : public sessions::SessionObserver {
   void PublishScene(const priors::SceneEvidence& scene);
 
   void Load(const priors::SceneKey& key);
-  // Reads the scene at the next tick, or at a later one.
+  // Schedules a read of the scene for one of the next ticks. A tick makes at most kReadsPerTick
+  // reads.
   void LoadLater(Scene& scene);
   void LoadUnread();
   void OnLoaded(const priors::SceneKey& key,
@@ -142,7 +155,8 @@ class EventBus final : public sessions::SessionObserver {
   const Encoder& encoder_;
   const uint64_t boot_;
   uint64_t last_sequence_ = 0;
-  std::map<std::pair<Kind, priors::SceneFilter>, ChannelPtr> channels_;  // without those of boxes
+  // channels of boxes are not in it
+  std::map<std::pair<Kind, priors::SceneFilter>, ChannelPtr> channels_;
   std::set<Subscriber*> subscribers_;
   std::map<priors::SceneKey, Scene> scenes_;
   std::map<priors::SceneKey, Decisions> decisions_;

@@ -12,7 +12,8 @@ Subscriber::Subscriber(EventBus& bus, Wish wish, Sink& sink)
 Subscriber::~Subscriber() { bus_.Remove(*this); }
 
 void Subscriber::Put(const std::string& key, const EventPtr& event) {
-  // The cursor has not reached the key, and will find the new state there.
+  // Queue the event only if the cursor has passed the key. Otherwise NextOfState sends the new
+  // state when the cursor gets there.
   if (!cursor_ || key <= *cursor_) {
     if (latest_.insert_or_assign(key, event).second) queue_.push_back({key, nullptr});
   }

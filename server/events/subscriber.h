@@ -1,8 +1,10 @@
-// One watcher of the bus, and the sink that its events go to. Used on the decision loop only.
+// One watcher of the event bus, and the interface of the sink that receives its events. Used on the
+// decision loop only.
 //
-// A subscriber receives the current state of what it watches and then the changes, as fast as its
-// sink takes them. A slow one receives each changed scene or session once, in its latest state, and
-// misses decisions. Its memory is bounded by kQueueBytes and one pointer for each scene or session.
+// A subscriber first receives the current state of every scene or session that it watches, and then
+// the changes, as fast as its sink takes them. If the sink is slow, it receives each changed scene
+// or session once, in its latest state, and decisions above kQueueBytes are dropped. Memory:
+// kQueueBytes, plus one entry for each changed scene or session.
 #pragma once
 
 #include <cstddef>
@@ -23,34 +25,38 @@ class EventBus;
 class Subscriber;
 struct Channel;
 
-// Where events go: a gRPC call, or the connections of browsers.
+// The receiver of events: a gRPC call, or the connections of browsers.
 class Sink {
  public:
   virtual ~Sink() = default;
 
   // The subscription has begun. It ends when the subscriber is destroyed.
   virtual void Begin(std::unique_ptr<Subscriber> subscriber) = 0;
-  // There may be something to take. It must not end the subscription.
+  // Called when Subscriber::Take may return events. The sink must not end the subscription in this
+  // call.
   virtual void Wake() = 0;
-  // The subscription has ended, or was refused. Nothing follows; the subscriber may be destroyed.
+  // The subscription has ended, or was refused. No other call follows. The sink may destroy the
+  // subscriber.
   virtual void OnEnd(const absl::Status& status) = 0;
 };
 
-// What to watch, and for whom.
+// The scenes, sessions or boxes that a watcher wants to see, and the checks of its permission.
 struct Wish {
   Kind kind = Kind::kPosteriors;
-  priors::SceneFilter filter = {};           // must match only what the caller may see
-  std::string session_id = {};               // for boxes
-  bool mark = false;                         // send a mark after the initial state
-  bool snapshots = false;                    // the sink takes the initial state with TakeSnapshot
+  priors::SceneFilter filter = {};  // must match only scenes that the caller may see
+  std::string session_id = {};      // for boxes
+  bool mark = false;                // send an event that marks the end of the initial state
+  bool snapshots = false;           // the sink takes the initial state with TakeSnapshot
   std::function<absl::Status()> check = {};  // returns whether the caller may still watch
   std::function<void(const absl::Status&)> on_end = {};  // called before Sink::OnEnd
-  std::shared_ptr<void> share = {};  // counts the watcher while it is subscribed
+  // released when the subscription ends, which uncounts the watcher
+  std::shared_ptr<void> share = {};
 };
 
 class Subscriber {
  public:
-  // Decisions that wait are dropped beyond this size. The latest state always waits.
+  // Maximum size of the queued decisions. Above it all queued decisions are dropped. Queued states
+  // of scenes and sessions are never dropped.
   static constexpr size_t kQueueBytes = 256 * 1024;
 
   Subscriber(EventBus& bus, Wish wish, Sink& sink);
@@ -58,23 +64,26 @@ class Subscriber {
   Subscriber(const Subscriber&) = delete;
   Subscriber& operator=(const Subscriber&) = delete;
 
-  // Takes up to `max` events that may be joined to one message, which has each scene or session
-  // once. Empty: nothing is there now, and Sink::Wake follows.
+  // Takes up to `max` events from the queue. They may be joined to one message, because each scene
+  // or session occurs at most once. If the result is empty, Sink::Wake is called when there are
+  // more events.
   std::vector<EventPtr> Take(size_t max);
 
-  // The whole state at one moment. Events that Take returns later are newer.
+  // The events of all watched scenes or sessions at one moment. Events that Take returns later are
+  // newer.
   struct Snapshot {
     EventStamp stamp;
     std::vector<EventPtr> events;
   };
-  // Returns the state; absent while it is incomplete, and Sink::Wake follows. REQUIRES:
-  // Wish::snapshots, and Take has nothing more.
+  // Returns a snapshot. It is absent while the state is still being loaded; then Sink::Wake is
+  // called later. REQUIRES: Wish::snapshots is set, and Take has returned all events.
   std::optional<Snapshot> TakeSnapshot();
 
  private:
   friend class EventBus;
 
-  // A decision or, without an event, the place of a key in latest_.
+  // An entry of the queue: a message of decisions or, if `decisions` is null, the key of an event
+  // in latest_.
   struct Place {
     std::string key;
     EventPtr decisions;
@@ -83,7 +92,8 @@ class Subscriber {
   // Called for a new state of a scene or session.
   void Put(const std::string& key, const EventPtr& event);
   void PutDecisions(const EventPtr& event);
-  // The state has been cleared, and is loaded again.
+  // Called when the channel's state was cleared and is loaded again. Starts again with the first
+  // key.
   void Restart();
   EventPtr NextOfState();
   EventPtr NextOfQueue();
@@ -92,11 +102,12 @@ class Subscriber {
   Wish wish_;
   Sink& sink_;
   std::shared_ptr<Channel> channel_;  // null unless subscribed
-  // The initial state has been taken up to this key; absent: all of it.
+  // The last key of the initial state that Take has returned; absent when Take has returned all of
+  // it.
   std::optional<std::string> cursor_ = "";
-  std::deque<Place> queue_;  // in the order of time
+  std::deque<Place> queue_;  // the oldest entry first
   size_t decision_bytes_ = 0;
-  std::map<std::string, EventPtr> latest_;  // of the keys in queue_
+  std::map<std::string, EventPtr> latest_;  // the latest event of each key in queue_
 };
 
 }  // namespace sweepstake::events

@@ -20,7 +20,8 @@ void Abort(int descriptor) {
   }
 }
 
-// Counts one call while it lives. gRPC destroys it together with the call.
+// Counts one call from its construction to its destruction. gRPC destroys this object together with
+// the call.
 class CountedCall final : public grpc::experimental::Interceptor {
  public:
   CountedCall(std::shared_ptr<ConnectionCalls> calls, const std::string& peer)
@@ -37,8 +38,8 @@ class CountedCall final : public grpc::experimental::Interceptor {
  private:
   const std::shared_ptr<ConnectionCalls> calls_;
   const std::shared_ptr<ConnectionCalls::Peer> peer_;
-  // gRPC synchronises its threads in a way that ThreadSanitizer cannot see; this atomic makes it
-  // visible.
+  // gRPC orders the constructor before the destructor in a way that ThreadSanitizer cannot see. The
+  // store and load of this atomic make the order visible.
   std::atomic<bool> made_{false};
 };
 
@@ -85,7 +86,8 @@ std::shared_ptr<ConnectionCalls::Peer> ConnectionCalls::Begin(const std::string&
   if (++peer->call_count <= max_calls_ || std::exchange(peer->ended, true)) return peer;
   ++ended_count_;
   for (const int descriptor : peer->descriptors) {
-    // gRPC may have closed the descriptor, and the system may have given it to another socket.
+    // Check the peer first: gRPC may have closed the descriptor, and the system may have given its
+    // number to another socket.
     if (net::PeerOf(descriptor) == name) Abort(descriptor);
   }
   return peer;

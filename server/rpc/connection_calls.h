@@ -19,12 +19,13 @@
 
 namespace sweepstake::rpc {
 
-// Thread-safe. The size of the tables is bounded by the number of descriptors.
+// Thread-safe. The size of the tables is bounded by the process's limit of file descriptors.
 class ConnectionCalls {
  public:
-  // A connection that begins a call beyond `max_calls` is ended, and counted in `ended_count`. gRPC
-  // does not say on which connection a call came. If two connections to two addresses of the daemon
-  // have the same peer address and port, they are counted together and ended together.
+  // A connection that begins more than `max_calls` unfinished calls is ended, and counted in
+  // `ended_count`. gRPC does not say on which connection a call came. If two connections to two
+  // addresses of the daemon have the same peer address and port, they are counted together and
+  // ended together.
   ConnectionCalls(uint32_t max_calls, std::atomic<uint64_t>& ended_count)
       : max_calls_(max_calls), ended_count_(ended_count) {}
 
@@ -38,8 +39,8 @@ class ConnectionCalls {
     uint32_t call_count = 0;
     bool ended = false;
   };
-  // Returns the peer of a new call, or null if the peer is unknown. `name` has the format of
-  // grpc::ServerContext::peer.
+  // Counts a new call of a peer, and returns the peer; null if it is unknown. Pass the peer to End
+  // when the call has ended. `name` has the format of grpc::ServerContext::peer.
   std::shared_ptr<Peer> Begin(const std::string& name);
   void End(Peer& peer);
 

@@ -14,8 +14,9 @@ constexpr std::chrono::milliseconds kAcceptRetry{100};
 // TCP_USER_TIMEOUT: closes a connection if the peer has not acknowledged sent data for this time.
 // gRPC's own listener sets it to the keepalive timeout of SetLimits.
 constexpr int kSendPatienceMs = 20'000;
-// While the system has more bytes of a connection, gRPC reads on before it starts the calls that it
-// has read, and before ConnectionCalls can count them. A small buffer limits those calls.
+// gRPC first reads all bytes that the system has received on a connection, and only then starts the
+// calls in them. Until then ConnectionCalls cannot count these calls. A small receive buffer limits
+// their number.
 constexpr int kReceiveBufferBytes = 32 * 1024;
 using SendPatience = boost::asio::detail::socket_option::integer<IPPROTO_TCP, TCP_USER_TIMEOUT>;
 

@@ -22,9 +22,9 @@ namespace sweepstake::rpc {
 
 class ConnectionListener {
  public:
-  // `grpc` receives the connections after Listen; its server must have been started before. Each
-  // connection is registered with `calls`. If `open` refuses a connection, it is closed and logged
-  // in `refusals`, which is borrowed.
+  // After Listen, `grpc` receives the connections. REQUIRES: the server of `grpc` has been started
+  // before Listen. Each connection is registered with `calls`. If `open` refuses a connection, it
+  // is closed and logged in `refusals`, which is borrowed.
   ConnectionListener(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> grpc,
                      std::shared_ptr<ConnectionCalls> calls, OpenConnections open,
                      RefusalLog& refusals);

@@ -35,7 +35,8 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> ProbeCredentials(
   return grpc::experimental::TlsCredentials(options);
 }
 
-// Matches error texts of gRPC 1.51 and OpenSSL 3; for other texts there is no advice.
+// Returns advice for the reason of a failed probe; empty if the reason is not known. It recognizes
+// error texts of gRPC 1.51 and OpenSSL 3.
 std::string Advice(const std::string& reason, const tls::Files& files) {
   const auto has = [&](const char* words) { return reason.find(words) != std::string::npos; };
   if (has("Connection refused")) return "; is the daemon running there?";

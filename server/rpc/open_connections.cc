@@ -12,7 +12,8 @@ absl::Status OpenConnections::Add(int descriptor) {
   Forget(descriptor);
   std::string name = name_of_(descriptor);
   std::string address = net::AddressOf(name);
-  // All games behind a proxy on this machine have its address, and so has the daemon's own probe.
+  // Connections from this machine are not limited: all games behind a local proxy share its
+  // address, and the daemon's own health probe comes from here too.
   if (address.empty() || net::IsLoopbackAddress(address) || is_own_(descriptor))
     return absl::OkStatus();
   const size_t most = size_t{options_.max_streams_per_address} + kSpare;

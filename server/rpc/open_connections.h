@@ -19,7 +19,7 @@
 
 namespace sweepstake::rpc {
 
-// Used by one thread. The size of the tables is bounded by the number of descriptors.
+// Used by one thread. The size of the tables is bounded by the process's limit of file descriptors.
 class OpenConnections {
  public:
   using NameOf = std::function<std::string(int)>;
@@ -40,9 +40,9 @@ class OpenConnections {
         name_of_(std::move(name_of)),
         is_own_(std::move(is_own)) {}
 
-  // Registers an accepted connection. Error: RESOURCE_EXHAUSTED (its address, which is not on the
-  // daemon's own machine, already has RpcOptions::max_streams_per_address + kSpare connections);
-  // the caller closes it.
+  // Registers an accepted connection. Error: RESOURCE_EXHAUSTED (its address already has
+  // RpcOptions::max_streams_per_address + kSpare connections); then the caller closes the
+  // connection. Connections from the daemon's own machine are not limited.
   absl::Status Add(int descriptor);
 
  private:
@@ -55,7 +55,7 @@ class OpenConnections {
     int64_t next_look_ns = INT64_MIN;
   };
 
-  // Removes the connection to which the descriptor belonged.
+  // Removes the registered connection of the descriptor, if there is one.
   void Forget(int descriptor);
   // Removes the closed connections of the address. Returns how many are left.
   size_t CountOpen(const std::string& address);
@@ -65,7 +65,7 @@ class OpenConnections {
   const NameOf name_of_;
   const IsOwn is_own_;
   std::unordered_map<int, Connection> connections_;
-  std::unordered_map<std::string, Address> addresses_;  // of the connections in connections_
+  std::unordered_map<std::string, Address> addresses_;  // the addresses of connections_
 };
 
 }  // namespace sweepstake::rpc

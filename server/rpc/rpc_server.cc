@@ -31,19 +31,20 @@ class WithoutReflection : public grpc::ServerBuilderOption {
 };
 
 constexpr int kSecond = 1'000;
-// Maximum unfinished calls of a connection per stream that it may have open. Calls that the client
-// has cancelled take some time to finish.
+// Maximum unfinished calls of a connection, as a multiple of max_streams_per_connection. More calls
+// than streams are possible, because calls that the client has cancelled take some time to finish.
 constexpr uint32_t kCallsPerStream = 3;
 constexpr int64_t kHealthIntervalNs = 1'000'000'000;
 constexpr int64_t kLossReportIntervalNs = 60'000'000'000;
-constexpr int64_t kKeepIntervalNs = 5 * kHealthIntervalNs;  // longer than sessions take to retry
+// longer than a session waits before it repeats a commit
+constexpr int64_t kKeepIntervalNs = 5 * kHealthIntervalNs;
 constexpr int64_t kMaxSilenceNs =
     10 * kHealthIntervalNs;  // after this the loop counts as unresponsive
 constexpr std::chrono::milliseconds kCommitPollInterval{5};
 constexpr unsigned kCertificateIntervalS = 1;  // between two checks of the TLS files
 
 void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
-  // Without a quota one connection can use a gigabyte.
+  // Without a quota one connection can make gRPC use a gigabyte of memory.
   grpc::ResourceQuota quota("sweepstaked");
   quota.Resize(options.memory_quota_bytes);
   builder.SetResourceQuota(quota);
@@ -126,7 +127,7 @@ absl::Status RpcServer::Listen(const std::string& address) {
   const auto credentials = MakeCredentials(options_.tls);
   if (!credentials.ok()) return credentials.status();
   grpc::EnableDefaultHealthCheckService(true);
-  // This call also prevents the linker from dropping the library.
+  // This call is needed even without reflection: it prevents the linker from dropping the library.
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   SetLimits(builder, options_);
@@ -297,7 +298,8 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
 
 sessions::HeldEvidence RpcServer::CountHeld() {
   std::promise<sessions::HeldEvidence> held;
-  // The store's results are posted the same way, and run before this task.
+  // The results of the store are also posted with PostLater, so earlier results run before this
+  // task.
   loop_.PostLater([&] { held.set_value(sessions_.CountHeld()); });
   return held.get_future().get();
 }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr absl::string_view kScheme = "Bearer ";
 
-// Returns the call's token; absent if it has none, or more than one.
+// Returns the token in the call's metadata; absent if there is none, or more than one.
 std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
   const auto [first, last] = call.client_metadata().equal_range("authorization");
   if (first == last || std::next(first) != last) return std::nullopt;
@@ -26,7 +26,7 @@ std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
   return value.substr(kScheme.size());
 }
 
-// Returns the key under which a token is counted.
+// Returns the key of a token in the rate limits and in Shares.
 std::string HolderOf(int64_t token_id) { return absl::StrCat("token ", token_id); }
 
 }  // namespace
@@ -166,7 +166,8 @@ absl::StatusOr<AccessControl::Share> AccessControl::BeginWatch(const auth::Princ
                                                                const std::string& address) {
   std::vector<std::string> holders;
   if (caller.token_id != 0) holders.push_back(HolderOf(caller.token_id));
-  // All watchers behind a proxy on this machine have this address.
+  // Loopback addresses are not limited, because all watchers behind a proxy on this machine share
+  // one.
   if (!address.empty() && !net::IsLoopbackAddress(address)) holders.push_back(address);
   const uint32_t most = (options_.max_watchers + 1) / 2;
   const std::lock_guard lock(watchers_->mutex);

@@ -4,8 +4,9 @@
 // A call carries its token as metadata: `authorization: Bearer TOKEN`. While the daemon has no
 // tokens, every caller may do everything.
 //
-// This class also limits the rates of reads, of new streams and of bail-outs that count as
-// evidence, and the numbers of exports, imports and watchers. Thread-safe.
+// This class also limits the rates of reads (calls that list, export or begin to watch), of new
+// streams and of bail-outs that count as evidence. It limits the numbers of exports, imports and
+// watchers. Thread-safe.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -43,14 +44,14 @@ class AccessControl {
   AccessControl(const RpcOptions& options, const sessions::Clock& clock, spdlog::logger& log)
       : options_(options), tokens_(options.tokens), clock_(clock), refusals_(clock, log) {}
 
-  // Returns the caller. Errors: UNAUTHENTICATED (missing or invalid token), PERMISSION_DENIED
-  // (its role does not allow this RPC), RESOURCE_EXHAUSTED (too many unauthenticated calls from the
+  // Returns the caller. Errors: UNAUTHENTICATED (missing or invalid token), PERMISSION_DENIED (its
+  // role does not allow this RPC), RESOURCE_EXHAUSTED (too many unauthenticated calls from the
   // address, or the token or the address reads too often). Unauthenticated calls from an address
-  // never block a valid token from there. Refusals are logged.
+  // never block a valid token from the same address. Refusals are logged.
   absl::StatusOr<Caller> Authorize(const grpc::ServerContextBase& call, Rpc rpc);
 
-  // The same for an HTTP request; without `rpc`, returns the holder of the token whatever the role.
-  // `peer` is the remote address in gRPC's format.
+  // Like Authorize, for an HTTP request. Without `rpc`, a token with any role is accepted. `peer`
+  // is the remote address in gRPC's format.
   absl::StatusOr<Caller> AuthorizeOverHttp(const std::string& peer,
                                            std::optional<std::string_view> token,
                                            std::optional<Rpc> rpc) {
@@ -66,25 +67,28 @@ class AccessControl {
   // Returns an error if the caller's token was revoked or has expired since Authorize.
   absl::Status CheckStill(const auth::Principal& caller) const;
 
-  // Counts a read of a token (0: none) at an address, for Authorize. Error: RESOURCE_EXHAUSTED.
+  // Counts a read against the rate limits of the token (0: none) and of the address. Authorize
+  // calls it. Error: RESOURCE_EXHAUSTED (one of the limits is exceeded).
   absl::Status BeginRead(const std::string& address, int64_t token_id);
 
-  // Counts a Hello like a read. Addresses of the daemon's own machine are not counted. Error:
-  // RESOURCE_EXHAUSTED.
+  // Counts a Hello against the rate limits of the token (0: none) and of the address. Addresses of
+  // the daemon's own machine are not counted. Error: RESOURCE_EXHAUSTED (one of the limits is
+  // exceeded).
   absl::Status BeginHello(const std::string& address, int64_t token_id);
 
-  // Counts a bail-out like a Hello. Returns whether it is evidence, that is, whether the token and
-  // the address are within the rate of kBailingOutGames games. New sessions do not raise the limit.
+  // Counts a bail-out against the rate limits of the token and of the address, as BeginHello does.
+  // Returns whether both are within the rate of kBailingOutGames games. Only then is the bail-out
+  // evidence. More sessions do not raise the limit.
   bool SpendBailOut(const std::string& address, int64_t token_id);
 
   // A slot that is counted until the last copy is destroyed. It may outlive the server.
   using Share = std::shared_ptr<void>;
   // Counts an export or import. Error: RESOURCE_EXHAUSTED with the reason `refusal` (the daemon or
-  // the token has the maximum number of them).
+  // the token has the maximum number of transfers).
   absl::StatusOr<Share> BeginTransfer(const auth::Principal& caller, v1::ErrorReason refusal);
-  // Counts a watcher at an address. Error: RESOURCE_EXHAUSTED (there are RpcOptions::max_watchers,
-  // or the token or the address has half of them, rounded up; addresses of the daemon's own machine
-  // are not counted).
+  // Counts a watcher of the caller's token and of the address. Error: RESOURCE_EXHAUSTED (the
+  // daemon has RpcOptions::max_watchers watchers, or the token or the address has half of that
+  // number, rounded up). Addresses of the daemon's own machine are not limited.
   absl::StatusOr<Share> BeginWatch(const auth::Principal& caller, const std::string& address);
 
   RefusalLog& refusals() { return refusals_; }
@@ -101,14 +105,16 @@ class AccessControl {
     std::map<std::string, uint32_t> counts;  // per holder; holders without shares are removed
   };
 
-  // Returns the holder of the token, or a caller that needs none if `asks` is false.
+  // Returns the holder of the token. If `asks` is false, tokens are not needed, and the result is a
+  // default Principal.
   absl::StatusOr<auth::Principal> Identify(const std::string& peer,
                                            std::optional<std::string_view> token, bool asks);
   absl::StatusOr<Caller> Check(const std::string& peer, std::optional<std::string_view> token,
                                bool asks, std::optional<Rpc> rpc);
   absl::Status CheckRole(const auth::Principal& caller, const std::string& address, Rpc rpc);
-  // Counts a call of the token (0: none) at the address (empty: not counted). Returns a description
-  // of the token or address that exceeds the rate; empty if neither does.
+  // Counts a call against the rate limits of the token (0: none) and of the address (empty: not
+  // counted). Returns a description of the token or address that exceeds the rate; empty if neither
+  // does.
   std::string Count(auth::RateLimit& limit, double per_s, const std::string& address,
                     int64_t token_id);
   // Like Count, but does not count addresses of the daemon's own machine, which all games behind a

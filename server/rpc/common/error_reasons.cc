@@ -62,7 +62,7 @@ v1::ErrorReason ReasonOfRefusal(const absl::Status& status) {
 }
 
 absl::Status StoreFailed(const absl::Status& status) {
-  // The store returns INVALID_ARGUMENT for an invalid record of the client.
+  // The store returns INVALID_ARGUMENT if the client sent an invalid record.
   return sessions::WithReason(status, absl::IsInvalidArgument(status)
                                           ? sessions::reasons::kInvalidMessage.name
                                           : sessions::reasons::kStoreFailed.name);

@@ -12,11 +12,12 @@ namespace {
 
 constexpr uint32_t kScenesPerRead = 200;
 
-// Returns the arm whose newest version has the best mean; empty if there is no evidence.
+// Returns the arm whose newest version has the highest posterior mean; empty if there is no
+// evidence.
 std::string LeaderOf(const priors::SceneEvidence& scene) {
   std::vector<std::string_view> names;
   std::vector<decision::ArmEvidence> evidence;
-  for (size_t i = 0; i < scene.arms.size(); ++i) {  // ordered by name and version
+  for (size_t i = 0; i < scene.arms.size(); ++i) {  // arms are ordered by name and version
     if (i + 1 < scene.arms.size() && scene.arms[i + 1].name == scene.arms[i].name) continue;
     names.push_back(scene.arms[i].name);
     evidence.push_back(EvidenceOf(scene.arms[i]));

@@ -1,6 +1,6 @@
-// Previews how a change of the evidence would change the leading arm of each scene. It compares the
-// leaders before the change with those in the store as it would be after it. Used on the store's
-// thread.
+// Previews how revoking or promoting evidence would change the leading arm of each scene. It reads
+// the leaders twice: from the store as it is, and from the store as it would be after the change.
+// Used on the store's writing thread.
 #pragma once
 
 #include <map>
@@ -14,8 +14,8 @@ namespace sweepstake::rpc {
 
 class LeaderPreview {
  public:
-  // If `is_preview`, reads the current leaders of the project (empty: of all projects). Each scene
-  // costs one read before the change and one after it. At most kMaxScenes scenes are read.
+  // If `is_preview`, reads the current leaders of the project (empty: of all projects). At most
+  // kMaxScenes scenes are read.
   LeaderPreview(priors::PriorReader& store, std::string project, bool is_preview);
 
   // Returns the `preview` argument for the store's method; it must not outlive this object.

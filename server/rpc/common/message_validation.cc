@@ -21,7 +21,8 @@ using text::IsName;
 using text::IsOptionalName;
 
 constexpr uint64_t kMaxSequence = (1ull << 63) - 1;
-// Two years at 1,000 frames/s; the 64-bit counter can hold the sum of 2^28 such reports.
+// Maximum number of dropped frames in one report: two years at 1,000 frames/s. The 64-bit counter
+// can hold the sum of 2^28 such reports.
 constexpr uint64_t kMaxDroppedFrames = 1ull << 36;
 
 absl::Status Invalid(absl::string_view message) {
@@ -174,7 +175,7 @@ absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t ar
   if (request.has_hello())
     return Refused(v1::ERROR_REASON_MESSAGE_ORDER,
                    "Hello was already sent on this stream; send it once, as the first message");
-  // A message of a newer protocol appears as an unknown field.
+  // A message of a newer protocol appears as an unknown field and is allowed.
   if (request.message_case() == v1::StreamTelemetryRequest::MESSAGE_NOT_SET &&
       request.GetReflection()->GetUnknownFields(request).empty())
     return Invalid("the request contains no message");

@@ -2,9 +2,9 @@
 // the size of the message.
 //
 // A message that breaks the contract (lengths, indices, names, absent fields) ends the stream with
-// INVALID_ARGUMENT, or with FAILED_PRECONDITION if the order or the version is wrong. Messages and
-// values of a newer protocol are allowed; the session counts them and does not apply them. It also
-// skips impossible measurements (server/sessions/common/rejection.h).
+// INVALID_ARGUMENT, or with FAILED_PRECONDITION if the order of messages or the protocol version is
+// wrong. Messages and values of a newer protocol are allowed; the session counts them and does not
+// apply them. The session also skips impossible measurements (server/sessions/common/rejection.h).
 #pragma once
 
 #include "absl/status/status.h"
@@ -14,8 +14,8 @@
 
 namespace sweepstake::rpc {
 
-// Checks a Hello against the daemon's options. REQUIRES: it names a policy; if the client named
-// none, the caller has filled in the daemon's default.
+// Checks a Hello against the daemon's options. REQUIRES: `hello` names a policy. If the client
+// named none, the caller sets the daemon's default policy first.
 absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options);
 
 // Checks any request after Hello. REQUIRES: arm_count > 0.

@@ -16,7 +16,8 @@
 namespace sweepstake::rpc {
 namespace {
 
-// The flags that this version knows. Bits of later protocol versions are dropped.
+// Masks of the flags of frames and of shadow samples that this version knows. Bits of later
+// protocol versions are dropped.
 constexpr uint32_t kKnownFlags = 15;
 constexpr uint32_t kKnownShadowFlags = 3;
 
@@ -25,7 +26,7 @@ uint32_t Milliseconds(int64_t interval_ns) {
       std::clamp<int64_t>((interval_ns + kNsPerMs / 2) / kNsPerMs, 0, UINT32_MAX));
 }
 
-// Returns the name in the registry; options may call the policy "default".
+// Returns the policy's name in the registry of policies. Options may name the policy "default".
 std::string PolicyNameOf(const sessions::SessionIdentity& identity) {
   return std::string(
       decision::PolicyKindOf(identity.decision.policy, decision::ShippedPolicies()).name);
@@ -381,7 +382,7 @@ sessions::SwitchAnswer FromProto(const v1::SwitchOutcome& message) {
           .cost = CostOf(message)};
 }
 
-// Returns whether a message of a known kind has a value of a newer protocol.
+// Returns whether the message has an enum value of a newer protocol.
 bool HasUnknownValue(const v1::StreamTelemetryRequest& request) {
   if (request.has_switch_outcome())
     return !v1::SwitchReason_IsValid(request.switch_outcome().reason());

@@ -39,17 +39,17 @@ void ToProto(const SwitchCommand& command, v1::SwitchCommand& message);
 void ToProto(const decision::OrderReport& order, v1::OperatorOrder& message);
 void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& message);
 void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& message);
-// Sets only the key.
+// Sets only the fields of the key.
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
-// The posteriors are Beta(1,1) plus the pooled evidence. The caller sets active_session_count.
-// Computing the scene's figures takes 0.3 to 3 ms (7 to 32 arms), most of it for the intervals. For
-// many scenes, call it on the store's reading thread, not on the decision loop.
+// The posteriors are Beta(1,1) plus the pooled evidence. The caller sets active_session_count. The
+// conversion takes 0.3 to 3 ms (7 to 32 arms), most of it for the credible intervals. For many
+// scenes, call it on the store's reading thread, not on the decision loop.
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
 absl::StatusOr<std::vector<v1::ScenePosterior>> ToProto(
     const absl::StatusOr<std::vector<priors::SceneEvidence>>& page);
 void ToProto(const sessions::DecisionEvent& event, v1::DecisionEvent& message);
-// Sets the capabilities that both the Hello and the daemon have. The caller sets resumed,
-// protocol_version and batch_interval_ms.
+// Sets the capabilities that the client announced in its Hello and that the daemon supports. The
+// caller sets resumed, protocol_version and batch_interval_ms.
 void ToProto(const sessions::GameSession& session, const sessions::Hello& hello,
              const RpcOptions& options, v1::Welcome& message);
 void ToProto(const sessions::SessionView& session, v1::SessionInfo& message);
@@ -58,14 +58,14 @@ void ToProto(const events::EventStamp& stamp, v1::EventStamp& message);
 void ToProto(const decision::SceneComparison& scene, v1::SceneComparison& message);
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
 
-// The messages below must have passed message_validation.h.
+// REQUIRES for the next three functions: the message has passed the checks of message_validation.h.
 Mode FromProto(v1::Mode mode);
-// Sets the reward version of the policy, which Hello must name.
+// Sets the scene's reward version to that of the policy. REQUIRES: the Hello names a policy.
 sessions::Hello FromProto(const v1::Hello& message);
 // Reuses the memory of `telemetry`. A value of a scene descriptor that is negative or not finite
 // counts as not measured, and each cost of a switch is limited to kMaxFrameNs.
 void FromProto(const v1::StreamTelemetryRequest& request, sessions::Telemetry& telemetry);
-// Reads only the key.
+// Reads only the fields of the key.
 priors::SceneKey FromProto(const v1::ScenePosterior& message);
 
 }  // namespace sweepstake::rpc

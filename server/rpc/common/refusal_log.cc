@@ -44,7 +44,8 @@ void RefusalLog::TellLeftOut() {
       left_out_counts.at(reason) = std::exchange(line.left_out_count, 0);
     }
   }
-  // The lines are written without the lock, because that may be slow and calls wait for the lock.
+  // Write the lines after releasing the lock: writing may be slow, and other calls wait for the
+  // lock.
   for (size_t reason = 0; reason < left_out_counts.size(); ++reason) {
     if (left_out_counts.at(reason) == 0) continue;
     log_.warn("refused {} more calls ({})", left_out_counts.at(reason),

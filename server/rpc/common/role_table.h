@@ -1,5 +1,5 @@
 // The role that each RPC needs. A handler names its RPC with RpcOf, which does not compile for an
-// RPC without a row; a test compares the rows with the services of proto/.
+// RPC without a row. A test checks that each RPC in proto/ has a row.
 #pragma once
 
 #include <array>
