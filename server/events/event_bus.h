@@ -47,7 +47,7 @@ struct Channel {
   bool complete = false;                       // whether `state` has every match
   uint64_t load_count = 0;  // number of the latest load; results of earlier loads are dropped
   std::vector<Subscriber*> subscribers = {};
-  // receives box views; null for the other kinds
+  // Receives box views; null for the other kinds.
   std::unique_ptr<sessions::BoxViewListener> boxes = {};
 };
 

@@ -53,20 +53,22 @@ class RpcServer {
 
   int port() const { return port_; }
   const Counters& counters() const { return counters_; }
-  // Writes an action to the audit log: the subject and the rest of a sentence, or all of it as the
-  // rest. Any thread may call it.
+  // Writes an action to the audit log. `who` is the subject of a sentence, and `action` is the rest
+  // of it. If `who` is empty, `action` is the whole sentence. Any thread may call it.
   void RecordAction(std::string who, std::string action) {
     admin_.Record(std::move(who), std::move(action));
   }
-  // Begins a call for an HTTP request (BeginHttpCall). After Drain, calls are UNAVAILABLE.
+  // Begins a call for an HTTP request (BeginHttpCall). Once Drain has begun, calls are UNAVAILABLE.
   bool CallOverHttp(HttpCall call);
-  // Identifies an HTTP caller, like AccessControl. Any thread may call it.
+  // Identifies the caller of an HTTP request by its token, whatever the role of the token. Any
+  // thread may call it.
   absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& peer,
                                                    std::optional<std::string_view> token) {
     return access_.AuthorizeOverHttp(peer, token, std::nullopt);
   }
   // Begins a watch for an HTTP request. Returns false if the message is not a request of a Watch
-  // method. The sink takes snapshots, and is used on the loop. Any thread may call it.
+  // method. The sink must take the initial state with Subscriber::TakeSnapshot. It is used on the
+  // decision loop. Any thread may call it.
   bool WatchOverHttp(const google::protobuf::Message& request, const std::string& peer,
                      std::optional<std::string_view> token, std::shared_ptr<events::Sink> sink);
   sessions::DecisionLoop& loop() { return loop_; }
@@ -76,11 +78,11 @@ class RpcServer {
   // Returns whether the decision loop has run within the last ten seconds. Any thread may call it.
   bool responsive() const;
 
-  // Refuses new streams, requests clients to reconnect later, waits for pending writes, and ends.
+  // Refuses new streams, requests clients to reconnect later, waits for pending commits, and ends.
   // Calls that have not finished within `patience` are cancelled. Idempotent.
   void Drain(std::chrono::milliseconds patience);
-  // Counts the evidence that is not on disk, as of the store's latest results. Must not be called
-  // on the loop.
+  // Counts the sessions whose evidence is not on disk, after the store's results so far have been
+  // applied. Must not be called on the loop.
   sessions::HeldEvidence CountHeld();
 
  private:
@@ -92,16 +94,16 @@ class RpcServer {
                     const std::shared_ptr<grpc::ServerCredentials>& credentials);
   // Runs on the loop once per second, which also proves that the loop is alive.
   void WatchStore();
-  // Ends the long streams of callers whose tokens were revoked or have expired.
+  // Ends the telemetry streams and watches of callers whose tokens were revoked or have expired.
   void EndRefused();
-  // If other daemons write to the store too: reloads the watched scenes that they have changed.
+  // If other daemons write to the same store: reloads the watched scenes that they have changed.
   void FollowOthers();
   // Reports NOT_SERVING while the store cannot be written or read.
   void UpdateHealth();
   void ReportLostAuditRows();
-  // While the store cannot be written, passes the waiting updates to options_.keep_waiting.
+  // Calls options_.keep_waiting when it is due (rpc/common/options.h).
   void KeepWaiting();
-  // Returns the updates that wait for the store.
+  // Returns the updates that the store has not written yet.
   std::vector<priors::SourceUpdate> Waiting() const;
   // Runs `task` on the loop and waits for it. Must not be called on the loop.
   void RunOnLoop(const std::function<void()>& task);
@@ -114,7 +116,7 @@ class RpcServer {
   const EventEncoder encoder_;
   events::EventBus events_;
   sessions::SessionTable sessions_;
-  ServiceContext context_;  // refers to members below, too
+  ServiceContext context_;  // also refers to members declared below
   StallSweep stalls_;
   TelemetryService telemetry_;
   sessions::AdminLog admin_;
@@ -126,12 +128,13 @@ class RpcServer {
   bool serving_ = true;                   // the reported health; used on the loop
   bool draining_ = false;                 // used on the loop
   bool following_ = false;                // whether TakeChangedScenes is running; used on the loop
-  uint64_t lost_by_store_ = 0;            // audit rows already counted; used on the loop
-  uint64_t reported_lost_rows_ = 0;       // used on the loop
-  int64_t next_loss_report_ns_ = 0;       // used on the loop
-  int64_t away_at_ns_ = 0;                // when the store was last unhealthy; used on the loop
-  int64_t keep_at_ns_ = 0;                // next keep while it is unhealthy; used on the loop
-  bool is_kept_ = false;                  // updates may be kept elsewhere; used on the loop
+  uint64_t lost_by_store_ = 0;       // rows lost by the store and already counted; used on the loop
+  uint64_t reported_lost_rows_ = 0;  // used on the loop
+  int64_t next_loss_report_ns_ = 0;  // used on the loop
+  int64_t away_at_ns_ = 0;           // when the store was last unhealthy; used on the loop
+  int64_t keep_at_ns_ = 0;           // next call of keep_waiting; used on the loop
+  // Whether the last call of keep_waiting was made while the store was unhealthy; used on the loop.
+  bool is_kept_ = false;
   std::atomic<bool> drained_ = false;
   // The loop is declared after everything that its tasks use, because its destructor runs the last
   // tasks.

@@ -55,7 +55,7 @@ inline constexpr double kMinBailOutsPerS = 2;
 // before its Hello. The next stream is RESOURCE_EXHAUSTED.
 inline constexpr uint32_t kMaxStreamsWithoutSession = 1'000;
 inline constexpr uint32_t kScenesPerPage = 100;  // maximum number of scenes per page of a listing
-// maximum number of sessions per page of a listing
+// Maximum number of sessions per page of a listing.
 inline constexpr uint32_t kSessionsPerPage = 100;
 inline constexpr int64_t kNsPerMs = 1'000'000;
 

@@ -27,20 +27,21 @@ absl::StatusOr<Page> LoadSegments(priors::PriorReader& store, const AuditFilter&
   return Page{.response = response, .last = segments->size() < kAuditSegmentsPerMessage};
 }
 
-// An export begins after this row of a session; 0: with the first row.
+// The last row that the client already has. The export begins after it; 0: with the first row.
 struct LastRead {
   uint32_t segment = 0;
   uint64_t row = 0;
 };
 
-// The position of an export in the log.
+// The position of an export in the audit log.
 struct RowPlace {
-  uint64_t after = 0;                   // the segments up to this id are done
-  std::optional<AuditSegment> segment;  // the current one
-  uint64_t next_row = 1;                // the next row of the current segment
+  uint64_t after = 0;                   // id of the segment that was begun last; 0: none
+  std::optional<AuditSegment> segment;  // the segment being exported
+  uint64_t next_row = 1;                // the next row of `segment`
 };
 
-// Begins the next segment unless one is current. Returns false if there is none.
+// Sets place.segment to the next segment that matches, unless it is set. Returns false if there are
+// no more segments.
 absl::StatusOr<bool> EnterSegment(priors::PriorReader& store, const AuditFilter& filter,
                                   const LastRead& last_read, RowPlace& place) {
   while (!place.segment) {
@@ -56,7 +57,7 @@ absl::StatusOr<bool> EnterSegment(priors::PriorReader& store, const AuditFilter&
   return true;
 }
 
-// Makes the message a row that stands for missing ones.
+// Makes `message` a row that stands for missing rows, beginning with row `number` of the segment.
 void SetMissing(const AuditSegment& segment, uint64_t number, v1::AuditRow& message) {
   message.Clear();
   message.set_session(segment.session_id);
@@ -65,8 +66,8 @@ void SetMissing(const AuditSegment& segment, uint64_t number, v1::AuditRow& mess
   message.set_kind(v1::AUDIT_KIND_MISSING);
 }
 
-// Adds the rows to the response, and a `missing` row where some are not there or not readable.
-// Returns their bytes.
+// Adds the rows to the response. One row of the kind AUDIT_KIND_MISSING stands for each gap in the
+// row numbers and for each row that does not parse. Returns the number of bytes of `rows`.
 size_t AddRows(const std::vector<priors::AuditRow>& rows, RowPlace& place,
                v1::ExportDecisionsResponse& response) {
   size_t bytes = 0;
@@ -100,7 +101,7 @@ absl::StatusOr<Page> LoadRows(priors::PriorReader& store, const AuditFilter& fil
   return Page{.response = response};
 }
 
-// Returns the part of the request that the caller may see.
+// Returns the filter of the request, restricted to the projects that the caller may see.
 template <typename Request>
 absl::StatusOr<AuditFilter> FilterOf(const Caller& caller, const Request& request) {
   AuditFilter filter{request.session_id(), request.project(), request.scene()};

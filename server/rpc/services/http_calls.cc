@@ -15,7 +15,7 @@ namespace {
 
 using google::protobuf::Message;
 
-// A stream over HTTP. It owns itself until its end.
+// A response stream over HTTP. It owns itself, by self_, until Finish.
 class HttpPages final : public PageSink, public std::enable_shared_from_this<HttpPages> {
  public:
   HttpPages(ServiceContext& context, HttpCall call) : context_(context), call_(std::move(call)) {}
@@ -35,7 +35,8 @@ class HttpPages final : public PageSink, public std::enable_shared_from_this<Htt
   }
   void Finish(const absl::Status& status) override {
     Cancel(status);
-    context_.loop.Post([self = std::move(self_)] {});  // the stream is still in use
+    // The caller still uses the stream, so a later task releases it.
+    context_.loop.Post([self = std::move(self_)] {});
   }
   void Cancel(const absl::Status& status) override {
     if (std::exchange(ended_, true)) return;
@@ -51,7 +52,7 @@ class HttpPages final : public PageSink, public std::enable_shared_from_this<Htt
   bool ended_ = false;
 };
 
-// `caller` is the authorized caller, or why there is none.
+// Serves a call. The last argument is the authorized caller, or the error of the authorization.
 using Handler = std::function<void(ServiceContext&, HttpCall, const absl::StatusOr<Caller>&)>;
 struct Method {
   Rpc rpc;

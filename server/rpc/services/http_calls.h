@@ -1,5 +1,5 @@
-// Calls of the services' methods that come over HTTP: the same checks, limits and handlers as over
-// gRPC, without a connection in between.
+// Serves calls that arrive over HTTP. They go through the same checks, limits and handlers as calls
+// over gRPC. The handlers are called directly, without a gRPC connection.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -18,17 +18,20 @@ struct HttpCall {
   std::shared_ptr<const google::protobuf::Message> request;
   std::string peer;                  // the remote address in gRPC's format
   std::optional<std::string> token;  // the client's token
-  // Called with each response. Of a stream, the next one follows when the client has taken this
-  // one: when the last copy of `taken` is destroyed with the value true. With the value false the
-  // stream ends. One answer has no `taken`.
+  // Called with each response. A stream continues when the last copy of `taken` is destroyed:
+  // - with the value true (the client has taken this response), the next response follows;
+  // - with the value false, the stream ends.
+  // For a call with one response, `taken` is null.
   using Taken = std::shared_ptr<bool>;
   std::function<void(const std::shared_ptr<const google::protobuf::Message>&, Taken)> on_response;
-  // Called last, and once. These two are called on any thread, and must not block.
+  // Called once, after the last response. on_response and on_end are called on any thread, and must
+  // not block.
   std::function<void(const absl::Status&)> on_end;
 };
 
-// Begins the call. Returns false if the request is not one of a method with one request and a
-// finite answer. Any thread may call it.
+// Begins the call. Returns false for requests of other methods: those with several requests
+// (StreamTelemetry, ImportPriors) and those without a finite answer (Watch methods). Any thread may
+// call it.
 bool BeginHttpCall(ServiceContext& context, HttpCall call);
 
 }  // namespace sweepstake::rpc

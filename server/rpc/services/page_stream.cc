@@ -10,7 +10,7 @@ void PageStream::Begin() {
 void PageStream::LoadNext() {
   const bool submitted = context_.store.Read(
       [weak = weak_from_this(), &loop = context_.loop, load = load_](priors::PriorReader& store) {
-        if (weak.expired()) return;  // it ended while the previous page was written
+        if (weak.expired()) return;  // the stream ended before this read began
         loop.Post([weak, page = (*load)(store)]() mutable {
           if (!page.ok()) page = StoreFailed(page.status());
           if (const auto self = weak.lock()) self->OnPage(std::move(page));

@@ -1,5 +1,6 @@
-// A response stream that is read from the store page by page, as fast as the client reads, one page
-// ahead of the page that is written. Every streaming export uses it.
+// A response stream whose pages are read from the store, as fast as the client reads them. While
+// one page is written to the client, the next one is read from the store. Every streaming export
+// uses it.
 //
 // Each such method has a function
 //   absl::StatusOr<LoadPage> PagesOf(const Caller&, const Request&)
@@ -23,10 +24,12 @@
 namespace sweepstake::rpc {
 
 struct Page {
-  std::shared_ptr<const google::protobuf::Message> response;  // null: the stream ends without it
-  bool last = false;                                          // the stream ends after this response
+  // Null: nothing is sent, and the stream ends.
+  std::shared_ptr<const google::protobuf::Message> response;
+  bool last = false;  // the stream ends after this response
 };
-// Reads the next page; it keeps its place. It runs on the store's reading thread.
+// Reads the next page. The function object keeps the position between calls. It runs on the store's
+// reading thread.
 using LoadPage = std::function<absl::StatusOr<Page>(priors::PriorReader&)>;
 
 // The transport of a stream: a gRPC call, or an HTTP request. Used on the decision loop.
@@ -35,7 +38,7 @@ class PageSink {
   virtual ~PageSink() = default;
   // Each call leads to one PageStream::OnWritten. At most one write is pending.
   virtual void Write(const std::shared_ptr<const google::protobuf::Message>& response) = 0;
-  // Ends the stream. No write is pending.
+  // Ends the stream. REQUIRES: no write is pending.
   virtual void Finish(const absl::Status& status) = 0;
   // Makes a pending write fail.
   virtual void Cancel(const absl::Status& status) = 0;
@@ -65,13 +68,13 @@ class PageStream final : public Transfer, public std::enable_shared_from_this<Pa
   const std::shared_ptr<const LoadPage> load_;
   PageSink& sink_;
   Page page_;                                  // the page that is written, or was written last
-  std::optional<absl::StatusOr<Page>> ahead_;  // the page after it
+  std::optional<absl::StatusOr<Page>> ahead_;  // the page after page_; absent until it was read
   bool writes_ = false;
   bool ended_ = false;
 };
 
-// A stream over gRPC, whose callbacks run elsewhere and only post to the loop. It owns itself until
-// gRPC is done with it.
+// A PageStream over gRPC. gRPC's callbacks run on gRPC's threads and only post to the loop. The
+// object deletes itself after OnDone.
 template <typename Response>
 class PageCall final : public grpc::ServerWriteReactor<Response>, public PageSink {
  public:
@@ -94,7 +97,7 @@ class PageCall final : public grpc::ServerWriteReactor<Response>, public PageSin
   void OnWriteDone(bool ok) override {
     context_.loop.Post([this, ok] { stream_->OnWritten(ok); });
   }
-  // A pending write fails, and so does the next one, so the stream ends soon.
+  // Nothing to do: the pending write, or else the next one, fails and ends the stream.
   void OnCancel() override {}
   void OnDone() override {
     context_.loop.Post([this] { delete this; });
@@ -106,7 +109,7 @@ class PageCall final : public grpc::ServerWriteReactor<Response>, public PageSin
   const std::shared_ptr<PageStream> stream_;
 };
 
-// Returns the pages for the caller, or an error. Refusals are logged.
+// Returns the result of PagesOf, or the error of an unauthorized caller. Refusals are logged.
 template <typename Request>
 absl::StatusOr<LoadPage> PagesFor(ServiceContext& context, const absl::StatusOr<Caller>& caller,
                                   const Request& request) {

@@ -19,7 +19,8 @@ namespace {
 using priors::SceneEvidence;
 using priors::SceneKey;
 
-// Returns the key as an encoded message. It is opaque to clients, and checked when it is parsed.
+// Returns the page token of the key: a protobuf message in hexadecimal digits. KeyOf parses and
+// checks it.
 std::string TokenOf(const SceneKey& key) {
   v1::ScenePosterior token;
   ToProto(key, token);
@@ -56,8 +57,8 @@ uint32_t DefaultRewardVersion(const RpcOptions& options) {
       .reward_version;
 }
 
-// Runs `read` on the store's reading thread and then `answer(result)` on the loop, whose status
-// ends the call.
+// Runs `read` on the store's reading thread and then `answer(result)` on the loop. The status that
+// `answer` returns ends the call.
 template <typename Read, typename Answer>
 void ReadAndAnswer(ServiceContext& context, const EndCall& end, Read read, Answer answer) {
   const bool submitted =

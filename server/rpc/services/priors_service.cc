@@ -26,7 +26,8 @@ namespace {
 
 using priors::PriorRecord;
 
-// A place in an export: first the evidence that counts, then the records in quarantine.
+// The position in an export, which sends first the evidence that counts and then the records in
+// quarantine.
 struct TransferPlace {
   bool in_quarantine = false;
   priors::ExportPlace after = {};
@@ -61,7 +62,7 @@ bool IsChosen(const v1::BuildChoice& choice, const std::string& build) {
   return !choice.has_build() || (choice.build() == build) != choice.others();
 }
 
-// Returns the evidence of the chosen builds as if it were that of one build.
+// Groups the evidence of the chosen builds as if it all came from one build.
 decision::PriorsGroups GroupsOf(const v1::BuildChoice& choice,
                                 const std::vector<PriorRecord>& sums) {
   std::vector<PriorRecord> chosen;
@@ -73,7 +74,8 @@ decision::PriorsGroups GroupsOf(const v1::BuildChoice& choice,
   return decision::GroupPriors(chosen);
 }
 
-// Adds the builds with evidence of the scene, the latest one first.
+// Adds the names of the builds with evidence of the scene. The build with the most recent evidence
+// comes first.
 void AddBuilds(const std::vector<PriorRecord>& sums, v1::SceneComparison& scene) {
   std::map<std::string, uint64_t> last_seen;  // by build
   for (const PriorRecord& sum : sums) {
@@ -89,13 +91,13 @@ void AddBuilds(const std::vector<PriorRecord>& sums, v1::SceneComparison& scene)
   for (auto& [build, seen] : builds) scene.add_builds(std::move(build));
 }
 
-// Compares what two choices of builds have measured, scene by scene.
+// Compares the evidence of two choices of builds, scene by scene.
 class BuildComparison {
  public:
   explicit BuildComparison(v1::CompareBuildsRequest request) : request_(std::move(request)) {}
 
-  // Adds a record that counts. Appends the scenes that have ended to the response. REQUIRES: the
-  // records of a scene come one after the other.
+  // Adds a record that is not in quarantine. If it begins a new scene, appends the comparison of
+  // the previous scene to the response. REQUIRES: the records of a scene follow one another.
   void Add(PriorRecord record, v1::CompareBuildsResponse& response) {
     if (record.key.scene != scene_.scene || record.key.project != scene_.project) {
       EndScene(response);
@@ -104,7 +106,7 @@ class BuildComparison {
     sums_.Add(std::move(record));
   }
 
-  // Appends the last scene to the response.
+  // Appends the comparison of the current scene to the response.
   void EndScene(v1::CompareBuildsResponse& response) {
     const std::vector<PriorRecord> sums = std::exchange(sums_, {}).Take();
     const decision::PriorsGroups before = GroupsOf(request_.before(), sums);
@@ -119,7 +121,7 @@ class BuildComparison {
 
  private:
   const v1::CompareBuildsRequest request_;
-  BuildSums sums_;  // of the scene
+  BuildSums sums_;  // evidence of the current scene
   EvidenceKey scene_;
 };
 
@@ -135,21 +137,22 @@ absl::StatusOr<Page> LoadComparison(priors::PriorReader& store, const priors::Sc
   return Page{.response = response, .last = last};
 }
 
-// Called with the result of an import or a promotion.
+// Called with the result of an import, a promotion or a revocation.
 void OnEvidence(ServiceContext& context, const absl::Status& status,
                 const std::vector<priors::SceneKey>& new_scenes) {
-  // The store may have the evidence even if it answers UNAVAILABLE.
+  // If the result is UNAVAILABLE, the store may have applied the change nevertheless.
   if (status.ok() || absl::IsUnavailable(status)) context.events.Reset();
   if (!status.ok()) return;
-  // Sessions that hold the scenes would otherwise count them a second time.
+  // These scenes are in the store now. If sessions hold them, NewScenes would count them a second
+  // time.
   for (const priors::SceneKey& scene : new_scenes) context.sessions.new_scenes().Forget(scene);
 }
 
 // One import. gRPC's callbacks parse and check one message at a time and post to the decision loop.
-// Everything else runs there, except for the store's job.
+// Everything else runs on the loop, except the job on the store's writing thread.
 class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, public Transfer {
  public:
-  // `collected_count` is shared by all imports.
+  // `collected_count` counts the records that all imports together hold in memory.
   PriorImport(ServiceContext& context, std::atomic<size_t>& collected_count,
               grpc::CallbackServerContext& call, grpc::ByteBuffer& response, Caller caller)
       : Transfer(context, std::move(caller)),
@@ -180,7 +183,8 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     begun.ok() ? ReadNext() : End(begun);
   }
 
-  // Fails if the token was revoked meanwhile.
+  // Reads the next message. Ends the import if the caller's token was revoked or has expired since
+  // the last one.
   void ReadNext() {
     if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
       return End(still);
@@ -266,7 +270,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
       if (absl::Status allowed = CheckProject(caller_, record.project()); !allowed.ok())
         return allowed;
       records_.push_back(sweepstake::FromProto(record));
-      records_.back().is_quarantined = false;  // imports ignore it
+      records_.back().is_quarantined = false;  // an import ignores this field
       ++collected_count_;
     }
     return absl::OkStatus();
@@ -279,7 +283,8 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   v1::ImportPriorsRequest request_;
   std::vector<PriorRecord> records_;
   bool promotes_ = false;
-  std::vector<priors::SceneKey> new_scenes_;  // new in the store; used by its job, then on the loop
+  // Scenes that the import adds to the store; set by the store's job, then used on the loop.
+  std::vector<priors::SceneKey> new_scenes_;
 };
 
 bool NamesAny(const v1::SourceFilter& sources) {
@@ -287,7 +292,7 @@ bool NamesAny(const v1::SourceFilter& sources) {
          sources.unix_from_s() != 0 || sources.unix_until_s() != 0;
 }
 
-// Returns the sources that a request selects.
+// Returns the store's filter for the sources that the request selects.
 absl::StatusOr<priors::SourceFilter> FilterOf(const v1::SourceFilter& sources,
                                               const auth::Principal& caller) {
   if (sources.token_id() < 0 || sources.unix_from_s() < 0 || sources.unix_until_s() < 0)
@@ -307,7 +312,8 @@ absl::StatusOr<priors::SourceFilter> FilterOf(const v1::SourceFilter& sources,
   return filter;
 }
 
-// Returns what was done to which evidence, as the rest of a sentence.
+// Describes a promotion or revocation for the log, as the rest of a sentence whose subject is the
+// caller.
 std::string ChangeText(const char* verb, const priors::ChangeResult& result,
                        const v1::SourceFilter& sources) {
   std::string text = absl::StrCat(verb, " ", result.source_count, " sources with ",
@@ -325,15 +331,16 @@ std::string ChangeText(const char* verb, const priors::ChangeResult& result,
   return text;
 }
 
-// Returns whether a promotion selects a record in quarantine. Imported sources have no token or
-// time.
+// Returns whether a promotion with this filter selects the record in quarantine. A filter by token
+// or by start time selects nothing, because imported sources have neither.
 bool IsMeant(const PriorRecord& record, const priors::SourceFilter& filter) {
   return filter.token_id == 0 && filter.from_unix_s == 0 &&
          (filter.id.empty() || filter.id == record.source_id) &&
          (filter.build.empty() || filter.build == record.build);
 }
 
-// Adds the records to promote to the quota. In quarantine they did not count.
+// Checks whether the quota allows the records that a promotion selects. Records in quarantine do
+// not count against the quota.
 absl::Status CheckPromotion(priors::PriorStore& store, const priors::SourceFilter& filter,
                             sessions::SceneQuota& quota) {
   priors::ExportPage page;
@@ -350,7 +357,7 @@ absl::Status CheckPromotion(priors::PriorStore& store, const priors::SourceFilte
   return absl::OkStatus();
 }
 
-// Returns the filter of a request, narrowed to what the caller may see.
+// Returns the filter of a request, restricted to the projects that the caller may see.
 template <typename Request>
 absl::StatusOr<priors::SceneFilter> ScenesOf(const Caller& caller, const Request& request) {
   priors::SceneFilter filter{request.project(), request.scene()};
@@ -358,7 +365,7 @@ absl::StatusOr<priors::SceneFilter> ScenesOf(const Caller& caller, const Request
   return filter;
 }
 
-// Revokes or promotes sources: runs the change, or previews it, on the store's thread.
+// Revokes or promotes sources: runs the change, or previews it, on the store's writing thread.
 template <typename Request, typename Response>
 void ChangeSources(ServiceContext& context, const Caller& caller, const Request& request,
                    Response& response, const EndCall& end) {

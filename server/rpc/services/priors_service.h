@@ -1,10 +1,12 @@
 // sweepstake.v1.PriorsService: exports evidence from the store and imports it. Thread-safe.
 //
-// An export reads the store page by page, as fast as the client reads. Records that are committed
-// during the export may be missing, but no record is partial. An import is collected first (up to
-// kMaxImportRecords) and applied in one transaction after the client has half-closed; a stream that
-// is cancelled or has an invalid record changes nothing. Imported evidence waits in quarantine
-// until it is promoted, and then reaches the sessions that begin after it.
+// An export reads the store page by page, as fast as the client reads. It can miss records that are
+// committed while it runs, but each exported record is complete.
+//
+// An import is first collected in memory (up to kMaxImportRecords records). After the client has
+// half-closed the stream, it is applied in one transaction. A stream that is cancelled or has an
+// invalid record changes nothing. Unless the request sets `promote`, imported evidence waits in
+// quarantine until an operator promotes it. Sessions that begin after the promotion use it.
 #pragma once
 
 #include <atomic>

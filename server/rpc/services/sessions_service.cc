@@ -20,14 +20,14 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Returns the order as the rest of a sentence.
+// Describes the order for the log, as the rest of a sentence whose subject is the operator.
 std::string OrderText(const v1::OrderSessionRequest& order, const std::string& session_id) {
   const std::string text = absl::StrCat("ordered session ", session_id);
   if (order.mode() == v1::MODE_AI) return text + " to let the daemon decide";
   return text + (order.arm().empty() ? " to keep its arm" : " to keep to " + order.arm());
 }
 
-// Returns the order; the caller sets the operator and the time.
+// Converts the request to an order. The caller sets its operator_name and now_ns.
 absl::StatusOr<decision::OrderReport> OrderOf(const v1::OrderSessionRequest& request,
                                               const std::vector<std::string>& arms) {
   if (request.mode() != v1::MODE_MANUAL && request.mode() != v1::MODE_AI) {
@@ -52,7 +52,8 @@ absl::StatusOr<decision::OrderReport> OrderOf(const v1::OrderSessionRequest& req
 }
 
 // Returns the session if it is in memory and has not ended. For a session of a project that the
-// caller may not use, the answer is null too, so that it reveals nothing.
+// caller may not use, it also returns null, so that the answer does not reveal that the session
+// exists.
 std::shared_ptr<sessions::GameSession> FindFor(const ServiceContext& context,
                                                const auth::Principal& caller,
                                                const std::string& session_id) {
@@ -111,8 +112,8 @@ void Answer(ServiceContext& context, const Caller& caller, const v1::OrderSessio
     const std::string who = NameAndAddress(caller);
     order->operator_name = who;
     order->now_ns = context.loop.clock().NowNs();
-    // Recorded before the answer, because the daemon may end before the game answers. The
-    // session's own log has the order once its next decision is on disk.
+    // Record the order before the game answers, because the daemon may end before that. The
+    // session's own audit log has the order only after the session's next decision is on disk.
     const std::string action = OrderText(request, session->identity().id);
     context.admin.Record(who, action);
     session->Order(*order, [&context, &response, who, end, action,

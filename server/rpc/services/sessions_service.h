@@ -1,4 +1,5 @@
-// sweepstake.v1.SessionsService: shows, orders and ends the sessions in memory. Thread-safe.
+// sweepstake.v1.SessionsService: lists, watches and ends the sessions in memory, and gives orders
+// to their games. Thread-safe.
 #pragma once
 
 #include "server/rpc/services/unary_call.h"

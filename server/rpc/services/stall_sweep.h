@@ -12,12 +12,12 @@
 
 namespace sweepstake::rpc {
 
-// Ends a call at once. A pending write to a client that does not read fails then. The client
-// receives the code and the message, but no details.
+// Ends a call at once. If a write waits for a client that does not read, the write fails. The
+// client receives the code and the message of the status, but not its details.
 void Cancel(grpc::CallbackServerContext& call, const grpc::Status& status);
 
-// A call that may stall. It must leave the sweep before it is finished, because gRPC may free it
-// before the loop learns of the end.
+// A call that is ended when it stalls. It must be removed from the sweep before it is finished,
+// because gRPC may free a finished call before the loop runs its OnDone.
 class StallingCall {
  public:
   virtual ~StallingCall() = default;
@@ -25,14 +25,16 @@ class StallingCall {
   virtual int64_t waiting_since_ns() const = 0;
   // The time by which the call must be done, or Clock::kNever.
   virtual int64_t deadline_ns() const { return sessions::Clock::kNever; }
-  // Called when the patience is over, or the deadline has passed. The call may remove itself.
+  // Called when the call has made no progress for the patience of StallSweep, or its deadline has
+  // passed. The call may remove itself from the sweep.
   virtual void OnStalled() = 0;
 };
 
 class StallSweep {
  public:
-  // A call is ended between one and 1.25 times the patience after its last progress, and at most a
-  // quarter of it after its deadline.
+  // `patience_ns` is the longest time without progress. Calls are checked four times in this time.
+  // A call is therefore ended 1 to 1.25 times `patience_ns` after its last progress, or at most a
+  // quarter of `patience_ns` after its deadline.
   StallSweep(sessions::DecisionLoop& loop, int64_t patience_ns)
       : loop_(loop), patience_ns_(patience_ns) {}
 
@@ -61,13 +63,14 @@ class Transfer : public StallingCall {
   Transfer(ServiceContext& context, Caller caller)
       : context_(context), caller_(std::move(caller)) {}
 
-  // Counts the transfer, and begins to watch its progress. Error: RESOURCE_EXHAUSTED with the
-  // reason `refusal`.
+  // Counts the transfer, and begins to check its progress. Error: RESOURCE_EXHAUSTED with the
+  // reason `refusal` (too many transfers are under way).
   absl::Status BeginTransfer(v1::ErrorReason refusal);
   void OnProgress() { last_progress_ns_ = context_.loop.clock().NowNs(); }
   // Called while the daemon waits for the store instead of the client.
   void WaitForStore() { last_progress_ns_ = deadline_ns_ = sessions::Clock::kNever; }
-  // Called before the call is finished. Logs refusals.
+  // Stops checking the progress, and logs `status` if it is a refusal. Called before the call is
+  // finished.
   void EndTransfer(const absl::Status& status);
 
   ServiceContext& context_;

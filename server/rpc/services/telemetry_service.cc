@@ -14,11 +14,11 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Transports a stream over gRPC.
+// Transports a TelemetryStream over gRPC.
 //
-// gRPC's callbacks run on its few threads and only parse and post. Messages are parsed here, from
-// raw bytes into reused memory, because gRPC would report an invalid one as an orderly half-close.
-// It owns itself until gRPC is done with it.
+// gRPC's callbacks run on gRPC's threads. They only parse messages and post tasks to the decision
+// loop. This class parses the messages itself, into reused memory: gRPC would report a message that
+// does not parse as an orderly half-close. The object deletes itself after OnDone.
 class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                             public TelemetryTransport {
  public:
@@ -50,8 +50,8 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
     if (!ok) return loop_.Post([this] { stream_->OnHalfClose(); });
     v1::StreamTelemetryRequest& request = requests_[read_count_++ % requests_.size()];
     const bool parsed = Parse(read_bytes_, request);
-    // Post first: after the decrement the loop may start the next read, whose message must not
-    // overtake this one.
+    // Post this message before wanted_reads_ is decremented. After that, the loop may start the
+    // next read, and its message must not overtake this one.
     loop_.Post([this, &request, parsed] { stream_->OnMessage(parsed ? &request : nullptr); });
     if (wanted_reads_.fetch_sub(1) > 1) StartRead(&read_bytes_);
   }
@@ -62,7 +62,7 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   void OnCancel() override {
     loop_.Post([this] { stream_->OnCancelled(); });
   }
-  // All earlier tasks have run by then.
+  // Deletes the object in a task, because tasks that were posted before still use it.
   void OnDone() override {
     loop_.Post([this] {
       stream_->OnDone();
@@ -71,7 +71,8 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   }
 
  private:
-  // gRPC ends OnReadDone before OnDone. This load shows that to ThreadSanitizer.
+  // gRPC returns from OnReadDone before it calls OnDone. ThreadSanitizer cannot see this order; the
+  // load of the atomic makes it visible.
   ~TelemetryCall() override { wanted_reads_.load(); }
 
   sessions::DecisionLoop& loop_;
@@ -79,10 +80,10 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   grpc::CallbackServerContext& call_;
   const std::shared_ptr<TelemetryStream> stream_;
 
-  // Read() calls without a message yet. While there are some, a read is pending, until the
-  // half-close.
+  // Number of Read() calls that have not received a message. While it is above 0, a gRPC read is
+  // pending, until the client half-closes.
   std::atomic<uint32_t> wanted_reads_{0};
-  grpc::ByteBuffer read_bytes_;  // these two are used by gRPC's callback
+  grpc::ByteBuffer read_bytes_;  // read_bytes_ and read_count_ are used by gRPC's callback
   uint64_t read_count_ = 0;
   // Used alternately: the callback fills one while the loop applies the other.
   std::array<v1::StreamTelemetryRequest, TelemetryTransport::kMaxReads> requests_;

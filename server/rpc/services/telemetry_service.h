@@ -1,4 +1,5 @@
-// sweepstake.v1.TelemetryService on raw messages: the stream of each game. Thread-safe.
+// sweepstake.v1.TelemetryService: serves the telemetry stream of each game. gRPC passes the
+// messages unparsed. Thread-safe.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -17,7 +18,7 @@ class TelemetryService final : public v1::TelemetryService::WithRawCallbackMetho
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* StreamTelemetry(
       grpc::CallbackServerContext* call) override;
 
-  // Refuses new streams and asks the other clients to reconnect later. Called on the loop.
+  // Refuses new streams and requests the connected clients to reconnect later. Called on the loop.
   void Drain() { streams_.Drain(context_.options); }
   // Ends the streams of callers whose tokens are no longer valid. Called on the loop.
   void EndRefused() { streams_.EndRefused(); }

@@ -89,8 +89,8 @@ void TelemetryStream::OnMessage(v1::StreamTelemetryRequest* request) {
     ++context_.counters.invalid_message_count;
     return Reject(status);
   }
-  // After a Hello, Enter requests the next message. After a goodbye nothing is read: the session
-  // ends the stream once everything is on disk.
+  // Request the next message, with two exceptions. After a Hello, Enter requests it. After a
+  // Goodbye no message is needed: the session closes the stream once its evidence is on disk.
   if (!opens && session_ && !SaidGoodbye() && !end_) transport_.Read();
 }
 
@@ -177,7 +177,7 @@ void TelemetryStream::Enter(const sessions::OpenedSession& opened) {
   welcome.set_batch_interval_ms(batch_interval_ms_);
   WriteNext();
   session_->Start(hello);
-  // The Hello has been used, so both requests are free.
+  // The Hello is not needed any more, so both request buffers are free: read into both.
   for (size_t i = 0; i < TelemetryTransport::kMaxReads; ++i) transport_.Read();
   context_.log.debug("session {} {}", session_->identity().id,
                      opened.resumed ? "resumed" : "began");
@@ -300,7 +300,8 @@ void TelemetryStream::Abort(const absl::Status& status) {
   ClearOutbox();
   LeaveSession();
   if (writing_) {
-    // The pending write waits for a client that does not read. OnWritten continues from there.
+    // The pending write waits for a client that does not read. Cancel makes it fail. OnWritten then
+    // finishes the stream.
     transport_.Cancel(status);
     end_ = absl::CancelledError("the call was cut off");
   }
@@ -325,7 +326,7 @@ uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count) {
 }
 
 void TelemetryStreams::EndRefused() {
-  // A stream that ends leaves the map later, in another task.
+  // The loop over `all` is safe, because a stream that ends leaves `all` in a later task.
   for (const auto& [number, stream] : all) stream->EndIfRefused();
 }
 

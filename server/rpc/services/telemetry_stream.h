@@ -20,26 +20,28 @@ namespace sweepstake::rpc {
 
 class TelemetryStream;
 
-// All streams.
+// All open telemetry streams of the daemon.
 struct TelemetryStreams {
-  std::map<uint64_t, TelemetryStream*> all;        // in the order of their begin
-  std::map<std::string, uint32_t> address_counts;  // streams from other machines
+  std::map<uint64_t, TelemetryStream*> all;  // by number, the oldest first
+  // Number of streams per address of another machine.
+  std::map<std::string, uint32_t> address_counts;
   uint64_t last_number = 0;
   bool draining = false;
   int64_t next_store_warning_ns = std::numeric_limits<int64_t>::min();
 
-  // Refuses new streams and asks the other clients to reconnect later.
+  // Refuses new streams and requests the connected clients to reconnect later.
   void Drain(const RpcOptions& options);
   // Ends the streams of callers whose tokens are no longer valid.
   void EndRefused();
 };
 
-// Returns the delay after which a drained client should reconnect. Ranks count all clients from 0.
+// Returns the delay after which a drained client should reconnect. `rank` numbers the drained
+// clients from 0.
 uint32_t ReconnectDelayMs(const RpcOptions& options, uint64_t rank);
 
-// Returns how long a client collects frames: an eighth of the decision interval, 250 ms at most.
-// Many streams make it longer, up to half of the decision interval, so that all streams together
-// send at most 10,000 batches per second.
+// Returns how long (ms) a client collects frames before it sends them as a batch: an eighth of the
+// decision interval, 250 ms at most. Many streams make it longer, up to half of the decision
+// interval, so that all streams together send at most 10,000 batches per second.
 uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count);
 
 // The transport of a stream. It owns the stream and calls its On functions. The functions below are
@@ -50,15 +52,16 @@ class TelemetryTransport {
 
   static constexpr size_t kMaxReads = 2;
 
-  // Each call leads to one OnMessage, or all pending calls to one OnHalfClose, after which nothing
-  // comes. At most kMaxReads are pending. While a request is in use only one is pending; the stream
-  // calls Read again when it is done with the request.
+  // Requests one message. Each call leads to one OnMessage. When the client half-closes the stream,
+  // all pending calls together lead to one OnHalfClose, and no message follows. At most kMaxReads
+  // calls are pending. While the stream uses a request, at most one is pending. The stream calls
+  // Read again when it is done with the request.
   virtual void Read() = 0;
   // Each call leads to one OnWritten. At most one write is pending.
   virtual void Write(const v1::StreamTelemetryResponse& response) = 0;
   // Ends the stream. Called exactly once, while no write is pending.
   virtual void Finish(const absl::Status& status) = 0;
-  // Makes a pending write fail, also if the client does not read.
+  // Makes a pending write fail, even if the client does not read.
   virtual void Cancel(const absl::Status& status) = 0;
   // The client's address, for the log.
   virtual std::string peer() const = 0;
@@ -67,9 +70,9 @@ class TelemetryTransport {
 // One connection of one session: passes messages to the session, and sends the session's responses.
 //
 // While the session applies one message the next is read, so that a bail-out arrives together with
-// the batch before it. No further messages are read, so that a flood waits in the client's buffers.
-// At most one write is pending, and the outbox is bounded. Finish is called exactly once, whatever
-// ends the stream.
+// the batch before it. No further messages are read, so that a flood of messages waits in the
+// client's buffers. At most one write is pending, and the outbox is bounded.
+// TelemetryTransport::Finish is called exactly once, whatever ends the stream.
 class TelemetryStream final : public sessions::ClientStream,
                               public std::enable_shared_from_this<TelemetryStream> {
  public:
@@ -79,7 +82,8 @@ class TelemetryStream final : public sessions::ClientStream,
 
   // Called first.
   void Accept();
-  // Takes the message that was read, or null if it does not parse. Its content may be moved out.
+  // Applies the message that was read; `request` is null if it does not parse. The stream may move
+  // content out of `request`.
   void OnMessage(v1::StreamTelemetryRequest* request);
   // The client has half-closed the stream.
   void OnHalfClose();
@@ -92,8 +96,8 @@ class TelemetryStream final : public sessions::ClientStream,
 
   // Ends the stream if the caller's token was revoked or has expired.
   void EndIfRefused();
-  // Asks the client to reconnect after `delay_ms`, because the daemon is shutting down, and ends
-  // the stream once its evidence is on disk.
+  // Requests the client to reconnect after `delay_ms`, because the daemon is shutting down, and
+  // ends the stream once its evidence is on disk.
   void Drain(uint32_t delay_ms);
 
   void SendSwitch(const SwitchCommand& command) override;
@@ -111,25 +115,25 @@ class TelemetryStream final : public sessions::ClientStream,
   // Counts the stream for its address. Error: RESOURCE_EXHAUSTED.
   absl::Status CountAddress();
   void OnHelloOverdue();
-  // Error: RESOURCE_EXHAUSTED (more messages of the stream than RpcOptions::max_messages_per_s, or
-  // Hellos of its token or address than max_hellos_per_s).
+  // Counts a message against the rate limits. Error: RESOURCE_EXHAUSTED (the stream exceeds
+  // RpcOptions::max_messages_per_s, or its token or address exceeds max_hellos_per_s).
   absl::Status CountMessage(const v1::StreamTelemetryRequest& request);
   absl::Status Dispatch(v1::StreamTelemetryRequest& request);
   absl::Status Open(v1::Hello& hello);
   void OnOpened(const absl::StatusOr<sessions::OpenedSession>& opened);
-  // Counts a session that begins without all evidence of the store. Logs a warning at most once per
-  // minute for all streams.
+  // Counts a session that begins without some of its stored evidence, because the store could not
+  // read it. Logs a warning at most once per minute for all streams.
   void ReportMissingEvidence(const absl::Status& status);
   void Enter(const sessions::OpenedSession& opened);
   void Reject(const absl::Status& status);
-  // Returns the message of the next write.
+  // Returns the message that the next write sends, so that the caller can set its fields.
   v1::StreamTelemetryResponse& Outbox();
   v1::StreamTelemetryResponse TakeOutbox();
-  // Clears the outbox.
   void ClearOutbox();
   void WriteNext();
   void LeaveSession();
-  // The client has ended the session. Later messages are ignored, earlier ones are stored.
+  // Returns whether the client has ended the session with a Goodbye. Messages after it are ignored.
+  // Evidence from messages before it is still stored.
   bool SaidGoodbye() const;
 
   ServiceContext& context_;
@@ -140,10 +144,10 @@ class TelemetryStream final : public sessions::ClientStream,
   std::string address_;  // streams_ counts it under this address; empty: not counted
   std::shared_ptr<sessions::GameSession> session_;
   std::shared_ptr<sessions::SessionOpening> opening_;  // from Hello until the session exists
-  sessions::Telemetry telemetry_;                      // reused
+  sessions::Telemetry telemetry_;                      // a buffer that is reused for each message
   double time_scale_ = 1;                              // from the Hello
   uint32_t decision_interval_ms_ = 0;
-  uint32_t batch_interval_ms_ = 0;  // the latest one that was sent to the client
+  uint32_t batch_interval_ms_ = 0;  // the latest value that was sent to the client
   auth::RateBucket messages_;
   // The next message. It contains only the latest value of each field, so that a slow
   // client receives the newest state and costs the memory of one response.

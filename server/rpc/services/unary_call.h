@@ -20,7 +20,7 @@ namespace sweepstake::rpc {
 // Ends the call. Called once, on any thread; the response must be complete by then.
 using EndCall = std::function<void(const absl::Status&)>;
 
-// The status of a call whose job the store has refused.
+// The status of a call whose job the store has refused, because its queue is full.
 inline absl::Status StoreBusy() {
   return Refused(v1::ERROR_REASON_STORE_BUSY,
                  "the prior store has too much to do; try again later");

@@ -26,9 +26,9 @@ grpc::ByteBuffer MessageOf(const std::vector<EventPtr>& events) {
   return {slices.data(), slices.size()};
 }
 
-// A watcher that calls by gRPC. The next message is taken when the previous one is written. It is
-// used on the loop; gRPC's callbacks run elsewhere and only post to the loop. It owns itself until
-// gRPC is done with it.
+// A watcher over gRPC. When a message has been written, it takes the next events from its
+// subscriber. It is used on the loop; gRPC's callbacks run on gRPC's threads and only post to the
+// loop. The object deletes itself after OnDone.
 class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
                         public StallingCall,
                         public events::Sink {
@@ -50,7 +50,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void Wake() override {
     if (!writing_ && !end_) WriteNext();
   }
-  // A write that is pending fails.
+  // Ends the call. If a write is pending, cancels the call, so that the write fails.
   void OnEnd(const absl::Status& status) override {
     if (end_) return;
     end_ = status;
@@ -97,7 +97,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
 
   ServiceContext& context_;
   grpc::CallbackServerContext& call_;
-  const size_t max_events_;  // in one message
+  const size_t max_events_;  // maximum number of events in one message
   std::unique_ptr<events::Subscriber> subscriber_;
   grpc::ByteBuffer message_;
   bool writing_ = false;

@@ -1,5 +1,5 @@
-// Connects watchers to the bus of events: calls of gRPC here, and those of the HTTP server, which
-// brings its own sink.
+// Connects watchers to the event bus. For gRPC calls the sink is in watch_call.cc. The HTTP server
+// passes its own sink to BeginWatch.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -16,20 +16,24 @@
 
 namespace sweepstake::rpc {
 
-// Returns what the request wants to watch; absent if it is not a request of a Watch method.
+// Converts the request of a Watch method to a Wish; absent if it is not such a request.
 std::optional<events::Wish> WishOf(const google::protobuf::Message& request);
 
 // Returns the Watch method of the kind.
 Rpc RpcOf(events::Kind kind);
 
-// Begins to watch for an authorized caller. The errors that end the watch go to the sink;
-// PERMISSION_DENIED (the project), RESOURCE_EXHAUSTED (as AccessControl::BeginWatch), and those of
-// EventBus::Subscribe are possible at once. Called on the loop.
+// Begins to watch for an authorized caller. Errors go to Sink::OnEnd, some of them before
+// BeginWatch returns:
+// - PERMISSION_DENIED (the token is not valid for the project),
+// - RESOURCE_EXHAUSTED (too many watchers; see AccessControl::BeginWatch),
+// - those of EventBus::Subscribe,
+// - the error of CheckStill, when the caller's token was revoked or has expired. Called on the
+//   loop.
 void BeginWatch(ServiceContext& context, events::Wish wish, const Caller& caller,
                 events::Sink& sink);
 
 // Serves a call that watches. A client that does not read for RpcOptions::watcher_patience_ns is
-// disconnected. `parsed` says whether its request is valid.
+// disconnected. If `parsed` is false, the request did not parse, and the call is refused.
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ServeWatch(ServiceContext& context,
                                                        grpc::CallbackServerContext& call,
                                                        events::Wish wish, bool parsed);
