@@ -8,7 +8,7 @@
 namespace sweepstake::sessions {
 namespace {
 
-// Stored as the project and scene of the log, because it covers all of them.
+// Stored as the project and the scene of the administrators' log, because it covers all projects.
 constexpr const char* kAll = "*";
 
 }  // namespace

@@ -2,10 +2,11 @@
 // imported evidence, or created or revoked a token, and when.
 //
 // The rows belong to the session kAdminSession. Each run of the daemon is one segment. Rows go to
-// disk with the store's next commit; rows that could not be written wait and are offered again.
+// disk with the store's next commit; rows that could not be written wait and are offered to the
+// store again.
 //
-// Thread safety: any thread may call Record, only the decision loop the other functions. The object
-// must live until the loop has run its last task.
+// Thread safety: any thread may call Record; only the decision loop may call the other functions.
+// The object must live until the loop has run its last task.
 #pragma once
 
 #include <cstdint>
@@ -34,10 +35,11 @@ class AdminLog {
            SessionCounters& counters)
       : options_(options), loop_(loop), store_(store), counters_(counters) {}
 
-  // The subject and the rest of a sentence, without its full stop.
+  // Adds a row. `who` and `action` are the subject and the rest of a sentence without its full
+  // stop.
   void Record(std::string who, std::string action);
 
-  // Repeats a read or write that the store failed.
+  // Repeats a read or write of the store that has failed.
   void Retry();
   // Appends the updates that are not on disk.
   void AppendWaiting(std::vector<priors::SourceUpdate>& updates) const {
@@ -58,15 +60,16 @@ class AdminLog {
   void Write();
   void Load();
   void OnLoaded(const absl::StatusOr<std::optional<priors::SourceState>>& state);
-  // Begins a new segment with the unwritten rows, after another daemon has written to the log.
+  // Begins a new segment with the unwritten rows, after another daemon has written to the
+  // administrators' log.
   void StartAgain();
 
   const HostedSessionOptions& options_;
   DecisionLoop& loop_;
   priors::AsyncPriorStore& store_;
   SessionCounters& counters_;
-  std::deque<Action> waiting_;  // not in the ledger yet
-  std::deque<Action> offered_;  // in the ledger, perhaps not in the store
+  std::deque<Action> waiting_;  // actions that are not in the ledger yet
+  std::deque<Action> offered_;  // actions in the ledger that are perhaps not in the store yet
   bool loading_ = false;
   std::shared_ptr<SessionLedger> ledger_;  // null until the store has been read
   std::optional<decision::AdminRows> rows_;

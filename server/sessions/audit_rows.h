@@ -12,26 +12,27 @@ inline constexpr size_t kMaxAuditRowBytes = 65'536;  // a longer row is not stor
 
 struct AuditRow {
   uint64_t number = 1;  // position in the segment, from 1
-  std::string bytes;    // 1 to kMaxAuditRowBytes: a message sweepstake.v1.AuditRow
+  std::string bytes;    // a message sweepstake.v1.AuditRow, 1 to kMaxAuditRowBytes bytes
 
   friend bool operator==(const AuditRow&, const AuditRow&) = default;
 };
 
-// Rows of one segment that follow the rows stored before.
+// Rows of one segment that follow the rows that are already stored.
 struct AuditRows {
-  uint32_t segment = 1;  // counts from 1
+  uint32_t segment = 1;  // number of the segment in its session, from 1
   std::string project;   // project and scene are names (text/names.h)
   std::string scene;
   int64_t unix_start_ms = 0;   // time at which the segment began
   std::vector<AuditRow> rows;  // ascending by number; numbers may be missing
 };
 
-// Limits of a store's audit log, over all sessions except kAdminSession
-// (engine_client/decider/audit/audit_log.h). Above them the oldest rows are removed, 1/32 of the
-// log at a time.
+// Limits of a store's audit log, over all sessions except kAdminSession, which has the actions of
+// administrators (engine_client/decider/audit/audit_log.h). Above the limits the oldest rows are
+// removed, 1/32 of the log at a time.
 struct AuditLimits {
-  uint64_t bytes = 256ull << 20;    // about 0.8 kB per row of 7 arms; 0 stores nothing
-  uint64_t age_s = 30ull * 86'400;  // age since the commit, by the wall clock
+  // Maximum size of all rows; 0: none are stored. A row of a session with 7 arms has about 0.8 kB.
+  uint64_t bytes = 256ull << 20;
+  uint64_t age_s = 30ull * 86'400;  // maximum age since a row's commit, by the wall clock
   // Number of the latest rows of kAdminSession that are kept, about 200 bytes each. The other
   // limits do not apply to them, because rows of games would push them out.
   uint64_t admin_row_count = 50'000;
@@ -53,12 +54,13 @@ struct AuditSegment {
   friend bool operator==(const AuditSegment&, const AuditSegment&) = default;
 };
 
-// An empty field matches everything.
+// Selects segments of the audit log. An empty field matches everything.
 struct AuditFilter {
   std::string session_id;
   std::string project;
   std::string scene;
-  std::vector<std::string> projects = {};  // any of these, and `project`
+  // The project must be one of these, and also match `project`.
+  std::vector<std::string> projects = {};
 };
 
 }  // namespace sweepstake::priors

@@ -54,7 +54,7 @@ void BoxViews::Remove(BoxViewListener& viewer) {
 }
 
 void BoxViews::OnView(const std::string& view) {
-  // This is a copy, because a viewer that ends is removed meanwhile.
+  // Iterate over a copy, because OnView can end a viewer, which removes it from viewers_.
   const std::vector<BoxViewListener*> viewers = viewers_;
   for (BoxViewListener* viewer : viewers) viewer->OnView(view);
 }

@@ -1,7 +1,8 @@
-// The viewers of the boxes of a session's objects, and the requests to its game.
+// Requests the boxes (AABBs) of a session's objects from its game while somebody views them, and
+// passes the game's answers to the viewers.
 //
-// While there are viewers, the request is renewed periodically; without renewal the game stops by
-// itself. Views are passed on and not kept. Used on the decision loop only.
+// A request is valid for kUntilMs and is renewed before that time is over. Without renewal the game
+// stops sending boxes by itself. Views are not stored. Used on the decision loop only.
 #pragma once
 
 #include <cstddef>
@@ -22,9 +23,9 @@ class BoxViewListener {
  public:
   virtual ~BoxViewListener() = default;
 
-  // The newest view, an encoded message sweepstake.v1.BoxView.
+  // Receives the newest view, an encoded message sweepstake.v1.BoxView.
   virtual void OnView(const std::string& view) = 0;
-  // No more views follow. The viewer has been removed.
+  // Called when no more views follow. The viewer has been removed before the call.
   virtual void OnEnd(const absl::Status& status) = 0;
 };
 
@@ -51,7 +52,7 @@ class BoxViews {
   absl::Status Add(BoxViewListener& viewer);
   // Does nothing if the viewer was not added.
   void Remove(BoxViewListener& viewer);
-  // Drops the view if there are no viewers.
+  // Passes the view to all viewers; drops it if there are none.
   void OnView(const std::string& view);
 
  private:

@@ -56,7 +56,8 @@ struct BailOut {
 
 struct OrderRefusal {
   uint64_t order_id = 0;
-  bool takes_orders = false;  // whether the game accepts orders, but not this kind
+  // True: the game accepts orders, but not this one; false: it accepts none.
+  bool takes_orders = false;
 };
 
 // A message of a newer protocol. It is counted and ignored.

@@ -15,7 +15,7 @@ namespace {
 
 // Time after which an order without an answer is reported as unanswered.
 constexpr int64_t kOrderPatienceNs = 5'000'000'000;
-// A game stores 48 bits of an order's id.
+// Order ids have 48 bits, because a game stores only 48 bits of them.
 constexpr uint64_t kOrderIdMask = (uint64_t{1} << 48) - 1;
 
 absl::Status TakesNoOrders() {
@@ -27,7 +27,7 @@ void Count(RejectionReason reason, RejectionCounts& counts) {
   ++counts.at(static_cast<size_t>(reason));
 }
 
-// Removes the impossible samples and counts them.
+// Removes the impossible samples and counts them by reason.
 template <typename Sample>
 void Reject(std::vector<Sample>& samples, RejectionCounts& counts) {
   std::erase_if(samples, [&](const Sample& sample) {
@@ -113,7 +113,7 @@ void GameSession::Attach(ClientStream& link) {
   LoseOrder();
   boxes_.Disconnect();
   link_ = &link;
-  // The welcome message acknowledges this number.
+  // The Welcome contains this number, so that no separate acknowledgement of it is needed.
   acknowledged_sequence_ = durable_sequence();
   sent_verdict_ = Verdict::kUnknown;
 }
@@ -160,7 +160,7 @@ void GameSession::ApplyMessage(FrameBatch& batch) {
   context_.counters.dropped_frame_count += batch.dropped_frame_count;
   dropped_frame_count_ += batch.dropped_frame_count;
   for (FrameSample& frame : batch.frames) {
-    // The client sets the flag, but only the frame time decides whether it is a bail-out.
+    // The client sets the flag, but only the frame time decides whether the frame is a bail-out.
     if (!IsOverLimit(frame)) frame.flags &= ~kFrameBailOut;
   }
   Reject(batch.frames, context_.counters.rejected_frame_counts);
@@ -186,7 +186,8 @@ void GameSession::ApplyMessage(SwitchAnswer& outcome) {
     ++context_.counters.refused_switch_count;
     return decisions_.ObserveRefusal(outcome.command_id);
   }
-  // A resent message may be older than the state in the client's Hello.
+  // Ignore a switch that is older than the switch epoch in the client's Hello. After a reconnection
+  // the client resends such messages.
   if (decision::IsLaterEpoch(switch_epoch_, outcome.switch_epoch)) return;
   switch_epoch_ = outcome.switch_epoch;
   decisions_.ObserveSwitch(outcome.arm, outcome.switch_epoch, outcome.reason,
@@ -202,7 +203,8 @@ void GameSession::ApplyMessage(BailOut& bail_out) {
   if (!rejection && !IsOverLimit(frame)) rejection = RejectionReason::kFrameTime;
   if (rejection) return Count(*rejection, context_.counters.rejected_frame_counts);
   const int64_t now_ns = context_.loop.clock().NowNs();
-  // A bail-out that the session does not use as evidence does not count against the limit.
+  // Only a bail-out that the session would use as evidence counts against the limit of the client's
+  // token and address.
   if (decisions_.IsEvidence(frame, now_ns) && link_ != nullptr && !link_->SpendBailOut())
     frame.flags |= decision::kFrameNoEvidence;
   // The evidence of the bail-out goes to disk with the next tick. Committing it now would also
@@ -239,8 +241,8 @@ void GameSession::Order(const decision::OrderReport& order, OrderAnswer answer) 
                           "the game is not connected; try again when it has reconnected"));
   }
   AnswerOrder(order_id_, Refused(reasons::kOrderReplaced, "a later order replaced this one"));
-  // An answer may refer to an order from before a restart of the daemon. Ids derived from the time
-  // are greater than those of earlier orders.
+  // An id derived from the time is greater than the ids of all earlier orders. An answer to an
+  // order that was sent before a restart of the daemon therefore does not match this order.
   order_id_ = std::max(order_id_ + 1, static_cast<uint64_t>(order.now_ns) / 1'000 & kOrderIdMask);
   if (!takes_orders_) return answer(TakesNoOrders());
   MarkActive();
@@ -285,8 +287,9 @@ void GameSession::OnTimer(uint64_t generation) {
     return ScheduleTick(now_ns + decisions_.setup().options.decision_interval_ns);
   }
   SendDecision(decisions_.Tick(now_ns));
-  // The commit of this decision is acknowledged soon, and that message takes the posteriors to the
-  // client. If the store is still busy with the previous commit, send them now.
+  // Normally the posteriors travel to the client in the same message as the acknowledgement of this
+  // decision's commit. If the store is still busy with the previous commit, or there is nothing to
+  // commit, that message is not expected soon: send the posteriors now.
   const bool waits = ledger_->committing();
   Checkpoint();
   if (waits || !ledger_->committing()) link_->Flush();
@@ -307,7 +310,8 @@ void GameSession::KeepOpenEvidence() {
 void GameSession::OnCommitted(const absl::Status& status,
                               std::span<const priors::KeyedEvidence> increments) {
   if (superseded()) return LeaveToOther();
-  // The failed commit may have reached the disk. Watched sums then contain it already.
+  // A commit has succeeded after a failed one. The failed one may have reached the disk after all.
+  // The observer's sums may then contain these increments already, so it must read them again.
   if (std::exchange(commit_failed_, !status.ok()) && status.ok())
     context_.observer.Forget(identity_.scene);
   if (!increments.empty()) {
@@ -321,13 +325,15 @@ void GameSession::OnCommitted(const absl::Status& status,
     link_->SendAcknowledgement(acknowledged_sequence_);
   }
   link_->Flush();
-  // If the store cannot write, do not let the client wait: it keeps unacknowledged messages.
+  // If the store cannot write, close the link of an ending session at once. The client need not
+  // wait, because it keeps the unacknowledged messages.
   if (!status.ok() && (ended() || draining_)) return CloseLink(status);
   CloseIfSettled();
 }
 
-// The client is already connected to the other daemon, or has returned from it. In the latter case
-// the client's session begins from the store again.
+// Called when another daemon has written this session to the store. The client is connected to that
+// daemon, or has returned to this one. If it has returned, it must connect again: then the session
+// is read from the store.
 void GameSession::LeaveToOther() {
   ++timer_generation_;
   context_.observer.Reload(identity_.scene);
@@ -377,7 +383,8 @@ void GameSession::PublishChange(SessionEnd end) const {
 
 void GameSession::PublishEnd() const {
   PublishChange(ended() ? end_ : SessionEnd::kForgotten);
-  // The store may contain, or still receive, a commit whose result is not awaited any more.
+  // A commit of this session may still be under way, and its result will not be reported. Therefore
+  // the observer must read the scene again.
   if (!settled()) context_.observer.Reload(identity_.scene);
 }
 

@@ -1,11 +1,16 @@
 // One game's session. It turns checked messages into decisions, switch commands, stored evidence
 // and acknowledgements.
 //
-// A session outlives a connection: a link is attached while a client is connected. Without a link
-// there are no ticks, because nobody could receive a command, and the window waits.
+// A session outlives the connections of its client. While the client is connected, its stream is
+// attached to the session as the link.
 //
-// A tick also needs a new message since the last tick, unless known priors allow a decision at
-// once. A silent client therefore costs no row and no commit.
+// At each tick, once per decision interval, the session learns from the frames since the last tick
+// and makes a decision. Without a link there are no ticks, because nobody could receive a switch
+// command. The frames then wait for the next tick.
+//
+// A tick makes a decision only if a message has arrived since the last tick. The first tick also
+// decides without a message if the priors suffice. A silent client therefore causes no audit rows
+// and no commits.
 //
 // A session is used on the decision loop only. The session table and the stream of its link own it.
 // The memory is bounded by the number of arms.
@@ -39,20 +44,23 @@ namespace sweepstake::sessions {
 
 // The interface through which a session sends messages to its client.
 //
-// Used on the decision loop only. Calls do not block. Only the latest message of each kind is kept
-// until it can be written.
+// Used on the decision loop only. Calls do not block. While a message waits to be written, a newer
+// message of the same kind replaces it.
 class ClientStream {
  public:
   virtual ~ClientStream() = default;
 
   virtual void SendSwitch(const SwitchCommand& command) = 0;
   virtual void SendAcknowledgement(uint64_t sequence) = 0;
-  // Adds the decision's posteriors to the next message; Flush sends them without one.
+  // Adds the decision's posteriors to the next message that is sent. Flush sends them at once, in a
+  // message without other content.
   virtual void PutSnapshot(const decision::DecisionRecord& record) = 0;
   virtual void Flush() = 0;
   virtual void SendReconnect(uint32_t delay_ms) = 0;
   virtual void SendOrder(uint64_t order_id, const decision::OrderReport& order) = 0;
-  // Requests boxes of at most `max_bytes` for `until_ms`. All 0: stops the boxes.
+  // Requests the boxes of the game's objects every `interval_ms`, in messages of at most
+  // `max_bytes`, for the next `until_ms`. If all arguments are 0, requests the game to stop sending
+  // boxes.
   virtual void SendBoxRequest(uint32_t interval_ms, uint32_t max_bytes, uint32_t until_ms) = 0;
   // Counts a bail-out against the limits of the client's token and address. Returns whether it is
   // within the limits and therefore evidence.
@@ -75,13 +83,17 @@ struct SessionContext {
 // The part of a new session that was read from the store.
 struct StoredSession {
   priors::SourceProgress progress;
-  bool has_evidence = false;                   // own evidence; a session may have progress only
-  std::optional<uint64_t> prior_source_count;  // absent if the store could not be read
+  // Whether evidence of this session is stored; it can have stored progress without evidence.
+  bool has_evidence = false;
+  // Number of sources of its prior; absent if the store could not be read.
+  std::optional<uint64_t> prior_source_count;
 };
 
-// UNKNOWN_SESSION, for callers that name a session that is not in memory or that they may not see.
+// Returns the error UNKNOWN_SESSION, for callers that name a session that is not in memory or that
+// they may not see.
 absl::Status UnknownSession();
-// SESSION_KICKED, for the client of a kicked session, also when it reconnects.
+// Returns the error SESSION_KICKED, for the client of a kicked session. The client also receives it
+// when it connects again.
 absl::Status SessionKicked();
 
 class GameSession : public std::enable_shared_from_this<GameSession>, private decision::AuditSink {
@@ -93,21 +105,23 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
 
   ~GameSession() override { --context_.counters.session_count; }
 
-  // Keeps the hold until the store has the session's scene.
+  // Keeps the session's claim to its new scene (new_scenes.h) until the scene is in the store.
   void Keep(NewScenes::Hold scene) { new_scene_.emplace(std::move(scene)); }
 
   // Attaches a link. The previous one, if any, is aborted.
   void Attach(ClientStream& link);
-  // Called after the welcome message: sends what the client may have missed, and begins to tick.
+  // Called after the welcome message: sends the switch command that the client has not answered, if
+  // any, and starts the ticks.
   void Start(const Hello& hello);
   // Called when the connection is lost. Does nothing if `link` is not the attached one.
   void Detach(ClientStream& link);
 
-  // Applies a message, or counts it as a replay. The frames of the message may be modified.
+  // Applies a message. If its sequence number was applied before, it is only counted as a replay.
+  // The frames of the message may be modified.
   void Apply(Telemetry& telemetry);
-  // Called when the client has stayed away, or the daemon stops. Offers the store the evidence of
-  // bail-outs since the last tick, because the client may never resend them. The frames around them
-  // count as used, and the window that contains them is discarded.
+  // Called when the client has not returned in time, or the daemon stops. Commits the evidence of
+  // bail-outs since the last tick, because the client might never resend them. The commit marks all
+  // received messages as applied, so the other frames since the last tick give no evidence.
   void KeepOpenEvidence();
   // Called at the client's goodbye: closes the link once everything is on disk.
   void End();
@@ -129,7 +143,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // one of the session's arms.
   using OrderAnswer = std::function<void(const absl::Status&)>;
   void Order(const decision::OrderReport& order, OrderAnswer answer);
-  // Returns whether nothing waits for the disk. If something does, RetryCommit offers it again.
+  // Returns whether no update of the session waits for the disk. If one does, RetryCommit offers it
+  // to the store again.
   bool settled() const { return ledger_->settled(); }
   void RetryCommit() { ledger_->Retry(); }
   void AppendWaiting(std::vector<priors::SourceUpdate>& updates) const {
@@ -154,15 +169,16 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   GameSession(const SessionContext& context, SessionIdentity identity,
               const decision::SessionSetup& setup, const StoredSession& stored);
 
-  // Makes the next tick decide. The audit log starts with the first call: for a session that only
-  // sends a Hello its first rows would dominate the cost.
+  // Makes the next tick decide. The first call also starts the session's audit log. The Hello does
+  // not start it: for a session that only sends a Hello, the first rows of the log would dominate
+  // the cost.
   void MarkActive();
   void StartAudit();
   void OnAuditRow(const decision::AuditRow& row) override {
     ledger_->AddAuditRow(context_.options.encode_audit_row(row));
   }
 
-  // May modify the frames of the message.
+  // These functions apply one kind of message each. They may modify the frames of the message.
   void ApplyMessage(UnknownMessage& /*unknown*/) {}
   void ApplyMessage(FrameBatch& batch);
   void ApplyMessage(SwitchAnswer& outcome);
@@ -181,7 +197,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void OnCommitted(const absl::Status& status, std::span<const priors::KeyedEvidence> increments);
   void LeaveToOther();
   void CloseIfSettled();
-  // Detaches the link and returns it. REQUIRES: there is one.
+  // Detaches the link and returns it. REQUIRES: a link is attached.
   ClientStream& ReleaseLink();
   // `commit` is the status of the session's last commit.
   void CloseLink(const absl::Status& commit);
@@ -201,20 +217,22 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   uint64_t applied_sequence_;
   uint64_t frame_count_;            // frames in the messages up to applied_sequence_
   uint64_t acknowledged_sequence_;  // sent to the client
-  uint32_t switch_epoch_;           // the latest one in a message other than frames
+  uint32_t switch_epoch_;           // latest one in a Hello or a switch answer
   bool has_stored_evidence_;
   std::optional<uint64_t> last_bail_out_frame_;
-  std::optional<SwitchCommand> unanswered_;   // sent again to a client that reconnects
-  Verdict sent_verdict_ = Verdict::kUnknown;  // the latest one sent to the client
+  // Switch command without an answer; sent again to a client that reconnects.
+  std::optional<SwitchCommand> unanswered_;
+  Verdict sent_verdict_ = Verdict::kUnknown;  // latest verdict sent to the client
   bool takes_orders_ = false;                 // according to the latest Hello
   BoxViews boxes_;
-  uint64_t order_id_ = 0;               // id of the latest order
-  OrderAnswer order_answer_;            // empty if the game has answered it
-  uint64_t timer_generation_ = 0;       // timers of an older generation are ignored
-  bool commit_failed_ = false;          // whether the latest commit failed
-  bool active_ = false;                 // whether the next tick has something to decide on
-  bool audited_ = false;                // whether the audit log has begun, or is off
-  SessionEnd end_ = SessionEnd::kNone;  // why the session ends; its last evidence may still wait
+  uint64_t order_id_ = 0;          // id of the latest order
+  OrderAnswer order_answer_;       // empty if no order waits for an answer
+  uint64_t timer_generation_ = 0;  // timers of an older generation are ignored
+  bool commit_failed_ = false;     // whether the latest commit failed
+  bool active_ = false;            // whether the next tick has something to decide on
+  bool audited_ = false;           // whether the audit log has begun, or is off
+  SessionEnd end_ =
+      SessionEnd::kNone;  // why it has ended; its last evidence may not be on disk yet
   std::optional<int64_t> last_message_ns_;
   uint64_t dropped_frame_count_ = 0;  // reported by the client
   bool draining_ = false;

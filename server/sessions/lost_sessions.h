@@ -1,5 +1,5 @@
-// The order in which lost sessions leave memory to make room. Not thread-safe; each operation takes
-// logarithmic time.
+// The order in which lost sessions (sessions without a connection) leave memory to make room for
+// new ones. Not thread-safe; each operation takes logarithmic time.
 #pragma once
 
 #include <compare>
@@ -11,17 +11,19 @@
 
 namespace sweepstake::sessions {
 
-// Evidence of a lost session that is not on disk, in the order in which sessions leave.
+// Whether a lost session has evidence that is not on disk. Sessions with a smaller value leave
+// first.
 enum class LostState : uint8_t {
-  kSettled,    // no such evidence
-  kUnsettled,  // evidence that the client will resend
-  kEnding,     // evidence that no client will resend: the session stays until it is on disk
+  kSettled,    // all evidence is on disk
+  kUnsettled,  // some evidence is not on disk; the client will resend it
+  // Some evidence is not on disk, and no client will resend it: the session stays until it is.
+  kEnding,
 };
 
 // Within a state, the session that was lost first leaves first.
 struct LostRank {
   LostState state = LostState::kSettled;
-  uint64_t number = 0;  // number of the loss, unique
+  uint64_t number = 0;  // unique; grows with each lost connection
 
   // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
   friend auto operator<=>(const LostRank&, const LostRank&) = default;

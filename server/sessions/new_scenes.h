@@ -16,12 +16,14 @@
 
 namespace sweepstake::sessions {
 
-// The store's counts for a scene that is not in the store. They are read on the writing thread and
-// posted to the loop with PostLater, so that Forget has already run for every scene that they
-// include. A scene is therefore never counted both in them and in NewScenes.
+// How many scenes and projects are stored, for the quota check of a scene that is not. The counts
+// are read on the store's writing thread and posted to the loop with PostLater. By then
+// NewScenes::Forget has run for every scene that they include. No scene is therefore counted both
+// in them and in NewScenes.
 struct UnstoredScene {
   priors::SceneCount stored = {};  // stored scenes of the project
-  bool new_name = true;  // whether the scene is not stored for any machine class or reward version
+  // Whether no scene of this name is stored, for any machine class or reward version.
+  bool new_name = true;
   // Number of stored projects; absent if this project is stored. 0 if the store cannot be read, so
   // that at least the projects in memory count.
   std::optional<uint64_t> project_count;
@@ -31,7 +33,8 @@ class NewScenes {
  public:
   explicit NewScenes(const HostedSessionOptions& options) : options_(options) {}
 
-  // One session's claim to a scene. Movable.
+  // One session's claim to a scene that is not stored yet. The scene counts against the quotas
+  // while a hold of it exists. Movable.
   class Hold {
    public:
     Hold(NewScenes& scenes, priors::SceneKey scene) : scenes_(&scenes), scene_(std::move(scene)) {}
@@ -51,8 +54,8 @@ class NewScenes {
     priors::SceneKey scene_;
   };
 
-  // Error: RESOURCE_EXHAUSTED (the project would have too many scenes, or the store too many
-  // projects).
+  // Checks the quotas, and returns a hold of the scene. Error: RESOURCE_EXHAUSTED (the project
+  // would have too many scenes, or the store too many projects).
   absl::StatusOr<Hold> Take(const priors::SceneKey& scene, const UnstoredScene& unstored);
 
   // Called when the store has the scene. Ends all holds of it.

@@ -55,7 +55,8 @@ struct SourceProgress {
   uint64_t message_sequence = 0;  // every client message up to this one is included
   uint32_t explored_arm_count = 0;
   uint64_t decision_count = 0;
-  uint64_t frame_count = 0;  // frames in those messages, including frames that gave no evidence
+  // Frames in the messages up to message_sequence, including frames that gave no evidence.
+  uint64_t frame_count = 0;
   uint64_t seed = 0;
 
   friend bool operator==(const SourceProgress&, const SourceProgress&) = default;
@@ -72,14 +73,15 @@ struct SourceOrigin {
 // The writer of a source: one run of its session in one daemon. A session that continues in another
 // daemon, or that is read from the store again, is another writer.
 struct SourceWriter {
-  uint64_t id = 0;                // random; 0 for a source that only one daemon writes
-  uint64_t resumed_sequence = 0;  // commit of the source from which it continued; 0: from none
+  uint64_t id = 0;  // random; 0 for a source that only one daemon writes
+  // Number of the source's last commit when this writer began; 0: none.
+  uint64_t resumed_sequence = 0;
 };
 
-// One atomic step of one source.
+// One atomic update of one source: new evidence, and the progress that includes it.
 struct SourceUpdate {
   SourceProgress progress;
-  uint64_t unix_time_s = 0;               // wall-clock time of the step, below 2^63
+  uint64_t unix_time_s = 0;               // wall-clock time of the update, below 2^63
   std::vector<KeyedEvidence> increments;  // may be empty; a key occurs at most once
   AuditRows audit;
   SourceOrigin origin = {};
@@ -133,8 +135,8 @@ struct SceneEvidence {
     uint32_t backend_version = 1;
     Evidence live;  // measured by the frame thread
     Evidence lane;  // measured by the shadow lane
-    // Latest activity of a source with evidence about this arm; its activity counts even if it
-    // concerned another arm. Only the latest kSourcesOfAge sources are considered. 0 if unknown.
+    // Time of the latest update by a source with evidence about this arm, even if that update was
+    // about another arm. Only the latest kSourcesOfAge sources are considered. 0 if unknown.
     uint64_t last_seen_unix_s = 0;
 
     Evidence& of(std::string_view measured_by) { return measured_by.empty() ? live : lane; }
@@ -165,7 +167,8 @@ inline decision::ArmEvidence EvidenceOf(const SceneEvidence::Arm& arm) {
           .bail_out_count = arm.live.bail_out_count};
 }
 
-// Number of latest sources, per arm and kind, whose age is looked up.
+// Number of latest sources, per arm and kind of evidence (live, lane), that
+// SceneEvidence::Arm::last_seen_unix_s considers.
 inline constexpr uint32_t kSourcesOfAge = 8;
 
 // The evidence of one source about one scene on one machine class.
@@ -176,11 +179,12 @@ struct SceneSource {
   SceneEvidence evidence;         // evidence of this source only
 };
 
-// An empty field matches everything.
+// Selects scenes. An empty field matches everything.
 struct SceneFilter {
   std::string project;
   std::string scene;
-  std::vector<std::string> projects = {};  // any of these, and `project`
+  // The project must be one of these, and also match `project`.
+  std::vector<std::string> projects = {};
 
   // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
   friend auto operator<=>(const SceneFilter&, const SceneFilter&) = default;
@@ -197,8 +201,8 @@ struct SceneCount {
   uint64_t keys = 0;  // a name counts once per machine class and reward version
 };
 
-// A position in an export: after the record of a key and a source. The default is before all
-// records.
+// A position in an export: directly after the record of this key and source. A default-constructed
+// position is before all records.
 struct ExportPlace {
   EvidenceKey key;
   uint64_t source_number = 0;  // assigned by the store, from 1; it never changes
@@ -215,8 +219,9 @@ struct ImportResult {
   uint64_t unchanged_count = 0;
 };
 
-// Sources from which new sessions of a scene learn: sources of the session's machine class, sources
-// of each other class, and number of other classes.
+// The prior of a new session uses at most this evidence of its scene: kSourcesOfScene sources of
+// the session's machine class, and kSourcesOfOtherClass sources of each of kOtherClasses other
+// machine classes.
 inline constexpr uint32_t kSourcesOfScene = 32;
 inline constexpr uint32_t kSourcesOfOtherClass = 4;
 inline constexpr uint32_t kOtherClasses = 8;
@@ -228,8 +233,9 @@ struct SourceFilter {
   std::string project = {};
   std::string build = {};
   int64_t token_id = 0;
-  uint64_t from_unix_s = 0;  // sources that began then or later; an imported source began at 0
-  uint64_t until_unix_s = (1ull << 63) - 1;  // sources that began then or before
+  // Sources that began at this time or later; an imported source began at 0.
+  uint64_t from_unix_s = 0;
+  uint64_t until_unix_s = (1ull << 63) - 1;  // sources that began at this time or before
 
   friend bool operator==(const SourceFilter&, const SourceFilter&) = default;
 };
@@ -269,17 +275,18 @@ class Preview {
   Look look_;
 };
 
-// Reads a store. Evidence in quarantine is only in ExportQuarantined. Errors: UNAVAILABLE (the disk
-// cannot be read, or the file is locked), DATA_LOSS (the requested rows are damaged).
+// Reads a store. Only ExportQuarantined returns evidence in quarantine, which was imported but not
+// promoted yet. Errors: UNAVAILABLE (the disk cannot be read, or the file is locked), DATA_LOSS
+// (the requested rows are damaged).
 class PriorReader {
  public:
   virtual ~PriorReader() = default;
 
   // Returns the evidence of sources about the scene on any machine class, with this reward version.
   // For each arm these are the latest kSourcesOfScene sources of the scene's class, and
-  // kSourcesOfOtherClass sources of each of kOtherClasses others. decision::ChooseSources chooses
-  // them so that no token outnumbers the others. The cost does not depend on the number of stored
-  // sources.
+  // kSourcesOfOtherClass sources of each of kOtherClasses other classes. decision::ChooseSources
+  // chooses them so that no token outnumbers the others. The cost does not depend on the number of
+  // stored sources.
   virtual absl::StatusOr<std::vector<SceneSource>> LoadSources(const SceneKey& scene) = 0;
 
   // Returns nothing if the source was never committed here (an imported source is not a session of
@@ -333,9 +340,9 @@ class PriorStore : public virtual PriorReader {
   // sequence is not above the source's stored one, because it was applied before. Updates of
   // revoked sources are ignored too.
   //
-  // Audit rows are ignored if their numbers are not above the stored ones of their segment. Then
-  // the oldest rows of the log are removed until it is within its limits. A row that cannot be
-  // written is lost and counted; it never makes a commit fail.
+  // Audit rows are ignored if their numbers are not above the stored ones of their segment. After
+  // that, the oldest rows of the audit log are removed until the log is within AuditLimits. A row
+  // that cannot be written is lost and counted; it never makes a commit fail.
   //
   // Only one writer of a source can continue. If several daemons share the store, it refuses an
   // update whose writer did not make the source's last commit, unless the writer continued from
@@ -343,9 +350,9 @@ class PriorStore : public virtual PriorReader {
   // FAILED_PRECONDITION.
   virtual absl::Status Commit(std::span<const SourceUpdate> updates) = 0;
 
-  // Returns an error if commits would be lost when this process ends; nothing more is committed
-  // then. A store on a file detects that its file was removed or replaced. Errors: NOT_FOUND
-  // (removed or replaced), UNAVAILABLE (the check failed).
+  // Returns an error if commits would be lost when this process ends, for instance because the
+  // store's file was removed or replaced. After an error nothing more is committed. Errors:
+  // NOT_FOUND (removed or replaced), UNAVAILABLE (the check failed).
   virtual absl::Status CheckPlace() { return absl::OkStatus(); }
 
   // Returns how many audit rows of successful commits could not be written since the store was
@@ -353,16 +360,17 @@ class PriorStore : public virtual PriorReader {
   virtual uint64_t lost_audit_row_count() const = 0;
 
   // Returns the scenes whose evidence any daemon has changed since the last call, for a store that
-  // several daemons share. After a reconnection, all scenes may be among them.
+  // several daemons share. If the connection to the database was lost since then, it may return all
+  // scenes.
   virtual absl::StatusOr<std::vector<SceneKey>> TakeChangedScenes() {
     return std::vector<SceneKey>();
   }
 
   // Imports all records or, if one is invalid, none. A record replaces an older record of the same
-  // key and source, and is ignored if the stored one is as new. Evidence of unknown sources is
-  // added. A record of a source that was committed here is ignored: the store's own evidence is
-  // newer. A record in quarantine is dropped if an imported record of its key and source is at
-  // least as new.
+  // key and source, and is ignored if the stored record is at least as new. Evidence of unknown
+  // sources is added. A record of a source that was committed here is ignored: the store's own
+  // evidence is newer. A record in quarantine is dropped if an imported record of its key and
+  // source is at least as new.
   virtual absl::StatusOr<ImportResult> Import(std::span<const PriorRecord> records) = 0;
 
   // Like Import, but into the quarantine, whose records do not count as evidence. A record is
@@ -378,9 +386,9 @@ class PriorStore : public virtual PriorReader {
                                                const Preview& preview) = 0;
 
   // Removes exactly the evidence of the sources, in quarantine or not, and refuses their later
-  // commits and imports. An unknown id is refused later too, unless a project is set. The log of
-  // administrators cannot be revoked. With `preview` nothing changes. REQUIRES: an id, a build, a
-  // token or a time.
+  // commits and imports. If no source has the filter's id, and no project is set, a later source
+  // with this id is refused too. The log of administrators cannot be revoked. With `preview`
+  // nothing changes. REQUIRES: the filter has an id, a build, a token or a time.
   virtual absl::StatusOr<ChangeResult> Revoke(const SourceFilter& filter,
                                               const Preview& preview) = 0;
 };
@@ -411,8 +419,9 @@ class AsyncPriorStore {
   // are under way. Returns false if the queue is full or closed; the job will not run then.
   virtual bool Read(ReadJob job) = 0;
 
-  // Returns false after a commit failed because of the disk, until one succeeds, and while a read
-  // does not finish.
+  // Returns false in two cases:
+  // - from a commit that fails because of the disk until the next commit that succeeds,
+  // - while a read takes too long.
   virtual bool healthy() const = 0;
 
   // Returns PriorStore::lost_audit_row_count after the latest commit.

@@ -9,7 +9,8 @@
 
 namespace sweepstake::sessions {
 
-// The id of the token follows the HMAC in plain text; an id of 0 is omitted.
+// A resume token is the HMAC, then a slash and the id of the client's token in plain text. An id of
+// 0 is omitted together with the slash.
 std::string ResumeTokenOf(const std::string& session_id, int64_t token_id,
                           const std::string& secret) {
   const std::string suffix = token_id == 0 ? "" : absl::StrCat("/", token_id);

@@ -50,7 +50,8 @@ absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
   unstored_.reset();
   if (!stored.ok()) {
     unstored_.emplace();
-    // A damaged scene still counts towards the quotas of scenes and projects.
+    // A damaged scene is in the store, and so is its project. After any other error the number of
+    // projects is unknown; 0 makes at least the projects in memory count.
     if (!absl::IsDataLoss(stored.status())) unstored_->project_count = 0;
     return absl::OkStatus();
   }
@@ -67,7 +68,7 @@ absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
   }
   new_scenes_.push_back(scene);
   Project& project = FindProject(scene.project);
-  // Another machine class of a known name does not add a name.
+  // If the name is stored for another machine class, this scene does not add a name.
   const auto named = store_.List({scene.project, scene.scene}, std::nullopt, 1);
   unstored_ = {.stored = project.count,
                .new_name = !named.ok() || named->empty(),

@@ -26,8 +26,9 @@ absl::Status CheckSceneCount(const priors::SceneCount& count, const HostedSessio
 
 class SceneQuota {
  public:
-  // A scene counts once by its name. kKeysPerScene limits its machine classes and reward versions,
-  // on average over the project; kVersionsPerArm limits the versions of an arm.
+  // max_scenes limits the names of scenes. A name can be stored with several machine classes and
+  // reward versions: kKeysPerScene limits these combinations, on average over the project.
+  // kVersionsPerArm limits the versions of an arm, on average over the arms of a scene.
   static constexpr uint32_t kKeysPerScene = 32;
   static constexpr uint32_t kVersionsPerArm = 32;
 

@@ -18,7 +18,7 @@ struct SessionIdentity {
   std::vector<std::string> arms;
   std::vector<uint32_t> backend_versions;  // one per arm
   uint64_t seed = 0;
-  decision::DecisionOptions decision;      // time scale applied
+  decision::DecisionOptions decision;      // with its intervals divided by the time scale
   uint32_t audit_segment = 1;              // segment of the session's audit log
   std::vector<std::string> prior_sources;  // describes the sources of its prior in the audit log
 };

@@ -152,7 +152,7 @@ void SessionLedger::OnCommitted(const absl::Status& status) {
     DropOffer();
   } else {
     ++counters_.failed_commit_count;
-    // An update that can never be stored must not block later ones.
+    // Drop an update that can never be stored, because it must not block later ones.
     superseded_ = absl::IsFailedPrecondition(status);
     if (priors::IsRefusal(status)) {
       counters_.lost_audit_row_count += offered_->audit.rows.size();

@@ -1,10 +1,10 @@
 // Tracks which evidence of one session is on disk and which must still be written.
 //
-// Evidence waits for a checkpoint (a tick), the moment at which it covers exactly the messages
-// applied up to then. A checkpoint commits the evidence and the number of the last message in one
-// atomic update. Acknowledged messages are therefore never lost, and resent ones are never counted
-// twice. Evidence after a checkpoint is kept apart until the next one. A commit in between would
-// write it without the number of its message.
+// Evidence is collected until the next checkpoint, which each tick makes. At that moment the
+// evidence covers exactly the messages that have been applied. A checkpoint commits the evidence
+// and the number of the last message in one atomic update. Acknowledged messages are therefore
+// never lost, and resent messages are never counted twice. New evidence is kept apart until the
+// next checkpoint, because a commit in between would write it without the number of its message.
 //
 // A session is not in the store until its client has sent a message. The first checkpoint with a
 // message stores it, and the rows of its audit log wait until then. These rows are part of the
@@ -12,8 +12,8 @@
 //
 // At most one update is pending. Later checkpoints merge into one behind it, so the memory is
 // bounded by the number of arms. A failed update is offered again, unchanged, at the next
-// checkpoint. If it had reached the disk after all, the store detects its commit number and ignores
-// it.
+// checkpoint. If it had reached the disk after all, the store recognizes its commit number and
+// ignores it.
 //
 // If another daemon has written the session since this one read it from the store, the store
 // refuses updates. Then superseded() is true, and everything that is not on disk is dropped,
@@ -46,8 +46,8 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   using CommitListener =
       std::function<void(const absl::Status&, std::span<const priors::KeyedEvidence>)>;
 
-  // `progress` is the state in the store (commit_sequence 0: none). `on_committed` runs on the loop
-  // after each commit.
+  // `progress` is the stored progress of the session; with commit_sequence 0, none is stored.
+  // `on_committed` runs on the loop after each commit.
   SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, SessionCounters& counters,
                 priors::SourceProgress progress, CommitListener on_committed);
   ~SessionLedger();
@@ -55,9 +55,9 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   SessionLedger& operator=(const SessionLedger&) = delete;
 
   void Add(const priors::KeyedEvidence& increment);
-  // Sets the origin of the source. REQUIRES: nothing was offered yet.
+  // Sets the origin of the source. REQUIRES: no update was offered to the store yet.
   void SetOrigin(priors::SourceOrigin origin) { origin_ = std::move(origin); }
-  // `head` identifies the session's audit log; it has no rows.
+  // Starts the session's audit log. `head` identifies its segment, and has no rows.
   void StartAudit(priors::AuditRows head) { audit_ = std::move(head); }
   // Adds the bytes of the next row. REQUIRES: StartAudit was called.
   void AddAuditRow(std::string row);
@@ -77,9 +77,9 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   uint64_t durable_sequence() const { return durable_sequence_; }
   // Appends the updates that are not on disk.
   void AppendWaiting(std::vector<priors::SourceUpdate>& updates) const;
-  // Returns whether there is evidence since the checkpoint.
+  // Returns whether there is evidence since the latest checkpoint.
   bool open() const { return !open_.empty(); }
-  // Returns whether nothing waits for the disk.
+  // Returns whether no update waits for the disk.
   bool settled() const { return !offered_ && !checkpointed_; }
   // Returns whether an update was passed to the store and its result has not arrived.
   bool committing() const { return in_flight_; }
@@ -105,14 +105,14 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   priors::SourceOrigin origin_;
   const priors::SourceWriter writer_;
   uint64_t durable_sequence_;
-  std::map<priors::EvidenceKey, priors::Evidence> open_;  // evidence since the checkpoint
+  std::map<priors::EvidenceKey, priors::Evidence> open_;  // since the latest checkpoint
   std::map<priors::EvidenceKey, priors::Evidence>
-      waiting_;                                    // evidence between offer and checkpoint
-  std::vector<priors::AuditRow> open_rows_;        // audit rows since the checkpoint
-  priors::AuditRows audit_;                        // rows between offer and checkpoint
-  uint64_t audit_row_count_ = 0;                   // rows of the segment, lost ones included
-  size_t audit_bytes_ = 0;                         // size of all rows held here
-  bool checkpointed_ = false;                      // whether `waiting_` may be offered
+      waiting_;                              // evidence between offer and checkpoint
+  std::vector<priors::AuditRow> open_rows_;  // since the latest checkpoint
+  priors::AuditRows audit_;       // up to the latest checkpoint, without the rows in `offered_`
+  uint64_t audit_row_count_ = 0;  // rows of the segment, lost ones included
+  size_t audit_bytes_ = 0;        // size of all rows held here
+  bool checkpointed_ = false;     // whether `waiting_` may be offered
   std::unique_ptr<priors::SourceUpdate> offered_;  // update that the store has not confirmed yet
   bool in_flight_ = false;                         // whether the store is writing `offered_`
   bool superseded_ = false;

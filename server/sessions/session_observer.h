@@ -1,4 +1,4 @@
-// Receives the changes of sessions, for watchers.
+// The interface that receives the changes of all sessions and publishes them to watchers.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct DecisionEvent {
       nullptr;  // cost of frames since the previous measurements; may be null
 };
 
-// Called on the decision loop. It must not call sessions back.
+// Its functions are called on the decision loop. They must not call functions of sessions.
 class SessionObserver {
  public:
   // Minimum interval between two measurements in the decisions of a session.
@@ -38,20 +38,20 @@ class SessionObserver {
 
   virtual ~SessionObserver() = default;
 
-  // A session has begun, ended or changed.
+  // Called when a session has begun, ended or changed.
   virtual void OnSession(const std::string& session_id, const SessionChange& change) = 0;
   // Returns whether anybody watches this scene. If not, OnDecision need not be called.
   virtual bool Watches(const priors::SceneKey& scene) const = 0;
   virtual void OnDecision(const DecisionEvent& event) = 0;
-  // Increments of the scene have reached the disk. `new_source` says that they are the first ones
-  // of their session.
+  // Called when increments of the scene have reached the disk. `new_source` says that they are the
+  // first ones of their session.
   virtual void OnEvidence(const priors::SceneKey& scene,
                           std::span<const priors::KeyedEvidence> increments, bool new_source) = 0;
-  // It is unknown whether the scene's stored sums already contain the next increments. The sums are
-  // read again with the next OnEvidence.
+  // Drops the observer's sums of the scene, because they may already contain the increments of the
+  // next OnEvidence. With that call, the sums are read from the store again.
   virtual void Forget(const priors::SceneKey& scene) = 0;
-  // The disk may contain, or still receive, increments of the scene for which OnEvidence is not
-  // called. The sums are read again and published.
+  // Reads the sums of the scene from the store again and publishes them. Called because the store
+  // may contain, or still receive, increments for which OnEvidence is not called.
   virtual void Reload(const priors::SceneKey& scene) = 0;
 };
 

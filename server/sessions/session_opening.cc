@@ -98,15 +98,18 @@ bool SessionOpening::SubmitRead() {
 }
 
 void SessionOpening::OnRead(const StoredStart& start) {
-  // the store answered after the time limit, or the limit expired after its answer
+  // The first of two results has already been used: the store's answer, or the end of the time
+  // limit.
   if (!done_) return;
-  // Meanwhile an operator may have kicked the session, or another connection may have resumed it.
+  // During the read, an operator may have kicked the session, or another connection may have
+  // resumed it.
   if (absl::Status kicked = table_.CheckKicked(hello_.session_id); !kicked.ok())
     return Finish(kicked);
   if (std::shared_ptr<GameSession> session = FindInMemory())
     return Finish(OpenedSession{std::move(session), /*resumed=*/true, absl::OkStatus()});
-  // Another connection has resumed the session with other arms. The evidence that was read includes
-  // that session's own, so it cannot start a new one; the game connects again by itself.
+  // During the read, another connection has resumed the session with other arms. The evidence that
+  // was read includes that session's own evidence, so a new session must not start from it. The
+  // game connects again by itself.
   if (start.source && hello_.session_id.empty()) {
     return Finish(Refused(reasons::kStoreBusy,
                           "another connection has just resumed this session; connect again"));
@@ -134,7 +137,7 @@ absl::StatusOr<OpenedSession> SessionOpening::Begin(const StoredStart& start) {
 }
 
 void SessionOpening::Finish(absl::StatusOr<OpenedSession> result) {
-  const auto self = shared_from_this();  // its owner may drop it in the callback
+  const auto self = shared_from_this();  // the owner may release *this in the callback
   std::exchange(done_, nullptr)(std::move(result));
 }
 

@@ -1,7 +1,8 @@
 // The path from a Hello to its session: session_table, store, scene_quota, session_start (which
 // calls decision::PriorFor), new_scenes, session_table. The table is searched again after the read,
 // because the loop does other work in between. If another connection resumes the session in that
-// time, and this one may not, this one is refused and connects again.
+// time, and this Hello does not match the resumed session, this Hello is refused. Its client then
+// connects again.
 //
 // - If the session to resume is in memory, the client gets it back unchanged.
 // - Otherwise the store is read, on its reading thread. If it does not have the scene, its writing
@@ -14,9 +15,9 @@
 // scene, machine class, reward version or other arms, a new session begins. The answer is the same
 // in all these cases, so it reveals nothing about other sessions.
 //
-// Evidence that cannot be read is missing, and the session begins without it: from Beta(1,1) plus
-// the evidence that could be read. If the progress of a session cannot be read, it is not resumed,
-// because its messages might count twice: a new one begins.
+// If some evidence cannot be read, the session begins without it: from Beta(1,1) plus the evidence
+// that could be read. If the progress of a session cannot be read, it is not resumed, because its
+// messages might count twice: a new one begins.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +34,7 @@
 namespace sweepstake::sessions {
 
 struct OpenedSession {
-  std::shared_ptr<GameSession> session;  // session, which is in the table
+  std::shared_ptr<GameSession> session;  // the session, already in the table
   bool resumed = false;
   absl::Status missing;  // why stored evidence is missing; OK if none is
 };

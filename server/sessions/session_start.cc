@@ -95,7 +95,7 @@ struct StoredEvidence {
   std::vector<std::vector<priors::SceneEvidence>> other_scenes;  // pages
 };
 
-// Adds the sources of the scene. The session's own evidence has already been added.
+// Adds the evidence of the scene's sources, except the session's own, which has already been added.
 absl::Status AddSources(priors::PriorReader& store, const Hello& hello, const StoredStart& start,
                         StoredEvidence& stored) {
   auto sources = store.LoadSources(hello.scene);
@@ -141,7 +141,7 @@ absl::Status AddOtherScenes(priors::PriorReader& store, const Hello& hello,
   return absl::OkStatus();
 }
 
-// Returns lines that state the weights of the sources, the heaviest first.
+// Returns lines for the audit log that state the weights of the sources, the heaviest first.
 std::vector<std::string> Describe(const decision::Prior& prior, bool compares_sources) {
   constexpr size_t kMaxLines = 8;
   std::vector<std::string> lines;
@@ -194,7 +194,7 @@ bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>
   });
 }
 
-// Sets `refusal` and `new_scene`.
+// Checks the scene and its arms against the quotas. Sets start.refusal and start.new_scene.
 void CheckQuota(priors::PriorReader& store, const Hello& hello, const HostedSessionOptions& options,
                 bool counts, StoredStart& start) {
   SceneQuota quota(store, options, counts);

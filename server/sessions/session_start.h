@@ -1,9 +1,9 @@
-// Reads the beginning of a session from the store, and makes the session.
+// Reads the evidence with which a session begins from the store, and creates the session.
 //
 // A new session starts from Beta(1,1) plus the evidence of all sources of its scene. For arms
 // without such evidence the project's other scenes are used. A session that is resumed from the
-// store does the same, and its own evidence is included. With ignores_priors only its own evidence
-// is used. All evidence is that of the policy's reward version.
+// store starts from the same evidence, its own included. With Hello::ignores_priors, only its own
+// evidence is used. Evidence with another reward version than the policy's is not used.
 #pragma once
 
 #include <memory>
@@ -32,9 +32,9 @@ struct StoredStart {
   absl::Status status;                     // why some evidence is missing; OK if none is
 };
 
-// Reads everything for the Hello, on one of the store's threads. A scene that is not stored is not
-// counted against the quotas yet. The project's other scenes are skipped on the writing thread,
-// where reading them would delay commits.
+// Reads all that the Hello's session needs, on one of the store's threads. A scene that is not
+// stored is not counted against the quotas yet. The project's other scenes are skipped on the
+// writing thread, where reading them would delay commits.
 StoredStart LoadStart(priors::PriorReader& store, const Hello& hello,
                       const HostedSessionOptions& options, bool is_writing_thread);
 
@@ -43,7 +43,7 @@ StoredStart LoadStart(priors::PriorReader& store, const Hello& hello,
 void CountScene(priors::PriorReader& store, const Hello& hello, const HostedSessionOptions& options,
                 StoredStart& start);
 
-// Makes the session of a Hello for the caller's token. Error: INVALID_ARGUMENT (the setup is not
+// Creates the session of a Hello for the caller's token. Error: INVALID_ARGUMENT (the setup is not
 // valid).
 absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(const SessionContext& context,
                                                          const Hello& hello,

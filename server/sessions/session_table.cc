@@ -80,7 +80,7 @@ void SessionTable::Kick(GameSession& session, bool may_return) {
   if (!may_return) RememberKick(session.identity().id);
   session.Kick(may_return);
   const auto found = entries_.find(session.identity().id);
-  // A lost session would otherwise stay until the end of its resume window.
+  // Check a lost session now. Otherwise it would stay until the end of its resume window.
   if (!may_return && found != entries_.end() && found->second.lost) LookAt(kept->identity().id);
 }
 
@@ -192,7 +192,7 @@ void SessionTable::LookAt(const std::string& id) {
   if (settled && (entry.session->ended() || entry.session->superseded() || over)) return Remove(id);
   Recover(entry);
   LookAgainAt(settled ? entry.resumable_until_ns : now_ns + kSweepIntervalNs, entry);
-  // The store could not write this evidence, so it is only in memory.
+  // The store could not write the evidence, which is only in memory: offer it again.
   if (!settled) entry.session->RetryCommit();
 }
 

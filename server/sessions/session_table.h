@@ -1,16 +1,17 @@
 // The sessions in memory: connected ones, and lost ones that may be resumed. It is used on the
 // decision loop only.
 //
-// HostedSessionOptions::max_sessions and resume_window_ns limit its size; sessions that have left
-// can be read from the store. The evidence of a lost session that is not on disk is offered to the
-// store again every two seconds. A session that has said goodbye stays until that has succeeded,
-// because no client would resend its evidence. The clients of other lost sessions still have the
-// unacknowledged messages.
+// HostedSessionOptions::max_sessions and resume_window_ns limit its size. Sessions that have left
+// memory can be read from the store. The evidence of a lost session that is not on disk is offered
+// to the store again every two seconds. A session whose client has sent Goodbye stays until its
+// evidence is on disk, because no client would resend it. The clients of other lost sessions still
+// have the unacknowledged messages.
 //
-// If such a client never returns, only the bail-outs since the last tick would be lost. They are
-// therefore offered to the store before the session leaves. At the end of the resume window the
-// session stays until they are stored. If it makes room for another, or the daemon drains, they are
-// offered once, unless a commit of the session is under way.
+// If the client of a lost session never returns, only the bail-outs since the last tick would be
+// lost. They are therefore offered to the store before the session leaves memory:
+// - At the end of the resume window, the session stays until they are stored.
+// - If the session makes room for another one, or the daemon drains, they are offered once, unless
+//   a commit of the session is under way.
 #pragma once
 
 #include <cstddef>
@@ -48,7 +49,7 @@ struct SessionView {
   SessionState state = SessionState::kLost;
   std::string active_arm;
   Mode mode = Mode::kManual;
-  int64_t unix_start_ms = 0;  // when it began, or was loaded from the store
+  int64_t unix_start_ms = 0;  // when the session began, or was loaded from the store
   std::optional<int64_t> unix_last_message_ms;
   uint64_t dropped_frame_count = 0;
 };
@@ -61,20 +62,21 @@ struct HeldEvidence {
 
 class SessionTable {
  public:
-  static constexpr size_t kMaxKicked = 10'000;  // ids of 32 bytes
+  // Maximum number of kicked ids in memory, 32 bytes each.
+  static constexpr size_t kMaxKicked = 10'000;
 
   explicit SessionTable(const SessionContext& context)
       : context_(context), new_scenes_(context.options) {}
 
   // Returns null if the session is not in memory.
   std::shared_ptr<GameSession> Find(const std::string& id) const;
-  // Error: RESOURCE_EXHAUSTED (the table, or the share of the session's token, is full, and no lost
-  // session can be removed). REQUIRES: the session's id is not in the table.
+  // Error: RESOURCE_EXHAUSTED (the daemon or the session's token has the maximum number of
+  // sessions, and no lost session can be removed). REQUIRES: the session's id is not in the table.
   absl::Status Add(std::shared_ptr<GameSession> session);
 
   void Attach(GameSession& session, ClientStream& link, SessionClient client);
-  // Detaches the link; does nothing if the session has another one. An ended session leaves the
-  // table once its evidence is on disk.
+  // Detaches the link; does nothing if another link is attached. An ended session leaves the table
+  // once its evidence is on disk.
   void Detach(GameSession& session, ClientStream& link);
 
   // Returns the session; absent if it is not in memory.
@@ -113,7 +115,7 @@ class SessionTable {
   struct Entry {
     std::shared_ptr<GameSession> session;
     ClientStream* link = nullptr;
-    SessionClient client;            // the latest one
+    SessionClient client;            // the client's latest connection
     std::optional<LostKey> lost;     // absent if the session is connected or was never connected
     int64_t resumable_until_ns = 0;  // end of the resume window of a lost session
     LostRank rank;  // rank of the latest loss; in `leaving_` while the session is lost
@@ -134,7 +136,7 @@ class SessionTable {
   void RememberKick(const std::string& id);
 
   const SessionContext context_;
-  NewScenes new_scenes_;  // outlives the sessions
+  NewScenes new_scenes_;  // declared before entries_, because it must outlive the sessions
   std::map<std::string, Entry> entries_;
   std::map<LostKey, std::string> lost_;
   LostSessions leaving_;  // lost sessions in the order in which they leave to make room

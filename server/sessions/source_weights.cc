@@ -10,8 +10,8 @@
 namespace sweepstake::sessions {
 namespace {
 
-// Returns whether a session with the version `own` of the arm uses the source's evidence of the
-// key.
+// Returns whether a session whose arm has the version `own` uses the source's evidence of the key.
+// It uses only the source's best version of the arm.
 bool IsUsed(const priors::SceneSource& source, const priors::EvidenceKey& key, uint32_t own) {
   bool has_better = false;
   bool has_it = false;

@@ -10,7 +10,7 @@
 
 namespace sweepstake::sessions {
 
-// For lists of sources that people read. Each scene is read once.
+// Computes the weights for lists that people read. Each scene is read from the store only once.
 class SourceWeights {
  public:
   // `store` is borrowed.

@@ -22,13 +22,12 @@ std::optional<events::Wish> WishOf(const google::protobuf::Message& request);
 // Returns the Watch method of the kind.
 Rpc RpcOf(events::Kind kind);
 
-// Begins to watch for an authorized caller. Errors go to Sink::OnEnd, some of them before
-// BeginWatch returns:
+// Begins to watch for an authorized caller. Called on the loop. Errors go to Sink::OnEnd, some of
+// them before BeginWatch returns:
 // - PERMISSION_DENIED (the token is not valid for the project),
 // - RESOURCE_EXHAUSTED (too many watchers; see AccessControl::BeginWatch),
 // - those of EventBus::Subscribe,
-// - the error of CheckStill, when the caller's token was revoked or has expired. Called on the
-//   loop.
+// - the error of CheckStill, when the caller's token was revoked or has expired.
 void BeginWatch(ServiceContext& context, events::Wish wish, const Caller& caller,
                 events::Sink& sink);
 

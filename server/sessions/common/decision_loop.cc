@@ -8,8 +8,8 @@
 namespace sweepstake::sessions {
 namespace {
 
-// Limits the PostLater tasks, and the due PostAt tasks, per turn. Post tasks then wait at most for
-// these.
+// Maximum number of PostLater tasks, and of due PostAt tasks, that run in one turn of the loop. A
+// Post task waits at most for these.
 constexpr size_t kLaterTasksPerTurn = 8;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The decision loop, the thread on which all sessions live, and its clock.
+// The decision loop, which is the thread that runs all sessions, and its clock.
 #pragma once
 
 #include <chrono>
@@ -15,16 +15,16 @@ namespace sweepstake::sessions {
 
 // The clock of the decision loop. It returns the time and waits for a time. Tests replace it.
 //
-// Times are nanoseconds from any origin and never decrease, whatever the wall clock does. NowNs and
-// Wake may be called from any thread, WaitUntil from one.
+// Times are nanoseconds since an arbitrary moment. They never decrease, even if the wall clock is
+// set back. NowNs and Wake may be called from any thread, WaitUntil from one.
 class Clock {
  public:
   static constexpr int64_t kNever = INT64_MAX;
 
   virtual ~Clock() = default;
   virtual int64_t NowNs() const = 0;
-  // Returns when NowNs() >= deadline_ns or Wake was called since the last return. It may return
-  // early.
+  // Returns when NowNs() >= deadline_ns or Wake was called since the last return. It may also
+  // return earlier.
   virtual void WaitUntil(int64_t deadline_ns) = 0;
   virtual void Wake() = 0;
 };
@@ -42,16 +42,17 @@ class SteadyClock final : public Clock {
   bool wake_ = false;  // guarded by mutex_
 };
 
-// The one thread on which sessions live and decisions are made.
+// The one thread that runs the sessions and makes their decisions.
 //
 // The callbacks of the transport and of the store only post tasks here. Sessions therefore need no
 // locks, and no other thread waits for a decision. Post, PostLater and PostAt are thread-safe.
 //
-// Tasks run in the order of posting, PostAt tasks when they are due. Only a few PostLater and
-// PostAt tasks run per turn and Post tasks overtake them, so that a frame does not wait for a
-// thousand commits. Tasks must not wait and must not throw. The queues are bounded, because each
-// stream, watcher and commit has at most a few tasks in them. The destructor runs the posted tasks,
-// drops tasks that are not due yet, and ends the thread. The clock must outlive the loop.
+// Tasks run in the order of posting, PostAt tasks when they are due. In each turn, the loop runs
+// all Post tasks, but only a few PostLater and PostAt tasks. A message with frames (Post) therefore
+// does not wait for the results of a thousand commits (PostLater). Tasks must not wait and must not
+// throw. The queues are bounded, because each stream, watcher and commit has at most a few tasks in
+// them. The destructor runs the posted tasks, drops tasks that are not due yet, and ends the
+// thread. The clock must outlive the loop.
 class DecisionLoop {
  public:
   using Task = std::function<void()>;
@@ -73,8 +74,8 @@ class DecisionLoop {
   void PostLater(Task task);
   // Runs `task` once the clock has reached `due_ns`.
   void PostAt(int64_t due_ns, Task task);
-  // Runs the tasks that are posted and due, and those that they post. Returns the time at which the
-  // next task is due, or Clock::kNever. REQUIRES: the caller is the runner.
+  // Runs all tasks that are posted or due, and the tasks that these post. Returns the time at which
+  // the next PostAt task is due, or Clock::kNever. REQUIRES: Runner::kCaller.
   int64_t RunReady();
 
   Clock& clock() { return clock_; }

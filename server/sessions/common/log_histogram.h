@@ -1,5 +1,6 @@
-// Counts of values by size, in eight buckets per octave. A percentile derived from it differs from
-// the exact one by at most 4.5 %. Histograms are merged by adding the counts of equal buckets.
+// A histogram of values with logarithmic buckets, eight per octave (factor of two). A percentile
+// derived from it differs from the exact one by at most 4.5 %. Histograms are merged by adding the
+// counts of equal buckets.
 //
 // Buckets are computed in integers, so that a value has the same bucket on every machine. Not
 // thread-safe. The memory is bounded by kMaxBuckets.
@@ -14,8 +15,9 @@ namespace sweepstake::sessions {
 
 class LogHistogram {
  public:
-  // Eight octaves, a far larger range than the frames of a game have. If values need more, the
-  // smallest ones share the lowest bucket, so that the high percentiles stay correct.
+  // Maximum number of non-empty buckets: eight octaves, a far larger range than the frames of a
+  // game have. If the values need more buckets, the smallest values share the lowest bucket, so
+  // that the high percentiles stay correct.
   static constexpr size_t kMaxBuckets = 64;
 
   struct Bucket {

@@ -22,33 +22,36 @@ namespace sweepstake::sessions {
 // The largest box view that is requested from a game, in bytes; a larger one is INVALID_ARGUMENT.
 inline constexpr size_t kMaxBoxViewBytes = 64 * 1024;
 inline constexpr uint64_t kMaxFrameNs = 3'600'000'000'000;  // an hour; longer frames are rejected
-// The maximum bytes of audit rows that wait for the disk, per session (64 rows of 7 arms, about two
-// minutes) and over all sessions. Rows above the limit are lost and counted.
+// The maximum bytes of audit rows that wait for the disk, per session (64 rows of a session with 7
+// arms, about two minutes of decisions) and over all sessions. Rows above the limit are lost and
+// counted.
 inline constexpr size_t kMaxWaitingAuditBytesOfSession = 64 * 1024;
 inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024 * 1024;
 
-// Adjustable members may change at any time.
+// The options of the sessions of a daemon. Members of the type Adjustable can change at any time.
 struct HostedSessionOptions {
-  // The policy in it applies to sessions that name none.
+  // decision.policy applies to sessions whose Hello names no policy.
   decision::DecisionOptions decision;
   std::string daemon_version;  // version of the program, as in Welcome and the audit log
   // Whether new sessions write rows of the audit log.
   Adjustable<bool> keeps_audit = true;
   // Returns the bytes of a row for the store.
   std::function<std::string(const decision::AuditRow&)> encode_audit_row;
-  // Whether other daemons write to the store too. A session that cannot be read may then continue
-  // in another daemon. It is refused, because messages that its client resends might count twice.
+  // Whether other daemons write to the same store. If so, a session that cannot be read from the
+  // store is refused. It might have continued in another daemon, and then messages that its client
+  // resends would count twice.
   bool shares_store = false;
-  // The maximum number of sessions in memory, connected or resumable. At the limit the session that
-  // was lost first leaves memory, but can still be resumed from the store. If all are connected, a
-  // new session is RESOURCE_EXHAUSTED.
+  // The maximum number of sessions in memory, connected or resumable. At the limit, the session
+  // that lost its connection first leaves memory, but it can still be resumed from the store. If
+  // all sessions are connected, a new session is RESOURCE_EXHAUSTED.
   Adjustable<uint32_t> max_sessions = 20'000;
-  // The maximum number of sessions per token. At this limit the token's own lost sessions leave
-  // memory; if there are none, a new session is RESOURCE_EXHAUSTED. The default leaves half of the
-  // daemon to other tokens.
+  // The maximum number of sessions per token. At this limit, a session of the token that has lost
+  // its connection leaves memory. If there is none, a new session is RESOURCE_EXHAUSTED. The
+  // default leaves half of max_sessions to other tokens.
   Adjustable<uint32_t> max_sessions_per_token = 10'000;
   // The maximum number of projects. A Hello or an import that adds another one is
-  // RESOURCE_EXHAUSTED. A Hello also counts projects that only sessions in memory have.
+  // RESOURCE_EXHAUSTED. For a Hello, the projects of sessions in memory that are not stored yet
+  // count too.
   Adjustable<uint32_t> max_projects = 100;
   // The maximum number of scene names per project. A Hello or an import that adds another one is
   // RESOURCE_EXHAUSTED.
@@ -61,10 +64,11 @@ struct HostedSessionOptions {
     std::random_device device;
     return (uint64_t{device()} << 32) | device();
   };
-  // A lost session leaves memory after this time; later it is resumed from the store.
+  // A session that has lost its connection leaves memory after this time. From then on it can only
+  // be resumed from the store.
   Adjustable<int64_t> resume_window_ns = 600'000'000'000;
   // If the store has not answered a Hello after this time, the session begins without its evidence.
-  // A client waits ten seconds for the welcome message.
+  // The time must be below ten seconds, for which a client waits for the Welcome.
   int64_t load_patience_ns = 5'000'000'000;
 };
 
@@ -82,7 +86,7 @@ using RejectionCounts = std::array<std::atomic<uint64_t>, kRejectionReasonNames.
 
 // Counts of events since the daemon's start, and present numbers such as sessions in memory. The
 // decision loop writes them and any thread may read them. Each counter is exact, but several
-// counters are not read at one moment.
+// counters cannot be read at one moment.
 struct SessionCounters {
   std::atomic<uint64_t> session_count{0};  // sessions in memory, connected or lost
   std::atomic<uint64_t> goodbye_count{0};  // sessions that the client ended
@@ -99,7 +103,7 @@ struct SessionCounters {
   // Bail-outs that were answered but not used as evidence, because the game, or the games of a
   // token or address, exceeded their limit.
   std::atomic<uint64_t> surplus_bail_out_count{0};
-  std::atomic<uint64_t> dropped_frame_count{0};  // dropped by the clients' queues
+  std::atomic<uint64_t> dropped_frame_count{0};  // frames that the clients' queues dropped
   std::atomic<uint64_t> decision_count{0};
   std::atomic<uint64_t> switch_command_count{0};
   std::atomic<uint64_t> refused_switch_count{0};  // commands that a client did not execute

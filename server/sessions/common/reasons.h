@@ -1,4 +1,5 @@
-// The reasons for which a session is refused or ended, for programs to act on. Pure functions.
+// The reasons why a session, or a call about a session, is refused or ended. Programs decide by the
+// reason what to do. Pure functions.
 #pragma once
 
 #include <array>
@@ -45,7 +46,8 @@ inline constexpr std::array kAll = {
 
 }  // namespace reasons
 
-// The key of the status payload that holds the name of its reason.
+// The key under which a status stores the name of its reason, as a payload
+// (absl::Status::SetPayload).
 inline constexpr absl::string_view kReasonPayload = "sweepstake/reason";
 
 // Returns the status with another reason and the same code.
@@ -54,7 +56,8 @@ inline absl::Status WithReason(absl::Status status, absl::string_view name) {
   return status;
 }
 
-// Returns a status with the reason and its code. `message` must say what to do next.
+// Returns a status with the reason, and with the status code of that reason. `message` must say
+// what to do next.
 inline absl::Status Refused(const Reason& reason, absl::string_view message) {
   return WithReason(absl::Status(reason.code, message), reason.name);
 }

@@ -8,9 +8,9 @@
 
 namespace sweepstake::sessions {
 
-// Returns why the frame is impossible, or nothing. A frame lasts 1 µs (a million frames per second)
-// to an hour. Detection is part of the frame, within 1 % and 1 ms of clock error. Checks are below
-// 2^60, native bytes below 2^46.
+// Returns why the frame is impossible, or nothing. A possible frame lasts 1 µs (a million frames
+// per second) to an hour. Its detection time is at most its frame time plus 1 % and 1 ms, which
+// allow for clock error. It has fewer than 2^60 AABB checks and fewer than 2^46 native bytes.
 std::optional<RejectionReason> RejectionOf(const FrameSample& frame);
 // Returns why the sample is impossible, or nothing. The times are at most an hour; the other bounds
 // are those of a frame.
