@@ -8,9 +8,9 @@
 // and makes a decision. Without a link there are no ticks, because nobody could receive a switch
 // command. The frames then wait for the next tick.
 //
-// A tick makes a decision only if a message has arrived since the last tick. The first tick also
-// decides without a message if the priors suffice. A silent client therefore causes no audit rows
-// and no commits.
+// A tick makes a decision only if a message has arrived since the last tick. The first tick after a
+// connection also decides without a message, unless there are no priors and the first decision
+// waits for frames. A silent client therefore causes no audit rows and no commits.
 //
 // A session is used on the decision loop only. The session table and the stream of its link own it.
 // The memory is bounded by the number of arms.
@@ -216,7 +216,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   ClientStream* link_ = nullptr;
   uint64_t applied_sequence_;
   uint64_t frame_count_;            // frames in the messages up to applied_sequence_
-  uint64_t acknowledged_sequence_;  // sent to the client
+  uint64_t acknowledged_sequence_;  // latest number sent to the client
   uint32_t switch_epoch_;           // latest one in a Hello or a switch answer
   bool has_stored_evidence_;
   std::optional<uint64_t> last_bail_out_frame_;

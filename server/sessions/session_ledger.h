@@ -107,7 +107,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   uint64_t durable_sequence_;
   std::map<priors::EvidenceKey, priors::Evidence> open_;  // since the latest checkpoint
   std::map<priors::EvidenceKey, priors::Evidence>
-      waiting_;                              // evidence between offer and checkpoint
+      waiting_;  // up to the latest checkpoint, without the evidence in `offered_`
   std::vector<priors::AuditRow> open_rows_;  // since the latest checkpoint
   priors::AuditRows audit_;       // up to the latest checkpoint, without the rows in `offered_`
   uint64_t audit_row_count_ = 0;  // rows of the segment, lost ones included
