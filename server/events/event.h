@@ -21,7 +21,7 @@ struct EventStamp {
   int64_t unix_ms = 0;
 };
 
-// A message in the encoding of protobuf: the bytes of `body` followed by those of `tail`.
+// An event as an encoded protobuf message: the bytes of `body` followed by the bytes of `tail`.
 struct Event {
   EventStamp stamp;
   std::shared_ptr<const std::string> body;

@@ -22,7 +22,7 @@ absl::StatusOr<Health> HealthOf(const std::shared_ptr<grpc::Channel>& channel,
 // Probes a daemon at HOST:PORT that serves with these TLS files, over a new TCP connection, so that
 // a dead listener is noticed. The listener's certificate is not verified. If the daemon requires
 // client certificates, the probe presents the daemon's own. Errors: those of HealthOf, with advice
-// for certificate problems, and those of tls::Read.
+// if the cause is known, and those of tls::Read.
 absl::StatusOr<Health> ProbeHealth(const std::string& address, const tls::Files& files,
                                    std::chrono::milliseconds patience);
 

@@ -92,7 +92,8 @@ class RpcServer {
   // Creates the listener. The server of this builder will serve its connections.
   void BindListener(grpc::ServerBuilder& builder,
                     const std::shared_ptr<grpc::ServerCredentials>& credentials);
-  // Runs on the loop once per second, which also proves that the loop is alive.
+  // Runs on the loop once per second: checks the store, the tokens and the waiting updates.
+  // responsive() checks when it ran last.
   void WatchStore();
   // Ends the telemetry streams and watches of callers whose tokens were revoked or have expired.
   void EndRefused();

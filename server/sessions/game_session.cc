@@ -208,7 +208,7 @@ void GameSession::ApplyMessage(BailOut& bail_out) {
   if (decisions_.IsEvidence(frame, now_ns) && link_ != nullptr && !link_->SpendBailOut())
     frame.flags |= decision::kFrameNoEvidence;
   // The evidence of the bail-out goes to disk with the next tick. Committing it now would also
-  // acknowledge the earlier frames, which are only in memory until then.
+  // acknowledge the frames before it, whose evidence is computed only at that tick.
   const uint64_t surplus_count = decisions_.counts().surplus_bail_out_count;
   SendDecision(decisions_.ObserveBailOut(frame, now_ns));
   if (link_ != nullptr) link_->Flush();

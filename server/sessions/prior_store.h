@@ -33,7 +33,8 @@ using sweepstake::EvidenceKey;
 using sweepstake::PriorRecord;
 
 // Returns the evidence rounded to multiples of 2⁻²⁰, the unit in which stores keep it. Sums up to
-// 2³³ are then exact in any order, so that subtracting evidence restores the earlier sum exactly.
+// 2³³ are then exact in any order, so that subtracting evidence restores the sum from before it was
+// added.
 inline Evidence InUnits(Evidence evidence) {
   constexpr double kUnitsPerOne = 0x1p20;
   evidence.alpha = std::round(evidence.alpha * kUnitsPerOne) / kUnitsPerOne;

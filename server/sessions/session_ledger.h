@@ -10,7 +10,7 @@
 // message stores it, and the rows of its audit log wait until then. These rows are part of the
 // update; if the disk is too slow for them (kMaxWaitingAuditBytes), further rows are lost.
 //
-// At most one update is pending. Later checkpoints merge into one behind it, so the memory is
+// At most one update is pending. Later checkpoints merge into one further update, so the memory is
 // bounded by the number of arms. A failed update is offered again, unchanged, at the next
 // checkpoint. If it had reached the disk after all, the store recognizes its commit number and
 // ignores it.
@@ -68,10 +68,10 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
     uint64_t decision_count = 0;
     uint64_t frame_count = 0;
   };
-  // Declares that the evidence so far is exactly that of the messages up to the position's sequence
-  // number.
+  // Declares that the evidence so far is exactly that of the messages up to
+  // position.message_sequence, and offers it to the store.
   void Checkpoint(const Position& position);
-  // Offers a failed update again.
+  // Offers a failed update to the store again.
   void Retry() { CommitNext(); }
 
   uint64_t durable_sequence() const { return durable_sequence_; }

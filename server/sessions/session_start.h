@@ -19,7 +19,7 @@
 
 namespace sweepstake::sessions {
 
-// What the store contains for a Hello.
+// What was read from the store for a Hello.
 struct StoredStart {
   decision::Prior prior;                        // prior of the Hello's arms
   std::vector<std::string> prior_sources = {};  // describes its sources in the audit log
@@ -28,7 +28,7 @@ struct StoredStart {
   // same id. Only the first daemon to commit can continue it, so no message counts twice.
   std::string kept_id = {};
   std::optional<UnstoredScene> new_scene;  // present if the store does not have the scene
-  absl::Status refusal;                    // a quota that the session would exceed
+  absl::Status refusal;                    // an error if the session would exceed a quota
   absl::Status status;                     // why some evidence is missing; OK if none is
 };
 

@@ -46,8 +46,8 @@ class AccessControl {
 
   // Returns the caller. Errors: UNAUTHENTICATED (missing or invalid token), PERMISSION_DENIED (its
   // role does not allow this RPC), RESOURCE_EXHAUSTED (too many unauthenticated calls from the
-  // address, or the token or the address reads too often). Unauthenticated calls from an address
-  // never block a valid token from the same address. Refusals are logged.
+  // address, or the token or the address exceeds its rate of reads). Unauthenticated calls from an
+  // address never block a valid token from the same address. Refusals are logged.
   absl::StatusOr<Caller> Authorize(const grpc::ServerContextBase& call, Rpc rpc);
 
   // Like Authorize, for an HTTP request. Without `rpc`, a token with any role is accepted. `peer`

@@ -20,7 +20,8 @@ class LeaderPreview {
 
   // Returns the `preview` argument for the store's method; it must not outlive this object.
   priors::Preview preview();
-  // Returns the differences; none if this is not a preview. Errors: those of PriorReader::List.
+  // Returns the scenes whose leading arm changes; none if this is not a preview. Errors: those of
+  // PriorReader::List.
   absl::StatusOr<v1::LeaderChanges> Changes() const;
 
  private:

@@ -204,7 +204,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
         return context_.loop.Post([this, allowed] { End(allowed); });
       const auto result =
           promotes_ ? store.Import(records_) : store.Quarantine(records_, kMaxQuarantinedRecords);
-      // PostLater, as for commits: earlier results of the store come first.
+      // PostLater, because results of commits are posted with it too: earlier ones must run first.
       context_.loop.PostLater([this, result] { OnImported(result); });
     });
     if (!submitted) End(StoreBusy());
@@ -387,7 +387,7 @@ void ChangeSources(ServiceContext& context, const Caller& caller, const Request&
     LeaderPreview leaders(store, filter.project, request.preview());
     const auto result = kPromotes ? store.Promote(filter, leaders.preview())
                                   : store.Revoke(filter, leaders.preview());
-    // PostLater, as for commits: earlier results of the store come first.
+    // PostLater, because results of commits are posted with it too: earlier ones must run first.
     context.loop.PostLater([&context, &request, &response, caller, end, result,
                             changes = leaders.Changes(), new_scenes = quota.new_scenes()] {
       if (!request.preview()) OnEvidence(context, result.status(), new_scenes);

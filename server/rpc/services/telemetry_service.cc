@@ -85,7 +85,8 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   std::atomic<uint32_t> wanted_reads_{0};
   grpc::ByteBuffer read_bytes_;  // read_bytes_ and read_count_ are used by gRPC's callback
   uint64_t read_count_ = 0;
-  // Used alternately: the callback fills one while the loop applies the other.
+  // Two request buffers, used alternately: gRPC's callback fills one while the loop applies the
+  // other.
   std::array<v1::StreamTelemetryRequest, TelemetryTransport::kMaxReads> requests_;
   grpc::ByteBuffer write_bytes_;  // used on the loop, and by gRPC while a write is pending
 };

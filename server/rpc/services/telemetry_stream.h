@@ -80,7 +80,7 @@ class TelemetryStream final : public sessions::ClientStream,
                   auth::Principal caller)
       : context_(context), streams_(streams), transport_(transport), caller_(std::move(caller)) {}
 
-  // Called first.
+  // Called first: counts the stream, and starts to read the Hello.
   void Accept();
   // Applies the message that was read; `request` is null if it does not parse. The stream may move
   // content out of `request`.
@@ -91,7 +91,7 @@ class TelemetryStream final : public sessions::ClientStream,
   void OnWritten(bool ok);
   // The connection is lost: pending reads and writes fail.
   void OnCancelled();
-  // Called last, when nothing is pending any more.
+  // Called last, when no read or write is pending any more.
   void OnDone();
 
   // Ends the stream if the caller's token was revoked or has expired.

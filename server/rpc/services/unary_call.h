@@ -17,7 +17,7 @@
 
 namespace sweepstake::rpc {
 
-// Ends the call. Called once, on any thread; the response must be complete by then.
+// Ends the call. Called once, on any thread. The response must be complete before this call.
 using EndCall = std::function<void(const absl::Status&)>;
 
 // The status of a call whose job the store has refused, because its queue is full.

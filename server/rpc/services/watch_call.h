@@ -19,7 +19,7 @@ namespace sweepstake::rpc {
 // Converts the request of a Watch method to a Wish; absent if it is not such a request.
 std::optional<events::Wish> WishOf(const google::protobuf::Message& request);
 
-// Returns the Watch method of the kind.
+// Returns the Watch method that streams events of this kind.
 Rpc RpcOf(events::Kind kind);
 
 // Begins to watch for an authorized caller. Called on the loop. Errors go to Sink::OnEnd, some of

@@ -35,7 +35,7 @@ struct HostedSessionOptions {
   std::string daemon_version;  // version of the program, as in Welcome and the audit log
   // Whether new sessions write rows of the audit log.
   Adjustable<bool> keeps_audit = true;
-  // Returns the bytes of a row for the store.
+  // Encodes an audit row as the bytes that the store keeps.
   std::function<std::string(const decision::AuditRow&)> encode_audit_row;
   // Whether other daemons write to the same store. If so, a session that cannot be read from the
   // store is refused. It might have continued in another daemon, and then messages that its client
@@ -49,15 +49,15 @@ struct HostedSessionOptions {
   // its connection leaves memory. If there is none, a new session is RESOURCE_EXHAUSTED. The
   // default leaves half of max_sessions to other tokens.
   Adjustable<uint32_t> max_sessions_per_token = 10'000;
-  // The maximum number of projects. A Hello or an import that adds another one is
+  // The maximum number of stored projects. A Hello or an import that would exceed it is
   // RESOURCE_EXHAUSTED. For a Hello, the projects of sessions in memory that are not stored yet
   // count too.
   Adjustable<uint32_t> max_projects = 100;
-  // The maximum number of scene names per project. A Hello or an import that adds another one is
+  // The maximum number of scene names per project. A Hello or an import that would exceed it is
   // RESOURCE_EXHAUSTED.
   Adjustable<uint32_t> max_scenes = 1'000;
-  // The secret of all resume tokens: 32 random bytes. If it changes, earlier sessions cannot be
-  // resumed.
+  // The secret of all resume tokens: 32 random bytes. If it changes, sessions that began before the
+  // change cannot be resumed.
   std::string resume_secret;
   // Generates the ids and seeds of new sessions. Called on the decision loop.
   std::function<uint64_t()> random_bits = [] {
@@ -110,7 +110,8 @@ struct SessionCounters {
   std::atomic<uint64_t> stored_commit_count{0};
   std::atomic<uint64_t> failed_commit_count{0};
   std::atomic<uint64_t> waiting_audit_bytes{0};  // bytes of audit rows that wait for the disk now
-  // Audit rows missing in the log, because too many waited or the store could not write them.
+  // Rows that are missing in the audit log, because too many rows waited for the disk or the store
+  // could not write them.
   std::atomic<uint64_t> lost_audit_row_count{0};
 };
 
