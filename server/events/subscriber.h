@@ -89,7 +89,7 @@ class Subscriber {
     EventPtr decisions;
   };
 
-  // Called for a new state of a scene or session.
+  // Queues the new state of a scene or session. `event` contains it.
   void Put(const std::string& key, const EventPtr& event);
   void PutDecisions(const EventPtr& event);
   // Called when the channel's state was cleared and is loaded again. Starts again with the first

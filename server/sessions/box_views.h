@@ -44,11 +44,11 @@ class BoxViews {
   // game was built to show boxes.
   void Connect(ClientStream& link, bool shows);
   void Disconnect();
-  // Called when the session has ended.
+  // Called when the session has ended. Ends all viewers.
   void End();
 
-  // Errors: FAILED_PRECONDITION (the game does not show its boxes), RESOURCE_EXHAUSTED (there are
-  // already kMaxViewers viewers).
+  // Adds a viewer. Errors: FAILED_PRECONDITION (the game does not show its boxes),
+  // RESOURCE_EXHAUSTED (there are already kMaxViewers viewers).
   absl::Status Add(BoxViewListener& viewer);
   // Does nothing if the viewer was not added.
   void Remove(BoxViewListener& viewer);

@@ -402,7 +402,7 @@ void GameSession::Drain(uint32_t delay_ms) {
   ++timer_generation_;
   if (link_ == nullptr) return;
   link_->SendReconnect(delay_ms);
-  // A failed commit would be retried at the next tick, but there are no more ticks.
+  // Retry a failed commit now. The next tick would retry it, but there are no more ticks.
   RetryCommit();
   CloseIfSettled();
 }
@@ -421,7 +421,7 @@ void GameSession::SendDecision(const decision::Decision& decision) {
   PublishDecision(decision.record);
 }
 
-// Sends the posteriors to the client if they or the verdict changed.
+// Puts the posteriors into the next message to the client, if they or the verdict have changed.
 void GameSession::PutPosteriors(const decision::Decision& decision) {
   const decision::Diagnosis& diagnosis = decision.record.diagnosis;
   const bool learnt = decision.increment || !decision.lane_increments.empty();

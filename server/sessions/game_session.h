@@ -65,7 +65,8 @@ class ClientStream {
   // Counts a bail-out against the limits of the client's token and address. Returns whether it is
   // within the limits and therefore evidence.
   virtual bool SpendBailOut() = 0;
-  // Ends the stream after all messages are written. REQUIRES: the session has released the link.
+  // Ends the stream after all messages are written. REQUIRES: the session does not use the stream
+  // any more.
   virtual void Close(const absl::Status& status) = 0;
   // Ends the stream at once.
   virtual void Abort(const absl::Status& status) = 0;
@@ -151,7 +152,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
     ledger_->AppendWaiting(updates);
   }
   bool committing() const { return ledger_->committing(); }
-  // Returns whether another daemon continues the session. This daemon then only removes it.
+  // Returns whether another daemon continues the session. If so, this daemon only removes it from
+  // memory.
   bool superseded() const { return ledger_->superseded(); }
 
   // The boxes of the session's objects, and their viewers.
@@ -199,7 +201,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void CloseIfSettled();
   // Detaches the link and returns it. REQUIRES: a link is attached.
   ClientStream& ReleaseLink();
-  // `commit` is the status of the session's last commit.
+  // Closes the link of a session that has ended or drains. `commit` is the status of its last
+  // commit.
   void CloseLink(const absl::Status& commit);
   void SendDecision(const decision::Decision& decision);
   void PutPosteriors(const decision::Decision& decision);

@@ -20,7 +20,8 @@ enum class LostState : uint8_t {
   kEnding,
 };
 
-// Within a state, the session that was lost first leaves first.
+// The rank of a lost session. Sessions with the smallest rank leave memory first: by state, then by
+// the time at which they lost their connections.
 struct LostRank {
   LostState state = LostState::kSettled;
   uint64_t number = 0;  // unique; grows with each lost connection

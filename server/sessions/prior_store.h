@@ -89,7 +89,7 @@ struct SourceUpdate {
   SourceWriter writer = {};
 };
 
-// Returns whether a commit failed because of one of its updates and would fail again: the update is
+// Returns whether a commit failed because of an update that can never be stored: the update is
 // invalid, or its source has another writer.
 inline bool IsRefusal(const absl::Status& commit) {
   return absl::IsInvalidArgument(commit) || absl::IsFailedPrecondition(commit);
@@ -216,7 +216,7 @@ struct ExportPage {
 
 struct ImportResult {
   uint64_t applied_count = 0;  // records that were new, or newer than the stored ones
-  // records that were known, that belong to a session of this store, or whose source is revoked
+  // Records that were known, that belong to a session of this store, or whose source is revoked.
   uint64_t unchanged_count = 0;
 };
 
@@ -230,7 +230,7 @@ inline constexpr uint32_t kOtherClasses = 8;
 // Selects sources; an unset field matches all.
 struct SourceFilter {
   std::string id = {};
-  // sources with evidence of this project; their evidence of other projects is not affected
+  // Sources with evidence of this project. Their evidence of other projects is not affected.
   std::string project = {};
   std::string build = {};
   int64_t token_id = 0;
@@ -243,11 +243,11 @@ struct SourceFilter {
 
 // What a revocation or a promotion has changed.
 struct ChangeResult {
-  // sources that were not revoked before, or that had records in quarantine
+  // Changed sources: those that were not revoked before, or that had records in quarantine.
   uint64_t source_count = 0;
   uint64_t record_count = 0;
   uint64_t window_count = 0;  // including lane visits
-  // of a promotion: scenes whose evidence changes; one per machine class and reward version
+  // Only for a promotion: scenes whose evidence changes, one per machine class and reward version.
   uint64_t scene_count = 0;
 
   friend bool operator==(const ChangeResult&, const ChangeResult&) = default;
@@ -314,7 +314,7 @@ class PriorReader {
   virtual absl::StatusOr<ExportPage> Export(const SceneFilter& filter, const ExportPlace& after,
                                             uint32_t limit) = 0;
 
-  // Returns the next records in quarantine after `after`, in the same order.
+  // Like Export, for the records in quarantine.
   virtual absl::StatusOr<ExportPage> ExportQuarantined(const SceneFilter& filter,
                                                        const ExportPlace& after,
                                                        uint32_t limit) = 0;

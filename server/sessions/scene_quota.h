@@ -32,14 +32,14 @@ class SceneQuota {
   static constexpr uint32_t kKeysPerScene = 32;
   static constexpr uint32_t kVersionsPerArm = 32;
 
-  // Without `counts`, a scene that is not stored is allowed and not counted. A second check with
-  // `counts` must follow.
+  // If `counts` is false, a scene that is not stored is allowed without counting. The caller must
+  // then check it again with `counts` set, on the writing thread.
   SceneQuota(priors::PriorReader& store, const HostedSessionOptions& options, bool counts = true)
       : store_(store), options_(options), counts_(counts) {}
 
-  // Checks that the scene and its arm may be stored in addition to the stored and the added ones.
-  // Error: RESOURCE_EXHAUSTED, whose message names the limit. If the store cannot be read,
-  // everything is allowed: such a store does not accept writes either.
+  // Checks whether the quotas allow this scene and arm, in addition to those that are stored or
+  // were added before. Error: RESOURCE_EXHAUSTED, whose message names the limit. If the store
+  // cannot be read, everything is allowed: such a store does not accept writes either.
   absl::Status Add(const priors::SceneKey& scene, const std::string& arm, uint32_t backend_version);
   absl::Status Add(const priors::EvidenceKey& key) {
     return Add({key.project, key.scene, key.machine_class, key.reward_version}, key.arm,

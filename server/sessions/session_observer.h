@@ -12,7 +12,7 @@
 
 namespace sweepstake::sessions {
 
-// Why a session has left memory. Numbered as v1::SessionEnd.
+// Why a session has left memory; kNone: it is in memory. The values are those of v1::SessionEnd.
 enum class SessionEnd : uint8_t { kNone, kGoodbye, kKicked, kForgotten };
 
 // A change of a session. SessionTable::Describe returns its present state.
@@ -27,7 +27,7 @@ struct DecisionEvent {
   const decision::DecisionRecord& record;
   int64_t unix_ms = 0;
   const FrameHistograms* measurements =
-      nullptr;  // cost of frames since the previous measurements; may be null
+      nullptr;  // cost of frames since the previous measurements; null if none are due
 };
 
 // Its functions are called on the decision loop. They must not call functions of sessions.

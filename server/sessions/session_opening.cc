@@ -43,7 +43,7 @@ std::shared_ptr<GameSession> SessionOpening::FindInMemory() {
   std::shared_ptr<GameSession> session = table_.Find(hello_.session_id);
   if (session && session->superseded()) {
     table_.Forget(*session);
-    return nullptr;  // the store has the state that the other daemon wrote
+    return nullptr;  // read the session from the store, where the other daemon wrote it
   }
   if (!session || CanResume(*session, hello_)) return session;
   hello_.session_id.clear();
@@ -67,8 +67,8 @@ void SessionOpening::ReadStore() {
 
 bool SessionOpening::SubmitRead() {
   const auto deliver = [weak = weak_from_this(), &loop = context().loop](StoredStart start) {
-    // The results of commits use PostLater too. When this task runs, the loop has therefore seen
-    // every commit that the read includes.
+    // PostLater keeps the order with the results of commits, which use it too. When this task runs,
+    // the results of all commits that the read includes have already been applied.
     loop.PostLater([weak, start = std::move(start)] {
       if (const auto self = weak.lock()) self->OnRead(start);
     });

@@ -9,7 +9,8 @@
 //   thread then counts the scene against the quotas, because only there the count is exact. A
 //   session to resume is read on the writing thread, because its latest commit may wait in the
 //   queue.
-// - A new session begins, or one that continues with its stored progress.
+// - Then a new session begins or, if the store has the session to resume, one that continues with
+//   its stored progress.
 //
 // If the resume token is wrong, or the session to resume is unknown, has ended, or has another
 // scene, machine class, reward version or other arms, a new session begins. The answer is the same
@@ -36,7 +37,7 @@ namespace sweepstake::sessions {
 struct OpenedSession {
   std::shared_ptr<GameSession> session;  // the session, already in the table
   bool resumed = false;
-  absl::Status missing;  // why stored evidence is missing; OK if none is
+  absl::Status missing;  // the error that made stored evidence missing; OK if none is missing
 };
 
 // Used on the decision loop only. The client's stream owns it: if the stream ends, no session
@@ -74,7 +75,7 @@ class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
   SessionTable& table_;
   Hello hello_;
   const int64_t token_id_;
-  Done done_;  // empty after it was called
+  Done done_;  // empty after the call
 };
 
 }  // namespace sweepstake::sessions

@@ -52,9 +52,9 @@ decision::PriorKey PriorKeyOf(const Hello& hello, const StoredStart& start) {
           .compares_sources = StartsFromPriors(hello)};
 }
 
-// The evidence read from the store, and records that borrow its strings.
+// The evidence that was read from the store, and records for PriorFor that borrow its strings.
 struct StoredEvidence {
-  // `source` must outlive the records.
+  // Adds the session's own evidence. `source` must outlive the records.
   void AddOwn(const priors::SourceState& source, std::string_view build) {
     for (const auto& [key, evidence] : source.evidence) {
       ArmRecord& record = records.emplace_back(

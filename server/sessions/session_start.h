@@ -19,17 +19,19 @@
 
 namespace sweepstake::sessions {
 
-// What was read from the store for a Hello.
+// The result of reading the store for a Hello.
 struct StoredStart {
   decision::Prior prior;                        // prior of the Hello's arms
-  std::vector<std::string> prior_sources = {};  // describes its sources in the audit log
+  std::vector<std::string> prior_sources = {};  // lines for the audit log that describe its sources
   std::optional<priors::SourceState> source;    // present if a session is resumed
-  // Id of a session with no stored evidence that another daemon may own; it is restarted under the
-  // same id. Only the first daemon to commit can continue it, so no message counts twice.
+  // The session id in the Hello, if the store does not have that session but several daemons share
+  // the store. The new session keeps this id, because another daemon may hold the session without
+  // having committed it. Only the first daemon that commits can continue it, so no message counts
+  // twice.
   std::string kept_id = {};
   std::optional<UnstoredScene> new_scene;  // present if the store does not have the scene
   absl::Status refusal;                    // an error if the session would exceed a quota
-  absl::Status status;                     // why some evidence is missing; OK if none is
+  absl::Status status;  // the error that made some evidence missing; OK if none is missing
 };
 
 // Reads all that the Hello's session needs, on one of the store's threads. A scene that is not

@@ -1,5 +1,5 @@
-// The sessions in memory: connected ones, and lost ones that may be resumed. It is used on the
-// decision loop only.
+// The sessions in memory: connected ones, and lost ones, whose client has no connection but can
+// resume them. Used on the decision loop only.
 //
 // HostedSessionOptions::max_sessions and resume_window_ns limit its size. Sessions that have left
 // memory can be read from the store. The evidence of a lost session that is not on disk is offered
@@ -38,7 +38,8 @@ struct SessionClient {
   std::string build;
 };
 
-// Numbered as v1::SessionState.
+// The values are those of v1::SessionState. kEnding: the session has ended, but has evidence that
+// is not on disk.
 enum class SessionState : uint8_t { kConnected = 1, kLost = 2, kEnding = 3 };
 
 // The present state of a session, for lists that people read.
@@ -88,7 +89,8 @@ class SessionTable {
   // in memory.
   void Kick(GameSession& session, bool may_return);
   // Error: SESSION_KICKED (the session is one of the latest kMaxKicked kicked ones since the daemon
-  // started). The store does not record kicks and would resume it.
+  // started). The check is needed because the store does not record kicks: a kicked session could
+  // be resumed from it.
   absl::Status CheckKicked(const std::string& id) const;
 
   // Removes a session that another daemon continues. REQUIRES: it is in memory, and superseded.
@@ -110,7 +112,7 @@ class SessionTable {
   const SessionContext& context() const { return context_; }
 
  private:
-  // The time of a lost session's next check, and a unique number.
+  // The time (ns) of a lost session's next check, and a unique number.
   using LostKey = std::pair<int64_t, uint64_t>;
   struct Entry {
     std::shared_ptr<GameSession> session;
@@ -126,7 +128,7 @@ class SessionTable {
   // is given, only sessions of that token may leave. Returns whether a session could leave.
   bool MakeRoom(std::optional<int64_t> token_id);
   void Lose(Entry& entry);
-  // Removes the entry from the lost ones. REQUIRES: it is lost.
+  // Removes the entry from `lost_` and `leaving_`. REQUIRES: its session is lost.
   void Recover(Entry& entry);
   void LookAgainAt(int64_t due_ns, Entry& entry);
   void ScheduleSweep();

@@ -52,7 +52,8 @@ absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::Sc
   uint64_t last_seen_unix_s = 0;
   for (priors::SceneSource& source : *sources) {
     if (source.evidence.key != key) continue;  // source of another machine class
-    // If several sources are equally recent, the last one in the order of sources wins.
+    // The build of the most recent source is the newest. Among equally recent sources, the last one
+    // in the order of LoadSources counts.
     if (source.last_seen_unix_s >= last_seen_unix_s) scene.newest_build = source.build;
     last_seen_unix_s = std::max(last_seen_unix_s, source.last_seen_unix_s);
     for (const priors::SceneEvidence::Arm& arm : source.evidence.arms) {

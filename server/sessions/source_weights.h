@@ -1,5 +1,5 @@
-// The weight of each source of stored evidence in future sessions. It reads the store on one of the
-// store's threads.
+// Computes how much each stored record of evidence would count in the prior of a future session.
+// Used on one of the store's threads.
 #pragma once
 
 #include <map>
@@ -17,9 +17,10 @@ class SourceWeights {
   explicit SourceWeights(priors::PriorReader& store) : store_(store) {}
 
   // Returns the weight that PriorFor gives the record in a session of its scene and machine class,
-  // with the build that was seen there last and the newest version of the arm. Returns 0 for
-  // records that such a session does not use: in quarantine, or not chosen by LoadSources. Returns
-  // 1 if the policy sums rewards over all sources. Errors: those of PriorReader::LoadSources.
+  // with the latest build of that scene and machine class and the newest version of the arm.
+  // Returns 0 for records that such a session does not use: in quarantine, or not chosen by
+  // LoadSources. Returns 1 if the policy sums rewards over all sources. Errors: those of
+  // PriorReader::LoadSources.
   absl::StatusOr<double> Of(const priors::PriorRecord& record);
 
  private:

@@ -117,8 +117,8 @@ class AccessControl {
   // does.
   std::string Count(auth::RateLimit& limit, double per_s, const std::string& address,
                     int64_t token_id);
-  // Like Count, but does not count addresses of the daemon's own machine, which all games behind a
-  // local proxy share.
+  // Like Count, but an address of the daemon's own machine is not counted, because all games behind
+  // a local proxy share it.
   std::string CountGame(auth::RateLimit& limit, double per_s, const std::string& address,
                         int64_t token_id);
   absl::Status Unauthenticated(const std::string& peer, bool has_token);
@@ -135,8 +135,8 @@ class AccessControl {
   const std::shared_ptr<Shares> watchers_ = std::make_shared<Shares>();
 };
 
-// Error: PERMISSION_DENIED (the caller's token is not valid for this project), whether the project
-// exists or not.
+// Error: PERMISSION_DENIED (the caller's token is not valid for this project). The result does not
+// depend on whether the project exists.
 absl::Status CheckProject(const auth::Principal& caller, std::string_view project);
 
 // Restricts a filter to the projects that the caller may see. Errors: those of CheckProject.

@@ -104,8 +104,8 @@ struct RpcOptions : sessions::HostedSessionOptions {
   // have at most half of this number, rounded up. So may one address that is not on the daemon's
   // own machine.
   sessions::Adjustable<uint32_t> max_watchers = 256;
-  // A watcher that does not read for this long is dropped with RESOURCE_EXHAUSTED. An export or
-  // import that makes no progress for this long ends with DEADLINE_EXCEEDED.
+  // A watcher that does not read its events for this time is ended with RESOURCE_EXHAUSTED. An
+  // export or import that makes no progress for this time ends with DEADLINE_EXCEEDED.
   int64_t watcher_patience_ns = 20'000'000'000;
   // An export or import that has not finished after this time ends with DEADLINE_EXCEEDED, even if
   // it makes progress. For comparison: exporting an audit log of 256 MiB takes ten minutes at 4
@@ -160,7 +160,7 @@ struct Counters : sessions::SessionCounters {
   std::atomic<uint64_t> flooding_connection_count{0};
   std::atomic<uint64_t> connected_stream_count{0};  // streams that received a welcome message
   std::atomic<uint64_t> resumed_count{0};           // connected streams that resumed a session
-  // Sessions that began without evidence, because the store could not read it.
+  // Sessions that began without some of their stored evidence, because the store could not read it.
   std::atomic<uint64_t> degraded_start_count{0};
   std::atomic<uint64_t> malformed_message_count{0};  // messages that could not be parsed
   std::atomic<uint64_t> invalid_message_count{0};    // messages that broke a rule of the contract

@@ -29,7 +29,8 @@ class RefusalLog {
   // Logs the end of a call if it is a refusal. Success, a client that disconnected, a draining
   // daemon and an unknown scene are not refusals.
   void TellEnd(std::string_view peer, const absl::Status& end);
-  // Logs the numbers of omitted lines that are due. Call it about once per second.
+  // Logs the number of omitted lines of each reason whose ten seconds are over. Call it about once
+  // per second.
   void TellLeftOut();
 
  private:

@@ -40,7 +40,7 @@ class PageSink {
   virtual void Write(const std::shared_ptr<const google::protobuf::Message>& response) = 0;
   // Ends the stream. REQUIRES: no write is pending.
   virtual void Finish(const absl::Status& status) = 0;
-  // Makes a pending write fail.
+  // Ends the stream at once, so that a pending write fails.
   virtual void Cancel(const absl::Status& status) = 0;
 };
 
@@ -59,7 +59,7 @@ class PageStream final : public Transfer, public std::enable_shared_from_this<Pa
   void OnStalled() override;
 
  private:
-  // At most one page is being read or waits to be written.
+  // Reads the next page. At most one page is being read, or waits to be written.
   void LoadNext();
   void OnPage(absl::StatusOr<Page> page);
   void WriteNext();

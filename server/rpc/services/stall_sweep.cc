@@ -44,7 +44,7 @@ absl::Status Transfer::BeginTransfer(v1::ErrorReason refusal) {
 }
 
 void Transfer::EndTransfer(const absl::Status& status) {
-  context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
+  context_.stalls.Remove(*this);  // before the call is finished, because gRPC then frees it
   context_.access.refusals().TellEnd(caller_.peer, status);
 }
 

@@ -44,8 +44,9 @@ uint32_t ReconnectDelayMs(const RpcOptions& options, uint64_t rank);
 // interval, so that all streams together send at most 10,000 batches per second.
 uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count);
 
-// The transport of a stream. It owns the stream and calls its On functions. The functions below are
-// called on the decision loop. They do not block, and do not call the stream.
+// The transport of a stream. It owns the stream and calls its functions OnMessage, OnWritten and so
+// on. The stream calls the functions below on the decision loop. They do not block, and do not call
+// the stream.
 class TelemetryTransport {
  public:
   virtual ~TelemetryTransport() = default;
@@ -69,9 +70,9 @@ class TelemetryTransport {
 
 // One connection of one session: passes messages to the session, and sends the session's responses.
 //
-// While the session applies one message the next is read, so that a bail-out arrives together with
-// the batch before it. No further messages are read, so that a flood of messages waits in the
-// client's buffers. At most one write is pending, and the outbox is bounded.
+// While the session applies one message, the next message is read, so that a bail-out arrives
+// together with the batch before it. No further messages are read, so that a flood of messages
+// waits in the client's buffers. At most one write is pending, and the outbox is bounded.
 // TelemetryTransport::Finish is called exactly once, whatever ends the stream.
 class TelemetryStream final : public sessions::ClientStream,
                               public std::enable_shared_from_this<TelemetryStream> {
@@ -85,11 +86,11 @@ class TelemetryStream final : public sessions::ClientStream,
   // Applies the message that was read; `request` is null if it does not parse. The stream may move
   // content out of `request`.
   void OnMessage(v1::StreamTelemetryRequest* request);
-  // The client has half-closed the stream.
+  // Called when the client has half-closed the stream.
   void OnHalfClose();
-  // A write has ended.
+  // Called when a write has ended; `ok` says whether it succeeded.
   void OnWritten(bool ok);
-  // The connection is lost: pending reads and writes fail.
+  // Called when the connection is lost. Pending reads and writes fail.
   void OnCancelled();
   // Called last, when no read or write is pending any more.
   void OnDone();
@@ -112,7 +113,8 @@ class TelemetryStream final : public sessions::ClientStream,
   void Abort(const absl::Status& status) override;
 
  private:
-  // Counts the stream for its address. Error: RESOURCE_EXHAUSTED.
+  // Counts the stream for its address. Error: RESOURCE_EXHAUSTED (the address has
+  // RpcOptions::max_streams_per_address streams).
   absl::Status CountAddress();
   void OnHelloOverdue();
   // Counts a message against the rate limits. Error: RESOURCE_EXHAUSTED (the stream exceeds

@@ -83,7 +83,7 @@ class DecisionLoop {
  private:
   using Timers = std::multimap<int64_t, Task>;
 
-  // The tasks that run before the loop collects again.
+  // The tasks of one turn: the loop collects them together and runs them before it collects again.
   struct Turn {
     std::vector<Task> ready;
     Timers due;

@@ -67,8 +67,8 @@ struct HostedSessionOptions {
   // A session that has lost its connection leaves memory after this time. From then on it can only
   // be resumed from the store.
   Adjustable<int64_t> resume_window_ns = 600'000'000'000;
-  // If the store has not answered a Hello after this time, the session begins without its evidence.
-  // The time must be below ten seconds, for which a client waits for the Welcome.
+  // If the store has not answered the read for a Hello after this time, the session begins without
+  // stored evidence. The time must be below ten seconds, for which a client waits for the Welcome.
   int64_t load_patience_ns = 5'000'000'000;
 };
 
