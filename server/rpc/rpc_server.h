@@ -1,5 +1,6 @@
-// The gRPC side of the daemon: it listens, serves and drains. grpc.health.v1 reports NOT_SERVING
-// while the store cannot be written, and after a drain has begun.
+// The gRPC server of the daemon: it accepts connections, serves calls, and drains before the daemon
+// stops. grpc.health.v1 reports NOT_SERVING while the store cannot be written, and after a drain
+// has begun.
 //
 // Thread-safe, except that only one thread may call Drain. It owns the decision loop and the
 // sessions; the clock, the store and the log are borrowed. The owner shuts it down in this order:
@@ -89,7 +90,7 @@ class RpcServer {
   RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPriorStore& store,
             spdlog::logger& log);
   absl::Status Listen(const std::string& address);
-  // Creates the listener. The server of this builder will serve its connections.
+  // Creates listener_. The gRPC server that `builder` builds later serves its connections.
   void BindListener(grpc::ServerBuilder& builder,
                     const std::shared_ptr<grpc::ServerCredentials>& credentials);
   // Runs on the loop once per second: checks the store, the tokens and the waiting updates.

@@ -337,18 +337,18 @@ class PriorReader {
 // changes nothing.
 class PriorStore : public virtual PriorReader {
  public:
-  // Applies all updates or none; they are durable on return. An update is ignored if its commit
-  // sequence is not above the source's stored one, because it was applied before. Updates of
-  // revoked sources are ignored too.
+  // Applies all updates or none; they are durable on return. An update is ignored if its
+  // commit_sequence is at most that of the source's last stored update, because it was applied
+  // before. Updates of revoked sources are ignored too.
   //
   // Audit rows are ignored if their numbers are not above the stored ones of their segment. After
   // that, the oldest rows of the audit log are removed until the log is within AuditLimits. A row
   // that cannot be written is lost and counted; it never makes a commit fail.
   //
-  // Only one writer of a source can continue. If several daemons share the store, it refuses an
-  // update whose writer did not make the source's last commit, unless the writer continued from
-  // that commit. The refused messages were, or will be, counted by another writer. Error:
-  // FAILED_PRECONDITION.
+  // If several daemons share the store, only one writer can continue a source. An update is
+  // accepted if its writer made the source's last commit, or began from that commit. Any other
+  // update is refused with FAILED_PRECONDITION: another writer has counted its messages, or will
+  // count them.
   virtual absl::Status Commit(std::span<const SourceUpdate> updates) = 0;
 
   // Returns an error if commits would be lost when this process ends, for instance because the
@@ -381,14 +381,14 @@ class PriorStore : public virtual PriorReader {
   virtual absl::StatusOr<ImportResult> Quarantine(std::span<const PriorRecord> records,
                                                   uint64_t max_records) = 0;
 
-  // Moves the sources' records out of the quarantine, with the same result as if Import had
-  // received them. With `preview` nothing changes.
+  // Moves the records of the selected sources out of the quarantine, with the same result as if
+  // Import had received them. With `preview` nothing changes.
   virtual absl::StatusOr<ChangeResult> Promote(const SourceFilter& filter,
                                                const Preview& preview) = 0;
 
-  // Removes exactly the evidence of the sources, in quarantine or not, and refuses their later
-  // commits and imports. If no source has the filter's id, and no project is set, a later source
-  // with this id is refused too. The log of administrators cannot be revoked. With `preview`
+  // Removes exactly the evidence of the selected sources, in quarantine or not, and refuses their
+  // later commits and imports. If no source has the filter's id, and no project is set, a later
+  // source with this id is refused too. The log of administrators cannot be revoked. With `preview`
   // nothing changes. REQUIRES: the filter has an id, a build, a token or a time.
   virtual absl::StatusOr<ChangeResult> Revoke(const SourceFilter& filter,
                                               const Preview& preview) = 0;
@@ -411,8 +411,8 @@ class AsyncPriorStore {
 
   // Runs `job` on the writing thread, after the commits that were offered before it. Use it to
   // write, or to read exact values. Nothing is committed while it runs, and the callbacks of all
-  // commits that it can see have already run. Returns false if the queue is full or closed; the job
-  // will not run then.
+  // commits that it can read have already run. Returns false if the queue is full or closed; the
+  // job will not run then.
   virtual bool Submit(Job job) = 0;
 
   // Runs `job` on the reading thread, where it delays no commit. It reads one snapshot of the

@@ -38,8 +38,8 @@ struct SessionClient {
   std::string build;
 };
 
-// The values are those of v1::SessionState. kEnding: the session has ended, but has evidence that
-// is not on disk.
+// The values are those of v1::SessionState. kEnding: the session has ended, and stays in memory
+// until its evidence is on disk.
 enum class SessionState : uint8_t { kConnected = 1, kLost = 2, kEnding = 3 };
 
 // The present state of a session, for lists that people read.
@@ -96,12 +96,13 @@ class SessionTable {
   // Removes a session that another daemon continues. REQUIRES: it is in memory, and superseded.
   void Forget(const GameSession& session);
 
-  // Offers the store all evidence that it failed to write, and the open evidence of lost sessions.
+  // Offers the store all evidence that it failed to write. For lost sessions this includes the
+  // evidence of bail-outs since the last tick.
   void RetryCommits();
   // Returns whether a commit of any session is under way.
   bool committing() const;
   HeldEvidence CountHeld() const;
-  // Returns the updates of all sessions that the store does not have.
+  // Returns the updates that the store has not written yet, of all sessions.
   std::vector<priors::SourceUpdate> Waiting() const;
 
   // Returns how many sessions of the scene are connected.

@@ -40,7 +40,7 @@ absl::Status CheckArm(uint32_t arm, uint32_t arm_count) {
 }
 
 absl::Status CheckTimeScale(double scale, double max) {
-  // The condition is written as !(…) so that NaN is refused.
+  // The valid range is tested and then negated, so that NaN is refused.
   if (!(scale == 0 || (scale >= 1 && scale <= kMaxTimeScale)))
     return Invalid(absl::StrCat("time_scale must be 1 to ", kMaxTimeScale, ", or absent"));
   if (scale <= max) return absl::OkStatus();
