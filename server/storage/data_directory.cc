@@ -23,7 +23,7 @@ bool IsPrivate(const fs::path& path) {
   return (fs::status(path, error).permissions() & kOthers) == fs::perms::none;
 }
 
-// Returns whether only the owner can reach the file, or the file is missing.
+// Removes access by other users. Returns whether only the owner has access, or the file is missing.
 bool MakePrivate(const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error) || IsPrivate(file)) return true;

@@ -1,4 +1,4 @@
-// The daemon's data directory, which one process at a time holds.
+// The daemon's data directory. Its lock file admits only one process at a time.
 //
 // The object owns the lock until it is destroyed. If the process is killed, the system releases the
 // lock. Movable.
@@ -16,15 +16,15 @@ class DataDirectory {
   static constexpr const char* kTokensName = "tokens.db";
   static constexpr const char* kOutboxName = "outbox.db";
 
-  // Creates the directory if it is missing, but not its parents. Only the owner can read it and its
-  // files. A directory that exists keeps its mode, but its files do not. Errors: UNAVAILABLE
-  // (cannot create or write it, or another daemon holds it).
+  // Creates the directory if it is missing, but not its parents. A new directory is accessible to
+  // its owner only. An existing directory keeps its permissions, but other users lose access to its
+  // files. Errors: UNAVAILABLE (cannot create or write it, or another daemon holds it).
   static absl::StatusOr<DataDirectory> Open(const std::filesystem::path& path);
   ~DataDirectory();
   DataDirectory(DataDirectory&& other) noexcept;
   DataDirectory& operator=(DataDirectory&&) = delete;
 
-  // Returns whether others than the owner can reach the directory or one of its files.
+  // Returns whether users other than the owner have access to the directory or one of its files.
   bool open_to_others() const { return open_to_others_; }
   std::filesystem::path database() const { return path_ / kDatabaseName; }
   std::filesystem::path resume_key() const { return path_ / "resume-key"; }

@@ -21,7 +21,7 @@ absl::Status Unavailable(const fs::path& path, int why) {
       absl::StrCat(path.string(), ": ", std::system_category().message(why)));
 }
 
-// Syncs a file or a directory.
+// Writes the content of a file or directory to the disk (fsync).
 absl::Status Sync(const fs::path& path) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool synced = file >= 0 && fsync(file) == 0;
@@ -40,7 +40,8 @@ void GiveToOwner(int file, const fs::path& path) {
   struct stat made {};
   struct stat parent {};
   if (geteuid() != 0 || stat(ParentOf(path).c_str(), &parent) != 0) return;
-  // The owner of the directory may have put a link to another file there.
+  // A file with several hard links may belong to another user: the directory's owner could have
+  // linked it here to get it. Root must not give it away.
   if (fstat(file, &made) != 0 || made.st_nlink != 1) return;
   [[maybe_unused]] const int given = fchown(file, parent.st_uid, parent.st_gid);
 }

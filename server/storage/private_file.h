@@ -13,12 +13,12 @@
 namespace sweepstake::storage {
 
 // Gives a new file that root has made to the owner of its directory, so that the daemon, which runs
-// as that user, can use files that an administrator made. Leaves the file as it is if root may not
-// change the owner, and for other users. `path` names the open file.
+// as that user, can use files that an administrator made. Does nothing if the process does not run
+// as root, or if the owner cannot be changed. `file` is the open descriptor of `path`.
 void GiveToOwner(int file, const std::filesystem::path& path);
 
-// Makes an empty file. Replaces a file that an earlier attempt left, with SQLite's logs beside it.
-// Error: UNAVAILABLE.
+// Makes an empty file that only its owner can read. First removes a file of that name, and SQLite's
+// -wal, -shm and -journal files beside it. Error: UNAVAILABLE.
 absl::Status CreatePrivateFile(const std::filesystem::path& path);
 
 // Renames a file to its final name. After a power failure the file is complete or missing. Error:
@@ -26,23 +26,24 @@ absl::Status CreatePrivateFile(const std::filesystem::path& path);
 absl::Status PublishFile(const std::filesystem::path& unfinished,
                          const std::filesystem::path& path);
 
-// A file, identified by device and inode; both 0: missing. While it is open, no other file has its
-// inode.
+// Identifies a file by device and inode. Both are 0 if the file is missing. While a file is open,
+// no other file gets its inode.
 struct FileId {
   uint64_t device = 0;
   uint64_t inode = 0;
 
-  // Returns the file of that name. Error: UNAVAILABLE (it cannot be determined).
+  // Returns the identity of the file that `path` names now. Error: UNAVAILABLE (`stat` fails).
   static absl::StatusOr<FileId> Of(const std::filesystem::path& path);
   friend bool operator==(const FileId&, const FileId&) = default;
 };
 
-// Files in use, with the identity that each name had at the start.
+// Files in use. Stores the identity of each file when it is added.
 class FilesInUse {
  public:
-  // Error: UNAVAILABLE (the file cannot be determined).
+  // Error: UNAVAILABLE (`stat` fails).
   absl::Status Add(const std::filesystem::path& path);
-  // Errors: NOT_FOUND (a file was removed or replaced), UNAVAILABLE.
+  // Checks that each path still names the same file. Errors: NOT_FOUND (a file was removed or
+  // replaced), UNAVAILABLE.
   absl::Status Check() const;
 
  private:

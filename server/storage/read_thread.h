@@ -3,14 +3,14 @@
 //
 // - A read is one job, and sees one state of the store. Long answers are read page by page, with a
 //   job for each.
-// - Commits accumulate in the write-ahead log while reads run. SQLite restarts the log only at a
-//   commit without a running read. If reads follow one another without a pause, the next read waits
-//   after `max_crowded_commits` commits that met a read, until a commit has met none, for at most
+// - SQLite's write-ahead log grows while reads run, because SQLite restarts the log only at a
+//   commit during which no read runs. After `max_crowded_commits` commits in a row with a read
+//   since the commit before, the next read waits. It begins after a commit without a read, or after
 //   `pause`. Commits never wait.
 // - A read that does not end blocks the reads behind it, and nothing else. stuck() detects it.
 //
-// Thread-safe. It owns the connection. The destructor runs what is queued, then ends the thread and
-// the connection, in this order.
+// Thread-safe. Owns the connection. The destructor runs the queued jobs, ends the thread, and
+// closes the connection, in this order.
 #pragma once
 
 #include <chrono>
@@ -27,7 +27,7 @@
 
 namespace sweepstake::storage {
 
-// A connection that reads beside the one that writes. Used by one thread.
+// A second connection to the store's database, which only reads. Used by one thread.
 class ReadConnection {
  public:
   virtual ~ReadConnection() = default;
@@ -38,8 +38,8 @@ class ReadConnection {
 };
 
 struct ReadThreadOptions {
-  bool own_thread = true;      // if false the owner calls RunNext, and nothing pauses
-  size_t max_queued = 65'536;  // further jobs are refused
+  bool own_thread = true;  // if false, the owner calls RunNext, and reads never wait for commits
+  size_t max_queued = 65'536;                  // further jobs are refused
   std::chrono::milliseconds max_read{10'000};  // a read that takes longer is stuck
   uint32_t max_crowded_commits = 32;
   std::chrono::milliseconds pause{500};
@@ -59,13 +59,13 @@ class ReadThread {
 
   // Returns false if the queue is full or closed.
   bool Submit(Job job);
-  // Refuses further jobs and does not wait. Queued jobs run.
+  // Refuses further jobs and does not wait. Queued jobs still run.
   void Close();
   // Waits for the last job after Close, and ends the connection.
   void Join();
   // Runs the next job. Returns false if none is queued. REQUIRES: own_thread is false.
   bool RunNext();
-  // Called after each commit, by the thread that commits.
+  // The thread that commits must call this after each commit.
   void OnCommitted();
 
   size_t queued_count() const;
@@ -88,12 +88,13 @@ class ReadThread {
   const ReadThreadOptions options_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Waiting> queue_;          // guarded by mutex_
-  bool closing_ = false;               // guarded by mutex_
-  std::optional<TimePoint> reading_;   // guarded by mutex_; start of the running read
-  bool read_since_commit_ = false;     // guarded by mutex_
-  uint32_t crowded_commit_count_ = 0;  // guarded by mutex_; consecutive commits that met a read
-  std::thread thread_;                 // the last member, because it uses the others
+  std::deque<Waiting> queue_;         // guarded by mutex_
+  bool closing_ = false;              // guarded by mutex_
+  std::optional<TimePoint> reading_;  // guarded by mutex_; start of the running read
+  bool read_since_commit_ = false;    // guarded by mutex_
+  // Guarded by mutex_; commits in a row with a read since the one before.
+  uint32_t crowded_commit_count_ = 0;
+  std::thread thread_;  // the last member, because it uses the others
 };
 
 }  // namespace sweepstake::storage

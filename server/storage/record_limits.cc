@@ -75,7 +75,7 @@ absl::string_view WrongRecord(const priors::PriorRecord& record) {
 
 constexpr uint64_t kAuditChunks = 32;
 
-// Returns 0 if the wall clock was set back.
+// Returns the chunk's age in seconds; 0 if the wall clock was set back.
 uint64_t AgeS(const AuditChunk& chunk, uint64_t unix_now_s) {
   return unix_now_s > chunk.unix_start_s ? unix_now_s - chunk.unix_start_s : 0;
 }

@@ -36,8 +36,8 @@ std::string TimeText() {
   return text;
 }
 
-// Returns the copies of a kind that lie beside the database, the newest first. Their names end with
-// a Z and then `end`.
+// Lists the files beside the database whose names consist of its name, `kind` (kBackup or
+// kQuarantine), a time and `end`. The newest comes first. `end` includes the Z of the time.
 std::vector<fs::path> ListCopies(const fs::path& path, absl::string_view kind,
                                  absl::string_view end = "Z") {
   const std::string begin = absl::StrCat(path.filename().string(), kind);
@@ -60,7 +60,8 @@ void RemoveOldest(const fs::path& path, absl::string_view kind, size_t max) {
   }
 }
 
-// Removes what a killed daemon left of an unfinished backup. No later backup has its name.
+// Removes the files of backups that were unfinished when a daemon was killed. Their names contain
+// the time, so no later backup would overwrite them.
 void RemoveUnfinished(const fs::path& path) {
   std::error_code ignored;
   for (const char* end : {"Z.new", "Z.new-journal"}) {
@@ -84,7 +85,8 @@ std::optional<fs::path> LastWholeBackup(const fs::path& path) {
   return std::nullopt;
 }
 
-// Gives the file a second name. On a file system without hard links (FAT) it makes a copy.
+// Keeps the file under a second name: by a hard link, or by a copy if the file system has no hard
+// links (FAT).
 absl::Status Keep(const fs::path& path, const fs::path& kept) {
   std::error_code error;
   fs::create_hard_link(path, kept, error);
@@ -98,8 +100,8 @@ absl::Status Keep(const fs::path& path, const fs::path& kept) {
   return absl::UnavailableError(absl::StrCat("cannot keep ", kept.string(), ": ", error.message()));
 }
 
-// Puts a copy of the backup in the place of the database, and keeps the database. After a crash in
-// between, the damaged file is still there and the next start tries again.
+// Keeps the damaged database as `kept`, then renames a copy of the backup to `path`. After a crash
+// before the rename, the damaged file is still at `path`, and the next start tries again.
 absl::Status Replace(const fs::path& path, const fs::path& backup, const fs::path& kept) {
   const std::string unfinished = path.string() + ".restored";
   auto source = SqliteDatabase::Open(backup.string(), SqliteDatabase::OpenMode::kReadOnly);
@@ -107,7 +109,7 @@ absl::Status Replace(const fs::path& path, const fs::path& backup, const fs::pat
   if (absl::Status status = source->CopyTo(unfinished); !status.ok()) return status;
   if (absl::Status status = Keep(path, kept); !status.ok()) return status;
   std::error_code error;
-  // The log of one database must not be replayed onto another.
+  // SQLite would replay the write-ahead log of the damaged database onto the backup.
   fs::rename(path.string() + "-wal", kept.string() + "-wal", error);
   if (error && error != std::errc::no_such_file_or_directory)
     return absl::UnavailableError(
@@ -116,7 +118,8 @@ absl::Status Replace(const fs::path& path, const fs::path& backup, const fs::pat
   return PublishFile(unfinished, path);
 }
 
-// Returns an empty text if no row of the evidence is damaged.
+// Returns a warning with the number of damaged rows of evidence. Returns an empty text if there are
+// none, or if they cannot be counted.
 std::string DescribeDamagedRows(const fs::path& path) {
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
   if (!database.ok()) return {};
@@ -183,7 +186,7 @@ std::optional<fs::file_time_type> LastBackupTime(const fs::path& path) {
 }
 
 absl::StatusOr<fs::path> SaveMisplacedStore(priors::PriorStore& store, const fs::path& path) {
-  mkdir(path.parent_path().c_str(), 0700);  // an error shows when the copy is written
+  mkdir(path.parent_path().c_str(), 0700);  // if this fails, CopyStore returns an error
   const fs::path file = absl::StrCat(path.string(), kBackup, TimeText());
   absl::Status status =
       CopyStore(store, file, [](SqliteDatabase& copy) { LeaveOutDamagedRows(copy); });
@@ -241,7 +244,8 @@ absl::StatusOr<MadeBackup> AutomaticBackups::MakeOne() {
       return absl::UnavailableError(
           absl::StrCat(path_.string(), " is not the file that the daemon uses"));
   }
-  // A backup must not fill the disk that the evidence needs.
+  // Requires free space of twice the file's size: a backup must not fill the disk that new evidence
+  // needs.
   std::error_code unknown;
   std::error_code missing;
   const fs::space_info space = fs::space(path_.parent_path(), unknown);

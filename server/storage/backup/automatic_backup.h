@@ -1,8 +1,10 @@
-// Backups that the daemon makes by itself, the start from a backup if the database is damaged, and
-// the backup of a database whose file was removed or replaced while it is in use.
+// The daemon's automatic backups. If the database is damaged when the daemon starts, the latest
+// good backup replaces it. A database whose file was removed or replaced while in use is saved,
+// too.
 //
-// They lie beside the database, as NAME.backup-TIME, and contain no damaged rows. A damaged
-// database is kept as NAME.quarantine-TIME. A few of both are kept, and the oldest are removed.
+// Backups lie beside the database as NAME.backup-TIME, and contain no damaged rows. A damaged
+// database is kept as NAME.quarantine-TIME. Only the newest BackupPlan::count backups and the
+// newest two damaged databases are kept.
 #pragma once
 
 #include <atomic>
@@ -26,50 +28,51 @@ namespace sweepstake::storage {
 
 struct OpenedStore {
   std::unique_ptr<priors::PriorStore> store;
-  std::unique_ptr<ReadConnection> reads;  // of the same file; ends before the store
+  std::unique_ptr<ReadConnection> reads;  // reads the same file; destroyed before `store`
   std::string damage;                     // which priors were lost, and what to do; empty if none
-  FileId file;                            // the file of both
+  FileId file;  // the file that `store` and `reads` use; both fields 0 for PostgreSQL
 };
 
 // Opens the store as OpenSqlitePriorStore does. If the file is damaged, it is put into quarantine,
 // and a copy of the last whole backup is opened in its place. Without a backup nothing is changed,
-// and the error says what to do. The connection that reads is opened last, so that both have the
-// same file. Reads the rows of the evidence once, for their hashes.
+// and the error says what to do. `reads` is opened after `store`, so that both have the same file.
+// Also reads all rows of evidence once to check their hashes.
 absl::StatusOr<OpenedStore> OpenStoreOrBackup(const std::filesystem::path& path,
                                               const priors::AuditLimits& audit_limits = {},
                                               uint64_t max_bytes = 0, OnSync on_sync = {});
 
-// Returns when the last backup was made, by the time of its file, or nothing if there is none.
+// Returns the modification time of the newest backup file, or nothing if there is no backup.
 std::optional<std::filesystem::file_time_type> LastBackupTime(const std::filesystem::path& path);
 
-// Writes all that the store has to a new backup beside `path`, which is not the store's file any
-// more. Makes the directory if it is missing. The copy is not checked, since it is all that is
-// left, but contains no damaged rows, because `restore` would refuse it. Errors: UNAVAILABLE,
-// DATA_LOSS. REQUIRES: `store` is of OpenStoreOrBackup.
+// Writes the content of the open store to a new backup beside `path`. For a store whose file was
+// removed from `path`, or replaced, while the daemon used it. Makes the directory if it is missing.
+// Keeps the copy without a check, because it is the only one. Leaves out damaged rows, because
+// `restore` would refuse them. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES: OpenStoreOrBackup returned
+// `store`.
 absl::StatusOr<std::filesystem::path> SaveMisplacedStore(priors::PriorStore& store,
                                                          const std::filesystem::path& path);
 
 struct MadeBackup {
   std::filesystem::path file;
-  int64_t damaged_row_count = 0;  // rows of the database that are left out
+  int64_t damaged_row_count = 0;  // damaged rows of the database, which the backup leaves out
 };
 
 struct BackupPlan {
   std::chrono::milliseconds interval = std::chrono::hours(24);
   size_t count = 3;  // backups that are kept; 0 makes none
-  // Delay of the first backup of a database without one, and of the next attempt after a failure.
-  // At most the interval.
+  // Delay of the first backup if the database has none yet, and of the next attempt after a
+  // failure. Limited to `interval`.
   std::chrono::milliseconds patience = std::chrono::minutes(10);
-  // Only this file is backed up. A backup of another file in its place would cost one of this file.
-  // By default any file.
+  // The database file that the daemon opened. If `path` names another file by now, no backup is
+  // made, because it would replace the oldest backup of this file. The default disables this check.
   FileId file = {};
 };
 
-// Makes backups on a thread and connections of its own, so that commits go on. The destructor
+// Makes backups on a thread and connections of its own, so that commits do not wait. The destructor
 // cancels a backup in progress.
 class AutomaticBackups {
  public:
-  // Called on that thread after each backup, with the backup or the error.
+  // Called on the backup thread after each attempt, with the backup or the error.
   using OnDone = std::function<void(const absl::StatusOr<MadeBackup>&)>;
 
   // Backs up the database `path`.
@@ -93,7 +96,7 @@ class AutomaticBackups {
   std::atomic<bool> stopping_ = false;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // the last member, because it uses the others
 };
 
 }  // namespace sweepstake::storage

@@ -15,7 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The rows are added in another order here than by the store, and counts end at their maximum.
+// Counts the keys whose stored sums differ from the sums of their rows. The tolerance of 1e-8
+// covers rounding, because the store adds the rows in another order. Sums of counts stop at 2^63 -
+// 1.
 constexpr const char* kWrongSums = R"sql(
   SELECT count(*) FROM evidence_key LEFT JOIN
     (SELECT key_id, total(alpha) AS a, total(beta) AS b, total(window_count) AS w,
@@ -42,9 +44,9 @@ constexpr const char* kSourcesOfNothing = R"sql(
   SELECT source_id, scene_id FROM scene_source
   EXCEPT SELECT source_id, k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id)sql";
 
-// The names of sources, keys and scenes, and the ids in evidence, are in an index as well. They are
-// right if SQLite's own check finds no fault. The other columns of a key or a scene are computed
-// from the undamaged rows.
+// A damaged key or scene can be repaired. Its names and ids are in an index as well, so SQLite's
+// integrity_check verifies them. Its other columns are sums, which are computed again from the
+// undamaged rows.
 constexpr const char* kMarkDamagedRows = R"sql(
   CREATE TEMP TABLE wrong_source AS SELECT id FROM source WHERE hash <> content_hash;
   CREATE TEMP TABLE wrong_evidence AS

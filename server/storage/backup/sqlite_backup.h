@@ -1,5 +1,5 @@
-// Copies of the prior store, made while a daemon runs, verified, and restored. A damaged row of the
-// store is left out of its copies. A row is damaged if its hash is wrong (sqlite_schema.h).
+// Copies the SQLite prior store while a daemon runs, verifies copies, and restores them. Copies
+// leave out damaged rows: those whose stored hash does not match their content (sqlite_schema.h).
 #pragma once
 
 #include <atomic>
@@ -11,30 +11,31 @@
 
 namespace sweepstake::storage {
 
-// The numbers of rows of a database.
+// Row counts of a database.
 struct StoreContents {
   int64_t scene_count = 0;
-  int64_t source_count = 0;  // those with evidence
+  int64_t source_count = 0;  // sources with evidence
   int64_t record_count = 0;
   int64_t audit_row_count = 0;
-  int64_t damaged_row_count = 0;  // rows of the original that are left out of this backup
+  int64_t damaged_row_count = 0;  // damaged rows of the original, which this copy leaves out
 };
 
 // Reads the whole database and changes nothing. Errors: NOT_FOUND (the file is missing),
-// UNAVAILABLE (cannot open it), DATA_LOSS (not a whole database of ours, damaged rows, or wrong
+// UNAVAILABLE (cannot open it), DATA_LOSS (not a complete prior database, damaged rows, or wrong
 // sums), FAILED_PRECONDITION (it has another schema version).
 absl::StatusOr<StoreContents> VerifyStore(const std::filesystem::path& file,
                                           const std::atomic<bool>* stop = nullptr);
 
-// Removes the damaged rows from a copy: evidence, and sources with all of their evidence. Computes
-// the sums and numbers of sources that this changes, or that are damaged themselves. Returns the
-// number of damaged rows. Changes nothing and returns 0 if there are none, or if the copy has other
-// faults.
+// Removes damaged evidence from a copy, and damaged sources with all of their evidence. Computes
+// the affected sums and source counts again, and those of damaged keys and scenes. Returns the
+// number of damaged rows. Changes nothing and returns 0 if there are none, or if SQLite's integrity
+// check finds a fault.
 int64_t LeaveOutDamagedRows(SqliteDatabase& copy);
 
-// Writes the database of a data directory, in use or not, to a new file without damaged rows, and
-// verifies the file. Another thread may set `stop` meanwhile. Errors: those of VerifyStore,
-// ALREADY_EXISTS, CANCELLED (by `stop`), NOT_FOUND (the directory has no database).
+// Copies the database of a data directory to a new file without damaged rows, and verifies the
+// file. A daemon may be using the database. Another thread can set `stop` to cancel the backup.
+// Errors: those of VerifyStore, ALREADY_EXISTS, CANCELLED (by `stop`), NOT_FOUND (the directory has
+// no database).
 absl::StatusOr<StoreContents> BackUpStore(const std::filesystem::path& directory,
                                           const std::filesystem::path& file,
                                           const std::atomic<bool>* stop = nullptr);
@@ -42,9 +43,9 @@ absl::StatusOr<StoreContents> BackUpStore(const std::filesystem::path& directory
 // Error: ALREADY_EXISTS (the data directory has a database).
 absl::Status CheckNoDatabase(const std::filesystem::path& directory);
 
-// Verifies the file and copies it into a data directory without a database that no daemon uses.
-// Makes the directory if it is missing. Errors: those of VerifyStore and of DataDirectory::Open,
-// ALREADY_EXISTS.
+// Verifies the file and copies it into a data directory. The directory must have no database, and
+// no daemon may use it. Makes the directory if it is missing. Errors: those of VerifyStore and of
+// DataDirectory::Open, ALREADY_EXISTS.
 absl::StatusOr<StoreContents> RestoreStore(const std::filesystem::path& file,
                                            const std::filesystem::path& directory);
 

@@ -44,7 +44,7 @@ constexpr const char* kTable = R"sql(
     ) STRICT;
     PRAGMA user_version = 1)sql";
 
-// Converts an update to bytes (CBOR) and back, exactly to the last bit of its numbers.
+// Returns the update as CBOR bytes, from which UpdateIn restores every bit of its numbers.
 std::string BytesOf(const priors::SourceUpdate& update) {
   const auto bytes = json::to_cbor(json(update));
   return {bytes.begin(), bytes.end()};

@@ -1,9 +1,10 @@
 // The updates that a daemon could not commit to the store that it shares with others. They are kept
 // in a file of its data directory, so that they outlive the daemon.
 //
-// None of them is acknowledged. If a session continues at another daemon, its client sends the
-// updates again there, and the store refuses those in the outbox (SourceWriter). The store ignores
-// an update that it has already, by its number. So each message counts once.
+// The clients have got no acknowledgement of these updates. If a session continues at another
+// daemon, its client sends the updates again there, and the store refuses those in the outbox
+// (SourceWriter). The store also ignores an update whose sequence number it already has. So each
+// message counts once.
 //
 // The file is an SQLite database of one table, with a row per update in the order of commits. Used
 // by one thread at a time.
@@ -34,11 +35,12 @@ class Outbox {
   absl::StatusOr<std::vector<priors::SourceUpdate>> Load();
 
   struct Delivery {
-    size_t committed_count = 0;  // now, or before
+    size_t committed_count = 0;  // committed by this call, or already in the store
     size_t refused_count = 0;    // their sessions continued elsewhere, or were revoked
   };
-  // Commits all updates in order and empties the outbox. Errors: those of Load, and those of the
-  // store but refusals; then the content is unchanged.
+  // Commits all updates in order and empties the outbox. Updates that the store refuses are counted
+  // and dropped. After an error the outbox is unchanged. Errors: those of Load, and of
+  // PriorStore::Commit except refusals.
   absl::StatusOr<Delivery> DeliverTo(priors::PriorStore& store);
 
  private:
@@ -49,8 +51,8 @@ class Outbox {
   SqliteDatabase database_;
 };
 
-// Checks that nothing waits for a shared store that is not used any more. Errors:
-// FAILED_PRECONDITION (the outbox has updates), and those of Open and Load.
+// Checks that the outbox at `path` is empty or missing, so that the shared store can be migrated or
+// given up. Errors: FAILED_PRECONDITION (the outbox has updates), and those of Open and Load.
 absl::Status CheckDelivered(const std::filesystem::path& path);
 
 }  // namespace sweepstake::storage

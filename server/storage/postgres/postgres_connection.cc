@@ -18,8 +18,9 @@ namespace {
 
 constexpr double kUnitsPerOne = 0x1p20;
 
-// The defaults of a connection; its URL may set others. A server that does not answer is given up
-// after ten seconds, and a lock of another daemon after the same time.
+// Default connection parameters; the URL can override them. Connecting fails after 5 s, and a
+// connection after 10 s without acknowledgement of sent data (10000 ms). kSetUp limits the wait for
+// another daemon's lock to 10 s.
 constexpr std::array kDefaults = {
     std::pair("connect_timeout", "5"), std::pair("tcp_user_timeout", "10000"),
     std::pair("application_name", "sweepstaked"), std::pair("client_encoding", "UTF8")};
@@ -39,7 +40,8 @@ std::string Line(const char* message) {
   return std::string(absl::StripTrailingAsciiWhitespace(message));
 }
 
-// Returns the whole units of an amount below 1e15, which are below 2⁷⁰.
+// Returns an amount below 1e15 as a whole number of units of 2⁻²⁰, in decimal digits. The number is
+// below 2⁷⁰, so it may exceed int64_t.
 std::string UnitsOf(double amount) {
   const double units = amount * kUnitsPerOne;
   if (units < 0x1p62) return absl::StrCat(static_cast<int64_t>(units));
@@ -66,7 +68,7 @@ struct ParameterText {
   }
 };
 
-// Returns the column of the rows of parameters as an array.
+// Returns one column of the parameter rows as the text of a PostgreSQL array.
 std::string ArrayText(std::span<const SqlValue> values, size_t columns, size_t column) {
   std::string array = "{";
   for (size_t i = column; i < values.size(); i += columns) {
@@ -131,7 +133,8 @@ absl::Status PostgresConnection::Connect() {
 }
 
 absl::Status PostgresConnection::Open() {
-  // A URL in the place of a database name overrides the parameters before it.
+  // libpq expands a URL that is given as `dbname`. It overrides the parameters before it in the
+  // list.
   std::vector<const char*> names;
   std::vector<const char*> values;
   for (const auto& [name, value] : kDefaults) {
@@ -174,7 +177,8 @@ absl::Status PostgresConnection::BeginRead() {
 absl::Status PostgresConnection::Commit() {
   const auto result = Query("COMMIT");
   if (!result.ok()) return result.status();
-  // A transaction that an error has ended is rolled back, which is not an error of COMMIT.
+  // After an error in the transaction, COMMIT rolls back and succeeds. Only its command tag shows
+  // that nothing was committed.
   if (std::string_view(PQcmdStatus(result->get())) == "COMMIT") return absl::OkStatus();
   return absl::UnavailableError("PostgreSQL has rolled the transaction back");
 }

@@ -1,6 +1,6 @@
 // A connection to a PostgreSQL server. It is opened at its first use, and again after it was lost,
-// but only to the same database as before. Its errors are those of SqlDatabase; each call returns
-// UNAVAILABLE at once or after five seconds if the server does not answer.
+// but only to the same database as before. Its errors are those of SqlDatabase. If the server
+// cannot be reached, a call returns UNAVAILABLE within five seconds.
 #pragma once
 
 #include <libpq-fe.h>
@@ -29,7 +29,7 @@ class PostgresConnection final : public SqlDatabase {
   // Connects if the connection is missing or lost. Error: UNAVAILABLE, also if the database is not
   // the expected one.
   absl::Status Connect();
-  // Makes later connections to a database without this id (postgres_prior_store.h) fail.
+  // After this call, connecting fails if the database has another id (PreparePostgresSchema).
   void Expect(std::string store_id) { store_id_ = std::move(store_id); }
 
   bool shared() const override { return true; }
@@ -51,25 +51,26 @@ class PostgresConnection final : public SqlDatabase {
   using Result = std::unique_ptr<PGresult, Clearer>;
   struct Statement {
     std::string name;
-    bool is_batch = false;  // each parameter is an array
+    bool is_batch = false;  // contains @given: each parameter is an array with a value per row
   };
 
   absl::Status Open();
-  // Returns an error if it is not the expected database.
+  // Returns an error if the database is not the one given to Expect.
   absl::Status CheckStoreId();
   absl::StatusOr<uint64_t> RunRows(const char* sql, std::span<const SqlValue> values,
                                    size_t columns, OnRow on_row) override;
-  // Returns the prepared statement. `row` are parameters of its types.
+  // Returns the statement, and prepares it at its first use. `row` shows the types of its
+  // parameters.
   absl::StatusOr<Statement> Prepare(const char* sql, std::span<const SqlValue> row);
   absl::StatusOr<Result> Query(const std::string& sql);
-  // Returns the result, or its error.
+  // Owns the result from now on. Returns it, or the error that it contains.
   absl::StatusOr<Result> Check(PGresult* result) const;
 
   const std::string url_;
   const std::string settings_;
-  std::string store_id_;  // empty: any
+  std::string store_id_;  // id of the expected database; empty accepts any database
   std::unique_ptr<PGconn, Closer> connection_;
-  std::unordered_map<const char*, Statement> prepared_;  // by text
+  std::unordered_map<const char*, Statement> prepared_;  // by the address of the SQL text
   uint64_t incarnation_ = 0;
 };
 

@@ -26,21 +26,22 @@ struct Column {
   Kind kind = Kind::kInteger;
 };
 
-// A table of both stores. The first columns are its key, and are numbers above 0.
+// A table that both stores have. Its first `key_columns` columns are its primary key: numbers above
+// 0.
 struct Table {
   const char* name;
   size_t key_columns;
   bool is_hashed;  // SQLite keeps a hash of each row
   std::vector<Column> columns;
-  // The statements about it, which live as long as it.
+  // SQL statements for this table. They live as long as the table, as SqlDatabase requires.
   std::string count = {};
-  std::string select = {};  // a page behind a key
+  std::string select = {};  // reads the kRowsPerPage rows after a key
   std::string insert = {};
 };
 
 constexpr uint64_t kRowsPerPage = 5'000;
 
-// Fills in the statements.
+// Returns the table with its SQL statements.
 Table WithStatements(Table table) {
   std::string columns, values;
   for (size_t i = 0; i < table.columns.size(); ++i) {
@@ -55,7 +56,7 @@ Table WithStatements(Table table) {
   table.select =
       absl::StrCat("SELECT ", columns, " FROM ", table.name, " WHERE (", key, ") > (",
                    is_pair ? "?1, ?2" : "?1", ") ORDER BY ", key, " LIMIT ", kRowsPerPage);
-  // The hashes are computed when all rows are there.
+  // The hash of each row is 0 until CopyAll computes it, after all rows are inserted.
   table.insert =
       absl::StrCat("INSERT INTO ", table.name, " (", columns, table.is_hashed ? "[, hash]" : "",
                    ") {OVERRIDING SYSTEM VALUE} SELECT ", values, table.is_hashed ? "[, 0]" : "",
@@ -128,7 +129,7 @@ std::vector<Table> MakeTables() {
   return tables;
 }
 
-// Returns all tables. Rows refer to those of earlier tables only.
+// Returns all tables, ordered so that rows refer only to rows of earlier tables.
 const std::vector<Table>& Tables() {
   static const auto& tables = *new std::vector<Table>(MakeTables());
   return tables;
@@ -154,7 +155,7 @@ absl::StatusOr<uint64_t> CountRows(const Table& table, SqlDatabase& database) {
   return database.ReadInteger(table.count.c_str());
 }
 
-// A page of a table's rows.
+// Up to kRowsPerPage rows of a table.
 class Page {
  public:
   explicit Page(const Table& table) : table_(table) {}
@@ -185,7 +186,8 @@ class Page {
   }
   uint64_t count() const { return count_; }
   const SqlBatch& rows() const { return rows_; }
-  const std::pair<int64_t, int64_t>& last() const { return last_; }  // its first two columns
+  // The first two columns of the last row.
+  const std::pair<int64_t, int64_t>& last() const { return last_; }
 
  private:
   const Table& table_;
@@ -219,7 +221,7 @@ absl::Status CopyTable(const Table& table, SqlDatabase& from, SqlDatabase& to,
   return absl::OkStatus();
 }
 
-// Compares the numbers of rows.
+// Returns an error if a table has different numbers of rows in the two databases.
 absl::Status CheckCounts(SqlDatabase& from, SqlDatabase& to) {
   for (const Table& table : Tables()) {
     const auto before = CountRows(table, from);
@@ -268,7 +270,8 @@ absl::Status Prepare(PostgresConnection& connection) {
   return status.ok() ? PreparePostgresSchema(connection).status() : status;
 }
 
-// A directory beside the data, removed with its content.
+// A temporary directory beside the data directory. The constructor and the destructor remove it
+// with its content.
 class Workplace {
  public:
   explicit Workplace(const fs::path& directory) : path_(directory.string() + ".migration") {
@@ -287,7 +290,7 @@ class Workplace {
   const fs::path path_;
 };
 
-// Makes a database in the directory from the store in PostgreSQL.
+// Creates an SQLite database in `directory` with the rows of the store in PostgreSQL.
 absl::Status MakeDatabase(PostgresConnection& connection, const fs::path& directory,
                           const OnMigrated& on_migrated) {
   auto data = DataDirectory::Open(directory);
@@ -301,7 +304,8 @@ absl::Status MakeDatabase(PostgresConnection& connection, const fs::path& direct
 
 absl::StatusOr<StoreContents> MigrateToPostgres(const fs::path& directory, const std::string& url,
                                                 const OnMigrated& on_migrated) {
-  auto data = DataDirectory::Open(directory);  // keeps daemons from starting meanwhile
+  // Holds the lock, so that no daemon starts during the migration.
+  auto data = DataDirectory::Open(directory);
   if (!data.ok()) return data.status();
   if (absl::Status delivered = CheckDelivered(data->outbox()); !delivered.ok()) return delivered;
   const Workplace workplace(directory);
@@ -321,7 +325,7 @@ absl::StatusOr<StoreContents> MigrateToPostgres(const fs::path& directory, const
 
 absl::StatusOr<StoreContents> MigrateFromPostgres(const std::string& url, const fs::path& directory,
                                                   const OnMigrated& on_migrated) {
-  // Checks that no daemon uses it. RestoreStore checks again.
+  // Open fails if a daemon uses the directory. RestoreStore checks this again at the end.
   absl::Status status = DataDirectory::Open(directory).status();
   if (status.ok()) status = CheckNoDatabase(directory);
   if (status.ok()) status = CheckDelivered(directory / DataDirectory::kOutboxName);

@@ -1,8 +1,8 @@
 // Copies a prior store from a data directory to PostgreSQL, and back: sources, including revoked
-// ones, evidence, and the audit log. Sums are computed from the rows, and are the same.
+// ones, evidence, and the audit log. Sums are computed again from the rows, with the same result.
 //
-// On success all rows are there, as their counts on both sides confirm; otherwise nothing is. The
-// original is not changed.
+// On success the copy has all rows: their counts on both sides were compared. After an error
+// nothing was copied. The original is never changed.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@
 
 namespace sweepstake::storage {
 
-// Called after each tenth of a table's rows, and after the last one.
+// Reports that `rows` of the `of` rows of `table` are copied. Called after each tenth of the rows,
+// and after the last one.
 using OnMigrated = std::function<void(const std::string& table, uint64_t rows, uint64_t of)>;
 
 // Errors: those of BackUpStore, DataDirectory::Open, CheckDelivered and OpenPostgresPriorStore,

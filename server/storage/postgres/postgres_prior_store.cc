@@ -11,12 +11,13 @@
 namespace sweepstake::storage {
 namespace {
 
-// Commits join a few hundred given rows with tables by their keys. Without statistics about a table
-// the server would read all of it.
+// Commits join a few hundred given rows with a table by its key. Without statistics about the
+// table, the planner would choose a hash or merge join, which reads the whole table.
 constexpr const char* kPlans =
     "SET enable_hashjoin = off; SET enable_mergejoin = off; SET jit = off";
 
-// Keeps two daemons from making the tables at the same time, until the transaction's end.
+// A lock until the end of the transaction, so that two daemons do not create the tables at the same
+// time. The number is arbitrary.
 constexpr const char* kLock = "SELECT pg_advisory_xact_lock(7743300015)";
 
 absl::Status MakeTables(SqlDatabase& connection) {

@@ -15,10 +15,10 @@
 namespace sweepstake::storage {
 
 // Makes the tables (sql/sql_schema.h) if they are missing, once even if several daemons start
-// together. Returns the random id of the tables, which tells them from those of another database.
-// Errors: those of the connection, FAILED_PRECONDITION (the tables have another schema version, or
-// the database does not store text as UTF-8). REQUIRES: the connection is connected, and in no
-// transaction.
+// together. Returns the random id of the tables, which distinguishes them from those of another
+// database. Errors: those of the connection, FAILED_PRECONDITION (the tables have another schema
+// version, or the database does not store text as UTF-8). REQUIRES: the connection is connected,
+// and in no transaction.
 absl::StatusOr<std::string> PreparePostgresSchema(SqlDatabase& connection);
 
 // Opens the store of a postgresql:// URL or a conninfo string of libpq. Errors: UNAVAILABLE,

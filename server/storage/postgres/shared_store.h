@@ -1,4 +1,4 @@
-// The prior store that several daemons share, for code that does not know libpq.
+// The prior store that several daemons share, in PostgreSQL. This header needs no headers of libpq.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@
 
 namespace sweepstake::storage {
 
-// Maximum increments per group of commits; a group costs the round trips and the sync of one
-// commit.
+// Maximum number of evidence increments in a group of updates that are committed together. A group
+// costs as many round trips and disk syncs as a single update.
 inline constexpr size_t kSharedGroupRows = 5'000;
 
 // Checks the URL of a shared store. Error: INVALID_ARGUMENT (not a postgresql:// URL, or it

@@ -12,7 +12,8 @@ namespace {
 using priors::AuditRow;
 using priors::AuditRows;
 
-// One daemon writes at a time, so that the rows of a chunk have consecutive ids.
+// In a shared database only one daemon at a time appends to the audit log, so that the rows of a
+// chunk have consecutive ids. The lock ends with the transaction; its number is arbitrary.
 constexpr const char* kLockLog = "{SELECT pg_advisory_xact_lock(7743300016)}";
 constexpr const char* kFindSegment = R"sql(
     SELECT id, (SELECT coalesce(max(number), 0) FROM audit_row WHERE segment_id = s.id)
@@ -41,7 +42,8 @@ constexpr const char* kDeleteRows = R"sql(
                         9223372036854775807)
       AND segment_id NOT IN (SELECT id FROM audit_segment WHERE session = ?2)
     RETURNING segment_id)sql";
-// The unary plus keeps SQLite from reading all rows by id.
+// The unary plus keeps SQLite from using the index of ids, with which it would read the rows of all
+// sessions.
 constexpr const char* kDeleteAdminRows = R"sql(
     DELETE FROM audit_row
     WHERE segment_id IN (SELECT id FROM audit_segment WHERE session = ?1)
@@ -83,7 +85,7 @@ absl::Status SqlAuditLog::AppendAll(std::span<const priors::SourceUpdate* const>
   for (const priors::SourceUpdate* update : updates)
     unix_now_s = std::max(unix_now_s, update->unix_time_s);
   absl::Status status = database_.Run(kLockLog);
-  // A file that may not grow reuses the space of removed rows.
+  // If the file has reached its maximum size, the new rows need the space of the rows removed here.
   if (status.ok() && !database_.shared()) status = Trim(unix_now_s);
   for (size_t i = 0; i < updates.size() && status.ok(); ++i) status = AppendOne(*updates[i], lost);
   return status.ok() ? Trim(unix_now_s) : status;

@@ -1,8 +1,8 @@
 // The audit log in the prior store's database. It has a table of segments, a table of rows, whose
-// ids grow in the order of arrival, and a table of chunks, each a range of those ids. The oldest
-// chunk is removed as a whole. Rows of kAdminSession are in no chunk, and have a limit of their
-// own. In a shared database the limits are those of the daemon that writes. SqlPriorReader reads
-// the log. Used by one thread at a time.
+// ids grow in the order of arrival, and a table of chunks. A chunk is a range of row ids; the
+// oldest chunk is removed as a whole. Rows of kAdminSession are in no chunk, and have a limit of
+// their own. In a shared database, each daemon that writes applies its own limits. SqlPriorReader
+// reads the log. Used by one thread at a time.
 //
 // Removed rows free space for new ones, but a file does not shrink.
 #pragma once
@@ -19,7 +19,7 @@ namespace sweepstake::storage {
 
 class SqlAuditLog {
  public:
-  // `database` must outlive it.
+  // `database` must outlive this object.
   SqlAuditLog(SqlDatabase& database, const priors::AuditLimits& limits)
       : database_(database), limits_(limits) {}
 
@@ -28,25 +28,25 @@ class SqlAuditLog {
   // Removes rows beyond the limits, in the caller's transaction.
   absl::Status Trim(uint64_t unix_now_s);
   // Appends the rows of the updates in the caller's transaction. Returns how many could not be
-  // written: invalid rows or, after an error, all rows. After an error the transaction is as
-  // before, or SQLite has ended it. Errors, in a shared database: UNAVAILABLE and ABORTED, after
-  // which the whole transaction must be repeated.
+  // written: invalid rows or, after an error, all rows. If no rows could be written, the
+  // transaction is as it was before the call, or SQLite has ended it (disk full). Errors, only in a
+  // shared database: UNAVAILABLE and ABORTED. After these the whole transaction must be repeated.
   absl::StatusOr<uint64_t> Append(std::span<const priors::SourceUpdate* const> updates);
 
  private:
   // A stored segment.
   struct Segment {
-    int64_t id = 0;  // 0: missing
+    int64_t id = 0;  // 0: there is no such segment
     uint64_t last_row = 0;
   };
 
   absl::Status AppendAll(std::span<const priors::SourceUpdate* const> updates, uint64_t& lost);
   absl::Status AppendOne(const priors::SourceUpdate& update, uint64_t& lost);
   absl::StatusOr<Segment> Find(const std::string& session_id, uint32_t segment);
-  // Adds to the bytes of the latest chunk, or of a new one if that is full.
+  // Adds `bytes` to the size of the latest chunk. Begins a new chunk if the latest one is full.
   absl::Status GrowChunk(uint64_t bytes, uint64_t unix_now_s);
-  // Runs a statement that removes rows and returns their segments. Removes the segments that are
-  // empty then.
+  // Runs a statement that removes rows and returns their segments. Then removes those segments that
+  // have no rows left.
   template <typename... Args>
   absl::Status RemoveRows(const char* sql, const Args&... args);
 

@@ -7,7 +7,8 @@
 namespace sweepstake::storage {
 namespace {
 
-// Removes the parts in the marks, and the other marks around theirs.
+// Removes the text between the two marks in `removed`, such as "{}", and these marks. Removes the
+// marks in `unwrapped`, but not the text between them.
 std::string WithoutParts(std::string_view sql, std::string_view removed,
                          std::string_view unwrapped) {
   std::string text;
@@ -22,7 +23,7 @@ std::string WithoutParts(std::string_view sql, std::string_view removed,
   return text;
 }
 
-// The rows of parameters as a table with the columns p1, p2 …
+// Returns SQL for the parameter rows as a table g with the columns p1, p2 …
 std::string GivenRows(std::span<const char* const> types) {
   std::string arrays, names;
   for (size_t i = 0; i < types.size(); ++i) {
@@ -59,7 +60,7 @@ std::string PostgresText(std::string_view sql, std::span<const char* const> type
   std::string text = absl::StrReplaceAll(WithoutParts(sql, "[]", "{}"),
                                          {{"instr(", "strpos("}, {"char(10)", "chr(10)"}});
   const bool is_batch = absl::StrContains(text, "@given");
-  for (size_t i = types.size(); i > 0; --i) {  // ?10 before ?1
+  for (size_t i = types.size(); i > 0; --i) {  // replaces ?10 before ?1, which it begins with
     const std::string parameter =
         is_batch ? absl::StrCat("g.p", i) : absl::StrCat("$", i, "::", types[i - 1]);
     text = absl::StrReplaceAll(text, {{absl::StrCat("?", i), parameter}});

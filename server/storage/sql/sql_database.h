@@ -3,8 +3,9 @@
 // this interface. Used by one thread at a time.
 //
 // Both databases run the same statements. `?1` is the first parameter. Text in [] is for SQLite
-// alone, and text in {} for PostgreSQL alone. In a Batch a statement runs once for each row of
-// parameters. PostgreSQL runs it once for all rows: `@given`, inside {}, is the table of the rows.
+// alone, and text in {} for PostgreSQL alone. With a SqlBatch, SQLite runs a statement once for
+// each row of parameters. PostgreSQL runs it once for all rows: `@given`, inside {}, stands for the
+// table of these rows.
 //
 // A statement is prepared at its first use, and identified by its address: its text must outlive
 // the database.
@@ -31,21 +32,22 @@
 namespace sweepstake::storage {
 
 // An amount of evidence. PostgreSQL keeps it as whole units of 2⁻²⁰ in a numeric column, whose sums
-// are exact in any order. REQUIRES: the value is finite, and InUnits (prior_store.h).
+// are exact in any order. REQUIRES: the value is finite and a multiple of 2⁻²⁰ (InUnits in
+// prior_store.h).
 struct SqlAmount {
   double value = 0;
 };
-// Text of a column that may have any bytes.
+// The value of a column that may contain any bytes, not only UTF-8.
 struct SqlBytes {
   std::string_view value;
 };
-// A parameter. Texts must outlive it.
+// A parameter of a statement. It refers to texts, which must outlive it.
 using SqlValue = std::variant<int64_t, bool, SqlAmount, std::string_view, SqlBytes>;
 
 inline SqlValue ToSql(SqlAmount value) { return value; }
 inline SqlValue ToSql(SqlBytes value) { return value; }
 inline SqlValue ToSql(std::string_view value) { return value; }
-// Counts are stored as integers below 2^63, seeds as the same 64 bits.
+// Converts counts, which are below 2^63, and seeds, whose 64 bits are kept as a signed integer.
 template <std::integral Number>
 SqlValue ToSql(Number value) {
   if constexpr (std::same_as<Number, bool>) return value;
@@ -73,7 +75,7 @@ class SqlBatch {
   size_t columns_ = 0;
 };
 
-// The columns of the current row, from 0.
+// The current row of a result. Its columns are numbered from 0.
 class SqlRow {
  public:
   virtual ~SqlRow() = default;
@@ -86,7 +88,7 @@ class SqlRow {
   virtual std::string Text(int column) const = 0;
   virtual std::string Bytes(int column) const = 0;
   uint64_t Unsigned(int column) const { return static_cast<uint64_t>(Integer(column)); }
-  // For numbers below 2^32.
+  // REQUIRES: the number is below 2^32.
   uint32_t Small(int column) const { return static_cast<uint32_t>(Integer(column)); }
 };
 
@@ -96,13 +98,15 @@ class SqlDatabase {
 
   virtual ~SqlDatabase() = default;
 
-  // Returns whether other daemons write the database, too.
+  // Returns whether other daemons write to the same database: true for PostgreSQL.
   virtual bool shared() const = 0;
-  // Grows with each new connection to the database.
+  // Returns a number that grows with each new connection. After a change, cached data of the
+  // database may be wrong.
   virtual uint64_t incarnation() const { return 1; }
   // Implements PriorStore::CheckPlace.
   virtual absl::Status CheckPlace() { return absl::OkStatus(); }
-  // Begins a transaction that writes. Fails if its changes would be lost (CheckPlace).
+  // Begins a transaction that writes. Fails if the file was removed or replaced, because the
+  // changes would be lost (CheckPlace).
   virtual absl::Status Begin() = 0;
   // Begins a transaction whose reads all see one state, that of the first read.
   virtual absl::Status BeginRead() = 0;
@@ -112,7 +116,7 @@ class SqlDatabase {
   // Returns false also if an error, such as a full disk or a lost connection, has ended the
   // transaction.
   virtual bool in_transaction() const = 0;
-  // Runs several statements without marks, parameters and rows.
+  // Runs statements without [] and {} marks and without parameters. Ignores rows that they return.
   virtual absl::Status Execute(const std::string& sql) = 0;
 
   // Run a statement and call `on_row(const SqlRow&)` for each row.
@@ -140,7 +144,8 @@ class SqlDatabase {
     if (!status.ok()) return status;
     return value;
   }
-  // Return the only value of a statement: 0 or an empty text if it has no row.
+  // Return the first column of the statement's only row. Without a row they return 0 or an empty
+  // text.
   template <typename... Args>
   absl::StatusOr<int64_t> ReadInteger(const char* sql, const Args&... args) {
     return Collect<int64_t>(
@@ -187,10 +192,11 @@ class SqlSnapshot {
   absl::Status status_;
 };
 
-// Returns the text for SQLite: without marks and what is in {}.
+// Returns the statement for SQLite: without the text in {} and without the marks [ and ].
 std::string SqliteText(std::string_view sql);
 
-// Returns the text for PostgreSQL. `types` are those of the parameters, such as "bigint".
+// Returns the statement for PostgreSQL. `types` are the SQL types of its parameters, such as
+// "bigint".
 std::string PostgresText(std::string_view sql, std::span<const char* const> types);
 
 // Returns the lines with a line end before and after each, for instr() in SQL; empty for no lines.

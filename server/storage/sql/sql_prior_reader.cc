@@ -15,7 +15,7 @@ using priors::SceneEvidence;
 using priors::SceneFilter;
 using priors::SceneKey;
 
-// The scene's classes of machines: the given one first, then the newest ones.
+// Finds the rows of a scene, one per machine class: the given class first, then the newest rows.
 constexpr const char* kSceneClasses = R"sql(
     SELECT id, machine_class, [hash = content_hash]{true} FROM scene
     WHERE project = ?1 AND scene = ?2 AND reward_version = ?4 AND source_count > 0
@@ -45,8 +45,8 @@ constexpr const char* kSourceEvidence = R"sql(
            [k.hash = k.content_hash AND e.hash = e.content_hash]{true}
     FROM evidence e JOIN evidence_key k ON k.id = key_id WHERE source_id = ?1
     ORDER BY 1, 2, 3, 4, 5, 6, 7)sql";
-// In SQLite the first row value ends the range of the index at the project and the scene, if given.
-// A blob sorts after every text.
+// In SQLite the first comparison ends the index scan after the given project and scene. A name that
+// is not given is replaced by an empty blob (x''), which sorts after every text.
 constexpr const char* kListScenes = R"sql(
     SELECT id, source_count, project, scene, machine_class, reward_version FROM scene
     WHERE [(project, scene) <= (iif(?1 = '', x'', ?1), iif(?2 = '', x'', ?2))
@@ -79,7 +79,8 @@ constexpr const char* kSceneAges = R"sql(
     FROM evidence_key k{, @given} WHERE scene_id = ?1 AND source_count > 0)sql";
 constexpr const char* kCountScenes =
     "SELECT count(DISTINCT scene), count(*) FROM scene WHERE project = ?1 AND source_count > 0";
-// Jumps from one project to the next in the index, however many scenes they have.
+// Finds each next project by one lookup in the index, so that the cost does not depend on the
+// number of scenes.
 constexpr const char* kCountProjects = R"sql(
     WITH RECURSIVE known(project) AS (
       SELECT min(project) FROM scene
@@ -88,7 +89,8 @@ constexpr const char* kCountProjects = R"sql(
       FROM known WHERE known.project IS NOT NULL)
     SELECT count(*) FROM known
     WHERE EXISTS (SELECT 1 FROM scene s WHERE s.project = known.project AND source_count > 0))sql";
-// The row value finds its place in the index without reading what comes before it.
+// Comparing row values lets the database begin in the index at the given key, without reading the
+// keys before it.
 constexpr const char* kNextKey = R"sql(
     SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
            id, [hash = content_hash]{true}
@@ -166,7 +168,7 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
   const SqlSnapshot snapshot(database_);
   if (!snapshot.status().ok()) return snapshot.status();
   std::vector<SceneKey> classes;
-  std::map<int64_t, size_t> class_of;  // by the ids of scenes
+  std::map<int64_t, size_t> class_of;  // place in `classes` by the id of the scene
   SqlBatch ids;
   bool whole = true;
   absl::Status status = database_.ForEachRow(
@@ -199,7 +201,8 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
   SqlBatch chosen;
   if (status.ok()) status = ChooseSources(keys, chosen);
   if (!status.ok()) return status;
-  std::map<std::pair<size_t, int64_t>, priors::SceneSource> sources;  // by class and source
+  // By class number and source id.
+  std::map<std::pair<size_t, int64_t>, priors::SceneSource> sources;
   status = database_.ForEachRow(
       kEvidenceOfSources,
       [&](const SqlRow& row) {
@@ -223,12 +226,12 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
 absl::Status SqlPriorReader::ChooseSources(const ArmKeys& keys, SqlBatch& chosen) {
   SqlBatch places;
   for (const auto& [id, key] : keys) places.Add(id, decision::kSourcesPerPlace * key.source_limit);
-  std::map<int64_t, std::vector<int64_t>> latest;  // sources by key, the latest one first
+  std::map<int64_t, std::vector<int64_t>> latest;  // source ids by key id, the latest one first
   absl::Status status = database_.ForEachRow(
       kLatestSources, [&](const SqlRow& row) { latest[row.Integer(0)].push_back(row.Integer(1)); },
       places);
   if (!status.ok()) return status;
-  std::map<int64_t, int64_t> token_of;  // by source
+  std::map<int64_t, int64_t> token_of;  // token id by source id
   for (const auto& [key, sources] : latest) {
     for (const int64_t source : sources) token_of.try_emplace(source, 0);
   }
@@ -297,7 +300,8 @@ absl::Status SqlPriorReader::LoadArms(const std::map<int64_t, SceneEvidence*>& s
       kSceneArms, [&](const SqlRow& row) { arm_of(row).of(row.Text(3)) += EvidenceOf(row, 4); },
       ids);
   if (!status.ok()) return status;
-  // If only the sources are unreadable, the sums are returned and the times are unknown.
+  // Ignores errors here: if only the sources are unreadable, the sums are still right, and the
+  // times stay 0 (unknown).
   database_
       .ForEachRow(
           kSceneAges,
@@ -314,8 +318,8 @@ absl::StatusOr<std::vector<SceneEvidence>> SqlPriorReader::List(
     const SceneFilter& filter, const std::optional<SceneKey>& after, uint32_t limit) {
   const SqlSnapshot snapshot(database_);
   if (!snapshot.status().ok()) return snapshot.status();
-  // The start is before all wanted scenes: an empty project is before every project, and a key
-  // without a reward version before those of its scene.
+  // Without `after`, starts before all wanted scenes: an empty name sorts before every name, and
+  // reward version 0 before every version.
   const SceneKey start = after.value_or(SceneKey{filter.project, filter.scene, "", 0});
   std::vector<SceneEvidence> scenes;
   std::vector<int64_t> ids;
@@ -429,7 +433,7 @@ absl::StatusOr<priors::ExportPage> SqlPriorReader::ExportAll(const SceneFilter& 
   if (!snapshot.status().ok()) return snapshot.status();
   priors::ExportPage page{.records = {}, .next = after};
   EvidenceKey first = after.key;
-  // Begins at the filter's project in the index.
+  // Skips the projects before the one in the filter.
   if (first.project < filter.project) {
     first = EvidenceKey{};
     first.project = filter.project;
@@ -442,7 +446,8 @@ absl::StatusOr<priors::ExportPage> SqlPriorReader::ExportAll(const SceneFilter& 
     if (key->id == 0) break;
     if (absl::Status status = AppendEvidence(*key, limit, quarantined, page); !status.ok())
       return status;
-    // The version comes last in the order of keys, and is a whole number.
+    // The reward version is the last part of the order of keys. So the next key is the first one
+    // from this key on with its reward version + 1.
     first = key->key;
     first_reward_version = int64_t{first.reward_version} + 1;
   }

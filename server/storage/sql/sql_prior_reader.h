@@ -1,5 +1,6 @@
-// The reads of the prior store, for the store itself and for a second connection, which sees what
-// the store has committed and does not block it. Used by one thread at a time.
+// Reads of the prior store. The store uses them on its own connection. A ReadThread uses them on a
+// second connection, which sees only committed data and does not block the store. Used by one
+// thread at a time.
 //
 // LoadScene and List read stored sums, and LoadSources reads some of the latest sources, so that
 // their cost does not depend on the number of sources.
@@ -20,7 +21,9 @@
 
 namespace sweepstake::storage {
 
-// The statement about evidence that counts, and about that in quarantine: TABLE in `sql` is theirs.
+// Two versions of one SQL statement. ForBothTables replaces the word TABLE in `sql` by `evidence`
+// in the first one, and by `quarantined_evidence` in the second one. Evidence in quarantine has no
+// effect until an administrator promotes it.
 using EvidenceStatements = std::array<std::string, 2>;
 EvidenceStatements ForBothTables(const char* sql);
 
@@ -29,7 +32,7 @@ priors::Evidence EvidenceOf(const SqlRow& row, int first);
 
 class SqlPriorReader : public virtual priors::PriorReader {
  public:
-  // `database` must outlive it.
+  // `database` must outlive this object.
   explicit SqlPriorReader(SqlDatabase& database) : database_(database) {}
 
   absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
@@ -60,15 +63,15 @@ class SqlPriorReader : public virtual priors::PriorReader {
                                                           uint32_t limit,
                                                           size_t max_bytes) override;
 
-  // Returns the scenes whose evidence was changed by transactions from `since` on. Sets `since` to
-  // the first transaction that was not finished yet, so that no change is left out. REQUIRES: the
-  // database is shared.
+  // Returns the scenes whose evidence was changed by transactions from the transaction id `since`
+  // on. Sets `since` to the oldest transaction that is still running, so that the next call misses
+  // no change. REQUIRES: the database is shared.
   absl::StatusOr<std::vector<priors::SceneKey>> LoadChangedScenes(std::string& since);
 
  private:
   struct ExportKey {
     priors::EvidenceKey key;
-    int64_t id = 0;  // 0: missing
+    int64_t id = 0;  // 0: there is no further key
     bool damaged = false;
   };
   // The key of an arm's evidence in a scene, and how many of its sources are used.
@@ -81,18 +84,19 @@ class SqlPriorReader : public virtual priors::PriorReader {
   };
   using ArmKeys = std::map<int64_t, ArmKey>;  // by the ids of evidence_key
 
-  // Appends to `chosen` the ids of each key and of the sources to use for it.
+  // Appends a pair of key id and source id to `chosen` for each piece of evidence to load.
   absl::Status ChooseSources(const ArmKeys& keys, SqlBatch& chosen);
   absl::Status LoadArms(const std::map<int64_t, priors::SceneEvidence*>& scenes);
-  // Exports the evidence that counts, or that in quarantine.
+  // Exports the evidence in use or, if `quarantined`, the evidence in quarantine.
   absl::StatusOr<priors::ExportPage> ExportAll(const priors::SceneFilter& filter,
                                                const priors::ExportPlace& after, uint32_t limit,
                                                bool quarantined);
-  // Returns the first matching key from `first` on, but with the given reward version.
+  // Returns the first key from `first` on that matches the filter. `first_reward_version` replaces
+  // the version in `first`.
   absl::StatusOr<ExportKey> NextKey(const priors::SceneFilter& filter,
                                     const priors::EvidenceKey& first, int64_t first_reward_version,
                                     bool quarantined);
-  // Appends the key's records behind the page's place until the page has `limit` of them.
+  // Appends the key's records after the place `page.next`, until the page has `limit` records.
   absl::Status AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,
                               priors::ExportPage& page);
 

@@ -19,11 +19,12 @@ using priors::SceneKey;
 using priors::SourceUpdate;
 
 constexpr const char* kFirstTransaction = "0";
-constexpr int kAttempts = 20;              // of a transaction that conflicts with others
-constexpr size_t kMaxKnownKeys = 100'000;  // some 200 bytes each
+constexpr int kAttempts = 20;  // limit for a transaction that conflicts with other daemons
+constexpr size_t kMaxKnownKeys = 100'000;  // cached keys, of about 200 bytes each
 
-// In SQLite each statement that writes a row writes its hash (sql_schema.h): row_hash of the values
-// of a new row, and next_hash for a changed one, which keeps a wrong hash wrong.
+// In SQLite each statement that writes a row also writes its hash (sql_schema.h). A new row gets
+// row_hash of its values. A changed row gets next_hash, which keeps a wrong hash wrong, so that
+// damage stays visible.
 
 constexpr const char* kLockSources = R"sql(
     SELECT name, id, is_session, revoked, commit_sequence, [0]{writer} FROM source{, @given}
@@ -36,7 +37,7 @@ constexpr const char* kAddSources = R"sql(
     INSERT INTO source (id, name, build, last_seen_unix_s[, hash])
     [VALUES (?1, ?2, ?3, ?4, row_hash(?2, 0, 0, 0, 0, 0, 0, 0, 0, 0, ?4, ?3, 0))]
     {SELECT ?1, ?2, ?3, ?4 FROM @given} ON CONFLICT (name) DO NOTHING RETURNING id)sql";
-// The origin of a source and its start are kept from its first commit on.
+// The first commit of a source sets created_unix_s, build and token_id. Later commits keep them.
 constexpr const char* kUpdateSources = R"sql(
     UPDATE source
     SET is_session = true, commit_sequence = ?2, message_sequence = ?3, explored_arm_count = ?4,
@@ -79,7 +80,8 @@ constexpr const char* kAddScenes = R"sql(
     INSERT INTO scene (project, scene, machine_class, reward_version[, source_count, hash])
     [VALUES (?1, ?2, ?3, ?4, 0, row_hash(?1, ?2, ?3, ?4, 0))]
     {SELECT ?1, ?2, ?3, ?4 FROM @given} ON CONFLICT DO NOTHING)sql";
-// Another daemon may have added a key meanwhile.
+// ON CONFLICT DO NOTHING, because another daemon may have added a key after kFindKeys did not find
+// it.
 constexpr const char* kAddKeys = R"sql(
     INSERT INTO evidence_key (project, scene, measured_by, arm, backend_version, machine_class,
                               reward_version, scene_id[, hash])
@@ -89,7 +91,7 @@ constexpr const char* kAddKeys = R"sql(
     WHERE project = ?1 AND scene = ?2 AND machine_class = ?6 AND reward_version = ?7
     {ORDER BY 1, 2, 3, 4, 5, 6, 7} ON CONFLICT DO NOTHING)sql";
 
-// TABLE is that of the evidence that counts, or of that in quarantine.
+// ForBothTables replaces the word TABLE by `evidence` or by `quarantined_evidence`.
 constexpr const char* kLoadSequences = R"sql(
     SELECT key_id, source_id, sequence FROM TABLE{, @given}
     WHERE key_id = ?1 AND source_id = ?2)sql";
@@ -102,7 +104,7 @@ constexpr const char* kPutRows = R"sql(
       SET sequence = excluded.sequence, alpha = excluded.alpha, beta = excluded.beta,
           window_count = excluded.window_count, bail_out_count = excluded.bail_out_count
           [, hash = next_hash(hash, content_hash, excluded.hash)])sql";
-// Without RETURNING, for which SQLite would keep a journal of each row.
+// Has no RETURNING clause, because SQLite would then keep a journal of each changed row.
 constexpr const char* kAddToRows = R"sql(
     UPDATE evidence
     SET sequence = ?3, alpha = alpha + ?4, beta = beta + ?5, window_count = window_count + ?6,
@@ -114,8 +116,8 @@ constexpr const char* kAddToRows = R"sql(
 constexpr const char* kLockKeys = R"sql({
     SELECT 1 FROM evidence_key, @given WHERE id = ?1 ORDER BY id FOR NO KEY UPDATE OF evidence_key
     })sql";
-// Counts of windows are added by total() or up to their maximum, because an overflow would make a
-// scene unreadable after two imported records.
+// In SQLite the sums of counts stop at 2^63 - 1. Without this limit two imported records could
+// overflow a sum, which would make the scene unreadable.
 constexpr const char* kAddToSums = R"sql(
     UPDATE evidence_key
     SET alpha_sum = alpha_sum + ?2, beta_sum = beta_sum + ?3,
@@ -150,7 +152,7 @@ constexpr const char* kDeleteEvidence = R"sql(
       AND (?2 = '' OR (SELECT project FROM evidence_key WHERE id = key_id) = ?2)
     RETURNING key_id, window_count)sql";
 
-// Returns the scenes that gained a source.
+// Adds sources to scenes. Returns the scenes that gained a source.
 constexpr const char* kJoinScenes = R"sql(
     INSERT INTO scene_source (source_id, scene_id) [VALUES (?1, ?2)]{SELECT ?1, ?2 FROM @given}
     ON CONFLICT DO NOTHING RETURNING scene_id)sql";
@@ -160,7 +162,7 @@ constexpr const char* kLeaveScenes = R"sql(
     RETURNING scene_id)sql";
 constexpr const char* kLockScenes =
     "{SELECT 1 FROM scene, @given WHERE id = ?1 ORDER BY id FOR NO KEY UPDATE OF scene}";
-// In SQLite it returns whether the scene had no sources before.
+// In SQLite the third column of the result says whether the scene had no sources before.
 constexpr const char* kChangeScenes = R"sql(
     UPDATE scene
     SET source_count = source_count + ?2
@@ -184,7 +186,7 @@ constexpr const char* kDropWaiting = R"sql(
     WHERE key_id = ?1 AND source_id = ?2 AND sequence <= ?3)sql";
 constexpr const char* kCountWaiting = "SELECT count(*) FROM quarantined_evidence";
 
-// Returns the keys and sources of rows.
+// Returns the pairs of key id and source id of the rows.
 template <typename Rows>
 std::set<std::pair<int64_t, int64_t>> PlacesOf(const Rows& rows) {
   std::set<std::pair<int64_t, int64_t>> places;
@@ -192,7 +194,7 @@ std::set<std::pair<int64_t, int64_t>> PlacesOf(const Rows& rows) {
   return places;
 }
 
-// Counts end at their maximum.
+// Adds `evidence` to `sum`. Counts stop at kMaxCount.
 void AddTo(Evidence& sum, const Evidence& evidence) {
   sum += evidence;
   sum.window_count = std::min(sum.window_count, kMaxCount);
@@ -210,7 +212,8 @@ void AddRow(SqlBatch& batch, const std::pair<int64_t, int64_t>& place, uint64_t 
 SqlPriorStore::SqlPriorStore(std::unique_ptr<SqlDatabase> database,
                              const priors::AuditLimits& audit_limits)
     : SqlPriorReader(*database), database_(std::move(database)), audit_(*database_, audit_limits) {
-  // The limits may be lower than before, and a file that may not grow needs the room.
+  // Trims the audit log: the limits may be lower than in the last run, and a file at its maximum
+  // size needs the space.
   Limit(audit_limits);
 }
 
@@ -222,8 +225,8 @@ void SqlPriorStore::Limit(const priors::AuditLimits& audit_limits) {
 void SqlPriorStore::CheckIncarnation() {
   if (incarnation_ == database_->incarnation()) return;
   incarnation_ = database_->incarnation();
-  known_keys_.clear();                 // a restored server may have lost some
-  changes_since_ = kFirstTransaction;  // and counts transactions from the start
+  known_keys_.clear();  // a server restored from a backup may lack some of these keys
+  changes_since_ = kFirstTransaction;  // its transaction ids may be lower
 }
 
 template <typename Body>
@@ -278,7 +281,7 @@ absl::StatusOr<priors::SceneCount> SqlPriorStore::CountScenes(const std::string&
   if (const auto known = scene_counts_.find(project); known != scene_counts_.end())
     return known->second;
   auto count = SqlPriorReader::CountScenes(project);
-  // Unknown projects are not kept, because clients may ask for any number of them.
+  // Projects without scenes are not cached, because clients can ask for any number of names.
   if (count.ok() && count->keys > 0 && !database_->shared()) scene_counts_[project] = *count;
   return count;
 }
@@ -293,8 +296,8 @@ absl::Status SqlPriorStore::Commit(std::span<const SourceUpdate> updates) {
     ended = committed.ok() && !database_->in_transaction();
     return committed;
   });
-  // The log must not cost evidence. If the file has no room for the rows, SQLite ends the
-  // transaction, and a second one writes the evidence alone.
+  // Audit rows must not prevent evidence from being stored. If the file has no room for the audit
+  // rows, SQLite ends the transaction. A second transaction then writes the evidence alone.
   if (ended && !database_->shared())
     status = InTransaction([&] { return CommitAll(updates, nullptr); });
   if (status.ok()) lost_audit_row_count_ += lost;
@@ -309,7 +312,8 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
   std::vector<const EvidenceKey*> keys;
   std::vector<std::pair<const Source*, const SourceUpdate*>> applied;
   std::vector<const SourceUpdate*> audited;
-  Ids begun;  // sources that take no imports any more
+  // Sources whose first commit this is; their imported records in quarantine are removed.
+  Ids begun;
   for (const SourceUpdate& update : updates) {
     Source& source = sources->at(update.progress.source_id);
     const auto is_new = Advance(source, update);
@@ -465,7 +469,7 @@ absl::Status SqlPriorStore::UpdateSources(const Sources& sources) {
                                              ToSql(origin.build),
                                              ToSql(origin.token_id),
                                              ToSql(source.writer)};
-    // SQLite has no writer.
+    // The column `writer`, the last value, exists in PostgreSQL only.
     batch.Add(std::span(values).first(database_->shared() ? values.size() : values.size() - 1));
   }
   return database_->Run(kUpdateSources, batch);
@@ -581,7 +585,8 @@ absl::StatusOr<ImportResult> SqlPriorStore::ImportAll(std::span<const PriorRecor
   const auto stored = LoadSequences(PlacesOf(*rows), /*quarantined=*/false);
   if (!stored.ok()) return stored.status();
   absl::Status status = Replace(*stored, *rows, /*quarantined=*/false, result);
-  SqlBatch given;  // rows in quarantine that are not newer are dropped in either case
+  // Drops rows in quarantine that are not newer than a given record, applied or not.
+  SqlBatch given;
   for (const auto& [place, row] : *rows) given.Add(place.first, place.second, row.sequence);
   if (status.ok()) status = database_->Run(kDropWaiting, given);
   if (!status.ok()) return status;
@@ -690,7 +695,8 @@ absl::Status SqlPriorStore::ChangeScenes(const SourceCounts& changes) {
     ids.Add(id);
     batch.Add(id, added);
   }
-  std::map<std::pair<std::string, std::string>, uint64_t> begun;  // scenes by project and name
+  // Scenes that got their first source, by project and name.
+  std::map<std::pair<std::string, std::string>, uint64_t> begun;
   absl::Status status = database_->Run(kLockScenes, ids);
   if (status.ok())
     status = database_->ForEachRow(
@@ -741,7 +747,7 @@ absl::StatusOr<priors::ChangeResult> SqlPriorStore::PromoteAll(const priors::Sou
 
 absl::StatusOr<priors::ChangeResult> SqlPriorStore::Revoke(const priors::SourceFilter& filter,
                                                            const priors::Preview& preview) {
-  scene_counts_.clear();  // fewer scenes may have evidence then
+  scene_counts_.clear();  // a revocation can leave scenes without evidence
   return ChangeUnless<priors::ChangeResult>(preview, [&] { return RevokeAll(filter); });
 }
 
