@@ -41,8 +41,9 @@ struct Config {
   rpc::RpcOptions rpc;
 };
 
-// The settings of one Config as options of a CLI11 application. Parsing a command line assigns the
-// flags; the members assign the other sources. Not thread-safe.
+// The settings of one Config as options of a CLI11 application. Parsing a command line with the
+// application assigns the flags. ReadFile and ReadEnvironment assign the values of the other
+// sources. Not thread-safe.
 class Settings {
  public:
   struct Setting {
@@ -52,7 +53,7 @@ class Settings {
     bool is_live;  // SIGHUP reloads it
   };
 
-  // Adds an option for each setting. `app` and `config` outlive this object.
+  // Adds an option for each setting. `app` and `config` must outlive this object.
   Settings(CLI::App& app, Config& config);
 
   // Assigns the settings of a TOML file. Errors: INVALID_ARGUMENT (all problems, one per line, each
@@ -60,7 +61,8 @@ class Settings {
   absl::Status ReadFile(const std::filesystem::path& path);
   // Assigns the settings in NAME=VALUE strings whose name begins with SWEEPSTAKE_. Ignores the
   // variables of the command line (SWEEPSTAKE_CLIENT_…) and those that Kubernetes sets for a
-  // service (SWEEPSTAKE_SERVICE_…, SWEEPSTAKE_PORT_7433_…). Errors: INVALID_ARGUMENT, as above.
+  // service (SWEEPSTAKE_SERVICE_…, SWEEPSTAKE_PORT_7433_…). Error: INVALID_ARGUMENT (all problems,
+  // one per line; the correct settings are assigned).
   absl::Status ReadEnvironment(std::span<const std::string> environment);
 
   const std::vector<Setting>& all() const { return settings_; }
@@ -68,7 +70,8 @@ class Settings {
   static std::string ValueOf(const Setting& setting);
 
  private:
-  // Finds the setting by `name_of`, its key or its variable.
+  // Assigns the value to the setting called `name`. `name_of` is the member with that name:
+  // Setting::key or Setting::variable.
   absl::Status Assign(std::string Setting::*name_of, const std::string& name,
                       const std::string& value);
 
@@ -80,8 +83,8 @@ class Settings {
 // Reports all problems, one per line, as do the next two functions.
 absl::Status Validate(const Config& config);
 // Checks the files that the configuration names, and creates none: the TLS files must be readable
-// and belong together, the parents of `data` and `port_file` must exist, and neither may be of the
-// wrong kind.
+// and belong together, the parents of `data` and `port_file` must exist, `data` must not be a file,
+// and `port_file` must not be a directory.
 absl::Status CheckFiles(const Config& config);
 // Reads a TOML file and makes all checks. Each line begins with the name of the file.
 absl::Status CheckConfigFile(const std::filesystem::path& path);

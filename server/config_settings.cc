@@ -1,4 +1,4 @@
-// The table of settings.
+// The table of settings (config.h).
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -46,7 +46,7 @@ CLI::Validator Finite() {
           ""};
 }
 
-// Adds settings of each type. The fields outlive the application.
+// Adds settings of each type. The fields must outlive the application.
 class Table {
  public:
   Table(CLI::App& app, std::vector<Settings::Setting>& settings) : app_(app), settings_(settings) {}

@@ -22,7 +22,8 @@ namespace sweepstake::server {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::chrono::minutes kSavePatience{1};  // between two attempts to copy a lost store
+// Between two attempts to copy a store whose file was removed.
+constexpr std::chrono::minutes kSavePatience{1};
 constexpr int64_t kDayS = 86'400;
 
 // Formats %J as the message in a JSON string.
@@ -403,8 +404,8 @@ void Daemon::Drain(std::chrono::milliseconds patience) {
     rpc_->Drain(patience);
   }
   if (store_ != nullptr) store_->Close();
-  // This may take long, because the page check of a large copy cannot be interrupted. The store is
-  // therefore closed first.
+  // Stopping a backup can take long, because the page check of a large copy cannot be interrupted.
+  // Therefore the store is closed before this.
   backups_.reset();
   if (rpc_ != nullptr) ReportDrained();
 }
@@ -426,7 +427,8 @@ Daemon::~Daemon() {
     const std::lock_guard lock(mutex_);
     serving_ = nullptr;
   }
-  // The store's last callbacks have run. The gRPC server must end before the store that it uses.
+  // Drain has closed the store, so the store's last callbacks have run. The gRPC server must end
+  // before the store that it uses.
   rpc_.reset();
 }
 

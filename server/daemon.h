@@ -1,5 +1,5 @@
-// The daemon: connects the prior store, the gRPC server, the HTTP server and the log. The program
-// runs one; a test may start several in its own process.
+// The daemon: connects the prior store, the gRPC server, the HTTP server and the program's log. The
+// program runs one; a test may start several in its own process.
 //
 // Thread-safe, except that Drain and the destructor must be called by one thread. The clock must
 // outlive the daemon.
@@ -56,13 +56,14 @@ class Daemon {
   // free, since a restart would not help.
   bool Alive(std::chrono::milliseconds patience) const;
 
-  // Whether a database whose file was removed is being copied. Acknowledged evidence would be lost
-  // if the process exited now. The flag outlives the daemon.
+  // Returns a flag that is true while a database whose file was removed is being copied.
+  // Acknowledged evidence is lost if the process exits during that time. The flag outlives the
+  // daemon.
   std::shared_ptr<const std::atomic<bool>> saving() const { return saving_; }
 
   // Sets health to NOT_SERVING, asks clients to reconnect later, and waits for pending writes.
-  // Takes at most `patience` plus the time of one commit, or of saving() if a copy is needed.
-  // Idempotent.
+  // Takes at most `patience` plus the time of one commit. If the database's file was removed, it
+  // also takes the time of copying the database. Idempotent.
   void Drain(std::chrono::milliseconds patience = std::chrono::seconds(5));
 
  private:
@@ -86,7 +87,7 @@ class Daemon {
   absl::Status OpenHttp();
   web::PageTable HttpPages();
   void FollowTls();
-  // The messages of the checks of /livez and /readyz; nothing if a check passes.
+  // Each returns the message of a check of /livez or /readyz, or nothing if the check passes.
   std::optional<std::string> LoopProblem() const;
   std::optional<std::string> ListenerProblem(std::chrono::milliseconds patience) const;
   std::optional<std::string> StoreProblem() const;
@@ -101,7 +102,7 @@ class Daemon {
   const std::shared_ptr<spdlog::logger> log_;
   storage::DataDirectory directory_;  // locked until the store is closed
   DaemonMetrics metrics_;
-  std::string damage_;  // what the store had lost at the start; empty: nothing
+  std::string damage_;  // evidence that was lost or damaged at the start; empty if none
   mutable std::mutex mutex_;
   std::string store_problem_;  // guarded by mutex_; why the store cannot write
   std::string tls_problem_;    // guarded by mutex_; why the TLS files cannot be used

@@ -1,4 +1,5 @@
-// The small files of a daemon: the secret of its sessions, and its ports. Not thread-safe.
+// The small files of a daemon: the secret key that signs the resume tokens of its sessions, and the
+// file with its ports. Not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +12,8 @@
 
 namespace sweepstake::server {
 
-// Returns the secret of the data directory's sessions; creates it at the first start. Errors:
-// UNAVAILABLE (cannot be created), DATA_LOSS (cannot be read, or is damaged).
+// Returns the secret key that signs resume tokens. Creates the file with a random key if it is
+// missing. Errors: UNAVAILABLE (cannot be created), DATA_LOSS (cannot be read, or is damaged).
 absl::StatusOr<std::string> ReadResumeKey(const std::filesystem::path& path);
 
 // The file of Config::port_file; if the path is empty, both functions do nothing. Errors:

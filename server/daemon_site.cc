@@ -56,7 +56,7 @@ web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc) {
   options.version = SWEEPSTAKE_VERSION;
   options.stable_probability = decision::kStableProbability;
   options.tie_loss_ratio = decision::kTieLossRatio;
-  // With TLS for gRPC, clients must not send tokens over plain HTTP.
+  // If gRPC uses TLS, tokens from other machines are refused over HTTP, which is not encrypted.
   options.takes_tokens_from_afar = config.rpc.tls.cert.empty();
   return options;
 }

@@ -13,11 +13,12 @@
 
 namespace sweepstake::server {
 
-// Returns the options of the API to `rpc`, which must outlive the API. REQUIRES: the configuration
-// is valid.
+// Returns options for an API that calls the services of `rpc`, which must outlive the API.
+// REQUIRES: the configuration is valid.
 web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc);
 
-// Returns a handler for the dashboard, the API and the pages. `hosts` as in Site::Options.
+// Returns a handler for the dashboard, the API and the pages. `hosts` are the accepted host names,
+// as in Site::Options.
 web::MakeHandler MakeSite(web::ApiOptions api, std::set<std::string, std::less<>> hosts,
                           web::PageTable pages);
 

@@ -123,7 +123,7 @@ void AddOptions(CommandLine& line) {
   app.allow_extras();
 }
 
-// The message may have several lines.
+// Prints the message, which may have several lines, to stderr. Returns `code`.
 int Fail(int code, std::string_view message) {
   std::istringstream lines{std::string(message)};
   for (std::string line; std::getline(lines, line);) std::cerr << "sweepstaked: " << line << '\n';
@@ -207,7 +207,8 @@ int Probe(const Config& config) {
   std::_Exit(code);
 }
 
-// Returns the program and the given subcommand, then that one's own subcommand.
+// Returns the program's app, followed by the subcommand on the command line and its own subcommand,
+// if given.
 std::vector<const CLI::App*> GivenCommands(const CLI::App& app) {
   std::vector<const CLI::App*> given = {&app};
   while (!given.back()->get_subcommands().empty())
@@ -266,10 +267,11 @@ int Run(const Config& config, CommandLine& line) {
   // gRPC and protobuf write lines to stderr that are not JSON. gRPC's failures are in the log
   // anyway.
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
-  // Clients could cause any number of protobuf's lines, with text that is not UTF-8.
+  // protobuf writes a line for each text that is not UTF-8, so clients could cause any number of
+  // lines.
   google::protobuf::SetLogHandler(nullptr);
-  // Some builds of Abseil search gRPC's mutexes for deadlocks by default, under one lock for all
-  // threads.
+  // Disables a check that some builds of Abseil enable: it searches gRPC's mutexes for deadlocks,
+  // under one lock for all threads.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   std::optional<sweepstake::server::ExitGuard> guard;  // outlives the daemon
   sweepstake::sessions::SteadyClock clock;
@@ -312,7 +314,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& request) {
     return app.exit(request);  // --help or --version
   } catch (const CLI::ParseError& error) {
-    // A misspelt option may be the one that is missing.
+    // If a required option is missing and there is an unknown word, the word may be that option,
+    // misspelt. UnknownWord reports it below.
     if (app.remaining(/*recurse=*/true).empty()) return Fail(kBadUsage, error.what());
   }
   if (!app.remaining(/*recurse=*/true).empty()) return Fail(kBadUsage, UnknownWord(app));

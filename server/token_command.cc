@@ -45,13 +45,15 @@ absl::Status CannotCreate(const fs::path& path, int why) {
       absl::StrCat("cannot create ", path.string(), ": ", std::generic_category().message(why)));
 }
 
-// Opens or creates the store. If its file was lost, creates a new one.
+// Opens the token file in `data`. Creates it if it is missing, even if an earlier token file was
+// lost.
 absl::StatusOr<TokenStore> CreateStore(const fs::path& data) {
   if (mkdir(data.c_str(), 0700) != 0 && errno != EEXIST) return CannotCreate(data, errno);
   return TokenStore::Open(data / storage::DataDirectory::kTokensName, TokenStore::IfLost::kReplace);
 }
 
-// Creates nothing in a directory without tokens, which may not belong to a daemon.
+// Opens the token file in `data`. Returns an error if `data` never had one, because the directory
+// may not belong to a daemon.
 absl::StatusOr<TokenStore> OpenStore(const fs::path& data) {
   const fs::path tokens = data / storage::DataDirectory::kTokensName;
   if (TokenStore::IsKnown(tokens)) return TokenStore::Open(tokens);

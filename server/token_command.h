@@ -16,7 +16,8 @@ namespace sweepstake::server {
 
 class TokenCommand {
  public:
-  // Adds the command with its subcommands. This object outlives the parsing of `app`.
+  // Adds the command with its subcommands. This object must exist until `app` has parsed the
+  // command line.
   void AddTo(CLI::App& app);
 
   // Runs the parsed subcommand on the tokens of the directory `data`. A new token is written only

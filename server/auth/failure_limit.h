@@ -1,8 +1,8 @@
 // Counts the calls with a wrong token or none, by source address, to slow down the guessing of
 // tokens.
 //
-// Thread-safe. The memory is bounded by kMaxAddresses; above it the address with the oldest window
-// is removed.
+// Thread-safe. The memory is bounded by kMaxAddresses; above it the address whose minute began
+// first is removed.
 #pragma once
 
 #include <cstddef>

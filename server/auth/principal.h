@@ -26,14 +26,14 @@ constexpr bool Includes(Role held, Role needed) {
          (held == Role::kOperator && needed == Role::kWatch);
 }
 
-// A caller. Without tokens on the daemon, token_id is 0 and the caller may do everything.
+// A caller. If the daemon has no tokens, token_id is 0 and the caller is allowed everything.
 struct Principal {
   int64_t token_id = 0;  // from 1; never reused for another token
   std::string name;      // name of the token
   Role role = Role::kAdmin;
   std::vector<std::string> projects;  // projects that it may read and write; empty: all
-  // SHA-256 of the token. Distinguishes it from a token with the same id in a file that has
-  // replaced the first one.
+  // SHA-256 of the token. Distinguishes the token from one with the same id in a token file that
+  // has replaced the first file.
   std::string digest = {};
 
   bool MayUse(std::string_view project) const {

@@ -28,7 +28,7 @@ class RateBucket {
 };
 
 // A bucket per name. Thread-safe. The memory is bounded by kMaxBuckets; above it the least recently
-// used bucket is removed, so that its name starts with a full one.
+// used bucket is removed. If its name is used again, it gets a full bucket.
 class RateLimit {
  public:
   static constexpr size_t kMaxBuckets = 10'000;

@@ -23,8 +23,8 @@ std::string MadeText(const StoredToken& token) {
                       " of ", request.projects.empty() ? "all projects" : "some projects");
 }
 
-// Returns whether the list has the token at this index. A file only grows, so a token keeps its
-// index; another file may have other tokens there.
+// Returns whether the list has the token at this index. Tokens are only appended to the file, so a
+// token keeps its index. A file that replaces it may have another token there.
 template <typename Entry>
 bool HasAt(const std::vector<Entry>& list, size_t place, const StoredToken& token) {
   return place < list.size() && list[place].token.id == token.id &&
@@ -95,7 +95,7 @@ absl::Status TokenRegistry::Read() {
   auto tokens = store_->Load();
   if (!tokens.ok()) return tokens.status();
   if (tokens->empty() && (store_->WereMade() || !empty())) return store_->Lost();
-  // An older version created tokens without the note that they were created. Add it.
+  // Older versions did not store the note that tokens were created (NoteMade). Adds it.
   if (!tokens->empty()) {
     if (absl::Status status = store_->NoteMade(); !status.ok()) return status;
   }

@@ -31,15 +31,16 @@ struct TokenRegistryOptions {
   std::chrono::milliseconds interval{1'000};  // between two checks of the file
   std::chrono::milliseconds use_interval{60'000};
   std::function<int64_t()> unix_now_s;  // the wall clock; called on any thread
-  // Called on the registry's thread with a changed token, and with a problem of the file.
+  // Called on the registry's thread: on_change with a text about each token that was made, revoked
+  // or removed, on_problem with an error of the token file.
   std::function<void(const std::string&)> on_change;
   std::function<void(const absl::Status&)> on_problem;
 };
 
 class TokenRegistry final : public TokenDirectory {
  public:
-  // Reads the file; creates it if it is missing. Errors: those of TokenStore::Open. A file that has
-  // lost its tokens is FAILED_PRECONDITION, like a missing file.
+  // Reads the file; creates it if it is missing. Errors: those of TokenStore::Open. A file that had
+  // tokens and has none now is FAILED_PRECONDITION.
   static absl::StatusOr<std::unique_ptr<TokenRegistry>> Open(const std::filesystem::path& path,
                                                              TokenRegistryOptions options);
   ~TokenRegistry() override;

@@ -31,7 +31,8 @@ constexpr int64_t kSchemaVersion = 1;
 constexpr size_t kTokenBytes = 32;
 // Makes tokens recognisable, for instance for programs that search published files for secrets.
 constexpr const char* kTokenPrefix = "sweepstake_";
-// Project names contain no line ends. "*" means all projects.
+// The content of the column `projects` that means all projects. Otherwise the column has one
+// project per line.
 constexpr const char* kAllProjects = "*";
 constexpr size_t kMaxProjects = 100;
 
@@ -62,7 +63,7 @@ constexpr const char* kSelect = R"sql(
          last_used_unix_s, revoked_unix_s, revoked_by
   FROM token ORDER BY id)sql";
 
-// The name contains the process id, because other processes may create the same file.
+// The name contains the process id, because other processes may be creating the same file.
 fs::path UnfinishedName(const fs::path& path) {
   return absl::StrCat(path.string(), ".new-", getpid());
 }
@@ -85,8 +86,8 @@ absl::Status LostFile(const fs::path& path) {
       Exists(path) ? absl::StrCat(path.string(), " and ") : "", NoteBeside(path).string()));
 }
 
-// Gives a file its name unless that name exists. Not every file system has hard links (FAT), and
-// not every one has a rename that does not replace (NFS). Returns 0 or the errno.
+// Gives the file `unfinished` the name `path` unless `path` exists. First tries a hard link, which
+// FAT lacks, then a rename that does not replace, which NFS lacks. Returns 0 or the errno.
 int NameUnlessThere(const fs::path& unfinished, const fs::path& path) {
   if (link(unfinished.c_str(), path.c_str()) == 0) return 0;
   const int why = errno;
@@ -96,7 +97,8 @@ int NameUnlessThere(const fs::path& unfinished, const fs::path& path) {
   return errno == EEXIST ? EEXIST : why;
 }
 
-// The file appears complete. If another process has created it meanwhile, that file stays.
+// Creates an empty token database, which is complete when it appears at `path`. If another process
+// creates `path` at the same time, its file stays.
 absl::Status CreateFile(const fs::path& path) {
   const fs::path unfinished = UnfinishedName(path);
   absl::Status status = storage::CreatePrivateFile(unfinished);
@@ -179,7 +181,7 @@ std::vector<std::string> ProjectsOf(const std::string& text) {
   return absl::StrSplit(text, '\n');
 }
 
-// The column has a CHECK for valid roles.
+// REQUIRES: `name` is the name of a role. The CHECK of the column ensures it.
 Role RoleOf(const std::string& name) {
   const auto* const found = std::find(kRoleNames.begin(), kRoleNames.end(), name);
   return static_cast<Role>(found - kRoleNames.begin());
@@ -276,8 +278,8 @@ absl::Status TokenStore::Insert(const TokenRequest& request, const std::string& 
                                                  text::PrintableLine(request.name),
                                                  "; choose another name"));
   }
-  // The note is written before the commit, so that no token exists without it, and after all other
-  // steps that can fail, so that it does not exist without a token.
+  // The note (the file tokens-made) is written before the commit, so that no token exists without
+  // it, and after all other steps that can fail, so that it does not exist without a token.
   return NoteMade();
 }
 

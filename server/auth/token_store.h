@@ -5,8 +5,8 @@
 // token, and when. An empty or damaged file, or one of another program, is refused, because a
 // daemon on loopback requires no token if the file has none.
 //
-// The file tokens-made beside it records that tokens were created, so that a lost token file is
-// detected.
+// The file tokens-made beside the database records that tokens were created, so that a lost token
+// file is detected.
 //
 // Used by one thread at a time.
 #pragma once
@@ -62,7 +62,7 @@ class TokenStore {
 
   // Opens the file; creates a missing one, readable by its owner only. Errors: UNAVAILABLE (cannot
   // be created or opened), DATA_LOSS (empty, damaged or of another program), FAILED_PRECONDITION
-  // (written by a newer version, or lost).
+  // (written by a newer version, or missing although tokens were created).
   static absl::StatusOr<TokenStore> Open(const std::filesystem::path& path,
                                          IfLost if_lost = IfLost::kRefuse);
 
@@ -73,7 +73,8 @@ class TokenStore {
   // or project, or the expiry is not in the future), ALREADY_EXISTS, RESOURCE_EXHAUSTED
   // (kMaxTokens), UNAVAILABLE.
   absl::StatusOr<std::string> Create(const TokenRequest& request, int64_t unix_s);
-  // Errors: NOT_FOUND, FAILED_PRECONDITION (already revoked), UNAVAILABLE.
+  // Revokes the token with this name. Errors: NOT_FOUND, FAILED_PRECONDITION (already revoked),
+  // UNAVAILABLE.
   absl::Status Revoke(const std::string& name, const std::string& revoked_by, int64_t unix_s);
   // Returns all tokens, ordered by id.
   absl::StatusOr<std::vector<StoredToken>> Load();

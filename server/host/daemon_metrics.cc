@@ -160,7 +160,7 @@ double LastBackupUnixS(const std::filesystem::path& database) {
 struct ProcessStat {
   double user_ticks = 0;
   double system_ticks = 0;
-  double start_ticks = 0;  // since the machine's start
+  double start_ticks = 0;  // from the machine's start to the process's start
   double resident_pages = 0;
 };
 
@@ -168,7 +168,8 @@ struct ProcessStat {
 std::optional<ProcessStat> ReadStat() {
   std::ifstream file("/proc/self/stat");
   const std::string line{std::istreambuf_iterator<char>(file), {}};
-  // The second field, the name, may contain blanks and parentheses; the third follows the last one.
+  // The second field, the program's name, may contain blanks and parentheses. The third field
+  // follows the last parenthesis.
   std::istringstream fields(line.substr(line.rfind(')') + 1));
   ProcessStat stat;
   std::string skipped;

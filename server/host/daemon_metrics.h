@@ -18,7 +18,7 @@
 
 namespace sweepstake::server {
 
-// The store at the time of a scrape.
+// State of the store when Prometheus reads /metrics.
 struct StoreState {
   bool healthy = true;
   size_t queued_commit_count = 0;
@@ -40,14 +40,14 @@ class DaemonMetrics {
   void OnSync(std::chrono::nanoseconds duration) { Observe(syncs_, duration); }
   void OnTimer(std::chrono::nanoseconds lateness) { Observe(timer_lateness_, lateness); }
 
-  // Whether the store lost evidence or has damaged rows since its start.
+  // Reports whether the store lost evidence or has damaged rows since its start.
   void SetDamaged(bool damaged) { damaged_.Set(damaged ? 1 : 0); }
-  // The maximum size of the store's file, and how much of it is in use.
+  // Report the maximum size of the store's file, and how much of it is in use.
   void SetMaxStoreBytes(uint64_t bytes) { max_store_bytes_.Set(static_cast<double>(bytes)); }
   void SetUsedStoreBytes(uint64_t bytes) { used_store_bytes_.Set(static_cast<double>(bytes)); }
 
-  // Whether the TLS files were valid when they were read last, and when the certificate in use
-  // expires. Without a call these metrics do not exist.
+  // Reports whether the TLS files were valid when they were read last, and when the certificate in
+  // use expires. Before the first call, /metrics does not contain these two metrics.
   void SetTls(bool valid, int64_t expires_unix_s);
 
   // Returns everything that /metrics shows.

@@ -15,7 +15,8 @@ namespace {
 
 // Descriptors of the daemon itself: files, threads, listeners and HTTP connections.
 constexpr uint64_t kOwnDescriptors = 256 + web::HttpLimits().max_connections;
-// Descriptors of a connection to itself: two ends, and the files of the host name lookup.
+// Descriptors for a connection of the daemon to itself: two ends, and the files of the host name
+// lookup.
 constexpr size_t kProbeDescriptors = 4;
 
 }  // namespace

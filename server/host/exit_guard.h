@@ -1,8 +1,8 @@
 // Exits the process if its orderly end takes too long, for instance because a disk does not answer.
 //
-// Acknowledged evidence is on disk, and clients send the rest again. The exception is a database
-// whose file was removed: the process must not exit while it is copied (`must_wait`). The guard
-// owns one thread, which the destructor stops.
+// An early exit loses no evidence: acknowledged evidence is on disk, and clients send the rest
+// again. The exception is a database whose file was removed. The process must not exit while that
+// database is copied (`must_wait`). The guard owns one thread, which the destructor stops.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,8 @@ namespace sweepstake::server {
 class ExitGuard {
  public:
   // After `patience` writes `message` to stderr and exits with `code`, without running destructors;
-  // waits for `patience` again while `must_wait` returns true. Calls it on the guard's thread.
+  // waits for `patience` again while `must_wait` returns true. Calls `must_wait` on the guard's
+  // thread.
   ExitGuard(std::chrono::milliseconds patience, int code, std::string message,
             std::function<bool()> must_wait);
   ~ExitGuard();

@@ -17,7 +17,7 @@ void NotifyStopping();
 void NotifyStoppingTakes(std::chrono::microseconds time);
 
 // Returns the interval of watchdog notifications: a quarter of WATCHDOG_USEC, after which the
-// service manager restarts a silent daemon. Returns nothing if it has no watchdog.
+// service manager restarts a silent daemon. Returns nothing if the service manager has no watchdog.
 std::optional<std::chrono::milliseconds> WatchdogInterval();
 
 // Notifies the service manager at each interval if the daemon is alive. Owns one thread if there is

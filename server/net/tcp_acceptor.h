@@ -1,5 +1,5 @@
-// Accepts TCP connections, for any protocol. If no descriptors are free, it tries again until there
-// are some; meanwhile clients wait in the system's queue.
+// Accepts TCP connections, for any protocol. While the process has no free file descriptors, it
+// keeps trying, and clients wait in the system's queue.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -15,19 +15,19 @@
 
 namespace sweepstake::net {
 
-// Only one thread at a time may run the context and use this object.
+// Only one thread at a time may run `io` and use this object.
 class TcpAcceptor {
  public:
   using OnConnection = std::function<void(boost::asio::ip::tcp::socket)>;
 
-  // `on_connection` runs on the context. `retry` is the time between two attempts to accept while
-  // there are no free descriptors.
+  // `on_connection` is called by the thread that runs `io`. `retry` is the time between two
+  // attempts to accept while there are no free descriptors.
   TcpAcceptor(boost::asio::io_context& io, std::chrono::milliseconds retry,
               OnConnection on_connection)
       : io_(io), retry_(retry), on_connection_(std::move(on_connection)) {}
 
-  // Listens on each address of `listen`, which is HOST:PORT, the host of an IPv6 address in
-  // brackets; port 0 means any free port. Error: UNAVAILABLE (cannot listen there).
+  // Listens on each address that `listen` resolves to. `listen` is HOST:PORT, with brackets around
+  // an IPv6 address; port 0 means any free port. Error: UNAVAILABLE (cannot listen there).
   absl::Status Listen(const std::string& listen);
   int port() const { return sockets_.front().acceptor.local_endpoint().port(); }
 

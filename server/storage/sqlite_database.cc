@@ -51,7 +51,7 @@ uint64_t HashOf(uint64_t hash, sqlite3_value* value) {
   hash = math::Fnv1a(hash, static_cast<uint8_t>(type));
   if (type == SQLITE_INTEGER)
     return HashOf(hash, static_cast<uint64_t>(sqlite3_value_int64(value)));
-  // A file stores -0 as 0.
+  // SQLite stores -0.0 as 0. Adding 0.0 gives both the same hash.
   if (type == SQLITE_FLOAT)
     return HashOf(hash, std::bit_cast<uint64_t>(sqlite3_value_double(value) + 0.0));
   const auto* text = static_cast<const char*>(sqlite3_value_blob(value));
@@ -88,8 +88,8 @@ int AddFunctions(sqlite3* database) {
   return code;
 }
 
-// Writes the bytes of the file again. After a failed sync, readers see them though they may not be
-// on the disk, and a later sync would report success without writing them.
+// Writes the bytes of the file again. After a failed fsync, readers still see bytes that may not be
+// on the disk, and a later fsync would report success without writing them.
 int WriteAgain(sqlite3_file& file) {
   sqlite3_int64 size = 0;
   int code = file.pMethods->xFileSize(&file, &size);
@@ -124,7 +124,7 @@ class SqliteRow final : public SqlRow {
 
 void Bind(sqlite3_stmt* statement, int index, const SqlValue& value) {
   const auto bind_text = [&](std::string_view text) {
-    // SQLite takes the null pointer of an empty view for NULL.
+    // SQLite would bind NULL for the null pointer of an empty view.
     const char* begin = text.empty() ? "" : text.data();
     sqlite3_bind_text64(statement, index, begin, text.size(), SQLITE_STATIC, SQLITE_UTF8);
   };
@@ -149,7 +149,7 @@ absl::Status Explain(const std::filesystem::path& path, const absl::Status& stat
 
 // The methods of an open file, with a timer around xSync.
 struct SqliteDatabase::TimedFile {
-  sqlite3_io_methods methods{};  // first, so that Sync finds the rest
+  sqlite3_io_methods methods{};  // the first member, so that Sync can cast its address to TimedFile
   const sqlite3_io_methods* untimed = nullptr;
   OnSync on_sync;
 
@@ -251,7 +251,7 @@ absl::Status SqliteDatabase::CopyPagesTo(SqliteDatabase& copy) {
   if (!status.ok()) return status;
   if (error != SQLITE_OK) return copy.Error(error);
   if (code != SQLITE_DONE) return absl::CancelledError("the copy was cancelled");
-  // A file in WAL mode cannot be read on a read-only file system.
+  // Leaves WAL mode, because a file in WAL mode cannot be read on a read-only file system.
   return copy.QueryText("PRAGMA journal_mode = DELETE").status();
 }
 
@@ -283,7 +283,7 @@ absl::Status SqliteDatabase::LimitSize(uint64_t max_bytes) {
   const auto page_bytes = QueryInteger("PRAGMA page_size");
   if (!page_bytes.ok()) return page_bytes.status();
   const uint64_t pages = max_bytes / static_cast<uint64_t>(*page_bytes);
-  // SQLite takes 0 for a query of the limit.
+  // `max_page_count = 0` would only return the limit and not set it.
   return QueryInteger(absl::StrCat("PRAGMA max_page_count = ", std::max<uint64_t>(pages, 1)))
       .status();
 }
@@ -312,7 +312,7 @@ absl::StatusOr<sqlite3_file*> SqliteDatabase::LogFile() {
 }
 
 absl::Status SqliteDatabase::SyncLog() {
-  // Other connections cannot write meanwhile.
+  // The transaction keeps other connections from writing to the write-ahead log.
   return InTransaction(*this, [&] {
     const auto log = LogFile();
     if (!log.ok()) return log.status();

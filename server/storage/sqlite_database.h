@@ -5,10 +5,13 @@
 // INVALID_ARGUMENT (a CHECK failed), CANCELLED (see StopWhen) and INTERNAL (our SQL is wrong); the
 // message is SQLite's.
 //
-// Every connection has three functions of its own. row_hash(values...) is a 64-bit hash of numbers
-// and texts. next_hash(hash, before, after) is `after` if hash equals `before`, that is, if the row
-// was undamaged. Otherwise it is a wrong hash, so that a change does not hide the damage.
-// octet_length(text) is the number of its bytes, as in PostgreSQL and in SQLite from 3.43 on.
+// Every connection has three SQL functions in addition to SQLite's:
+// - row_hash(values...) is a 64-bit hash of numbers and texts.
+// - next_hash(hash, before, after) is the new hash of a row whose content hash changes from
+//   `before` to `after`. It is `after` if the stored `hash` equals `before`: the row was undamaged.
+//   Otherwise it is a wrong hash, so that the change does not hide the damage.
+// - octet_length(text) is the number of bytes of the text, as in PostgreSQL and in SQLite from 3.43
+//   on.
 #pragma once
 
 #include <sqlite3.h>
@@ -45,25 +48,26 @@ class SqliteDatabase final : public SqlDatabase {
   SqliteDatabase(SqliteDatabase&&) noexcept;
   SqliteDatabase& operator=(SqliteDatabase&&) = delete;
 
-  // An existing file is not read before the first statement.
+  // Opens the file, but does not read it before the first statement.
   static absl::StatusOr<SqliteDatabase> Open(const std::string& path, OpenMode mode);
 
-  // Reads the schema, and sets the pragmas of every connection that writes: the timeout for locks,
-  // the checks of what is read, and that a commit is on disk when it returns.
+  // Reads the schema, and sets the pragmas that every connection needs: a timeout for locks, checks
+  // of the data that is read, and commits that are on disk when they return.
   absl::Status Configure();
   absl::Status Execute(const std::string& sql) override;
   // Return the single value of a pragma or query.
   absl::StatusOr<int64_t> QueryInteger(std::string_view sql);
   absl::StatusOr<std::string> QueryText(std::string_view sql);
-  // Writes all that is committed to a new file at `path`, replacing an existing one. Others may
-  // write meanwhile. Reads the whole database once. The file appears whole or not at all, after
-  // `edit`, if any, has changed it.
+  // Writes the committed content to a new file at `path`, replacing an existing one. Reads the
+  // whole database once; other connections can write during that time. `edit`, if any, changes the
+  // copy before it appears at `path`. After an error no new file appears.
   using Edit = std::function<void(SqliteDatabase&)>;
   absl::Status CopyTo(const std::string& path, const Edit& edit = {});
   // Makes statements and copies end with CANCELLED soon after the flag is set. The flag must
   // outlive the connection.
   void StopWhen(const std::atomic<bool>& flag);
-  // Makes CheckPlace compare the file and its log from now on with the ones that are there now.
+  // Remembers the file at `path` and its write-ahead log. From now on CheckPlace fails if one of
+  // them was removed or replaced.
   absl::Status SetPlace(const std::filesystem::path& path);
 
   bool shared() const override { return false; }
@@ -73,17 +77,17 @@ class SqliteDatabase final : public SqlDatabase {
   absl::Status Commit() override { return Execute("COMMIT"); }
   void Rollback() override;
   bool in_transaction() const override { return sqlite3_get_autocommit(database_.get()) == 0; }
-  // Limits the size of the file, at least to its present size. Writes that need more fail as on a
-  // full disk.
+  // Limits the size of the file to `max_bytes`, or to its present size if that is larger. Writes
+  // that need more fail as on a full disk.
   absl::Status LimitSize(uint64_t max_bytes);
-  // Returns the bytes in use, including those in the log: what LimitSize bounds. The file grows
-  // only when its unused bytes are used up.
+  // Returns the bytes in use, including those that are still in the write-ahead log. The file grows
+  // only if it has no unused bytes left, so LimitSize limits these bytes.
   absl::StatusOr<uint64_t> UsedBytes();
   // Forbids statements that write the schema's own tables or could corrupt the file.
   absl::Status EnableDefensive();
-  // Makes everything durable that a reader can see. A killed process may have left commits in the
-  // log that never reached the disk. Needs no space. REQUIRES: the database is in WAL mode and was
-  // read before.
+  // Makes all commits durable that a reader can see. A killed process may have left commits in the
+  // write-ahead log that never reached the disk. Needs no free disk space. REQUIRES: the database
+  // is in WAL mode and was read before.
   absl::Status SyncLog();
   // Calls `on_sync` after each fsync of the write-ahead log from now on. REQUIRES: the database is
   // in WAL mode and was read before.
@@ -112,9 +116,10 @@ class SqliteDatabase final : public SqlDatabase {
   absl::StatusOr<sqlite3_file*> LogFile();
 
   const std::atomic<bool>* stop_ = nullptr;
-  std::unique_ptr<TimedFile> timed_log_;  // used by the connection, which ends before it
+  std::unique_ptr<TimedFile> timed_log_;  // used by database_, which is destroyed before it
   std::unique_ptr<sqlite3, Closer> database_;
-  std::unordered_map<const char*, Statement> statements_;  // by text, end before it
+  // By address of the SQL text; destroyed before database_.
+  std::unordered_map<const char*, Statement> statements_;
   FilesInUse files_;
 };
 

@@ -62,7 +62,8 @@ absl::StatusOr<uint64_t> UsedBytes(priors::PriorStore& store) {
 absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file,
                        const SqliteDatabase::Edit& edit) {
   SqliteDatabase& database = DatabaseOf(store);
-  // A read that does not end prevents the checkpoint. The copy includes the log all the same.
+  // Ignores the error that a running read causes. The copy includes the content of the write-ahead
+  // log in any case.
   database.Execute("PRAGMA wal_checkpoint(TRUNCATE)").IgnoreError();
   return database.CopyTo(file.string(), edit);
 }

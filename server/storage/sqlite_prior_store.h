@@ -1,8 +1,9 @@
 // The prior store on SQLite: one file with a write-ahead log and synchronous commits. Used by one
 // thread at a time.
 //
-// Before each change the store checks that the file and its log still have their names, because
-// data in a file without a name is lost with the process. Nothing is written until they are back.
+// Before each change the store checks that its file and the write-ahead log are still at their
+// paths. Data in a removed file would be lost when the process ends, so nothing is written until
+// the files are back.
 //
 // A commit takes one fsync, for any number of increments.
 #pragma once
@@ -32,25 +33,26 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenMemoryPriorStore(
     const priors::AuditLimits& audit_limits = {});
 
-// Opens a connection that only reads, beside the store of that file. It must end before the store,
-// and be opened again with it. The errors are those of OpenPriorDatabase.
+// Opens a second connection to the file of an open store, which only reads. It must be closed
+// before the store. The errors are those of OpenPriorDatabase.
 absl::StatusOr<std::unique_ptr<ReadConnection>> OpenSqliteReadConnection(
     const std::filesystem::path& path);
 
-// Changes the limits of the audit log, whose rows beyond them are removed, and the maximum size of
-// the file, at least to its present size. PostgreSQL has no file to limit. REQUIRES: `store` is of
-// OpenSqlitePriorStore or OpenPostgresPriorStore.
+// Changes the limits of the audit log, and removes rows beyond them. For SQLite it also changes the
+// maximum size of the file, to at least the file's present size. REQUIRES: OpenSqlitePriorStore or
+// OpenPostgresPriorStore returned `store`.
 absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,
                         uint64_t max_bytes);
 
 // Returns the bytes of the file that are in use. Removed rows free bytes. Errors: UNAVAILABLE,
-// DATA_LOSS. REQUIRES: `store` is of OpenSqlitePriorStore.
+// DATA_LOSS. REQUIRES: OpenSqlitePriorStore returned `store`.
 absl::StatusOr<uint64_t> UsedBytes(priors::PriorStore& store);
 
-// Writes all that is committed to `file`, replacing an existing one, even if the store's own file
-// has no name any more. Moves the log into the store's file, so that the log beside a new file of
-// that name is empty. The file appears after `edit`. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES:
-// `store` is of OpenSqlitePriorStore.
+// Writes the committed content of the store to `file`, replacing an existing one. Works even if the
+// store's own file was removed. First moves the content of the write-ahead log into the store's
+// file, so that SQLite does not apply it to a new file at the same path. `edit` changes the copy
+// before it appears at `file`. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES: OpenSqlitePriorStore
+// returned `store`.
 absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file,
                        const SqliteDatabase::Edit& edit);
 

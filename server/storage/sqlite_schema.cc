@@ -27,7 +27,7 @@ absl::Status UseWriteAheadLog(SqliteDatabase& database) {
   return absl::OkStatus();
 }
 
-// Returns an empty text if the file is missing.
+// Returns the id in the file store-id; empty if that file is missing.
 std::string ReadId(const fs::path& path) {
   std::string id;
   std::ifstream(StoreIdFile(path)) >> id;
@@ -44,7 +44,8 @@ absl::Status WriteId(const fs::path& path, const std::string& id) {
   return PublishFile(unfinished, StoreIdFile(path));
 }
 
-// Compares the database with the one that the directory had at the last start.
+// Returns an error if the id of the database is not the one in the file store-id, so that another
+// database was here at the last start. Writes the file if it is missing.
 absl::Status CheckId(SqliteDatabase& database, const fs::path& path) {
   const std::string expected = ReadId(path);
   auto id = database.QueryText("SELECT id FROM store");
@@ -112,7 +113,7 @@ absl::Status CheckPriorDatabase(SqliteDatabase& database, const fs::path& path) 
 
 namespace {
 
-// Returns an error if the verdict of a check is not "ok".
+// Converts the result of an SQLite check, "ok" or a description of a fault, to a status.
 absl::Status Judge(const absl::StatusOr<std::string>& verdict, const fs::path& path) {
   if (!verdict.ok()) return Explain(path, verdict.status());
   if (*verdict == "ok") return absl::OkStatus();
@@ -129,8 +130,9 @@ absl::Status Judge(const absl::StatusOr<std::string>& verdict, const fs::path& p
 
 absl::Status CheckPages(SqliteDatabase& database, const fs::path& path) {
   absl::Status status = Judge(database.QueryText("PRAGMA quick_check(1)"), path);
-  // The quick check does not compare indices with their tables. A scene that is missing from its
-  // index would be created a second time. The audit log is most of the file, and has no such index.
+  // quick_check does not compare indices with their tables, and a scene that is missing from its
+  // index would be created a second time. integrity_check compares them. It omits the tables of the
+  // audit log, which are most of the file.
   auto tables = database.QueryText(
       "SELECT group_concat(name) FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE "
       "'audit%'");
@@ -145,15 +147,16 @@ absl::Status CheckPages(SqliteDatabase& database, const fs::path& path) {
 
 namespace {
 
-// A restored file has no log before UseWriteAheadLog.
+// Syncs the write-ahead log if the database has one. A restored file has none before
+// UseWriteAheadLog.
 absl::Status SyncLogIfAny(SqliteDatabase& database) {
   auto mode = database.QueryText("PRAGMA journal_mode");
   if (!mode.ok()) return mode.status();
   return *mode == "wal" ? database.SyncLog() : absl::OkStatus();
 }
 
-// The daemon's acknowledgements depend on what is read here, so the log is synced before it is
-// read.
+// Syncs the write-ahead log before reading the database. The daemon acknowledges to its clients
+// what it reads here, so these commits must be on the disk.
 absl::Status PrepareExisting(SqliteDatabase& database, const fs::path& path) {
   absl::Status status = CheckPriorDatabase(database, path);
   if (!status.ok()) return status;

@@ -1,12 +1,13 @@
 // Opens the database file of the prior store. A missing file is created. A file of another schema
 // version is refused.
 //
-// The file store-id beside it names the database that was there at the last start. If that database
-// is missing, or another is in its place, both files stay as they are and opening fails.
+// The file store-id beside the database contains the id of the database that was there at the last
+// start. If that database is missing or has another id, opening fails and changes neither file.
 //
-// A file that exists is never created again or taken over: an empty file (a lost copy, a full disk)
-// and one of another program are errors, so that priors never become empty silently. A new file is
-// built beside its place and renamed into it, so that a crash leaves a complete file or none.
+// An existing file is never replaced by a new database. An empty file (from an interrupted copy or
+// a full disk) and a file of another program are errors, so that priors are never lost unnoticed. A
+// new database is built under another name and then renamed, so that a crash leaves a complete file
+// or none.
 #pragma once
 
 #include <filesystem>
@@ -22,31 +23,34 @@ inline constexpr int64_t kSqliteApplicationId = 0x53575031;  // "SWP1"
 inline constexpr const char* kHashedTables[] = {"source", "scene", "evidence_key", "evidence",
                                                 "quarantined_evidence"};
 
-// The file that names the database.
+// Returns the path of the file store-id beside the database `path`.
 std::filesystem::path StoreIdFile(const std::filesystem::path& path);
 
-// Errors: DATA_LOSS (the file belongs to another program or has no schema), FAILED_PRECONDITION (it
-// has another schema version).
+// Checks that the file is a prior database of this schema version. Errors: DATA_LOSS (the file
+// belongs to another program or has no schema), FAILED_PRECONDITION (it has another schema
+// version).
 absl::Status CheckPriorDatabase(SqliteDatabase& database, const std::filesystem::path& path);
 
-// Reads the whole file. Errors: UNAVAILABLE (the disk cannot read it), DATA_LOSS (damaged).
+// Runs SQLite's checks, which read the whole file. Errors: UNAVAILABLE (the disk cannot read it),
+// DATA_LOSS (damaged).
 absl::Status CheckPages(SqliteDatabase& database, const std::filesystem::path& path);
 
 // Reads all rows that have a hash, and returns how many are damaged.
 absl::StatusOr<int64_t> CountDamagedRows(SqliteDatabase& database);
 
-// Returns a connection with every pragma set. It makes durable what an earlier process left in the
-// log, then reads the whole file once (CheckPages). Errors: UNAVAILABLE (cannot create, open or
-// write), DATA_LOSS (lost, empty, foreign or corrupt), FAILED_PRECONDITION (another schema version,
-// or another database than at the last start; the message says what to do).
+// Opens the database, and creates it if it is missing. Makes durable what an earlier process left
+// in the write-ahead log, then checks the whole file (CheckPages). Errors: UNAVAILABLE (cannot
+// create, open or write), DATA_LOSS (the file was there and is missing, is empty or corrupt, or
+// belongs to another program), FAILED_PRECONDITION (another schema version, or another database
+// than at the last start; the message says what to do).
 absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const std::filesystem::path& path);
 
-// Returns a connection to a new database in memory, which ends with it.
+// Returns a connection to a new database in memory, which is lost when the connection ends.
 absl::StatusOr<SqliteDatabase> OpenPriorDatabaseInMemory();
 
-// Returns a second connection with the same pragmas, which only reads. REQUIRES: one of
-// OpenPriorDatabase is open, and closes later, because only that one can move the log into the
-// file.
+// Returns a second connection with the same pragmas, which only reads. REQUIRES: a connection of
+// OpenPriorDatabase is open and is closed later, because only that one can move the write-ahead log
+// into the file.
 absl::StatusOr<SqliteDatabase> OpenPriorDatabaseToRead(const std::filesystem::path& path);
 
 }  // namespace sweepstake::storage

@@ -7,8 +7,9 @@
 namespace sweepstake::storage {
 namespace {
 
-// A commit may take milliseconds of a processor. If all are busy, the threads that answer games go
-// first: acknowledgements can wait, decisions cannot.
+// The `nice` value of the store's thread. A commit can take milliseconds of processor time. If all
+// processors are busy, the threads that answer games go first: acknowledgements can wait, decisions
+// cannot.
 constexpr int kNiceness = 10;
 
 // Returns the number of rows that an update writes: its own and one per increment.
@@ -94,7 +95,7 @@ std::vector<StoreThread::PendingCommit> StoreThread::TakeGroup() {
 }
 
 void StoreThread::Loop() {
-  setpriority(PRIO_PROCESS, 0, kNiceness);  // on Linux that of this thread
+  setpriority(PRIO_PROCESS, 0, kNiceness);  // on Linux this changes this thread only
   std::unique_lock lock(mutex_);
   TimePoint next_check = std::chrono::steady_clock::now() + options_.check_interval;
   while (true) {
@@ -165,7 +166,7 @@ void StoreThread::CommitOrHalve(std::span<PendingCommit> group,
     CommitOrHalve(group.first(half), updates.first(half));
     return CommitOrHalve(group.subspan(half), updates.subspan(half));
   }
-  // First, so that callbacks of the failed commits can find the cause.
+  // Checks the file first, so that the callbacks of the failed commits find the cause.
   if (absl::IsUnavailable(status)) CheckPlace(/*last=*/false);
   for (PendingCommit& commit : group) Finish(commit, status);
 }
@@ -179,12 +180,12 @@ absl::Status StoreThread::CommitNow(std::span<const priors::SourceUpdate> update
 }
 
 void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
-  // A refused update says nothing about the disk.
+  // A refused update does not show that the disk fails.
   if (priors::IsRefusal(status)) {
     if (options_.on_refusal) options_.on_refusal(commit.update, status);
   } else {
-    // A successful commit shows that the place is right. A failed one says nothing about the disk
-    // if the place is wrong.
+    // A successful commit shows that the file is at its path. A failed commit shows a disk error
+    // only if the file is at its path.
     if (status.ok()) place_ = absl::OkStatus();
     if (place_.ok()) disk_ = status;
     TellHealth();
@@ -197,13 +198,15 @@ void StoreThread::TellHealth() {
   const absl::Status& status = place_.ok() ? disk_ : place_;
   if (status.ok() == told_.ok() && absl::IsNotFound(status) == absl::IsNotFound(told_)) return;
   told_ = status;
-  options_.on_health(status);  // first, so that observers of healthy() can find the cause
+  // Before can_write_ changes, so that observers of healthy() find the cause.
+  options_.on_health(status);
   can_write_ = status.ok();
 }
 
 void StoreThread::CheckPlace(bool last) {
   const absl::Status status = store_->CheckPlace();
-  if (!status.ok() && !absl::IsNotFound(status)) return;  // commits show whether the disk works
+  // The next commit shows whether the disk works.
+  if (!status.ok() && !absl::IsNotFound(status)) return;
   place_ = status;
   TellHealth();
   if (!place_.ok() && options_.on_misplaced) options_.on_misplaced(*store_, last);

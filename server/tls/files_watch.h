@@ -1,6 +1,6 @@
 // Checks the files of a running TLS endpoint, and reports changes and problems. gRPC reads the same
-// files at the same interval, but reports nothing: it keeps the previous files while one cannot be
-// read, and new connections fail while one is broken.
+// files at the same interval, but reports nothing. While a file cannot be read, gRPC keeps using
+// the previous files. While a file is broken, new connections fail.
 //
 // Thread-safe. It owns one thread, which the destructor ends. Callbacks run on that thread, except
 // for the first check, which runs in the constructor.
@@ -27,8 +27,8 @@ struct FilesWatchOptions {
   std::function<int64_t()> unix_now_s;  // the wall clock
   // Called at the first check and when the files have changed. The status is OK, or says why the
   // files cannot be used; `expires_unix_s` is the expiry of the certificate in use. A problem is
-  // reported once, at the second check that finds it, because a certificate and its key are
-  // replaced one after the other.
+  // reported once, at the second check in a row that finds it. A single check may happen between
+  // the replacement of a certificate and that of its key.
   std::function<void(const absl::Status&, int64_t expires_unix_s)> on_change;
   // Called when the certificate in use has expired or expires within a week; repeated daily.
   std::function<void(int64_t expires_unix_s)> on_expiry;
@@ -53,9 +53,10 @@ class FilesWatch {
   const Files files_;
   const FilesWatchOptions options_;
   // These are used by one thread at a time.
-  std::optional<std::string> certificates_;  // in use, of the endpoint and of the authorities
-  std::string met_;                          // problem found by the latest check; empty if none
-  std::string told_;                         // problem reported last; empty if none
+  // Text of the certificate file and the authority file, as read last.
+  std::optional<std::string> certificates_;
+  std::string met_;   // problem found by the latest check; empty if none
+  std::string told_;  // problem reported last; empty if none
   int64_t expires_unix_s_ = 0;
   std::optional<int64_t> expiry_told_unix_s_;
 

@@ -60,9 +60,9 @@ bool IsDeceptive(std::string_view name) {
   return false;
 }
 
-// Returns the names in the path of a scene or a session, as in the title of the page; empty if
-// there are none, or one cannot be shown. Nothing is looked up, so that a link reveals only its own
-// text to readers who may not see the page.
+// Returns the names in the path of a scene or a session, separated as in the title of the page.
+// Returns an empty text if there are none, or if a name is not safe to show. Nothing is looked up,
+// so that a link reveals only its own text to readers who may not see the page.
 std::string NamesIn(std::string_view path) {
   const std::vector<std::string> parts =
       absl::StrSplit(absl::string_view(path.data(), path.size()), '/');
@@ -72,7 +72,7 @@ std::string NamesIn(std::string_view path) {
   std::vector<std::string> names;
   for (size_t i = 2; i < parts.size(); ++i) {
     const auto part = PercentDecoded(parts[i]);
-    // The page puts ~ before a name that would lead to another folder.
+    // The dashboard puts ~ before a name such as "..", which browsers would read as a folder.
     const std::string name =
         part.ok() && part->starts_with('~') ? part->substr(1) : part.value_or("");
     if (!text::IsName(name) || IsDeceptive(name)) return "";

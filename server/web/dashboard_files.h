@@ -1,5 +1,6 @@
 // Serves the files of the dashboard: compressed for clients that accept it, and cached by browsers
-// while they are unchanged. No path leads to the file system. Thread-safe.
+// while they are unchanged. The files are part of the program, so no request reads the file system.
+// Thread-safe.
 #pragma once
 
 #include <span>
@@ -13,7 +14,7 @@ namespace sweepstake::web {
 
 class DashboardFiles {
  public:
-  // The files are borrowed, and ordered by path. `problem` states why there are none.
+  // `files` are ordered by path and must outlive this object. `problem` is shown if there are none.
   DashboardFiles(std::span<const DashboardAsset> files, std::string_view problem)
       : files_(files), problem_(problem) {}
 

@@ -1,5 +1,5 @@
-// The errors of the API: those of gRPC in JSON, with the HTTP status that is closest to the code.
-// Pure functions.
+// Converts errors of gRPC to JSON, with the HTTP status that is closest to the code. Pure
+// functions.
 #pragma once
 
 #include <string>

@@ -25,10 +25,11 @@ constexpr int kHeaderTooLarge = 431;
 constexpr int kUnavailable = 503;
 constexpr int kVersionNotSupported = 505;
 constexpr unsigned kHttp11 = 11;
-// An answer may take the additional time that a client needs at 16 kB/s.
+// A client gets additional time for a long answer: 1 ms for every 16 bytes, which is 16 kB/s.
 constexpr size_t kBytesPerMs = 16;
 
-// Only the server's own files run in its pages, and no other page may show them in a frame.
+// Headers of every answer. The pages run only scripts of this server, and other sites cannot show
+// the pages in a frame.
 constexpr std::pair<const char*, const char*> kSecurityHeaders[] = {
     {"Content-Security-Policy",
      "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
@@ -46,7 +47,7 @@ void SetHeaders(Response& response, const std::string& content_type) {
   response.set(http::field::cache_control, "no-store");
 }
 
-// Returns whether the client broke the protocol, as opposed to a connection that ended.
+// Returns whether the client violated the protocol. False if the connection only ended.
 bool IsMalformed(const error_code& error) {
   return error.category() == http::make_error_code(http::error::bad_method).category() &&
          error != http::error::end_of_stream;
@@ -164,7 +165,7 @@ void HttpConnection::Write(Page page, bool keep_alive) {
   response_.keep_alive(keep_alive);
   response_.body() = std::move(page.body);
   response_.prepare_payload();
-  // The length is that of the answer to a GET.
+  // The answer to a HEAD has the Content-Length of the answer to a GET, but not its body.
   if (request_.message.method() == http::verb::head) response_.body().clear();
   stream_.expires_after(PatienceFor(response_.body().size()));
   http::async_write(stream_, response_,
@@ -199,7 +200,7 @@ void HttpConnection::Stream(std::string content_type, std::unique_ptr<PartSource
     return Write({kVersionNotSupported, "This answer needs HTTP/1.1.\n"}, /*keep_alive=*/false);
   writing_ = true;
   source_ = std::move(source);
-  // The caller of `wake` is not finished yet, so the parts are requested later.
+  // Requests the parts later, because the caller of `wake` may still be changing them.
   source_->Start([weak = weak_from_this()] {
     const auto self = weak.lock();
     if (!self || self->writing_) return;
@@ -213,7 +214,7 @@ void HttpConnection::Stream(std::string content_type, std::unique_ptr<PartSource
 void HttpConnection::WriteStreamHead(std::string content_type) {
   head_ = {};
   SetHeaders(head_, content_type);
-  head_.set("X-Accel-Buffering", "no");  // proxies must not wait for more
+  head_.set("X-Accel-Buffering", "no");  // proxies must pass each part on at once
   head_.keep_alive(false);
   head_.chunked(true);
   serializer_.emplace(head_);
@@ -255,7 +256,8 @@ void HttpConnection::OnPartWritten(error_code error) {
   writing_ = false;
   if (error) return Drop();
   if (source_) return WriteParts();
-  // Everything that the client sent has been read, so the client receives the last part.
+  // Closing now cannot discard the last part on the client's side, because everything that the
+  // client sent has been read.
   stream_.socket().shutdown(tcp::socket::shutdown_send, error);
   Drop();
 }

@@ -23,7 +23,7 @@ namespace sweepstake::web {
 struct ConnectionShared {
   const HttpLimits limits;
   Handler handler;
-  size_t body_bytes = 0;  // the bodies that are being read or answered
+  size_t body_bytes = 0;  // size of the request bodies that are being read or answered
 };
 
 class HttpConnection final : public Exchange, public std::enable_shared_from_this<HttpConnection> {
@@ -58,11 +58,11 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   void Reject(const Page& page);
   void Write(Page page, bool keep_alive);
   void OnWritten(Error error);
-  // Reads what the client still sends after the answer. Closing at once could discard the answer on
-  // the client's side.
+  // Reads what the client still sends after the answer. If the connection were closed at once, the
+  // client could lose the answer.
   void Linger();
 
-  // These send a stream. A client that ends its side counts as disconnected.
+  // These send a stream. A client that closes its sending side counts as disconnected.
   void WriteStreamHead(std::string content_type);
   void AwaitEnd();
   void WriteParts();
@@ -77,7 +77,7 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   Request request_;
   size_t reserved_bytes_ = 0;
   boost::beast::http::response<boost::beast::http::string_body> response_;
-  // For a stream.
+  // The members below are used for a stream.
   boost::beast::http::response<boost::beast::http::empty_body> head_;
   std::optional<boost::beast::http::response_serializer<boost::beast::http::empty_body>>
       serializer_;

@@ -19,7 +19,7 @@ struct Request {
   std::string own_host;  // the local address as in a URL: "127.0.0.1", "[::1]"
 
   std::string_view target() const { return {message.target().data(), message.target().size()}; }
-  // The target before and after the question mark.
+  // Return the part of the target before and after the question mark.
   std::string_view path() const { return target().substr(0, target().find('?')); }
   std::string_view query() const;
   // Returns the header, empty if it is absent.

@@ -10,7 +10,7 @@
 
 namespace sweepstake::web {
 
-// Accepts connections. From Run on it has a separate thread.
+// Accepts connections. Run starts the thread that serves them.
 class HttpServer::Listener {
  public:
   Listener(const MakeHandler& make_handler, HttpLimits limits)
@@ -23,7 +23,8 @@ class HttpServer::Listener {
     io_.stop();
     if (thread_.joinable()) thread_.join();
     ending_ = true;
-    // The streams of connections refer to objects of the handler, and these to the context.
+    // Destroys the connections' streams first, because they use objects of the handler. Destroys
+    // the handler next, because it uses io_.
     for (HttpConnection* connection : connections_) connection->Drop();
     shared_.handler = {};
   }

@@ -2,7 +2,8 @@
 //
 // A separate thread serves all connections and runs the handler, so that nothing here delays a
 // decision. A request that violates the protocol or a limit is answered with a 4xx or 503 that
-// states what is valid. While no descriptors are free, the listener tries again until one is.
+// states what is valid. While the process has no free file descriptors, the listener keeps trying
+// to accept.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -21,12 +22,12 @@ struct HttpLimits {
   size_t max_connections = 2'048;
   // A longer request line with its headers is answered with 431.
   uint32_t max_header_bytes = 8 * 1024;
-  // A longer body is answered with 413. A body with which all bodies that are being read or
-  // answered would exceed the total is answered with 503.
+  // A longer body is answered with 413. A request is answered with 503 if its body would make all
+  // bodies that are being read or answered exceed the total.
   size_t max_body_bytes = 256 * 1024;
   size_t max_total_body_bytes = 16 * 1024 * 1024;
   // A connection ends if after this time a request is not complete, an answer is not read, or no
-  // further request has begun. A long answer has one more millisecond for every 16 bytes.
+  // further request has begun. An answer gets one more millisecond for every 16 bytes.
   std::chrono::milliseconds patience{10'000};
   // The time between two attempts to accept while there are no free descriptors.
   std::chrono::milliseconds accept_retry{100};

@@ -1,4 +1,5 @@
-// The page /metrics in the text format 0.0.4 of Prometheus, and its families of one value.
+// The page /metrics in the text format 0.0.4 of Prometheus, and functions that make a metric family
+// with one value.
 #pragma once
 
 #include <prometheus/metric_family.h>

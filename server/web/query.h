@@ -12,7 +12,7 @@ namespace sweepstake::web {
 // INVALID_ARGUMENT (a percent sign without two hexadecimal digits).
 absl::StatusOr<std::string> PercentDecoded(std::string_view text);
 
-// Returns the decoded value of NAME=VALUE in a query; empty if it is absent. Error: as
+// Returns the decoded value of NAME=VALUE in a query; empty if it is absent. Error: that of
 // PercentDecoded.
 absl::StatusOr<std::string> QueryValue(std::string_view query, std::string_view name);
 

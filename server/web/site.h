@@ -1,8 +1,9 @@
 // Maps paths to answers: the pages for operators and their programs, the files of the dashboard,
 // and the API that the dashboard uses. Used on the server's thread.
 //
-// Everyone may read the pages. Other requests are answered only if their Host is a name of the
-// daemon, which prevents DNS rebinding. The API refuses requests from the pages of other sites.
+// The pages for operators need no login. Other requests are answered only if their Host is a name
+// of the daemon, which prevents DNS rebinding. The API refuses requests from the pages of other
+// sites.
 #pragma once
 
 #include <functional>
@@ -21,15 +22,15 @@ namespace sweepstake::web {
 
 // Makes a page from the request's query.
 using PageMaker = std::function<Page(std::string_view query)>;
-// The makers by path.
+// Page makers by path.
 using PageTable = std::map<std::string, PageMaker, std::less<>>;
 
 class Site {
  public:
   struct Options {
     PageTable pages;
-    // Names of the daemon in lower case and without ports, in addition to those of loopback and the
-    // address that the client has connected to.
+    // Accepted host names of the daemon, in lower case and without ports. Loopback names and the
+    // address that the client has connected to are always accepted.
     std::set<std::string, std::less<>> hosts = {};
     DashboardFiles files = DashboardFiles({}, "");
     // Answers /api/ and /events/, and POST requests to /login and /logout.

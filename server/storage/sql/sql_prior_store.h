@@ -1,12 +1,13 @@
 // The prior store, over a SQL database. Used by one thread at a time.
 //
-// A commit is one transaction, for any number of updates. In a shared database a transaction that
-// conflicts with another daemon is repeated, and a commit whose answer was lost may be stored; if
-// it is offered again, it is ignored (PriorStore::Commit). Rows are locked in this order, so that
-// daemons do not deadlock: sources by name, keys by id, scenes by id.
+// Each call of Commit is one transaction, for any number of updates. In a shared database a
+// transaction that conflicts with another daemon is repeated. If the connection is lost during a
+// commit, its updates may be stored or not. Committing them again is safe, because stored updates
+// are ignored (PriorStore::Commit). Rows are locked in this order, so that daemons do not deadlock:
+// sources by name, keys by id, scenes by id.
 //
-// A commit adds to the sums of its keys. Import, Promote and Revoke compute the sums of the changed
-// keys from one row per source.
+// A commit adds its increments to the stored sums of its evidence keys. Import, Promote and Revoke
+// compute the sums of the changed keys again, from one row of evidence per source.
 #pragma once
 
 #include <cstdint>
@@ -60,13 +61,13 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
     bool is_session = false;
     bool revoked = false;
     uint64_t commit_sequence = 0;
-    uint64_t writer = 0;  // known in a shared database only
-    // First and last applied update of the transaction, or null.
+    uint64_t writer = 0;  // SourceWriter::id of its last commit; 0 in SQLite
+    // First and last update of this source that the transaction applies, or null.
     const priors::SourceUpdate* first = nullptr;
     const priors::SourceUpdate* last = nullptr;
   };
   using Sources = std::map<std::string, Source>;  // by name
-  // A source that may be new, with its first values.
+  // The name of a source, and the values with which it is added if it is not stored yet.
   struct NewSource {
     std::string name;
     std::string build = {};
@@ -80,10 +81,10 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   };
   using Place = std::pair<int64_t, int64_t>;  // the ids of the key and the source
   using Rows = std::map<Place, Row>;
-  using RowList = std::vector<std::pair<Place, Row>>;  // maybe several for one place
+  using RowList = std::vector<std::pair<Place, Row>>;  // can contain a place several times
   using Sequences = std::map<Place, uint64_t>;
   using Ids = std::set<int64_t>;
-  using SourceCounts = std::map<int64_t, int64_t>;  // how many sources each scene gains
+  using SourceCounts = std::map<int64_t, int64_t>;  // change of the number of sources, by scene id
   struct KeyHash {
     size_t operator()(const priors::EvidenceKey& key) const {
       return absl::HashOf(key.project, key.scene, key.measured_by, key.arm, key.backend_version,
@@ -97,46 +98,51 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   };
   using Keys = absl::flat_hash_map<priors::EvidenceKey, StoredKey, KeyHash>;
   using SceneCounts = std::map<std::string, priors::SceneCount>;  // by project
-  // Runs `body` in a transaction, which is rolled back if it fails, and repeats it after a conflict
-  // with another daemon.
+  // Runs `body` in a transaction. Rolls back if `body` fails. Repeats the transaction after a
+  // conflict with another daemon.
   template <typename Body>
   absl::Status InTransaction(Body body);
   template <typename Body>
   absl::Status TryTransaction(Body& body);
-  // Runs `change`, which returns a result, in a transaction. A preview is rolled back.
+  // Runs `change` in a transaction and returns its result. With a preview, shows it the changed
+  // state and then rolls back.
   template <typename Result, typename Change>
   absl::StatusOr<Result> ChangeUnless(const priors::Preview& preview, Change change);
-  // Forgets what it knows of a database after the connection to it was lost.
+  // Clears known_keys_ and changes_since_ if the connection was opened again, because the server
+  // may have been restored from a backup.
   void CheckIncarnation();
 
-  // Commits the updates. Adds to `lost` the audit rows that were not written; writes none if it is
-  // null.
+  // Commits the updates. Sets `lost` to the number of audit rows that could not be written. If
+  // `lost` is null, writes no audit rows.
   absl::Status CommitAll(std::span<const priors::SourceUpdate> updates, uint64_t* lost);
-  // Applies the update, which must outlive the source. Returns false if it was applied before or
-  // the source is revoked. Error: FAILED_PRECONDITION (see PriorStore::Commit).
+  // Records in `source` that the transaction applies the update, which must outlive `source`.
+  // Returns false if the update was applied before or the source is revoked. Error:
+  // FAILED_PRECONDITION (see PriorStore::Commit).
   absl::StatusOr<bool> Advance(Source& source, const priors::SourceUpdate& update) const;
-  // Adds the evidence to the stored rows, and to the sums.
+  // Adds the evidence to the stored rows of evidence, and to the sums of their keys.
   absl::Status AddEvidence(const Rows& rows);
 
-  // Lock the sources in the order of their names, and add the missing ones, numbered in the order
-  // given. A name may be given several times. Error: ABORTED (another daemon adds one of them at
-  // the same time).
+  // LockOrAdd locks the sources in the order of their names. AddSources adds the missing ones, with
+  // ids that grow in the order given. A name can be given several times. Error: ABORTED (another
+  // daemon adds one of them at the same time).
   absl::StatusOr<Sources> LockOrAdd(std::span<const NewSource> sources);
   absl::Status AddSources(std::span<const NewSource* const> sources, Sources& found);
-  // Writes the applied updates.
+  // Writes the progress of the applied updates to the table of sources.
   absl::Status UpdateSources(const Sources& sources);
-  // Locks the matching sources that are not revoked. With `quarantined`, locks those with evidence
-  // in quarantine instead: a revocation for one project leaves that of other projects there.
+  // Locks the matching sources and returns their ids: those that are not revoked or, if
+  // `quarantined`, those with evidence in quarantine. The latter may be revoked, because a
+  // revocation for one project keeps the quarantined evidence about other projects.
   absl::StatusOr<Ids> LockMatching(const priors::SourceFilter& filter, bool quarantined);
   absl::Status Bar(const Ids& sources);
 
-  // Returns the keys in the order given. Missing keys are added.
+  // Returns the stored keys in the order of `keys`. Adds the missing ones.
   absl::StatusOr<std::vector<StoredKey>> FindOrAddKeys(
       std::span<const priors::EvidenceKey* const> keys);
-  // Moves the keys that are found from `unknown` to `new_keys_`.
+  // Looks the keys up in the database. Moves those that are found from `unknown` to `new_keys_`.
   absl::Status FindKeys(std::set<priors::EvidenceKey>& unknown);
 
-  // Returns the records of sources that take imports as rows. Counts the others.
+  // Converts the records to rows. Omits records of sessions and of revoked sources, which accept no
+  // imports, and counts them in `result`.
   absl::StatusOr<RowList> RowsOf(std::span<const priors::PriorRecord> records,
                                  priors::ImportResult& result);
   absl::StatusOr<priors::ImportResult> ImportAll(std::span<const priors::PriorRecord> records);
@@ -144,34 +150,37 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
                                                      uint64_t max_records);
   absl::StatusOr<priors::ChangeResult> PromoteAll(const priors::SourceFilter& filter);
   absl::StatusOr<priors::ChangeResult> RevokeAll(const priors::SourceFilter& filter);
-  // Returns the sequences of the stored rows, or of those in quarantine.
+  // Returns the sequence numbers of the rows at these places: of the evidence in use or, if
+  // `quarantined`, in quarantine.
   absl::StatusOr<Sequences> LoadSequences(const std::set<Place>& places, bool quarantined);
-  // Stores the newest given row of each place that is newer than the stored one, as evidence that
-  // counts or in quarantine.
+  // For each place, stores the newest of `rows` if it is newer than the stored row. Writes to the
+  // evidence in use or, if `quarantined`, to the quarantine. Counts applied and unchanged rows in
+  // `result`.
   absl::Status Replace(const Sequences& stored, const RowList& rows, bool quarantined,
                        priors::ImportResult& result);
-  // Takes out the quarantined rows of the sources about a project, or about all projects if that is
-  // empty. Leaves damaged rows there, or removes them too.
+  // Deletes the quarantined rows of the sources about a project (empty: about all projects) and
+  // returns them. Includes damaged rows only if `with_damaged`.
   absl::StatusOr<RowList> TakeOut(const Ids& sources, const std::string& project,
                                   bool with_damaged);
   // Computes the sums of the keys from their rows.
   absl::Status RecountSums(const Ids& keys);
-  // Counts each source in the row's scene, once.
+  // Records which source has evidence about which scene. Adds 1 to the scene's count in `scenes`
+  // for each pair that is new.
   absl::Status JoinScenes(const std::set<std::pair<int64_t, int64_t>>& sources_and_scenes,
                           SourceCounts& scenes);
-  // Adds the numbers, and marks the scenes of a shared database as changed by this transaction.
+  // Adds the changes to the source counts of the scenes. In a shared database also marks the scenes
+  // as changed by this transaction.
   absl::Status ChangeScenes(const SourceCounts& changes);
 
   const std::unique_ptr<SqlDatabase> database_;
   SqlAuditLog audit_;
-  uint64_t incarnation_ = 0;   // of the database whose keys are known
-  std::string changes_since_;  // the first transaction that TakeChangedScenes reads
+  uint64_t incarnation_ = 0;   // SqlDatabase::incarnation when known_keys_ were read
+  std::string changes_since_;  // transaction id from which TakeChangedScenes reads next
   Keys known_keys_;            // committed; keys are never deleted
   Keys new_keys_;              // found or added by the running transaction
-  // Counts by project that were asked for, if the project has scenes. Each is read once. Empty in a
-  // shared database.
+  // Results of CountScenes by project, cached for projects with scenes. Empty in a shared database.
   SceneCounts scene_counts_;
-  SceneCounts added_counts_;  // by the running transaction
+  SceneCounts added_counts_;  // changes of scene_counts_ by the running transaction
   uint64_t lost_audit_row_count_ = 0;
 };
 

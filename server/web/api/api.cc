@@ -65,7 +65,8 @@ std::string CookieOf(const Request& request) {
   return {};
 }
 
-// Returns the header that sets the cookie. After a login over TLS it is sent over TLS only.
+// Returns the header that sets the cookie. After a login over TLS, browsers send the cookie over
+// TLS only.
 std::pair<std::string, std::string> SetCookie(const Request& request, const std::string& value) {
   const bool is_safe = request.Header("X-Forwarded-Proto") == "https";
   return {"Set-Cookie",
@@ -185,7 +186,8 @@ Page Api::WhoAmI(const Request& request) {
   const auto holder = identifies ? options_.identify(request.peer, *token)
                                  : absl::StatusOr<auth::Principal>(absl::UnauthenticatedError(""));
   if (!holder.ok() && !absl::IsUnauthenticated(holder.status())) return ErrorPage(holder.status());
-  // A login whose token is not valid any more ends: each use would count as a failed login.
+  // Ends a login whose token has become invalid. Otherwise each use of its cookie would count as a
+  // failed login.
   const std::string cookie = CookieOf(request);
   if (!holder.ok() && token->has_value() && logins_.Find(cookie, UnixNowS()) == *token)
     logins_.End(cookie);

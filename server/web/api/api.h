@@ -1,5 +1,6 @@
 // The HTTP interface of the dashboard: the methods of the daemon's services as JSON, the events of
-// the bus as server-sent events, and logins. The services check the permissions of every call.
+// the event bus (events/event_bus.h) as server-sent events, and logins. The services check the
+// permissions of every call.
 //
 //   POST /api/sweepstake.v1.SERVICE/METHOD     body: the request as JSON; a stream has one response
 //                                              per line
@@ -8,7 +9,7 @@
 //   POST /login                                body: {"token":"…"}
 //   POST /logout
 //
-// A request has its token in `Authorization: Bearer TOKEN`, or in the cookie that /login returned.
+// A request sends its token in `Authorization: Bearer TOKEN`, or the cookie that /login returned.
 // Used on the server's thread only.
 #pragma once
 
@@ -32,16 +33,16 @@ namespace sweepstake::web {
 struct ApiOptions {
   std::vector<std::string> methods;  // the methods that may be called: "SERVICE/METHOD"
   BeginCall begin_call;              // thread-safe
-  // Returns the holder of the token, or an error. `peer` as in BeginCall.
+  // Returns the holder of the token, or an error. `peer` is the client's address in gRPC's format.
   std::function<absl::StatusOr<auth::Principal>(const std::string& peer,
                                                 std::optional<std::string_view> token)>
       identify;
   std::function<bool()> asks_for_tokens;
   std::string version;  // the version of the daemon
-  // The thresholds of verdicts, for charts.
+  // Thresholds of the verdicts "stable" and "tie", which the dashboard shows in charts.
   double stable_probability = 0;
   double tie_loss_ratio = 0;
-  // Whether tokens from other machines are accepted, although this is plain text.
+  // Whether tokens are accepted from other machines, although the connection is not encrypted.
   bool takes_tokens_from_afar = false;
   BeginWatch begin_watch;   // thread-safe
   PostToLoop post_to_loop;  // thread-safe
@@ -53,7 +54,7 @@ class Api {
  public:
   Api(ApiOptions options, boost::asio::io_context& io);
 
-  // Answers a request of Site::Options::api.
+  // Answers a request that Site passes to Site::Options::api.
   void Handle(const std::shared_ptr<Exchange>& exchange);
 
  private:

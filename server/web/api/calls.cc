@@ -9,22 +9,23 @@ namespace sweepstake::web {
 namespace {
 
 constexpr char kLines[] = "application/x-ndjson";
-// An order waits up to five seconds for its game. A read of the store waits for the earlier ones.
+// Time limit of a call with one response. An order waits up to five seconds for its game, and a
+// read of the store waits for earlier reads.
 constexpr std::chrono::seconds kAnswerPatience{30};
 
 }  // namespace
 
 struct Calls::Answer {
   const Method& method;
-  std::shared_ptr<Exchange> exchange;  // null once it is answered
+  std::shared_ptr<Exchange> exchange;  // null after the answer has begun
   boost::asio::steady_timer timer;
   Taken taken = {};
   std::function<void()> wake = {};
-  std::string lines = {};  // wait for the client
+  std::string lines = {};  // lines that are not sent yet
   bool ended = false;
 };
 
-// The lines of a stream. Without it the call ends.
+// Sends the lines of a stream. When this object is destroyed, the call ends.
 class Calls::Lines final : public PartSource {
  public:
   Lines(Calls& calls, uint64_t number, std::shared_ptr<Answer> answer)
@@ -59,7 +60,7 @@ void Calls::Begin(const Method& method, std::shared_ptr<const google::protobuf::
       if (!cancelled) OnCallEnd(number, absl::DeadlineExceededError("there is no answer in time"));
     });
   }
-  // The callbacks own nothing of the server, because another thread destroys them.
+  // The callbacks own no objects of this thread, because another thread may destroy the callbacks.
   const bool begun = begin_(
       std::move(request), peer, token,
       [this, number, inbox = inbox_](const auto& response, Taken taken) {
@@ -77,7 +78,7 @@ void Calls::Begin(const Method& method, std::shared_ptr<const google::protobuf::
 void Calls::OnCallResponse(uint64_t number, const google::protobuf::Message& response,
                            Taken taken) {
   const auto found = answers_.find(number);
-  if (found == answers_.end()) return;  // its client has gone
+  if (found == answers_.end()) return;  // the client has disconnected
   Answer& answer = *found->second;
   auto json = ToJson(response);
   if (!json.ok()) return OnCallEnd(number, json.status());

@@ -1,7 +1,7 @@
-// The calls of the daemon's methods over HTTP that are under way. A call with one response is
-// answered with it. A stream is answered with one JSON message per line, as fast as the client
-// reads; an error before the first line is the status of the answer, and a later error is the last
-// line. Used on the server's thread only.
+// Running calls of the daemon's methods over HTTP. A method with one response is answered with that
+// response as JSON. A stream is answered with one JSON message per line, as fast as the client
+// reads. An error before the first line sets the HTTP status of the answer; a later error is the
+// last line. Used on the server's thread only.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -19,15 +19,15 @@
 
 namespace sweepstake::web {
 
-// The last copy is destroyed when the client has taken the response, with the value true, or has
-// gone.
+// Reports that the client has read a response. The value is true if it has, false if the client
+// disconnected first. In both cases the last copy is destroyed then.
 using Taken = std::shared_ptr<bool>;
 using OnResponse =
     std::function<void(const std::shared_ptr<const google::protobuf::Message>&, Taken)>;
 using OnEnd = std::function<void(const absl::Status&)>;
-// Begins a call for a client, in gRPC's format, with or without a token. Returns false if the
-// method cannot be called. The callbacks come from any thread, `on_end` last and once. A stream
-// has its next response when the previous one was taken.
+// Begins a call. `peer` is the client's address in gRPC's format. Returns false if the method
+// cannot be called. The callbacks are called on any thread; `on_end` is called once, last. A stream
+// produces its next response after the client has read the previous one.
 using BeginCall = std::function<bool(
     std::shared_ptr<const google::protobuf::Message> request, const std::string& peer,
     const std::optional<std::string>& token, OnResponse on_response, OnEnd on_end)>;
@@ -40,7 +40,8 @@ class Calls {
   Calls(const Calls&) = delete;
   Calls& operator=(const Calls&) = delete;
 
-  // Calls the method, and answers. Error: NOT_FOUND (the method has a stream of events).
+  // Calls the method and answers the exchange. Error: NOT_FOUND (the method has events, which are
+  // under /events/).
   void Begin(const Method& method, std::shared_ptr<const google::protobuf::Message> request,
              const std::optional<std::string>& token, std::shared_ptr<Exchange> exchange);
 
@@ -50,7 +51,7 @@ class Calls {
 
   void OnCallResponse(uint64_t number, const google::protobuf::Message& response, Taken taken);
   void OnCallEnd(uint64_t number, const absl::Status& status);
-  // Answers at once.
+  // Answers with the page and ends the call.
   void Finish(uint64_t number, Page page);
   void ShowLines(uint64_t number);
 

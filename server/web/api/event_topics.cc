@@ -30,7 +30,7 @@ void EventTopics::Watch(const std::shared_ptr<Exchange>& exchange, const Method&
     return exchange->Answer(ErrorPage(absl::ResourceExhaustedError(
         "the daemon, or your address, has as many watchers as it may; try again later")));
   }
-  // A type and a token have no line breaks.
+  // A line break separates the parts. Type names and tokens contain no line breaks.
   const std::string key =
       absl::StrCat(request.GetTypeName(), "\n", token.value_or(""), "\n", Serialize(request));
   std::shared_ptr<Topic>& topic = topics_[key];

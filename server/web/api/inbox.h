@@ -19,7 +19,7 @@ class Inbox {
     const std::lock_guard lock(mutex_);
     if (io_ != nullptr) boost::asio::post(*io_, std::move(task));
   }
-  // Called before the context is destroyed.
+  // Must be called before `io` is destroyed.
   void Close() {
     const std::lock_guard lock(mutex_);
     io_ = nullptr;

@@ -14,14 +14,14 @@ namespace sweepstake::web {
 
 class Logins {
  public:
-  // At kMaxLogins the login that was unused for the longest time ends. At kMaxOfToken the same
-  // holds among the logins of that token.
+  // A login beyond kMaxLogins ends the least recently used one. A login beyond kMaxOfToken ends the
+  // least recently used one of the same token.
   static constexpr size_t kMaxLogins = 10'000;
   static constexpr size_t kMaxOfToken = 100;
   // A login ends when it was not used for this time.
   static constexpr int64_t kPatienceS = 7 * 86'400;
 
-  // Returns the cookie, 64 hexadecimal digits.
+  // Begins a login. Returns its cookie: 64 hexadecimal digits.
   std::string Begin(const std::string& token, int64_t unix_now_s);
   // Returns the token, or nothing if there is no such login. This counts as a use.
   std::optional<std::string> Find(std::string_view cookie, int64_t unix_now_s);

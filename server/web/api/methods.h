@@ -34,13 +34,14 @@ class Methods {
   std::map<std::string, Method, std::less<>> methods_;
 };
 
-// Reads a message from JSON; an empty text is an empty message. Error: INVALID_ARGUMENT.
+// Reads a message from JSON; an empty text is an empty message of the request's type. Error:
+// INVALID_ARGUMENT.
 absl::StatusOr<std::unique_ptr<google::protobuf::Message>> FromJson(
     std::string_view json, const google::protobuf::Message& prototype);
-// Error: INTERNAL.
+// Returns the message as JSON. Error: INTERNAL (it cannot be converted).
 absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message);
 
-// Equal messages have equal bytes.
+// Returns the message as bytes. Equal messages have equal bytes.
 std::string Serialize(const google::protobuf::Message& message);
 
 }  // namespace sweepstake::web

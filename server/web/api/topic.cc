@@ -12,7 +12,8 @@ namespace {
 
 constexpr char kSnapshotBegin[] = "event: snapshot-begin\ndata: {}\n\n";
 constexpr char kComment[] = ":\n\n";
-// The text of a snapshot is made for this many events at a time, which takes some 10 ms.
+// Number of a snapshot's events that are converted to text at a time, which takes about 10 ms.
+// Other requests are answered in between.
 constexpr size_t kEventsAtOnce = 100;
 
 std::string DataOf(const std::string& json) { return absl::StrCat("data: ", json, "\n\n"); }
@@ -25,9 +26,9 @@ SharedText Shared(std::string text) { return std::make_shared<const std::string>
 
 }  // namespace
 
-// Brings the events of the bus to the topic: the subscription is used on the decision loop, the
-// topic on the server's thread. At most one batch is under way. While the server is busy, events
-// wait in the subscriber, which bounds them.
+// Passes events from the event bus to the topic. The subscription is used on the decision loop's
+// thread, the topic on the server's thread. Only one batch is passed at a time. Until the server
+// has processed it, further events wait in the subscriber, which limits their number.
 class Topic::Feed final : public events::Sink, public std::enable_shared_from_this<Feed> {
  public:
   explicit Feed(Topic& topic)
@@ -45,7 +46,7 @@ class Topic::Feed final : public events::Sink, public std::enable_shared_from_th
     post_to_loop_([self = shared_from_this()] { self->subscriber_.reset(); });
   }
 
-  // The rest is called on the loop.
+  // The functions below are called on the decision loop's thread.
   void Begin(std::unique_ptr<events::Subscriber> subscriber) override {
     subscriber_ = std::move(subscriber);
   }
@@ -82,13 +83,13 @@ class Topic::Feed final : public events::Sink, public std::enable_shared_from_th
   Topic* topic_;  // used on the server's thread; null: closed
   const std::shared_ptr<Inbox> inbox_;
   const PostToLoop post_to_loop_;
-  // These are used on the loop.
+  // These are used on the decision loop's thread.
   std::unique_ptr<events::Subscriber> subscriber_;
   bool snapshot_wanted_ = false;
-  bool under_way_ = false;  // a batch
+  bool under_way_ = false;  // the server has not processed the last batch yet
 };
 
-// The answer to one watcher. Its connection owns it.
+// A client that watches the topic, and the source of its answer. The client's connection owns it.
 class Topic::Watcher final : public PartSource {
  public:
   Watcher(Topic& topic, WatcherShare share)
@@ -102,7 +103,8 @@ class Topic::Watcher final : public PartSource {
     if (waiting_.size() < max_waiting_) {
       waiting_.push_back(text);
     } else {
-      // It receives a snapshot in place of the texts, once it reads.
+      // The client reads too slowly. When it reads again, it receives a snapshot instead of the
+      // texts.
       ++topic_->context_.counters.skip_count;
       waiting_.clear();
       skips_ = true;
@@ -112,14 +114,14 @@ class Topic::Watcher final : public PartSource {
   void Beat(const SharedText& comment) {
     if (waiting_.empty()) Push(comment);
   }
-  // Whether it would read a snapshot now.
+  // Returns whether the client has read all waiting texts and needs a snapshot.
   bool wants_snapshot() const { return wants_snapshot_; }
   void PushSnapshot(const std::vector<SharedText>& texts) {
     skips_ = wants_snapshot_ = false;
     waiting_.assign(texts.begin(), texts.end());
     Wake();
   }
-  // The topic ends with this text.
+  // Sends the last text. The watcher does not use the topic afterwards.
   void End(const SharedText& text) {
     topic_ = nullptr;
     skips_ = false;
@@ -145,12 +147,12 @@ class Topic::Watcher final : public PartSource {
     if (wake_) wake_();
   }
 
-  Topic* topic_;  // null once it has ended
+  Topic* topic_;  // null after End
   const size_t max_waiting_;
   const WatcherShare share_;
   std::function<void()> wake_;
   std::deque<SharedText> waiting_;
-  bool skips_ = false;  // texts are not pushed until it has a snapshot
+  bool skips_ = false;  // drops texts until the next PushSnapshot
   bool wants_snapshot_ = false;
 };
 
@@ -258,7 +260,8 @@ const std::string& Topic::JsonOf(const events::Event& event) {
   if (!event.json.empty()) return event.json;
   const std::unique_ptr<google::protobuf::Message> message(message_.New());
   message->ParseFromString(*event.body + event.tail);
-  event.json = ToJson(*message).value_or("{}");  // the daemon has encoded the message itself
+  // Cannot fail: the daemon encoded the message itself.
+  event.json = ToJson(*message).value_or("{}");
   ++context_.counters.encoded_count;
   return event.json;
 }
@@ -316,7 +319,7 @@ void Topic::Leave(Watcher& watcher) {
   if (!idle()) return;
   idle_timer_.expires_after(context_.limits.idle_patience);
   idle_timer_.async_wait([weak = weak_from_this()](boost::system::error_code cancelled) {
-    // A watcher may have joined since the time was up.
+    // A watcher may have joined after the timer expired and before this handler ran.
     if (const auto self = weak.lock(); self && !cancelled && self->idle()) self->Close();
   });
 }
