@@ -14,7 +14,7 @@ export function significant(value: number | null | undefined, digits = 3): strin
 
 export const grouped = (value: number) => (isNumber(value) ? String(Math.round(value)).replace(/\B(?=(\d{3})+(?!\d))/g, ',') : NONE);
 
-// Divides by 1000 while a whole number remains; returns the quotient and the number of divisions.
+// Divides by 1000 until the rounded value is below 1000, at most `most` times. Returns the quotient and the number of divisions.
 function thousands(value: number, most: number): [number, number] {
   let steps = 0;
   while (steps < most && Math.abs(value) >= 999.5) {

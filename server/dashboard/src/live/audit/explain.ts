@@ -7,7 +7,8 @@ import { significant } from '../../format';
 import { kindWord, outcomeWord, reasonWord, verdictWord } from '../views/words';
 import { msOf } from './log';
 
-/** A decision, from the audit log or from the live stream. Gains and losses of the gate are natural logarithms of ratios of costs. */
+/** A decision, from the audit log or from the live stream. The gate is the check whether a switch pays;
+ * its gains and losses are natural logarithms of ratios of costs. */
 export interface Told extends Pick<AuditDecision,
   'activeArm' | 'candidate' | 'outcome' | 'reward' | 'rewardVersion' | 'verdict' | 'leader' | 'bestProbability' | 'expectedLossRatio'> {
   reason: SwitchReason;
@@ -86,7 +87,7 @@ function orderText({ operatorName, mode, arm }: AuditRow): string {
   return `${operatorName} ordered the game to keep to ${arm || 'the active arm'}.`;
 }
 
-// Without an operator the action is the whole sentence.
+// If the row names no operator, the action alone is the sentence.
 function actionText({ operatorName, action }: AuditRow): string {
   return operatorName ? `${operatorName} ${action}.` : `${action.charAt(0).toUpperCase()}${action.slice(1)}.`;
 }

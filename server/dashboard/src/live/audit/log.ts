@@ -6,7 +6,7 @@ import { stream } from '../transport/calls';
 
 export interface Selection { sessionId?: string; project?: string; scene?: string }
 
-/** A row with the setup of its segment; absent if that row was removed. */
+/** A row of the audit log, and the setup that the first row of its segment contains; absent if the daemon has removed that row. */
 export interface PlacedRow { row: AuditRow; setup?: AuditSetup }
 
 export const NS_PER_MS = 1e6;
@@ -18,7 +18,8 @@ export const rowId = ({ session, segment, row }: AuditRow) => `${session}.${segm
 /** The wall-clock time of `timeNs`: the segment's start plus the time on the daemon's steady clock since then. */
 export const unixMsOf = (setup: AuditSetup, timeNs: bigint) => Number(setup.unixStartMs) + msOf(timeNs - setup.startNs);
 
-/** Yields the selected rows, oldest first; of one session, those after the row `after`. Throws ApiError. */
+/** Yields the selected rows, oldest first. With `after`, yields only the rows after that row; the selection is then one session.
+ * Throws ApiError. */
 export async function* auditRows(selection: Selection, signal?: AbortSignal, after?: PlacedRow): AsyncGenerator<PlacedRow> {
   let last = after?.row;
   let setup = after?.setup;

@@ -1,4 +1,4 @@
-// For tests: a log of a real game, in the daemon's answers to ExportDecisions.
+// For tests: the audit log of a real game, read from a file of the daemon's answers to ExportDecisions.
 // @ts-expect-error The page has no types of Node, in which its tests run.
 import { readFileSync } from 'node:fs';
 import { fromJsonString } from '@bufbuild/protobuf';

@@ -10,7 +10,7 @@ import { NS_PER_MS, type PlacedRow, unixMsOf } from './log';
 export interface Step {
   timeMs: number; // by the daemon's clock
   kind: AuditKind;
-  activeArm: string; // the arm that ran before it or, if the step is a switch, after it; '': unknown
+  activeArm: string; // the arm that ran before the step or, if the step is a switch, after it; '': unknown
   decisionId: number; // 0: no decision
   told?: Told; // present for decisions
   placed?: PlacedRow; // present for steps from the log
@@ -42,7 +42,7 @@ export function mergedSteps(logged: readonly Step[], events: readonly DecisionEv
     return event ? { ...step, event } : step;
   });
   const later = events.filter(({ decisionId }) => Number(decisionId) > lastId).map((event) => {
-    lastMs = Math.max(lastMs, Number(event.unixMs)); // the daemon's clock may be set, and times ascend
+    lastMs = Math.max(lastMs, Number(event.unixMs)); // keeps times ascending even if the daemon's clock was set back
     return stepOfEvent(event, lastMs, rewardVersion);
   });
   return [...known, ...later];
@@ -56,7 +56,7 @@ export interface WindowMeans {
   nativeBytes: number; // peak
 }
 
-/** Undefined: the window has no frames. */
+/** Returns the costs in the row's decision window; undefined if the window has no frames. */
 export const windowOf = once((row: AuditRow): WindowMeans | undefined => {
   const window = row.runs?.active?.window;
   const frameCount = Number(window?.frameCount ?? 0);

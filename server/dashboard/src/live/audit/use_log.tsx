@@ -1,4 +1,4 @@
-// A session's log while a view shows it: read completely once, then the new rows after each decision of the session.
+// Reads a session's audit log while a view shows it: the whole log once, then the new rows after each decision of the session.
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type { DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
 import { pausedMs, usePaced } from '../charts/view_state';
@@ -10,18 +10,18 @@ import { ago, now } from '../parts/clock';
 import { Failure, Loading } from '../parts/states';
 import type { SessionState } from '../state/sessions';
 
-/** The number of latest steps that are kept, about three hours at the paper's interval. */
+/** The number of latest steps that are kept, about three hours at the paper's decision interval. */
 export const MAX_STEPS = 5000;
 const SHOW_EVERY = 2000;
-/** A decision arrives before its row is on disk. */
+/** Delay of reading the log after a decision, because a decision arrives before its row is on disk. */
 const READ_AFTER_MS = 200;
 const AFTER_ERROR_MS = 3000;
 
 interface Reading {
   steps: readonly Step[];
-  count: number; // including dropped ones
+  count: number; // steps that were read, including dropped ones
   last?: PlacedRow;
-  isReading: boolean; // until the first reading is complete
+  isReading: boolean; // true until the first reading is complete
   atMs: number; // time of the latest reading without an error, by the browser's clock
   error?: ApiError;
 }
@@ -31,7 +31,7 @@ export interface SessionLog extends Pick<Reading, 'steps' | 'isReading' | 'atMs'
   again: () => void;
 }
 
-/** Reads the rows after the last one; `show` receives all steps. */
+/** Reads the rows after `before.last`. Passes all steps so far, old and new, to `show`. */
 async function readOn(sessionId: string, before: Reading, cancel: AbortSignal, show: (reading: Reading) => void): Promise<void> {
   const steps = [...before.steps];
   let { count, last } = before;
@@ -52,7 +52,8 @@ async function readOn(sessionId: string, before: Reading, cancel: AbortSignal, s
   }
 }
 
-/** `told` is the session's latest decision, if the view shows new ones. REQUIRES: a component always passes the same session. */
+/** Returns the session's log, and reads its new rows when `told` changes. `told` is the session's latest decision, or undefined if the
+ * view does not show new ones. REQUIRES: a component always passes the same session. */
 export function useSessionLog(sessionId: string, told: DecisionEvent | undefined): SessionLog {
   const [reading, setReading] = useState<Reading>({ steps: [], count: 0, isReading: true, atMs: 0 });
   const [turn, setTurn] = useState(0);

@@ -1,4 +1,4 @@
-// Draws two intervals per arm, such as those of two builds, over an axis of ratios.
+// Draws two intervals per arm, such as those of two builds, over an axis of cost ratios.
 import { compact, significant } from '../../format';
 import { colourOf } from '../../palette';
 import type { Ratio } from '../numbers/log_cost';
@@ -7,7 +7,7 @@ import { shapeOf } from '../parts/arm';
 import { AXIS, shortened, SIDE, tickCount, Ticks } from './ridgeline';
 import { useWidth } from './width';
 
-/** Undefined: no evidence of the arm. */
+/** An arm and its cost ratio in two builds; undefined if a build has no evidence of the arm. */
 export interface IntervalRow { arm: string; before: Ratio | undefined; after: Ratio | undefined }
 
 const ROW = 44;

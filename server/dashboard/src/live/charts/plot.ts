@@ -26,7 +26,7 @@ export interface Level {
 }
 /** A vertical line at a time, optionally with a label. */
 export interface Moment { timeMs: number; colour: string; label?: string }
-/** zero: from 0 upwards; unit: 0 to 1; log: logarithmic, values > 0. */
+/** The axis of values. zero: from 0 upwards; unit: 0 to 1; log: logarithmic, values > 0. */
 export type Scale = 'zero' | 'unit' | 'log';
 
 export interface Picture {
@@ -219,7 +219,7 @@ function options(now: () => Picture, width: number, height: number): uPlot.Optio
   };
 }
 
-/** Draws into `host`. Calls `now` at each redraw for the current data. A changed set of lines needs a new plot. */
+/** Draws into `host`. Calls `now` at each redraw for the current data. If the set of lines changes, create a new plot. */
 export const createPlot = (host: HTMLElement, now: () => Picture, width: number, height: number) =>
   new uPlot(options(now, width, height), dataOf(now()), host);
 

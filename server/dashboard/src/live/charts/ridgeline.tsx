@@ -35,7 +35,8 @@ export const SIDE = 12;
 const TICK_SIDE = 26; // pixels from the edge to the centre of a tick's text, so that the text is not cut off
 const ROOM_FOR_INTERVAL = 380; // minimum width in pixels at which the interval is written beside the arm's name
 
-// Costs increase to the right, and so do rewards. An axis of rewards that stand for costs (`tellsCosts`) is therefore mirrored.
+// An axis of rewards or, if `tellsCosts`, of the costs that the rewards stand for. Both increase to the right. Costs fall as rewards
+// rise, so an axis of costs has the highest reward on the left.
 interface Axis { low: number; high: number; x: (reward: number) => number; reward: (x: number) => number; tellsCosts: boolean }
 
 /** Returns a range of rewards that contains the posteriors of all measured rows. */

@@ -137,8 +137,8 @@ interface TimeFigureProps extends TimeChartProps {
   note?: ComponentChildren;
   names: readonly string[]; // parts of the names of exported files
   empty?: ComponentChildren; // shown instead of the chart if there is nothing to draw
-  unit?: string; // of the values in the table
-  laterMs?: number; // difference between real times, which tables have, and drawn times
+  unit?: string; // unit of the values in the table
+  laterMs?: number; // real time minus drawn time; the table shows real times
 }
 
 /** A time chart in a frame, whose table has the values of the lines. */

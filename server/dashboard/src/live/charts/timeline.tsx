@@ -245,7 +245,7 @@ export interface Mark {
   fromMs: number;
   toMs: number;
   count: number;
-  step: Step; // the first one
+  step: Step; // the first step of the run
 }
 export interface Timeline { spans: Span[]; shades: Shade[]; marks: Mark[] }
 
@@ -276,7 +276,7 @@ export function wordsOf({ sign, step: { kind, told } }: Mark): string {
 const goesOn = (run: Mark, next: Mark) =>
   run.isHollow && next.isHollow && run.arm === next.arm && run.step.told?.outcome === next.step.told?.outcome;
 
-/** REQUIRES: times ascend. `arms` are the arms that have a row. The last arm is shown until `endMs`. */
+/** Returns what to draw for the steps. REQUIRES: times ascend. `arms` are the arms that have a row. The last arm is shown until `endMs`. */
 export function timelineOf(steps: readonly Step[], arms: readonly string[], endMs: number): Timeline {
   const timeline: Timeline = { spans: [], shades: [], marks: [] };
   let lengths: Lengths = { cooldownMs: 0, settlingMs: 0 };

@@ -113,7 +113,7 @@ export function logTicks(low: number, high: number, count: number): number[] {
   return powersOnly.filter((_, i) => i % step === 0);
 }
 
-/** Wraps a function so that it computes each answer once. Views ask for all rows whenever one is added. */
+/** Wraps a function so that it computes its result for an object only once. Views request the results of all rows whenever one is added. */
 export function once<Of extends object, Answer>(compute: (of: Of) => Answer): (of: Of) => Answer {
   const known = new WeakMap<Of, { answer: Answer }>();
   return (of) => {

@@ -1,6 +1,6 @@
 // Merges the histograms that the daemon sends (message LogHistogram), and computes percentiles, with an error of at most 4.5 %.
 
-/** The fields of the message. */
+/** The fields of the message LogHistogram. `bucketSteps` are the differences between the numbers of consecutive buckets. */
 export interface LogHistogram { readonly bucketSteps: readonly number[]; readonly counts: readonly number[] }
 /** The number of values in each bucket. */
 export type Buckets = ReadonlyMap<number, number>;

@@ -21,7 +21,7 @@ export function Failure({ what, error, onRetry }: { what: string; error: ApiErro
 
 interface ReadProps<Value> { reading: Reading<Value>; what: string; onRetry?: () => void; children(value: Value): ComponentChildren }
 
-/** Shows a value that is read, or the error, or that the page waits for it. */
+/** Shows the value of a reading, or its error, or a note that the page waits for it. */
 export function Read<Value>({ reading: { value, error, again }, what, onRetry = again, children }: ReadProps<Value>) {
   if (error) return <Failure what={what} error={error} onRetry={onRetry} />;
   return value === undefined ? <Loading what={what} /> : <>{children(value)}</>;
@@ -31,7 +31,8 @@ const loaded = new Map<string, unknown>();
 
 interface LaterProps<Props> { name: string; load: () => Promise<ComponentType<Props>>; props: Props }
 
-/** Loads a view on first use. This fails after an update of the daemon, whose files have other names: then "Try again" reloads the page. */
+/** Loads a view on first use. This fails after an update of the daemon, because the files of the new version have other names. "Try again"
+ * then reloads the page. */
 export function Later<Props extends object>({ name, load, props }: LaterProps<Props>) {
   const known = loaded.get(name) as ComponentType<Props> | undefined;
   const reading = useReading(name, async () => known ?? load());

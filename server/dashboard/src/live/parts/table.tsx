@@ -115,7 +115,7 @@ function windowOf({ top, height }: { top: number; height: number }, count: numbe
   return [Math.min(Math.max(0, Math.floor(top / ROW_PX) - OVERSCAN), to), to];
 }
 
-// A changed filter or sorting changes the URL, and with it the order of the rows.
+// Returns the order of the rows, which is kept until the query of the URL changes. A changed filter or sorting changes the query.
 function useOrder<Row>() {
   const order = useRef(new RowOrder<Row>());
   const address = useRef('');

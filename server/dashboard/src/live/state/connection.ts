@@ -41,7 +41,7 @@ export function setConnection(stream: string, next: Omit<Connection, 'sinceMs'>)
 let heardMs = Date.now();
 let isAsking = false;
 
-/** Call it for each sign of life of the daemon. */
+/** Must be called for each event and each answer of the daemon, which show that the daemon can be reached. */
 export function heard(): void {
   heardMs = Date.now();
   staleSinceMs.value = 0;
@@ -49,7 +49,7 @@ export function heard(): void {
 
 async function ask(): Promise<void> {
   isAsking = true;
-  // Without an answer the silence continues.
+  // Without an answer `heard` is not called, so the time of silence grows.
   await fetch('/livez', { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) }).then(heard, () => undefined);
   isAsking = false;
 }

@@ -5,7 +5,7 @@ import { groupedBy } from './scenes';
 
 export const MAX_RECORDS = 200_000;  // the largest file that `sweepstake priors import` accepts
 
-// `example` is one of the records, for the fields that are equal in all of them.
+// Records that are equal in some fields. `example` is one of the records, from which these fields are read.
 export interface Group { key: string; example: PriorRecord; records: readonly PriorRecord[] }
 
 // Returns the groups of the records that are equal in these fields.

@@ -17,7 +17,7 @@ export function parseChecks(text: string): Check[] {
     .map(([, sign, name, problem, note]) => ({ name: name!, isOk: sign === '+', note: problem ?? note ?? '' }));
 }
 
-// By the name of a metric family: its values by their labels, such as `reason="MALFORMED_MESSAGE"`; '' for a value without labels.
+// The metric families by name. A family has its values by their labels, such as `reason="MALFORMED_MESSAGE"`; '' for a value without labels.
 export type Metrics = ReadonlyMap<string, ReadonlyMap<string, number>>;
 
 const SAMPLE = /^([a-zA-Z_:][\w:]*)(?:\{(.*)\})? (\S+)/;
@@ -73,7 +73,8 @@ export const checks = signal<readonly Check[] | undefined>(undefined);  // undef
 export const samples = signal<readonly Sample[]>([]);  // oldest first
 export const healthError = computed(() => checksError.value ?? figuresError.value);
 
-// Requests `path` and passes the text to `take`. If `take` finds nothing in it, that is an error, whatever the HTTP status.
+// Requests `path` and passes the text to `take`. `take` returns false if it finds nothing in the text.
+// That is an error, whatever the HTTP status.
 async function learn(path: string, take: (text: string) => boolean, problem: Signal<ApiError | undefined>): Promise<void> {
   try {
     const response = await fetch(path, { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) });

@@ -33,7 +33,8 @@ function withNextFrame(update: () => void): void {
 
 const timeOf = (stamp: EventStamp | undefined) => (stamp ? Number(stamp.unixMs) : Date.now());
 
-// Returns a listener of one stream. It calls `took` with each snapshot, and once per frame with the changes since.
+// Returns a listener of one stream. It calls `took` with each snapshot, and once per animation frame with the changes
+// since the previous call.
 function listener<Message>(stream: 'scenes' | 'sessions', took: (messages: readonly Message[], isSnapshot: boolean) => void): Listener<Message> {
   let waiting: Message[] | undefined;  // changes to apply at the next frame
   return {
@@ -109,7 +110,7 @@ function shareConnections(): void {
 
 // Starts the streams when the daemon has granted access, and again after a login.
 export function startLive(): void {
-  // The next animation frame of a hidden page comes when the page is shown again.
+  // When the page becomes hidden, applies the waiting updates now: its next animation frame comes only when the page is shown again.
   document.addEventListener('visibilitychange', () => document.hidden && applyUpdates());
   startPulse();
   void learnAccount();

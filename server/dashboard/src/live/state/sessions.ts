@@ -58,7 +58,7 @@ export function takeChanges(infos: readonly SessionInfo[], ended: readonly Sessi
   for (const end of ended) {
     const session = next.get(end.sessionId);
     if (!session) continue;
-    next.delete(end.sessionId);  // the ended ones are ordered by their end
+    next.delete(end.sessionId);  // and insert it again as the last one: ended sessions are ordered by their end
     next.set(end.sessionId, { ...session, ended: end });
   }
   sessions.value = forgetEnded(next);

@@ -60,12 +60,12 @@ export async function send(path: string, init: RequestInit = {}): Promise<Respon
 
 export const pathOf = (method: { parent: { typeName: string }; name: string }) => `${method.parent.typeName}/${method.name}`;
 
-// The request as JSON.
+// Returns the request as JSON.
 export function jsonOf<Input extends DescMessage>(schema: Input, request: MessageInitShape<Input>): string {
   return toJsonString(schema, create(schema, request));
 }
 
-// A newer daemon may send fields that this page does not know.
+// Reads a message from JSON. Ignores fields that this page does not know, which a newer daemon may send. Throws ApiError.
 export function messageOf<Output extends DescMessage>(schema: Output, json: string): MessageShape<Output> {
   try {
     return fromJsonString(schema, json, { ignoreUnknownFields: true });

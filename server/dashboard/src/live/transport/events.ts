@@ -50,7 +50,7 @@ export const delayAfter = (failures: number, random: number) =>
 export class Watch<Input extends DescMessage, Output extends DescMessage> {
   private lastId = '';  // id of the last event; empty: request a snapshot
   private isWhole = false;  // a complete snapshot was received
-  private snapshot: MessageShape<Output>[] | undefined;  // its messages so far
+  private snapshot: MessageShape<Output>[] | undefined;  // messages so far of a snapshot that is being received
   private failures = 0;
   private attempt: AbortController | undefined;
   private isClosed = false;
@@ -64,7 +64,7 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
     void this.run();
   }
 
-  // Connects at once if it waits to reconnect, as after a login.
+  // Ends the wait before the next attempt to connect, if there is one. For instance after a login.
   retry(): void {
     this.wake();
   }
@@ -111,7 +111,7 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
         silence = setTimeout(() => attempt.abort(), MAX_SILENCE_MS);
         this.listener.heard?.();
         if (event) this.take(event);
-        if (this.isWhole) this.failures = 0;  // only now, so that a snapshot that always breaks off is not requested without delay
+        if (this.isWhole) this.failures = 0;  // only after a whole snapshot: if each one breaks off, the delay must still grow
       }
       return asApiError(undefined);
     } finally {

@@ -88,7 +88,7 @@ interface SessionData {
   steps: readonly Step[];
   arms: string[];
   columns: CostColumns;
-  laterMs: number; // difference between real times and drawn times
+  laterMs: number; // real time minus drawn time
 }
 
 function useSession(id: string): SessionData {
@@ -105,11 +105,11 @@ function endsOf(columns: readonly (readonly (number | null)[])[]): [number, numb
   return [Math.min(...values), Math.max(0, ...values)];
 }
 
-// Returns when the session began. The page has only the end of a long log; then this is the log's first time.
+// Returns when the session began. If the page has only the end of a long log, returns the time of the first step that it has.
 const startOf = ({ steps }: SessionData, otherwiseMs: number) =>
   Number(steps.find(({ placed }) => placed?.setup)?.placed?.setup?.unixStartMs ?? 0) || (steps[0]?.timeMs ?? otherwiseMs);
 
-// Shifts the second session's times so that it begins when the first one does.
+// Shifts the times of a session so that it begins at `startMs`, the start of the session that it is compared with.
 const laidTo = (startMs: number, data: SessionData): SessionData => {
   const laterMs = startOf(data, startMs) - startMs;
   const steps = data.steps.map((step) => ({ ...step, timeMs: step.timeMs - laterMs }));
@@ -132,7 +132,7 @@ function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain,
   );
 }
 
-/** A selection of another session of the same scene to compare with. */
+/** A list from which the user selects another session of the same scene to compare with. */
 export function CompareWith({ info }: { info: SessionInfo }) {
   const others = [...sessions.value].filter(([id, { info: { project, scene } }]) => id !== info.sessionId && project === info.project && scene === info.scene)
     .map(([id]) => id);

@@ -17,7 +17,7 @@ import { explainedRow } from '../audit/explain';
 import { Why } from './session/why';
 import { kindWord, outcomeWord } from './words';
 
-/** Number of pages. `sweepstake audit export` reads older rows. */
+/** Maximum number of pages. `sweepstake audit export` reads older rows. */
 const MAX_PAGE = 100;
 const ADMIN = 'admin'; // session id of the rows of administrators; no real session has it
 

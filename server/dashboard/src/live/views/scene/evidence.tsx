@@ -14,7 +14,7 @@ const NO_EVIDENCE = 'No evidence of this scene is stored yet.';
 const find = (parts: readonly CompareBuildsResponse[], { machineClass, rewardVersion }: SceneName) =>
   parts.flatMap(({ scenes }) => scenes).find((scene) => scene.machineClass === machineClass && scene.rewardVersion === rewardVersion);
 
-/** Returns a row per arm and way of measuring. */
+/** Returns one row per arm for its live evidence, and one for its evidence from the shadow lane. */
 function measuredRows(scene: SceneComparison | undefined): RidgeRow[] {
   return (scene?.arms ?? []).flatMap(({ arm, after }): RidgeRow[] => {
     const known = (['live', 'lane'] as const).filter((measured) => after?.[measured]);
@@ -22,7 +22,7 @@ function measuredRows(scene: SceneComparison | undefined): RidgeRow[] {
   });
 }
 
-/** Returns a row per arm: the evidence of all builds, and behind it that of the builds before. */
+/** Returns a row per arm: its posterior from all builds, drawn over its posterior from the earlier builds. */
 function priorRows(scene: SceneComparison | undefined): RidgeRow[] {
   return (scene?.arms ?? []).flatMap(({ arm, before, after }): RidgeRow[] => (after?.posterior
     ? [{ arm, label: arm, posterior: after.posterior, measured: after.live ? 'live' : 'lane', ...(before?.posterior && { before: before.posterior }) }] : []));

@@ -32,7 +32,7 @@ export interface CostChartsProps {
   domain: Range;
   names: readonly string[];
   ends?: Ends; // ranges of axes that two sessions share
-  laterMs?: number; // difference between real times, which tables have, and drawn times
+  laterMs?: number; // real time minus drawn time; the tables show real times
 }
 
 export function CostCharts({ columns, moments, domain, names, ends, laterMs = 0 }: CostChartsProps) {

@@ -69,7 +69,7 @@ export function switchMoments(steps: readonly Step[], arms: readonly string[]): 
   return moments;
 }
 
-/** The costs of a session's frames as columns of charts, thinned to the extremes. */
+/** The costs of a session's frames as columns of charts. If there are many points, has only those where a column is lowest or highest. */
 export interface CostColumns {
   timesMs: number[];
   frame: (number | null)[][]; // window mean, p50, p95, p99 in ms
