@@ -131,8 +131,8 @@ absl::Status Judge(const absl::StatusOr<std::string>& verdict, const fs::path& p
 absl::Status CheckPages(SqliteDatabase& database, const fs::path& path) {
   absl::Status status = Judge(database.QueryText("PRAGMA quick_check(1)"), path);
   // quick_check does not compare indices with their tables, and a scene that is missing from its
-  // index would be created a second time. integrity_check compares them. It omits the tables of the
-  // audit log, which are most of the file.
+  // index would be created a second time. So integrity_check runs for all tables except those of
+  // the audit log, which are most of the file.
   auto tables = database.QueryText(
       "SELECT group_concat(name) FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE "
       "'audit%'");

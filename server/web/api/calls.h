@@ -19,15 +19,16 @@
 
 namespace sweepstake::web {
 
-// Reports that the client has read a response. The value is true if it has, false if the client
-// disconnected first. In both cases the last copy is destroyed then.
+// Reports what happened to a response of a stream. The last copy is destroyed when the connection
+// has taken the response to send it, with the value true, or when the client has disconnected, with
+// the value false.
 using Taken = std::shared_ptr<bool>;
 using OnResponse =
     std::function<void(const std::shared_ptr<const google::protobuf::Message>&, Taken)>;
 using OnEnd = std::function<void(const absl::Status&)>;
 // Begins a call. `peer` is the client's address in gRPC's format. Returns false if the method
 // cannot be called. The callbacks are called on any thread; `on_end` is called once, last. A stream
-// produces its next response after the client has read the previous one.
+// produces its next response after the previous one was taken.
 using BeginCall = std::function<bool(
     std::shared_ptr<const google::protobuf::Message> request, const std::string& peer,
     const std::optional<std::string>& token, OnResponse on_response, OnEnd on_end)>;

@@ -41,7 +41,7 @@ export function setConnection(stream: string, next: Omit<Connection, 'sinceMs'>)
 let heardMs = Date.now();
 let isAsking = false;
 
-/** Must be called for each event and each answer of the daemon, which show that the daemon can be reached. */
+/** Must be called for each event and comment of a stream, and for each answer of /livez: they show that the daemon can be reached. */
 export function heard(): void {
   heardMs = Date.now();
   staleSinceMs.value = 0;

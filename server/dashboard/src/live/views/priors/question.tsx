@@ -25,14 +25,14 @@ const DEEDS = {
     none: 'Nothing would count: no evidence in quarantine matches.', method: PriorsService.method.promotePriors },
 } as const;
 
-interface Asked { action: Action; scope: Scope; isOpen: boolean } // open: the user selects the sources in the dialog
+interface Asked { action: Action; scope: Scope; isOpen: boolean } // isOpen: the user selects the sources in the dialog
 
 const asked = signal<Asked | undefined>(undefined);
 const REASON_ID = 'priors-reason';
 
 const operatorReason = () => (isOperator.value ? '' : `Promoting and revoking need the role operator; yours is ${account.value?.role ?? 'not known'}.`);
 
-/** The reason why the buttons are disabled, if they are. */
+/** Shows why the buttons to promote and to revoke are disabled; empty if they are not. */
 export const OperatorReason = () => <span id={REASON_ID} class="soft">{operatorReason()}</span>;
 
 interface ButtonProps { scope: Scope; of?: string }
@@ -45,10 +45,12 @@ function QuestionButton({ action, scope, of, isOpen, all }: ButtonProps & { acti
   );
 }
 
-/** Opens the dialog for the sources of the scope. Without `of`, the user selects the sources. */
+/** A button that opens the dialog to revoke evidence. `scope` selects the sources, and `of` names them, such as "build 1.2". Without
+ * `of`, the user selects the sources in the dialog. */
 export const RevokeButton = (props: ButtonProps) => <QuestionButton {...props} action="revoke" isOpen={!props.of} all="Revoke …" />;
 
-/** Opens the dialog for the scope's evidence in quarantine. Without `of`, it is all of it. */
+/** A button that opens the dialog to promote evidence in quarantine. `scope` selects the sources, and `of` names them. Without `of`,
+ * the button is called "Promote all". */
 export const PromoteButton = (props: ButtonProps) => <QuestionButton {...props} action="promote" isOpen={false} all="Promote all …" />;
 
 const many = (count: bigint, one: string, several = `${one}s`) => `${grouped(Number(count))} ${count === 1n ? one : several}`;
@@ -185,7 +187,7 @@ function Dialog({ question: { action, scope: start, isOpen }, known, onClose, on
   );
 }
 
-/** The dialog of the buttons. `onDone` is called when evidence may have changed. */
+/** The dialog that RevokeButton and PromoteButton open. `onDone` is called when evidence may have changed. */
 export function PriorsQuestion({ known, onDone }: { known: Known; onDone(): void }) {
   const close = () => { asked.value = undefined; };
   useEffect(() => close, []);
