@@ -13,7 +13,7 @@ using Problem = std::optional<std::string>;
 
 int64_t Divided(int64_t interval_ns, double time_scale) {
   const double scaled = static_cast<double>(interval_ns) / time_scale;
-  // An interval above 0 stays above 0, because 0 means something else or is invalid.
+  // Keeps a positive interval positive. An interval of 0 has its own meaning ("off") or is invalid.
   return interval_ns > 0 ? std::max<int64_t>(1, static_cast<int64_t>(scaled)) : interval_ns;
 }
 

@@ -1,4 +1,4 @@
-// Every number of the mechanism, with the paper's value as default (paper §4 and §6.3).
+// All settings of a decision session. The defaults are the paper's values (paper §4 and §6.3).
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,13 @@ struct RewardWeights {
 struct DecisionOptions {
   std::string policy = "default";  // one of PolicyNames() (session/policy_registry.h)
   RewardWeights weights;
-  int64_t decision_interval_ns = 2'000'000'000;  // Δt, > 0
-  // Minimum time from an executed switch, of any reason, to the next one by the policy, >= 0.
+  int64_t decision_interval_ns = 2'000'000'000;  // Δt, the time between two ticks; > 0
+  // Minimum time from the latest executed switch, whatever its reason, to the next switch that the
+  // policy commands, >= 0.
   int64_t cooldown_ns = 40'000'000'000;
-  // Frame time after the first frame on the new arm, >= 0.
+  // Frame time after the first frame on the new arm during which nothing is learnt, >= 0.
   int64_t settling_ns = 2'000'000'000;
-  // A frame longer than this is a bail-out, > 0. A time scale does not divide it.
+  // A frame longer than this is a bail-out, > 0. Scaled() leaves it unchanged.
   int64_t bail_out_ns = 5'000'000'000;
   int64_t exploration_warm_up_ns = 2'000'000'000;  // time per arm, >= 0
   int64_t exploration_measure_ns = 4'000'000'000;  // time per arm, > 0
@@ -36,13 +37,13 @@ struct DecisionOptions {
   DecisionOptions Scaled(double time_scale) const;
 };
 
-// The maximum valid values.
+// The largest values that NumberProblems accepts.
 inline constexpr int64_t kMaxIntervalNs = 8'640'000'000'000'000;  // 100 days
 inline constexpr double kMaxPenalty = 1e6;
 inline constexpr double kLargestFpsFloor = 1000;
 
-// Returns which numbers are wrong and how to correct them, a line for each; nothing if all are
-// valid. The policy's name is not checked here (session/session_setup.h).
+// Returns one line per invalid number, which says how to correct it. Empty if all are valid. The
+// policy's name is checked in session/session_setup.h.
 std::vector<std::string> NumberProblems(const DecisionOptions& options);
 
 }  // namespace sweepstake::decision

@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kTypicalStep = 1.02;  // relative step of the typical time per frame
 constexpr double kMaxCalmRatio = 2;
-// At most 1 in kFramesPerInterruption frames is assumed to be an interruption.
+// Up to 1 in kFramesPerInterruption long frames counts as an interruption of the frame thread. More
+// of them are the arm's own cost.
 constexpr uint64_t kFramesPerInterruption = 5;
 
 }  // namespace
@@ -36,7 +37,8 @@ void Window::Add(const FrameSample& frame) {
   peak_bytes_ = std::max(peak_bytes_, frame.native_bytes);
 }
 
-// Stochastic-approximation median: steps up or down by a fixed ratio.
+// Adds a frame to the calm frames. The typical time approximates the median by stochastic
+// approximation: each frame moves it up or down by the factor kTypicalStep.
 void Window::AddCalm(double detection_ns) {
   if (detection_ns == 0) return;
   ++calm_frame_count_;

@@ -1,7 +1,7 @@
-// The frames since the last decision tick in one switch epoch, and their mean costs (paper §4).
+// The frames of one switch epoch since the last decision tick, and their mean costs (paper §4).
 //
-// The sums are doubles, so that no input overflows them. They are added in the order of the frames,
-// so that the result has the same bits everywhere.
+// The sums are doubles, so no input overflows them. Frames are added in their order, so the sums
+// have the same bits on every platform.
 #pragma once
 
 #include <cstdint>
@@ -10,35 +10,36 @@
 
 namespace sweepstake::decision {
 
-// The metrics of a window that a reward is computed from.
+// What a reward is computed from.
 struct WindowMetrics {
   double fps = 0;           // frames ÷ unscaled time; infinite if the frames took no time
   double detection_ms = 0;  // mean of update and search per frame
-  // The mean over the calm frames: frames with a search, each limited to twice the typical time of
-  // the run. If more than a fifth of the frames are longer, they are not limited. An interruption
-  // of the frame thread lengthens a few frames to many times their time, and is not a cost of the
-  // arm; nor is the number of searches that a game makes.
+  // Mean detection time of the calm frames: frames with a search, each limited to twice the typical
+  // time of the run. The limit removes interruptions of the frame thread, which make a few frames
+  // many times longer and are not a cost of the arm. It is not applied if more than a fifth of the
+  // frames exceed it. Frames without a search are left out, so that the mean does not depend on how
+  // often a game searches.
   double calm_detection_ms = 0;
-  double native_mib = 0;  // maximum
-  // Checks ÷ n(n−1)/2, both summed over the frames. Without any pair it is 0 if nothing was
-  // checked, else 1.
+  double native_mib = 0;  // largest value of the frames
+  // Checks ÷ n(n−1)/2, both summed over the frames. If the frames had no pairs, it is 0 without
+  // checks and 1 with checks.
   double check_ratio = 0;
   bool IsFinite() const;
 };
 
 class Window {
  public:
-  // A frame with kFrameRebuild counts in every metric except the detection means, which are those
-  // of the arm's ordinary frames. If every frame of the window rebuilt, because the object count
-  // changes all the time, the mean is over all frames: rebuilding is part of the arm's cost.
+  // Adds a frame. A frame with kFrameRebuild counts in all metrics except the two detection means,
+  // which describe ordinary frames. If every frame of the window is a rebuild frame (the object
+  // count changes all the time), the means are over all frames.
   void Add(const FrameSample& frame);
-  // Begins the next window of the same run. The typical time is kept.
+  // Begins the next window of the same run and keeps the typical time.
   void Clear();
 
   bool empty() const { return frame_count_ == 0; }
   uint64_t frame_count() const { return frame_count_; }
-  // Returns whether the window shows the cost of its arm: a frame searched without a rebuild, or
-  // all of them rebuilt. In a menu there may be none.
+  // Returns whether the window shows the cost of its arm. That holds if a frame searched without a
+  // rebuild, or if all frames rebuilt and detection took time. A game in a menu may show neither.
   bool tells_cost() const {
     return calm_frame_count_ > 0 || (ordinary_frame_count_ == 0 && rebuild_detection_ns_ > 0);
   }
@@ -72,10 +73,10 @@ class Window {
   uint64_t ordinary_frame_count_ = 0;  // frames that did not rebuild
   double time_ns_ = 0;
   double ordinary_detection_ns_ = 0;
-  double calm_detection_ns_ = 0;     // each frame limited to twice the typical time
+  double calm_detection_ns_ = 0;     // sum; each frame limited to twice the typical time
   uint64_t calm_frame_count_ = 0;    // ordinary frames with a search
   uint64_t long_frame_count_ = 0;    // frames above twice the typical time
-  double typical_detection_ns_ = 0;  // near the median of the run's searches; 0: none yet
+  double typical_detection_ns_ = 0;  // approximate median of the run's searches; 0: no search yet
   double rebuild_detection_ns_ = 0;
   double check_count_ = 0;
   double pair_count_ = 0;  // n(n−1)/2, summed over the frames

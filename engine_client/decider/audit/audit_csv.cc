@@ -11,7 +11,8 @@ using Lines = std::vector<std::vector<std::string>>;
 
 constexpr std::ptrdiff_t kKeyColumns = 4;  // item, session, segment, row
 
-// Writes the cells of a row, or the names of the columns into the first line.
+// Visits the fields of a row and writes their values, or their names for the header line, into
+// cells.
 class CellWriter {
  public:
   explicit CellWriter(bool writes_names) : writes_names_(writes_names) {}
@@ -47,7 +48,7 @@ class CellWriter {
   Lines lines() && { return std::move(lines_); }
 
  private:
-  // Leaves the columns of an absent value empty.
+  // Advances over the columns of an absent value and leaves their cells empty.
   template <typename T>
   void Skip(std::string_view name) {
     const bool skipped = std::exchange(skips_, true);

@@ -1,10 +1,12 @@
 // The audit log as a CSV file (RFC 4180, UTF-8), for `sweepstake audit export` and `run --csv`.
 //
-// There is one column per field; the name of a nested field is the path to it, joined by
-// underscores. A row of the log has one line, and one more for each further item of its longest
-// list: the column `item` counts them from 0, and an item's line repeats only the session, the
-// segment and the row. A field that does not apply to its row is empty. Numbers are the shortest
-// decimal text that reads back as the same bits.
+// There is one column per field. The column of a nested field is named by the path to it, joined by
+// underscores. Numbers are the shortest decimal text that reads back as the same bits. Fields that
+// a row does not use are empty.
+//
+// Row fields that are lists need several lines: the row has as many lines as its longest list has
+// items, and at least one. The column `item` counts them from 0. Lines after the first repeat only
+// the session, the segment and the row number.
 #pragma once
 
 #include <cstddef>
@@ -23,28 +25,29 @@ const std::vector<std::string>& AuditColumns();
 // Returns the cells of a row, line by line.
 std::vector<std::vector<std::string>> AuditCells(const AuditRow& row);
 
-// Return the header line and the lines of a row, without the last line end.
+// Return the header line, and the lines of a row. Neither ends with a line break.
 std::string AuditHeader();
 std::string AuditLines(const AuditRow& row);
 
-// Reads a file that AuditLines has written, row by row. Not linked by games, because not every
-// standard library has the std::from_chars for floating-point numbers that it uses.
+// Reads, row by row, a file that AuditLines wrote. Games do not link it, because some standard
+// libraries lack the std::from_chars for floating-point numbers that it needs.
 class AuditCsvReader {
  public:
   // `csv` must outlive the reader.
   explicit AuditCsvReader(std::string_view csv);
 
-  // Returns false at the end and if the file is wrong (problem()).
+  // Reads the next row. Returns false at the end of the file and after an error (problem()).
   bool Next(AuditRow& row);
 
-  // The first line of the latest row, from 1.
+  // Line number of the latest row's first line; the file begins with line 1.
   size_t line() const { return line_; }
-  // Empty if there is none; if it is about one cell, column() is its name.
+  // The error, or empty if there was none. column() names the cell's column if the error concerns
+  // one cell.
   const std::string& problem() const { return problem_; }
   const std::string& column() const { return column_; }
 
  private:
-  // Moves `ahead_` to the next line. Returns false at the end and if the line is wrong.
+  // Reads the next line into `ahead_`. Returns false at the end of the file and after an error.
   bool ReadAhead();
 
   CsvReader lines_;

@@ -1,4 +1,4 @@
-// The reading half of audit_csv.h.
+// AuditCsvReader of audit_csv.h. Its writing half is in audit_csv.cc.
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -11,14 +11,14 @@ namespace {
 
 using Lines = std::vector<std::vector<std::string>>;
 
-// A cell of a row.
+// The position of a cell within the lines of a row.
 struct Place {
   size_t item = 0;
   size_t column = 0;
 };
 
-// Reads the fields of a row from its cells. An optional value is there if one of its cells has
-// text, and a list has as many items as lines with text.
+// Reads the fields of a row from its cells. An optional value is present if one of its cells has
+// text. A list has as many items as there are lines with text in its columns.
 class CellReader {
  public:
   explicit CellReader(const Lines& lines) : lines_(lines) {}
@@ -60,13 +60,13 @@ class CellReader {
   }
 
   const Lines& lines_;
-  size_t column_ = 1;  // after `item`
+  size_t column_ = 1;  // starts after the column `item`
   size_t item_ = 0;
   bool found_text_ = false;
   std::optional<Place> wrong_;
 };
 
-// Returns the first cell that differs from what the writer makes of the row.
+// Writes the row again and returns the first cell whose text differs from the file's.
 std::optional<Place> OddPlace(const AuditRow& row, const Lines& lines) {
   Lines written = AuditCells(row);
   written.resize(lines.size(), std::vector<std::string>(AuditColumns().size()));

@@ -9,8 +9,8 @@
 namespace sweepstake::decision {
 namespace {
 
-// Hashes fields: a number as the eight bytes of its value, a text and a list after their length,
-// and an optional after whether it is there.
+// Hashes fields: a number as the eight bytes of its value, a text or list after its length, an
+// optional after one number that says whether it is present.
 class FieldHash {
  public:
   explicit FieldHash(uint64_t before) : hash_(before) {}
@@ -46,8 +46,8 @@ class FieldHash {
   uint64_t hash_;
 };
 
-// Makes the rows of one session and hands them to the sink. A decision's row is begun with its
-// inputs and ended with the decision, by one call of the session.
+// Makes the rows of one session and passes them to the sink. One call of the session makes a
+// decision's row: OnTick or OnBailOut begins it with the inputs, OnDecision completes it.
 class AuditRecorder final : public DecisionObserver {
  public:
   // Records the setup's row.
@@ -73,7 +73,8 @@ class AuditRecorder final : public DecisionObserver {
   const PolicyKind& policy_;
   uint64_t row_count_ = 0;
   uint64_t hash_ = math::kFnv1aStart;
-  // Shared by all sessions of a thread: a row is always ended before the next one begins.
+  // One row object per thread, shared by all its sessions. Each row is completed before the next
+  // begins.
   static thread_local AuditRow row_;
 };
 
@@ -88,7 +89,7 @@ AuditRecorder::AuditRecorder(AuditSink& sink, AuditOrigin origin, const SessionS
       policy_(policy) {
   Begin(AuditKind::kSetup, setup.start_ns);
   row_.setup = {std::move(origin), setup};
-  // The log names the policy itself, because what "default" stands for may change.
+  // Log the policy's own name, because the meaning of "default" may change in a later version.
   row_.setup->setup.options.policy = policy.name;
   End();
 }

@@ -1,20 +1,21 @@
 // A row of the audit log as a plain value, and the list of its fields.
 //
-// The log of a session has one row per decision and per event that decisions depend on. Every
-// decision can be derived from it again, bit for bit, on any platform (rederive.h).
+// A session's log has one row per decision and one per event that decisions depend on. A replay
+// derives every decision again, bit for bit, on any platform (rederive.h).
 //
-// A segment is the life of one DecisionSession: it begins with its `setup` row, and its rows are
-// numbered from 1. Frames are not logged one by one, since a game makes some 3 kB of them in a
-// second. Instead, each event logs what the frames before it amount to, the state of the arms' runs
-// (decider/session/arm_runs.h). A log may therefore lack its last rows. Where a daemon has removed
-// the oldest rows, or could not write some, a `missing` row stands in their place: the decisions
-// after it cannot be derived.
+// A segment is the lifetime of one DecisionSession. It begins with its `setup` row, and its rows
+// are numbered from 1. Frames are not logged one by one, because a game produces about 3 kB of them
+// per second. Instead, each event's row contains the state that the frames before it led to: the
+// arms' runs (decider/session/arm_runs.h).
+//
+// A log may end early, without its last rows. If a daemon removed the oldest rows, or failed to
+// write some, a `missing` row stands in their place. Decisions after it cannot be derived.
 //
 // VisitFields(row, visit) calls visit(name, member) for every field, in an order that never
-// changes; the member is a number, an enumeration, a string, a struct with fields of its own, or a
+// changes. The member is a number, an enumeration, a string, a struct with fields of its own, or a
 // std::optional or std::vector of these. The hash, the CSV file and the protobuf message
-// (sweepstake.v1.AuditRow) have these fields under these names. A new member of a struct does not
-// compile until it is visited.
+// (sweepstake.v1.AuditRow) have these fields under these names. VisitFields unpacks each struct
+// completely, so a struct with a new member does not compile until the member is visited.
 #pragma once
 
 #include <array>
@@ -35,40 +36,40 @@ namespace sweepstake::decision {
 // The same values as sweepstake.v1.AuditKind.
 enum class AuditKind : uint32_t {
   kSetup = 1,    // the segment begins
-  kTick = 2,     // a decision at its time
+  kTick = 2,     // a decision at the time of a tick
   kBailOut = 3,  // a decision because of a frame over the limit
   kSwitch = 4,   // the game executed a switch
   kRefusal = 5,  // the game refused a command
   kMode = 6,     // the game changed its mode
-  kOrder = 7,    // an operator ordered a mode
-  kMissing = 8,  // rows are missing from this number on
-  kAdmin = 9,    // an administrator did something
+  kOrder = 7,    // an operator ordered the game to change its mode
+  kMissing = 8,  // rows from this number on are missing
+  kAdmin = 9,    // an action of an administrator
 };
 
-// Words by value.
+// The text of each kind, indexed by its value.
 inline constexpr std::array<std::string_view, 10> kAuditKindNames = {
     "", "setup", "tick", "bail-out", "switch", "refusal", "mode", "order", "missing", "admin"};
 
-// Where a segment comes from. This is for people; decisions do not depend on it.
+// Describes where a segment comes from, for people who read the log. Decisions do not depend on it.
 struct AuditOrigin {
   std::string session_id;
-  uint32_t segment = 1;  // a session that goes on after a restart begins a new one
+  uint32_t segment = 1;  // a session that continues after a restart has a new segment
   std::string project;
   std::string scene;
   std::string machine_class;
   std::string program_version;
-  std::vector<uint32_t> backend_versions;  // holds one per arm, or none
+  std::vector<uint32_t> backend_versions;  // one per arm, or empty
   int64_t unix_start_ms = 0;               // wall clock; 0 if unknown
-  // Describes the sources of the priors and their weights, one text each.
+  // One text per group of prior sources: its description and weight.
   std::vector<std::string> prior_sources = {};
 };
 
 struct AuditSetup {
-  AuditOrigin origin;  // without the session and the segment, which every row has
+  AuditOrigin origin;  // session_id and segment are not logged here: AuditRow has them
   SessionSetup setup;
 };
 
-// The result of a tick or a bail-out. Lists have one item per arm, or none.
+// The result of a tick or a bail-out. Each list has one item per arm, or is empty.
 struct AuditDecision {
   uint64_t id = 0;
   std::string policy;
@@ -76,12 +77,12 @@ struct AuditDecision {
   std::string active_arm;
   std::string candidate;  // empty: none
   DecisionOutcome outcome{};
-  std::optional<double> reward;  // absent: nothing was learnt
+  std::optional<double> reward;  // absent: nothing was learnt from a window
   std::optional<Increment> increment;
   std::vector<BetaPosterior> posteriors;  // after the update
   std::vector<double> draws;
   std::vector<double> best_probability;
-  std::string leader;  // empty: nothing is learnt
+  std::string leader;  // empty: nothing was learnt yet
   double expected_loss_ratio = 0;
   double entropy = 0;
   Verdict verdict = Verdict::kUnknown;
@@ -89,8 +90,9 @@ struct AuditDecision {
   double propensity = 1;
 };
 
-// Inputs come first, so that everything derived depends only on fields before it and on rows
-// before. The arms of `runs`, `frame`, `switch_cost`, `shadow` and increments are indices.
+// The comment on a field names the kinds of rows that use it. Inputs come before results, so each
+// result depends only on earlier fields and earlier rows. `runs`, `frame`, `switch_cost`, `shadow`
+// and increments refer to arms by index.
 struct AuditRow {
   std::string session;
   uint32_t segment = 1;
@@ -102,10 +104,11 @@ struct AuditRow {
   std::optional<FrameSample> frame = {};      // bail-out
   std::vector<ShadowSample> shadow = {};      // tick
   std::optional<SceneDescriptor> scene = {};  // tick
-  std::optional<uint64_t> command_id = {};    // refusal: refused; decision: commanded
-  // switch, mode: active from now on; order: to be; decision: commanded
+  std::optional<uint64_t> command_id = {};    // refusal: the refused one; decision: the one issued
+  // switch, mode: the arm that is active from now on; order: the ordered arm; decision: the
+  // commanded arm
   std::string arm = {};
-  SwitchReason reason{};                       // of the switch or of the command; 0: none
+  SwitchReason reason{};                       // switch, or decision with a command; 0: none
   std::optional<uint32_t> switch_epoch = {};   // switch
   std::optional<SwitchCost> switch_cost = {};  // switch
   Mode mode{};                                 // mode, order; 0: none
@@ -113,8 +116,8 @@ struct AuditRow {
   std::optional<int64_t> unix_ms = {};         // admin: wall clock
   std::string action = {};                     // admin: what the operator did
   std::optional<AuditDecision> decision = {};  // tick, bail-out
-  // A hash of the segment up to here, so that an edit is found even if no decision depends on it.
-  // It protects against accidents, not against forgery.
+  // Hash of the segment up to and including this row. It reveals an edit even of a field that no
+  // decision depends on. It protects against accidents, not against forgery.
   uint64_t log_hash = 0;
 };
 
@@ -170,12 +173,13 @@ void VisitFields(T& logged, Visit&& visit) {
   visit("decision_count", decision_count);
 }
 
-// For the classes of the runs, which visit their private members themselves.
+// For classes with private members (Window, ArmRun, ArmRuns), which provide VisitFields as a static
+// member function.
 template <typename T, typename Visit>
 requires requires(T& fields, Visit& visit) { T::VisitFields(fields, visit); }
 void VisitFields(T& fields, Visit&& visit) { T::VisitFields(fields, visit); }
 
-// Decisions do not depend on the frame's index and its pairs, which are not logged.
+// Leaves out the frame's index and pair count, because decisions do not depend on them.
 template <EitherConst<FrameSample> T, typename Visit>
 void VisitFields(T& frame, Visit&& visit) {
   auto& [index, frame_time_ns, detection_time_ns, aabb_check_count, native_bytes, pair_count,
@@ -281,7 +285,7 @@ void VisitFields(T& decision, Visit&& visit) {
   visit("propensity", decision.propensity);
 }
 
-// All fields of the row except log_hash.
+// Visits all fields of the row except log_hash.
 template <EitherConst<AuditRow> T, typename Visit>
 void VisitHashedFields(T& row, Visit&& visit) {
   visit("session", row.session);
@@ -312,7 +316,7 @@ void VisitFields(T& row, Visit&& visit) {
   visit("log_hash", row.log_hash);
 }
 
-// The shapes of a member, for visitors.
+// Tell visitors whether a member is a struct with fields, a std::optional or a std::vector.
 template <typename T>
 concept AuditStruct = requires(T& fields) {
   decision::VisitFields(fields, [](std::string_view, auto&) {});

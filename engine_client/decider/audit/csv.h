@@ -21,18 +21,19 @@ void AppendCsvLine(std::string& out, const Cells& cells) {
   }
 }
 
-// Reads record by record. Lines end with LF or CR LF; the last line end may be missing.
+// Reads record by record. Lines end with LF or CR LF. The last line may lack its line break.
 class CsvReader {
  public:
   // `text` must outlive the reader.
   explicit CsvReader(std::string_view text) : text_(text) {}
 
-  // Reads the next record's cells. Returns false at the end and if the text is wrong (problem()).
+  // Reads the cells of the next record. Returns false at the end of the text and after an error
+  // (problem()).
   bool Next(std::vector<std::string>& cells);
 
-  // Line of the latest record, from 1.
+  // Line number at which the latest record begins, from 1.
   size_t line() const { return line_; }
-  // Empty if there is none.
+  // The error, or empty if there was none.
   const std::string& problem() const { return problem_; }
 
  private:

@@ -1,7 +1,8 @@
-// A field of the audit log as text, and back, without loss on any platform. Pure functions.
+// Converts a field of the audit log to text and back. No value changes on the way, on any platform.
+// Pure functions.
 //
-// A double is the shortest text that reads back as the same bits (std::to_chars). An enumeration is
-// its word, or its number if it has none.
+// A double becomes the shortest text that reads back as the same bits (std::to_chars). An
+// enumeration value becomes its name, or its number if it has no name.
 #pragma once
 
 #include <charconv>
@@ -36,7 +37,7 @@ std::string FieldText(const T& value) {
   }
 }
 
-// Returns whether the text is a value. An empty one leaves it as it is.
+// Returns false if the text is not a value of this type. Empty text leaves `value` unchanged.
 template <typename T>
 bool ReadField(std::string_view text, T& value) {
   if (text.empty()) return true;

@@ -15,7 +15,7 @@
 namespace sweepstake::decision {
 namespace {
 
-// A problem and its column; without a column the row as a whole is wrong.
+// An error in a row. `column` is empty if no single column is wrong.
 struct Problem {
   std::string column;
   std::string message;
@@ -47,7 +47,7 @@ Result Compare(const AuditRow& logged, const AuditRow& derived) {
   return Problem{kHashColumn, "does not match: a field of this row was edited"};
 }
 
-// Whether the sums of the arms' runs are finite and not negative.
+// Checks that every sum in the arms' runs is finite and not negative.
 struct SumCheck {
   bool ok = true;
 
@@ -68,7 +68,8 @@ class Segment final : public AuditSink {
  public:
   explicit Segment(PolicyRegistry policies) : policies_(policies) {}
 
-  // Applies the row's event and compares the row that it leads to with the logged one.
+  // Applies the row's event to the session, and compares the row that the session makes with the
+  // logged one.
   Result Take(const AuditRow& row) {
     if (Result problem = Apply(row)) return problem;
     return Compare(row, derived_);
@@ -83,7 +84,8 @@ class Segment final : public AuditSink {
   Result ApplySwitch(const AuditRow& row);
   Result ApplyOrder(const AuditRow& row);
   Result ReadTime(const AuditRow& row);
-  // Restores the runs, in place of the frames since the previous row.
+  // Restores the arms' runs from the row. The log has them instead of the frames since the previous
+  // row.
   Result RestoreRuns(const AuditRow& row);
   Result ReadArm(const AuditRow& row, uint32_t& arm) const;
 
@@ -168,7 +170,7 @@ Result Segment::ApplyOrder(const AuditRow& row) {
 }
 
 Result Segment::ReadTime(const AuditRow& row) {
-  constexpr int64_t kLatestNs = int64_t{1} << 62;  // 146 years; differences of two do not overflow
+  constexpr int64_t kLatestNs = int64_t{1} << 62;  // 146 years; no difference overflows
   now_ns_ = row.time_ns.value_or(kLatestNs + 1);
   if (now_ns_ >= -kLatestNs && now_ns_ <= kLatestNs) return std::nullopt;
   return Problem{"time_ns", "is empty or out of the range of a clock"};
@@ -191,12 +193,12 @@ Result Segment::ReadArm(const AuditRow& row, uint32_t& arm) const {
   return std::nullopt;
 }
 
-// The derivation of a whole log.
+// Derives a whole log again, segment by segment.
 class Rederivation {
  public:
   explicit Rederivation(PolicyRegistry policies) : policies_(policies) {}
 
-  // Takes the next row, which is on this line of the file. Returns false after a difference.
+  // Processes the next row. `line` is its line in the file, or 0. Returns false after a difference.
   bool Take(const AuditRow& row, uint64_t line = 0) {
     if (Result problem = Check(row)) {
       report_.difference = {line,    row.session,     row.segment,
@@ -257,7 +259,7 @@ class Rederivation {
     return std::nullopt;
   }
 
-  // Checks that the hash of a row that cannot be derived continues the hash of the row before it.
+  // For a row that cannot be derived: checks that its hash continues the hash of the row before it.
   Result CheckHash(const AuditRow& row) {
     if (hash_ && AuditHash(*hash_, row) != row.log_hash)
       return Problem{kHashColumn, "does not match: a field of this row was edited"};
@@ -270,10 +272,10 @@ class Rederivation {
   std::set<std::string> sessions_;
   std::set<SegmentKey> segments_;
   const SegmentKey* current_ = nullptr;
-  std::unique_ptr<Segment> segment_;  // null after missing rows, and for administrators
-  uint64_t row_in_segment_ = 0;       // the latest row's number
-  bool after_missing_ = false;        // whether the latest row was a `missing` row
-  std::optional<uint64_t> hash_;      // hash of the previous row, if that cannot be derived
+  std::unique_ptr<Segment> segment_;  // null after missing rows, and for rows of administrators
+  uint64_t row_in_segment_ = 0;       // number of the latest row
+  bool after_missing_ = false;        // the latest row was a `missing` row
+  std::optional<uint64_t> hash_;      // present only if the previous row cannot be derived
 };
 
 }  // namespace

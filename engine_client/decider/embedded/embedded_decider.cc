@@ -1,4 +1,5 @@
-// Passes frames and outcomes of the game to the decision session, and its commands back.
+// Passes the game's frames and switch outcomes to the decision session, and the session's commands
+// to the game.
 #include "sweepstake/embedded_decider.h"
 
 #include <algorithm>
@@ -23,8 +24,8 @@
 namespace sweepstake {
 namespace {
 
-// Converts an interval. A value above the maximum stays above it, so that the validation refuses
-// it.
+// Converts an interval. A value above the maximum becomes the maximum + 1, which the validation
+// rejects.
 int64_t ToSigned(uint64_t interval_ns) {
   constexpr uint64_t kBeyond = decision::kMaxIntervalNs + 1;
   return static_cast<int64_t>(std::min(interval_ns, kBeyond));
@@ -72,7 +73,7 @@ Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t
   return {};
 }
 
-// Returns a random name that no other source has.
+// Returns a random name, so that no other source has the same one.
 std::string NewSourceId() {
   std::random_device random;
   std::array<char, 48> name;
@@ -81,13 +82,13 @@ std::string NewSourceId() {
   return name.data();
 }
 
-// Removes records that are in a daemon's quarantine; they do not count in a game either.
+// Removes records that a daemon keeps in quarantine. They do not count in a game either.
 std::vector<PriorRecord> WithoutQuarantined(std::vector<PriorRecord> records) {
   std::erase_if(records, [](const PriorRecord& record) { return record.is_quarantined; });
   return records;
 }
 
-// Reads the priors from the file and from the text, and unites them.
+// Reads the priors from the file and from the text of `options`, and merges them.
 Result<std::vector<PriorRecord>> ReadPriors(const EmbeddedOptions& options) {
   std::vector<PriorRecord> records;
   if (!options.priors_file.empty()) {
@@ -193,7 +194,8 @@ class EmbeddedDecider::Impl final : public decision::AuditSink {
         on_decision(options.on_decision),
         on_audit_row(options.on_audit_row) {}
 
-  // Takes the decision's evidence, and its command, which replaces an earlier one.
+  // Stores the decision's evidence, publishes the decision, and keeps its command for the game. A
+  // new command replaces an older one that the game has not fetched.
   void Follow(const decision::Decision& decision) {
     ledger.Add(decision);
     last_decision = FromDecision(decision, session.arms());
@@ -209,7 +211,7 @@ class EmbeddedDecider::Impl final : public decision::AuditSink {
   EvidenceLedger ledger;
   const std::function<void(const DecisionEvent&)> on_decision;
   const std::function<void(std::string_view)> on_audit_row;  // null: no log
-  uint32_t latest_epoch = 0;                                 // of all frames and outcomes
+  uint32_t latest_epoch = 0;                                 // highest of all frames and outcomes
   std::optional<SwitchCommand> pending_command;
   std::optional<DecisionEvent> last_decision;
 };
@@ -281,9 +283,9 @@ void EmbeddedDecider::Observe(std::span<const FrameSample> frames, uint64_t now_
   session.ObserveFrames(frames.subspan(first));
 }
 
-// The outcome of a switch arrives when the arm has settled, long after the first frame of its
-// epoch, and adds the reason. The outcome of an epoch that has ended meanwhile is ignored: it would
-// take the session back to that epoch.
+// An outcome arrives after the arm has settled, long after the first frame of its epoch. It adds
+// the reason and cost of the switch. An outcome is ignored if a later epoch has begun since,
+// because it would take the session back to the earlier epoch.
 void EmbeddedDecider::Observe(const SwitchOutcome& outcome, uint64_t now_ns) {
   decision::DecisionSession& session = impl_->session;
   if (outcome.executed == 0) return session.ObserveRefusal(outcome.command_id);

@@ -1,9 +1,9 @@
-// The evidence of an embedded decider: the records that it was given, and what its session learns,
-// which is added to records of the session's own source.
+// The evidence of an embedded decider: the records that it started with, and records of its own
+// source, to which it adds what its session learns.
 //
-// A source that the given records already contain is continued: its records grow and their sequence
-// numbers rise, so a store replaces an earlier export with a later one. Not thread-safe. Memory:
-// that of the given records, and two records per arm.
+// If the given records already contain the session's own source, that source is continued: its
+// records grow and their sequence numbers rise. A store therefore replaces an earlier export with a
+// later one. Not thread-safe. Memory: the given records plus two records per arm.
 #pragma once
 
 #include <cstddef>
@@ -24,14 +24,15 @@ std::vector<PriorRecord> Unite(std::vector<PriorRecord> records, std::vector<Pri
 
 class EvidenceLedger {
  public:
-  // REQUIRES: no two records of `given` have the same KeyOf; ParsePriors and Unite ensure that.
-  // `key` names the session and its own source.
+  // `given` are the records to start with. `key` names the session and its own source. REQUIRES: no
+  // two records of `given` have the same KeyOf; ParsePriors and Unite ensure that.
   EvidenceLedger(std::vector<PriorRecord> given, decision::PriorKey key);
 
   // Returns the prior that follows from the given records.
   const decision::Prior& prior() const { return prior_; }
 
-  // Adds what the decision learnt. REQUIRES: increments are of the key's arms.
+  // Adds the decision's increments to the records of the own source. REQUIRES: increments refer to
+  // arms of the key.
   void Add(const decision::Decision& decision);
 
   // Returns the given records together with the added evidence.
@@ -43,7 +44,7 @@ class EvidenceLedger {
 
   const decision::PriorKey key_;
   std::vector<PriorRecord> records_;
-  uint64_t sequence_ = 0;  // the highest of the own source
+  uint64_t sequence_ = 0;  // highest sequence number of the own source
   const decision::Prior prior_;
 };
 

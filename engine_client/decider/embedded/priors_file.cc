@@ -31,13 +31,14 @@ constexpr int kVersion = 1;
 constexpr uintmax_t kMaxFileBytes = uintmax_t{128} << 20;
 constexpr size_t kMaxRecords = 200'000;
 constexpr size_t kMaxSums = 1'000'000;
-// The store's maximum; the ledger's next number cannot wrap to 0.
+// Equals the store's maximum. It leaves room below UINT64_MAX, so the ledger's next sequence number
+// cannot wrap to 0.
 constexpr uint64_t kMaxSequence = std::numeric_limits<int64_t>::max();
 constexpr char kVersionMark = '/';
 
 Status Broken(const std::string& why) { return {StatusCode::kDataLoss, why}; }
 
-// Returns false for NaN.
+// Returns false for NaN, negative values and values above 1e15.
 bool IsIncrement(double value) { return value >= 0 && value <= 1e15; }
 
 // Reads the fields of one object; keeps the first error.
@@ -61,7 +62,7 @@ class FieldReader {
     if (!decision::IsMeasuredBy(value)) SetError(key, "must be absent or \"lane\"");
   }
 
-  // An absent field keeps its value.
+  // Reads an optional true or false; if the field is absent, `value` keeps its value.
   void Flag(const char* key, bool& value) {
     const nlohmann::json* field = Find(key, /*required=*/false);
     if (field == nullptr) return;
@@ -89,7 +90,8 @@ class FieldReader {
     if (!IsIncrement(value)) SetError(key, "must be from 0 to 1e15");
   }
 
-  // Returns the array or object, or null if the field is absent.
+  // Returns the field, which must be an array or an object as `array` says. Returns null and sets
+  // the error if it is not.
   const nlohmann::json* Structured(const char* key, bool array) {
     const nlohmann::json* field = Find(key, true);
     if (field == nullptr) return nullptr;
@@ -98,7 +100,7 @@ class FieldReader {
     return nullptr;
   }
 
-  // Call it after all fields were read.
+  // Sets an error if the object has a field that was not read. Call it after reading all fields.
   void RejectUnknown() {
     for (const auto& item : object_.items()) {
       if (!known_.contains(item.key())) return SetError(item.key(), "is an unknown field");
@@ -159,7 +161,7 @@ std::vector<const PriorRecord*> OrderedBy(Key key, std::span<const PriorRecord> 
   return ordered;
 }
 
-// Returns the first record that has the key of an earlier one.
+// Returns the index of the first record whose KeyOf an earlier record has too.
 std::optional<size_t> FirstRepeated(std::span<const PriorRecord> records) {
   const std::vector<const PriorRecord*> ordered = OrderedBy(KeyOf, records);
   size_t first = records.size();
@@ -171,7 +173,7 @@ std::optional<size_t> FirstRepeated(std::span<const PriorRecord> records) {
   return first;
 }
 
-// Reads the array "records", whose elements are added one by one as they are parsed.
+// Parses the array "records". The JSON parser passes its elements one by one.
 class RecordsReader {
  public:
   void Add(const Json& json) {
@@ -181,7 +183,7 @@ class RecordsReader {
     if (error) error_ = Name(index) + ": " + *error;
   }
 
-  // Returns all records; call it once.
+  // Returns all records, or the first error. Call it once.
   Result<std::vector<PriorRecord>> Take() {
     if (count_ > kMaxRecords)
       return Broken("the priors hold " + std::to_string(count_) + " records, more than 200000");
@@ -223,7 +225,7 @@ std::string Dump(const OrderedJson& json) {
   return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
-// The checksum of an array of scenes, to which scenes are added one by one.
+// Computes the checksum of an array of scenes, to which scenes are added one by one.
 class Checksum {
  public:
   void Add(const Json& scene) {
@@ -262,14 +264,14 @@ OrderedJson CellOf(const PriorRecord& record) {
   return cell;
 }
 
-// The line of one build in a scene.
+// The line of the file for one build of the game, within a scene.
 struct BuildLine {
   uint64_t last_seen_unix_s = 0;
   OrderedJson live;
   OrderedJson lane;
 };
 
-// The records of one scene on one class of machines.
+// Writes the text of one scene on one class of machines.
 class SceneText {
  public:
   explicit SceneText(std::span<const PriorRecord* const> records) : first_(*records.front()) {
@@ -308,11 +310,11 @@ class SceneText {
   }
 
   const PriorRecord& first_;
-  std::map<std::string, size_t> arms_;  // positions in the cells
+  std::map<std::string, size_t> arms_;  // index of each arm's cell in the line of a build
   std::map<std::string, BuildLine> lines_;
 };
 
-// Reads one scene; keeps the first error.
+// Parses one element of the array "scenes"; keeps the first error.
 class SceneReader {
  public:
   SceneReader(const Json& scene, std::vector<PriorRecord>& sums) : sums_(sums) {
@@ -396,7 +398,7 @@ class SceneReader {
   std::optional<std::string> error_;
 };
 
-// Reads the array "scenes", whose elements are added one by one as they are parsed.
+// Parses the array "scenes". The JSON parser passes its elements one by one.
 class ScenesReader {
  public:
   void Add(const Json& json) {
@@ -413,7 +415,7 @@ class ScenesReader {
     }
   }
 
-  // Appends the sums of all scenes; call it once.
+  // Appends the sums of all scenes, or returns the first error. Call it once.
   Status AppendTo(std::vector<PriorRecord>& records, const Json& checksum) {
     if (checksum != checksum_.Text())
       return Broken("the priors are not what was written; their checksum is another one");
@@ -450,7 +452,8 @@ std::string TextOfScenes(std::span<const PriorRecord> sums) {
   return ",\"checksum\":\"" + checksum.Text() + "\",\"scenes\":[" + scenes + "]";
 }
 
-// Returns whether the document has this array, whose elements were read already.
+// Returns whether the document has this array. The parser callback has already read and removed its
+// elements, so the array must now be empty.
 Result<bool> HasArray(const Json& document, const char* name) {
   const auto found = document.find(name);
   if (found == document.end()) return false;

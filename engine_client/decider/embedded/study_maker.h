@@ -1,5 +1,5 @@
-// Makes an embedded decider with a policy that is not shipped, for the laboratory. This header is
-// not installed, because a game can only choose a shipped policy.
+// Makes an embedded decider with any policy of a registry, for the laboratory. The header is not
+// installed, so games can choose only shipped policies.
 #pragma once
 
 #include "engine_client/decider/session/policy_registry.h"
@@ -7,8 +7,8 @@
 
 namespace sweepstake {
 
-// Works like EmbeddedDecider::Create, with the policies of `policies`. The registry must outlive
-// the deciders.
+// Works like EmbeddedDecider::Create but looks up the policy in `policies`, which must outlive the
+// deciders.
 struct StudyMaker {
   decision::PolicyRegistry policies;
 

@@ -13,41 +13,44 @@ namespace {
 
 constexpr double SquareOf(double x) { return x * x; }
 
-// These constants concern priors.
-constexpr double kFlatEvidence = 2.5;  // a prior with less counts as flat; Beta(1,1) has 2
+// Constants that concern priors.
+constexpr double kFlatEvidence = 2.5;  // a prior with α + β below this is ignored; Beta(1,1) has 2
 constexpr double kPriorVariance = SquareOf(0.15);  // minimum variance of a prior's log-cost
 constexpr double kUnknownDeviation = 0.8;  // standard deviation of an unknown arm's log-cost
-constexpr double kFlatShare = 0.2;         // weight of the part of a belief that ignores the prior
-// DropContradictedPriors drops the priors if the arm that they expect to be the cheapest exceeds
-// the cheapest measured arm by this log-cost.
+constexpr double kFlatShare = 0.2;         // share of a belief that ignores the prior
+// The priors are dropped if the lane's first visits contradict them. That is the case if the arm
+// that the priors expect to be the cheapest exceeds the cheapest measured arm by this log-cost (35
+// %).
 constexpr double kContradiction = 0.3;
-// These constants define the safety limit.
-constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit
+// Constants of the safety limit: see IsSafe.
+constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit: 3 s of 5 s
 constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal distribution
-// These constants define the gate.
+// Constants of the gate: see Assess.
 constexpr double kHorizonCooldowns = 5;
-constexpr double kTie = 0.005;  // smaller expected gains are ignored
-// kTie for another trial of an arm whose first trial ended early
+constexpr double kTie = 0.005;  // smaller expected gains (log-cost) cause no switch
+// Replaces kTie for another trial of an arm whose first trial ended early.
 constexpr double kEndedTrialTie = 0.05;
-constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
+constexpr double kCostsPerCooldown = 20;  // cooldown ÷ cost: switching takes up to 5 %
 constexpr double kFirstCostShare = 0.05;  // assumed switch cost ÷ settling time, until measured
 constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
 constexpr uint32_t kTrialLimitPercent = 120;
-// An arm that was live before is chosen again if it is better by this number of standard
-// deviations.
+// An arm that was live before is chosen again only if its expected log-cost is lower than the
+// active arm's by this number of standard deviations of the difference.
 constexpr double kReturnDeviations = 0.25;
-// An arm is tried if the probability that it costs twice as much as the active one is below 10 %.
+// An arm is tried only if the probability that it costs more than twice as much as the active arm
+// is below 10 %: kTrialDeviations is the 90 % quantile of a normal distribution, kMaxTrialLogRatio
+// is ln 2.
 constexpr double kTrialDeviations = 1.282;
 constexpr double kMaxTrialLogRatio = 0.693;
-constexpr uint64_t kShareWindows = 10;  // windows that detection's share is averaged over
+constexpr uint64_t kShareWindows = 10;  // number of windows over which detection_share_ is averaged
 constexpr double kBanGrowth = 4;
-// The maximum time by which one step advances the drifts, in decision intervals: costs do not drift
-// during a pause.
+// Maximum time, in decision intervals, by which one step advances the drifts. A longer gap is a
+// pause, in which costs do not drift.
 constexpr double kMaxAdvance = 30;
-// The lane counts as reporting for this number of intervals after a visit.
+// The lane counts as reporting for this number of decision intervals after its latest visit.
 constexpr int64_t kLaneIntervals = 5;
-// Arms are tried live if the lane has not reported after this many windows. In an expensive scene a
-// sweep takes long.
+// If the lane has not reported after this many live windows, arms are tried live without it. The
+// lane is given some time, because in an expensive scene its first sweep takes long.
 constexpr uint64_t kPatienceWindows = 5;
 
 double Seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -74,7 +77,7 @@ AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponent
   UpdatePosteriors();
 }
 
-// An arm without a prior gets the mean of the others.
+// Uses the priors with enough evidence. Each of the other arms starts at the mean of those.
 void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
   double sum = 0;
   double count = 0;
@@ -101,8 +104,9 @@ AdaptivePolicy::Visit AdaptivePolicy::VisitOf(const ShadowSample& sample) {
           .is_bound = (sample.flags & kShadowCapped) != 0};
 }
 
-// Compares the cheapest arm by the priors with the cheapest arm by the lane's first visit to each
-// arm. These visits may come with several ticks.
+// Compares two arms: the cheapest one by the priors, and the cheapest one by the lane's first visit
+// to each arm. Drops the priors if they disagree by more than kContradiction. The first visits may
+// be spread over several ticks.
 void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> samples) {
   if (!expected_arm_) return;
   const std::vector<std::optional<Visit>> earlier = first_visits_;
@@ -130,9 +134,10 @@ void AdaptivePolicy::Observe(uint32_t arm, const Visit& visit) {
   filter().ObserveShadow(arm, visit.sweep, visit.log_cost);
 }
 
-// Returns the evidence of a visit, corrected by the lane's estimated bias. The bias of this arm is
-// used if the arm was live, otherwise the mean bias of the arms that were live. The bias of an arm
-// that was never live follows from earlier beliefs, which would then count twice.
+// Returns the evidence to store for a visit. The visit's log-cost is corrected by the lane's
+// estimated bias: that of this arm if it was live, otherwise the mean bias of the arms that were
+// live. For an arm that was never live the filter derives the bias from earlier beliefs, so
+// correcting by it would count those beliefs twice.
 Increment AdaptivePolicy::VisitIncrement(uint32_t arm, double log_cost) const {
   double bias = 0;
   double count = 0;
@@ -151,7 +156,7 @@ void AdaptivePolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t 
   if (beliefs_.Observe(descriptor)) UpdatePosteriors();
 }
 
-// Shared by all regimes, because a ban after a bail-out does not depend on the regime.
+// Sets the arm's cost in the beliefs of all regimes, because a bail-out counts in every regime.
 void AdaptivePolicy::Assume(uint32_t arm, double log_cost) {
   for (RelativeCostFilter& filter : beliefs_.filters()) filter.Assume(arm, log_cost);
 }
@@ -219,8 +224,9 @@ double AdaptivePolicy::WindowEvidence(uint32_t arm) const {
   return EvidenceOf(posteriors_[arm].mean(), filter().live_noise());
 }
 
-// The penalty is that number of windows of reward 0. A window counts thousands of observations, so
-// the paper's ten would not be visible in stored priors.
+// The penalty is options_.bail_out_penalty windows of reward 0, not single observations as in the
+// paper. One window here counts as thousands of observations, so the paper's ten would change
+// nothing in a stored prior.
 Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
   const double window_evidence = WindowEvidence(arm);
   Ban& ban = bans_[arm];
@@ -234,15 +240,17 @@ Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
 }
 
 void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
-  // The settling frames include the rebuild frame.
+  // rebuild_time_ns is included in settling_cost_ns if both are present, so the larger one is the
+  // cost.
   const double cost_s =
       static_cast<double>(std::max(cost.rebuild_time_ns, cost.settling_cost_ns)) * 1e-9;
   const double max_s = Seconds(options_.settling_ns) + Seconds(options_.decision_interval_ns);
   switch_cost_s_ += kCostRate * (std::min(cost_s, max_s) - switch_cost_s_);
 }
 
-// An arm without a live window may be tried again, but only as a trial. The first early end is not
-// evidence, because other work on the machine may have caused the two long frames.
+// Records that a trial of the arm ended early. The arm may be tried again, but only as a trial. The
+// first early end is not evidence, because other work on the machine may have caused the long
+// frames.
 void AdaptivePolicy::LearnTrialEnd(const TrialEnd& end, int64_t now_ns) {
   AdvanceTo(now_ns);
   if (trial_ended_[end.arm]) filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
@@ -258,8 +266,8 @@ std::optional<int64_t> AdaptivePolicy::cooldown_ns() const {
   return std::min(std::max(min_ns, earned_ns), options_.cooldown_ns);
 }
 
-// The time over which the gate weighs a switch. It counts a cooldown as at least the time that an
-// arm takes to settle and to be measured, whatever the options say.
+// The time over which the gate sums up the gain of a switch: kHorizonCooldowns cooldowns. A
+// cooldown shorter than settling plus one window counts as that long.
 double AdaptivePolicy::HorizonSeconds() const {
   const int64_t shortest_ns = options_.settling_ns + options_.decision_interval_ns;
   return kHorizonCooldowns * Seconds(std::max(options_.cooldown_ns, shortest_ns));
@@ -269,16 +277,18 @@ bool AdaptivePolicy::LaneReports(int64_t now_ns) const {
   return last_shadow_ns_ && Seconds(now_ns) - Seconds(*last_shadow_ns_) <= HorizonSeconds();
 }
 
-// Returns whether the arm may be chosen: it was observed, it has a prior, or the lane will not
-// measure it.
+// Returns whether enough is known about the arm to choose it. One of these must hold:
+// - it was observed
+// - it has a prior
+// - the lane does not report and had time to (kPatienceWindows)
 bool AdaptivePolicy::IsKnownEnough(uint32_t arm, int64_t now_ns) const {
   if (observed_[arm] || has_prior_[arm]) return true;
   return !LaneReports(now_ns) && window_count_ >= kPatienceWindows;
 }
 
-// Returns whether the arm stays below the safety limit. Without the lane, an arm never seen counts
-// as safe if its expected cost is not above that of the active arm. Otherwise the width of its
-// belief alone would keep the game on a slow arm for ever.
+// Returns whether the arm stays below the safety limit. An arm that was never seen, in a game
+// without a lane, also counts as safe if its expected cost is not above the active arm's. Otherwise
+// its wide belief alone would keep the game on a slow arm for ever.
 bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
   const NormalBelief cost = filter().LiveCost(arm);
   const bool unseen = !observed_[arm] && !LaneReports(input.now_ns);
@@ -287,7 +297,8 @@ bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
   return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < LogCostOf(limit_us);
 }
 
-// Returns whether a switch to the arm is a trial. There are no trials without a settling time.
+// Returns whether a switch to the arm would be a trial: the arm was not live yet, and no bail-out
+// demands the switch. Without a settling time there are no trials.
 bool AdaptivePolicy::IsTrial(const ChoiceInput& input, uint32_t arm) const {
   return !was_live_[arm] && !input.bailed_out && options_.settling_ns > 0;
 }
@@ -303,7 +314,7 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
   terms.loss = ExpectedGain(-difference.mean, deviation);
   terms.horizon_s = HorizonSeconds();
   if (!observed_[candidate]) {
-    // Part of the belief about an unobserved arm ignores the prior.
+    // Mix the belief with a flat one that ignores the prior, because the arm was not observed.
     const double flat = ExpectedGain(0, kUnknownDeviation);
     const double share = has_prior_[candidate] ? kFlatShare : 1;
     terms.gain += share * (flat - terms.gain);
@@ -323,11 +334,14 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
   return result;
 }
 
-// Returns whether to consider the arm: it is believed to be better, or its live window may be worth
-// the cost. While the lane reports, the second reason holds only until the arm's first live window,
-// which shows the lane's bias for this arm. After that, the remaining uncertainty must not make the
-// policy switch back and forth. An arm that may cost twice as much as the active one, with a
-// probability of 10 %, is not tried, because a trial shows at least two of its frames.
+// Returns whether to consider switching to the arm.
+// - Without a reporting lane: always.
+// - After a bail-out: if the arm was not live yet, or is believed to be cheaper than the active
+//   arm.
+// - An arm that was live: if it is cheaper by kReturnDeviations deviations. The margin keeps the
+//   policy from switching back and forth.
+// - An arm that was not live: if it costs at most twice the active arm with a probability of 90 %.
+//   Its first live window would show the lane's bias for it, but a trial costs several frames.
 bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
   if (!LaneReports(input.now_ns)) return true;
   const NormalBelief difference = beliefs_.Difference(input.active_arm, arm);
@@ -358,7 +372,8 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
   choice.gate = best->terms;
   const bool better = best->advantage > 0;
   const bool worthwhile = best->worth_s > 0;
-  // A candidate that does not pass the gate is still shown if it is believed to be better.
+  // Report the best candidate even if it does not pass the gate, as long as it is believed to be
+  // cheaper.
   if (worthwhile || better) choice.candidate = best->arm;
   if (IsTrial(input, choice.candidate)) choice.trial_limit_percent = kTrialLimitPercent;
   if (!worthwhile) choice.hold = DecisionOutcome::kHeldGate;
@@ -377,13 +392,16 @@ Diagnosis AdaptivePolicy::Diagnose() const {
   return DiagnoseCorrelatedLogCosts(means, covariance);
 }
 
-// Shows the beliefs as Beta posteriors.
+// Converts the beliefs into one Beta posterior per arm, for the log and for watchers. The
+// posteriors count as independent, but beliefs are correlated. The variances are therefore chosen
+// such that the difference between each arm and the leader has the filter's variance.
 void AdaptivePolicy::UpdatePosteriors() {
   uint32_t leader = 0;
   for (uint32_t arm = 1; arm < filter().arm_count(); ++arm) {
     if (beliefs_.LogCost(arm).mean < beliefs_.LogCost(leader).mean) leader = arm;
   }
-  // The leader's posterior shows half of the variance of the smallest difference.
+  // The leader gets half of the smallest variance of a difference, and every other arm gets the
+  // rest of its own difference's variance.
   double smallest = SquareOf(kUnknownDeviation);
   for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
     if (arm != leader) smallest = std::min(smallest, beliefs_.Difference(arm, leader).variance);

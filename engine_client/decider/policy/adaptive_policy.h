@@ -1,38 +1,43 @@
-// The policy of "AI Decides" (`adaptive`): it estimates every arm's cost from the shadow lane and
-// the live windows, and switches to a cheaper arm if the gain pays for the switch.
+// The policy of "AI Decides" (`adaptive`). It estimates every arm's cost from the shadow lane and
+// the live windows. It switches to a cheaper arm if the gain pays for the switch.
 //
 // - Costs are log-costs (log_cost.h, reward version 3) of a window's calm frames (window.h). The
-//   filter in relative_cost_filter.h holds the beliefs about them, and separates the load of other
-//   work on the frame thread's core from the cost of an arm. Beliefs are shown as one Beta
-//   distribution per arm, such that the differences to the leader have the filter's variances.
-// - A switch must pass the gate of GateTerms, horizon · E⁺ − cooldown · E⁻ − cost > 0, with the
-//   measured cost of switches, and E⁺ must exceed that of a tie. The cooldown is long enough to pay
-//   for the switches. It is at least settling and one window, and at most that of the options.
-// - An arm that exceeds three fifths of the bail-out limit (3 s of 5) with a probability above 1 %
-//   is not chosen. There are two exceptions: a bail-out of the active arm and, without the lane, an
-//   arm never seen whose expected cost is not above that of the active arm.
+//   filter in relative_cost_filter.h holds the beliefs about them. It separates the load of other
+//   work on the frame thread's core from the cost of an arm. Watchers see the beliefs as one Beta
+//   distribution per arm. The difference of each arm to the leader has the filter's variance.
+// - A switch must pass the gate of GateTerms: horizon · E⁺ − cooldown · E⁻ − cost > 0, where the
+//   cost is that of earlier switches as measured. E⁺ must also exceed 0.5 %; a smaller gain is a
+//   tie. The cooldown is long enough to pay for the switches. It is at least settling plus one
+//   window, and at most the cooldown of the options.
+// - An arm is not chosen if its frames exceed 3 s (three fifths of the bail-out limit) with a
+//   probability above 1 %. There are two exceptions. After a bail-out of the active arm, any arm
+//   may be chosen. Without the lane, an arm never seen may be chosen if its expected cost is not
+//   above the active arm's.
 // - While the shadow lane reports, only arms that were measured or have priors are chosen. An arm
-//   that is believed to be worse is tried live once if the gate finds that its window is worth the
-//   cost, because the lane's bias is unknown until then. It is not tried if it costs twice as much
-//   as the active arm with a probability above 10 %. An arm that was live must be better by a
-//   quarter of the deviation of the difference, so that the policy does not switch back and forth.
-//   Without the lane, the value of exploration (E⁺ of an arm never seen) leads to every arm being
-//   tried live.
+//   that is believed to be worse may be tried live once, because the lane's bias for it is unknown
+//   until then. The gate decides whether that is worth its cost. An arm that costs twice as much as
+//   the active arm with a probability above 10 % is not tried. An arm that was live must be better
+//   by a quarter of the standard deviation of the difference, so that the policy does not switch
+//   back and forth.
+// - Without the lane, the expected gain E⁺ of an arm never seen is large, because its cost is
+//   uncertain. So every arm is tried live.
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
-//   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
-//   cheaper than the one that the priors expect.
-// - An arm's first live window is a trial (SwitchCommand). The client switches back at once if two
-//   frames in a row take a fifth longer than the longest one before, or if all of them exceed a
-//   budget. The gate therefore limits the loss to that budget if the arm was observed before. The
-//   first early end may have another cause than the arm. From the second one on it is a lower bound
-//   of the arm's cost, like a visit of the lane that a cap has ended. It limits the arm no further
-//   than that cost, but E⁺ of another trial must be ten times that of a tie.
+//   the belief ignores the prior. All priors are dropped if the lane's first visits contradict
+//   them: another arm is 1.35 times cheaper than the one that the priors expect to be the cheapest.
+// - An arm's first live window is a trial (SwitchCommand). The client switches back at once in two
+//   cases. Either the searches of two frames in a row exceed the longest search before the switch
+//   by a fifth of a frame, or the trial exceeds its time budget. For an arm that the lane observed,
+//   the gate therefore limits the loss to that budget.
+// - The first early end of a trial may have another cause than the arm and is not evidence. A later
+//   one is a lower bound of the arm's cost. So is a visit that the lane cut off at its time limit.
+//   After an early end, another trial needs an E⁺ of 5 %.
 // - Each regime of the scene has separate beliefs, which are used again when the regime returns. If
-//   regimes change faster than choices take effect, a mixture of them decides (regime_beliefs.h).
+//   regimes change faster than choices take effect, choices use a mixture of them
+//   (regime_beliefs.h).
 //
-// Nothing is drawn: the same observations give the same choices for every seed. All constants that
-// are times are multiples of the options' intervals, so that a time scale changes nothing.
-// tests/bench/programs/decision_tick_bench.cc measures the cost of a tick.
+// The policy draws no random numbers: the same observations give the same choices for every seed.
+// All constants that are times are multiples of the options' intervals, so choices do not depend on
+// the time scale. tests/bench/programs/decision_tick_bench.cc measures the cost of a tick.
 #pragma once
 
 #include <cstdint>
@@ -51,8 +56,8 @@ namespace sweepstake::decision {
 struct AdaptiveComponents {
   FilterComponents filter{};
   bool shadow = true;          // learns from the shadow lane
-  bool gate = true;            // false: any expected gain is enough
-  bool short_cooldown = true;  // false: the cooldown is that of the options
+  bool gate = true;            // false: any positive expected gain is enough
+  bool short_cooldown = true;  // false: uses the cooldown of the options
   bool regimes = true;         // keeps separate beliefs for each regime
 };
 
@@ -63,11 +68,11 @@ class AdaptivePolicy : public Policy {
                                        .explores = false,
                                        .starts_from_priors = true,
                                        .uses_shadow = true};
-  // The ban after an arm's first bail-out, in decision intervals. Each later ban is four times as
-  // long.
+  // The ban after an arm's first bail-out, in decision intervals. Each later ban of the arm is four
+  // times as long as the one before.
   static constexpr double kFirstBan = 200;
-  // The maximum cost of a trial before the client ends it (SwitchCommand), as a share of the
-  // trial's time.
+  // The client ends a trial whose searches took too much extra time (SwitchCommand). This is the
+  // limit of that extra time, as a share of the trial's length.
   static constexpr double kTrialBudget = 1.0 / 40;
 
   explicit AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponents& components = {});
@@ -88,26 +93,26 @@ class AdaptivePolicy : public Policy {
   Diagnosis Diagnose() const override;
 
  private:
-  // The state of an arm that bailed out. With a lane it counts as a stall until the lane measures
-  // it again. Without a lane it counts as a stall for the length of the ban, and then has its
-  // earlier cost again.
+  // The state of an arm that bailed out. Its cost is assumed to be that of a bail-out. With a lane,
+  // this holds until the lane measures the arm again. Without a lane, it holds for the length of
+  // the ban, and then the arm gets its earlier cost back.
   struct Ban {
-    double intervals_left = 0;  // decision intervals; 0: none
+    double intervals_left = 0;  // rest of the ban, in decision intervals; 0: not banned
     double next_intervals = kFirstBan;
     double log_cost = 0;
   };
   struct Visit {
     uint64_t sweep = 0;
     double log_cost = 0;
-    bool is_bound = false;  // a cap has ended it: log_cost is a lower bound
+    bool is_bound = false;  // the lane cut the visit off: log_cost is a lower bound
   };
   struct Assessment {
     uint32_t arm = 0;
     GateTerms terms{};
-    double advantage = 0;  // gain − loss, also of a trial
+    double advantage = 0;  // gain − loss, without a trial's limit on the loss
     double worth_s = 0;    // the gate passes if this is above 0
-    bool matters = true;   // the gain exceeds that of a tie
-    // Arms whose switch passes the gate come first.
+    bool matters = true;   // the gain is above that of a tie
+    // Sort key: switches that pass the gate come first.
     std::pair<bool, double> rank() const { return {matters && worth_s > 0, worth_s}; }
   };
 
@@ -139,8 +144,8 @@ class AdaptivePolicy : public Policy {
   std::vector<Ban> bans_;
   std::vector<bool> was_live_;     // arms with a live window in this session
   std::vector<bool> trial_ended_;  // arms with a trial that ended early
-  // The inputs of DropContradictedPriors: the cheapest arm by the priors, while they are held, and
-  // the log-cost of the lane's first visit to each arm with a prior.
+  // For DropContradictedPriors: the cheapest arm by the priors (absent after they were checked or
+  // dropped), and the lane's first visit to each arm with a prior.
   std::optional<uint32_t> expected_arm_;
   std::vector<std::optional<Visit>> first_visits_;
   std::vector<BetaPosterior> posteriors_;

@@ -13,8 +13,9 @@
 namespace sweepstake::decision {
 namespace {
 
-// Returns the offset above the mode beyond which the density is negligible. Newton's method on a
-// concave function starts beyond that point and stays there.
+// Returns how far above the mode, on the logit scale, the density of p becomes negligible. Newton's
+// method solves for that point. It starts beyond the point and, because the function is concave,
+// never passes it.
 double NegligibleAbove(const BetaPosterior& p) {
   const double n = p.alpha + p.beta;
   const double mean = p.alpha / n;
@@ -29,8 +30,8 @@ double NegligibleAbove(const BetaPosterior& p) {
   return offset;
 }
 
-// Rewards on the logit scale, as offsets t from the mode of the reward with the highest lower end,
-// where the integrand needs the most digits.
+// Rewards on the logit scale. All points are offsets t from one origin: the mode of the posterior
+// whose support begins highest. The integrand needs the most digits near it.
 class BetaRewards final : public IndependentVariables {
  public:
   explicit BetaRewards(std::span<const BetaPosterior> posteriors);
@@ -49,14 +50,14 @@ class BetaRewards final : public IndependentVariables {
     double low = 0;
     double high = 0;
     double log_peak = 0;
-    double at_origin = 0;  // logarithm of the density at the origin, relative to the peak
+    double at_origin = 0;  // log density at the origin ÷ density at the peak
   };
 
   std::vector<Reward> rewards_;
-  bool mirrored_ = false;      // the mean at the origin is above ½
-  double origin_small_ = 0.5;  // the smaller one of that mean and its complement
-  // At the current point: the reward, its complement, and the growth of ln(1 + e^t') since the
-  // origin, where t' is ±t.
+  bool mirrored_ = false;      // the mean of the posterior at the origin is above ½
+  double origin_small_ = 0.5;  // min(mean, 1 − mean) of that posterior
+  // State at the point of MoveTo: the offset t, the reward x, its complement y, and the growth of
+  // ln(1 + e^t') from the origin to here, where t' is −t if mirrored_, else t.
   double t_ = 0;
   double x_ = 0.5;
   double y_ = 0.5;
@@ -67,7 +68,8 @@ BetaRewards::BetaRewards(std::span<const BetaPosterior> posteriors) {
   rewards_.reserve(posteriors.size());
   double highest_low = 0;
   double origin = 0;
-  // Find the supports and peaks, and the origin of the offsets.
+  // Find the interval and the peak of each posterior, and the origin: the mode of the posterior
+  // with the highest lower end.
   for (const BetaPosterior& posterior : posteriors) {
     const BetaPosterior p = Bounded(posterior);
     const double mode = LogitMode(p);
@@ -83,7 +85,7 @@ BetaRewards::BetaRewards(std::span<const BetaPosterior> posteriors) {
     }
     rewards_.push_back(reward);
   }
-  // Make the supports and densities relative to the origin.
+  // Make the intervals and densities relative to the origin.
   for (Reward& reward : rewards_) {
     reward.low -= origin;
     reward.high -= origin;
@@ -123,7 +125,8 @@ LogDensity BetaRewards::At(size_t i) const {
           .curvature = -n * x_ * y_};
 }
 
-// Normal log-costs, negated so that the highest is the best, as offsets from the lowest mean.
+// Independent normal log-costs, as offsets from the lowest mean. They are negated, because the base
+// class looks for the highest value and the lowest cost is the best.
 class NormalLogCosts final : public IndependentVariables {
  public:
   NormalLogCosts(std::span<const double> means, std::span<const double> variances);
@@ -176,7 +179,8 @@ double Entropy(std::span<const double> probabilities) {
   return std::max(sum, 0.0);
 }
 
-// Returns a diagnosis that lacks only the expected loss, the value remaining and the verdict.
+// Returns the probabilities, the leader and the entropy. Expected loss, remaining value and verdict
+// are not set.
 Diagnosis FromProbabilities(std::vector<double> probabilities) {
   Diagnosis diagnosis;
   const auto highest = std::max_element(probabilities.begin(), probabilities.end());

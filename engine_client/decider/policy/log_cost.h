@@ -1,10 +1,13 @@
-// Reward version 3 depends on the logarithm of the detection time alone and is absolute, so that
-// rewards of different times and arms can be compared.
+// Reward version 3. It depends only on the logarithm of the detection time. It is absolute: rewards
+// of different times and arms can be compared.
 //
-// A log-cost is y = ln(mean detection time in µs) of calm frames (window.h), and its reward is r =
-// clamp(1 − ln(detection time in ns) / ln(5 s in ns), 0, 1): a stall of 5 s has reward 0, 1 ns has
-// reward 1. A normal belief about y is shown and stored as the Beta distribution with the same mean
-// and variance of r. Pure functions; no result is infinite or NaN.
+// - A log-cost is y = ln(mean detection time in µs) of calm frames (window.h).
+// - Its reward is r = clamp(1 − ln(detection time in ns) / ln(5 s in ns), 0, 1): 0 for a stall of 5
+//   s, 1 for 1 ns.
+// - A normal belief about y is shown and stored as the Beta distribution that has the mean and
+//   variance of r.
+//
+// Pure functions. No result is infinite or NaN.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +18,11 @@ namespace sweepstake::decision {
 
 inline constexpr uint32_t kLogCostRewardVersion = 3;
 inline constexpr double kMinLogCost = -7;  // 1 ns
-inline constexpr double kMaxLogCost = 23;  // some 3 hours
+inline constexpr double kMaxLogCost = 23;  // about 3 hours
 
-// The variance of ln(cost that the shadow lane measures ÷ live cost) of an arm. Without other load
-// the lane took 0.83 (DBVT) to 1.21 (Tracy) of the frame thread's time on an AMD Zen 4. A factor
-// that all arms share (1.1 to 1.4 on a Zen 3) is not included; the filter estimates it separately.
+// The variance, between arms, of ln(cost that the shadow lane measures ÷ live cost). On an AMD Zen
+// 4 without other load, the lane took 0.83 (DBVT) to 1.21 (Tracy) of the frame thread's time. The
+// factor that all arms share (1.1 to 1.4 on a Zen 3) is not included here; the filter estimates it.
 inline constexpr double kLaneBiasVariance = 0.15 * 0.15;
 
 struct NormalBelief {
@@ -27,24 +30,24 @@ struct NormalBelief {
   double variance = 0;
 };
 
-// Returns the log-cost, clamped to kMinLogCost … kMaxLogCost; NaN gives the maximum.
+// Returns the log-cost, clamped to kMinLogCost … kMaxLogCost. NaN gives kMaxLogCost.
 double LogCostOf(double detection_us);
 double RewardOf(double log_cost);
 double LogCostOfReward(double reward);
 // Returns the variance of log-costs whose rewards have this variance.
 double LogCostVarianceOf(double reward_variance);
 
-// Returns α + β, at least 1, of the Beta distribution with the mean `reward` and the variance that
-// a log-cost of this variance gives a reward.
+// Returns α + β of the Beta distribution that has the mean `reward` and the reward variance that
+// follows from `log_cost_variance`. The result is at least 1.
 double EvidenceOf(double reward, double log_cost_variance);
 BetaPosterior BetaOf(const NormalBelief& log_cost);
 NormalBelief BeliefOf(const BetaPosterior& posterior);
 
-// Returns an arm's cost ÷ the leader's cost from two independent posteriors.
+// Returns (cost of the arm) ÷ (cost of the leader). The two posteriors count as independent.
 CostRatio CostRatioOf(const BetaPosterior& arm, const BetaPosterior& leader);
 
-// Returns the increment of one window, or one visit of the lane, with this reward (version 3's
-// update rule).
+// Returns the increment of one window or one visit of the lane with this reward, by the update rule
+// of version 3. The smaller the variance of its log-cost, the larger the increment.
 Increment LogCostIncrement(uint32_t arm, double reward, double log_cost_variance);
 
 }  // namespace sweepstake::decision

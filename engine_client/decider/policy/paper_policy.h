@@ -1,5 +1,6 @@
-// The paper's policy (`paper`), in two steps: learning by the paper's reward, which several
-// baselines share, and Thompson sampling (paper §4).
+// The paper's policy (`paper`), in two classes: RewardPolicy learns from the paper's reward and is
+// also the base of several baselines; ThompsonPolicy adds the choice by Thompson sampling (paper
+// §4).
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@
 namespace sweepstake::decision {
 
 // Turns windows and bail-outs into Beta posteriors by the paper's reward (reward.h) and update rule
-// (posterior_update.h). How to choose is left to the derived class.
+// (posterior_update.h). A derived class chooses the arm.
 class RewardPolicy : public Policy {
  public:
   explicit RewardPolicy(const PolicySetup& setup);
@@ -28,8 +29,8 @@ class RewardPolicy : public Policy {
   std::vector<BetaPosterior> posteriors_;
 };
 
-// Draws once from each arm's Beta posterior; the highest draw is the candidate, the first one of
-// equals.
+// Draws once from each arm's Beta posterior. The arm with the highest draw is the candidate; the
+// first one if several have it.
 class ThompsonPolicy : public RewardPolicy {
  public:
   static constexpr PolicyKind kKind{.name = "paper", .blames_any_cause = true};

@@ -12,7 +12,7 @@ namespace {
 // Returns the number of whole cooldowns from one time to another. REQUIRES: cooldown_ns > 0.
 uint64_t CooldownsBetween(int64_t from_ns, int64_t to_ns, int64_t cooldown_ns) {
   if (to_ns <= from_ns) return 0;
-  // Unsigned, since the difference may not fit an int64_t.
+  // Unsigned, because the difference can exceed the range of int64_t.
   const uint64_t elapsed_ns = static_cast<uint64_t>(to_ns) - static_cast<uint64_t>(from_ns);
   return elapsed_ns / static_cast<uint64_t>(cooldown_ns);
 }

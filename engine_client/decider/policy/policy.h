@@ -1,10 +1,10 @@
-// The interface of every policy: it learns from what the session measured, reports what it
-// believes, and chooses an arm.
+// The interface of every policy. A policy learns from what the session measures, reports its
+// beliefs, and chooses an arm.
 //
-// There is one object per session; it is not thread-safe. Learning changes it, choosing does not.
-// All randomness comes from seed and decision_id, so that the same calls give the same choices. The
-// memory is bounded by the number of arms. Cooldown, settling, bail-outs and exploration belong to
-// the session (session/decision_session.h).
+// Each session has its own policy object, which is not thread-safe. Learning changes the object,
+// choosing does not. All randomness comes from seed and decision_id, so the same calls give the
+// same choices. Memory is bounded by the number of arms. Cooldown, settling, bail-outs and
+// exploration are rules of the session (session/decision_session.h).
 #pragma once
 
 #include <cstdint>
@@ -35,18 +35,18 @@ struct WindowUpdate {
 struct ChoiceInput {
   uint32_t active_arm = 0;
   uint64_t seed = 0;
-  uint64_t decision_id = 0;  // together with the seed the only source of randomness
+  uint64_t decision_id = 0;  // seed and decision_id are the only source of randomness
   int64_t now_ns = 0;
-  int64_t last_tick_ns = 0;               // start_ns before the first tick
-  std::optional<int64_t> last_switch_ns;  // executed, for any reason; absent if there was none
+  int64_t last_tick_ns = 0;               // before the first tick: start_ns
+  std::optional<int64_t> last_switch_ns;  // latest executed switch, for any reason; absent: none
   int64_t start_ns = 0;                   // the session's start
-  bool bailed_out = false;  // a choice between ticks, after a bail-out blamed on the active arm
+  bool bailed_out = false;  // the choice follows a bail-out of the active arm, not a tick
 };
 
 struct Choice {
   uint32_t candidate = 0;
-  std::vector<double> draws;            // the values the policy compared, one per arm; may be empty
-  std::optional<DecisionOutcome> hold;  // why the policy itself does not want the switch now
+  std::vector<double> draws;            // the values that were compared, one per arm; may be empty
+  std::optional<DecisionOutcome> hold;  // why the policy does not want this switch now
   std::optional<GateTerms> gate;
   double propensity = 1;
   uint32_t trial_limit_percent = 0;  // trial limit of the switch (SwitchCommand)
@@ -56,64 +56,68 @@ class Policy {
  public:
   virtual ~Policy() = default;
 
-  // Changes nothing and returns nothing if a metric is not finite.
+  // Learns from a window. If a metric is not finite, it changes nothing and returns nothing.
   virtual std::optional<WindowUpdate> LearnWindow(const WindowObservation& observation) = 0;
   virtual Increment LearnBailOut(uint32_t arm) = 0;
-  // These are called before the window of the same tick. Policies that learn from live windows
-  // only ignore them.
-  // Returns the visits' evidence, which is to be stored.
+  // The session calls the following functions before LearnWindow of the same tick. A policy that
+  // learns only from live windows leaves them empty.
+  //
+  // Learns from visits of the lane. Returns their evidence, which the session stores.
   virtual std::vector<Increment> LearnShadow(std::span<const ShadowSample> /*samples*/,
                                              int64_t /*now_ns*/) {
     return {};
   }
   virtual void LearnDescriptor(const SceneDescriptor& /*descriptor*/, int64_t /*now_ns*/) {}
   virtual void LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& /*cost*/) {}
-  // `end` is a lower bound of the cost of the arm that was tried.
+  // Learns that a trial of an arm ended early. `end` has a lower bound of that arm's cost.
   virtual void LearnTrialEnd(const TrialEnd& /*end*/, int64_t /*now_ns*/) {}
 
   virtual Choice Choose(const ChoiceInput& input) const = 0;
-  // Minimum time between two switches; if absent, that of the options.
+  // Minimum time between two switches. Absent: the cooldown of the options.
   virtual std::optional<int64_t> cooldown_ns() const { return std::nullopt; }
 
   // Returns one posterior per arm.
   virtual const std::vector<BetaPosterior>& posteriors() const = 0;
-  // Returns what one live window of the arm adds to α + β.
+  // Returns by how much one live window of the arm raises α + β.
   virtual double WindowEvidence(uint32_t /*arm*/) const { return 1; }
-  // How certain the policy is, by default computed from the posteriors (diagnosis.h). The session
-  // adds the verdict kDegraded, which needs the frame rate.
+  // Returns how certain the policy is. By default computed from the posteriors (diagnosis.h). The
+  // session adds the verdict kDegraded, which depends on the frame rate.
   virtual Diagnosis Diagnose() const;
 };
 
-// The properties of a policy that are known before it is made.
+// The properties of a policy that are known before a policy object exists.
 struct PolicyKind {
   std::string_view name;
   uint32_t reward_version = 1;      // evidence of different versions is never merged
   bool explores = true;             // begins with the live exploration of all arms (paper §6.3)
-  bool starts_from_priors = false;  // decides before the first frame if it has priors
+  bool starts_from_priors = false;  // if it has priors, decides before the first frame
   bool uses_shadow = false;         // learns from the shadow lane
-  // A frame over the bail-out limit is always blamed on the active arm, whatever took the time, as
-  // in the paper (§4). Otherwise BlamesArm in session/safeguards.h decides.
+  // true: every frame over the bail-out limit is blamed on the active arm, whatever took the time,
+  // as in the paper (§4). false: BlamesArm in session/safeguards.h decides.
   bool blames_any_cause = false;
 };
 
 struct PolicySetup {
   DecisionOptions options;
   std::vector<std::string> arms;
-  std::vector<BetaPosterior> priors;  // has one per arm
-  bool has_priors = false;            // false: all priors are Beta(1,1) because none are known
+  std::vector<BetaPosterior> priors;  // one per arm
+  bool has_priors = false;            // false: no prior is known, so all are Beta(1,1)
 };
 
-// Returns the arm with the highest number, the first one of equals. REQUIRES: not empty, no NaN.
+// Returns the choice of the arm with the highest draw; the first one if several have it. REQUIRES:
+// not empty, no NaN.
 Choice HighestOf(std::vector<double> draws);
 
 // Returns the choice of this arm without any draw.
 Choice ChoiceOf(uint32_t arm);
 
-// For policies that choose once per cooldown, where the paper draws at every tick until a draw
-// leaves the arm. Returns true at the first tick after each whole cooldown since the last switch,
-// and always after a bail-out. Before the first switch the cooldowns count from the session's
-// start, and its first tick returns true as well. If the session holds a choice back because of
-// settling or missing frames, the next choice still comes a cooldown later.
+// For policies that choose once per cooldown. (The paper's policy draws at every tick.) Returns
+// true
+// - at the first tick after each whole cooldown since the last switch; before the first switch,
+//   cooldowns count from the session's start
+// - at the session's first tick
+// - after a bail-out If the session holds a choice back because of settling or missing frames, the
+//   next choice still comes a whole cooldown later.
 bool IsTimeToChoose(const ChoiceInput& input, int64_t cooldown_ns);
 
 }  // namespace sweepstake::decision

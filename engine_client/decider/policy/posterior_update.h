@@ -1,10 +1,10 @@
-// The update rule of the posterior (paper §4): a window with reward r changes the Beta posterior of
-// the active arm, and of no other, to α ← α + r, β ← β + (1 − r). A bail-out adds observations of
-// reward 0.
+// The paper's update rule of the posterior (§4). A window with reward r changes only the Beta
+// posterior of the active arm: α ← α + r, β ← β + (1 − r). A bail-out adds observations of reward
+// 0.
 //
-// A change is an Increment first, so that what is stored and what the session believes are the same
-// numbers. Rewards of version 3 weigh each window by its own noise (LogCostIncrement in
-// log_cost.h). Pure functions.
+// Each change is first computed as an Increment. The same Increment is stored and applied to the
+// session's posterior, so both have the same numbers. Reward version 3 has another rule, which
+// weighs each window by its noise (LogCostIncrement in log_cost.h). Pure functions.
 #pragma once
 
 #include <cassert>

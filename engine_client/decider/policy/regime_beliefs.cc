@@ -7,8 +7,8 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kNewVariance = 0.3 * 0.3;  // factor that widens the beliefs of a new regime
-constexpr double kTickWeight = 1.0 / 12;    // weight of the latest tick in shares and rates
+constexpr double kNewVariance = 0.3 * 0.3;  // widens the beliefs of a new regime
+constexpr double kTickWeight = 1.0 / 12;    // weight of a tick in shares and rates
 constexpr double kMaxChangeRate = 0.4;
 
 template <typename Weights>
@@ -50,7 +50,8 @@ NormalBelief RegimeBeliefs::LogCost(uint32_t arm) const {
           .variance = Covariance(arm, arm)};
 }
 
-// Each regime is weighted by its share in the arms' costs. Regimes are treated as independent.
+// In a mixture, an arm's log-cost is a weighted sum of its log-costs in the regimes; each weight is
+// the regime's share in the arm's mean cost. Beliefs of different regimes count as independent.
 double RegimeBeliefs::Covariance(uint32_t a, uint32_t b) const {
   if (!mixes_) return filter().Covariance(a, b);
   const Weights of_a = CostsOf(a);

@@ -1,12 +1,10 @@
 // Beliefs about the arms' costs in each regime of the scene (regime_memory.h). When a regime
-// returns, its beliefs are used again. A new regime starts from the present beliefs, which become
-// wider, because every cost may have changed.
+// returns, its beliefs are used again. A new regime starts from the beliefs of the present one,
+// widened because every cost may have changed.
 //
-// A choice that lasts for some ticks cannot follow regimes that change in two of five ticks or more
-// often. It is then made from a mixture: per arm, the logarithm of its mean cost over the regimes,
-// weighted by how often each of them was met recently.
-//
-// Not thread-safe. Deterministic.
+// A choice lasts for several ticks. It cannot follow regimes that change in two of five ticks or
+// more often. In that case choices use a mixture: per arm, the logarithm of its mean cost over the
+// regimes, weighted by how often each regime occurred recently.
 #pragma once
 
 #include <array>
@@ -24,7 +22,8 @@ class RegimeBeliefs {
  public:
   explicit RegimeBeliefs(RelativeCostFilter first) : filters_(1, std::move(first)) {}
 
-  // Takes the descriptor of a tick. Returns whether the beliefs that choices use have changed.
+  // Assigns the tick's descriptor to a regime and makes that regime the present one. Returns
+  // whether the beliefs that choices use have changed.
   bool Observe(const SceneDescriptor& descriptor);
 
   // The filter of the present regime, which is the only one that learns.
@@ -32,7 +31,7 @@ class RegimeBeliefs {
   const RelativeCostFilter& filter() const { return filters_[regime_]; }
   // The filters of all regimes.
   std::span<RelativeCostFilter> filters() { return filters_; }
-  bool scene_changes() const { return filters_.size() > 1; }  // there were several regimes
+  bool scene_changes() const { return filters_.size() > 1; }  // more than one regime was seen
 
   // The belief that choices use.
   NormalBelief LogCost(uint32_t arm) const;
@@ -43,7 +42,7 @@ class RegimeBeliefs {
  private:
   using Weights = std::array<double, RegimeMemory::kMaxRegimes>;
 
-  // The arm's cost in each regime, times the ticks of the regime.
+  // Returns, per regime, the arm's cost times the recent frequency of the regime.
   Weights CostsOf(uint32_t arm) const;
 
   RegimeMemory memory_;

@@ -8,13 +8,14 @@
 namespace sweepstake::decision {
 namespace {
 
-// A descriptor belongs to another regime if one of its features differs by more than this.
+// A descriptor does not belong to a regime if one of its features differs from the regime's by more
+// than the step below.
 constexpr double kCountStep = 0.7;  // difference of ln(object count)
 constexpr double kSpeedStep = 1;    // difference of ln(mean speed)
 constexpr double kStaticStep = 0.3;
 constexpr double kMinSpeed = 1e-6;     // world units per frame
-constexpr double kUnmeasured = -1000;  // a value that no feature has
-constexpr uint64_t kMemory = 10;       // descriptors that the centre of a regime averages
+constexpr double kUnmeasured = -1000;  // stands for a feature that was not measured
+constexpr uint64_t kMemory = 10;       // number of descriptors that a regime's centre averages
 
 }  // namespace
 
@@ -68,8 +69,8 @@ RegimeMemory::Recognition RegimeMemory::Observe(const SceneDescriptor& descripto
   return {.regime = current_};
 }
 
-// Begins a regime. Replaces a mixture if there is one. Otherwise uses a free place or, if there is
-// none, replaces the regime that was left the longest ago.
+// Begins a regime and returns its number. It uses the first possible place of these: that of a
+// mixture, a free place, that of the regime whose latest descriptor is the oldest.
 RegimeMemory::Recognition RegimeMemory::Begin(const Features& features) {
   const auto oldest =
       std::min_element(regimes_.begin(), regimes_.end(),

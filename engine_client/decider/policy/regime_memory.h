@@ -1,13 +1,15 @@
-// Recognises a regime of the scene that returns by its descriptors.
+// Assigns each scene descriptor to a regime, and recognises a regime when it returns.
 //
-// A descriptor belongs to a regime if its object count differs from the regime's mean by a factor
-// of less than two, its mean speed by less than e, and its static ratio by less than 0.3. A feature
-// that was not measured only matches one that was not measured. A descriptor that belongs to no
-// regime begins one. It may be a mixture of the regimes before and after it, so the next new regime
-// replaces one with a single descriptor.
+// A descriptor belongs to a regime if, compared with the regime's mean, its object count differs by
+// a factor below two, its mean speed by a factor below e, and its static ratio by less than 0.3. A
+// feature that was not measured matches only a feature that was not measured.
 //
-// At most kMaxRegimes are held. Then the regime that was left the longest ago is forgotten. Not
-// thread-safe. Deterministic.
+// A descriptor that belongs to no known regime begins a new one. It may be a mixture of the regimes
+// before and after a change. So a regime with a single descriptor is replaced when the next new
+// regime begins.
+//
+// At most kMaxRegimes are kept. If all places are taken, a new regime replaces the one whose latest
+// descriptor is the oldest. Not thread-safe. Deterministic.
 #pragma once
 
 #include <array>
@@ -33,8 +35,8 @@ class RegimeMemory {
   using Features = std::array<double, 3>;
   struct Regime {
     Features centre{};
-    uint64_t count = 0;  // descriptors
-    uint64_t last = 0;   // number of the latest descriptor; 0: a mixture
+    uint64_t count = 0;  // number of descriptors assigned to it
+    uint64_t last = 0;   // number of its latest descriptor; 0: may be a mixture
   };
 
   static Features FeaturesOf(const SceneDescriptor& descriptor);

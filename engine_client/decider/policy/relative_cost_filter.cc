@@ -11,20 +11,20 @@ namespace {
 
 constexpr double Square(double x) { return x * x; }
 
-// Variances are squares of standard deviations of logarithms: 0.01 is 1 %. They were chosen on the
-// traces of tests/bench/data/tuning_scenes.txt, where halving or doubling any of them changes
-// little.
+// Each variance is written as the square of a standard deviation of a log-cost: Square(0.01) stands
+// for 1 %. The values were chosen on the traces of tests/bench/data/tuning_scenes.txt. Halving or
+// doubling any one of them changes the results there little.
 constexpr double kFirstLevel = 7.6;               // mean log-cost before any observation: 2 ms
-constexpr double kLevelVariance = Square(2);      // variance of the unknown common level
-constexpr double kUnknownVariance = Square(0.8);  // variance of an arm relative to the others
-constexpr double kLaneVariance = Square(0.3);  // variance of the lane relative to the frame thread
-constexpr double kAssumedVariance = Square(0.5);  // variance of a cost given by Assume
-// These are noise variances.
+constexpr double kLevelVariance = Square(2);      // of the level that all arms share
+constexpr double kUnknownVariance = Square(0.8);  // of one arm relative to the others
+constexpr double kLaneVariance = Square(0.3);     // of the lane relative to the frame thread
+constexpr double kAssumedVariance = Square(0.5);  // of a cost set by Assume
+// Noise variances of single measurements.
 constexpr double kFirstNoise = Square(0.05);
-constexpr double kFirstSweepNoise = Square(0.2);  // a sweep sees five frames, a window a hundred
+constexpr double kFirstSweepNoise = Square(0.2);  // a sweep sees 5 frames, a window 100
 constexpr double kMinNoise = Square(0.005);
 constexpr double kMaxNoise = Square(0.5);
-// These are drift variances per interval.
+// Drift variances: how much a variance grows per decision interval.
 constexpr double kBiasDrift = Square(0.003);
 constexpr double kFirstDrift = Square(0.005);
 constexpr double kFirstLevelDrift = Square(0.03);
@@ -35,12 +35,13 @@ constexpr double kMaxDrift = Square(0.1);
 constexpr double kOutlierDeviations = 3;
 constexpr double kNoiseRate = 0.05;  // step size of the noise estimates
 constexpr double kDriftRate = 0.1;   // step size of the drift estimates
-constexpr double kMaxProduct = 4;    // maximum product of two normalised innovations
-// The variance that a change adds, as a multiple of the squared innovation: to the load of the
-// frame thread's core, and to the cost of this arm alone.
+constexpr double kMaxProduct = 4;    // limit of the product of two normalised innovations
+// When a change is found, the variance grows by a multiple of the squared innovation: by kLoadShare
+// for the load of the frame thread's core, and by kOwnShare for the cost of this arm alone.
 constexpr double kLoadShare = 3;
 constexpr double kOwnShare = 0.3;
-// Growth of the variance of a load per interval, relative to its square, because it may end.
+// A load may end at any time. So its variance grows by this multiple of its squared mean per
+// interval.
 constexpr double kLoadEnd = 0.3;
 
 double Clamped(double log_cost) {
@@ -71,7 +72,7 @@ RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponent
   AddVariance(first_biases_, kLaneVariance, kLaneBiasVariance);
 }
 
-// Begins to estimate the lane's biases, and the offset.
+// Adds the states of the lane to the filter: the bias of each arm, and the offset of the sweep.
 void RelativeCostFilter::AddLane() {
   const uint32_t state_count = offset() + 1;
   mean_.conservativeResizeLike(Eigen::VectorXd::Zero(state_count));
@@ -104,8 +105,8 @@ void RelativeCostFilter::AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double 
   states.diagonal().array() += own;
 }
 
-// Moves a noise variance towards the value that explains innovations of this size. If the belief
-// itself is wide, innovations say little about the noise, and the step is small.
+// Moves a noise variance towards the value that would explain innovations of this size. The step is
+// small if the belief itself is wide, because innovations then show little about the noise.
 void RelativeCostFilter::UpdateNoise(double& noise, double innovation, double variance) const {
   if (!components_.calibration) return;
   const double excess = std::min(Square(innovation) / variance, Square(kOutlierDeviations)) - 1;
@@ -113,8 +114,8 @@ void RelativeCostFilter::UpdateNoise(double& noise, double innovation, double va
   noise = std::clamp(noise, kMinNoise, kMaxNoise);
 }
 
-// Moves a drift variance by the product of two successive normalised innovations. If these agree in
-// sign, the belief lags behind, and the drift is larger than estimated.
+// Changes a drift variance by the product of two successive normalised innovations. If both have
+// the same sign, the belief lags behind the costs, so the drift is increased.
 void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
   if (!components_.calibration) return;
   drift *= 1 + kDriftRate * std::clamp(product, -kMaxProduct, kMaxProduct);
@@ -122,7 +123,7 @@ void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
 }
 
 void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_would_show) {
-  // Updates from the innovation and from the drift that successive innovations show.
+  // Learn the drift from this innovation and the one before.
   const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
   const std::optional<uint32_t> last_arm = std::exchange(live_arm_, arm);
@@ -131,11 +132,14 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_wo
   const double normalised = innovation / std::sqrt(variance);
   const double last = std::exchange(last_live_, normalised);
   if (stays) UpdateDrift(level_drift_, normalised * last);
-  // An outlier widens the belief if it is a change, otherwise it counts as noise. A change while
-  // the arm stays active most likely comes from other work on the core, which the lane does not
-  // see. Less likely is a change of the scene, whose load all arms share. A change of this arm
-  // alone is the least likely. After a switch, the new arm's level is its own. The first arm shows
-  // the level of the scene, of which a sweep sees few frames.
+  // An innovation beyond the outlier limit is a change or noise.
+  // - First window of the session: it shows the level of the scene better than a sweep, which sees
+  //   few frames. Widen the common level of all costs.
+  // - First window after a switch: the new arm has a level of its own. Widen its belief alone.
+  // - Second outlier in a row on the same side: a change. The most likely cause is other work on
+  //   the core, which the lane does not see. The next is a change of the scene, which affects all
+  //   arms. The least likely is a change of this arm alone. Widen all three accordingly.
+  // - Otherwise: noise.
   double noise = live_noise_;
   if (std::abs(normalised) > kOutlierDeviations) {
     if (!last_arm) {
@@ -157,9 +161,10 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_wo
   KeepLoadPositive();
 }
 
-// A belief that reaches above the bound loses the part below it. A belief below the bound moves to
-// the bound. The lane's visits stay valid, so their difference becomes the arm's bias. A trial says
-// nothing about the noise of a window.
+// Applies a lower bound of the arm's live cost. If the mean is above the bound, the belief loses
+// its part below the bound. If it is below, the belief moves to the bound. In that case the lane's
+// visits stay valid, so the difference is added to the arm's bias. The noise of windows is not
+// updated, because a trial is not a window.
 void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
   if (innovation <= 0) {
@@ -178,24 +183,24 @@ void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
   KeepLoadPositive();
 }
 
-// Replaces the belief about a quantity by the first two moments of its normal distribution
-// truncated below a bound. The bound lies at `innovation` from the mean.
+// Truncates the normal belief about a quantity below a bound, and replaces it by the normal
+// distribution with the resulting mean and variance. The bound lies at `innovation` from the mean.
 void RelativeCostFilter::Truncate(const Eigen::VectorXd& column, double innovation,
                                   double variance) {
   if (variance <= 0) return;
   const double deviation = std::sqrt(variance);
   const double z = innovation / deviation;
-  const double shift = NormalDensity(z) / NormalCdf(-z);  // shift of the mean, in deviations
+  const double shift = NormalDensity(z) / NormalCdf(-z);  // by how many deviations the mean moves
   const double share = shift * (shift - z);               // relative decrease of the variance
   if (share > 0) Update(column, deviation / (shift - z), variance / share);
 }
 
-// Returns the covariances of the quantity that a live window of the arm measures with every state.
+// Returns the covariances of x_i + l, which a live window of the arm measures, with every state.
 Eigen::VectorXd RelativeCostFilter::LiveColumn(uint32_t arm) const {
   return covariance_.col(arm) + covariance_.col(load());
 }
 
-// Observes that there is no load if the belief has fallen below 0.
+// If the mean of the load has fallen below 0, sets it to 0 by an observation of that value.
 void RelativeCostFilter::KeepLoadPositive() {
   if (mean_[load()] >= 0) return;
   const Eigen::VectorXd column = covariance_.col(load());
@@ -213,7 +218,7 @@ void RelativeCostFilter::BeginSweep(uint64_t sweep) {
   covariance_(offset(), offset()) = sweep_noise_;
 }
 
-// Returns the covariances of x_i + b_i + c with every state.
+// Returns the covariances of x_i + b_i + c, which a visit of the arm measures, with every state.
 Eigen::VectorXd RelativeCostFilter::VisitColumn(uint32_t arm) const {
   return covariance_.col(arm) + covariance_.col(bias(arm)) + covariance_.col(offset());
 }
@@ -222,7 +227,7 @@ double RelativeCostFilter::VisitInnovation(uint32_t arm, double log_cost) const 
   return Clamped(log_cost) - mean_[arm] - mean_[bias(arm)] - mean_[offset()];
 }
 
-// Returns the variance of x_i + b_i + c, given its covariances with every state in `column`.
+// Returns the variance of x_i + b_i + c; `column` is VisitColumn(arm).
 double RelativeCostFilter::VisitVariance(const Eigen::VectorXd& column, uint32_t arm) const {
   return column[arm] + column[bias(arm)] + column[offset()];
 }
@@ -239,7 +244,8 @@ void RelativeCostFilter::ObserveShadow(uint32_t arm, uint64_t sweep, double log_
   Update(widened, innovation, VisitVariance(widened, arm) + noise);
 }
 
-// A belief far below the bound moves to the bound, as in Assume.
+// Applies a lower bound of what a complete visit would have measured. A belief far below the bound
+// is treated as if the visit had measured exactly the bound.
 void RelativeCostFilter::ObserveShadowBound(uint32_t arm, uint64_t sweep, double log_cost) {
   if (!has_lane()) AddLane();
   BeginSweep(sweep);
@@ -252,9 +258,10 @@ void RelativeCostFilter::ObserveShadowBound(uint32_t arm, uint64_t sweep, double
   Truncate(column, innovation, variance);
 }
 
-// Learns from the innovation of a sweep's first visit, which all arms may share, and returns the
-// noise variance for its update. An outlier may belong to the scene or only to the sweep, whose
-// frames may differ from the others. The next live window shows which.
+// Learns from the innovation of a sweep's first visit, and returns the noise variance for its
+// update. All arms may share this innovation. An outlier has two possible causes: the scene
+// changed, or the frames of this sweep are unusual. So both the costs and the sweep's offset are
+// widened. The next live window shows which it was.
 double RelativeCostFilter::NoiseOfReferenceVisit(double innovation, double variance) {
   const double normalised = innovation / std::sqrt(variance);
   const double last = std::exchange(last_reference_, normalised);
@@ -268,8 +275,8 @@ double RelativeCostFilter::NoiseOfReferenceVisit(double innovation, double varia
   return shadow_noise_;
 }
 
-// Learns from the innovation of a later visit, which belongs to this arm, and returns the noise
-// variance for its update.
+// Learns from the innovation of a later visit of the sweep, which concerns this arm alone. Returns
+// the noise variance for its update.
 double RelativeCostFilter::NoiseOfVisit(uint32_t arm, double innovation, double variance) {
   const double normalised = innovation / std::sqrt(variance);
   const bool is_outlier = std::abs(normalised) > kOutlierDeviations;
@@ -285,7 +292,8 @@ double RelativeCostFilter::NoiseOfVisit(uint32_t arm, double innovation, double 
   return noise;
 }
 
-// The Kalman update. `column` holds the covariances of the observed quantity with every state.
+// The Kalman update. `column` holds the covariances of the observed quantity with every state,
+// `variance` is that of the innovation.
 void RelativeCostFilter::Update(const Eigen::VectorXd& column, double innovation, double variance) {
   const Eigen::VectorXd gain = column / variance;
   mean_ += gain * innovation;

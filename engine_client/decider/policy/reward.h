@@ -10,24 +10,25 @@
 
 namespace sweepstake::decision {
 
-// The recent range of frame rates, which a window's frame rate is compared with. This is the
-// paper's adaptive FPS normalisation (§4), whose numbers are fixed here.
+// The frame rates of the recent windows, with which a window's frame rate is compared: the paper's
+// adaptive FPS normalisation (§4). The paper leaves some numbers open; they are fixed here.
 //
 // The range covers the last 30 windows of the run, over all arms, including the window being
-// judged. The memory is fixed.
+// judged. Memory is fixed.
 //
-// "After each switch, it resets metric histories and counters" (§4) has two readings. This class
-// takes the following one: the histories are those that a window is made of, which begins again
-// after a switch (session/arm_runs.h). The range is kept, because it is the range "observed in the
-// current run", and a run has many switches. If it were cleared too, each arm would be its own
-// reference: an arm that runs steadily at 30 FPS or more would score 1 whatever its frame rate.
+// The paper says "After each switch, it resets metric histories and counters" (§4). Here, the reset
+// histories are the frames of the current window (session/arm_runs.h). The range is kept, because
+// the paper calls it the range "observed in the current run", and a run has many switches. If it
+// were reset too, each arm would only be compared with itself: an arm that runs steadily at 30 FPS
+// or more would score 1 whatever its frame rate.
 class FpsReference {
  public:
   static constexpr size_t kWindowCount = 30;
   static constexpr double kNearStallFps = 5;
   static constexpr double kMinHigh = 30;
 
-  // Drops the oldest window when full. REQUIRES: fps is finite and >= 0.
+  // Adds a window's frame rate and drops the oldest one if there are kWindowCount. REQUIRES: fps is
+  // finite and >= 0.
   void Add(double fps);
 
   // Returns quantile p in [0, 1] of the kept windows, by linear interpolation (type 7 of Hyndman
@@ -45,7 +46,8 @@ class FpsReference {
   size_t next_ = 0;
 };
 
-// One score per metric, each in [0, 1]; 1 is the best.
+// One score per metric, each in [0, 1]; 1 is the best. DET, MEM and CHK are the paper's names of
+// detection time, memory and AABB checks.
 struct RewardScores {
   double fps = 0;
   double detection = 0;  // 1 − clamp(DET / 16.67 ms)

@@ -1,11 +1,10 @@
-// Compares the posteriors of a scene's arms: computes the verdict, and for each arm the probability
-// of being the best and the cost relative to the leader's. The evidence of all sessions counts as
-// if its windows were independent. Every reader of a scene's figures gets the ones computed here.
+// Compares the posteriors of a scene's arms. Computes the verdict and, for each arm, the
+// probability of being the best and the cost relative to the leader's. The evidence of all sessions
+// counts as if its windows were independent. The daemon computes these figures for all its readers,
+// so dashboard and command line show the same.
 //
-// A contender is an arm in its newest backend version. Only contenders are compared. With fewer
-// than two of them the verdict is unknown, since nothing can be better than another arm.
-//
-// Pure function, thread-safe, with the same bits on every platform.
+// Only contenders are compared: each arm in its newest backend version. With fewer than two
+// contenders the verdict is unknown.
 #pragma once
 
 #include <cstddef>
@@ -28,16 +27,16 @@ struct SceneArm {
 
 struct ArmDiagnosis {
   CredibleInterval reward_95;              // the central 95 % of the posterior
-  bool is_outdated = false;                // not a contender: there is a newer backend version
-  std::optional<double> best_probability;  // absent: the verdict is unknown, or not a contender
-  // The arm's cost ÷ the leader's. Absent if best_probability is, or if the rewards do not measure
-  // costs.
+  bool is_outdated = false;                // a newer backend version of the arm exists
+  std::optional<double> best_probability;  // absent if the verdict is unknown or is_outdated
+  // The arm's cost ÷ the leader's cost. Absent if best_probability is absent, or if rewards of this
+  // version do not measure costs.
   std::optional<CostRatio> cost_ratio;
 };
 
 struct SceneDiagnosis {
-  std::vector<ArmDiagnosis> arms;  // in the order of the arms given
-  std::optional<size_t> leader;    // its place among them; absent: the verdict is unknown
+  std::vector<ArmDiagnosis> arms;  // in the order of the argument `arms`
+  std::optional<size_t> leader;    // index into `arms`; absent if the verdict is unknown
   Verdict verdict = Verdict::kUnknown;
   double expected_loss_ratio = 0;    // as in Diagnosis
   double value_remaining_ratio = 0;  // as in Diagnosis

@@ -16,7 +16,8 @@ namespace {
 
 using Name = std::pair<std::string_view, std::string_view>;
 
-// A scene on one class of machines. Only the session's versions of the arms have evidence.
+// The evidence of a scene on one class of machines. Includes only evidence of the arm versions that
+// the session uses.
 struct Scene {
   std::vector<ArmEvidence> arms;
   std::set<std::string_view> sources;
@@ -25,15 +26,15 @@ struct Scene {
   uint64_t source_count() const { return std::max<uint64_t>(sources.size(), summed_count); }
 };
 
-// A source of the session's scene on one class of machines.
+// The evidence of one source about the session's scene, on one class of machines.
 struct Source {
   std::string_view build;
   std::vector<ArmEvidence> arms;
   std::vector<uint32_t> versions;  // one per arm; 0: no evidence
 };
 
-// The evidence of a project's records, grouped by scene and by source. The maps make the results
-// independent of the order of the records.
+// The evidence of a project's records, grouped by scene and by source. The groups are ordered maps,
+// so the order of the records does not change the results.
 class ProjectEvidence {
  public:
   ProjectEvidence(std::span<const ArmRecord> records, const PriorKey& key) : key_(key) {
@@ -87,8 +88,9 @@ class ProjectEvidence {
     if (record.backend_version == version) source.arms[arm] += record.evidence;
   }
 
-  // The session's own evidence counts in the session's versions, scene and machine class only, and
-  // is not one of the compared sources.
+  // Returns the prior from the scene's sources. The session's own evidence is added in full and is
+  // not one of the compared sources. It counts only in the session's arm versions, scene and
+  // machine class.
   Prior CompareSources() const {
     std::vector<EvidenceSum> own(key_.arms.size());
     std::vector<SourceEvidence> others;
@@ -126,7 +128,8 @@ class ProjectEvidence {
     return PoolEvidence(arms);
   }
 
-  // Uses the scenes of this machine class, or those of all classes if there are none.
+  // Fills in arms from other scenes on this machine class or, if there are none, from other scenes
+  // on all classes.
   void CompareScenes(Prior& prior) const {
     const auto is_of_class = [&](const auto& named) {
       return named.first.first != key_.scene && named.first.second == key_.machine_class;

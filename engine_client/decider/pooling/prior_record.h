@@ -1,4 +1,5 @@
-// Stored evidence as stores, priors files and the command line exchange it. Plain values.
+// Stored evidence, in the form in which stores, priors files and the command line exchange it.
+// Plain values.
 #pragma once
 
 #include <compare>
@@ -8,15 +9,15 @@
 
 namespace sweepstake {
 
-// The subject of a piece of evidence. Evidence with different keys is never merged. Names have 1 to
-// 128 bytes unless stated.
+// What a piece of evidence is about. Evidence with different keys is never merged. Names have 1 to
+// 128 bytes unless a comment says otherwise.
 struct EvidenceKey {
   std::string project;
   std::string scene;
   std::string measured_by;  // empty for the frame thread, else "lane"
   std::string arm;
   uint32_t backend_version = 1;  // >= 1
-  std::string machine_class;     // empty for the unknown class
+  std::string machine_class;     // may be empty: the unknown class
   uint32_t reward_version = 1;   // >= 1
 
   // Written out, because libc++ before version 16 cannot order strings by <=>.
@@ -32,7 +33,7 @@ struct EvidenceKey {
   friend bool operator==(const EvidenceKey&, const EvidenceKey&) = default;
 };
 
-// An amount of evidence, which includes no prior.
+// An amount of evidence. It does not include a prior such as Beta(1,1).
 struct Evidence {
   double alpha = 0;           // finite, 0 to < 1e15
   double beta = 0;            // finite, 0 to < 1e15
@@ -52,20 +53,21 @@ struct Evidence {
 // The evidence of one source about one key.
 struct PriorRecord {
   EvidenceKey key;
-  std::string source_id;         // a session, or the sum of a build (priors_sums.h)
-  uint64_t source_sequence = 0;  // the last commit of the source that is included, from 1
+  std::string source_id;         // a session, or '*' and a build for a sum (priors_sums.h)
+  uint64_t source_sequence = 0;  // number of the source's latest commit that is included, from 1
   Evidence evidence;
   std::string build = {};         // build of the source; empty if unknown
-  uint64_t last_seen_unix_s = 0;  // when the source learnt last, below 2^63; 0 if unknown
-  // Set by exports of a daemon and ignored by imports. Priors files do not contain is_imported.
+  uint64_t last_seen_unix_s = 0;  // when the source last learnt; below 2^63; 0 if unknown
+  // A daemon sets these on export; imports ignore them. Priors files do not contain is_imported.
   bool is_imported = false;     // the source is not a session of the exporting store
-  bool is_quarantined = false;  // waits to be promoted, and does not count until then
+  bool is_quarantined = false;  // waits for promotion and does not count until then
 
   friend bool operator==(const PriorRecord&, const PriorRecord&) = default;
 };
 
-// Returns the identity of the record: two records with equal identities are the same evidence. A
-// quarantined record may stand beside an older one of its source that counts.
+// Returns the identity of the record. Two records with the same identity are versions of the same
+// evidence. A source may have two records of one key: an older one that counts and one in
+// quarantine.
 inline auto KeyOf(const PriorRecord& record) {
   return std::tie(record.key, record.source_id, record.is_quarantined);
 }

@@ -1,4 +1,4 @@
-// Compares what two sets of evidence say of the costs of arms, such as those of two builds of a
+// Compares the arms' costs according to two sets of evidence, such as those of two builds of a
 // game. Pure functions.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace sweepstake::decision {
 
-// An arm before and after; absent where the arm has no evidence.
+// The evidence about an arm in the first set and in the second set; absent where there is none.
 struct ArmComparison {
   std::string arm;
   std::optional<PriorsArm> before;
@@ -26,16 +26,16 @@ struct SceneComparison {
   PriorsGroupKey key;
   std::vector<ArmComparison> arms;  // ordered by name
 
-  bool changed() const;  // an arm has changed
-  bool in_both() const;  // cost ratios are known before and after
-  // Returns whether other arms are the cheapest after than before. False unless in_both().
+  bool changed() const;  // at least one arm changed()
+  bool in_both() const;  // both sets have cost ratios
+  // Returns whether the cheapest arms differ between the two sets. False unless in_both().
   bool leader_changed() const;
 };
 
-// Returns a comparison for each group of either set.
+// Returns one comparison for each group that occurs in either set.
 std::vector<SceneComparison> ComparePriors(const PriorsGroups& before, const PriorsGroups& after);
 
-// Returns those that have changed.
+// Returns only the comparisons for which changed() is true.
 std::vector<SceneComparison> DiffPriors(const PriorsGroups& before, const PriorsGroups& after);
 
 }  // namespace sweepstake::decision

@@ -27,7 +27,8 @@ void FillPooled(PriorsGroup& group) {
   for (auto sum = pooled.begin(); auto& [name, arm] : group.arms) arm.pooled = *sum++;
 }
 
-// REQUIRES: the group is pooled; rewards depend on the cost alone.
+// Computes the cost ratio of each arm. REQUIRES: `pooled` of each arm is set, and rewards depend
+// only on the cost.
 void FillCostRatios(PriorsGroup& group) {
   const PriorsArm* cheapest = nullptr;
   for (const auto& [name, arm] : group.arms) {

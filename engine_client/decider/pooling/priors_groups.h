@@ -1,5 +1,5 @@
-// Groups evidence as a session uses it: one scene on one class of machines, of one build and
-// version of the reward. Evidence in quarantine has groups of its own. Pure functions.
+// Groups evidence by everything that must agree for a session to use it together: scene, machine
+// class, build and reward version. Evidence in quarantine forms separate groups. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct PriorsGroupKey {
   uint32_t reward_version = 1;
   bool is_quarantined = false;
 
-  // Not <=>, because the strings of libc++ 14 lack it.
+  // operator<=> is not used, because the std::string of libc++ 14 lacks it.
   friend bool operator<(const PriorsGroupKey& a, const PriorsGroupKey& b) {
     const auto members = [](const PriorsGroupKey& key) {
       return std::tie(key.project, key.scene, key.build, key.machine_class, key.reward_version,
@@ -40,16 +40,16 @@ struct PriorsArm {
   ArmEvidence evidence = {};
   uint64_t window_count = 0;
   uint64_t visit_count = 0;
-  EvidenceSum pooled = {};  // windows and visits together (PoolEvidence)
-  // Cost ÷ that of the group's cheapest arm, from this evidence alone. Absent without evidence, and
-  // if rewards do not depend on the cost alone (log_cost.h).
+  EvidenceSum pooled = {};  // windows and visits combined (PoolEvidence)
+  // The arm's cost ÷ the cost of the group's cheapest arm, from the group's evidence alone. Absent
+  // if there is no evidence, or if rewards do not depend on the cost alone (log_cost.h).
   std::optional<CostRatio> cost_ratio = {};
 };
 
-using ArmVersions = std::map<std::string, uint32_t>;  // by name
+using ArmVersions = std::map<std::string, uint32_t>;  // backend versions by arm name
 
 struct PriorsGroup {
-  std::map<std::string, PriorsArm> arms;  // by name; only one version of each arm
+  std::map<std::string, PriorsArm> arms;  // by name; one version per arm
   std::set<std::string> sources;
   uint64_t last_seen_unix_s = 0;  // 0: unknown
 };
@@ -58,8 +58,8 @@ using PriorsGroups = std::map<PriorsGroupKey, PriorsGroup>;
 
 PriorsGroupKey GroupOf(const PriorRecord& record);
 
-// Uses the evidence of each arm in the version in `own`, or in its latest version if the group has
-// none of that version.
+// Groups the records. Each arm uses its evidence for the version in `own` or, if the group has none
+// for that version, for its latest version.
 PriorsGroups GroupPriors(std::span<const PriorRecord> records, const ArmVersions& own = {});
 
 }  // namespace sweepstake::decision

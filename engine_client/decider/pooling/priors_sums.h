@@ -1,5 +1,5 @@
-// Sums of builds: per key and build one record, the sum over all sources, without their names. A
-// game ships them (priors_file.h).
+// Sums of builds. A sum is one record per key and build that adds up all sources of that build,
+// without their names. Games ship sums (priors_file.h).
 #pragma once
 
 #include <map>
@@ -11,18 +11,17 @@
 
 namespace sweepstake {
 
-// First character of the source of a sum. No session's source begins with it.
+// A sum's source_id begins with this character. No session's source_id does.
 inline constexpr char kSumMark = '*';
 
-// Adds records up, in any order. Records in quarantine are left out. It holds one record per key
-// and build.
+// Adds up records, which may come in any order. Records in quarantine are left out. Holds one
+// record per key and build.
 class BuildSums {
  public:
   void Add(PriorRecord record);
 
-  // Returns the sums, ordered by KeyOf; call it once. A sum's sequence
-  // number is its number of windows or visits. So of two sums of a build, the one with more
-  // evidence counts.
+  // Returns the sums, ordered by KeyOf. Call it once. A sum's sequence number is its number of
+  // windows or visits, so when two sums of a build are merged, the one with more evidence is kept.
   std::vector<PriorRecord> Take();
 
  private:

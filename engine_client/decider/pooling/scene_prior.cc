@@ -7,7 +7,7 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kMinSceneVariance = 0.3 * 0.3;  // of an arm's relative log-cost between scenes
+constexpr double kMinSceneVariance = 0.3 * 0.3;  // of an arm's relative log-cost, between scenes
 
 struct Moments {
   double count = 0;
@@ -31,7 +31,8 @@ EvidenceSum SumOf(double mean, double evidence) {
   return {.alpha = evidence * mean, .beta = evidence * (1 - mean)};
 }
 
-// Returns by how much the mean rewards of windows exceed those of visits.
+// Returns the mean difference between the rewards of windows and the rewards of visits, over the
+// arms that have both.
 double LevelOf(std::span<const ArmEvidence> arms) {
   Moments level;
   for (const ArmEvidence& arm : arms) {
@@ -49,10 +50,10 @@ EvidenceSum Pool(const ArmEvidence& arm, double level) {
   return SumOf(mean, of_visits + arm.live.evidence());
 }
 
-// The common part of all scenes with evidence of several arms.
+// What the scenes with evidence about several arms have in common.
 struct CommonRewards {
-  Moments level;              // the means of the scenes' arms
-  std::vector<Moments> arms;  // each arm's rewards relative to that
+  Moments level;              // each scene's mean reward over its arms
+  std::vector<Moments> arms;  // per arm: its reward relative to its scene's level
 };
 
 CommonRewards CommonOf(std::span<const std::vector<EvidenceSum>> scenes, size_t arm_count) {
@@ -71,7 +72,9 @@ CommonRewards CommonOf(std::span<const std::vector<EvidenceSum>> scenes, size_t 
   return common;
 }
 
-// Returns the level of the scene's own sums, or that of the other scenes if it has none.
+// Returns the level of the scene's own sums: the mean, over its arms, of the arm's mean reward
+// minus the common reward of that arm relative to its scenes. Without own sums, returns the mean
+// level of the other scenes.
 double LevelOf(std::span<const EvidenceSum> own, const CommonRewards& common) {
   Moments level;
   for (size_t arm = 0; arm < own.size(); ++arm) {

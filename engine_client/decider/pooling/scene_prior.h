@@ -1,10 +1,10 @@
-// Combines the stored evidence of a scene about each arm: windows of the frame thread, for arms
-// that were live, and visits of the shadow lane, for all arms.
+// Combines the stored evidence of a scene about each arm. Arms that were live have windows of the
+// frame thread. All arms may have visits of the shadow lane.
 //
-// Windows of different arms come from different times, and a policy chooses the times: an arm that
-// is live only while the scene is cheap looks cheap. A sweep of visits measures all arms on the
-// same frames. Visits therefore determine the differences between the arms, and windows determine
-// the level. Pure functions.
+// Windows of different arms come from different times, and a policy chose those times. For example,
+// an arm that was live only while the scene was cheap looks cheap. The visits of a sweep measure
+// all arms on the same frames. Therefore visits determine the differences between arms, and windows
+// determine the level. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@
 
 namespace sweepstake::decision {
 
-// Values of measured_by: "lane", or empty for the frame thread.
+// A record's measured_by is kLaneName or, for the frame thread, empty.
 inline constexpr std::string_view kLaneName = "lane";
 constexpr bool IsMeasuredBy(std::string_view name) { return name.empty() || name == kLaneName; }
 
-// Sums of increments, without any prior.
+// Sums of increments of alpha and beta. They do not include a prior.
 struct EvidenceSum {
   double alpha = 0;  // finite, >= 0
   double beta = 0;   // finite, >= 0
@@ -34,7 +34,7 @@ struct EvidenceSum {
 struct ArmEvidence {
   EvidenceSum live = {};        // windows, and the penalties of bail-outs
   EvidenceSum lane = {};        // visits; empty except in reward version 3
-  uint64_t bail_out_count = 0;  // penalties in `live`
+  uint64_t bail_out_count = 0;  // bail-outs whose penalties are in `live`
 
   ArmEvidence& operator+=(const ArmEvidence& other) {
     live += other.live;
@@ -47,16 +47,19 @@ struct ArmEvidence {
 // Returns whether any arm has evidence.
 bool IsAnythingKnown(std::span<const EvidenceSum> arms);
 
-// Returns one sum per arm. On top of Beta(1,1) it is the arm's prior. Without visits it is `live`.
-// With visits, the mean is that of the visits, shifted by the mean difference between windows and
-// visits over the arms that have both. It is never better than that of windows with bail-outs. The
-// weight of visits is limited by the unknown bias of the lane, however many there are.
+// Returns one sum per arm. Beta(1,1) plus the sum is the arm's prior.
+// - Without visits the sum is `live`.
+// - With visits, the mean is that of the visits plus the mean difference between windows and
+//   visits, over the arms that have both.
+// - If the arm bailed out, its mean is never better than that of its windows.
+// - The weight of visits is limited, however many there are, because the bias of the lane is
+//   unknown.
 std::vector<EvidenceSum> PoolEvidence(std::span<const ArmEvidence> arms);
 
-// Fills in the arms that a scene has no evidence about from the project's other scenes: the arm's
-// mean cost relative to the other arms, at the level of the arms that the scene knows. The
-// deviation is that between the scenes, and at least a factor of 1.35. REQUIRES: reward version 3,
-// and the same arms in each scene.
+// Fills in the arms for which a scene has no evidence, from the project's other scenes. Such an arm
+// gets its mean cost relative to the other arms, at the level of the arms that the scene does know.
+// The standard deviation is that between the scenes, and at least a factor of 1.35. REQUIRES:
+// reward version 3, and the same arms in each scene.
 std::vector<EvidenceSum> WithOtherScenes(std::vector<EvidenceSum> own,
                                          std::span<const std::vector<EvidenceSum>> others);
 

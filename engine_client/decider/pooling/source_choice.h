@@ -1,8 +1,8 @@
-// Chooses the sources of a scene that new sessions use, if there are more sources than places.
+// Chooses which sources of a scene new sessions use, if a scene has more sources than the limit.
 //
-// The owner of a token can begin as many sessions as it likes. If the latest sources were chosen,
-// its sources would soon be the only ones. So places are divided among the tokens, and places that
-// one token leaves free go to the others. Pure functions.
+// The owner of a token can start any number of sessions. If the latest sources were chosen, one
+// owner could soon supply all of them. So the places are divided among the tokens, and places that
+// a token does not fill go to the others. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -12,14 +12,15 @@
 
 namespace sweepstake::decision {
 
-// Number of the latest sources that are considered per place.
+// For each place, this many of the latest sources are candidates.
 inline constexpr uint32_t kSourcesPerPlace = 8;
 
-// `tokens` are the tokens that began the sources, the latest source first; 0 counts as another
-// token. Returns the positions of up to `limit` sources, ascending. No token gets two more than
-// another token that has sources left. The latest sources of a token come first. If there are more
-// tokens than places in a round, a hash of their numbers decides. A token therefore gains nothing
-// by starting its sources last, and any tenth of the tokens gets about a tenth of the places.
+// `tokens` has, for each source, the number of the token that began it, latest source first. 0 (no
+// token) counts as one more token. Returns the indices of up to `limit` sources, ascending.
+// - Each round gives one place to every token that has sources left, for the latest of them.
+// - If a round has fewer places than tokens, a hash of the token numbers decides. So a token gains
+//   nothing by starting its sources last, and any tenth of the tokens gets about a tenth of the
+//   places.
 std::vector<size_t> ChooseSources(std::span<const int64_t> tokens, size_t limit);
 
 }  // namespace sweepstake::decision

@@ -16,15 +16,16 @@ constexpr double kOtherMachineClassFactor = 0.2;
 constexpr double kOtherBackendVersionFactor = 0.04;
 
 constexpr int kPolishSteps = 8;
-// The assumed deviation of an arm's relative log-cost between sources, and the number of sources
-// that this guess counts as.
+// Assumed variance of an arm's relative log-cost between sources, and the number of sources that
+// this assumption counts as.
 constexpr double kSourceVariance = 0.1 * 0.1;
 constexpr double kGuessWeight = 4;
-// This share of a normal distribution lies within kWithinDeviations of its centre. The median
-// distance would be 0 if just over half of the sources agree.
+// The deviation is estimated from a quantile of the distances from the centre: 70 % of a normal
+// distribution lie within kWithinDeviations. The median distance is not used, because it would be 0
+// if just over half of the sources agree exactly.
 constexpr double kWithinShare = 0.7;
 constexpr double kWithinDeviations = 1.0364;
-// Outlier threshold in standard deviations.
+// Measurements farther than this from the common value are dropped, in standard deviations.
 constexpr double kOutlierDeviations = 5;
 // The variance of a median ÷ the variance of a mean: π/2.
 constexpr double kMedianVariance = 1.5707963267948966;
@@ -34,7 +35,8 @@ struct Weighed {
   double weight = 0;
 };
 
-// Returns the value below which that share of the weight is; 0 for no values.
+// Returns the weighted quantile: `share` of the total weight lies below it. 0 if there are no
+// values.
 double QuantileOf(std::vector<Weighed> values, double share) {
   std::sort(values.begin(), values.end(),
             [](const Weighed& a, const Weighed& b) { return a.value < b.value; });
@@ -51,7 +53,7 @@ double QuantileOf(std::vector<Weighed> values, double share) {
 
 double MedianOf(std::vector<Weighed> values) { return QuantileOf(std::move(values), 0.5); }
 
-// One source's measurements of one arm.
+// One source's measurement of one arm.
 struct Cell {
   size_t source = 0;
   size_t arm = 0;
@@ -85,7 +87,8 @@ class MedianPolish {
     Polish();
   }
 
-  // Returns the belief about the arm at that level; nothing if no source has evidence of the arm.
+  // Returns the belief about the arm's log-cost for a session at that level. Nothing if no source
+  // has evidence of the arm.
   std::optional<NormalBelief> BeliefAt(double level, size_t arm) const {
     const auto count =
         std::count_if(cells_.begin(), cells_.end(), [&](auto& cell) { return cell.arm == arm; });
@@ -100,7 +103,8 @@ class MedianPolish {
     return NormalBelief{.mean = level + arms_[arm], .variance = between + of_centre};
   }
 
-  // Returns the level of a session with this evidence, or that of a typical source if it has none.
+  // Returns the level of a session with the evidence `own`, or the typical level of the sources if
+  // it has none.
   double LevelOf(std::span<const EvidenceSum> own) const {
     std::vector<Weighed> levels;
     for (size_t arm = 0; arm < own.size(); ++arm) {
@@ -123,7 +127,8 @@ class MedianPolish {
     return cell.log_cost.mean - levels_[cell.source] - arms_[cell.arm];
   }
 
-  // Returns the deviation of the sources' measurements of the arm from their common value.
+  // Returns the standard deviation of the sources' measurements of the arm around their common
+  // value.
   double DeviationOf(size_t arm) const {
     std::vector<Weighed> distances;
     for (const Cell& cell : cells_) {
@@ -133,8 +138,8 @@ class MedianPolish {
     return QuantileOf(std::move(distances), kWithinShare) / kWithinDeviations;
   }
 
-  // Raises the variance of each cell to the median one of its arm. So a source does not gain weight
-  // by claiming to be certain.
+  // Raises the variance of each cell to at least the median variance of its arm. So a source gains
+  // no weight by claiming to be certain.
   void LimitPrecisions() {
     std::vector<std::vector<Weighed>> variances(arms_.size());
     for (const Cell& cell : cells_) variances[cell.arm].push_back({cell.log_cost.variance, 1});
@@ -144,7 +149,7 @@ class MedianPolish {
       cell.log_cost.variance = std::max(cell.log_cost.variance, medians[cell.arm]);
   }
 
-  // Removes outliers, which bias a median towards their side however far away they are.
+  // Removes outliers. However far away an outlier is, it would move a median a little to its side.
   void DropOutliers() {
     std::vector<double> reaches;
     for (size_t arm = 0; arm < arms_.size(); ++arm)
@@ -154,7 +159,8 @@ class MedianPolish {
                   [&](const Cell& cell) { return std::abs(ResidualOf(cell)) > reaches[cell.arm]; });
   }
 
-  // Sets each of `effects` to the median of the residuals without it.
+  // One step of the median polish. Subtracts the other effects from each cell, and sets each of
+  // `effects` to the median of what is left.
   void Sweep(size_t Cell::*index, std::vector<double>& effects) {
     std::vector<std::vector<Weighed>> left(effects.size());
     for (const Cell& cell : cells_) {
@@ -173,7 +179,7 @@ class MedianPolish {
 
   std::vector<Cell> cells_;
   std::vector<double> levels_;  // one per source
-  std::vector<double> arms_;    // one per arm, relative to the level
+  std::vector<double> arms_;    // one per arm, relative to the source's level
 };
 
 }  // namespace

@@ -1,12 +1,13 @@
-// The arm that runs in each switch epoch: the active run and, as soon as frames show it, the run
-// after it. A run divides its frames into settling and measured ones and keeps the window of the
-// measured ones.
+// Tracks which arm runs in each switch epoch. It holds the active run and, as soon as frames of a
+// later epoch arrive, the run after it. A run divides its frames into settling and measured ones,
+// and keeps the window of the measured ones.
 //
-// A run's time is frame time. It starts at the end of the run's first frame and adds up the frame
-// times after it. The first frame, which builds the structure, always belongs to the settling
-// unless that has length 0.
+// A run's time is frame time. It is 0 at the end of the run's first frame, and each later frame
+// adds its frame time. The first frame, which builds the structure, always counts as settling
+// unless the settling time is 0.
 //
-// Not thread-safe. The memory is fixed: of several later epochs only the latest is kept.
+// Not thread-safe. The memory is fixed: if frames of several later epochs arrive, only the latest
+// epoch is kept.
 #pragma once
 
 #include <cstdint>
@@ -23,14 +24,15 @@ class ArmRun {
   // Frames that begin before `settling_ns` of the run has passed are settling frames.
   explicit ArmRun(uint32_t arm = 0, uint32_t switch_epoch = 0, uint64_t settling_ns = 0);
 
-  // Takes a frame of this run. Returns true if it was measured, false if it settles.
+  // Adds a frame of this run. Returns true if it was measured, false if it was a settling frame.
   //
-  // If `rebuild_settling_ns` > 0, a rebuild (the object count changed) of a measured run starts
-  // another settling of that length. The window keeps its frames. This happens only after at least
-  // as much frame time was measured since the last settling. So settling takes at most half of the
-  // time, and an object count that changes all the time does not stop the learning.
+  // If `rebuild_settling_ns` > 0, a rebuild of a measured run (the object count changed) starts
+  // another settling of that length. The window keeps its frames. This happens only if at least
+  // `rebuild_settling_ns` of frame time was measured since the last settling. So settling takes at
+  // most half of the time, and an object count that changes all the time does not stop the
+  // learning.
   bool Observe(const FrameSample& frame, uint64_t rebuild_settling_ns);
-  // Lets a frame's time pass without measuring it, because it was over the bail-out limit.
+  // Adds a frame's time without measuring the frame, because it was over the bail-out limit.
   void Pass(const FrameSample& frame);
 
   // Starts settling again, as if the run began with the next frame.
@@ -42,7 +44,7 @@ class ArmRun {
   uint32_t switch_epoch() const { return switch_epoch_; }
   uint64_t elapsed_ns() const { return elapsed_ns_; }
   const Window& window() const { return window_; }
-  // Returns whether the current tick had settling frames of this run.
+  // Returns whether this run had settling frames since the last tick.
   bool settling_frames_seen() const { return settling_frames_seen_; }
 
   // Calls visit(name, member) for every member, for the audit log (audit/audit_row.h).
@@ -74,8 +76,8 @@ class ArmRun {
   Window window_;
 };
 
-// Returns whether `epoch` comes after `than`. Epochs wrap around; the later one is less than half
-// of their range ahead.
+// Returns whether `epoch` comes after `than`. Epochs are uint32_t and wrap around: the later one is
+// ahead by less than half of their range.
 bool IsLaterEpoch(uint32_t epoch, uint32_t than);
 
 class ArmRuns {
@@ -83,26 +85,26 @@ class ArmRuns {
   explicit ArmRuns(uint32_t arm_count = 0, ArmRun active = ArmRun())
       : arm_count_(arm_count), active_(active) {}
 
-  // Returns the run of this frame. A frame of a later epoch than all before begins a later run,
-  // which settles for `settling_ns`. Returns null if the frame is of an earlier epoch, or of an arm
-  // that does not run in its epoch.
+  // Returns the run that this frame belongs to. If the frame's epoch is later than all before, it
+  // begins a later run with a settling time of `settling_ns`. Returns null if the frame's epoch is
+  // earlier than the active one, or if its arm does not run in its epoch.
   ArmRun* Find(const FrameSample& frame, uint64_t settling_ns);
 
   ArmRun& active() { return active_; }
   const ArmRun& active() const { return active_; }
-  // The run that frames have shown and that is not active yet.
+  // The run of a later epoch of which frames have arrived, but which is not active yet.
   const std::optional<ArmRun>& later() const { return later_; }
   bool IsActive(const FrameSample& frame) const;
 
-  // Makes `run` the active one and forgets the later one.
+  // Makes `run` the active run and drops the later run.
   void Activate(const ArmRun& run);
 
   // Begins the window of the next tick.
   void ClearWindow();
-  // Returns whether the current tick had frames of the active run, measured or not.
+  // Returns whether frames of the active run, measured or settling, arrived since the last tick.
   bool active_frames_seen() const { return active_frames_seen_; }
 
-  // Takes the state of other runs. REQUIRES: they have no other number of arms.
+  // Copies the state of `runs`. REQUIRES: both have the same number of arms.
   void Restore(const ArmRuns& runs) {
     active_ = runs.active_;
     later_ = runs.later_;

@@ -1,5 +1,6 @@
-// The interface through which a session reports its inputs and decisions, completely enough to
-// derive every decision again. The audit log (engine_client/decider/audit) implements it.
+// The interface through which a session reports its inputs and decisions. The reports are complete:
+// every decision can be derived from them again. The audit log (engine_client/decider/audit)
+// implements it.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@
 
 namespace sweepstake::decision {
 
-// An executed switch: the arguments of DecisionSession::ObserveSwitch.
+// An executed switch, with the arguments of DecisionSession::ObserveSwitch.
 struct SwitchReport {
   uint32_t arm = 0;
   uint32_t switch_epoch = 0;
@@ -21,24 +22,24 @@ struct SwitchReport {
   SwitchCost cost;
 };
 
-// An order of an operator to the game. No decision depends on it, because the game reports a mode
-// after it executes the order.
+// An operator's order to the game. Decisions do not depend on it: when the game has executed the
+// order, it reports its new mode.
 struct OrderReport {
   std::string_view operator_name;
   Mode mode = Mode::kManual;
-  std::optional<uint32_t> arm;  // with kManual; absent: keep the active arm
+  std::optional<uint32_t> arm;  // only with kManual; absent: keep the active arm
   int64_t now_ns = 0;
 };
 
-// The inputs of a tick besides the active arm's run.
+// The inputs of a tick, except for the runs.
 struct TickInput {
   int64_t now_ns = 0;
   std::span<const ShadowSample> shadow_samples;
   std::optional<SceneDescriptor> descriptor;
 };
 
-// Every event is reported before the session applies it. `runs` summarises the frames before the
-// event. Calls come on the session's thread. An observer must not call the session back.
+// Receives every event before the session applies it. `runs` summarises the frames before the
+// event. All calls come on the session's thread. An observer must not call the session.
 class DecisionObserver {
  public:
   virtual ~DecisionObserver() = default;
@@ -48,7 +49,7 @@ class DecisionObserver {
   virtual void OnMode(Mode mode, uint32_t active_arm, int64_t now_ns, const ArmRuns& runs) = 0;
   virtual void OnOrder(const OrderReport& order) = 0;
 
-  // OnDecision follows each of these two with the result.
+  // The session calls OnDecision with the result after each of these two.
   virtual void OnTick(const TickInput& input, const ArmRuns& runs) = 0;
   virtual void OnBailOut(const FrameSample& frame, int64_t now_ns, const ArmRuns& runs) = 0;
   virtual void OnDecision(const Decision& decision) = 0;

@@ -26,7 +26,7 @@ std::unique_ptr<Policy> PolicyOf(const SessionSetup& setup, PolicyRegistry polic
                     policies);
 }
 
-// Returns whether the first decision needs no frames, because priors are known.
+// Returns whether the session can decide before the first frame, because it has priors.
 bool StartsFromPriors(const SessionSetup& setup, const PolicyKind& kind) {
   return kind.starts_from_priors && !setup.priors.empty();
 }
@@ -125,7 +125,7 @@ void DecisionSession::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchR
   AdoptLaterRun(now_ns);
   const bool learns = mode_ == Mode::kAi;
   if (learns && cost.ended_trial) policy_->LearnTrialEnd(*cost.ended_trial, now_ns);
-  // The epoch has already ended: frames of a later one arrived before this report.
+  // Ignore the report if its epoch has already ended: frames of a later one arrived first.
   if (IsLaterEpoch(run().switch_epoch(), switch_epoch)) return;
   if (run().arm() == arm && run().switch_epoch() == switch_epoch) {
     if (!run_reported_) observation_.CorrectReason(reason);
@@ -198,14 +198,14 @@ Decision DecisionSession::Tick(int64_t now_ns) {
   return Close(std::move(decision));
 }
 
-// Learns from the scene descriptor and the samples of the shadow lane. In manual mode they are not
-// evidence.
+// Learns from the scene descriptor and the visits of the shadow lane. The policy learns in manual
+// mode too, but nothing becomes stored evidence.
 void DecisionSession::LearnScene(Decision& decision) {
   const int64_t now_ns = decision.record.time_ns;
   if (descriptor_) policy_->LearnDescriptor(*descriptor_, now_ns);
   if (shadow_samples_.empty()) return;
   std::vector<Increment> increments = policy_->LearnShadow(shadow_samples_, now_ns);
-  // Limits the evidence per arm to the visits that a lane can make in an interval.
+  // Drops visits beyond those that a lane can make in one interval.
   std::vector<uint32_t> counts(setup_.arms.size());
   std::erase_if(increments,
                 [&](const Increment& visit) { return ++counts[visit.arm] > kMaxVisitsPerTick; });
@@ -252,7 +252,7 @@ Decision DecisionSession::Close(Decision decision) {
   return decision;
 }
 
-// `fps` is the active arm's frame rate, absent if there is no new window.
+// Updates the diagnosis. `fps` is the active arm's frame rate, or absent if there is no new window.
 void DecisionSession::Diagnose(std::optional<double> fps) {
   diagnosis_ = policy_->Diagnose();
   diagnosis_.verdict = verdict_.Observe(diagnosis_.verdict);
@@ -265,7 +265,8 @@ bool DecisionSession::goes_by_cost() const {
   return policy_kind_.reward_version == kLogCostRewardVersion;
 }
 
-// Frames without a search do not show the cost of an arm.
+// Returns whether the policy learns from the window. A policy whose rewards measure costs ignores a
+// window without a search.
 bool DecisionSession::window_teaches() const {
   const Window& window = run().window();
   return !window.empty() && (!goes_by_cost() || window.tells_cost());
@@ -287,7 +288,8 @@ std::optional<DecisionOutcome> DecisionSession::Learn(Decision& decision) {
   return std::nullopt;
 }
 
-// Asks the policy for a candidate. Returns why the policy itself does not want the switch now.
+// Asks the policy for a candidate and records its choice. Returns the reason if the policy itself
+// does not want the switch now.
 std::optional<DecisionOutcome> DecisionSession::Choose(DecisionRecord& record,
                                                        bool bailed_out) const {
   Choice choice = policy_->Choose({.active_arm = run().arm(),
@@ -306,7 +308,8 @@ std::optional<DecisionOutcome> DecisionSession::Choose(DecisionRecord& record,
   return choice.hold;
 }
 
-// `hold` is a reason that holds every candidate back.
+// Samples a candidate and gates it. `hold` is a reason of the session that holds back any
+// candidate.
 void DecisionSession::SampleAndGate(Decision& decision, std::optional<DecisionOutcome> hold) {
   const std::optional<DecisionOutcome> own_hold = Choose(decision.record, false);
   decision.record.outcome = Gate(decision.record, hold, own_hold);
@@ -355,7 +358,8 @@ void DecisionSession::TickExploration(Decision& decision) {
   }
 }
 
-// Commands the arm whose turn it is, and skips arms whose commands had no effect.
+// Commands a switch to the arm whose turn it is. Skips an arm after kMaxCommands commands without
+// effect.
 void DecisionSession::CommandNextSlot(Decision& decision, SwitchReason reason) {
   while (exploring() && run().arm() != exploration_.slot_arm()) {
     if (exploration_.CountCommand()) {
@@ -402,8 +406,8 @@ bool DecisionSession::IsCharged(const FrameSample& frame) const {
 
 void DecisionSession::Blame(const FrameSample& frame, Decision& decision) {
   ++counts_.charged_bail_out_count;
-  // The session itself always learns from it, so its game leaves the arm even if the report is
-  // wrong.
+  // The session always learns from the bail-out, so the game leaves the arm even if the report is
+  // false. Whether the bail-out is also stored as evidence is limited below.
   const Increment increment = policy_->LearnBailOut(frame.arm);
   const bool may_be_evidence = (frame.flags & kFrameNoEvidence) == 0;
   if (may_be_evidence && bail_out_budget_.Spend(decision.record.time_ns)) {

@@ -1,47 +1,47 @@
-// One game's decisions: from frames to rewards and posteriors, and from posteriors to switch
-// commands.
+// The decisions of one game: computes rewards and posteriors from frames, and switch commands from
+// posteriors.
 //
-// Deterministic: the same setup and the same calls give the same decisions bit for bit on every
+// Deterministic: the same setup and the same calls give the same decisions, bit for bit, on every
 // platform. Time and randomness are arguments. Not thread-safe; distinct sessions are independent.
 // The memory is bounded by the number of arms.
 //
-// A tick first updates the posterior, then samples a candidate, then gates it. The paper leaves the
-// following open:
+// A tick first updates the posterior, then samples a candidate, then gates it. The paper leaves
+// some points open. This class decides them as follows:
 //
 // - Two clocks. Ticks, the cooldown and active time use now_ns, the caller's clock. Settling,
-//   warm-up and measuring use frame time, which counts from the end of the first frame of the new
+//   warm-up and measuring use frame time, which starts at the end of the first frame of the new
 //   switch epoch. Paused and loading frames do not count.
 // - When a switch counts as executed. ObserveSwitch reports it, but clients report a switch only
-//   when the new arm has settled. Frames of a later epoch are therefore kept as they come. The
-//   first tick or bail-out that finds some treats the switch as executed without waiting for the
-//   report. It was executed that much frame time ago, but not before the last event on now_ns. The
-//   cooldown and active time count from then.
+//   when the new arm has settled. Frames of a later epoch that arrive before the report are
+//   therefore collected. The first tick or bail-out that finds some treats the switch as executed.
+//   The time of the switch is now_ns minus the frame time of these frames, but not before the
+//   previous event. The cooldown and active time count from then.
 // - A command without an answer. While a command is under way, no other one is issued, except after
-//   a bail-out. When it counts as lost (SwitchGate in safeguards.h), the candidate of that tick, or
-//   the exploration's arm, may be commanded. A refused command ends at once. The exploration skips
-//   an arm after three commands without effect.
+//   a bail-out. SwitchGate (safeguards.h) says when a command counts as lost. Then the next
+//   candidate, or the exploration's arm, may be commanded. A refused command ends at once. The
+//   exploration skips an arm after three commands without effect.
 // - The first command. Before the first executed switch no cooldown runs. A session that continues
-//   after a restart (decision_count > 0) does not know when the last switch was, and counts from
-//   start_ns.
-// - Draws. Every AI tick outside the exploration draws and logs a candidate, also if settling
-//   frames, missing frames or a rejected window hold it back.
-// - Exploration. A slot is the warm-up, which replaces settling, and the measured time after it.
-//   Ticks in a slot update the posterior. The slot ends at the first tick at which its frame time
-//   has passed, never because frames are missing. The next arm is commanded at that tick. An arm
-//   that is active when its turn comes needs no command. The tick that ends the last slot starts
-//   the observation window and is already an ordinary one: update, sample, gate, with the cooldown
-//   counting from the switch to the last arm explored.
+//   after a restart (decision_count > 0) does not know the time of its last switch. Its cooldown
+//   starts at start_ns.
+// - Draws. Every tick in AI mode after the exploration draws a candidate and logs it. That includes
+//   ticks at which settling frames, missing frames or a rejected window hold the candidate back.
+// - Exploration. A slot of an arm is its warm-up, which replaces settling, and the measured time
+//   after that. Ticks in a slot update the posterior. A slot ends at the first tick at which its
+//   frame time has passed. It does not end because frames are missing. The next arm is commanded at
+//   that tick, unless it is already active. The tick that ends the last slot starts the observation
+//   window. It is already an ordinary tick, and its cooldown counts from the switch to the last
+//   explored arm.
 // - Bail-outs. In the exploration the arm's slot ends and the next arm is commanded. Otherwise the
-//   draw decides; if it falls on the same arm, that arm stays. A bail-out of an earlier epoch is
-//   charged to its arm and commands nothing. Frames over the limit are never in a window: they are
-//   charged with the penalty, or not charged if the arm is excused. Bail-outs beyond BailOutBudget
-//   (safeguards.h) and those with kFrameNoEvidence change the session like others, but have no
-//   increment.
-// - Policies differ in what they learn, how they choose and which cooldown they ask for (policy.h);
-//   all rules above hold for each of them. A policy that does not explore begins with an ordinary
+//   policy chooses; it may choose the same arm again. A bail-out of an earlier epoch is charged to
+//   its arm and causes no command. A frame over the limit is never part of a window. It is either
+//   charged with the penalty, or not charged because the arm is not to blame. A bail-out beyond
+//   BailOutBudget (safeguards.h), or with kFrameNoEvidence, changes the session like any other but
+//   has no increment to store.
+// - Policies differ in what they learn, how they choose and which cooldown they ask for (policy.h).
+//   All rules above hold for each of them. A policy that does not explore begins with an ordinary
 //   tick. A policy that starts from priors takes its first decision at start_ns.
-// - A rebuild because of a changed object count settles again, except within exploration slots
-//   (ArmRun::Observe in arm_runs.h).
+// - Rebuilds. A rebuild because of a changed object count starts another settling, except within
+//   exploration slots (ArmRun::Observe in arm_runs.h).
 #pragma once
 
 #include <cstdint>
@@ -65,83 +65,89 @@ namespace sweepstake::decision {
 
 class DecisionSession {
  public:
-  // The policy is looked up in `policies`. REQUIRES: !Validate(setup, policies).
+  // Looks up the policy in `policies`. REQUIRES: !Validate(setup, policies).
   explicit DecisionSession(SessionSetup setup, PolicyRegistry policies);
   DecisionSession(const DecisionSession&) = delete;
   DecisionSession& operator=(const DecisionSession&) = delete;
 
-  // From now on reports every event and decision to the observer. REQUIRES: nothing was observed
-  // yet.
+  // Reports every later event and decision to the observer. REQUIRES: nothing was observed yet.
   void SetObserver(std::unique_ptr<DecisionObserver> observer) { observer_ = std::move(observer); }
-  // Replaces the frames since the last event by their summary when a log is derived again. Returns
-  // false and changes nothing if another arm or switch epoch is active, or if the later run is of
-  // no arm of this session.
+  // For the replay of a log: replaces the frames since the last event by their summary. Returns
+  // false and changes nothing in two cases: `runs` has another active arm or switch epoch than the
+  // session, or the arm of its later run is unknown.
   bool RestoreRuns(const ArmRuns& runs);
 
-  // Adds frames to the window of the current tick. Frames of another switch epoch or arm than the
-  // active one, settling frames, paused or loading frames, and frames over the bail-out limit are
-  // counted and left out. Frames of a later epoch than the active one begin that epoch's settling
-  // (see above).
+  // Adds frames to the window of the current tick. These frames are counted but not added:
+  // - frames of another switch epoch or arm than the active one
+  // - settling frames
+  // - paused or loading frames
+  // - frames over the bail-out limit Frames of a later epoch than the active one begin that epoch's
+  //   settling (see the first comment).
   void ObserveFrames(std::span<const FrameSample> frames);
 
-  // Takes a frame over the limit at once (paper §6.3). A frame is recorded but not blamed, with no
-  // increment and no command, if it is neither over options.bail_out_ns nor flagged kFrameBailOut,
-  // and, unless the policy is `paper`, if detection is under half of it or if it is paused or
-  // loading. The frame may also come through ObserveFrames. REQUIRES: called at most once per frame
-  // index.
+  // Processes a frame over the bail-out limit at once (paper §6.3). The arm is blamed if all of
+  // this holds:
+  // - the mode is AI and the arm is known
+  // - the frame is longer than options.bail_out_ns or has kFrameBailOut
+  // - detection takes at least half of the frame, which is neither paused nor loading; the policy
+  //   `paper` does not require this If the arm is not blamed, the frame is recorded without an
+  //   increment and without a command. The frame may also be passed to ObserveFrames. REQUIRES:
+  //   called at most once per frame index.
   Decision ObserveBailOut(const FrameSample& frame, int64_t now_ns);
-  // Returns whether a bail-out with this frame, at this time, is evidence unless it has
-  // kFrameNoEvidence.
+  // Returns whether ObserveBailOut would store evidence for this frame at this time. A frame with
+  // kFrameNoEvidence is never stored; this function does not check that flag.
   bool IsEvidence(const FrameSample& frame, int64_t now_ns) const {
     return IsCharged(frame) && bail_out_budget_.HasRoom(now_ns);
   }
 
-  // Takes samples of the shadow lane, which the next tick learns from, in manual mode too. The
-  // latest kMaxShadowSamples samples since the last tick are kept. Samples of an unknown arm or
-  // without a cost are ignored.
+  // Adds samples of the shadow lane, from which the next tick learns, in manual mode too. If more
+  // arrive between two ticks, only the latest kMaxShadowSamples are kept. Samples of an unknown arm
+  // or without a detection time are ignored.
   static constexpr size_t kMaxShadowSamples = 256;
   // Maximum lane visits per arm and tick that count as evidence.
   static constexpr uint32_t kMaxVisitsPerTick = 8;
   void ObserveShadow(std::span<const ShadowSample> samples);
-  // Takes a descriptor of the scene. The next tick learns from the latest one.
+  // Sets the descriptor of the scene. The next tick learns from the latest one.
   void ObserveDescriptor(const SceneDescriptor& descriptor) { descriptor_ = descriptor; }
 
-  // Takes an executed switch, either the client's answer to a command or a local one: the new arm
-  // is active from this epoch on. A report of the active epoch only updates the switch cost. A
-  // report of an earlier epoch changes nothing. The end of a trial is always learnt, instead of a
-  // cost. REQUIRES: arm < arms, and that of a trial.
+  // Records an executed switch: the answer to a command, or a switch that the game made itself.
+  // From this epoch on, the new arm is active. If the epoch is already active, only the switch cost
+  // is updated. If it is an earlier one, nothing changes. If the switch ended a trial, the session
+  // learns that end instead of a cost. REQUIRES: arm < arms, also for the arm of a trial.
   void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns,
                      const SwitchCost& cost = {});
 
-  // Takes a command that the client refused. If it was the latest one, the next tick may command
-  // again.
+  // Records that the client refused a command. If it was the latest one, the next tick may issue
+  // another.
   void ObserveRefusal(uint64_t command_id);
 
-  // Begins a new window; the exploration continues where it was. REQUIRES: arm < arms.
+  // Sets the mode and begins a new window. The exploration continues where it was. REQUIRES:
+  // active_arm < arms.
   void SetMode(Mode mode, uint32_t active_arm, int64_t now_ns);
 
-  // Reports the order to the observer, and changes nothing. REQUIRES: order.arm < arms, if any.
+  // Reports the order to the observer and changes nothing else. REQUIRES: order.arm, if present, <
+  // arms.
   void ObserveOrder(const OrderReport& order) {
     if (observer_) observer_->OnOrder(order);
   }
 
-  // The next tick is due one decision interval after the last one was due or, if that time has
-  // passed too, after the last one was made.
+  // Time at which the next tick is due: one decision interval after the last tick was due. If that
+  // has passed already, one interval after the last tick was made.
   int64_t next_tick_ns() const { return next_tick_ns_; }
-  // Returns whether the first decision is still to come and waits for frames, because no priors are
-  // known.
+  // Returns whether the session has decided nothing yet and needs frames for its first decision,
+  // because it has no priors.
   bool waits_for_frames() const;
-  // Updates, samples and gates. A late tick is one tick, never several.
-  // REQUIRES: now_ns >= next_tick_ns().
+  // Updates, samples and gates. After a delay of several intervals, one call is enough. REQUIRES:
+  // now_ns >= next_tick_ns().
   Decision Tick(int64_t now_ns);
 
   std::span<const BetaPosterior> posteriors() const { return policy_->posteriors(); }
-  // The policy's diagnosis at the latest tick or bail-out. Its verdict is kDegraded if the frame
-  // rate demands it (FrameRateFloor in safeguards.h).
+  // The policy's diagnosis at the latest tick or bail-out. The verdict is kDegraded if the frame
+  // rate is too low (FrameRateFloor in safeguards.h).
   const Diagnosis& diagnosis() const { return diagnosis_; }
   // The standing of each arm at the latest tick or bail-out.
   std::span<const ArmStanding> standings() const { return standings_; }
-  // The policy that "default" stands for.
+  // The policy in use; "default" is already resolved.
   const PolicyKind& policy_kind() const { return policy_kind_; }
   std::string_view policy() const { return policy_kind_.name; }
   const SessionSetup& setup() const { return setup_; }
@@ -195,8 +201,8 @@ class DecisionSession {
   void Blame(const FrameSample& frame, Decision& decision);
   void Resample(Decision& decision);
 
-  // Frames change only runs_ among all that decisions depend on. So observers receive runs_ in
-  // place of the frames.
+  // Frames change only runs_, among the members that decisions depend on. That is why observers
+  // receive runs_ instead of the frames.
   const SessionSetup setup_;
   const PolicyKind& policy_kind_;
   const std::unique_ptr<Policy> policy_;
@@ -213,7 +219,7 @@ class DecisionSession {
 
   Mode mode_;
   ArmRuns runs_;
-  bool run_reported_ = true;  // whether ObserveSwitch or the setup named the active run
+  bool run_reported_ = true;  // ObserveSwitch or the setup named the active run
   SwitchReason commanded_reason_ = SwitchReason::kPolicy;
 
   std::vector<ShadowSample> shadow_samples_;   // samples since the last tick

@@ -1,5 +1,5 @@
-// Policies by name. The laboratory passes a registry with more policies than a daemon or a game can
-// choose (tests/laboratory/policies/study_policies.h).
+// Finds policies by name. Daemons and games use ShippedPolicies(). The laboratory passes a larger
+// registry (tests/laboratory/policies/study_policies.h).
 #pragma once
 
 #include <memory>
@@ -21,8 +21,8 @@ using PolicyRegistry = std::span<const PolicyEntry>;
 // Returns the policies that a daemon or a game can choose: `adaptive` and `paper`.
 PolicyRegistry ShippedPolicies();
 
-// Returns the names in the registry's order, preceded by "default", which stands for the policy of
-// "AI Decides".
+// Returns "default", which stands for the policy of "AI Decides", followed by the names in the
+// registry's order.
 std::vector<std::string_view> PolicyNames(PolicyRegistry policies);
 
 // Returns null if no policy has this name.

@@ -1,8 +1,9 @@
-// The two phases of a run: the exploration, which runs every arm once in an order that the seed
-// fixes (paper §6.3), and the observation window after it, over which active time and switches are
-// counted (paper §6.2).
+// The two phases of a run. In the exploration every arm runs once, in an order that the seed
+// determines (paper §6.3). In the observation window after it, active time and switches are counted
+// (paper §6.2).
 //
-// Neither measures frames. Not thread-safe; the memory is bounded by the number of arms.
+// These classes do not measure frames. Not thread-safe; the memory is bounded by the number of
+// arms.
 #pragma once
 
 #include <cstddef>
@@ -17,14 +18,15 @@ namespace sweepstake::decision {
 // seed on every platform.
 std::vector<uint32_t> ExplorationOrder(uint64_t seed, uint32_t arm_count);
 
-// The order of the exploration, and the arm whose turn it is.
+// The order in which the exploration runs the arms, and the arm whose turn it is.
 class Exploration {
  public:
-  // A slot is skipped if the client does not execute its command this many times: the client does
-  // not have the arm.
+  // The slot of an arm is skipped after this many commands that the client did not execute. The
+  // client probably does not have the arm.
   static constexpr uint32_t kMaxCommands = 3;
 
-  // The first `explored` arms of the order are already done.
+  // `explored` is the number of arms, from the start of the order, that were explored before a
+  // restart.
   Exploration(uint64_t seed, uint32_t arm_count, uint32_t explored);
 
   bool done() const { return explored_ == order_.size(); }
@@ -34,7 +36,7 @@ class Exploration {
 
   // REQUIRES: !done().
   void EndSlot();
-  // Counts a command for the slot's arm. Returns false if kMaxCommands were given already.
+  // Counts a command for the slot's arm. Returns false if kMaxCommands were already issued.
   // REQUIRES: !done().
   bool CountCommand();
 
@@ -44,20 +46,21 @@ class Exploration {
   uint32_t command_count_ = 0;  // commands of the current slot
 };
 
-// Counts active time per arm and executed switches by reason. Active time is the caller's clock
-// time between activations, with settling and stalls included.
+// Counts active time per arm and executed switches by reason. Active time is the time between
+// activations on the caller's clock; it includes settling and stalls.
 class ObservationWindow {
  public:
   ObservationWindow(size_t arm_count, uint32_t active_arm);
 
-  // Starts the window, when the exploration has ended. REQUIRES: not started.
+  // Starts the window; called at the end of the exploration. REQUIRES: not started.
   void Start(int64_t now_ns);
-  // The arm is active from then on. Before the start only the arm is remembered.
+  // Makes the arm active from executed_ns on. Before Start, only the arm is stored and nothing is
+  // counted.
   void Activate(uint32_t arm, SwitchReason reason, int64_t executed_ns);
   // Replaces the reason of the last activation.
   void CorrectReason(SwitchReason reason);
 
-  // Returns the counts up to now, with the active arm's time until now.
+  // Returns the counts up to now_ns, including the current arm's active time.
   ObservationSummary Summary(int64_t now_ns) const;
 
  private:

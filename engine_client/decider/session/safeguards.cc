@@ -9,7 +9,7 @@ namespace {
 
 bool HasPassed(int64_t interval_ns, int64_t since_ns, int64_t now_ns) {
   if (now_ns < since_ns) return false;
-  // Unsigned, since the difference may not fit an int64_t.
+  // Unsigned, because the difference can exceed the range of int64_t.
   return static_cast<uint64_t>(now_ns) - static_cast<uint64_t>(since_ns) >=
          static_cast<uint64_t>(interval_ns);
 }

@@ -1,8 +1,9 @@
-// The rules that limit switching (paper §4, §6.3): which long frames are blamed on the arm, which
-// of those are evidence, the cooldown with at most one command at a time, whether the scene as a
-// whole is too slow, and when its verdict changes.
-//
-// Plain values; not thread-safe.
+// The rules that limit switching (paper §4, §6.3):
+// - which long frames are blamed on the arm (BlamesArm), and which of those become evidence
+//   (BailOutBudget)
+// - the cooldown, and at most one command at a time (SwitchGate)
+// - when the scene as a whole is too slow (FrameRateFloor), and when its verdict changes
+//   (SteadyVerdict)
 #pragma once
 
 #include <cstdint>
@@ -13,19 +14,19 @@
 
 namespace sweepstake::decision {
 
-// Returns whether the frame is over the limit, by its time or by the client's judgement
-// (kFrameBailOut).
+// Returns whether the frame is over the bail-out limit: it is longer than `bail_out_ns`, or the
+// client flagged it (kFrameBailOut).
 bool IsOverBailOutLimit(const FrameSample& frame, int64_t bail_out_ns);
 
-// Returns whether the arm is to blame for such a frame. It is not to blame while paused or loading,
-// nor if detection takes less than half of the frame. The paper has no such excuse: this function
-// is not called for a policy whose kind has blames_any_cause (policy.h).
+// Returns whether the frame is over the bail-out limit and the arm is to blame. The arm is not to
+// blame if the game was paused or loading, or if detection took less than half of the frame. The
+// paper has no such exception: policies with blames_any_cause (policy.h) do not use this function.
 bool BlamesArm(const FrameSample& frame, int64_t bail_out_ns);
 
-// Decides which bail-outs become evidence for other sessions. A frame over the limit takes longer
-// than the limit, so a game cannot have more than one in that time. A client that reports more is
-// wrong or lies. kBurst at once are accepted, because a client that reconnects reports what
-// happened meanwhile.
+// Decides which bail-outs become evidence for other sessions. Each of them takes longer than the
+// limit bail_out_ns, so an honest game has at most one per bail_out_ns. A client that reports more
+// is wrong or cheats. Up to kBurst may arrive at once, because a client that reconnects reports
+// what happened while it was disconnected.
 class BailOutBudget {
  public:
   static constexpr int64_t kBurst = 16;
@@ -36,7 +37,7 @@ class BailOutBudget {
 
   // Returns whether a bail-out at this time is evidence.
   bool HasRoom(int64_t now_ns) const;
-  // As HasRoom. If the bail-out is evidence, it also spends a part of the budget.
+  // Returns HasRoom(now_ns). If true, also counts the bail-out against the budget.
   bool Spend(int64_t now_ns);
 
  private:
@@ -53,15 +54,17 @@ class SwitchGate {
   bool CooldownPassed(int64_t now_ns, int64_t cooldown_ns) const;
   std::optional<int64_t> last_switch_ns() const { return last_switch_ns_; }
 
-  // The time allowed for a command to reach the client and for its first frame to come back: two of
-  // the paper's decision intervals. A time scale does not shorten it, because it does not shorten
-  // the network.
+  // Time for a command to reach the client and for its first frame to come back: two of the paper's
+  // decision intervals. A time scale does not shorten it, because the network does not become
+  // faster.
   static constexpr int64_t kCommandPatienceNs = 4'000'000'000;
 
-  // A command is under way from the moment it is issued until a switch is executed, the client
-  // refuses it, or it counts as lost. It is lost at the second or a later tick after it, once
-  // kCommandPatienceNs have passed, if the interval of that tick brought frames of the old epoch
-  // and none of a later one. The next candidate that differs is then commanded again.
+  // A command is under way from its issue until one of these:
+  // - a switch is executed
+  // - the client refuses the command
+  // - the command counts as lost: at the second or a later tick after it, when kCommandPatienceNs
+  //   have passed, and the latest interval brought frames of the old epoch but none of a later one
+  //   After a loss, the next candidate other than the active arm is commanded.
   void OnCommand(int64_t now_ns);
   void OnExecuted(int64_t executed_ns);
   void OnRefused() { ticks_since_command_.reset(); }
@@ -71,27 +74,28 @@ class SwitchGate {
  private:
   std::optional<int64_t> last_switch_ns_;
   std::optional<uint32_t> ticks_since_command_;
-  int64_t commanded_ns_ = 0;  // only valid while ticks_since_command_ is present
+  int64_t commanded_ns_ = 0;  // meaningful only if ticks_since_command_ is present
 };
 
-// Decides whether a scene is degraded: even the arm that is most probably the best misses the
-// frame-rate floor (paper §7.1).
+// Decides whether a scene is degraded: even the leader, the arm that is most probably the best, is
+// below the frame-rate floor (paper §7.1).
 //
-// To avoid flicker, kWindowCount windows in a row are needed to enter the state, and the same
-// number to leave it. A window of any arm under the floor counts towards entering only while the
-// leader's own latest window was under the floor too. If the leader was fast when it ran, or never
-// ran, a slow window of another arm shows nothing. A window at or above the floor counts towards
-// leaving. At the paper's interval three windows are 6 s.
+// To avoid flicker, the state changes only after kWindowCount windows in a row (6 s at the paper's
+// interval).
+// - A window under the floor, of any arm, counts towards entering the state if the leader's own
+//   latest window was under the floor too. Otherwise the leader was fast or has not run, so the
+//   slow window of another arm shows nothing.
+// - A window at or above the floor counts towards leaving the state.
 class FrameRateFloor {
  public:
   static constexpr uint32_t kWindowCount = 3;
 
-  // A floor of 0 switches it off.
+  // A floor of 0 FPS means that no scene is degraded.
   FrameRateFloor(double floor_fps, uint32_t arm_count)
       : floor_fps_(floor_fps), missed_(arm_count) {}
 
-  // Takes a window of `arm`. A bail-out charged to the arm counts as a window of 0 FPS, because its
-  // frames are in no window. REQUIRES: arm, leader < arm_count.
+  // Observes a window of `arm`. A bail-out charged to the arm counts as a window of 0 FPS, because
+  // frames over the limit are in no window. REQUIRES: arm, leader < arm_count.
   void Observe(uint32_t arm, double fps, uint32_t leader);
   bool degraded() const { return degraded_; }
 
@@ -99,23 +103,22 @@ class FrameRateFloor {
   double floor_fps_;
   std::vector<bool> missed_;  // whether each arm's latest window was under the floor
   bool degraded_ = false;
-  uint32_t contrary_count_ = 0;  // successive windows that contradict the current state
+  uint32_t contrary_count_ = 0;  // windows in a row that contradict the current state
 };
 
-// Holds a verdict until another one was observed kTickCount times in a row, so that a game that
-// acts on it does not flicker. At the paper's interval that is 6 s. The first verdict is shown at
-// once.
+// Shows a verdict until another one was observed kTickCount times in a row (6 s at the paper's
+// interval), so that a game that reacts to it does not flicker. The first verdict is shown at once.
 class SteadyVerdict {
  public:
   static constexpr uint32_t kTickCount = 3;
 
-  // Returns the verdict to show. kUnknown stands for no verdict and is shown at once.
+  // Returns the verdict to show. kUnknown means that there is no verdict, and is shown at once.
   Verdict Observe(Verdict verdict);
 
  private:
   Verdict shown_ = Verdict::kUnknown;
   Verdict latest_ = Verdict::kUnknown;
-  uint32_t latest_count_ = 0;  // successive observations of the latest verdict
+  uint32_t latest_count_ = 0;  // observations of `latest_` in a row
 };
 
 }  // namespace sweepstake::decision

@@ -13,28 +13,29 @@
 namespace sweepstake::decision {
 
 inline constexpr uint32_t kMaxArms = 32;
-inline constexpr double kMaxPriorEvidence = 1e15;  // exclusive maximum of a prior's alpha and beta
+inline constexpr double kMaxPriorEvidence = 1e15;  // alpha and beta of a prior are below it
 
 struct SessionSetup {
   DecisionOptions options;
-  std::vector<std::string> arms;  // 1–kMaxArms unique, non-empty names
-  // One prior per arm, or none for Beta(1,1) each. Both parameters are in (0, kMaxPriorEvidence).
+  std::vector<std::string> arms;  // 1 to kMaxArms unique, non-empty names
+  // One prior per arm, or empty for Beta(1,1) for each. Both parameters are > 0 and <
+  // kMaxPriorEvidence.
   std::vector<BetaPosterior> priors;
   uint64_t seed = 1;  // determines the exploration order and all draws
   Mode mode = Mode::kAi;
   uint32_t active_arm = 0;
   uint32_t switch_epoch = 0;
   int64_t start_ns = 0;
-  // For a session that continues after a restart: the counts of its earlier run.
+  // For a session that continues after a restart: the counts that it had reached before.
   uint32_t explored_arm_count = 0;
   uint64_t decision_count = 0;
 };
 
-// Returns everything that is wrong and how to correct it, one line each. Looks up the policy's name
-// in `policies`.
+// Returns one line per invalid option, which says how to correct it. Looks up the policy's name in
+// `policies`.
 std::vector<std::string> Problems(const DecisionOptions& options, PolicyRegistry policies);
-// Validate returns the first thing that is wrong and how to correct it, in one line, or nothing if
-// all is valid. It looks up policy names in `policies`.
+// Returns one line about the first invalid value, which says how to correct it. Nothing if all are
+// valid. Looks up policy names in `policies`.
 std::optional<std::string> Validate(const DecisionOptions& options, PolicyRegistry policies);
 std::optional<std::string> Validate(const SessionSetup& setup, PolicyRegistry policies);
 
