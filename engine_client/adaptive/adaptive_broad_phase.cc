@@ -1,7 +1,9 @@
-// The frame path, in the order of BeginFrame, FindPairs, EndFrame.
+// The implementation of AdaptiveBroadPhase on the frame thread, in the order BeginFrame, FindPairs,
+// EndFrame.
 //
-// Inactive backends keep their buffers, so that a switch back to them allocates nothing. A sample's
-// native_bytes is that of the active backend alone, because it is part of the active arm's cost.
+// Inactive backends keep their buffers, so switching back to them allocates nothing. A sample's
+// native_bytes is the memory of the active backend alone, because it is part of the cost of the
+// active arm.
 #include "engine_client/adaptive/adaptive_impl.h"
 
 #include <algorithm>
@@ -16,9 +18,9 @@
 namespace sweepstake {
 namespace {
 
-// The maximum frame time for which a commanded switch waits for the shadow lane: 500 ms, or 30
-// frames at 60 frames/s; a preparation takes about 5 frames. If the active arm is so slow that one
-// frame takes this long, the switch waits for one frame only.
+// Maximum frame time for which a commanded switch waits for the shadow lane: 500 ms, or 30 frames
+// at 60 frames/s. A preparation takes about 5 frames. If one frame of the active arm takes 500 ms
+// or more, the switch waits for that frame only.
 constexpr uint64_t kMaxPreparationNs = 500'000'000;
 
 // Packs the active arm and its epoch into one word, so that other threads read both together.
@@ -33,7 +35,7 @@ class ChronoSteadyClock final : public Clock {
   }
 };
 
-// Returns the lane's state, which is kRunning if there will be a lane.
+// Returns the state of the lane: kRunning if the options allow a lane, otherwise why there is none.
 ShadowState LaneFor(const AdaptiveOptions& options, const LaneParts& lane, size_t arm_count) {
   if (!lane.make || options.shadow.enabled == ShadowMode::kOff) return ShadowState::kOff;
   if (arm_count < 2) return ShadowState::kOneArm;
@@ -44,8 +46,8 @@ size_t EngineThreads(const AdaptiveOptions& options) {
   return options.executor == nullptr ? 1 : options.executor->thread_count();
 }
 
-// Gives the lane half of the memory budget, so that lane and frame thread need not agree on how to
-// divide the memory that the arms leave.
+// Gives the lane at most half of the memory budget. The other half is for the frame thread, so the
+// two threads need not negotiate.
 ShadowOptions LaneOptions(const AdaptiveOptions& options) {
   ShadowOptions shadow = options.shadow;
   if (options.memory_budget_bytes == 0) return shadow;
@@ -56,7 +58,7 @@ ShadowOptions LaneOptions(const AdaptiveOptions& options) {
 }  // namespace
 
 Clock& SteadyClock() {
-  static ChronoSteadyClock clock;  // It has no state, so it can be shared.
+  static ChronoSteadyClock clock;  // Has no state, so one object serves all.
   return clock;
 }
 
@@ -108,8 +110,8 @@ Status AdaptiveBroadPhase::Impl::StartLane() {
       });
 }
 
-// Executes a pending switch, at most one per frame. A local command takes precedence over the
-// mailbox.
+// Executes a pending switch, at most one per frame. A local command (SelectArm or a guard) has
+// priority over a command from the mailbox.
 void AdaptiveBroadPhase::Impl::BeginFrame() {
   const Zone zone(kZoneBeginFrame);
   KeepBudgetOfGrowing();
@@ -130,8 +132,8 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
   sample_.switch_epoch = epoch();
 }
 
-// Executes an operator's order. If the game itself has already chosen kManual, an order for kManual
-// does not set manual_by_order_, so that a later bail-out does not end the game's choice.
+// Executes an operator's order. manual_by_order_ is not set if the game itself chose kManual
+// earlier. Otherwise a later bail-out would end the game's own choice (EndOrder).
 void AdaptiveBroadPhase::Impl::TakeOrder(const OperatorOrder& order) {
   const bool is_own_manual =
       mode.load(std::memory_order_relaxed) == Mode::kManual && !manual_by_order_;
@@ -144,15 +146,15 @@ void AdaptiveBroadPhase::Impl::TakeOrder(const OperatorOrder& order) {
   }
 }
 
-// Ends a kManual that an operator has ordered. Called before the frame is reported, so that the
+// Ends the mode kManual that an operator ordered. Called before the frame is reported, so the
 // decider treats the frame as one in mode kAi.
 void AdaptiveBroadPhase::Impl::EndOrder() {
   SetMode(Mode::kAi);
   ReportMode(/*order_id=*/0);
 }
 
-// Stores a command, which replaces an earlier one. If both name the same arm, its preparation
-// continues.
+// Stores a command, which replaces the pending one. If both name the same arm, the lane's
+// preparation of that arm continues.
 void AdaptiveBroadPhase::Impl::TakeCommand(const SwitchCommand& command) {
   const bool same_arm = pending_ && pending_->command.arm == command.arm;
   pending_ = PendingSwitch{command, same_arm ? pending_->waited_ns : 0};
@@ -176,8 +178,8 @@ bool AdaptiveBroadPhase::Impl::IsAllowed(const SwitchCommand& command) const {
   return may_choose && !frozen() && command.arm < arms.size() && command.arm != arm();
 }
 
-// Returns whether the pending switch waits for the lane. It does not wait if the command's reason
-// is a bail-out or the last frame exceeded the bail-out limit.
+// Returns whether the pending switch must wait for the lane to prepare the arm. A switch because of
+// a bail-out, or after a frame over the bail-out limit, does not wait.
 bool AdaptiveBroadPhase::Impl::WaitsForLane() {
   const bool bails_out = pending_->command.reason == SwitchReason::kBailOut ||
                          (last_sample.flags & kFrameBailOut) != 0;
@@ -207,8 +209,9 @@ void AdaptiveBroadPhase::Impl::KeepBudget() {
   if (lane_ != nullptr && memory_bytes() > memory_budget_bytes_) lane_->Trim();
 }
 
-// Checks the budget after a frame in which the active arm has grown. Such a frame has allocated
-// memory anyway, so the allocations of FreeInactiveArms do not disturb a steady frame.
+// Checks the memory budget if the active arm grew in the last frame. Such a frame allocated memory
+// anyway. So the allocations in FreeInactiveArms never disturb a frame that would otherwise
+// allocate nothing.
 void AdaptiveBroadPhase::Impl::KeepBudgetOfGrowing() {
   if (memory_budget_bytes_ != 0 && last_sample.native_bytes > budgeted_bytes_) KeepBudget();
 }
@@ -220,7 +223,7 @@ void AdaptiveBroadPhase::Impl::Trim() {
   if (lane_ != nullptr) lane_->Trim();
 }
 
-// Replaces the inactive backends by new ones: a backend frees its buffers only when it is
+// Replaces the inactive backends by new ones, because a backend frees its buffers only when it is
 // destroyed.
 void AdaptiveBroadPhase::Impl::FreeInactiveArms() {
   if (!make_) return;
@@ -252,7 +255,7 @@ void AdaptiveBroadPhase::Impl::Refuse(const SwitchCommand& command) {
                        .executed = 0});
 }
 
-// Updates the active arm and searches, and measures both.
+// Updates the structure of the active arm, searches for pairs, and measures both.
 std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const Aabb> boxes) {
   ShadowLane* const lane = frozen() ? nullptr : lane_.get();
   const uint32_t work = lane == nullptr ? 0 : lane->cost().Begin();
@@ -262,7 +265,7 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
   Search();
   const uint64_t detection_ns = MeasureDetection(boxes, start_ns);
   if (lane != nullptr && is_steady) lane->cost().End(work, detection_ns, epoch());
-  // Sorting is not measured: the lane's visits do not sort, and costs must be comparable between
+  // Sorting is not measured. The lane's visits do not sort, and costs must be comparable between
   // games with and without sorting.
   if (sorter_) sorter_->Sort(pairs_.pairs());
   if (!std::exchange(searched_, true)) ShowFrame(boxes);
@@ -277,7 +280,7 @@ void AdaptiveBroadPhase::Impl::Search() {
 }
 
 // Passes the boxes of a frame's first search to the consumers that need one set of boxes per frame.
-// First searches are one frame apart, so the motion that they show is that of one frame.
+// (A frame may have several searches.) So the motion between two sets is that of one frame.
 void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
   descriptors_.Observe(boxes);
   view_tap.OnFrame(boxes, sample_.frame_index);
@@ -288,7 +291,8 @@ void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
                          .arm = sample_.arm});
 }
 
-// Builds or updates the structure. After a backend has run out of memory, the next frame rebuilds.
+// Updates the structure, or builds it if it is not built. If a backend runs out of memory, built_
+// stays false and the next frame builds again.
 void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns) {
   const Zone zone(kZoneUpdate);
   if (std::exchange(built_, false)) {
@@ -304,8 +308,8 @@ void AdaptiveBroadPhase::Impl::Rebuild(std::span<const Aabb> boxes, uint64_t sta
   if (switch_cost.awaits_rebuild()) switch_cost.OnRebuild(NowNs() - start_ns);
 }
 
-// Adds the search to the frame's sample: times and checks are summed, the other counts are those of
-// the latest search.
+// Adds the search to the frame's sample. Times and AABB checks are summed over the frame's
+// searches. The other counts are those of the latest search.
 uint64_t AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes,
                                                     uint64_t start_ns) {
   constexpr size_t kMaxCount = std::numeric_limits<uint32_t>::max();
@@ -319,7 +323,8 @@ uint64_t AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes,
   return detection_ns;
 }
 
-// Completes the frame's sample, flags a bail-out, and passes the sample to the sink.
+// Completes the frame's sample, sets kFrameBailOut if the frame is over the limit, and passes the
+// sample to the sink.
 void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   sample_.frame_time_ns = frame.frame_time_ns;
   sample_.flags |= frame.flags & (kFramePaused | kFrameLoading);
@@ -353,8 +358,8 @@ void AdaptiveBroadPhase::Impl::EndTrial() {
   local_command_ = SwitchCommand{.arm = end->arm_before};
 }
 
-// Reports the end of a trial at once instead of after the settling time, so that the decider knows
-// it before its next choice.
+// Reports the end of a trial at once, not after the settling time, so that the decider gets the
+// report before it chooses again.
 void AdaptiveBroadPhase::Impl::ReportTrialEnd() {
   const auto end = std::exchange(trial_end_, std::nullopt);
   if (!end) return;

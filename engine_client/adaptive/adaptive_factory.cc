@@ -1,4 +1,4 @@
-// Makes an AdaptiveBroadPhase from options, after checking them, and makes its backends.
+// Checks the options, makes the backends, and makes an AdaptiveBroadPhase from them.
 #include "engine_client/adaptive/adaptive_factory.h"
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 namespace sweepstake {
 namespace {
 
-// The first arm of a game that names no arms. It is the cheapest arm more often than any other, at
-// 300 objects as well as at 20,000 (tests/bench/worth.py).
+// The first arm of a game that names no arms. It is the cheapest arm more often than any other,
+// with 300 objects as well as with 20,000 (tests/bench/worth.py).
 constexpr char kInitialArm[] = "KDTree";
 
 Status ValidateArms(std::span<const std::string> arms) {

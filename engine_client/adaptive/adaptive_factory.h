@@ -1,6 +1,6 @@
-// Backends with detachable executors, and a factory that makes an AdaptiveBroadPhase from the
-// caller's backends instead of the registry's (tests use scripted backends). Internal to this
-// repository.
+// Makes an AdaptiveBroadPhase from given backends instead of those in the registry; tests pass
+// scripted backends. Also defines ArmBackend: a backend whose executor can be detached. Internal to
+// this repository.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace sweepstake {
 
-// Runs parts on another executor while attached to it, otherwise on the calling thread.
+// Runs parts on the shared executor while attached, otherwise on the calling thread.
 class DetachableExecutor final : public Executor {
  public:
   // Borrows `shared`, which must outlive this executor.
@@ -21,8 +21,8 @@ class DetachableExecutor final : public Executor {
 
   void Attach(bool attached) { attached_ = attached; }
 
-  // Returns the count of the shared executor even while detached, because backends size their
-  // buffers by it.
+  // Returns the thread count of the shared executor even while detached, because backends choose
+  // the size of their buffers by it.
   size_t thread_count() const noexcept override { return shared_.thread_count(); }
   void RunParts(size_t part_count, RunPart run_part, void* context) noexcept override {
     if (attached_) return shared_.RunParts(part_count, run_part, context);
@@ -34,9 +34,9 @@ class DetachableExecutor final : public Executor {
   bool attached_ = false;
 };
 
-// A backend and its executor. The frame path and the shadow lane own one each per arm, and swap
-// them at a warm switch. The lane's backend runs on the lane's thread alone, the frame path's on
-// the engine's threads. Not thread-safe; owned by one thread at a time.
+// A backend and its executor. The frame path and the shadow lane each own one per arm. A warm
+// switch swaps the two. The lane's backend is detached: it runs on the lane's thread alone. The
+// frame path's backend uses the engine's threads. Not thread-safe; owned by one thread at a time.
 struct ArmBackend {
   std::unique_ptr<DetachableExecutor> executor;  // may be null; outlives the backend
   std::unique_ptr<BroadPhase> backend;
@@ -46,10 +46,11 @@ struct ArmBackend {
   }
 };
 
-// Makes another, detached backend of the arm with this index. Throws std::bad_alloc.
+// Makes another backend of the arm with this index, detached. Throws std::bad_alloc.
 using ArmBackendFactory = std::function<ArmBackend(uint32_t arm)>;
 
-// The parts of the shadow lane. Without `make` no lane is made, and no arm's memory is freed.
+// What a shadow lane needs. If `make` is null, there is no lane, and the memory of inactive arms is
+// never freed.
 struct LaneParts {
   ArmBackendFactory make;  // makes the lane's backends, and new ones for freed arms
   // Returns how many cores the lane's thread and the engine's threads may use together.
@@ -58,14 +59,13 @@ struct LaneParts {
 
 class AdaptiveFactory {
  public:
-  // `backends` replace options.arms: their names are the arms. The errors are those of
-  // AdaptiveBroadPhase::Create.
+  // Makes an AdaptiveBroadPhase from `backends`. Their names replace options.arms. Returns the
+  // errors of AdaptiveBroadPhase::Create.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Make(const AdaptiveOptions& options,
                                                           std::vector<ArmBackend> backends,
                                                           const LaneParts& lane, FrameSink* sink,
                                                           Clock& clock);
-  // Makes an AdaptiveBroadPhase of `backends` without a lane. The errors are those of
-  // AdaptiveBroadPhase::Create.
+  // The same without a lane.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Make(
       const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
       FrameSink* sink, Clock& clock);

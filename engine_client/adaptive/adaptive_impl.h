@@ -1,5 +1,5 @@
-// The implementation of AdaptiveBroadPhase, whose header has the contract. Internal to this
-// repository.
+// The implementation of AdaptiveBroadPhase. sweepstake/adaptive_broad_phase.h documents the public
+// functions. Internal to this repository.
 #pragma once
 
 #include <atomic>
@@ -36,7 +36,7 @@ class AdaptiveBroadPhase::Impl {
        FrameSink* sink, Clock& clock);
 
   // Starts the shadow lane's thread if the options ask for a lane. Called once, before the first
-  // frame. kResourceExhausted if the system has no more threads.
+  // frame. Returns kResourceExhausted if the system cannot create a thread.
   Status StartLane();
   void BeginFrame();
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
@@ -70,7 +70,7 @@ class AdaptiveBroadPhase::Impl {
   SwitchReason last_switch_reason = SwitchReason::kPolicy;
 
  private:
-  // A command from the mailbox, and the frame time that it has waited for the shadow lane.
+  // A command from the mailbox, and for how much frame time it has waited for the shadow lane.
   struct PendingSwitch {
     SwitchCommand command;
     uint64_t waited_ns = 0;
@@ -104,29 +104,29 @@ class AdaptiveBroadPhase::Impl {
   uint64_t NowNs() { return frozen() ? 0 : clock_.NowNs(); }
 
   std::vector<ArmBackend> backends_;
-  const ArmBackendFactory make_;  // null: arms are never freed
+  const ArmBackendFactory make_;  // null: the memory of inactive arms is never freed
   const uint64_t memory_budget_bytes_;
-  uint64_t budgeted_bytes_ = 0;  // the active arm's bytes at the latest check of the budget
+  uint64_t budgeted_bytes_ = 0;  // the active arm's bytes when the budget was last checked
   FrameSink* const sink_;
   Clock& clock_;
   std::atomic<uint64_t> active_;
-  std::optional<SwitchCommand> local_command_;  // the command of SelectArm or of a guard
+  std::optional<SwitchCommand> local_command_;  // a command of SelectArm or of a guard
   TrialGuard trial_;
-  std::optional<TrialGuard::End> trial_end_;  // the trial that local_command_ ends
-  bool keeps_structure_ = false;  // whether the previous arm keeps its structure during a trial
+  std::optional<TrialGuard::End> trial_end_;  // end of the trial that local_command_ will leave
+  bool keeps_structure_ = false;              // in a trial, the previous arm's structure is kept
   std::optional<PendingSwitch> pending_;
   std::atomic<bool> frozen_ = false;  // written by the frame thread
-  bool manual_by_order_ = false;      // an operator ordered kManual, which is still in force
-  bool searched_ = false;             // whether the current frame has searched
-  bool built_ = false;  // whether the active structure holds the boxes of the latest frame
+  bool manual_by_order_ = false;      // kManual is in force because an operator ordered it
+  bool searched_ = false;             // the current frame has searched
+  bool built_ = false;                // the active structure holds the latest frame's boxes
   PairBuffer pairs_;
-  std::optional<PairSorter> sorter_;  // absent: pairs stay as the backend finds them
+  std::optional<PairSorter> sorter_;  // absent: pairs stay in the backend's order
   DescriptorEstimator descriptors_;
   FrameSample sample_{};
   std::atomic<uint64_t> warm_switch_count_{0};
   std::atomic<uint64_t> cold_switch_count_{0};
   const ShadowState lane_state_;      // kRunning if there is a lane
-  std::unique_ptr<ShadowLane> lane_;  // destroyed first, since its thread uses the members above
+  std::unique_ptr<ShadowLane> lane_;  // destroyed first: its thread uses the members above
 };
 
 }  // namespace sweepstake

@@ -36,7 +36,7 @@ void BoxTap::Reserve(uint32_t slot_count, size_t object_count) {
   slot_count_ = 0;
   capacity_ = 0;
   HookedVector<Aabb>().swap(storage_);
-  // resize writes to the memory, so that the frame thread causes no page fault.
+  // resize writes to the memory, so the frame thread will not cause page faults.
   storage_.resize(slot_count * object_count);
   slot_count_ = slot_count;
   capacity_ = object_count;

@@ -9,7 +9,7 @@ namespace sweepstake {
 namespace {
 
 constexpr uint32_t kCellsPerAxis = 4;
-// With fewer points than this, clustering cannot be measured.
+// With fewer sampled points than this, clustering is not measured.
 constexpr uint32_t kMinClusteringPoints = 16;
 
 double Side(const Aabb& box, int axis) {
@@ -31,7 +31,7 @@ double CentreDistance(const Aabb& a, const Aabb& b) {
   return std::sqrt(square);
 }
 
-// Returns `value`, or -1 (not measured) if it is negative or not finite.
+// Returns `value`, or -1 ("not measured") if it is negative or not finite.
 float Measured(double value) {
   const float narrow = static_cast<float>(value);
   return std::isfinite(narrow) && narrow >= 0 ? narrow : -1.0F;
@@ -116,7 +116,7 @@ void DescriptorEstimator::AddShape(const Aabb& box) {
 uint32_t DescriptorEstimator::NextIndex(uint32_t object_count) {
   const uint64_t step = walk_++;
   if (object_count <= kSampleCount) return static_cast<uint32_t>(step % object_count);
-  // Multiples of the golden ratio modulo 1 are spread evenly over [0, 1), however many are drawn.
+  // Multiples of the golden ratio modulo 1 are spread evenly over [0, 1), whatever their number.
   const uint64_t fraction = (step * math::kGoldenGamma) >> 32;
   return static_cast<uint32_t>((fraction * object_count) >> 32);
 }

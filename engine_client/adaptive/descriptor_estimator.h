@@ -1,29 +1,31 @@
-// Scene descriptors from a small sample of objects. The cost per frame is small and does not depend
-// on the size of the scene.
+// Computes scene descriptors from a small sample of objects. The cost per frame is small and does
+// not depend on the size of the scene.
 //
 // Even frames store the boxes of kObjectsPerStep objects. Odd frames compare them with the new
-// boxes of the same objects to measure motion. After kPeriodFrames frames a descriptor is ready.
-// Its motion fields are those of this period, so that a change shows at once. Its shape fields are
-// those of the latest kShapePeriods complete periods, in which kSampleCount objects were sampled;
-// before that they are those of the periods so far. Up to kSampleCount objects are visited in turn.
-// In larger scenes a low-discrepancy walk over the indices chooses the objects and reaches all of
-// them eventually.
+// boxes of the same objects to measure motion. Every kPeriodFrames frames (a period) a descriptor
+// is ready.
+// - Its motion fields come from this period alone, so a change shows at once.
+// - Its shape fields come from the latest kShapePeriods complete periods, in which kSampleCount
+//   objects were sampled. Until then they come from the periods so far.
+//
+// In scenes of up to kSampleCount objects all objects are visited in turn. In larger scenes a
+// low-discrepancy sequence chooses the objects, and reaches all of them eventually.
 //
 // Accuracy (standard error, independent objects):
 // - size_spread ±5 %
 // - speed_mean ±13 % × speed_spread ÷ speed_mean
 // - static_ratio ±0.06
-// - density_ratio ±6 % × relative spread of the volumes, and a bias of about +2 %, because the
-//   sample's bounds lie inside the scene's
+// - density_ratio ±6 % × relative spread of the volumes. Its bias is about +2 %, because the bounds
+//   of the sample lie inside those of the scene.
 // - clustering_ratio ±0.18 · n ÷ sample. It is measured on the sample and scaled to the whole scene
-//   by D = 1 + (D_sample − 1) · n ÷ sample, which is exact for independent thinning. This
-//   distinguishes uniform from clustered, but not two similar degrees of clustering.
+//   by D = 1 + (D_sample − 1) · n ÷ sample, which is exact for independent thinning. It
+//   distinguishes uniform from clustered scenes, but not two similar degrees of clustering.
 //
 // While a scene's object count changes, its descriptor has no motion fields, because an index may
-// then belong to another object.
+// belong to another object after the change.
 //
-// Not thread-safe. Allocates nothing and holds about 4 KB. Invalid boxes (aabb.h) are skipped.
-// Units: world units and frames.
+// Not thread-safe. Allocates nothing; the object has about 4 KB. Invalid boxes (aabb.h) are
+// skipped. Units: world units and frames.
 #pragma once
 
 #include <array>
@@ -44,9 +46,9 @@ class DescriptorEstimator {
 
   void Observe(std::span<const Aabb> boxes);
 
-  // Returns true once per kPeriodFrames frames, until Take is called.
+  // Returns true when a period has ended, until Take is called.
   bool ready() const { return frame_count_ >= kPeriodFrames; }
-  // Returns the descriptor of the period that has ended and begins the next period. A field that
+  // Returns the descriptor of the period that has ended, and begins the next period. A field that
   // could not be measured is -1.
   SceneDescriptor Take();
 
@@ -54,7 +56,7 @@ class DescriptorEstimator {
   struct Point {
     float coordinate[3];
   };
-  // A sum and a sum of squares, from which mean and standard deviation follow.
+  // Sums from which the mean and the standard deviation are computed.
   struct Moments {
     double sum = 0;
     double square_sum = 0;
@@ -73,10 +75,10 @@ class DescriptorEstimator {
   double DensityRatio(const Aabb& bounds) const;
   double ClusteringRatio(const Aabb& bounds) const;
 
-  // The state of the current step, which takes two frames.
+  // State of the current step: an even frame and the odd frame after it.
   std::array<uint32_t, kObjectsPerStep> step_index_{};
   std::array<Aabb, kObjectsPerStep> step_box_{};
-  uint32_t step_object_count_ = 0;  // the object count of the stored frame; 0 if nothing is stored
+  uint32_t step_object_count_ = 0;  // object count of the even frame; 0 if nothing is stored
   uint64_t walk_ = 0;
 
   // The state of the current period.
@@ -87,8 +89,8 @@ class DescriptorEstimator {
 
   // The state of the shape fields.
   uint32_t period_count_ = 0;
-  SceneDescriptor shape_;        // from the latest complete set of shape periods
-  bool shape_complete_ = false;  // whether kShapePeriods periods have ended
+  SceneDescriptor shape_;        // from the latest kShapePeriods complete periods
+  bool shape_complete_ = false;  // kShapePeriods periods have ended
   std::array<Point, kSampleCount> centre_{};
   uint32_t centre_count_ = 0;
   Aabb bounds_{};

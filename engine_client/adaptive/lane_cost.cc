@@ -20,10 +20,11 @@ void LaneCost::BeginWork() {
   work_.store(work_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
-// A search that overlaps the start or the end of the work counts as a search during the work: all
-// of its extra time is then included. The expected time without the lane is capped at the work's
-// own time. A comparison needs at least as many searches before the work as during it, because the
-// few searches before the first sweep run on structures that still grow.
+// A search that overlaps the start or the end of the lane's work counts as a search during the
+// work, so all of its extra time is included. The expected time without the lane is at most the
+// work's own wall time. A stretch is compared only if there were at least as many searches before
+// it as during it. The reason is the first sweep: the few searches before it run on structures that
+// still grow.
 double LaneCost::EndWork(uint64_t wall_ns) {
   work_.store(work_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   const Searches beside = beside_.sum() - beside_before_;

@@ -1,13 +1,14 @@
-// Measures how much the shadow lane slows the frame thread down. A search takes longer while the
-// lane works, because both share caches, memory bandwidth, a core's execution units, or the only
-// core.
+// Measures by how much the shadow lane slows down the frame thread. A search takes longer while the
+// lane works, because both share caches, memory bandwidth, the execution units of a core, or the
+// only core.
 //
-// Searches during one stretch of the lane's work are compared with the searches since the previous
-// stretch. The comparison needs the same arm throughout and at least as many searches without the
-// lane. Means decay exponentially: the latest ten stretches have most of the weight.
+// A stretch is a period in which the lane works without a break. The searches during a stretch are
+// compared with the searches between the previous stretch and this one. The comparison needs the
+// same active arm throughout, and at least as many searches without the lane as with it. Means
+// decay exponentially: the latest ten stretches have most of the weight.
 //
-// Thread safety: Begin and End on the frame thread, which never wait, lock or allocate; the rest on
-// the lane's thread. Times are ns.
+// Thread safety: Begin and End on the frame thread, where they never wait, lock or allocate; the
+// other functions on the lane's thread unless stated. Times are ns.
 #pragma once
 
 #include <atomic>
@@ -17,32 +18,33 @@ namespace sweepstake {
 
 class LaneCost {
  public:
-  // The slowdown assumed before anything is measured. Measured on 2 cores of AMD Zen 4 with 1,000
-  // to 10,000 objects: 0 to 0.07.
+  // The slowdown assumed before anything is measured. Measured values are 0 to 0.07, on 2 cores of
+  // AMD Zen 4 with 1,000 to 10,000 objects.
   static constexpr double kPriorSlowdown = 0.1;
-  // The weight of the prior slowdown, as ns of searches during lane work.
+  // Weight of kPriorSlowdown: it counts like this much search time during lane work, in ns.
   static constexpr double kPriorNs = 2e6;
-  // The factor by which each new stretch of work reduces the weight of the earlier ones.
+  // Each new stretch multiplies the weight of all earlier ones by this factor.
   static constexpr double kKept = 0.9;
-  // Clamps the slowdown measured in one stretch to ±kMost, so that other load on the machine cannot
-  // stop the lane from measuring for long.
+  // The slowdown measured in one stretch is clamped to ±kMost. Otherwise other load on the machine
+  // could stop the lane for a long time.
   static constexpr double kMost = 0.5;
 
-  // Call before a search, and pass the result to End.
+  // Call before a search. Pass the result to End.
   uint32_t Begin() const noexcept { return work_.load(std::memory_order_relaxed); }
-  // Call after the search, with the time it took. `epoch` changes whenever the active arm changes.
+  // Call after the search with the time that it took. `epoch` is a number that changes whenever the
+  // active arm changes.
   void End(uint32_t begun, uint64_t detection_ns, uint32_t epoch) noexcept;
 
-  // Marks the start of a stretch of the lane's work.
+  // Call when a stretch of the lane's work begins.
   void BeginWork();
-  // Ends a stretch that took `wall_ns` of wall-clock time. Returns the estimated extra time of the
-  // frame thread: wall_ns · slowdown(), even if no search ran during the stretch.
+  // Call when a stretch ends, with its wall-clock time. Returns the estimated extra time of the
+  // frame thread, wall_ns · slowdown(), whether or not a search ran during the stretch.
   double EndWork(uint64_t wall_ns);
   // Search time during lane work ÷ search time without it, minus 1; >= 0.
   double slowdown() const;
-  // Total time of all searches, in ns. Any thread.
+  // Total time of all searches so far, in ns. Any thread.
   uint64_t search_ns() const { return alone_.sum().ns + beside_.sum().ns; }
-  // Total estimated cost to the frame thread of all lane work, in ns. Any thread.
+  // Total estimated extra time of the frame thread because of the lane, in ns. Any thread.
   uint64_t total_ns() const { return total_ns_.load(std::memory_order_relaxed); }
 
  private:
@@ -53,7 +55,7 @@ class LaneCost {
       return {a.count - b.count, a.ns - b.ns};
     }
   };
-  // Written by the frame thread.
+  // Sums of searches, written by the frame thread.
   struct Cell {
     std::atomic<uint64_t> count{0};
     std::atomic<uint64_t> ns{0};
@@ -69,9 +71,9 @@ class LaneCost {
   // Written by the lane's thread.
   std::atomic<uint64_t> total_ns_{0};
   // Used by the lane's thread only.
-  Searches alone_before_;   // searches up to the end of the latest work
-  Searches beside_before_;  // searches up to the start of the current work
-  Searches alone_between_;  // searches between the latest work and the current one
+  Searches alone_before_;   // alone_ at the end of the latest stretch
+  Searches beside_before_;  // beside_ at the start of the current stretch
+  Searches alone_between_;  // between the latest stretch and the current one
   uint32_t epoch_before_ = 0;
   double extra_ns_ = 0;
   double base_ns_ = 0;

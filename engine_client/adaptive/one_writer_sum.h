@@ -1,4 +1,4 @@
-// A sum that one thread writes and any thread reads.
+// Addition to a sum that one thread writes and any thread reads.
 #pragma once
 
 #include <atomic>
@@ -6,7 +6,7 @@
 
 namespace sweepstake {
 
-// Adds without a locked instruction. REQUIRES: only one thread writes `sum`.
+// Adds `amount` without a locked instruction. REQUIRES: no other thread writes `sum`.
 inline void AddAsOnlyWriter(std::atomic<uint64_t>& sum, uint64_t amount) {
   sum.store(sum.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
 }

@@ -1,5 +1,5 @@
-// Passes one order to the frame thread. A newer order overwrites one that was not yet taken. Any
-// thread may call Post, only the frame thread Take. Lock-free.
+// Passes one operator order to the frame thread. A newer order overwrites one that was not taken
+// yet. Any thread may call Post; only the frame thread calls Take. Lock-free.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@ namespace sweepstake {
 
 class OrderMailbox {
  public:
-  // Keeps the lowest 48 bits of the order's id. REQUIRES: arm < 255.
+  // Stores the order with the lowest 48 bits of its id. REQUIRES: arm < 255.
   void Post(const OperatorOrder& order) noexcept {
     slot_.store(order.order_id << 16 | uint64_t{order.arm.value_or(kNoArm)} << 8 |
                     static_cast<uint64_t>(order.mode),
@@ -20,7 +20,8 @@ class OrderMailbox {
   }
 
   std::optional<OperatorOrder> Take() noexcept {
-    // As in SwitchMailbox: the slot is empty in nearly every frame, so a plain load comes first.
+    // Test with a plain load first, because the slot is empty in nearly every frame and an exchange
+    // is expensive.
     if (slot_.load(std::memory_order_relaxed) == 0) return std::nullopt;
     const uint64_t slot = slot_.exchange(0, std::memory_order_acquire);
     const auto arm = static_cast<uint32_t>(slot >> 8 & 0xff);
@@ -32,7 +33,8 @@ class OrderMailbox {
  private:
   static constexpr uint32_t kNoArm = 0xff;
 
-  // Layout: order id (48 bits) | arm (8) | mode (8). The value 0 means empty, since no mode is 0.
+  // Layout: order id (48 bits) | arm (8) | mode (8). The value 0 means empty; no mode has the value
+  // 0.
   std::atomic<uint64_t> slot_{0};
 };
 

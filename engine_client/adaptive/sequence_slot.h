@@ -1,11 +1,13 @@
-// Passes values from one thread to others without making either wait: sequence locks made of
-// atomics.
+// Passes values from one thread to others. Neither the writer nor a reader waits. It uses sequence
+// locks made of atomics.
 //
-// A slot's version is 2i + 1 while the writer writes value i, and 2i + 2 once the value is
-// complete. A reader therefore discards what it read from a slot that was overwritten meanwhile.
-// Words are stored with release and loaded with acquire, which costs nothing on x86. A reader that
-// sees a word of a later value then also sees the changed version. Fences would work too, but
-// ThreadSanitizer does not support them.
+// A slot's version is 2i + 1 while the writer writes value i, and 2i + 2 when value i is complete.
+// A reader compares the version before and after reading. If it changed, the slot was overwritten
+// in between, and the reader discards what it read.
+//
+// Words are stored with release and loaded with acquire order, which costs nothing on x86. A reader
+// that sees a word of a later value therefore also sees the changed version. Fences would work too,
+// but ThreadSanitizer does not support them.
 //
 // Thread safety: one writer at a time, any number of readers. No allocation and no system call.
 #pragma once
@@ -24,7 +26,7 @@ class SequenceSlot {
   static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(uint64_t) == 0);
 
  public:
-  // Writes value number `index`. Numbers count up from 0.
+  // Writes value number `index`. The first value has the number 0, and each one the next number.
   void Write(uint64_t index, const T& value) noexcept {
     Words words;
     std::memcpy(words.data(), &value, sizeof value);
@@ -46,7 +48,7 @@ class SequenceSlot {
   }
 
  private:
-  // NOLINTNEXTLINE(bugprone-sizeof-expression): taken for a count of an array's elements.
+  // NOLINTNEXTLINE(bugprone-sizeof-expression): the check takes it for a count of array elements.
   static constexpr size_t kWordCount = sizeof(T) / sizeof(uint64_t);
   using Words = std::array<uint64_t, kWordCount>;
 
@@ -54,8 +56,9 @@ class SequenceSlot {
   std::array<std::atomic<uint64_t>, kWordCount> words_{};
 };
 
-// The latest value of a writer. A reader retries only if two values were written while it read. The
-// two slots alternate, so a writer that is suspended while it writes does not block readers.
+// Holds the latest value of a writer. A reader retries only if two values were written while it was
+// reading. Writes alternate between two slots, so a writer that is suspended in the middle of a
+// write does not block readers.
 template <typename T>
 class LatestSlot {
  public:
@@ -65,7 +68,7 @@ class LatestSlot {
     count_.store(index + 1, std::memory_order_release);
   }
 
-  // Absent before the first Set.
+  // Returns the latest value; absent before the first Set.
   std::optional<T> Get() const noexcept {
     for (;;) {
       const uint64_t count = count_.load(std::memory_order_acquire);

@@ -13,12 +13,12 @@ namespace {
 
 using State = SwitchHandover::State;
 
-// The lane's thread looks for copied frames and orders at these intervals, which are a fraction of
-// a 16 ms frame.
+// The intervals at which the lane's thread looks for copied frames and orders. Both are much
+// shorter than a 16 ms frame.
 constexpr std::chrono::microseconds kBusyPoll{1'000};
 constexpr std::chrono::microseconds kIdlePoll{4'000};
-// The maximum number of yields while a preparation waits for a frame: long enough for the next
-// frame of a game with 5,000 frames/s.
+// Maximum number of yields while a preparation waits for a frame. They last long enough for the
+// next frame of a game with 5,000 frames/s.
 constexpr int kMaxYields = 200;
 constexpr uint64_t kRetryNs = 1'000'000'000;
 constexpr std::chrono::seconds kCorePoll{1};
@@ -32,14 +32,15 @@ ShadowScheduleOptions ScheduleOf(const ShadowOptions& options) {
 
 }  // namespace
 
-// Stops a backend's call if its result is not needed any more, its time is over, or its pairs
-// exceed the memory cap.
+// Stops a call of a backend for one of three reasons: its result is not needed any more, its time
+// is over, or its pairs exceed the memory cap.
 class ShadowLane::Watch final : public StopRequest {
  public:
   enum class End { kNone, kInterrupted, kTime, kMemory };
 
-  // Watches a call made for the order `followed`, or for a visit if that is null. The call may take
-  // `time_ns` from Begin on. `held_bytes` is the memory of backend and pairs before the call.
+  // Watches a call that prepares a switch for the order `followed`, or a call of a visit if that is
+  // null. The call may take `time_ns` from Begin on. `held_bytes` is the memory of the backend and
+  // the pairs before the call.
   Watch(const ShadowLane& lane, const SwitchHandover::Order* followed, uint64_t time_ns,
         uint64_t held_bytes)
       : lane_(lane), followed_(followed), time_ns_(time_ns), held_bytes_(held_bytes) {}
@@ -70,7 +71,8 @@ class ShadowLane::Watch final : public StopRequest {
   End end_ = End::kNone;
 };
 
-// Measures a stretch of the lane's work and charges its cost to the schedule.
+// Measures a stretch of the lane's work (LaneCost) and charges its cost to the schedule. The
+// stretch lasts as long as this object.
 class ShadowLane::Work {
  public:
   explicit Work(ShadowLane& lane) : lane_(lane), begin_ns_(lane.setup_.clock.NowNs()) {
@@ -137,8 +139,8 @@ std::chrono::microseconds ShadowLane::StepWithMemory() {
   return collecting_ ? kBusyPoll : kIdlePoll;
 }
 
-// Returns whether the lane may use a core; the number of cores is read once a second. A burst that
-// is being copied is completed before the lane rests.
+// Returns whether a core is free for the lane. The number of cores is read once a second, but not
+// while a burst of frames is being copied: the lane completes the burst first.
 bool ShadowLane::HasCore() {
   const uint64_t now_ns = setup_.clock.NowNs();
   if (setup_.usable_cores != nullptr && !collecting_ && now_ns >= next_core_count_ns_) {
@@ -158,16 +160,17 @@ bool ShadowLane::sweep_is_due() const {
          tap_.latest_frame_index() >= next_burst_frame_;
 }
 
-// Returns whether the work for the order `followed` (null: a visit) must end early, because the
-// lane is stopping or a switch needs it.
+// Returns whether the current work must end early. `followed` is the order that the work is for, or
+// null for a visit. The work ends if the lane is stopping, if the order changed, or if a visit
+// would delay a wanted switch.
 bool ShadowLane::interrupted(const SwitchHandover::Order* followed) const {
   if (stopping_.load(std::memory_order_relaxed)) return true;
   const SwitchHandover::Order present = handover_.order();
   return followed == nullptr ? present.state == State::kWanted : present != *followed;
 }
 
-// Requests the frames of a burst. If no memory is reserved yet, the request only yields the object
-// count (BoxTap::too_big_count).
+// Requests a burst: the consecutive frames for a sweep. If no memory is reserved yet, the request
+// only finds out the object count (BoxTap::too_big_count).
 void ShadowLane::RequestBurst() {
   if (tap_.slot_count() == 0) tap_.Reserve(1, 0);
   accounted_frames_ = 0;
@@ -184,8 +187,8 @@ void ShadowLane::OnBurst() {
   if (tap_.filled_count() >= kMinFrames && !tap_.frame(0).boxes.empty()) Sweep();
 }
 
-// Reserves memory for slightly more objects, so that a slowly growing scene does not reallocate
-// often. Returns false if fewer than kMinFrames frames fit within the cap.
+// Reserves memory for slightly more than `object_count` objects, so that a slowly growing scene
+// does not reallocate often. Returns false if fewer than kMinFrames frames fit into the cap.
 bool ShadowLane::MakeRoom(size_t object_count) {
   const size_t capacity = object_count + object_count / 8 + 64;
   const uint64_t cap_bytes = setup_.options.memory_cap_bytes / 2;
@@ -201,8 +204,8 @@ bool ShadowLane::MakeRoom(size_t object_count) {
   return fits;
 }
 
-// Counts each copied frame once, and spaces the bursts so that copying takes kCopyRatio of the
-// frame time. The spacing uses the mean frame time, because engines report times near 0 after a
+// Counts each copied frame once, and spaces the bursts such that copying takes the share kCopyRatio
+// of the frame time. It uses the mean frame time, because engines report frame times near 0 after a
 // pause.
 void ShadowLane::AccountCopies() {
   constexpr uint64_t kMinFrameNs = 1000;
@@ -245,9 +248,9 @@ void ShadowLane::Sweep() {
   AddAsOnlyWriter(counters_.sweep_count, 1);
 }
 
-// Visits the arm. Returns nullopt if the visit was interrupted. A frame that is stopped midway does
-// not count, except a first frame that ran for most of the time cap: that cap then bounds its cost
-// from below.
+// Visits the arm: runs its backend on the frames of the burst. Returns nullopt if the visit was
+// interrupted. A frame that was stopped midway does not count. One exception: a first frame that
+// ran for most of the time cap counts, because the cap is then a lower bound of its cost.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm, uint64_t cap_ns) {
   const Zone zone(kZoneLaneVisit);
   BroadPhase& backend = *BackendOf(arm).backend;
@@ -308,7 +311,7 @@ void ShadowLane::Report(const ShadowVisit& visit) {
                          .flags = flags});
 }
 
-// Does one step of a requested preparation. Returns false if no switch is wanted.
+// Does one step of the preparation that the frame thread wants. Returns false if it wants none.
 bool ShadowLane::PrepareSwitch() {
   const SwitchHandover::Order order = handover_.order();
   if (order.state == State::kReady || order.state == State::kTaken) return true;
@@ -320,7 +323,8 @@ bool ShadowLane::PrepareSwitch() {
 void ShadowLane::Prepare(const SwitchHandover::Order& order) {
   if (!progress_ || progress_->ticket != order.ticket) {
     progress_ = Progress{.ticket = order.ticket};
-    // Frames of a burst that is still being copied are used; those of a complete burst are too old.
+    // Use the frames of a burst that is still being copied. The frames of a complete burst are too
+    // old.
     next_slot_ = std::exchange(collecting_, false) ? 0 : tap_.filled_count();
   }
   while (AwaitFrame(order)) {
@@ -337,8 +341,8 @@ void ShadowLane::Prepare(const SwitchHandover::Order& order) {
   }
 }
 
-// Waits for a frame in the next slot and returns true. Returns false if none arrives soon; the next
-// Step then continues.
+// Waits until the next slot has a frame, and returns true. Returns false if no frame arrives soon;
+// the next Step then continues.
 bool ShadowLane::AwaitFrame(const SwitchHandover::Order& order) {
   for (int yields = 0; yields < kMaxYields; ++yields) {
     if (stopping_.load(std::memory_order_relaxed) || handover_.order() != order) return false;
@@ -353,7 +357,7 @@ bool ShadowLane::AwaitFrame(const SwitchHandover::Order& order) {
   return false;
 }
 
-// Requests frames for a preparation. Returns false if the boxes do not fit in the memory cap.
+// Requests frames for a preparation. Returns false if the boxes do not fit into the memory cap.
 bool ShadowLane::RequestForPreparation() {
   AccountCopies();
   if (tap_.too_big_count() > 0 && !MakeRoom(tap_.too_big_count())) return false;
@@ -365,7 +369,7 @@ bool ShadowLane::RequestForPreparation() {
 }
 
 // Runs the backend on the frame in the next slot. Returns false if the structure exceeds the memory
-// cap, or the order was cancelled.
+// cap, or if the order was cancelled.
 bool ShadowLane::Follow(const SwitchHandover::Order& order) {
   const Zone zone(kZoneLanePreparation);
   const Work work(*this);
@@ -384,8 +388,8 @@ uint64_t ShadowLane::WorkNs() const {
   return work_ns > 0 ? work_ns : setup_.clock.NowNs();
 }
 
-// Builds or updates the structure and searches, so that all buffers grow to what the scene needs.
-// Returns the time that this took, in ns.
+// Builds or updates the structure and searches for pairs, so that all buffers grow to the size that
+// the scene needs. Returns the time that this took, in ns.
 uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes,
                           Watch& watch) {
   watch.Begin(setup_.clock.NowNs());
@@ -418,7 +422,7 @@ uint64_t ShadowLane::structure_bytes() const {
                          });
 }
 
-// Frees the structure of the arm just visited if all structures together exceed the cap.
+// If all structures together exceed the cap, frees that of the arm just visited.
 void ShadowLane::TrimMemory(uint32_t arm) {
   if (structure_bytes() > structure_cap_bytes()) {
     backends_[arm] = {};
@@ -427,8 +431,9 @@ void ShadowLane::TrimMemory(uint32_t arm) {
   CountMemory();
 }
 
-// Frees all structures except that of the arm to prepare, if all together exceed the cap. The
-// switch has priority, and a visit begins with a new structure anyway.
+// If all structures together exceed the cap, frees all except that of `arm`, which is being
+// prepared for a switch. The switch has priority. The other structures are not needed later,
+// because a visit builds a new one.
 void ShadowLane::FreeOthers(uint32_t arm) {
   if (structure_bytes() <= structure_cap_bytes()) return;
   for (uint32_t index = 0; index < backends_.size(); ++index)
@@ -436,12 +441,13 @@ void ShadowLane::FreeOthers(uint32_t arm) {
   CountMemory();
 }
 
-// Called on the lane's thread, and by TakeOver while the lane waits for the frame thread.
+// Called on the lane's thread. TakeOver also calls it, on the frame thread; the lane does not use
+// its backends at that time.
 void ShadowLane::CountMemory() {
   counters_.memory_bytes.store(structure_bytes() + tap_.memory_bytes(), std::memory_order_relaxed);
 }
 
-// Frees the lane's memory, except boxes that the frame thread is still copying.
+// Frees the lane's memory. Boxes that the frame thread is still copying are kept.
 void ShadowLane::Release() {
   for (ArmBackend& own : backends_) own = {};
   pairs_ = PairBuffer();

@@ -7,7 +7,7 @@
 namespace sweepstake {
 namespace {
 
-// The search time that justifies kWorkAheadNs of work.
+// The search time that is worth kWorkAheadNs of the lane's work.
 constexpr auto kSearchAheadNs = static_cast<uint64_t>(
     static_cast<double>(ShadowSchedule::kWorkAheadNs) / ShadowSchedule::kMaxWorkRatio);
 
@@ -17,7 +17,7 @@ bool HasMoved(uint64_t now, uint64_t reference) {
   return std::max(change, -change) > ShadowSchedule::kChangeRatio * before;
 }
 
-// Returns the median; for an even number of values the lower of the two middle ones.
+// Returns the median. For an even number of values, returns the lower of the two middle ones.
 uint64_t LowerMedian(std::span<const uint64_t> values) {
   std::array<uint64_t, kShadowBurstFrames> sorted;
   std::copy(values.begin(), values.end(), sorted.begin());
@@ -125,7 +125,7 @@ void ShadowSchedule::Renew(bool end_back_off) {
   }
 }
 
-// Returns the arm at this place of a sweep that visits all arms.
+// Returns the arm at this position of a sweep that visits all arms.
 uint32_t ShadowSchedule::ArmAt(uint32_t place) const {
   if (sweep_ % 2 == 0) place = static_cast<uint32_t>(arms_.size()) - 1 - place;
   if (place == 0) return active_arm_;
@@ -140,7 +140,7 @@ uint64_t ShadowSchedule::BestCost() const {
   return best_ns;
 }
 
-// Returns the number of sweeps between two visits of the arm. REQUIRES: the arm has a cost.
+// Returns every how many sweeps the arm is visited. REQUIRES: the arm has a cost.
 uint64_t ShadowSchedule::Period(uint32_t index, uint64_t best_ns) const {
   const Arm& arm = arms_[index];
   const double ratio = static_cast<double>(arm.cost_ns) / static_cast<double>(best_ns);

@@ -1,13 +1,13 @@
-// Measures the cost of a switch of arms: the build time of the new backend's structure, and the
-// frame time lost until the new arm has settled.
+// Measures the cost of a switch: the time to build the new arm's structure, and the frame time lost
+// until the new arm has settled.
 //
-// The settled mean is the mean frame time of the second half of the settling time. The settling
-// cost is the sum, over the frames of the first half, of frame time minus settled mean; at least 0.
-// Paused and loading frames count in neither half. Another switch before the end of the settling
-// time ends the measurement early.
+// The settled mean is the mean frame time in the second half of the settling time. The settling
+// cost is the sum, over the frames of the first half, of frame time minus settled mean, but at
+// least 0. Paused and loading frames count in neither half. If another switch comes before the end
+// of the settling time, the measurement ends early.
 //
-// SetSettling may be called from any thread, the rest on the frame thread. Nothing waits or
-// allocates.
+// SetSettling may be called on any thread, the other functions on the frame thread. No function
+// waits or allocates.
 #pragma once
 
 #include <atomic>
@@ -27,17 +27,17 @@ class SwitchCostMeter {
   }
   uint64_t settling_ns() const { return settling_ns_.load(std::memory_order_relaxed); }
 
-  // Begins the measurement of a switch. `warm` means that the structure is already built. Returns
-  // the outcome of the previous switch if its settling time had not ended.
+  // Begins to measure a switch. `warm`: the structure is already built. If the settling time of the
+  // previous switch had not ended, returns the outcome of that switch.
   std::optional<SwitchOutcome> Begin(const SwitchCommand& command, uint32_t switch_epoch,
                                      bool warm = false);
 
-  // Returns true from the Begin of a cold switch until OnRebuild: the time of the next build is
-  // part of the switch's cost.
+  // Returns true from the Begin of a cold switch until OnRebuild. During that time, a build belongs
+  // to the cost of the switch.
   bool awaits_rebuild() const { return awaits_rebuild_; }
   void OnRebuild(uint64_t rebuild_time_ns);
 
-  // Adds a finished frame. Returns the outcome when the settling time ends.
+  // Adds a finished frame. If the settling time ends with it, returns the outcome of the switch.
   std::optional<SwitchOutcome> OnFrame(const FrameSample& sample);
 
  private:

@@ -1,15 +1,15 @@
-// Passes a backend that the shadow lane has prepared to the frame thread. Both sides change one
-// atomic word, so that neither waits.
+// Passes a backend that the shadow lane has prepared to the frame thread. Both threads change one
+// atomic word, so neither waits for the other.
 //
 //   frame: Want(arm) → wanted → lane: Offer → ready → frame: Take → taken → frame: Done → none
 //                             → lane: Decline → declined
 //
-// The lane's backend of the arm belongs to the frame thread from Take to Done, otherwise to the
-// lane. A new Want or a Cancel voids every earlier order: a later Offer or Decline for it has no
-// effect.
+// From Take to Done, the lane's backend of the arm belongs to the frame thread; otherwise to the
+// lane. A new Want or a Cancel makes every earlier order void: if the lane offers or declines an
+// earlier order after that, nothing happens.
 //
-// Thread safety: Want, Cancel, Take and Done on the frame thread, Offer and Decline on the lane's,
-// order() on both. Lock-free.
+// Thread safety: Want, Cancel, Take and Done on the frame thread, Offer and Decline on the lane's
+// thread, order() on both. Lock-free.
 #pragma once
 
 #include <atomic>
@@ -24,19 +24,19 @@ class SwitchHandover {
   struct Order {
     State state = State::kNone;
     uint32_t arm = 0;
-    uint32_t ticket = 0;  // incremented by each Want and Cancel
+    uint32_t ticket = 0;  // each Want and Cancel increments it
 
     friend bool operator==(const Order&, const Order&) = default;
   };
 
   Order order() const { return Unpack(word_.load(std::memory_order_acquire)); }
 
-  // REQUIRES: arm < 256.
+  // Orders a preparation of `arm`. REQUIRES: arm < 256.
   void Want(uint32_t arm) { Store({State::kWanted, arm, order().ticket + 1}); }
   void Cancel() { Store({State::kNone, 0, order().ticket + 1}); }
-  // Returns true if the order is ready; the lane's backend of its arm then belongs to the caller
-  // until Done. Cancels an order that is not ready yet, because nobody would take the backend
-  // later.
+  // If the order is ready, returns true; the lane's backend of the arm then belongs to the caller
+  // until Done. If the order is not ready yet, cancels it and returns false, because the switch
+  // happens without the lane and the prepared backend would never be used.
   bool Take() {
     const Order ready = order();
     if (ready.state == State::kReady && Replace(ready, State::kTaken)) return true;
@@ -45,7 +45,7 @@ class SwitchHandover {
   }
   void Done() { Store({State::kNone, 0, order().ticket}); }
 
-  // Answers the order `wanted`; returns false if it is void.
+  // Answer the order `wanted`. Return false if that order is void.
   bool Offer(const Order& wanted) { return Replace(wanted, State::kReady); }
   bool Decline(const Order& wanted) { return Replace(wanted, State::kDeclined); }
 

@@ -6,8 +6,8 @@ namespace sweepstake {
 namespace {
 
 constexpr uint64_t kCommandIdMask = (uint64_t{1} << 40) - 1;
-// A larger arm index is stored as 255. No client has that many arms (the maximum is 32), so the
-// command is refused instead of naming another arm.
+// An arm index above 254 is stored as 255. No client has that many arms (the maximum is 32), so
+// such a command is refused and cannot select a wrong arm.
 constexpr uint32_t kMaxCommandArm = 255;
 constexpr uint32_t kMaxTrialLimit = 255;
 
@@ -32,7 +32,7 @@ void SwitchMailbox::Post(const SwitchCommand& command) noexcept {
 }
 
 std::optional<SwitchCommand> SwitchMailbox::Take() noexcept {
-  // A plain load comes first: the slot is empty in nearly every frame, and an exchange would cost a
+  // Test with a plain load first: the slot is empty in nearly every frame, and an exchange is a
   // locked bus cycle.
   if (slot_.load(std::memory_order_relaxed) == 0) return std::nullopt;
   return Unpack(slot_.exchange(0, std::memory_order_acquire));

@@ -1,5 +1,5 @@
-// Passes the latest verdict from the thread that receives it to any other thread. Lock-free; a
-// verdict is always read as a whole.
+// Passes the latest verdict from the thread that receives it to any other thread. Lock-free. The
+// whole verdict is one atomic word, so a reader never sees parts of two verdicts.
 #pragma once
 
 #include <atomic>

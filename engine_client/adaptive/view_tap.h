@@ -1,11 +1,12 @@
-// Copies some of a frame's boxes for display to an operator, from the frame thread to another
-// thread.
+// Copies some of a frame's boxes from the frame thread to another thread, which shows them to an
+// operator.
 //
 // The other thread requests boxes. The frame thread then copies every stride-th box of the next
-// frame; without a request it copies nothing. Memory: 24 bytes per requested box, until Release.
+// frame. Without a request it copies nothing. Memory: 24 bytes per requested box, until Release.
 //
-// Thread safety: OnFrame on the frame thread, the rest on the requesting thread. Cost of OnFrame:
-// one load, and the copy if boxes are requested. It never waits, allocates or makes a system call.
+// Thread safety: OnFrame on the frame thread, the other functions on the requesting thread. Cost of
+// OnFrame: one load, and the copy if boxes are requested. It never waits, allocates or makes a
+// system call.
 #pragma once
 
 #include <algorithm>
@@ -33,15 +34,15 @@ class ViewTap {
     if (state_.load(std::memory_order_relaxed) == State::kWanted) Copy(boxes, frame_index);
   }
 
-  // Requests at most `max_boxes` boxes of the next frame. REQUIRES: no request is pending,
-  // max_boxes > 0.
+  // Requests at most `max_boxes` boxes of the next frame. REQUIRES: max_boxes > 0, and no other
+  // request is pending.
   void Request(size_t max_boxes);
   // Returns whether the requested boxes were copied.
   bool has_frame() const { return state_.load(std::memory_order_acquire) == State::kThere; }
   // REQUIRES: has_frame().
   ViewedFrame frame() const;
-  // Cancels a pending request and frees the memory. Returns false, and does nothing, while the
-  // frame thread copies.
+  // Cancels a pending request and frees the memory. Returns false and does nothing while the frame
+  // thread is copying.
   bool Release();
 
  private:
@@ -71,7 +72,7 @@ inline void ViewTap::Copy(std::span<const Aabb> boxes, uint64_t frame_index) noe
 
 inline void ViewTap::Request(size_t max_boxes) {
   assert(max_boxes > 0);
-  // resize writes to the memory, so that the frame thread causes no page fault.
+  // resize writes to the memory, so the frame thread will not cause page faults.
   if (storage_.size() != max_boxes) storage_.resize(max_boxes);
   state_.store(State::kWanted, std::memory_order_release);
 }

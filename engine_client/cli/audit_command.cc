@@ -1,5 +1,5 @@
-// `sweepstake audit list|export`: lists and exports a daemon's log of decisions. `sweepstake-lab
-// replay --log` recomputes the decisions of an export.
+// `sweepstake audit list|export`: lists a daemon's logs of decisions, and exports them as CSV.
+// `sweepstake-lab replay --log` derives the decisions of an export again.
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
@@ -20,7 +20,8 @@ struct AuditOptions {
   bool json = false;
 };
 
-// A number above 1 means that the rows before it were removed. Older daemons send 0.
+// Returns the number of the segment's first row as text. A number above 1 means that the rows
+// before it were removed. Older daemons send 0, for which the text is empty.
 std::string FirstRowText(const v1::AuditSegment& segment) {
   return segment.first_row() == 0 ? "" : std::to_string(segment.first_row());
 }

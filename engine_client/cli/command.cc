@@ -20,8 +20,8 @@ std::string Quoted(std::string_view word) {
   }
   std::string quoted = "'";
   for (const char character : word) {
-    // A quoted text cannot contain a single quote. Close the quotes, add an escaped quote, and
-    // reopen them.
+    // A quoted text cannot contain a single quote. Close the quotes, add an escaped quote, and open
+    // them again.
     if (character == '\'') {
       quoted += "'\\''";
     } else {
@@ -31,7 +31,7 @@ std::string Quoted(std::string_view word) {
   return quoted + '\'';
 }
 
-// Returns whether the text is a whole number of any size, with or without a sign.
+// Returns whether the text is a whole number of any length, with or without a sign.
 bool IsWhole(std::string_view text) {
   if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
@@ -39,8 +39,8 @@ bool IsWhole(std::string_view text) {
 
 TlsOptions& Tls(DaemonOptions& daemon) { return daemon.tls ? *daemon.tls : daemon.tls.emplace(); }
 
-// Adds a TLS option and its environment variable: SWEEPSTAKE_CLIENT_TLS_CA for --tls-ca. `daemon`
-// must outlive the command.
+// Adds a TLS option and the environment variable that can set it, such as SWEEPSTAKE_CLIENT_TLS_CA
+// for --tls-ca. `daemon` must outlive the command.
 void AddTlsOption(CLI::App& command, const std::string& name, std::string TlsOptions::*field,
                   DaemonOptions& daemon, const std::string& help) {
   std::string variable = "SWEEPSTAKE_CLIENT";
@@ -106,8 +106,8 @@ CLI::Option* AddDaemonOptions(CLI::App& command, DaemonOptions& daemon) {
                "PEM file of your certificate's private key");
   AddTlsOption(command, "--tls-server-name", &TlsOptions::server_name, daemon,
                "Host name in the daemon's certificate, if it differs from that of --daemon");
-  // The token itself has only a variable, no option, because other users can read the arguments of
-  // a process.
+  // The token can be set only by a variable or a file, not by an option, because other users can
+  // read the arguments of a process.
   if (const char* token = std::getenv("SWEEPSTAKE_CLIENT_TOKEN")) daemon.token.text = token;
   command
       .add_option_function<std::string>(

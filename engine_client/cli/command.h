@@ -1,5 +1,5 @@
-// Shared by the *_command.cc files: declaring a subcommand, checking its numbers, and the options
-// that several commands have.
+// What the *_command.cc files share: functions that declare a subcommand and check its numbers, and
+// options that several commands have.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,23 +18,23 @@ namespace sweepstake::cli {
 
 // Accepts whole numbers from `min` to `max`.
 CLI::Validator WholeFrom(uint64_t min, uint64_t max);
-// Accepts whole numbers from 0 to `max`. Without the check, the parser wraps "-1" around to the
+// Accepts whole numbers from 0 to `max`. Without this check, the parser would turn "-1" into the
 // largest 64-bit number.
 CLI::Validator WholeUpTo(uint64_t max);
 
-// Accepts numbers from `min` to `max`. Rejects NaN, which would pass the parser's own comparisons.
+// Accepts numbers from `min` to `max`. Rejects NaN, which the parser's own range check accepts.
 CLI::Validator RealFrom(double min, double max);
 
 // Rejects negative numbers, for options that accept every unsigned value.
 CLI::Validator NotNegative();
 
-// Accepts these words. For another word the message lists them, the nearest first. `words` must
-// outlive the validator.
+// Accepts the given words. For another word, the error message lists them, the nearest first.
+// `words` must outlive the validator.
 CLI::Validator OneOf(std::span<const std::string_view> words);
 
 // Adds --daemon HOST:PORT, which is required and returned, and the options of the connection:
-// --tls, the --tls-... options, which imply it, and --token-file. Environment variables can set the
-// latter.
+// --tls, the --tls-... options (which imply --tls), and --token-file. The --tls-... options and
+// --token-file can also be set by environment variables.
 CLI::Option* AddDaemonOptions(CLI::App& command, DaemonOptions& daemon);
 // Adds --json.
 void AddJsonFlag(CLI::App& command, bool& json);
@@ -45,16 +45,17 @@ void AddSeedOption(CLI::App& command, uint64_t& seed, const std::string& purpose
 // quotes unless it consists of letters, digits and harmless punctuation. A pure function.
 std::string CommandLine(std::span<char* const> words);
 
-// What functions that add commands share. Everything is borrowed until `app` has parsed.
+// The parameters of all functions that add commands. Everything is borrowed until `app` has parsed.
 struct CommandContext {
-  CLI::App& app;  // gets the commands
+  CLI::App& app;  // the commands are added to it
   Terminal& terminal;
-  int& exit_code;                   // of the command that the user chose
-  const std::string& command_line;  // what the user typed; reports keep it
+  int& exit_code;                   // set by the command that the user chose
+  const std::string& command_line;  // what the user typed; reports contain it
 };
 
-// Adds the subcommand `name`. Its help ends with `examples` (whole lines). `declare` binds the
-// command's options; `run` gets them filled in and returns the exit code.
+// Adds the subcommand `name`. Its help ends with `examples` (whole lines). `declare` connects the
+// command's options to the fields of Options. After parsing, `run` gets these fields and returns
+// the exit code.
 template <typename Options>
 CLI::App* AddCommand(const CommandContext& context, const std::string& name,
                      const std::string& description, const std::string& examples,
@@ -62,7 +63,7 @@ CLI::App* AddCommand(const CommandContext& context, const std::string& name,
                      const std::function<int(const Options&, Terminal&)>& run) {
   CLI::App* command = context.app.add_subcommand(name, description);
   command->footer("Examples:\n" + examples);
-  // The parser keeps pointers to the options for as long as the command lives.
+  // The parser keeps pointers to the options as long as the command exists.
   auto options = std::make_shared<Options>();
   declare(*command, *options);
   command->callback([options, run, &terminal = context.terminal, &exit_code = context.exit_code] {
@@ -71,7 +72,7 @@ CLI::App* AddCommand(const CommandContext& context, const std::string& name,
   return command;
 }
 
-// Adds a subcommand that has only subcommands, and returns the context for these.
+// Adds a subcommand that only groups other subcommands, and returns the context to add these.
 CommandContext AddGroup(const CommandContext& context, const std::string& name,
                         const std::string& description, const std::string& examples);
 

@@ -10,8 +10,8 @@
 namespace sweepstake::cli {
 namespace {
 
-// The parser's own message for a missing or unknown command does not list the commands, so this
-// function checks first. `words` are the ones after the name of `app`.
+// Checks the name of a command before the parser does, because the parser's own message does not
+// list the commands. `words` are the words after the name of `app`.
 Status CheckCommandName(const CLI::App& app, std::span<char* const> words) {
   const auto commands = app.get_subcommands({});
   if (commands.empty() || (!words.empty() && words.front()[0] == '-')) return {};
@@ -33,8 +33,8 @@ Status CheckCommandName(const CLI::App& app, std::span<char* const> words) {
           text::UnknownName("command of " + app.get_name(), words.front(), valid)};
 }
 
-// Checks the names of options before the parser does. The parser reports a missing option first,
-// and does not list the valid options. `words` are the ones after the name of `app`.
+// Checks the names of options before the parser does. The parser would report a missing option
+// first, and it does not list the valid options. `words` are the words after the name of `app`.
 Status CheckOptionNames(const CLI::App& app, std::span<char* const> words) {
   if (!words.empty()) {
     for (const CLI::App* command : app.get_subcommands({})) {
@@ -57,7 +57,7 @@ Status CheckOptionNames(const CLI::App& app, std::span<char* const> words) {
   return {};
 }
 
-// The commands of the program sweepstake-lab, which people may type here by mistake.
+// The commands of the program sweepstake-lab, in case somebody types one of them here by mistake.
 constexpr std::array<std::string_view, 9> kLaboratoryCommands = {
     "bench", "check", "experiment", "load", "pairs", "record", "replay", "report", "trace"};
 
@@ -105,7 +105,7 @@ int RunProgram(const Program& program, std::span<char* const> words, Terminal& t
   try {
     app.parse(static_cast<int>(words.size()), words.data());
   } catch (const CLI::ParseError& error) {
-    // The parser reports --help and --version as errors, too, with exit code 0.
+    // The parser also reports --help and --version as errors; their exit code is 0.
     return app.exit(error, terminal.out, terminal.err) == 0 ? kDone : kBadUsage;
   }
   terminal.out.flush();

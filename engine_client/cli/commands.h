@@ -1,5 +1,5 @@
 // The commands of the program `sweepstake`, and the parsing that chooses one of them. The
-// laboratory's program has its own commands and the same parsing.
+// laboratory's program has other commands but uses the same parsing.
 #pragma once
 
 #include <span>
@@ -9,27 +9,27 @@
 
 namespace sweepstake::cli {
 
-// A program that consists of commands.
+// A command-line program with subcommands.
 struct Program {
   std::string name;
   std::string description;
   void (*add_commands)(const CommandContext& context);
 };
 
-// Runs the command of `program` that `words` name and returns the program's exit code. The first
-// word is the program's name; there may be no word at all. Results go to `terminal.out`, everything
-// else goes to `terminal.err`.
+// Runs the command that `words` name and returns the program's exit code. The first word is the
+// program's name; `words` may be empty. Results go to `terminal.out`, everything else to
+// `terminal.err`.
 int RunProgram(const Program& program, std::span<char* const> words, Terminal& terminal);
 
-// Runs a command line of `sweepstake`. A command of the laboratory is an error that names
+// Runs a command line of `sweepstake`. If the command belongs to the laboratory, the error names
 // sweepstake-lab.
 int RunCommandLine(std::span<char* const> words, Terminal& terminal);
 
-// Each function adds one subcommand. While the app parses, the chosen subcommand runs and stores
-// its exit code.
+// Each function adds one subcommand. The parser runs the chosen subcommand and stores its exit code
+// in context.exit_code.
 void AddAuditCommand(const CommandContext& context);
 void AddPriorsCommand(const CommandContext& context);
-// Adds what works on files to the subcommand `priors`.
+// Adds the subcommands that work on priors files to the group `priors`.
 void AddPriorsFileCommands(const CommandContext& priors);
 void AddRunCommand(const CommandContext& context);
 void AddSessionsCommand(const CommandContext& context);

@@ -1,4 +1,4 @@
-// The program `sweepstake`. commands.h lists its commands.
+// The program `sweepstake`. Its commands are listed in commands.h.
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/io/process.h"
 

@@ -1,6 +1,6 @@
-// `sweepstake priors list|export|import|promote|revoke`: shows the evidence of a daemon and exports
-// it for games and other daemons. Imports it into quarantine, promotes it from there, and removes
-// it again.
+// `sweepstake priors list|export|import|promote|revoke` works on the evidence of a daemon: shows
+// it, exports it for games and other daemons, imports it into quarantine, promotes it from
+// quarantine, and revokes it.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -64,8 +64,8 @@ std::string DescribeWaiting(uint64_t count) {
 // The content of an export file.
 struct ExportText {
   std::string text = {};
-  uint64_t count = 0;          // number of records or sums in `text`
-  uint64_t waiting_count = 0;  // number of omitted records, which are in quarantine
+  uint64_t count = 0;          // records or sums in `text`
+  uint64_t waiting_count = 0;  // records left out because they are in quarantine
 };
 
 Result<ExportText> TextOfSums(const PriorsOptions& options) {
@@ -164,7 +164,7 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
   return kDone;
 }
 
-// Describes what was, or would be, revoked or promoted.
+// Describes what was revoked or promoted, or would be with --preview.
 template <typename Result>
 std::string CountsText(const Result& result) {
   return std::to_string(result.source_count()) + " sources with " +
@@ -176,7 +176,7 @@ std::string DoneText(const PriorsOptions& options, const std::string& done) {
   return options.yes ? " were " + done + "\n" : " would be " + done + "; add --yes to do it\n";
 }
 
-// Lists the scenes in which another arm would become the leader.
+// Lists the scenes whose leader would be another arm after the change.
 std::string LeadersText(const v1::LeaderChanges& changes) {
   if (changes.scene_count() == 0) return "";
   std::string text =
@@ -206,14 +206,14 @@ Json LeadersJson(const v1::LeaderChanges& changes) {
   return {{"count", changes.scene_count()}, {"scenes", scenes}};
 }
 
-// Rejects an empty range of times.
+// Returns an error if the range of times is empty.
 Status CheckTimes(const v1::SourceFilter& sources) {
   if (sources.unix_until_s() == 0 || sources.unix_from_s() <= sources.unix_until_s()) return {};
   return {StatusCode::kInvalidArgument, "--until is before --since; give a later time"};
 }
 
-// Requires at least one filter besides the project, so that a forgotten option does not revoke a
-// whole project or daemon.
+// Returns an error unless there is a filter besides the project. Otherwise a forgotten option could
+// revoke a whole project or daemon.
 Status CheckNamesAny(const v1::SourceFilter& sources) {
   const bool any = !sources.source_id().empty() || !sources.build().empty() ||
                    sources.token_id() != 0 || sources.unix_from_s() != 0 ||
@@ -223,7 +223,7 @@ Status CheckNamesAny(const v1::SourceFilter& sources) {
           "select the sessions to revoke with --source, --build, --token-id, --since or --until"};
 }
 
-// Describes a revocation that removes nothing.
+// Explains why a revocation removes nothing.
 std::string NothingText(const PriorsOptions& options) {
   std::string text = "no session matches, or all that match are revoked already";
   v1::SourceFilter rest = options.sources;
@@ -246,7 +246,8 @@ int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
       {"records", result->record_count()},
       {"windows", result->window_count()},
       {"leader_changes", options.yes ? Json() : LeadersJson(result->leader_changes())}};
-  // Evidence of old sessions that was summed has records but no source.
+  // Evidence of old sessions that the daemon has summed has records but no sources, so both counts
+  // are checked.
   const bool none = result->source_count() == 0 && result->record_count() == 0;
   PrintResult(terminal, options.json, document,
               none ? NothingText(options)

@@ -1,5 +1,6 @@
-// `sweepstake priors show|doctor|diff|merge|arm`: shows a priors file, checks which of it counts
-// here, compares or merges two files, and prints the arm that a file would choose.
+// `sweepstake priors show|doctor|diff|merge|arm` works on priors files: shows one, checks which
+// part of it counts on this machine, compares or merges two, and prints the arm that a file would
+// choose.
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -88,7 +89,7 @@ int RunDoctor(const PriorsFileOptions& options, Terminal& terminal) {
   return std::any_of(diagnosed.begin(), diagnosed.end(), Counts) ? kDone : kCheckFailed;
 }
 
-// Returns whether a record is of the build. An empty `build` means all builds.
+// Returns whether any record is of the build `build`. An empty `build` stands for all builds.
 bool HasBuild(const Records& records, const std::string& build) {
   return build.empty() || std::any_of(records.begin(), records.end(),
                                       [&](const auto& record) { return record.build == build; });
@@ -103,8 +104,9 @@ Status NoSuchBuild(const std::string& file, const Records& records, const std::s
   return {StatusCode::kNotFound, file + " has no evidence of build " + build + names};
 }
 
-// Returns the records of the build, or of all builds if it is empty, as if they were of one build.
-// Quarantined records are included, so that a diff shows what promoting them would change.
+// Returns the records of one build, or of all builds if `build` is empty, with their build removed
+// so that they form one group. Quarantined records count too, so that a diff shows what their
+// promotion would change.
 Records OfBuild(Records records, const std::string& build) {
   std::erase_if(records,
                 [&](const PriorRecord& record) { return !build.empty() && record.build != build; });
@@ -136,9 +138,9 @@ int RunDiff(const PriorsFileOptions& options, Terminal& terminal) {
   return kDone;
 }
 
-// Returns a sum of `records` that may contain evidence of sessions in `others`; null if there is
-// none. A sum that `others` has too is safe, because its sessions are of a game that started from
-// the sum.
+// Looks for a sum in `records` that may include evidence of sessions in `others`; merging would
+// count that evidence twice. Returns such a sum, or null if there is none. A sum that `others`
+// contains too is safe: the sessions in `others` belong to a game that started from that sum.
 const PriorRecord* SumOfSessions(const Records& records, const Records& others) {
   std::set<decision::PriorsGroupKey> with_sessions;
   std::map<decltype(KeyOf(records.front())), uint64_t> sums;
@@ -199,8 +201,8 @@ int RunArm(const PriorsFileOptions& options, Terminal& terminal) {
   }
   const auto arm = EmbeddedDecider::ArmOfPriors(priors, arms, versions);
   if (!arm.ok()) {
-    // If the file exists but has no evidence of the scene, the command was used correctly: exit
-    // code 1.
+    // If the file exists but has no evidence of the scene, the command was used correctly and the
+    // answer is "none": exit code 1.
     std::error_code error;
     const bool is_answer = arm.status().code() == StatusCode::kNotFound &&
                            std::filesystem::exists(options.file, error);
@@ -235,7 +237,7 @@ void DeclareMachineClass(CLI::App& command, PriorsFileOptions& options) {
       ->capture_default_str();
 }
 
-// Declares two files as positional arguments.
+// Declares two files as positional arguments, and --json.
 void DeclareTwoFiles(CLI::App& command, PriorsFileOptions& options) {
   command.add_option("FILE", options.file, "Priors file")->required();
   command.add_option("OTHER", options.other_file, "Second priors file")->required();

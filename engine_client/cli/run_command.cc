@@ -1,5 +1,5 @@
-// `sweepstake run`: runs a scene on the frame path. A daemon, the embedded decider or the user
-// chooses the arm.
+// `sweepstake run`: runs a scene on the frame path. The arm is chosen by a daemon, the embedded
+// decider or the user.
 #include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -35,7 +35,7 @@ struct RunOptions {
   bool embedded = false;
   std::string priors;
   std::string duration = "60s";
-  uint32_t fps = 0;  // 0: frames are not paced
+  uint32_t fps = 0;  // 0: frames follow each other without waiting
   SessionOptions session = DefaultSession();
   std::string shadow = "auto";
   std::string csv;
@@ -43,14 +43,14 @@ struct RunOptions {
 
   static SessionOptions DefaultSession() {
     SessionOptions session;
-    session.scene.clear();  // until the number of objects is known
+    session.scene.clear();  // set later, when the number of objects is known
     session.machine_class = MachineClass();
     session.flight_recorder.directory = ".";
     return session;
   }
 };
 
-// Completes the session's options: the name of the scene in the prior store, the seed, and the
+// Completes the session's options with the scene's name in the prior store, the seed, and the
 // credentials.
 SessionOptions SessionOf(const RunOptions& options, size_t object_count) {
   SessionOptions session = options.session;
@@ -64,7 +64,8 @@ SessionOptions SessionOf(const RunOptions& options, size_t object_count) {
   return session;
 }
 
-// If `decisions` is not null, it gets a line for every decision of the embedded decider.
+// Makes the session. If `decisions` is not null, the embedded decider writes one line per decision
+// to it.
 Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
                                              const SessionOptions& session, WholeFile* decisions) {
   if (!options.embedded)
@@ -88,10 +89,10 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   return MakeEmbeddedSession(embedded, session);
 }
 
-// The files that --csv writes during the run; null without --csv.
+// The files that --csv writes during the run. Both are null without --csv.
 struct RunLogs {
   std::unique_ptr<WholeFile> frames;
-  // Null with a daemon, which keeps its own log.
+  // Null with a daemon, because the daemon keeps the log of decisions.
   std::unique_ptr<WholeFile> decisions;
 
   Status Commit() {
@@ -101,7 +102,7 @@ struct RunLogs {
   }
 };
 
-// Makes the folder of --csv, and frames.csv and decisions.csv in it.
+// Makes the folder given by --csv, and in it frames.csv and decisions.csv.
 Result<RunLogs> MakeLogs(const RunOptions& options) {
   RunLogs logs;
   if (options.csv.empty()) return logs;
@@ -150,7 +151,7 @@ std::string StateText(const SessionStats& stats) {
   return "";
 }
 
-// The frame loop, and the lines and the progress that it prints.
+// Runs the frame loop, and prints events and the progress.
 class Player {
  public:
   Player(const RunSetup& setup, GameRun& run, const Session& session, WholeFile* log,
@@ -174,7 +175,8 @@ class Player {
     }
   }
 
-  // Call it after the session has stopped. A short run may get the decider's answer only then.
+  // Call it after the session has stopped. In a short run, the decider's answer about priors may
+  // arrive only then.
   void End() {
     if (!priors_said_) LookForAnswer();
   }
@@ -183,7 +185,7 @@ class Player {
   const std::string& refusal() const { return refusal_; }
 
  private:
-  // Prints which priors the session starts from, once the decider has answered.
+  // Prints which priors the session starts from, as soon as the decider has answered.
   void LookForAnswer() {
     constexpr uint64_t kLookIntervalNs = 50'000'000;
     next_look_ns_ = run_.elapsed_ns() + kLookIntervalNs;
@@ -237,7 +239,7 @@ class Player {
   const bool json_;
   Progress progress_;
   uint64_t next_look_ns_ = 0;
-  // The frame count and the time when the progress was shown last.
+  // Frame count and time at the latest update of the progress.
   uint64_t shown_frames_ = 0;
   uint64_t shown_ns_ = 0;
   size_t said_verdict_count_ = 0;
@@ -294,7 +296,8 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   if (!chosen.ignore_priors) setup.priors_file = options.priors;
   setup.priors_key = "project " + chosen.project + ", scene " + chosen.scene + ", machines " +
                      chosen.machine_class;
-  // The logs are made before the session, which writes to them until its end.
+  // The logs are made before the session and so outlive it, because it writes to them until its
+  // end.
   auto logs = MakeLogs(options);
   if (!logs.ok()) return Fail(terminal, logs.status());
   auto session = MakeSession(options, chosen, logs->decisions.get());

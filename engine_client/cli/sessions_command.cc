@@ -1,5 +1,5 @@
-// `sweepstake sessions list|watch|kick|pin|release`: shows, ends and steers the sessions of a
-// daemon.
+// `sweepstake sessions list|watch|kick|pin|release`: shows a daemon's sessions, ends them, and sets
+// their mode and arm.
 #include <array>
 #include <nlohmann/json.hpp>
 
@@ -26,7 +26,7 @@ struct SessionsOptions {
   bool json = false;
 };
 
-// Words of v1::SessionState and v1::SessionEnd by value.
+// The texts of v1::SessionState and v1::SessionEnd, indexed by value.
 constexpr std::array<std::string_view, 4> kStateNames = {"unknown", "connected", "lost", "ending"};
 constexpr std::array<std::string_view, 4> kEndNames = {"unknown", "goodbye", "kicked", "forgotten"};
 
@@ -70,9 +70,9 @@ std::string SessionsText(const SessionsOptions& options,
   return table.Text();
 }
 
-// Returns a change of a session, with the number and the time of its event.
+// Returns the JSON of an event: its id, its time, and the change of a session.
 Json ChangeJson(const v1::EventStamp& stamp, const std::string& what, Json change) {
-  // BOOT:SEQUENCE identifies the event. It is a string, because a JSON number cannot hold all 64
+  // The event's id is BOOT:SEQUENCE. It is a string, because a JSON number cannot represent all 64
   // bits of a boot's number.
   return {{"event", std::to_string(stamp.boot()) + ":" + std::to_string(stamp.sequence())},
           {"unix_ms", stamp.unix_ms()},

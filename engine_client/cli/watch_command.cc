@@ -1,4 +1,4 @@
-// `sweepstake watch`: a daemon's posteriors and decisions, live.
+// `sweepstake watch`: shows a daemon's posteriors and decisions as they change.
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"

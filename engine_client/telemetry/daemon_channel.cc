@@ -33,7 +33,7 @@ Result<std::string> ReadTokenFile(const std::string& path) {
   return text;
 }
 
-// Returns the token, or an empty text if there is none.
+// Returns the token from its file or its text. Empty if neither is set.
 Result<std::string> TokenText(const ClientToken& token) {
   if (!token.file.empty() && !token.text.empty())
     return Status(StatusCode::kInvalidArgument, "set either a token or a token file, not both");
@@ -54,7 +54,8 @@ Result<std::string> TokenText(const ClientToken& token) {
           " is not a token: it contains spaces or invalid characters, or exceeds 4096 bytes");
 }
 
-// Adds the token to each call. Call credentials would do the same with TLS only.
+// Adds the token to each call. gRPC's call credentials are not used, because they work only with
+// TLS.
 class TokenSender final : public grpc::experimental::Interceptor {
  public:
   explicit TokenSender(std::string authorization) : authorization_(std::move(authorization)) {}
@@ -94,8 +95,8 @@ std::shared_ptr<grpc::Channel> MakeChannel(
                                                                  std::move(senders));
 }
 
-// Returns whether the daemon closed the connection while it was being set up, which is how it
-// rejects clients. The error message depends on which side wrote first.
+// Returns whether the daemon closed the connection during its setup. The daemon rejects clients in
+// this way. The error text depends on which side wrote first.
 bool IsHungUp(const std::string& reason) {
   return Has(reason, "Socket closed") || Has(reason, "Connection reset by peer") ||
          Has(reason, "Broken pipe");
@@ -131,7 +132,7 @@ Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& addr
                      arguments, *text);
 }
 
-// Matches messages of gRPC 1.51 and of OpenSSL 3; for others it returns no advice.
+// Recognises the messages of gRPC 1.51 and OpenSSL 3. Returns no advice for other messages.
 std::string ConnectionAdvice(const std::string& reason, bool with_tls, const TlsNames& names) {
   if (Has(reason, "certificate verify failed")) {
     return "the daemon's certificate has expired, or is not signed by a known authority: give "

@@ -1,5 +1,5 @@
-// A channel to a daemon, in plain text or with TLS, for sessions and for the command line, and what
-// its errors say. Thread-safe.
+// Makes a channel to a daemon, in plain text or with TLS, for sessions and for the command line.
+// Interprets the channel's errors. Thread-safe.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -15,11 +15,11 @@
 
 namespace sweepstake {
 
-// Returns a channel to HOST:PORT, which connects at its first call. Reads the files of `tls` and
-// `token` now. Every call sends the token. `arguments` are extra channel arguments.
-// kInvalidArgument: the address, the TLS options or files, or the token are invalid, or the token
-// would cross a network in plain text. Messages refer to the options by `names`; no message
-// contains the token.
+// Returns a channel to `address`, HOST:PORT. It connects at its first call, and every call sends
+// the token. The files of `tls` and `token` are read now. `arguments` are extra channel arguments.
+// Messages refer to the options by `names`; no message contains the token. Error kInvalidArgument:
+// - the address, the TLS options or files, or the token are invalid
+// - the token would cross a network in plain text
 Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& address,
                                                          const std::optional<TlsOptions>& tls,
                                                          const ClientToken& token,

@@ -36,7 +36,8 @@ DaemonConnection::DaemonConnection(std::shared_ptr<grpc::Channel> channel,
                                    std::function<void()> wake)
     : wake_(std::move(wake)), channel_(std::move(channel)), stub_(channel_) {
   stub_.PrepareBidiStreamingCall(&context_, kMethod, {}, this);
-  // Writes start outside of gRPC's callbacks. The hold keeps the stream alive in between.
+  // Write is called later and from outside of gRPC's callbacks, so gRPC could end the stream before
+  // it. The hold keeps the stream alive until LetGo.
   AddHold();
   StartRead(&read_);
   StartCall();
@@ -123,7 +124,8 @@ void DaemonConnection::OnWriteDone(bool ok) {
 }
 
 void DaemonConnection::OnDone(const grpc::Status& status) {
-  // The whole function holds the lock: once it is free, the destructor may return.
+  // Hold the lock until the end of this function. As soon as it is released, the destructor may
+  // destroy the object.
   const std::lock_guard lock(mutex_);
   status_ = status;
   wake_();

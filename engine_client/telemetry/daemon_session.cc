@@ -1,9 +1,9 @@
-// The session with a daemon: the sender thread moves the bytes of a SessionLink through a gRPC
-// stream.
+// The session with a daemon. Its sender thread moves bytes between a SessionLink, which implements
+// the protocol, and a gRPC stream.
 //
-// Each step reads the daemon's responses, sends the link's messages, and connects or disconnects if
-// the link requires it. The frame thread never wakes the sender, which therefore polls. gRPC's
-// threads and Stop wake it.
+// Each step of the sender thread reads the daemon's responses, sends the link's messages, and
+// connects or disconnects if the link requires it. The thread polls, because the frame thread never
+// wakes it. gRPC's threads and Stop do wake it.
 #include "engine_client/telemetry/daemon_session.h"
 
 #include <chrono>
@@ -23,8 +23,8 @@ constexpr uint64_t kNever = UINT64_MAX;
 
 uint64_t NowNs() { return SteadyClock().NowNs(); }
 
-// Returns a seed for the delays of reconnections that differs between the sessions of one process.
-// No decision depends on it.
+// Returns a random seed for the delays before reconnections, so that sessions of one process
+// differ. Decisions do not depend on this seed.
 uint64_t JitterSeed() { return uint64_t{std::random_device()()} << 32 ^ NowNs(); }
 
 class DaemonSession final : public SessionBase {
@@ -50,7 +50,7 @@ class DaemonSession final : public SessionBase {
   const SessionOptions options_;
   const TlsNames names_;
 
-  // Used by the sender thread, from Prepare on.
+  // Used only by the sender thread, after Prepare.
   std::optional<SessionLink> link_;
   std::unique_ptr<DaemonConnection> connection_;  // null: none
   uint64_t next_attempt_ns_ = 0;

@@ -1,5 +1,5 @@
-// Makes the session with a daemon of session.h, for a program whose command-line options have other
-// names than the fields of SessionOptions.
+// Makes a session with a daemon, for a program whose command-line options do not have the names of
+// the fields of SessionOptions.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace sweepstake {
 
-// As MakeDaemonSession of session.h, but errors refer to the TLS options by `names`.
+// Works like MakeDaemonSession of session.h, but error messages call the TLS options by `names`.
 Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
                                                    const SessionOptions& options,
                                                    const TlsNames& names);

@@ -1,9 +1,9 @@
-// Finds frames over the bail-out limit (paper §4). The decider judges these frames by its policy.
-// While no decider is present, the guard chooses the arm to switch to.
+// Finds frames over the bail-out limit (paper §4). If a decider is present, it judges these frames
+// by its policy. If none is present, this guard chooses the arm to switch to.
 //
-// The setters may be called from any thread, the rest on the frame thread; nothing waits. Posterior
-// means are read one by one: a choice made while a new snapshot is written may mix the two
-// snapshots and pick the second-best arm.
+// The setters may be called on any thread, the other functions on the frame thread. No function
+// waits. Posterior means are read one by one. A choice made while a new snapshot is being written
+// may therefore mix two snapshots, and choose the second-best arm.
 #pragma once
 
 #include <array>
@@ -23,22 +23,23 @@ class BailOutGuard {
   // REQUIRES: limit_ns > 0, 1 <= arm_count <= kMaxArms.
   BailOutGuard(uint64_t limit_ns, uint32_t arm_count);
 
-  // Sets the limit; 0 is ignored.
+  // Sets the limit. 0 is ignored.
   void SetLimit(uint64_t limit_ns);
   void SetDeciderPresent(bool present);
-  // Ignores a snapshot that does not have one finite mean per arm.
+  // Stores the posterior mean of each arm. Ignores a list that does not have one finite mean per
+  // arm.
   void SetPosteriorMeans(std::span<const double> means);
 
   bool Exceeds(uint64_t frame_time_ns) const {
     return frame_time_ns > limit_ns_.load(std::memory_order_relaxed);
   }
 
-  // Returns whether the frame exceeds the limit because of its arm. That is so if detection took at
-  // least half of it and the game was neither paused nor loading.
+  // Returns whether the frame exceeds the limit because of its arm: detection took at least half of
+  // the frame, and the game was neither paused nor loading.
   bool BlamesArm(const FrameSample& sample) const;
 
   // Returns the arm to switch to after this frame. Absent if the frame's arm is not to blame, if a
-  // decider is present, or if no other arm exists.
+  // decider is present, or if there is no other arm.
   std::optional<uint32_t> LocalChoice(const FrameSample& sample) const;
 
  private:

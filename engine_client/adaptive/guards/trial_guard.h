@@ -1,20 +1,25 @@
-// Ends a trial (SwitchCommand::trial_limit_percent): compares the frames of the tried arm with the
-// recent frames of the previous arm, and reports when to switch back.
+// Decides when a trial ends early (SwitchCommand::trial_limit_percent). It compares frames of the
+// tried arm with recent frames of the previous arm.
 //
-// Recent frames are the latest kBlockFrames to 2 kBlockFrames frames of the previous arm, or all of
-// them if there are fewer. Two rules end a trial:
+// "Recent" are the last 128 to 256 frames of the previous arm (kBlockFrames to 2 kBlockFrames), or
+// all of them if there are fewer. Two rules end a trial:
 // - Limit: two searches in a row exceed the longest recent search by more than the allowance. The
-//   allowance is trial_limit_percent − 100 percent of the longest recent frame, at least kLeastNs.
-//   An interruption of the game lengthens one frame only; an arm that is too expensive lengthens
-//   both.
-// - Budget: all searches together take longer than the recent mean for each, plus 1/kBudgetShare of
-//   the trial's duration. One search uses up at most 1/kFrameShare of this budget.
+//   allowance is (trial_limit_percent − 100) percent of the longest recent frame, but at least
+//   kLeastNs. An interruption of the game lengthens only one frame; an arm that is too expensive
+//   lengthens both.
+// - Budget: all searches of the trial together take longer than the recent mean for each, plus
+//   1/kBudgetShare of the trial's duration. One search uses up at most 1/kFrameShare of this
+//   budget.
 //
-// A trial's first frame, the next kShadowWarmUpFrames and frames that rebuild are not compared: the
-// extra time of a new structure is part of the switch cost. The first kShadowWarmUpFrames + 1
-// searches do not shorten the trial either. Frames without a search shorten it, but are not
-// compared. Paused and loading frames are ignored. The searches of one frame count as one. Plain
-// values; not thread-safe.
+// These frames are special:
+// - The first 1 + kShadowWarmUpFrames frames with a search are not compared, because the extra time
+//   of a new structure belongs to the switch cost. They do not count towards the trial's duration
+//   either.
+// - Frames that rebuild, and frames without a search, are not compared but count towards the
+//   duration.
+// - Paused and loading frames are ignored.
+//
+// The searches of one frame count as one. Plain values; not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -33,16 +38,16 @@ class TrialGuard {
   static constexpr uint64_t kLeastNs = 1'000'000;
   static constexpr uint64_t kBudgetShare = 40;
   static constexpr uint64_t kFrameShare = 8;
-  // The longest trial, in frames, after which the previous arm continues with its old structure,
-  // because objects have not moved far. After a longer trial it rebuilds.
+  // After an ended trial of at most this many frames, the previous arm continues with its old
+  // structure, because objects have not moved far. After a longer trial its structure is rebuilt.
   static constexpr uint64_t kMaxKeptFrames = 8;
 
   // The measurements that ended a trial.
   struct End {
     uint32_t arm_before = 0;
     uint32_t tried_arm = 0;
-    uint64_t detection_time_ns = 0;  // the value that broke a rule; see SwitchOutcome
-    uint64_t frame_count = 0;        // frames with a search in the trial
+    uint64_t detection_time_ns = 0;  // the time that broke a rule; see SwitchOutcome
+    uint64_t frame_count = 0;        // frames of the trial that had a search
   };
 
   // Call when a switch from `arm_before` is executed. Begins a trial of `duration_ns` of frame time
@@ -61,11 +66,11 @@ class TrialGuard {
                    .left_ns = duration_ns};
   }
 
-  // Cancels the trial, for example because the game has chosen an arm.
+  // Ends the trial without a result, for example because the game has chosen an arm.
   void Cancel() { trial_.reset(); }
 
-  // Adds a finished frame. Returns the end of the trial if a rule above is broken; the next frame
-  // must then run the previous arm.
+  // Adds a finished frame. If a rule above is broken, ends the trial and returns its measurements;
+  // the next frame must then run the previous arm.
   std::optional<End> OnFrame(const FrameSample& sample) {
     if ((sample.flags & (kFramePaused | kFrameLoading)) != 0) return std::nullopt;
     const bool searches = sample.detection_time_ns > 0;
@@ -78,7 +83,7 @@ class TrialGuard {
   }
 
  private:
-  // Sums and maxima over compared frames of one arm.
+  // Sums and maxima over those frames of one arm that are compared.
   struct Frames {
     uint64_t count = 0;
     uint64_t detection_ns = 0;  // total of all searches
@@ -101,10 +106,10 @@ class TrialGuard {
     uint64_t left_ns = 0;
     uint64_t frame_count = 0;
     uint64_t judged_count = 0;
-    uint64_t judged_ns = 0;  // sum of the compared searches, each capped as the budget rule says
-    uint64_t over_ns = 0;    // detection time of the previous frame; 0 if within the limit
+    uint64_t judged_ns = 0;  // sum of the compared searches, each capped by the budget rule
+    uint64_t over_ns = 0;    // previous frame's detection time if over the limit, else 0
 
-    // Adds a search. Returns the detection time that broke a rule, or 0.
+    // Adds a search. Returns the detection time that broke a rule, or 0 if no rule is broken.
     uint64_t Judge(uint64_t detection_ns) {
       const uint64_t before_ns =
           std::exchange(over_ns, detection_ns > limit_ns ? detection_ns : uint64_t{0});

@@ -18,7 +18,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// The maximum number of records in a message of the protocol.
+// Maximum number of records in one message of the protocol.
 constexpr size_t kRecordsPerMessage = 200;
 
 template <typename Request>
@@ -44,7 +44,7 @@ Request RequestOf(const v1::SourceFilter& sources, bool preview) {
   return request;
 }
 
-// Returns the number of records whose source has no evidence in the daemon under the record's
+// Returns how many records belong to a source that has no evidence in the daemon under the record's
 // project and scene. Returns 0 if the daemon's evidence cannot be read.
 uint64_t CountAbsent(const DaemonOptions& daemon, std::span<const PriorRecord> records) {
   using Place = std::tuple<std::string, std::string, std::string>;  // project, scene, source
@@ -169,7 +169,7 @@ Result<ImportCounts> ImportPriors(const DaemonOptions& daemon,
     v1::ImportPriorsRequest request;
     request.set_promote(promote);
     for (const PriorRecord& record : part) *request.add_records() = ToProto(record);
-    // If the daemon refuses a message, Finish returns the reason.
+    // If Write fails, the daemon has refused a message; Finish then returns the reason.
     if (!writer->Write(request)) break;
   }
   writer->WritesDone();

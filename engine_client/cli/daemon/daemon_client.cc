@@ -10,7 +10,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// The delay between two attempts to watch. It doubles from kMinDelay to kMaxDelay.
+// The delay before a new attempt to watch. It doubles with each attempt, from kMinDelay to
+// kMaxDelay.
 constexpr milliseconds kMinDelay{250};
 constexpr milliseconds kMaxDelay{8000};
 
@@ -55,7 +56,7 @@ void SetDeadline(grpc::ClientContext& context, std::chrono::seconds patience) {
 Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon) {
   if (status.ok()) return {};
   const StatusCode code = ToCode(status.error_code());
-  // A status with details comes from the daemon, so it was reached.
+  // A status with details was made by the daemon, so in that case the daemon was reached.
   if (code != StatusCode::kUnavailable || !status.error_details().empty())
     return {code, MessageWithReason(status)};
   const std::string advice =
@@ -97,7 +98,8 @@ Status KeepWatching(const DaemonOptions& daemon, const std::function<bool()>& is
       look();
       return is_stopped();
     });
-    // The connection may have become ready and ended between two calls of `look`.
+    // `look` polls the connection. The connection may have become ready and ended between two calls
+    // of it, so look once more.
     if (status.code() == StatusCode::kUnavailable) look();
     if (is_reached) delay = kMinDelay;
     was_reached = was_reached || is_reached;

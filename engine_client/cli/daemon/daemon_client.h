@@ -1,4 +1,4 @@
-// Shared by all calls to a daemon: opening a channel, setting a deadline and translating statuses.
+// What all calls to a daemon share: opening a channel, setting a deadline and translating statuses.
 // Thread-safe.
 #pragma once
 
@@ -17,29 +17,29 @@
 
 namespace sweepstake::cli {
 
-// Returns the names of the options of AddDaemonOptions, for error messages.
+// Returns what error messages call the TLS options: the command-line options of AddDaemonOptions.
 TlsNames TlsOptionNames();
 
-// Returns a channel to the daemon, which connects at its first call. Error: kInvalidArgument (the
-// address is not HOST:PORT, or the files of TLS cannot be used). Channels to one address share a
-// connection in plain text, unless `own_connection` is set.
+// Returns a channel to the daemon, which connects at its first call. Error kInvalidArgument: the
+// address is not HOST:PORT, or the TLS files cannot be used. Plain-text channels to the same
+// address share a connection unless `own_connection` is true.
 Result<std::shared_ptr<grpc::Channel>> OpenChannel(const DaemonOptions& daemon,
                                                    bool own_connection = false);
 
-// The deadline of a call that answers at once.
+// Deadline of a call whose answer is quick to compute.
 inline constexpr std::chrono::seconds kPatience{10};
-// The deadline of a call that transfers all evidence, or the audit log over a slow network. The
-// daemon ends such a call earlier if it stalls.
+// Deadline of a call that transfers all evidence, or the audit log, over a slow network. If the
+// transfer stalls, the daemon ends it earlier.
 inline constexpr std::chrono::seconds kTransferPatience = std::chrono::minutes(10);
 
-// Makes the call fail with kUnavailable after `patience`.
+// Sets the deadline of a call. The call fails with kUnavailable after `patience`.
 void SetDeadline(grpc::ClientContext& context, std::chrono::seconds patience = kPatience);
 
-// Returns the daemon's status, or kUnavailable with a hint if the daemon could not be reached.
+// Returns the daemon's status, or kUnavailable with advice if the daemon could not be reached.
 Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon);
 
-// Makes a call that has one answer. Errors: those of OpenChannel, which `channel` is from, and of
-// ToStatus.
+// Makes a call that has one response. `channel` is a result of OpenChannel. Errors: those of
+// OpenChannel and ToStatus.
 template <typename Stub, typename Request, typename Response>
 Result<Response> Call(const DaemonOptions& daemon,
                       const Result<std::shared_ptr<grpc::Channel>>& channel, const Request& request,
@@ -55,8 +55,8 @@ Result<Response> Call(const DaemonOptions& daemon,
   return response;
 }
 
-// Makes a call that has several answers, and calls `on_part` with each. Errors: those of
-// OpenChannel and of ToStatus.
+// Makes a call that has several responses, and calls `on_part` with each. Errors: those of
+// OpenChannel and ToStatus.
 template <typename Stub, typename Request, typename Part, typename OnPart>
 Status ReadParts(const DaemonOptions& daemon, const Request& request,
                  std::unique_ptr<grpc::ClientReader<Part>> (Stub::*method)(grpc::ClientContext*,
@@ -73,9 +73,9 @@ Status ReadParts(const DaemonOptions& daemon, const Request& request,
   return ToStatus(reader->Finish(), daemon);
 }
 
-// Cancels a call as soon as `is_stopped` returns true. It polls on its own thread, because reading
-// from the stream blocks. A call that has ended is not cancelled, because its status would become
-// CANCELLED.
+// Cancels a call as soon as `is_stopped` returns true. It polls `is_stopped` on its own thread,
+// because reading from the stream blocks. It does not cancel a call that has already ended, because
+// that would change the call's status to CANCELLED.
 class Canceller {
  public:
   Canceller(grpc::ClientContext& context, const std::function<bool()>& is_stopped);
@@ -88,19 +88,20 @@ class Canceller {
   std::thread thread_;
 };
 
-// Reads a stream of events of a daemon until the stream ends or `is_stopped` returns true.
+// A function that reads a daemon's stream of events until the stream ends or `is_stopped` returns
+// true.
 using Watch = std::function<Status(const std::shared_ptr<grpc::Channel>& channel,
                                    const std::function<bool()>& is_stopped)>;
 
-// Calls `watch` until `is_stopped` returns true. If the daemon was reached and is then lost, it
-// calls `on_connection` with the error and watches again on a new connection, with back-off. When
-// the new connection is ready, it calls `on_connection` with OK, possibly on the thread that calls
-// `is_stopped`. Returns an error if the daemon was never reached or refuses the watch.
+// Calls `watch` until `is_stopped` returns true. If the daemon was reached and the connection is
+// then lost, calls `on_connection` with the error and watches again on a new connection, with
+// back-off. When the new connection is ready, calls `on_connection` with OK, possibly on the thread
+// that calls `is_stopped`. Returns an error if the daemon was never reached or refuses the call.
 Status KeepWatching(const DaemonOptions& daemon, const std::function<bool()>& is_stopped,
                     const std::function<void(const Status&)>& on_connection, const Watch& watch);
 
-// Does the same for a call, and calls `on_event` with each event. Another thread calls `is_stopped`
-// every 50 ms.
+// Does the same for a call with a stream of responses, and calls `on_event` with each response.
+// Another thread calls `is_stopped` every 50 ms.
 template <typename Stub, typename Request, typename Event>
 Status KeepWatching(const DaemonOptions& daemon, const Request& request,
                     std::unique_ptr<grpc::ClientReader<Event>> (Stub::*method)(grpc::ClientContext*,

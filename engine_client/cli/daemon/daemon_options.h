@@ -11,7 +11,7 @@ namespace sweepstake::cli {
 struct DaemonOptions {
   std::string address;                           // HOST:PORT
   std::optional<TlsOptions> tls = std::nullopt;  // absent: plain text
-  ClientToken token = {};                        // empty: none
+  ClientToken token = {};                        // may be empty
 };
 
 }  // namespace sweepstake::cli

@@ -28,8 +28,8 @@ double Mean(const v1::ArmPosterior& arm) {
   return evidence > 0 ? arm.posterior().alpha() / evidence : 0;
 }
 
-// Returns the value's name with spaces: "held cooldown". The protocol's enumerations have the same
-// values as those of decider/types.h.
+// Returns the value's name with spaces instead of hyphens, such as "held cooldown". The protocol's
+// enumerations have the same values as those of decider/types.h.
 template <typename Enum>
 std::string Words(std::span<const std::string_view> names, Enum value) {
   std::string name = decision::NameOf(names, value);
@@ -49,7 +49,7 @@ std::string VerdictText(const v1::ScenePosterior& scene) {
          Percent(scene.value_remaining_ratio(), 2);
 }
 
-// Returns, for example, "16.6/17.2/31.1 ms".
+// Returns three percentiles as text, such as "16.6/17.2/31.1 ms".
 std::string PercentilesText(const v1::LogHistogram& ns, int decimals) {
   std::string text;
   for (const double share : kShares) {

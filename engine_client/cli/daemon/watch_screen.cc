@@ -14,7 +14,7 @@ constexpr char kLegend[] =
     "|: mean, -: central 95 % of the posterior, cost: ratio to the leader's,\n"
     "best: probability of being the best arm, n: effective number of live windows. Ctrl-C ends.\n";
 
-// Returns 0 for a policy that this program does not have.
+// Returns the reward version of a policy, or 0 if this program does not have the policy.
 uint32_t RewardVersionOf(const std::string& policy) {
   const decision::PolicyEntry* known = decision::FindPolicy(policy, decision::ShippedPolicies());
   return known == nullptr ? 0 : known->kind.reward_version;
@@ -25,7 +25,7 @@ uint32_t RewardVersionOf(const std::string& policy) {
 void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
   if (event.has_posterior()) ShowPosterior(event.posterior());
   for (const v1::DecisionEvent& decision : event.decisions()) {
-    // On a terminal the session is omitted to save space.
+    // On a terminal the session's id is left out to save space.
     const std::string session = redraws_ ? "" : decision.session_id() + " of ";
     latest_[{decision.project(), decision.scene(), decision.machine_class(),
              RewardVersionOf(decision.policy())}] = decision;

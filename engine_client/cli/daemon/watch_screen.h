@@ -15,9 +15,9 @@ namespace sweepstake::cli {
 
 class WatchScreen {
  public:
-  // With `redraws` (for a terminal) the screen is redrawn at most five times per second. Without
-  // it, each event is printed when it arrives, and a decision includes its session. Each scene's
-  // posteriors are followed by what the session of the latest decision has learnt.
+  // If `redraws` is true (for a terminal), redraws the screen at most five times per second. If it
+  // is false, prints each event as it arrives; decisions then include their session's id. Below
+  // each scene's posteriors is what the session of the scene's latest decision has learnt.
   WatchScreen(std::ostream& out, bool redraws) : out_(out), redraws_(redraws) {}
 
   void Show(const v1::WatchPosteriorsResponse& event);
@@ -25,13 +25,14 @@ class WatchScreen {
  private:
   void ShowPosterior(const v1::ScenePosterior& scene);
   void ShowDecision(const std::string& line);
-  // Returns the scene's posteriors, and what its latest session has learnt.
+  // Returns the text of the scene's posteriors, and of what the session of its latest decision has
+  // learnt.
   std::string SceneText(const v1::ScenePosterior& scene) const;
   void Draw();
 
   std::ostream& out_;
   const bool redraws_;
-  // The fields are project, scene, machine class and reward version.
+  // Project, scene, machine class and reward version.
   using SceneKey = std::tuple<std::string, std::string, std::string, uint32_t>;
   std::map<SceneKey, v1::ScenePosterior> scenes_;
   std::map<SceneKey, v1::DecisionEvent> latest_;  // latest decision of each scene

@@ -31,7 +31,7 @@ std::string VerdictName(Verdict verdict) {
 
 GameRun::GameRun(Scene& scene, FrameSink& sink, uint64_t frame_interval_ns)
     : scene_(scene), sink_(sink), frame_interval_ns_(frame_interval_ns) {
-  // Reserves memory now, so that OnSwitch never allocates on the frame thread.
+  // Reserve the memory now, because OnSwitch must not allocate on the frame thread.
   outcomes_.reserve(kMaxOutcomes);
 }
 
@@ -63,7 +63,8 @@ bool GameRun::Frame() {
 
 uint64_t GameRun::Pace(uint64_t now_ns) {
   if (frame_interval_ns_ == 0) return now_ns;
-  // A late frame delays the following frames, which are not shortened to catch up.
+  // After a late frame, the next frames keep their full interval; they are not shortened to catch
+  // up.
   next_frame_ns_ = std::max(next_frame_ns_ + frame_interval_ns_, now_ns);
   std::this_thread::sleep_for(std::chrono::nanoseconds(next_frame_ns_ - now_ns));
   return SteadyClock().NowNs();

@@ -1,10 +1,10 @@
-// A game without rendering: each frame steps a scene and finds its pairs on the frame path. The run
-// records what happened for the report.
+// A game without rendering. Each frame steps a scene and finds its pairs on the frame path. The run
+// records what happened, for the report.
 //
 // The frame time is the measured time of the frame's work: step, detection and end of frame. If
-// frames are paced, it includes the wait for the next frame, as with vertical sync. If they are
-// not, a faster arm completes more frames. Not thread-safe: the thread that calls Frame is the
-// frame thread. The scene is borrowed.
+// frames are paced, it also includes the wait for the next frame, as with vertical sync. If they
+// are not paced, a faster arm completes more frames. Not thread-safe: the thread that calls Frame
+// is the frame thread. The scene is borrowed.
 #pragma once
 
 #include <cstdint>
@@ -27,37 +27,38 @@ struct SwitchEvent {
   SwitchReason reason = SwitchReason::kPolicy;
 };
 
-// A change of the decider's verdict.
+// A change of the verdict that the decider publishes.
 struct VerdictEvent {
   uint64_t frame_index = 0;  // the first frame with the new verdict
   uint64_t time_ns = 0;      // since the run began
   SceneVerdict verdict;
 };
 
-// The frames of one arm.
+// Totals over the frames of one arm.
 struct ArmActivity {
   uint64_t frame_count = 0;
-  uint64_t active_ns = 0;     // the time of its frames
-  uint64_t detection_ns = 0;  // the broad phase's part of that
+  uint64_t active_ns = 0;     // sum of the frame times
+  uint64_t detection_ns = 0;  // the part of active_ns spent in the broad phase
 };
 
-// The total time of all frames, by stage.
+// The time of all frames of the run, divided into stages.
 struct FrameProfile {
-  uint64_t step_ns = 0;       // the scene's motion
+  uint64_t step_ns = 0;       // moving the scene's objects
   uint64_t detection_ns = 0;  // update and search; frames that rebuilt are excluded
   uint64_t rebuild_ns = 0;    // update and search in frames that built the structure
-  uint64_t around_ns = 0;     // the rest up to EndFrame: pending switch, box copies, descriptors
+  uint64_t around_ns = 0;     // rest before EndFrame: pending switch, box copies, descriptors
   uint64_t end_ns = 0;        // EndFrame: completing the sample, the sink, the bail-out guard
 };
 
 class GameRun final : private FrameSink {
  public:
   // `sink` receives the output of the frame path and is borrowed. A frame takes at least
-  // `frame_interval_ns`; with 0 frames are not paced. Has the errors of AdaptiveBroadPhase::Create.
+  // `frame_interval_ns`; 0 means that frames are not paced. Returns the errors of
+  // AdaptiveBroadPhase::Create.
   static Result<std::unique_ptr<GameRun>> Create(const AdaptiveOptions& options, Scene& scene,
                                                  FrameSink& sink, uint64_t frame_interval_ns = 0);
 
-  // Runs one frame. Returns true if its arm differs from that of the previous frame; switches()
+  // Runs one frame. Returns true if the frame's arm differs from the previous frame's; switches()
   // then has one more event.
   bool Frame();
 
@@ -69,10 +70,11 @@ class GameRun final : private FrameSink {
   // Returns one entry per arm, in the order of the arms.
   const std::vector<ArmActivity>& activities() const { return activities_; }
   const std::vector<SwitchEvent>& switches() const { return switches_; }
-  // Returns the changes of the verdict, from the first verdict that is not unknown.
+  // Returns the changes of the verdict, beginning with the first verdict that is not kUnknown.
   const std::vector<VerdictEvent>& verdicts() const { return verdicts_; }
   const FrameProfile& profile() const { return profile_; }
-  // Returns the outcomes of the switches in the order in which they settled, at most 65,536.
+  // Returns the outcomes of the switches, at most 65,536, in the order in which the switches
+  // settled.
   const std::vector<SwitchOutcome>& outcomes() const { return outcomes_; }
 
  private:
@@ -86,7 +88,7 @@ class GameRun final : private FrameSink {
   void OnSwitch(const SwitchOutcome& outcome) noexcept override;
   void OnModeChange(const ModeChange& change) noexcept override { sink_.OnModeChange(change); }
   void OnShadow(const ShadowSample& sample) noexcept override { sink_.OnShadow(sample); }
-  // Waits until the next frame is due. Returns the time.
+  // Waits until the next frame is due. Returns the time after the wait.
   uint64_t Pace(uint64_t now_ns);
   bool Note(const FrameSample& sample);
   void NoteVerdict(const FrameSample& sample);
@@ -98,7 +100,7 @@ class GameRun final : private FrameSink {
   uint64_t next_frame_ns_ = 0;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
   uint64_t start_ns_ = 0;
-  uint64_t end_cost_ns_ = 0;  // duration of the last EndFrame; counted in the next frame's time
+  uint64_t end_cost_ns_ = 0;  // time of the latest EndFrame, added to the next frame's time
   uint64_t frame_count_ = 0;
   uint32_t arm_ = 0;
   FrameProfile profile_;
@@ -110,7 +112,7 @@ class GameRun final : private FrameSink {
 };
 
 // Returns the shadow lane's options for a decider whose intervals are divided by `time_scale`. The
-// lane then has as many sweeps per decision as without scaling.
+// lane's intervals are divided too, so there are as many sweeps per decision as without scaling.
 ShadowOptions ScaledShadow(ShadowMode mode, double time_scale);
 
 // Returns "policy", "exploration", "bail-out" or "manual".
@@ -118,9 +120,8 @@ std::string ReasonName(SwitchReason reason);
 // Returns "unknown", "stable", "tie", "ambiguous" or "degraded".
 std::string VerdictName(Verdict verdict);
 
-// Returns the outcome of the switch with this epoch, all zeros if there is none. The switch back
-// after a trial has two outcomes: one at once, and one after it has settled. The result combines
-// both.
+// Returns the outcome of the switch with this epoch, or all zeros if there is none. The switch back
+// after a trial has two outcomes: one at once, and one after settling. The result combines both.
 SwitchOutcome OutcomeOf(std::span<const SwitchOutcome> outcomes, uint32_t switch_epoch);
 
 }  // namespace sweepstake::cli

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::array kReasons = {SwitchReason::kPolicy, SwitchReason::kExploration,
                                  SwitchReason::kBailOut, SwitchReason::kManual};
 
-// Words of ShadowState by value.
+// The text of each ShadowState, indexed by value.
 constexpr std::array<std::string_view, 6> kShadowStateNames = {
     "off",
     "off, there is only one arm",
@@ -53,15 +53,15 @@ std::string ArmTable(const RunSummary& summary) {
          "mean: mean of the reward's posterior Beta(alpha, beta); 1 is the best possible\n";
 }
 
-// Returns whether nothing was learnt. A decider without evidence reports Beta(1,1) for every arm.
+// Returns whether nothing was learnt: a decider without evidence reports Beta(1,1) for every arm.
 bool IsNothingKnown(std::span<const ArmRow> arms) {
   return std::all_of(arms.begin(), arms.end(), [](const ArmRow& row) {
     return row.belief.alpha == 1 && row.belief.beta == 1;
   });
 }
 
-// Returns whether the daemon was lost. A welcome clears last_error, so an error after a connection
-// means that the daemon was lost since.
+// Returns whether the connection to the daemon was lost and is still lost. A new connection clears
+// last_error, so an error after the first connection means that.
 bool IsLost(const SessionStats& session) {
   return session.connection_count > 0 && !session.last_error.empty();
 }
@@ -71,7 +71,7 @@ std::string DropCause(const SessionStats& session) {
   return IsLost(session) ? "the daemon was lost" : "frames come faster than they are sent";
 }
 
-// Returns "3 switches: 2 policy, 1 bail-out; 1 ended a trial".
+// Returns, for example, "3 switches: 2 policy, 1 bail-out; 1 ended a trial".
 std::string SwitchCountsText(const RunSummary& summary) {
   const size_t switch_count = summary.switches.size();
   std::string text = std::to_string(switch_count) + (switch_count == 1 ? " switch" : " switches");
@@ -141,8 +141,8 @@ Json VerdictChangeJson(const VerdictChangeRow& row) {
   return document;
 }
 
-// Returns null without a daemon. The seed is a string, because a JSON number cannot hold all 64
-// bits.
+// Returns what the run's JSON says about the daemon, or null if there was none. The seed is a
+// string, because a JSON number cannot represent all 64 bits.
 Json DaemonJson(const SessionStats& session) {
   if (session.daemon_version.empty()) return nullptr;
   return {{"version", session.daemon_version},
@@ -160,7 +160,7 @@ Json RecordingsJson(const SessionStats& session) {
   return rows;
 }
 
-// The fields that have one value for the whole run.
+// Returns the fields that have one value for the whole run.
 Json TotalsJson(const RunSummary& summary) {
   const SessionStats& session = summary.session;
   return {{"command", "run"},

@@ -1,5 +1,5 @@
-// The output of `sweepstake run` during a run and at its end: text, JSON and CSV files. All
-// functions except those that write files are pure.
+// The output of `sweepstake run` during a run and at its end, as text, JSON and CSV files. All
+// functions are pure except those that write files.
 #pragma once
 
 #include <filesystem>
@@ -13,37 +13,37 @@
 
 namespace sweepstake::cli {
 
-// Returns "starts from priors of 3 earlier sessions", or that there are no priors and why.
+// Returns, for example, "starts from priors of 3 earlier sessions". Without priors it says why
+// there are none.
 std::string PriorsText(const RunSetup& setup, const SessionStats& session);
-// Returns "12.3 s  frame 4567: SAP → KDTree (policy)".
+// Returns, for example, "12.3 s  frame 4567: SAP → KDTree (policy)".
 std::string SwitchText(const SwitchRow& row);
-// Returns "stable: KDTree is the best with probability 0.93".
+// Returns, for example, "stable: KDTree is the best with probability 0.93".
 std::string VerdictText(const VerdictRow& row);
-// Returns "12.3 s  frame 4567: verdict stable: …".
+// Returns, for example, "12.3 s  frame 4567: verdict stable: …".
 std::string VerdictChangeText(const VerdictChangeRow& row);
-// Returns the ratio of each arm's cost to the leader's, the best arm first, with the effective
-// number of live windows: "KDTree ×1.00 (n 24.2) · Grid ×1.31 (6.0)". If the costs are unknown, it
-// returns the posterior means instead: "KDTree 0.81 (n 24.2)". The text is empty if there are none
-// yet.
+// Returns each arm's cost ÷ the leader's cost, the best arm first, with the effective number of
+// live windows: "KDTree ×1.00 (n 24.2) · Grid ×1.31 (6.0)". If the costs are unknown, returns the
+// posterior means: "KDTree 0.81 (n 24.2)". Empty if there are no beliefs yet.
 std::string BeliefsText(std::span<const ArmBelief> beliefs);
-// Returns the work and the cost of the shadow lane, or why there is none.
+// Returns how much the shadow lane worked and what it cost, or why there is no lane.
 std::string ShadowText(const RunSummary& summary);
-// Returns the detection time per frame, how much it saves compared with the median arm, and the
+// Returns the detection time per frame, how much less that is than with the median arm, and the
 // shadow lane's time per frame.
 std::string FrameCostText(const RunSummary& summary);
-// Returns how many samples the full queue dropped, the cause according to the session's final
-// state, and the consequence.
+// Returns a warning: how many frames the full queue dropped, why (according to the final state of
+// the session), and what follows from that.
 std::string DroppedText(const SessionStats& session, uint64_t frame_count);
 
-// Returns the report at the end: a table of the arms and some lines.
+// Returns the report at the end of a run: a table of the arms and some lines.
 std::string RunReportText(const RunSummary& summary);
 nlohmann::ordered_json RunReportJson(const RunSummary& summary);
-// Write the first line of frames.csv, and the line of a frame. Call WriteFrame between frames, so
-// that its time does not count as frame time.
+// Write the header line of frames.csv, and the line of one frame. Call WriteFrame between frames,
+// so that the time for writing is not part of a frame time.
 void WriteFrameHeader(WholeFile& csv);
 void WriteFrame(const FrameSample& sample, const AdaptiveBroadPhase& adaptive, WholeFile& csv);
-// Writes switches.csv and posteriors.csv into the existing `folder`. Error: kInvalidArgument (a
-// file cannot be written).
+// Writes switches.csv and posteriors.csv into `folder`, which must exist. Error: kInvalidArgument
+// if a file cannot be written.
 Status WriteRunReportCsv(const RunSummary& summary, const std::filesystem::path& folder);
 
 }  // namespace sweepstake::cli

@@ -9,7 +9,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// Returns the quotient, or 0 if the divisor is 0.
+// Returns part ÷ whole, or 0 if `whole` is 0.
 double Ratio(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
 std::vector<ArmRow> ArmRows(const GameRun& run, const SessionStats& session) {
@@ -70,11 +70,11 @@ double RunSummary::detection_ms() const {
   return Ratio(sum_ms, static_cast<double>(frame_count));
 }
 
-// The decider estimates costs as ratios to the leader's. The measured detection time of the run
-// converts them to milliseconds.
+// The decider reports each arm's cost as a ratio to the leader's. The measured detection time of
+// the run converts the ratios to milliseconds.
 std::optional<double> RunSummary::saved_ms_per_frame() const {
   std::vector<double> ratios;
-  double ratio_sum = 0;  // over the frames
+  double ratio_sum = 0;  // sum over the run's frames
   double run_count = 0;
   for (const ArmRow& row : arms) {
     if (!row.belief.standing || !row.belief.standing->cost_ratio) return std::nullopt;

@@ -1,4 +1,4 @@
-// The result of `sweepstake run` as plain values. The report is made from it.
+// The result of `sweepstake run` as plain values, from which the report is made.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ struct RunSetup {
   SceneChoice scene;
   std::string mode;
   std::string decider;      // HOST:PORT, or "embedded"
-  std::string priors_file;  // empty: none
-  std::string priors_key;   // the project, scene and machines of the priors, in words
+  std::string priors_file;  // may be empty
+  std::string priors_key;   // describes the priors' project, scene and machine class
 };
 
 // One arm at the end of the run.
@@ -40,14 +40,14 @@ struct SwitchRow {
   std::string from;
   std::string to;
   SwitchReason reason = SwitchReason::kPolicy;
-  // Both are 0 if the switch had not settled when the run ended.
+  // Both are 0 if the run ended before the switch had settled.
   uint64_t rebuild_time_ns = 0;
   uint64_t settling_cost_ns = 0;
-  // Search time that ended a trial by this switch; 0 if no trial ended.
+  // If the switch ended a trial: the search time that ended it. Otherwise 0.
   uint64_t trial_detection_time_ns = 0;
 };
 
-// The decider's verdict about the scene. By default it is unknown.
+// The decider's verdict about the scene; "unknown" until there is one.
 struct VerdictRow {
   std::string name = "unknown";
   std::string leader_arm;  // empty: unknown
@@ -71,22 +71,22 @@ struct RunSummary {
   std::vector<SwitchRow> switches;
   std::vector<VerdictChangeRow> verdict_changes;
 
-  // Returns the time of all frames.
+  // Returns the sum of all frame times.
   uint64_t active_ns() const;
   double active_s() const { return static_cast<double>(active_ns()) * 1e-9; }
   double fps() const;
   size_t SwitchCount(SwitchReason reason) const;
-  // Returns the share of the run's time in which the shadow lane worked.
+  // Returns the fraction of the run's time during which the shadow lane worked.
   double shadow_busy_ratio() const;
   double shadow_copy_ns_per_frame() const;
-  // Returns the share of the frame thread's time that the lane cost, including copies. The lane
-  // measures it itself (ShadowStats::slowdown_time_ns).
+  // Returns the fraction of the frame thread's time that the lane cost, including the copying of
+  // boxes. The lane measures that cost itself (ShadowStats::slowdown_time_ns).
   double shadow_frame_share() const;
-  // Returns the lane's CPU time per frame, which it spends on another core.
+  // Returns the lane's CPU time per frame. It is spent on another core than the frame thread's.
   double shadow_ms_per_frame() const;
   double detection_ms() const;  // per frame
-  // Returns by how much the estimated detection time of the median arm exceeds the run's mean
-  // detection time; absent while the costs of the arms are unknown.
+  // Returns by how much the median arm's estimated detection time per frame exceeds the run's mean
+  // detection time. Absent if the costs of the arms are unknown.
   std::optional<double> saved_ms_per_frame() const;
 };
 

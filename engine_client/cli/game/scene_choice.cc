@@ -17,7 +17,7 @@ bool IsOneOf(std::string_view name, std::span<const std::string_view> names) {
 
 bool IsFile(std::string_view name) { return name.ends_with(".aabbs"); }
 
-// The words that stand for a group of scenes.
+// Returns the group of scenes that the word stands for, if any.
 std::optional<SceneGroup> GroupOf(std::string_view word) {
   if (word == "all") return SceneGroup::kReference;
   if (word == "changing") return SceneGroup::kChanging;
@@ -41,7 +41,8 @@ std::vector<SceneChoice> ExpandName(const std::string& name, uint64_t seed) {
   return choices;
 }
 
-// Returns the names separated by commas, in lines of at most `columns` that start with `indent`.
+// Returns the names separated by commas. Lines begin with `indent` and have at most `columns`
+// characters.
 std::string WrapNames(std::span<const std::string_view> names, const std::string& indent,
                       size_t columns) {
   std::string text = indent;

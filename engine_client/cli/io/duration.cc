@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kMaxNs = 30.0 * 24 * 3600 * 1e9;
 
-// Returns the nanoseconds of a unit, or 0 for an unknown one.
+// Returns the number of nanoseconds in a unit, or 0 for an unknown unit.
 double UnitNs(std::string_view unit) {
   if (unit == "ms") return 1e6;
   if (unit == "s") return 1e9;
@@ -24,7 +24,7 @@ Result<uint64_t> ParseDuration(std::string_view text) {
       std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
   const double unit_ns = UnitNs({rest, static_cast<size_t>(text.data() + text.size() - rest)});
   const double total_ns = number * unit_ns;
-  // The negated condition also rejects NaN.
+  // The condition is written with "!", so that it also rejects NaN.
   if (error != std::errc() || !(total_ns >= 1 && total_ns <= kMaxNs)) {
     return Status(
         StatusCode::kInvalidArgument,

@@ -9,13 +9,14 @@
 
 namespace sweepstake::cli {
 
-// Returns nanoseconds, above 0 and at most 30 days. The message of kInvalidArgument states the
-// accepted format.
+// Returns nanoseconds: above 0, at most 30 days. Otherwise returns kInvalidArgument with a message
+// that describes the format.
 Result<uint64_t> ParseDuration(std::string_view text);
 
 inline double Seconds(uint64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
-// Returns a time since 1970 as "2026-11-20 11:30:00", in UTC; empty if it is out of range.
+// Returns a time since 1970 as UTC text, such as "2026-11-20 11:30:00". Empty if it is out of
+// range.
 std::string UtcText(int64_t unix_ms);
 
 }  // namespace sweepstake::cli

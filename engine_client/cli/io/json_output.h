@@ -11,14 +11,15 @@
 
 namespace sweepstake::cli {
 
-// Prints `document` and a line break. An `indent` of -1 prints one line. Bytes that are not UTF-8,
-// which a file name may contain, become U+FFFD.
+// Prints `document` and a line break. An `indent` of -1 prints everything on one line. Bytes that
+// are not UTF-8, such as those of some file names, become U+FFFD.
 void PrintJson(const nlohmann::ordered_json& document, std::ostream& out, int indent = 2);
 
 // Prints `text` (whole lines) on `terminal.out` and flushes it.
 void PrintText(Terminal& terminal, const std::string& text);
 
-// Prints either `document`, as PrintJson does, or `text` (whole lines) on `terminal.out`.
+// Prints `document` (as PrintJson does) if `as_json`, otherwise `text` (whole lines), on
+// `terminal.out`.
 void PrintResult(Terminal& terminal, bool as_json, const nlohmann::ordered_json& document,
                  const std::string& text, int indent = 2);
 
@@ -28,7 +29,7 @@ nlohmann::ordered_json OrNull(const std::optional<T>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
-// Returns [low, high].
+// Returns the JSON array [low, high].
 inline nlohmann::ordered_json IntervalJson(const Interval& interval) {
   return {interval.low, interval.high};
 }

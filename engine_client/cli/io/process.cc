@@ -29,7 +29,7 @@ void OnStop(int signal) {
 }  // namespace
 
 int RunMain(int argc, char** argv, int (*run)(std::span<char* const> words, Terminal& terminal)) {
-  // Disables gRPC's log, which only repeats the errors that the commands report.
+  // Turn off gRPC's log, because it only repeats errors that the commands report themselves.
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
   const bool err_is_tty = isatty(STDERR_FILENO) == 1;
   Terminal terminal{.out = std::cout,

@@ -1,4 +1,4 @@
-// The process of a command-line program: its main function, and the signals that end it.
+// The main function of a command-line program, and the signals that end the program.
 #pragma once
 
 #include <span>
@@ -7,15 +7,16 @@
 
 namespace sweepstake::cli {
 
-// Runs `run` on the standard streams of this process and returns its exit code. An exception
-// becomes a message and the exit code kCheckFailed.
+// Runs `run` with the standard streams of this process and returns its exit code. If it throws an
+// exception, prints the message and returns kCheckFailed.
 int RunMain(int argc, char** argv, int (*run)(std::span<char* const> words, Terminal& terminal));
 
-// Records Ctrl-C and SIGTERM, so that a loop can poll for them. The state is the program's only
-// mutable static variable, because a signal handler can access no other state. Call it once.
+// Catches Ctrl-C and SIGTERM, so that a loop can poll StopRequested. The flag is a static variable,
+// the only mutable one of the program, because a signal handler can access nothing else. Call it
+// once.
 void InstallStopSignal();
-// Returns whether a signal was received since InstallStopSignal. A second signal ends the program
-// at once.
+// Returns whether a signal has arrived since InstallStopSignal. A second signal ends the program at
+// once.
 bool StopRequested();
 
 }  // namespace sweepstake::cli

@@ -1,5 +1,5 @@
-// Formats what a session has learnt about an arm as table cells and as JSON, identically in all
-// commands. Pure functions.
+// Formats what a session has learnt about an arm, as table cells and as JSON. All commands use the
+// same format. Pure functions.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,11 +11,13 @@
 
 namespace sweepstake::cli {
 
-// Returns "cost", "95_low", "95_high", "best", "n", "live" and "lane": the cost divided by the
-// leader's with its 95 % interval, the probability of being the best arm, the effective number of
-// live windows, and the live windows and shadow-lane visits in the evidence.
+// Returns the header cells:
+// - "cost", "95_low", "95_high": the cost ÷ the leader's cost, and its 95 % interval
+// - "best": the probability of being the best arm
+// - "n": the effective number of live windows
+// - "live", "lane": the live windows and the shadow lane's visits in the evidence
 std::vector<std::string> StandingHeader();
-// Returns the cells under that header. An unknown value is "-".
+// Returns the cells below that header. "-" stands for an unknown value.
 std::vector<std::string> StandingCells(const std::optional<ArmStanding>& standing);
 // Returns two lines that explain the header.
 std::string StandingLegend();

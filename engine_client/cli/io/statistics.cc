@@ -9,15 +9,15 @@
 namespace sweepstake::cli {
 namespace {
 
-// Returns a number below `count`; the bias for counts of some thousand is below 1e-15. The
-// generator is our own, because the distributions of std:: are not portable.
+// Returns a random index below `count`. For counts of some thousand, its bias is below 1e-15. The
+// distributions of std:: are not used, because their results differ between platforms.
 size_t DrawIndex(math::SplitMix64& random, size_t count) {
   const double unit = static_cast<double>(random.Next() >> 11) * 0x1p-53;
   return std::min(count - 1, static_cast<size_t>(unit * static_cast<double>(count)));
 }
 
-// Returns twice the ranks of the absolute values of `differences`. Doubling makes shared ranks
-// whole numbers.
+// Returns twice the rank of the absolute value of each difference. Equal values share their mean
+// rank, which may be a half; doubled ranks are whole numbers.
 std::vector<size_t> DoubledRanks(std::span<const double> differences) {
   std::vector<size_t> order(differences.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -27,17 +27,18 @@ std::vector<size_t> DoubledRanks(std::span<const double> differences) {
   for (size_t first = 0; first < order.size();) {
     size_t end = first + 1;
     while (end < order.size() && size(order[end]) == size(order[first])) ++end;
-    // Ranks first + 1 … end share their mean.
+    // Ranks first + 1 … end are equal values, which share their mean rank.
     for (size_t i = first; i < end; ++i) ranks[order[i]] = first + 1 + end;
     first = end;
   }
   return ranks;
 }
 
-// Returns the share of sign patterns whose doubled rank sum is at most `max_sum`.
+// Returns the fraction of all sign patterns whose doubled rank sum is at most `max_sum`.
 double ShareAtMost(std::span<const size_t> ranks, size_t max_sum) {
   const size_t total = std::accumulate(ranks.begin(), ranks.end(), size_t{0});
-  std::vector<double> patterns(total + 1, 0);  // by sum; below 2^53, so exact
+  std::vector<double> patterns(total + 1,
+                               0);  // number of patterns by sum; exact, because below 2^53
   patterns[0] = 1;
   for (const size_t rank : ranks) {
     for (size_t sum = total; sum >= rank; --sum) patterns[sum] += patterns[sum - rank];
@@ -48,7 +49,7 @@ double ShareAtMost(std::span<const size_t> ranks, size_t max_sum) {
 
 // Returns the two-sided probability of a rank sum of at most `sum`, by the normal approximation.
 double NormalProbability(std::span<const size_t> ranks, double sum) {
-  // This is the variance of the rank sum if both signs are equally probable.
+  // Variance of the rank sum if both signs are equally probable; the ranks are doubled.
   double variance = 0;
   for (const size_t rank : ranks) variance += static_cast<double>(rank * rank) / 16;
   const double mean =

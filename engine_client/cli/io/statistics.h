@@ -1,7 +1,7 @@
 // The statistics of the reports: means with their spread, bootstrap intervals, paired tests. Pure
-// functions, safe from any thread. The same numbers and seed give the same result.
+// functions, thread-safe. The same numbers and seed give the same result.
 //
-// The functions are made for samples of 5 to some thousand values.
+// Intended for samples of 5 to some thousand values.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,12 @@
 
 namespace sweepstake::cli {
 
-// Returns the arithmetic mean, or 0 for no values.
+// Returns the arithmetic mean, or 0 if there are no values.
 double Mean(std::span<const double> values);
 // Returns the sample standard deviation (with n − 1), or 0 for fewer than two values.
 double SampleDeviation(std::span<const double> values);
-// Returns the median of values in any order: the middle value, or the mean of the middle two. It is
-// 0 for no values.
+// Returns the median: the middle value, or the mean of the two middle values. Returns 0 if there
+// are no values. The values may be in any order.
 double Median(std::vector<double> values);
 
 struct TimeSummary {
@@ -42,21 +42,21 @@ struct BootstrapOptions {
   double level = 0.95;  // 0 to 1, both excluded
 };
 
-// Returns the confidence interval of the mean by the percentile bootstrap (Efron and Tibshirani, An
-// Introduction to the Bootstrap, ch. 13), which draws from the values with replacement. It is too
-// narrow for fewer than some ten values, and {mean, mean} for fewer than two.
+// Returns a confidence interval of the mean by the percentile bootstrap (Efron and Tibshirani, An
+// Introduction to the Bootstrap, ch. 13), which resamples the values with replacement. With fewer
+// than about ten values, the interval is too narrow. With fewer than two, it is {mean, mean}.
 Interval BootstrapMean(std::span<const double> values, const BootstrapOptions& options = {});
 
-// Wilcoxon's signed-rank test of paired differences against 0, two-sided. Zero differences are
-// omitted, and differences of equal size share their mean rank. Up to kMaxExactWilcoxon pairs, the
-// probability is exact: all sign patterns are counted, ties included. For more pairs it comes from
-// the normal distribution, corrected for ties and continuity.
+// Wilcoxon's signed-rank test, two-sided: are the paired differences symmetric around 0?
+// Differences of 0 are left out. Differences of equal size share their mean rank. Up to
+// kMaxExactWilcoxon pairs the probability is exact: all sign patterns are counted, also with ties.
+// For more pairs it comes from the normal distribution, corrected for ties and continuity.
 struct WilcoxonResult {
   // Pairs whose difference is not zero.
   size_t pair_count = 0;
   // W⁺, the sum of the ranks of the positive differences.
   double positive_ranks = 0;
-  // The probability of a result at least as extreme by chance; 1 if no pair is left.
+  // Probability that a result at least as extreme occurs by chance; 1 if all differences are 0.
   double probability = 1;
   // (W⁺ − W⁻) ÷ (W⁺ + W⁻), the matched-pairs rank-biserial effect size.
   double rank_correlation = 0;
@@ -64,8 +64,8 @@ struct WilcoxonResult {
 inline constexpr size_t kMaxExactWilcoxon = 30;
 WilcoxonResult WilcoxonSignedRank(std::span<const double> differences);
 
-// Returns Holm's step-down correction of the probabilities of a family of tests, in their order.
-// Each corrected probability can be compared with the same level.
+// Returns the probabilities of several tests after Holm's step-down correction, in the given order.
+// Each may then be compared with the same significance level.
 std::vector<double> HolmCorrected(std::span<const double> probabilities);
 
 }  // namespace sweepstake::cli

@@ -78,7 +78,8 @@ void Progress::Draw(uint64_t done, const std::string& text) {
   std::string line = label_;
   if (total_ > 0) line += ' ' + Bar(done, total_);
   if (!text.empty()) line += ' ' + text;
-  // A line that wraps could not be cleared; one column stays free for the cursor.
+  // Cut the line, because a line that wraps could not be cleared. One column stays free for the
+  // cursor.
   if (terminal_.err_columns > 0) line = CutToColumns(line, terminal_.err_columns - 1);
   terminal_.err << line;
   if (!terminal_.err_is_tty) terminal_.err << '\n';

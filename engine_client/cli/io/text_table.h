@@ -1,5 +1,5 @@
-// A text table, and numbers as text. Columns are two spaces apart, and columns of numbers are
-// aligned right.
+// Formats tables and numbers as text. Columns are separated by two spaces, and columns of numbers
+// are aligned right.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ class TextTable {
 
   // Adds a row. REQUIRES: it has as many cells as the header.
   void AddRow(std::vector<std::string> cells);
-  // Adds an empty line and a line across all columns, as a title of the rows that follow.
+  // Adds an empty line and then a title, which spans all columns, for the rows that follow.
   // REQUIRES: more than one column.
   void AddTitle(std::string title);
   // Returns all lines, each with its line break.
@@ -26,7 +26,7 @@ class TextTable {
  private:
   // Returns the widths of the columns in characters.
   std::vector<size_t> Widths() const;
-  // Returns which columns have numbers in all their rows.
+  // Returns, for each column, whether it has only numbers.
   std::vector<bool> AlignedRight() const;
   bool IsTitle(const std::vector<std::string>& row) const { return row.size() < rows_[0].size(); }
 
@@ -43,7 +43,7 @@ std::string Percent(double ratio, int decimals);
 // Returns the number with commas between thousands: "12,345,678".
 std::string Grouped(uint64_t value);
 
-// Returns the number of characters of UTF-8 text.
+// Returns the number of characters (not bytes) of UTF-8 text.
 size_t LetterCount(std::string_view text);
 
 }  // namespace sweepstake::cli

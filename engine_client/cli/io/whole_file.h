@@ -1,6 +1,6 @@
-// A file that appears under its name only when it is complete: it is written to a temporary file
-// beside it, which Commit renames. Not thread-safe. The destructor removes a file that was not
-// committed.
+// A file that appears under its name only when it is complete. It is written to a temporary file in
+// the same folder, which Commit renames. If Commit is not called, the destructor removes the file.
+// Not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +15,8 @@ namespace sweepstake::cli {
 
 class WholeFile {
  public:
-  // Opens the temporary file, so that most errors appear before long work begins. Error:
-  // kInvalidArgument (`path` is not a regular file, or it cannot be written).
+  // Opens the temporary file at once, so that most errors appear before long work begins. Error:
+  // kInvalidArgument if `path` is not a regular file or cannot be written.
   static Result<std::unique_ptr<WholeFile>> Create(std::filesystem::path path);
   ~WholeFile();
   WholeFile(const WholeFile&) = delete;
@@ -25,8 +25,7 @@ class WholeFile {
   void Write(std::string_view bytes);
   // Writes a line of CSV (RFC 4180).
   void WriteRow(std::initializer_list<std::string_view> cells);
-  // Renames the temporary file to its final name. Error: kInvalidArgument (it could not be
-  // written).
+  // Renames the temporary file to its final name. Error: kInvalidArgument if writing failed.
   Status Commit();
 
  private:

@@ -20,26 +20,27 @@ constexpr uint64_t kOldDays = 180;
 
 std::string OrUnknown(const std::string& name) { return name.empty() ? "unknown" : name; }
 
-// Words by value.
+// The text of each Fitness, indexed by value.
 constexpr std::array<const char*, 3> kFitnessNames = {"valid", "near", "foreign"};
 
 const char* WordOf(Fitness fitness) { return kFitnessNames[static_cast<size_t>(fitness)]; }
 
-// Returns the weight relative to evidence that this machine and build measured with the same
-// version of the arm.
+// Returns the weight of evidence, as a fraction of the weight of evidence that this machine and
+// build measured with the same version of the arm.
 double WeightOf(decision::SourceRelation relation, bool same_arm_version) {
   relation.same_backend_version = same_arm_version;
   return decision::PowerPriorWeight(relation) /
          decision::PowerPriorWeight({.same_build = true, .same_machine_class = true});
 }
 
-// Shows a decimal below 1 %, because "0 %" means that the evidence does not count.
+// Returns the weight in percent. Below 1 % it has a decimal, because "0 %" would mean that the
+// evidence does not count.
 std::string WeightText(double weight) {
   return Percent(weight, 0 < weight && weight < 0.01 ? 1 : 0);
 }
 
-// Returns how many of the group's arms this program has in the same version. Adds a reason for each
-// other arm. Arms in another version count with `other_weight`.
+// Returns how many of the group's arms this program has in the same version. Adds a reason to
+// `found` for each other arm. `other_weight` is the weight of an arm in another version.
 size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here, double other_weight,
                      Diagnosed& found) {
   size_t same = 0;

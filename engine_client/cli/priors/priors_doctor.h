@@ -1,5 +1,5 @@
-// The output of `sweepstake priors doctor`: which evidence of a priors file counts here, and why
-// the rest does not.
+// The output of `sweepstake priors doctor`: which evidence of a priors file counts on this machine,
+// and why the rest does not.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace sweepstake::cli {
 
-// The machine, build and program that will use the file.
+// The machine, build and program on which the priors file will be used.
 struct PriorsPlace {
   std::string machine_class;
   std::string build;
@@ -21,8 +21,10 @@ struct PriorsPlace {
   uint64_t unix_now_s = 0;
 };
 
-// kValid: counts as much as evidence of this machine and build. kNear: the group, or one of its
-// arms, counts less. kForeign: does not count.
+// How much a group of evidence counts.
+// - kValid: as much as evidence of this machine and build.
+// - kNear: less, or one of its arms counts less.
+// - kForeign: not at all.
 enum class Fitness : uint8_t { kValid, kNear, kForeign };
 
 struct Diagnosed {

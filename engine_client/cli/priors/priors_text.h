@@ -1,5 +1,5 @@
-// The output of `sweepstake priors show` and `diff`: the content of a priors file by scene, and the
-// scenes in which two files differ.
+// The output of `sweepstake priors show` and `sweepstake priors diff`: the content of a priors file
+// by scene, and the scenes in which two files differ.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,13 +10,13 @@
 
 namespace sweepstake::cli {
 
-// Returns "project/scene", followed by the class of machines, the build and the quarantine if they
-// are set.
+// Returns "project/scene", followed by machine class, build and "in quarantine" as far as they
+// apply.
 std::string NameOf(const decision::PriorsGroupKey& key);
-// Returns an object with the members of the key.
+// Returns a JSON object with the members of the key.
 nlohmann::ordered_json KeyJson(const decision::PriorsGroupKey& key);
 
-// Returns a table with a title and a row per arm for each group. Costs are shown only for reward
+// Returns a table. Each group has a title and one row per arm. Costs are shown only for reward
 // version 3.
 std::string ShowText(const decision::PriorsGroups& groups);
 nlohmann::ordered_json ShowJson(const decision::PriorsGroups& groups);

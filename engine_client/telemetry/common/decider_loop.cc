@@ -9,8 +9,8 @@
 namespace sweepstake {
 namespace {
 
-// The maximum number of frames per call of the decider. It bounds the buffer, not the number of
-// frames taken.
+// Maximum number of frames in one call of the decider. It limits the size of the buffer. TakeQueue
+// takes more frames by calling the decider several times.
 constexpr size_t kFrameRun = 256;
 
 LastDecision Summary(const DecisionEvent& event) {

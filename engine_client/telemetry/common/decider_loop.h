@@ -1,9 +1,9 @@
-// The loop of an embedded decider: it empties the queue that the frame thread fills, decides, and
-// posts the switch command. The embedded session runs it on its sender thread; the C API runs it on
-// the thread that polls.
+// The loop of an embedded decider: it empties the queue that the frame thread fills, makes
+// decisions, and posts switch commands. The embedded session runs it on its sender thread. The C
+// API runs it on the thread that calls poll.
 //
-// Items reach the decider in the order in which they happened. Not thread-safe; the loop is the
-// queue's only consumer. Memory: a buffer of 256 frames.
+// The decider receives items in the order in which they happened. Not thread-safe. The loop must be
+// the only consumer of the queue. Memory: a buffer of 256 frames.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,17 @@ namespace sweepstake {
 
 class DeciderLoop {
  public:
-  // The queue and the broad phase are borrowed. The constructor marks the broad phase as having a
-  // decider and sets its settling time to that of the decider.
+  // Borrows the queue and the broad phase. Marks the broad phase as having a decider, and sets its
+  // settling time to the decider's.
   DeciderLoop(SampleQueue& queue, AdaptiveBroadPhase& adaptive,
               std::unique_ptr<EmbeddedDecider> decider);
 
   // Passes the content of the queue to the decider; returns the number of frames.
   uint64_t TakeQueue(uint64_t now_ns);
-  // Makes the decision that is due, if any, and posts its command, which is also returned.
+  // Makes a decision if one is due. Posts its command, if any, to the broad phase and returns it.
   std::optional<SwitchCommand> Decide(uint64_t now_ns);
-  // Returns whether a decision was made since the latest PublishBeliefs, or none was published yet.
+  // Returns whether beliefs should be published: a decision was made since the last PublishBeliefs,
+  // or PublishBeliefs was never called.
   bool has_news() const { return decider_->decision_count() != published_decision_count_; }
   // Publishes the posterior means, the verdict and the latest decision to the broad phase.
   void PublishBeliefs();
@@ -48,8 +49,8 @@ class DeciderLoop {
   uint64_t published_decision_count_ = ~uint64_t{0};
 };
 
-// Passes the means of the posteriors to the broad phase, which uses them for bail-outs while no
-// decider is present.
+// Stores the means of the posteriors in the broad phase. It uses them to choose an arm after a
+// bail-out while no decider is present.
 void SetPosteriorMeans(const std::vector<ArmBelief>& beliefs, AdaptiveBroadPhase& adaptive);
 
 }  // namespace sweepstake

@@ -1,4 +1,4 @@
-// The session without a daemon: the sender thread runs the loop of an embedded decider.
+// The session without a daemon: its sender thread runs an embedded decider in a DeciderLoop.
 #include <algorithm>
 #include <chrono>
 #include <mutex>
@@ -26,7 +26,7 @@ class EmbeddedSession final : public SessionBase {
  private:
   Status Prepare(AdaptiveBroadPhase& adaptive) override;
   bool Step(bool stopping) override;
-  // Returns at most a tenth of the scaled decision interval, so that decisions are made on time.
+  // A tenth of the scaled decision interval, but 1 to 5 ms. Short enough to make decisions on time.
   std::chrono::milliseconds poll_interval() const override {
     const auto interval_ns = static_cast<double>(embedded_.decision_interval_ns);
     const double tenth_ms = interval_ns * 1e-6 / embedded_.time_scale / 10;

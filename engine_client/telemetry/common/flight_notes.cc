@@ -1,5 +1,5 @@
-// Writes the notes of a flight recorder's file. Frames are rows of numbers, which keeps thousands
-// of them short.
+// Writes the notes in a flight recorder's file. Frames are arrays of numbers without field names,
+// which keeps the notes short for thousands of frames.
 #include <nlohmann/json.hpp>
 
 #include "engine_client/decider/types.h"
@@ -10,8 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// `boxes` is the index of the frame's boxes among those in the file; null: they are not in the
-// file.
+// The columns of a frame's array. `boxes` is the index of the frame's boxes among all boxes in the
+// file, or null if its boxes were not recorded.
 constexpr const char* kColumns[] = {"frame",        "frame_ns", "detection_ns", "objects",
                                     "pairs",        "checks",   "native_bytes", "arm",
                                     "switch_epoch", "flags",    "boxes"};

@@ -28,9 +28,9 @@ uint64_t BudgetNs(const FlightRecorderOptions& options) {
   return static_cast<uint64_t>(options.frame_budget_ms * 1e6);
 }
 
-// The frames of a frozen ring that have boxes, as a scene. The file cannot hold coordinates that
-// are not finite. A box with such a coordinate is replaced by an inverted one, which overlaps
-// nothing either.
+// The frames of a frozen ring that have boxes, as a scene that can be written to a file. The file
+// format does not allow coordinates that are not finite. So a box with such a coordinate is
+// replaced by an inverted box, which overlaps nothing either.
 class FlightScene final : public Scene {
  public:
   FlightScene(std::string name, const FlightRing& ring, const std::vector<FlightFrame>& frames)
@@ -65,7 +65,7 @@ class FlightScene final : public Scene {
       boxes_.push_back(BoxOf(frame, index));
   }
 
-  // Sets the world to the bounds of all valid boxes of the first and the last frame.
+  // Sets the scene's world to the bounds of all valid boxes in the first and the last frame.
   void NoteWorld() {
     Aabb bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
     for (const FlightFrame* frame : shown_) {
@@ -98,7 +98,7 @@ size_t WorstOf(const std::vector<FlightFrame>& frames) {
   return static_cast<size_t>(worst - frames.begin());
 }
 
-// Returns "20261123-234641-250", in UTC.
+// Returns the UTC time as text, such as "20261123-234641-250".
 std::string TimeName(std::chrono::milliseconds since_epoch) {
   using std::chrono::floor;
   const std::chrono::sys_time<std::chrono::milliseconds> time(since_epoch);
@@ -114,7 +114,7 @@ std::string TimeName(std::chrono::milliseconds since_epoch) {
   return text;
 }
 
-// Returns a path in the folder at which no file exists.
+// Returns a path in the folder at which no file exists yet.
 fs::path FreePath(const fs::path& folder, std::chrono::milliseconds now) {
   std::error_code error;
   fs::path path;

@@ -22,7 +22,7 @@
 
 namespace sweepstake {
 
-// A decision, and the latest frame at the time when it was noted.
+// A decision and the index of the latest frame when it was recorded.
 struct FlightDecision {
   uint64_t frame_index = 0;
   LastDecision decision;
@@ -37,11 +37,12 @@ class FlightRecorder {
   explicit FlightRecorder(const SessionOptions& options);
 
   FlightRing& ring() { return ring_; }
-  // Notes the latest decision, and writes a frozen ring to a file. Called every few milliseconds.
+  // Records the latest decision if it is new, and writes a frozen ring to a file. Called every few
+  // milliseconds.
   void Step(const AdaptiveBroadPhase& adaptive);
-  // Returns the files that were written and still exist, the oldest first.
+  // Returns the files that this session wrote and has not removed, the oldest first.
   std::vector<FlightRecording> recordings() const;
-  // Returns why the latest recording could not be written; empty if it was written.
+  // Returns why the latest recording could not be written; empty if it succeeded.
   std::string error() const;
 
  private:
@@ -51,7 +52,7 @@ class FlightRecorder {
 
   const SessionOptions options_;
   FlightRing ring_;
-  std::deque<FlightDecision> decisions_;  // the latest ones
+  std::deque<FlightDecision> decisions_;  // the latest kMaxDecisions
 
   mutable std::mutex mutex_;
   std::vector<FlightRecording> recordings_;  // guarded by mutex_

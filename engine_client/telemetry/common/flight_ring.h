@@ -1,19 +1,19 @@
-// The flight recorder's memory of the latest frames: their measurements, and the boxes of as many
-// frames as fit into its memory for five seconds.
+// The flight recorder's memory of the latest frames. It keeps the measurements of all frames, and
+// the boxes of some of them.
 //
-// The frame thread writes into the ring. A frame over the budget freezes it. From then on the
+// The frame thread writes into the ring. A frame over the budget freezes the ring. From then on the
 // sender thread owns it, until Release empties it and returns it to the frame thread. One atomic
-// flag states who owns it.
+// flag says who owns it.
 //
-// The boxes of a frame are copied completely, because the ring does not know which boxes have
-// moved. The copies are spaced so that they fit for five seconds: in five seconds the frame thread
-// copies at most the size of the memory, 24 bytes per box. The measurements of all frames are kept.
-// If a frame over the budget has no copied boxes, the boxes of the next frame are copied before the
-// ring freezes.
+// The boxes of a frame are copied completely, because the ring cannot detect which boxes have
+// moved. Between two copies enough time passes that the copies of five seconds fit into the memory.
+// So in five seconds the frame thread copies at most the size of the memory, at 24 bytes per box.
+// If a frame over the budget has no copied boxes, the ring copies the boxes of the next frame
+// before it freezes.
 //
-// Time: sums of the frame times passed by the game; no clock is read. Memory: allocated once. Cost:
-// a load while the ring is frozen, otherwise the copy. It never waits, allocates or makes a system
-// call.
+// Time is the sum of the frame times passed by the game; no clock is read. Memory is allocated
+// once. Cost: one load while the ring is frozen, otherwise the copy. It never waits, allocates or
+// makes a system call.
 #pragma once
 
 #include <algorithm>
@@ -34,18 +34,19 @@ namespace sweepstake {
 // A frame in a frozen ring.
 struct FlightFrame {
   FrameSample sample{};
-  uint64_t first_box = 0;  // index of its first box, counted since the ring began
+  uint64_t first_box = 0;  // index of its first box since the ring was last emptied
   uint32_t box_count = 0;  // 0: its boxes were not copied, or were overwritten
 };
 
 class FlightRing {
  public:
   static constexpr uint64_t kSpanNs = 5'000'000'000;
-  // The minimum frame time between two recordings, and before the first one, in ns. The first
-  // frames of a game are long anyway and not worth a recording.
+  // Minimum frame time between two recordings (kCooldownNs) and before the first one (kWarmUpNs),
+  // in ns. The first frames of a game are long anyway and not worth a recording.
   static constexpr uint64_t kCooldownNs = 30'000'000'000;
   static constexpr uint64_t kWarmUpNs = 1'000'000'000;
-  // The maximum number of kept frames. Above about 800 frames/s they cover less than five seconds.
+  // Maximum number of frames in the ring. Above about 800 frames/s they cover less than five
+  // seconds. resize writes to the memory, so the frame thread will not cause page faults.
   static constexpr uint64_t kFrames = 4096;
 
   // Keeps at most `max_boxes` boxes. REQUIRES: max_boxes > 0, budget_ns > 0.
@@ -56,7 +57,8 @@ class FlightRing {
     frames_.resize(kFrames);
   }
 
-  // Call on the frame thread: OnBoxes with the frame's boxes, then OnFrame at its end.
+  // Call these on the frame thread: OnBoxes with the frame's boxes, then OnFrame at the frame's
+  // end.
   void OnBoxes(std::span<const Aabb> boxes) noexcept {
     if (!frozen() && IsDue(boxes.size())) Copy(boxes);
   }
@@ -67,11 +69,12 @@ class FlightRing {
   uint64_t latest_frame_index() const {
     return latest_frame_index_.load(std::memory_order_relaxed);
   }
-  // Returns whether the ring is frozen, so that the sender thread owns it. Any thread.
+  // Returns whether the ring is frozen, which means that the sender thread owns it. Any thread.
   bool frozen() const { return frozen_.load(std::memory_order_acquire); }
 
   // The following functions run on the sender thread. REQUIRES: frozen().
-  // Returns the frames of the last five seconds in order.
+  //
+  // Returns the frames of the last five seconds, oldest first.
   std::vector<FlightFrame> Frames() const;
   // Returns box `index` of the frame. REQUIRES: index < frame.box_count.
   const Aabb& BoxOf(const FlightFrame& frame, uint32_t index) const {
@@ -92,14 +95,15 @@ class FlightRing {
   std::atomic<bool> frozen_{false};
   std::atomic<uint64_t> latest_frame_index_{0};
 
-  // Owned by the frame thread, or by the sender thread while the ring is frozen.
+  // Owned by the frame thread, or by the sender thread while the ring is frozen. "Began" means: was
+  // last emptied.
   HookedVector<Aabb> boxes_;
   HookedVector<FlightFrame> frames_;
   uint64_t box_total_ = 0;        // boxes copied since the ring began
   uint64_t frame_total_ = 0;      // frames added since the ring began
   uint64_t recorded_ns_ = 0;      // frame time since the ring began
-  uint64_t wait_ns_ = kWarmUpNs;  // the part of recorded_ns_ before a frame may freeze the ring
-  uint64_t since_copy_ns_ = 0;    // frame time since boxes were copied
+  uint64_t wait_ns_ = kWarmUpNs;  // no frame freezes the ring before recorded_ns_ reaches this
+  uint64_t since_copy_ns_ = 0;    // frame time since the latest copy of boxes
   FlightFrame next_{};            // the current frame
   bool copied_any_ = false;
   bool awaits_boxes_ = false;  // the previous frame was over the budget and had no boxes

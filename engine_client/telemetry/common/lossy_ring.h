@@ -22,7 +22,7 @@
 namespace sweepstake {
 
 template <typename T>
-// The padding keeps the two threads' data on separate cache lines.
+// Padding separates the members of the two threads, so that they are on different cache lines.
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding)
 class LossyRing {
  public:
@@ -56,13 +56,13 @@ class LossyRing {
   }
 
   uint64_t capacity() const { return mask_ + 1; }
-  // Returns the number of elements pushed since the beginning.
+  // Returns the number of elements pushed so far.
   uint64_t pushed_count() const noexcept { return head_.load(std::memory_order_acquire); }
-  // Returns the number of elements popped or lost since the beginning. It is the index of the next
-  // element.
+  // Returns the number of elements popped or lost so far, which is also the index of the next
+  // element to pop.
   uint64_t passed_count() const noexcept { return tail_.load(std::memory_order_relaxed); }
-  // Returns the number of elements that were overwritten before they were popped, including those
-  // that the consumer has not skipped yet.
+  // Returns the number of elements that were overwritten before they were popped. It includes those
+  // that the next Pop will skip.
   uint64_t lost_count() const noexcept {
     const uint64_t tail = passed_count();
     const uint64_t head = pushed_count();
@@ -71,7 +71,7 @@ class LossyRing {
   }
 
  private:
-  // Advances to the oldest element that is not overwritten yet. The one at `index` is lost.
+  // Skips the element at `index` and all others that were overwritten, and counts them as lost.
   void SkipOverwritten(uint64_t index) noexcept {
     const uint64_t head = pushed_count();
     const uint64_t oldest = head > capacity() ? head - capacity() : 0;

@@ -26,8 +26,8 @@ void SampleQueue::OnModeChange(const ModeChange& change) noexcept {
 }
 
 std::optional<QueuedItem> SampleQueue::Pop() {
-  // The number of frames is read before the notes: every note older than one of these frames is
-  // then visible too.
+  // Read the number of frames before the notes. Then every note that is older than one of these
+  // frames is already visible in notes_.
   const uint64_t frame_limit = frames_.pushed_count();
   if (!next_note_) next_note_ = notes_.Pop();
   const bool frames_left = frames_.passed_count() < frame_limit;

@@ -1,13 +1,16 @@
 // The queue between the frame thread and the sender thread of a session.
 //
-// It is a FrameSink that never waits: a full queue drops its oldest element and counts it. Frames
-// have their own queue. The rarer notes (descriptors, switch outcomes, mode changes) store the
-// number of frames pushed before them, so Pop returns everything in the order it happened. The
-// shadow lane's samples have a third queue, without an order relative to the others.
+// It is a FrameSink that never waits: when it is full, it drops its oldest element and counts it.
+// It consists of three rings:
+// - frames
+// - notes, which are rarer: descriptors, switch outcomes, mode changes. A note stores how many
+//   frames were pushed before it, so Pop returns frames and notes in the order in which they
+//   happened.
+// - samples of the shadow lane, in no particular order relative to the others
 //
-// Thread safety: OnShadow on the lane's thread, the other calls of the sink on the frame thread,
-// Pop and PopShadow on the sender thread, the counts on any thread. Memory: 80 bytes per frame of
-// capacity, allocated once. Pushing a frame neither allocates nor makes a system call.
+// Thread safety: OnShadow on the lane's thread, the other functions of the sink on the frame
+// thread, Pop and PopShadow on the sender thread, the counts on any thread. Memory: 80 bytes per
+// frame of capacity, allocated once. Pushing a frame neither allocates nor makes a system call.
 #pragma once
 
 #include <cstdint>
@@ -25,16 +28,16 @@ using QueuedItem = std::variant<FrameSample, SceneDescriptor, SwitchOutcome, Mod
 
 class SampleQueue final : public FrameSink {
  public:
-  // The maximum number of notes. It suffices for longer than the frames, because a scene makes one
+  // Maximum number of notes. The notes overflow later than the frames, because a scene has only one
   // descriptor per 256 frames and few switches.
   static constexpr uint32_t kNoteCapacity = 256;
   static constexpr uint32_t kMaxFrameCapacity = 1 << 20;
-  // The maximum number of visits: eight sweeps over 32 arms, at least two seconds at the lane's
-  // minimum interval.
+  // Maximum number of visits: eight sweeps over 32 arms. Sweeps are at least 250 ms apart, so it
+  // holds at least two seconds.
   static constexpr uint32_t kShadowCapacity = 256;
 
-  // The flight recorder's ring is borrowed; null: none. REQUIRES: frame_capacity is a power of two,
-  // 2 to kMaxFrameCapacity.
+  // Borrows `flight`, the flight recorder's ring, which may be null. REQUIRES: frame_capacity is a
+  // power of two, 2 to kMaxFrameCapacity.
   explicit SampleQueue(uint32_t frame_capacity, FlightRing* flight = nullptr)
       : frames_(frame_capacity),
         notes_(kNoteCapacity),
@@ -53,9 +56,9 @@ class SampleQueue final : public FrameSink {
   void OnShadow(const ShadowSample& sample) noexcept override { shadows_.Push(sample); }
   void OnModeChange(const ModeChange& change) noexcept override;
 
-  // Removes and returns the oldest item; nullopt if the queue is empty.
+  // Removes and returns the oldest frame or note. Returns nullopt if there is none.
   std::optional<QueuedItem> Pop();
-  // Removes and returns the oldest visit of the shadow lane.
+  // Removes and returns the oldest visit of the shadow lane. Returns nullopt if there is none.
   std::optional<ShadowSample> PopShadow() { return shadows_.Pop(); }
 
   uint64_t dropped_frame_count() const { return frames_.lost_count(); }
@@ -79,7 +82,8 @@ class SampleQueue final : public FrameSink {
   LossyRing<Note> notes_;
   LossyRing<ShadowSample> shadows_;
   FlightRing* const flight_;
-  // The latest popped note; it is returned after the frames before it.
+  // A note that was popped from notes_ but is newer than the next frames; it is returned after
+  // them.
   std::optional<Note> next_note_;
 };
 

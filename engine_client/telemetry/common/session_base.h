@@ -1,8 +1,9 @@
-// The common base of the session with a daemon and the embedded session. It has the queue that the
-// frame thread fills, the sender thread that empties it, start and stop, and the statistics.
+// The common base class of the session with a daemon and the embedded session. It has the queue
+// that the frame thread fills, the sender thread that empties it, start and stop, and the
+// statistics.
 //
-// Thread safety: OnModeChange and the sink belong to the frame thread, Prepare and Step to the
-// sender; Start, Stop and stats may be called on any thread.
+// Thread safety: OnModeChange and the sink are used on the frame thread, Prepare on the thread that
+// calls Start, Step on the sender thread. Start, Stop and stats may be called on any thread.
 #pragma once
 
 #include <atomic>
@@ -20,18 +21,18 @@
 
 namespace sweepstake {
 
-// One thread that runs a step every `interval`, or earlier if it is woken.
+// A thread that runs a step every `interval`, or earlier if Wake is called.
 //
-// It polls because the frame thread must not make the system call that would wake it. Wake is for
-// other threads (a transport's callbacks, Stop). Thread safety: every method on any thread, Start
-// only once.
+// The thread polls, because the frame thread must not make the system call that would wake it. Wake
+// is for other threads, such as a transport's callbacks and Stop. Thread safety: every method on
+// any thread; Start only once.
 class PollingThread {
  public:
-  // `stopping` is true from RequestStop on. Returns whether the step must be called again.
+  // Runs one step. `stopping` is true after RequestStop. Returns false to end the thread.
   using Step = std::function<bool(bool stopping)>;
 
   PollingThread() = default;
-  // Stops and joins the thread.
+  // Calls RequestStop and Join.
   ~PollingThread();
   PollingThread(const PollingThread&) = delete;
   PollingThread& operator=(const PollingThread&) = delete;
@@ -39,7 +40,8 @@ class PollingThread {
   void Start(std::chrono::milliseconds interval, Step step);
   void Wake();
   void RequestStop();
-  // Waits until a step returns false. Idempotent; returns at once if Start was not called.
+  // Waits until the thread has ended, because a step returned false. May be called several times.
+  // Returns at once if Start was not called.
   void Join();
 
  private:
@@ -49,7 +51,7 @@ class PollingThread {
   std::condition_variable changed_;
   bool woken_ = false;     // guarded by mutex_
   bool stopping_ = false;  // guarded by mutex_
-  std::mutex join_mutex_;  // prevents two callers of Join from joining twice
+  std::mutex join_mutex_;  // so that only one caller of Join joins the thread
   std::thread thread_;     // guarded by join_mutex_
 };
 
@@ -63,23 +65,23 @@ class SessionBase : public Session {
   Result<std::string> ExportPriors() const override;
 
  protected:
-  // The destructor of a derived class must call Stop first, because the sender thread uses the
-  // members of the derived class.
+  // The destructor of a derived class must call Stop, because the sender thread uses members of the
+  // derived class.
   explicit SessionBase(const SessionOptions& options);
 
-  // Makes the objects that Step needs. Called by Start on its thread, before the sender thread
-  // exists. An error makes Start fail; Start may then be called again.
+  // Makes the objects that Step needs. Start calls it before it creates the sender thread. If it
+  // returns an error, Start fails and may be called again.
   virtual Status Prepare(AdaptiveBroadPhase& adaptive) = 0;
-  // Runs one step on the sender thread; the result false ends the thread. `stopping` is true once
-  // Stop was called.
+  // Runs one step on the sender thread. `stopping` is true after Stop was called. Returns false to
+  // end the thread.
   virtual bool Step(bool stopping) = 0;
   virtual std::chrono::milliseconds poll_interval() const = 0;
 
-  // Only for the sender thread, between Prepare and the end of Stop.
+  // For the sender thread only, from Prepare until the end of Stop.
   AdaptiveBroadPhase& adaptive() const { return *adaptive_.load(std::memory_order_relaxed); }
   uint64_t stop_deadline_ns() const { return stop_deadline_ns_.load(); }
 
-  // Changes the statistics under their lock.
+  // Calls `change` with the statistics while their lock is held.
   template <typename Change>
   void UpdateStats(const Change& change) {
     const std::lock_guard lock(stats_mutex_);
@@ -89,7 +91,7 @@ class SessionBase : public Session {
   SampleQueue& queue() { return queue_; }
 
  private:
-  std::unique_ptr<FlightRecorder> flight_;  // null: off
+  std::unique_ptr<FlightRecorder> flight_;  // null if the flight recorder is off
   SampleQueue queue_;
   std::atomic<AdaptiveBroadPhase*> adaptive_{nullptr};
   std::atomic<uint64_t> stop_deadline_ns_{std::numeric_limits<uint64_t>::max()};

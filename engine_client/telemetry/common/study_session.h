@@ -1,5 +1,5 @@
-// Makes an embedded session whose policy is not shipped, for the laboratory's experiments. This
-// header is not installed: a game can choose a shipped policy only.
+// Makes an embedded session with any policy of a registry, for the laboratory's experiments. This
+// header is not installed, so games can choose only shipped policies.
 #pragma once
 
 #include "engine_client/decider/session/policy_registry.h"
@@ -7,7 +7,7 @@
 
 namespace sweepstake {
 
-// Does what MakeEmbeddedSession does, with a policy of `policies`. The registry must outlive the
+// Works like MakeEmbeddedSession but looks up the policy in `policies`, which must outlive the
 // sessions.
 Result<std::unique_ptr<Session>> MakeStudySession(decision::PolicyRegistry policies,
                                                   const EmbeddedOptions& embedded,

@@ -1,4 +1,4 @@
-// Checks of the caller's arguments: the address of a daemon, the options of a session. Pure
+// Checks arguments of the caller: the address of a daemon and the options of a session. Pure
 // functions.
 #pragma once
 
@@ -10,12 +10,13 @@
 
 namespace sweepstake {
 
-// Checks an address HOST:PORT: a host name, an IPv4 address or an [IPv6 address], and a port from 1
-// to 65535. The message of kInvalidArgument says what is wrong.
+// Checks that an address has the form HOST:PORT. HOST is a host name, an IPv4 address or an [IPv6
+// address]; PORT is 1 to 65535. Otherwise returns kInvalidArgument with a message that says what is
+// wrong.
 Status ValidateDaemonAddress(std::string_view address);
 
-// The names of the TLS options in messages. The defaults are the fields that a program sets; the
-// command line passes its own option names.
+// What error messages call the TLS options. The defaults are the names of the fields of TlsOptions.
+// The command line passes the names of its own options.
 struct TlsNames {
   std::string tls = "tls";
   std::string ca = "ca_file";
@@ -24,10 +25,11 @@ struct TlsNames {
   std::string server_name = "server_name";
 };
 
-// Checks the options without reading the files. kInvalidArgument names the option and its bounds.
+// Checks the options but not the files that they name. Otherwise returns kInvalidArgument with the
+// option and its bounds.
 Status ValidateTlsOptions(const TlsOptions& options, const TlsNames& names = {});
 
-// Checks the options. kInvalidArgument names the option and its bounds.
+// Checks the options. Otherwise returns kInvalidArgument with the option and its bounds.
 Status ValidateSessionOptions(const SessionOptions& options, const TlsNames& names = {});
 
 }  // namespace sweepstake

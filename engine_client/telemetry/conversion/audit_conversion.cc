@@ -49,7 +49,7 @@ class Writer {
       field.is_repeated() ? reflection_.AddUInt32(&message_, &field, value)
                           : reflection_.SetUInt32(&message_, &field, value);
     } else if constexpr (std::is_same_v<T, double>) {
-      if (field.cpp_type() == FieldDescriptor::CPPTYPE_FLOAT) {  // of a SceneDescriptor
+      if (field.cpp_type() == FieldDescriptor::CPPTYPE_FLOAT) {  // a field of SceneDescriptor
         reflection_.SetFloat(&message_, &field, static_cast<float>(value));
       } else {
         field.is_repeated() ? reflection_.AddDouble(&message_, &field, value)

@@ -1,5 +1,5 @@
-// Audit rows as protobuf messages, and back. Both sides have the same fields under the same names
-// (decider/audit/audit_row.h), which are found by reflection.
+// Converts audit rows to protobuf messages and back. The struct and the message have the same field
+// names (decider/audit/audit_row.h), so protobuf's reflection finds the fields by name.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 namespace sweepstake {
 
 v1::AuditRow ToProto(const decision::AuditRow& row);
-// Returns the message's bytes, which stores keep.
+// Returns the serialized message, which stores keep.
 std::string EncodeAuditRow(const decision::AuditRow& row);
 decision::AuditRow FromProto(const v1::AuditRow& message);
 

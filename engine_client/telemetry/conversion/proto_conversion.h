@@ -1,6 +1,6 @@
-// Converts between public structs and protobuf messages of sweepstake.v1. ToProto makes a message,
-// FromProto reads one. The command line and the daemon use it. (A session encodes its messages
-// without protobuf: telemetry/protocol/wire.h.) Pure functions.
+// Converts between the library's structs and protobuf messages of sweepstake.v1. ToProto makes a
+// message, FromProto reads one. For the command line and the daemon. (A session encodes its
+// messages without protobuf: telemetry/protocol/wire.h.) Pure functions.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,8 @@ namespace sweepstake {
 v1::SceneDescriptor ToProto(const SceneDescriptor& descriptor);
 SceneDescriptor FromProto(const v1::SceneDescriptor& message);
 
-// Returns nullopt if a parameter of the posterior is not finite or not above 0.
+// Returns nullopt if a parameter of the posterior is not finite or not above 0. `arm` is the arm's
+// name.
 std::optional<ArmBelief> FromProto(const v1::BetaPosterior& posterior, const std::string& arm);
 void ToProto(const CostRatio& ratio, v1::CostRatio& message);
 v1::ArmStanding ToProto(const ArmStanding& standing);

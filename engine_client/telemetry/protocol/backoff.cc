@@ -23,7 +23,8 @@ uint32_t Backoff::LongMs() {
 }
 
 uint32_t Backoff::JitterMs(uint32_t bound_ms) {
-  // Scales the upper 32 bits. The small bias of this method does not matter for a delay.
+  // Scale the upper 32 bits to the range. The method has a small bias, which does not matter for a
+  // delay.
   return static_cast<uint32_t>(((random_.Next() >> 32) * (uint64_t{bound_ms} + 1)) >> 32);
 }
 

@@ -1,5 +1,5 @@
-// The delay before a reconnection: exponential back-off with full jitter, so that ten thousand
-// clients of a restarted daemon do not reconnect at the same time.
+// The delay before a reconnection: exponential back-off with full jitter. So ten thousand clients
+// of a restarted daemon do not all reconnect at the same time.
 //
 // The same seed gives the same delays. Not thread-safe.
 #pragma once
@@ -15,15 +15,15 @@ class Backoff {
   // REQUIRES: 1 <= min_ms <= max_ms.
   Backoff(uint32_t min_ms, uint32_t max_ms, uint64_t seed);
 
-  // Returns a delay that is uniform in [0, bound]. The bound is min_ms at first and doubles with
-  // each call, up to max_ms.
+  // Returns a random delay, uniform in [0, bound]. The bound is min_ms at first. Each call doubles
+  // it, up to max_ms.
   uint32_t NextMs();
-  // Returns the delay after an error that is likely to persist: uniform in the upper half of [0,
+  // Returns the delay after an error that is likely to persist: random, uniform in [max_ms / 2,
   // max_ms].
   uint32_t LongMs();
-  // Returns a number that is uniform in [0, bound_ms].
+  // Returns a random number, uniform in [0, bound_ms].
   uint32_t JitterMs(uint32_t bound_ms);
-  // Resets the bound to min_ms. Call it after a connection that lasted.
+  // Sets the bound back to min_ms. Call it after a connection that lasted for a while.
   void Reset() { bound_ms_ = min_ms_; }
 
  private:

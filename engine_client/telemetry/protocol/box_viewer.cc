@@ -16,7 +16,8 @@ constexpr uint32_t kBoxBytes = 12;
 constexpr uint32_t kPairBytes = 4;
 constexpr float kSteps = 65'535;
 
-// Returns how many boxes fit into three quarters of the bytes. The rest is for pairs.
+// Returns the number of boxes that fit into three quarters of the bytes. The last quarter is for
+// pairs.
 size_t MaxBoxes(uint32_t max_bytes) { return max_bytes / 4 * 3 / kBoxBytes; }
 
 void PutNumber(float value, std::string& bytes) {
@@ -36,7 +37,7 @@ Aabb BoundsOf(const std::vector<Aabb>& boxes) {
   return bounds;
 }
 
-// Quantizes the box to kSteps steps per axis of the bounds, rounded outwards, and appends it.
+// Rounds the box outwards to kSteps steps per axis of `bounds`, and appends it to `bytes`.
 void PutBox(const Aabb& box, const Aabb& bounds, std::string& bytes) {
   float scale[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -49,8 +50,8 @@ void PutBox(const Aabb& box, const Aabb& bounds, std::string& bytes) {
     PutNumber(std::ceil((box.max[axis] - bounds.min[axis]) * scale[axis]), bytes);
 }
 
-// Finds up to `max_pairs` overlapping pairs by sweeping along x. A backend would find all pairs,
-// which are millions if all boxes overlap.
+// Finds up to `max_pairs` overlapping pairs by a sweep along x. No backend is used, because a
+// backend would find all pairs; these are millions if all boxes overlap.
 std::string PairsOf(const std::vector<Aabb>& boxes, size_t max_pairs) {
   std::vector<uint32_t> order(boxes.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -120,8 +121,8 @@ void BoxViewer::Begin() {
   asked_ = waits_ = true;
 }
 
-// Stops and frees the tap's memory. If the frame thread is copying, Release fails and the next
-// Advance tries again.
+// Ends the viewing and frees the tap's memory. If the frame thread is just copying, Release fails,
+// and the next Advance tries again.
 void BoxViewer::End() {
   message_.clear();
   if (!asked_ || !tap_.Release()) return;

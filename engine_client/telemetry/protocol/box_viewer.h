@@ -1,10 +1,10 @@
-// Sends a game's boxes to a daemon that requests them. While the request is valid, it regularly
-// requests some of a frame's boxes from the frame thread (engine_client/adaptive/view_tap.h) and
-// encodes them as a message. Views are not evidence: at most one view waits to be sent, and it is
-// dropped if the connection is lost.
+// Sends a game's boxes to a daemon on request, so that an operator can view them. While a request
+// is valid, this class regularly asks the frame thread for some of a frame's boxes
+// (engine_client/adaptive/view_tap.h) and encodes them as a message, called a view. Views are not
+// evidence: at most one waits to be sent, and it is dropped if the connection is lost.
 //
-// Time: `now_ns` as in SessionLink. Not thread-safe. Memory: one message and the memory of the tap,
-// while views are requested.
+// Time: `now_ns` as in SessionLink. Not thread-safe. Memory while views are requested: one message
+// and the tap's memory.
 #pragma once
 
 #include <cstdint>
@@ -26,16 +26,16 @@ class BoxViewer {
   // `tap` must outlive this object.
   explicit BoxViewer(ViewTap& tap) : tap_(tap) {}
 
-  // Replaces the previous request. Values out of range are clamped.
+  // Starts a request, which replaces the current one. Values out of range are clamped.
   void OnRequest(const protocol::BoxRequest& request, uint64_t now_ns);
   // Ends the current request.
   void Stop() { until_ns_ = 0; }
-  // Requests and encodes the next view if it is due. Returns whether there is a message to send.
-  // Call it every few milliseconds.
+  // Requests the next view from the frame thread if it is due, and encodes it when it is there.
+  // Returns whether there is a message to send. Call it every few milliseconds.
   bool Advance(uint64_t now_ns);
   // Returns the encoded message. REQUIRES: Advance returned true.
   std::string_view message() const { return message_; }
-  // Drops the message after it was sent.
+  // Drops the message. Call it after sending the message.
   void MarkSent() { message_.clear(); }
 
  private:
@@ -47,13 +47,13 @@ class BoxViewer {
   uint64_t interval_ns_ = 0;
   uint64_t until_ns_ = 0;  // end of the current request
   uint64_t next_ns_ = 0;   // time of the next view
-  bool asked_ = false;     // the tap holds memory until Release
-  bool waits_ = false;     // the tap waits for a frame
-  std::string message_;    // empty: none
+  bool asked_ = false;     // a frame was requested, so the tap holds memory
+  bool waits_ = false;     // the frame thread has not copied the requested frame yet
+  std::string message_;    // empty: nothing to send
 };
 
-// Returns the view of the frame's boxes, in at most `max_bytes` bytes of boxes and pairs. Omits
-// invalid boxes, and pairs that do not fit.
+// Returns a view of the frame's boxes. Boxes and pairs together take at most `max_bytes` bytes.
+// Invalid boxes are left out, and so are pairs that do not fit.
 protocol::BoxView ViewOf(const ViewedFrame& frame, uint32_t max_bytes);
 
 }  // namespace sweepstake

@@ -9,10 +9,10 @@
 namespace sweepstake {
 namespace {
 
-// An upper bound of the bytes for the tags and lengths of the columns, the sequence number and the
-// descriptor.
+// Upper bound, in bytes, of a batch's overhead: tags and lengths of the columns, sequence number
+// and descriptor.
 constexpr uint32_t kBatchOverheadBytes = 160;
-constexpr uint32_t kMessageTagBytes = 2;  // tag and length of a message embedded in the batch
+constexpr uint32_t kMessageTagBytes = 2;  // tag and length of each message within the batch
 constexpr uint32_t kMaxShadowBytes = kMessageTagBytes + 5 * 11 + 4 * 6;
 
 uint32_t VarintBytes(uint64_t value) {
@@ -26,7 +26,7 @@ uint32_t WireBytes(const FrameSample& sample) {
          VarintBytes(sample.switch_epoch) + VarintBytes(sample.flags);
 }
 
-// The tag of each field has one byte.
+// Returns the encoded size. The tag of each field takes one byte.
 uint32_t WireBytes(const ShadowSample& sample) {
   return kMessageTagBytes + 9 + VarintBytes(sample.first_frame_index) + VarintBytes(sample.arm) +
          VarintBytes(sample.detection_time_ns) + VarintBytes(sample.build_time_ns) +
@@ -49,7 +49,8 @@ void FrameBatcher::Add(const FrameSample& sample, uint64_t now_ns) {
   assert(Fits(sample));
   if (empty()) {
     begun_ns_ = now_ns;
-    // Frames that the queue dropped appear as a gap in the frame indices.
+    // If the queue dropped frames, the frame indices have a gap. Its size is the number of dropped
+    // frames.
     if (sample.frame_index > next_frame_index_)
       batch_.dropped_frame_count = sample.frame_index - next_frame_index_;
   }

@@ -1,4 +1,4 @@
-// Turns the content of the queue into the messages of a session. Runs on the sender thread.
+// Turns the content of a session's queue into messages. Runs on the sender thread.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@ struct BatchLimits {
   uint32_t bytes = 16 * 1024;
 };
 
-// Collects frames into columnar batches. A batch is due after an interval, a number of frames, or a
-// number of bytes, whichever comes first.
+// Collects frames into batches, which are sent column by column. A batch is due when the interval,
+// the number of frames or the number of bytes of its limits is reached, whichever comes first.
 //
 // The caller passes the time. Not thread-safe. Memory: one batch.
 class FrameBatcher {
@@ -27,26 +27,27 @@ class FrameBatcher {
 
   explicit FrameBatcher(const BatchLimits& limits) : limits_(limits) {}
 
-  // Sets the limits from the next frame on. The current batch may already exceed them.
+  // Sets the limits, which apply from the next frame on. The current batch may already exceed them.
   void SetLimits(const BatchLimits& limits) { limits_ = limits; }
 
-  // Returns false if the current batch must be taken first, because it is full or the frame does
-  // not directly follow its last one.
+  // Returns whether the frame can be added. If not, the current batch must be taken first: it is
+  // full, or the frame is not the direct successor of its last frame.
   bool Fits(const FrameSample& sample) const;
   // REQUIRES: Fits.
   void Add(const FrameSample& sample, uint64_t now_ns);
-  // Sets the descriptor of the current batch or, if it is empty, of the next one. The latest
-  // descriptor wins.
+  // Sets the descriptor of the current batch or, if that is empty, of the next one. It replaces an
+  // earlier descriptor of the same batch.
   void SetDescriptor(const SceneDescriptor& descriptor);
-  // Returns whether the current batch, or the next one if it is empty, has room for another visit
-  // of the shadow lane. A batch holds at most kMaxShadows visits, in at most half of its bytes.
+  // Returns whether another visit of the shadow lane can be added to the current batch (or to the
+  // next one if that is empty). A batch has at most kMaxShadows visits, and they take at most half
+  // of its bytes.
   bool TakesShadow() const;
   // REQUIRES: TakesShadow.
   void AddShadow(const ShadowSample& sample);
 
   bool empty() const { return batch_.frames.empty(); }
   bool Due(uint64_t now_ns) const;
-  // Takes the current batch. REQUIRES: !empty().
+  // Returns the current batch and begins a new one. REQUIRES: !empty().
   protocol::FrameBatch Take();
 
  private:
@@ -55,17 +56,17 @@ class FrameBatcher {
   BatchLimits limits_;
   protocol::FrameBatch batch_;
   uint32_t batch_bytes_ = 0;
-  uint32_t shadow_bytes_ = 0;      // the visits' share of batch_bytes_
-  uint64_t begun_ns_ = 0;          // arrival of the first frame of the batch
-  uint64_t next_frame_index_ = 0;  // index of the frame after the latest one
+  uint32_t shadow_bytes_ = 0;      // part of batch_bytes_ that visits take
+  uint64_t begun_ns_ = 0;          // arrival time of the batch's first frame
+  uint64_t next_frame_index_ = 0;  // index that follows that of the latest frame
 };
 
 // Takes the items of the queue in order and encodes them as messages.
 //
-// Frames go through the batcher. Switch outcomes and mode changes first end the current batch, so
-// that the daemon receives everything in the order in which it happened. A frame over the bail-out
-// limit also ends its batch, and is reported at once. The shadow lane's samples are sent with the
-// next batch. Not thread-safe; the intake is the queue's only consumer.
+// Frames are collected in batches. A switch outcome or a mode change ends the current batch before
+// it is encoded, so the daemon receives everything in the order in which it happened. A frame over
+// the bail-out limit also ends its batch and is reported at once. Samples of the shadow lane are
+// sent with the next batch. Not thread-safe. The intake must be the only consumer of the queue.
 class EvidenceIntake {
  public:
   // The queue and the state must outlive the intake.
@@ -74,10 +75,11 @@ class EvidenceIntake {
 
   void SetLimits(const BatchLimits& limits) { batcher_.SetLimits(limits); }
 
-  // Takes items until the queue is empty, and returns true. Returns false if the session is full
-  // first; the queue then drops its oldest items when it is full too.
+  // Takes items until the queue is empty, and returns true. Returns false if the session becomes
+  // full before that. Items then stay in the queue, which drops its oldest ones when it is full
+  // too.
   bool Pump(uint64_t now_ns);
-  // Ends the current batch. REQUIRES: the session is not full.
+  // Ends the current batch and passes it to the session. REQUIRES: the session is not full.
   void Flush();
   bool batch_empty() const { return batcher_.empty(); }
 

@@ -1,8 +1,8 @@
-// The messages of sweepstake.v1.TelemetryService that a client sends and receives, as plain
-// structs. telemetry.proto states their meaning. Structs of frame_sample.h serve as messages where
-// they have the same content.
+// The messages that a client sends to and receives from sweepstake.v1.TelemetryService, as plain
+// structs. telemetry.proto describes their fields. Where a struct of frame_sample.h has the same
+// content as a message, that struct is used.
 //
-// A received enumeration may hold a value that only a newer protocol defines.
+// A received enumeration may have a value that only a newer protocol defines.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,8 @@
 
 namespace sweepstake {
 
-// Messages have times in milliseconds.
+// Times in messages are in milliseconds. Consecutive frames. The index and pair count of a frame
+// are not sent.
 inline constexpr uint64_t kNsPerMs = 1'000'000;
 
 }  // namespace sweepstake
@@ -54,7 +55,7 @@ struct Hello {
 // Consecutive frames. Their index and pair count are not sent.
 struct FrameBatch {
   std::vector<FrameSample> frames;
-  std::optional<SceneDescriptor> scene_descriptor;  // a negative value is not sent
+  std::optional<SceneDescriptor> scene_descriptor;  // only its values >= 0 are sent
   uint64_t dropped_frame_count = 0;
   std::vector<ShadowSample> shadow_samples;
 };
@@ -71,7 +72,7 @@ struct OrderRefusal {
   OrderRefusalReason reason = OrderRefusalReason::kUnknown;
 };
 
-// Some of a frame's boxes. `boxes` and `pairs` are encoded as telemetry.proto states.
+// Some of a frame's boxes. telemetry.proto describes the encoding of `boxes` and `pairs`.
 struct BoxView {
   uint64_t frame_index = 0;
   uint32_t object_count = 0;
@@ -122,7 +123,7 @@ struct BoxRequest {
   uint32_t until_ms = 0;
 };
 
-// One response of the daemon; each part is optional.
+// One response of the daemon. Each part may be absent.
 struct Response {
   std::optional<Welcome> welcome;
   std::optional<SwitchCommand> switch_command;
@@ -131,7 +132,7 @@ struct Response {
   std::optional<Reconnect> reconnect;
   std::optional<OperatorOrder> operator_order;
   std::optional<BoxRequest> box_request;
-  bool has_unknown = false;  // it has a field that this version does not know
+  bool has_unknown = false;  // has a field that this version does not define
 };
 
 }  // namespace sweepstake::protocol

@@ -67,8 +67,8 @@ protocol::Hello ResumableSession::Connect(const Position& position) {
 
 void ResumableSession::OnWelcome(const protocol::Welcome& welcome) {
   const bool resumed = welcome.resumed && welcome.session_id == session_id_;
-  // The daemon could not read its store, which may already contain the sent messages under the old
-  // session. They must not count again in a new session.
+  // The daemon could not read its store. The store may already contain the sent messages under the
+  // old session's id. So drop them, to prevent that they count again in the new session.
   if (!resumed && welcome.priors_unavailable && !session_id_.empty())
     counts_.dropped_frame_count += buffer_.DiscardSent();
   if (!resumed) BeginSession();

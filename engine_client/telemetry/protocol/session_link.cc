@@ -14,18 +14,18 @@ namespace sweepstake {
 namespace {
 
 constexpr uint32_t kProtocolVersion = 1;
-// The time within which the daemon must answer Hello, and must end a stream after the client has
-// closed its side. Then the stream is cancelled.
+// Maximum time for the daemon to answer Hello, and to end a stream after the client has closed its
+// side. After that the stream is cancelled.
 constexpr uint64_t kAnswerTimeoutNs = 10'000 * kNsPerMs;
-// After a connection that lasted this long, the next back-off starts from its minimum.
+// If a connection lasted at least this long, the next back-off starts from its minimum again.
 constexpr uint64_t kGoodConnectionNs = 1'000 * kNsPerMs;
 constexpr uint32_t kMaxBatchFrames = 240;
-// After a refused token, the delay is this factor times Backoff::LongMs.
+// After a refused token, the delay before the next attempt is this number times Backoff::LongMs.
 constexpr uint32_t kTokenDelayFactor = 6;
-// The maximum length of a status message in log lines and error texts.
+// Maximum length, in bytes, of a status message in log lines and errors.
 constexpr size_t kMaxEndBytes = 256;
 
-// The gRPC status codes that a session handles.
+// The gRPC status codes that this file distinguishes.
 enum GrpcCode : uint32_t {
   kGrpcOk = 0,
   kGrpcInvalidArgument = 3,
@@ -63,8 +63,8 @@ BatchLimits LimitsOf(const SessionOptions& options) {
           .bytes = options.batch_bytes};
 }
 
-// Returns the limits of a batch. The daemon may require smaller batches. Batches are sent at least
-// twice per decision interval, so that each decision has frames.
+// Returns the limits of a batch. A daemon may require smaller batches than the options. At least
+// two batches are sent per decision interval, so that each decision has frames.
 BatchLimits LimitsOf(const SessionOptions& options, const protocol::Welcome& welcome) {
   uint64_t interval_ms = options.batch_interval_ms;
   if (welcome.batch_interval_ms > 0) interval_ms = welcome.batch_interval_ms;
@@ -84,20 +84,21 @@ bool Has(const protocol::Welcome& welcome, protocol::Capability capability) {
   return std::find(chosen.begin(), chosen.end(), capability) != chosen.end();
 }
 
-// Returns whether the daemon refused the session for a reason that is likely to persist. A retry
-// soon after would fail too.
+// Returns whether the daemon refused the session for a reason that is likely to persist, so that an
+// early retry would fail too.
 bool IsLasting(uint32_t code) {
   return code == kGrpcInvalidArgument || code == kGrpcFailedPrecondition ||
          code == kGrpcUnauthenticated || code == kGrpcPermissionDenied ||
          code == kGrpcUnimplemented;
 }
 
-// Returns whether the daemon refused the token. Only a person can replace it, so retries are rare.
+// Returns whether the daemon refused the token. Retries are then rare, because only a person can
+// replace the token.
 bool IsTokenRefused(uint32_t code, const std::string& reason) {
   return code == kGrpcUnauthenticated || reason == "TOO_MANY_FAILURES";
 }
 
-// Makes a received text, which may contain any bytes, safe for one line of a log.
+// Makes a received text, which can contain any bytes, safe for one line of a log.
 std::string OneLine(std::string_view text) {
   const std::string_view beginning = text.substr(0, kMaxEndBytes);
   return text::IsLine(beginning) ? std::string(beginning) : text::PrintableLine(beginning);
@@ -119,7 +120,7 @@ std::string WithReason(const std::string& message, const std::string& reason) {
 
 std::string Describe(const StreamEnd& end, const std::string& reason, const std::string& daemon) {
   std::string what = daemon + " ended the connection";
-  // A status with details comes from the daemon, so it was reached.
+  // A status with details was made by the daemon, so in that case there was a connection.
   if (end.code == kGrpcUnavailable && end.details.empty()) what = "no connection to " + daemon;
   if (IsLasting(end.code)) what = daemon + " refuses the session";
   return end.message.empty() ? what : what + ": " + WithReason(end.message, reason);
@@ -172,7 +173,7 @@ LinkAction SessionLink::Advance(uint64_t now_ns) {
   return next_;
 }
 
-// REQUIRES: there is a stream.
+// Returns the next action for the open stream. REQUIRES: stream_ is present.
 LinkAction SessionLink::NextStep(bool queue_empty, uint64_t now_ns) {
   if (goodbye_deadline_ns_ && now_ns >= *goodbye_deadline_ns_) GiveUp();
   if (stream_->IsBeingCancelled() || Overdue(now_ns)) return LinkAction::kCancel;
@@ -193,7 +194,7 @@ bool SessionLink::Overdue(uint64_t now_ns) {
   return true;
 }
 
-// REQUIRES: there is a message to send.
+// Returns the next message to send. REQUIRES: there is one.
 std::string SessionLink::NextMessage() {
   if (!stream_->hello_sent) {
     return protocol::Encode(state_.Connect({.active_arm = adaptive_.active_arm(),
@@ -237,7 +238,7 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
     return {StatusCode::kDataLoss, daemon_ + " " + stream_->fault};
   }
   if (response->welcome) OnWelcome(*response->welcome, now_ns);
-  if (!state_.online()) return {};  // What precedes the welcome is ignored.
+  if (!state_.online()) return {};  // Messages before Welcome are ignored.
   if (response->switch_command) OnCommand(*response->switch_command, now_ns);
   if (response->acknowledgement) OnAcknowledgement(*response->acknowledgement);
   if (response->posterior_snapshot) {
@@ -253,7 +254,7 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
 }
 
 void SessionLink::OnWelcome(const protocol::Welcome& welcome, uint64_t now_ns) {
-  if (state_.online()) return;  // A second welcome on the same connection is ignored.
+  if (state_.online()) return;  // A second Welcome on one connection is ignored.
   if (welcome.session_id.empty()) {
     stream_->fault = "sent a welcome without a session id";
     return;
@@ -281,8 +282,8 @@ void SessionLink::OnAcknowledgement(const protocol::Acknowledgement& message) {
 }
 
 void SessionLink::OnCommand(const SwitchCommand& command, uint64_t now_ns) {
-  // An unknown reason comes from a newer protocol. A SwitchOutcome must repeat the reason, so the
-  // command is not answered.
+  // A reason that is not known here comes from a newer protocol. The SwitchOutcome would have to
+  // repeat that reason, so the command is ignored.
   if (!IsKnown(command.reason)) {
     ++unknown_message_count_;
     return;
@@ -313,8 +314,8 @@ void SessionLink::OnOrder(const OperatorOrder& order) {
   Answer(protocol::Encode(protocol::OrderRefusal{.order_id = order.order_id, .reason = reason}));
 }
 
-// Bounds the memory if a daemon keeps sending commands that need an answer but does not acknowledge
-// the answers.
+// Adds an answer to the messages to send. If the buffer is full, ends the stream instead. That
+// limits the memory if a daemon keeps sending commands but never acknowledges the answers.
 void SessionLink::Answer(std::string message) {
   if (state_.full()) {
     stream_->fault = "does not acknowledge the answers to refused orders and commands";
@@ -323,7 +324,7 @@ void SessionLink::Answer(std::string message) {
   state_.Append({std::move(message)});
 }
 
-// Accepts the beliefs only if all are valid and there is one per arm.
+// Stores the beliefs if there is one per arm and all are valid.
 void SessionLink::TakeBeliefs(const std::vector<decision::BetaPosterior>& posteriors) {
   const std::span<const std::string> arms = adaptive_.arms();
   if (posteriors.size() != arms.size()) return;
@@ -334,14 +335,15 @@ void SessionLink::TakeBeliefs(const std::vector<decision::BetaPosterior>& poster
   SetPosteriorMeans(beliefs_, adaptive_);
 }
 
-// Accepts the standings only if all are valid and there is one per belief.
+// Stores the standings if there is one per belief and all are valid.
 void SessionLink::TakeStandings(const std::vector<ArmStanding>& standings) {
   if (standings.size() != beliefs_.size()) return;
   if (!std::all_of(standings.begin(), standings.end(), IsStanding)) return;
   for (size_t arm = 0; arm < standings.size(); ++arm) beliefs_[arm].standing = standings[arm];
 }
 
-// Ignores a verdict of a newer protocol or with values out of range.
+// Stores the verdict. Ignores a verdict that only a newer protocol defines, or that has values out
+// of range.
 void SessionLink::TakeVerdict(const SceneVerdict& verdict) {
   if (verdict.verdict > Verdict::kDegraded) {
     ++unknown_message_count_;
@@ -381,7 +383,8 @@ std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& given, uint64
   return delay_ms;
 }
 
-// Sets last_error_ and refusal_. Returns false if the stream ended as intended.
+// Sets last_error_ and refusal_ from the end of the stream. Returns false if the stream ended as
+// intended.
 bool SessionLink::Explain(const StreamEnd& end, const std::string& reason,
                           const LinkStream& stream) {
   const bool refused = end.code == kGrpcInvalidArgument || IsTokenRefused(end.code, reason) ||
@@ -408,8 +411,8 @@ uint32_t SessionLink::DelayMs(const StreamEnd& end, const std::string& reason,
   if (reason == "FOREIGN_SESSION") return backoff_.NextMs();
   if (IsLasting(end.code)) return backoff_.LongMs();
   if (!stream.reconnect_delay_ms) return backoff_.NextMs();
-  // A daemon that shuts down gives its clients different delays to spread their reconnections. Such
-  // a delay may exceed the longest back-off.
+  // A daemon that shuts down sends each client its own delay, to spread their reconnections. This
+  // delay may exceed backoff_max_ms.
   const uint64_t max_ms = uint64_t{4} * options_.backoff_max_ms;
   const auto delay_ms =
       static_cast<uint32_t>(std::min<uint64_t>(*stream.reconnect_delay_ms, max_ms));
@@ -421,7 +424,8 @@ void SessionLink::Goodbye(uint64_t deadline_ns) {
   goodbye_deadline_ns_ = std::min(goodbye_deadline_ns_.value_or(deadline_ns), deadline_ns);
 }
 
-// Gives up the stream at the deadline of Goodbye, and reports which messages are unacknowledged.
+// Gives up the stream because the deadline of Goodbye has passed. Reports which messages are
+// unacknowledged.
 void SessionLink::GiveUp() {
   if (std::exchange(stream_->given_up, true)) return;
   adaptive_.SetDeciderPresent(false);

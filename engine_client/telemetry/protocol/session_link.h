@@ -1,17 +1,17 @@
-// The protocol of a session with a daemon, without network, clock or thread. The caller passes the
-// time and the received bytes, and sends the returned bytes. The caller owns a gRPC stream of
-// sweepstake.v1.TelemetryService, in any language. This class decides what the messages contain,
-// when they are sent, resent or given up, and when to connect.
+// The protocol of a session with a daemon, without network, clock or thread. The caller owns a gRPC
+// stream of sweepstake.v1.TelemetryService, in any language. It passes in the time and the received
+// bytes, and sends the bytes that this class returns. This class decides what the messages contain,
+// when they are sent, sent again or given up, and when to connect.
 //
 //   Connected → Advance, Take, OnMessage … → Disconnected → wait → Connected → …
 //
 // Call Advance every few milliseconds, connected or not. It empties the queue that the frame thread
 // fills, and returns what to do. To end the session, call Goodbye, then Advance until finished().
 //
-// Time: ns on any monotonic clock, the same for all calls. Thread safety: one caller at a time; the
-// link is the queue's only consumer. It shares only the queue and the mailboxes of
-// AdaptiveBroadPhase with the frame thread. Memory: the unacknowledged messages (at most
-// SessionOptions::unacknowledged_messages and a few more), one batch, and about 200 kB while an
+// Time: ns on any monotonic clock, the same one for all calls. Thread safety: one caller at a time.
+// The link must be the only consumer of the queue. It shares only the queue and the mailboxes of
+// AdaptiveBroadPhase with the frame thread. Memory: the unacknowledged messages
+// (SessionOptions::unacknowledged_messages and a few more), one batch, and about 200 kB while an
 // operator views boxes.
 #pragma once
 
@@ -33,7 +33,7 @@
 
 namespace sweepstake {
 
-// The action that the owner of the stream must perform.
+// What the owner of the stream must do next.
 enum class LinkAction : uint32_t {
   kNone = 0,    // nothing now
   kSend = 1,    // write the next message
@@ -44,66 +44,66 @@ enum class LinkAction : uint32_t {
 // How a stream ended.
 struct StreamEnd {
   uint32_t code = 0;        // gRPC status code; 0: OK
-  std::string message;      // message of the status; any bytes. Errors show at most 256 of them
-  std::string details;      // bytes of grpc-status-details-bin; empty: none
-  std::string advice = {};  // advice from the stream's owner, shown after the message; empty: none
+  std::string message;      // the status message; any bytes. Errors show the first 256
+  std::string details;      // bytes of grpc-status-details-bin; may be empty
+  std::string advice = {};  // the stream owner's advice, shown after the message; may be empty
 };
 
 // State of SessionLink for a stream that is open or being opened.
 struct LinkStream {
-  uint64_t deadline_ns = 0;  // when the daemon's next answer is overdue
+  uint64_t deadline_ns = 0;  // time by which the daemon must have answered
   std::optional<uint64_t> online_since_ns;
-  std::string fault;  // what the daemon did wrong; empty: nothing
-  // The delay that the daemon requested for the next connection.
+  std::string fault;  // what the daemon did wrong; empty if nothing
+  // The delay before the next connection, as requested by the daemon.
   std::optional<uint32_t> reconnect_delay_ms;
   bool hello_sent = false;
   bool goodbye_sent = false;
   bool finished = false;  // nothing more will be sent
   bool given_up = false;  // the deadline of Goodbye has passed
 
-  // Returns whether the stream is being cancelled. Then nothing is sent or accepted any more, and
-  // Advance returns kCancel until Disconnected.
+  // Returns whether the stream is being cancelled. Nothing more is sent or accepted then, and
+  // Advance returns kCancel until Disconnected is called.
   bool IsBeingCancelled() const { return given_up || !fault.empty(); }
 };
 
 class SessionLink {
  public:
-  // `daemon` names the other side in error messages, such as "the daemon at 127.0.0.1:7433". The
-  // same seed gives the same delays, so each session should have a different seed. The queue and
-  // the broad phase are borrowed. REQUIRES: options are valid (ValidateSessionOptions).
+  // `daemon` is used in error messages, such as "the daemon at 127.0.0.1:7433". `jitter_seed`
+  // determines the random delays, so each session should have a different one. The queue and the
+  // broad phase are borrowed. REQUIRES: options are valid (ValidateSessionOptions).
   SessionLink(const SessionOptions& options, std::string daemon, uint64_t jitter_seed,
               SampleQueue& queue, AdaptiveBroadPhase& adaptive);
 
-  // Returns whether there is a stream: between Connected and Disconnected.
+  // Returns whether there is a stream: Connected was called, and Disconnected was not called since.
   bool connected() const { return stream_.has_value(); }
-  // Notes that a stream was opened or is being opened. The next message is the first one of this
-  // stream. REQUIRES: Disconnected was called for the previous stream, if any, and the link is not
-  // finished.
+  // Records that a stream was opened or is being opened. The next message is the first one of this
+  // stream. REQUIRES: Disconnected was called for the previous stream, if any, and finished() is
+  // false.
   void Connected(uint64_t now_ns);
   // Empties the queue and returns what to do now. After kSend and kFinish, call Take as soon as the
-  // stream is writable; until then, keep calling Advance. kCancel is returned again until
-  // Disconnected.
+  // stream is writable; until then, keep calling Advance. After kCancel, every call returns kCancel
+  // until Disconnected.
   LinkAction Advance(uint64_t now_ns);
-  // Returns the size in bytes of the next message, without taking it. REQUIRES: Advance returned
-  // kSend, and nothing was called since.
+  // Returns the size in bytes of the message that Take will return. REQUIRES: Advance returned
+  // kSend, and no other function was called since.
   size_t next_message_bytes() const { return next_message_.size(); }
   // Returns the message to write; empty after kFinish. REQUIRES: Advance returned kSend or kFinish,
-  // and nothing was called since.
+  // and no other function was called since.
   std::string Take(uint64_t now_ns);
-  // Processes a message of the daemon. kDataLoss: it cannot be parsed; the session loses nothing,
-  // and Advance returns kCancel. kFailedPrecondition: there is no stream.
+  // Processes a message of the daemon. kDataLoss: it cannot be parsed. The session keeps its
+  // evidence, and Advance returns kCancel. kFailedPrecondition: there is no stream.
   Status OnMessage(std::string_view bytes, uint64_t now_ns);
-  // Notes how the stream ended, after its last message. Returns the delay before the next
-  // connection in ms, or nullopt if the session has ended. If Connected was not called before,
-  // `end` states why no stream could be opened.
+  // Records how the stream ended; call it after the stream's last message. Returns the delay before
+  // the next connection in ms, or nullopt if the session has ended. If no stream could be opened,
+  // call it without Connected; `end` then says why.
   std::optional<uint32_t> Disconnected(const StreamEnd& end, uint64_t now_ns);
 
-  // Starts to end the session: the content of the queue is sent, then a goodbye; later frames are
-  // not sent. The link gives up at the deadline, or at once if there is no stream; unsent evidence
-  // is then lost. A later call can only bring the deadline forward.
+  // Starts to end the session: the content of the queue is sent, then a goodbye. Later frames are
+  // not sent. The link gives up at the deadline, or at once if there is no stream; evidence that
+  // was not sent is lost then. Another call can only make the deadline earlier.
   void Goodbye(uint64_t deadline_ns);
-  // Returns whether Goodbye was called and nothing remains to be done, except to close a stream
-  // that was given up.
+  // Returns whether Goodbye was called and nothing is left to send. If the stream was given up, its
+  // owner must still close it.
   bool finished() const { return goodbye_deadline_ns_ && (!stream_ || stream_->given_up); }
 
   // Returns the statistics. dropped_frame_count does not include the frames that the queue dropped.
@@ -134,11 +134,11 @@ class SessionLink {
   BoxViewer boxes_;
   Backoff backoff_;
   std::optional<LinkStream> stream_;
-  LinkAction next_ = LinkAction::kNone;  // what Advance returned
+  LinkAction next_ = LinkAction::kNone;  // the latest result of Advance
   std::string next_message_;             // the message to send if next_ is kSend
   bool next_is_view_ = false;            // next_message_ comes from boxes_
   std::optional<uint64_t> goodbye_deadline_ns_;
-  bool taken_all_ = false;  // the queue was empty after Goodbye; later frames are not sent
+  bool taken_all_ = false;  // Goodbye was called and the queue was empty after it
 
   std::string last_error_;
   std::string refusal_;
@@ -148,8 +148,8 @@ class SessionLink {
   uint64_t command_count_ = 0;
   uint64_t unknown_message_count_ = 0;
   protocol::Welcome welcome_;  // the latest welcome, with the current batch interval
-  bool takes_orders_ = false;  // whether this daemon may send operator orders
-  bool shows_boxes_ = false;   // whether this daemon may request boxes
+  bool takes_orders_ = false;  // this daemon may send operator orders
+  bool shows_boxes_ = false;   // this daemon may request boxes
 };
 
 }  // namespace sweepstake

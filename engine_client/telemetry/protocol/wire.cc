@@ -14,7 +14,7 @@ namespace {
 using Number = protozero::pbf_tag_type;
 using WireType = protozero::pbf_wire_type;
 
-// The parts of errors.proto and of google.protobuf.Any that contain the reason of an error.
+// The fields that contain the reason of an error, from errors.proto and google.protobuf.Any.
 struct ErrorInfo {
   std::string reason;
   std::string domain;
@@ -27,9 +27,9 @@ struct StatusDetails {
   std::vector<Any> details;
 };
 
-// The fields of each message that is sent (const) or received. f(n, a, b, …) handles the fields
-// with the numbers n, n + 1, … of the proto files. tests/wire_fields_test.py compares names and
-// numbers.
+// Lists the fields of each message, const for messages that are sent. f(n, a, b, …) handles the
+// fields with the numbers n, n + 1, … of the proto files. tests/wire_fields_test.py compares names
+// and numbers with the proto files.
 
 void Fields(auto& f, const Arm& m) { f(1, m.name, m.backend_version); }
 
@@ -122,15 +122,15 @@ void Fields(auto& f, StatusDetails& m) { f(3, m.details); }
 template <typename Value>
 constexpr bool kIsVarint = std::is_integral_v<Value> || std::is_enum_v<Value>;
 
-// Writes a message. Leaves out values that are the default, as proto3 does. A message within
-// another is written even if it is empty.
+// Writes a message. Leaves out values that are the default, as proto3 does. A nested message is
+// written even if it is empty.
 class Writer {
  public:
   template <typename... Values>
   void operator()(Number first, const Values&... values) {
     (Put(first++, values), ...);
   }
-  // Writes these members of each frame, each as one field.
+  // Writes one packed field per member, which holds that member of all frames.
   template <typename... Members>
   void Columns(Number first, const std::vector<FrameSample>& frames,
                Members FrameSample::*... members) {
@@ -148,7 +148,7 @@ class Writer {
     } else if constexpr (std::is_same_v<Value, double>) {
       if (value != 0) writer_.add_double(number, value);
     } else if constexpr (std::is_same_v<Value, float>) {
-      if (value >= 0) writer_.add_float(number, value);  // a property that was measured
+      if (value >= 0) writer_.add_float(number, value);  // a negative value was not measured
     } else if constexpr (std::is_same_v<Value, std::string>) {
       if (!value.empty()) writer_.add_bytes(number, value);
     } else {
@@ -161,7 +161,7 @@ class Writer {
   void Put(Number number, const std::optional<Value>& value) {
     if (value) Put(number, *value);
   }
-  // Numbers are packed.
+  // Writes a list of numbers as a packed field.
   template <typename Value>
   void Put(Number number, const std::vector<Value>& values) {
     if constexpr (std::is_same_v<Value, float>) {
@@ -183,7 +183,8 @@ class Writer {
   protozero::pbf_writer writer_{bytes_};
 };
 
-// Returns the message before any of its fields is received: all values are 0.
+// Returns a message in which all values are 0, as before any field is received. (The structs' own
+// defaults can differ from 0.)
 template <typename Message>
 Message Absent() {
   if constexpr (std::is_same_v<Message, SwitchCommand>) return {.reason = SwitchReason{}};
@@ -193,12 +194,12 @@ Message Absent() {
   return {};
 }
 
-// Reads a message as protobuf does. The fields may come in any order. A later value of a field
-// replaces an earlier one, or is merged into it if it is a message. A field that has the encoding
-// of another type is unknown.
+// Reads a message as protobuf does. Fields may come in any order. If a field occurs twice, the
+// later value replaces the earlier one; nested messages are merged. A field that is encoded as
+// another type counts as unknown.
 class Reader {
  public:
-  // Returns whether there was an unknown field.
+  // Reads the message. Returns whether it had an unknown field.
   template <typename Message>
   static bool Read(std::string_view bytes, Message& message) {
     Reader reader(bytes);
@@ -232,7 +233,8 @@ class Reader {
     return {view.data(), view.size()};
   }
 
-  // Takes the value. Returns false, and takes nothing, if it has the encoding of another type.
+  // Reads the value of the current field. Returns false and reads nothing if it is encoded as
+  // another type.
   template <typename Value>
   bool Take(Value& value) {
     if constexpr (kIsVarint<Value>) {
@@ -259,7 +261,7 @@ class Reader {
     if (!value) value = Absent<Value>();
     return Take(*value);
   }
-  // Numbers come one by one or packed.
+  // Reads numbers that are packed or come one by one.
   template <typename Value>
   bool Take(std::vector<Value>& values) {
     if constexpr (kIsVarint<Value>) {
@@ -279,7 +281,7 @@ class Reader {
   bool taken_ = false;
 };
 
-// Returns a StreamTelemetryRequest with this message.
+// Returns a StreamTelemetryRequest that contains this message.
 template <typename Message>
 std::string Request(Number number, const Message& message) {
   Writer writer;
@@ -292,7 +294,7 @@ bool HasTextsOfALine(const Welcome& welcome) {
          text::IsLine(welcome.policy);
 }
 
-// Returns the reason in the detail; empty if it contains something else.
+// Returns the reason in the detail; empty if the detail is not an ErrorInfo.
 std::string ReasonIn(const Any& detail) {
   if (detail.type_url != "type.googleapis.com/google.rpc.ErrorInfo") return "";
   ErrorInfo info;

@@ -39,8 +39,8 @@ Bio Reader(const std::string& text) {
   return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
 }
 
-// Returns the first error in OpenSSL's queue of this thread, and clears the queue. gRPC's
-// handshakes read the same queue, so no error may remain in it.
+// Returns the oldest error in this thread's OpenSSL queue, and clears the queue. gRPC's handshakes
+// read the same queue, so no error must remain in it.
 std::string TakeError() {
   const char* reason = ERR_reason_error_string(ERR_peek_error());
   ERR_clear_error();
@@ -50,7 +50,7 @@ std::string TakeError() {
 absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path) {
   if (path.empty()) return std::string();
   std::error_code error;
-  const uintmax_t size = std::filesystem::file_size(path, error);  // an error if it is not a file
+  const uintmax_t size = std::filesystem::file_size(path, error);  // fails unless it is a file
   if (!error && size > kMaxFileBytes) error = std::make_error_code(std::errc::file_too_large);
   std::ifstream file(path, std::ios::binary);
   if (!error && !file) error = std::error_code(errno, std::generic_category());
@@ -60,14 +60,16 @@ absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path) {
                                                  "; name a PEM file that this user can read"));
 }
 
-// Returns the first certificate of `text`. Returns null if a certificate in it cannot be parsed.
+// Returns the first certificate in `text`. Returns null if there is none, or if any certificate in
+// it cannot be parsed.
 Certificate FirstCertificate(const std::string& text) {
   const Bio reader = Reader(text);
   Certificate first;
   while (Certificate next{PEM_read_bio_X509(reader.get(), nullptr, nullptr, nullptr)}) {
     if (first == nullptr) first = std::move(next);
   }
-  // PEM_R_NO_START_LINE means the end of the file. A truncated certificate gives another error.
+  // PEM_R_NO_START_LINE means that the end of the text was reached. A truncated certificate gives
+  // another error.
   if (ERR_GET_REASON(ERR_peek_last_error()) != PEM_R_NO_START_LINE) first.reset();
   ERR_clear_error();
   return first;
@@ -78,8 +80,8 @@ absl::Status NoCertificate(const std::filesystem::path& path) {
       absl::StrCat(path.string(), " contains no complete certificate in PEM format"));
 }
 
-// Makes OpenSSL fail on an encrypted key. By default it would ask for the passphrase on the
-// terminal, which blocks a service.
+// Makes OpenSSL fail on an encrypted key. Without it OpenSSL asks for the passphrase on the
+// terminal, which would block a service.
 int NoPassphrase(char* /*buffer*/, int /*size*/, int /*writing*/, void* /*data*/) { return -1; }
 
 absl::Status CheckPair(const Files& files, const Texts& texts) {
@@ -104,8 +106,8 @@ absl::Status CheckPair(const Files& files, const Texts& texts) {
       " cannot be used together (", TakeError(), "); name the key of this certificate"));
 }
 
-// Returns the contents of the files that can be read. Adds an error for each unreadable file and
-// for each readable file with invalid content.
+// Returns the contents of the files that can be read. Adds an error for each file that cannot be
+// read or has invalid content.
 Texts ReadAll(const Files& files, std::vector<absl::Status>& problems) {
   const auto add = [&](absl::Status status) {
     const bool is_ok = status.ok();

@@ -1,6 +1,6 @@
 // Reads and checks the files of a TLS endpoint, and decides which addresses need TLS. The daemon
-// and its clients share these rules. They check the files before they use gRPC, which reports an
-// unusable file only as a failed connection.
+// and its clients share these rules. The files are checked before gRPC gets them, because gRPC
+// reports an unusable file only as a failed connection.
 //
 // Thread-safe. Files are in PEM format and have at most 1 MiB each.
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace sweepstake::tls {
 
-// An empty path means that there is no such file.
+// The paths of the files. An empty path means that the file is not used.
 struct Files {
   // The certificate of this endpoint, optionally followed by those of its issuers.
   std::filesystem::path cert;
@@ -23,29 +23,29 @@ struct Files {
   std::filesystem::path ca;
 };
 
-// The contents of Files.
+// The contents of the files in Files.
 struct Texts {
   std::string cert;
   std::string key;
   std::string ca;
 };
 
-// Reads the files. Error: INVALID_ARGUMENT if a file cannot be read, contains nothing in PEM
+// Reads the files. Returns INVALID_ARGUMENT if a file cannot be read, if it contains nothing in PEM
 // format, or if key and certificate do not match. The message names the file and says what to do.
 // REQUIRES: `cert` and `key` are both set or both empty.
 absl::StatusOr<Texts> Read(const Files& files);
 
-// Returns all errors of these files; Read returns only the first one. A certificate or a key
-// without the other is checked alone.
+// Returns all errors of these files; Read returns only the first one. If only one of `cert` and
+// `key` is set, it is checked alone.
 std::vector<absl::Status> Check(const Files& files);
 
 // Returns the earliest time at which one of these certificates expires, in seconds since 1970.
 // REQUIRES: `certificates` is the Texts::cert of a successful Read.
 int64_t EarliestExpiryUnixS(const std::string& certificates);
 
-// Returns whether HOST:PORT is on the same machine: a numeric loopback address, or localhost. Other
-// names are not resolved, because they may resolve to another machine at the next call. Even a name
-// that begins with "127." may belong to another machine.
+// Returns whether HOST:PORT is on this machine: a numeric loopback address, or the name localhost.
+// Other names are not resolved, because the next call could resolve them to another machine. Even a
+// name that begins with "127." can belong to another machine.
 bool IsLoopback(const std::string& address);
 
 }  // namespace sweepstake::tls
