@@ -24,7 +24,7 @@ struct SceneChoice {
 std::vector<SceneChoice> ExpandScenes(const std::vector<std::string>& names,
                                       const std::vector<uint32_t>& object_counts, uint64_t seed);
 
-// Returns the valid names for a command's SCENE besides FILE.aabbs, in lines for its help.
+// Returns the valid values for SCENE, except FILE.aabbs, as lines for a command's help.
 std::string SceneHelp();
 
 // Opens the scene. `choice.seed` is used as both the spawn seed and the motion seed. Errors: those

@@ -37,8 +37,7 @@ std::vector<size_t> DoubledRanks(std::span<const double> differences) {
 // Returns the fraction of all sign patterns whose doubled rank sum is at most `max_sum`.
 double ShareAtMost(std::span<const size_t> ranks, size_t max_sum) {
   const size_t total = std::accumulate(ranks.begin(), ranks.end(), size_t{0});
-  std::vector<double> patterns(total + 1,
-                               0);  // number of patterns by sum; exact, because below 2^53
+  std::vector<double> patterns(total + 1, 0);  // patterns by sum; exact below 2^53
   patterns[0] = 1;
   for (const size_t rank : ranks) {
     for (size_t sum = total; sum >= rank; --sum) patterns[sum] += patterns[sum - rank];

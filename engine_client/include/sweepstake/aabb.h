@@ -10,8 +10,8 @@ namespace sweepstake {
 
 static_assert(sizeof(void*) == 8, "Sweepstake needs a 64-bit target");
 
-// Six floats in world units, 24 bytes without padding: the layout of the engine's buffer and of the
-// C ABI.
+// Six floats in world units, 24 bytes without padding. The engine's buffer and the C ABI use the
+// same layout.
 struct Aabb {
   float min[3];
   float max[3];
@@ -31,8 +31,8 @@ struct OverlapPair {
 };
 static_assert(sizeof(OverlapPair) == 8);
 
-// A box is valid when all six coordinates are finite and min <= max on each axis; its size may be
-// zero. An invalid box (NaN, infinite or inverted) overlaps nothing, itself included.
+// A box is valid if all six coordinates are finite and min <= max on each axis. Its size may be
+// zero. An invalid box (NaN, infinite or inverted) overlaps nothing, not even itself.
 inline bool IsValid(const Aabb& box) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!std::isfinite(box.min[axis]) || !std::isfinite(box.max[axis])) return false;
@@ -41,7 +41,8 @@ inline bool IsValid(const Aabb& box) {
   return true;
 }
 
-// Boxes are closed: they overlap where their faces touch. Comparisons are exact, without tolerance.
+// Returns whether the boxes overlap. Boxes are closed, so boxes whose faces touch overlap.
+// Comparisons are exact, without tolerance.
 inline bool Overlap(const Aabb& a, const Aabb& b) {
   if (!IsValid(a) || !IsValid(b)) return false;
   for (int axis = 0; axis < 3; ++axis) {
@@ -50,10 +51,11 @@ inline bool Overlap(const Aabb& a, const Aabb& b) {
   return true;
 }
 
-// Returns the smallest box of floats that contains this box of doubles: min is rounded down and max
-// up. A coordinate beyond the range of float becomes infinite, which makes the box invalid.
+// Returns the smallest box of floats that contains the given box of doubles: min is rounded down,
+// max is rounded up. A coordinate beyond the range of float becomes infinite, which makes the box
+// invalid.
 //
-// A box that violates min <= max gives an invalid box too, even if its faces round to the same
+// If min <= max is violated on an axis, the result is invalid too, even if both round to the same
 // float.
 inline Aabb RoundOutward(const double min[3], const double max[3]) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();

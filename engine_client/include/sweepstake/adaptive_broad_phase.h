@@ -1,4 +1,4 @@
-// The frame path, which an engine calls in each frame.
+// The frame path: the functions that an engine calls in each frame.
 //
 //   adaptive.BeginFrame();                     // executes a pending switch, only here
 //   auto pairs = adaptive.FindPairs(boxes);    // the active backend updates and searches;
@@ -6,25 +6,27 @@
 //   ... narrow phase, solver, rendering ...
 //   adaptive.EndFrame({.frame_time_ns = dt});  // completes the sample, passes it to the sink
 //
-// All calls are made on one thread, the frame thread, except SwitchMailbox::Post and those marked
-// "any thread". No call waits or locks. Between switches, and while the object count is steady, no
-// call allocates; the only system call is the clock. With an executor the frame thread also waits
-// for the parts of its own search. Ownership: the sink and the clock must outlive the object.
+// All functions are called on one thread, the frame thread, except SwitchMailbox::Post and those
+// marked "any thread". No function waits or locks. Between switches, and while the object count is
+// steady, none allocates; the only system call is the clock. With an executor the frame thread also
+// waits for the parts of its own search. Ownership: the sink and the clock must outlive the object.
 //
-// Memory: an arm that was active keeps its buffers until Trim or memory_budget_bytes, so that
-// switching back is cheap. FrameSample::native_bytes counts the active arm alone. Errors: if memory
-// runs out, FindPairs ends as described at OutOfMemory() (hooks.h); the next call rebuilds.
+// Memory: an arm that was active keeps its buffers, so that switching back is cheap. Trim or
+// memory_budget_bytes frees them. FrameSample::native_bytes counts the active arm alone. Errors: if
+// memory runs out, FindPairs ends as described at OutOfMemory() (hooks.h); the next call rebuilds.
 //
-// If there is a spare core, a shadow lane (shadow.h) measures the other arms on its own thread and
+// If a core is free, a shadow lane (shadow.h) measures the other arms on its own thread and
 // prepares switches. A command then waits some frames until the new arm's structure exists (a warm
-// switch). After half a second of frame time the switch is executed without it (a cold switch).
+// switch). After half a second of frame time the switch is executed without that structure (a cold
+// switch).
 //
-// A decider may command a trial. A trial ends early if the new arm is too expensive. That is so if
-// two frames in a row exceed the longest recent frame of the previous arm by too much, or all
-// frames together exceed its mean. The next frame then runs the previous arm again, without a
-// command, and the outcome reports it. A trial lasts for twice the settling time. Its first frames,
-// paused and loading frames do not count towards that time and do not end it; frames that rebuild
-// do not end it either.
+// A decider may command a trial. A trial ends early if the new arm is too expensive. There are two
+// cases:
+// - two searches in a row exceed the longest recent search of the previous arm by too much
+// - all searches together exceed the previous arm's mean by too much (SwitchCommand) The next frame
+//   then runs the previous arm again, without a command, and the outcome reports that. A trial
+//   lasts for twice the settling time. Its first frames, and paused and loading frames, do not
+//   count towards that time and do not end it. Frames that rebuild count, but do not end it.
 #pragma once
 
 #include <atomic>
@@ -46,8 +48,8 @@ namespace sweepstake {
 
 class ViewTap;
 
-// Receives the results of the frame path. All calls except OnShadow are made on the frame thread;
-// implementations must not wait, lock or allocate there.
+// Receives the results of the frame path. All functions except OnShadow are called on the frame
+// thread. There, implementations must not wait, lock or allocate.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
@@ -57,28 +59,28 @@ class FrameSink {
   virtual void OnFrame(const FrameSample& sample) noexcept = 0;
   virtual void OnDescriptor(const SceneDescriptor& descriptor) noexcept = 0;
   virtual void OnSwitch(const SwitchOutcome& outcome) noexcept = 0;
-  // Called when the game has executed an operator's order, and when a bail-out has ended a kManual
-  // that an operator ordered. Not called for SetMode.
+  // Called in two cases: the game has executed an operator's order, or a bail-out has ended a
+  // kManual that an operator ordered. Not called for SetMode.
   virtual void OnModeChange(const ModeChange& /*change*/) noexcept {}
   // Called on the shadow lane's thread, one call at a time.
   virtual void OnShadow(const ShadowSample& /*sample*/) noexcept {}
 };
 
-// Passes one switch command to the frame thread. A newer command overwrites one that was not yet
-// taken. Any thread may call Post, only the frame thread Take. Lock-free. Arms and trial limits
-// over 255 are stored as 255; of the command id the lowest 40 bits are kept.
+// Passes one switch command to the frame thread. A newer command overwrites one that was not taken
+// yet. Any thread may call Post; only the frame thread calls Take. Lock-free. Arms and trial limits
+// over 255 are stored as 255. Only the lowest 40 bits of the command id are kept.
 class SwitchMailbox {
  public:
   void Post(const SwitchCommand& command) noexcept;
   std::optional<SwitchCommand> Take() noexcept;
 
  private:
-  // Layout: command id (40 bits) | trial's limit (8) | arm (8) | reason (8). The value 0 means
-  // empty.
+  // Layout: command id (40 bits) | trial limit (8) | arm (8) | reason (8). The value 0 means empty.
   std::atomic<uint64_t> slot_{0};
 };
 
-// The frame path's clock: ns from any origin, monotonic. Tests replace it.
+// The clock of the frame path, in ns. It never goes back; its zero point does not matter. Tests
+// replace it.
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -91,16 +93,18 @@ Clock& SteadyClock();
 struct AdaptiveOptions {
   // Unique names from BroadPhaseNames(), at most 32. Empty: all.
   std::vector<std::string> arms = {};
-  // Empty: the first of `arms`, or KDTree if `arms` is empty; KDTree is seldom far from the best.
+  // Empty: the first of `arms`, or KDTree if `arms` is empty, because KDTree is seldom much slower
+  // than the best arm.
   std::string initial_arm = {};
   Mode mode = Mode::kAi;
-  // Frames longer than this are flagged (paper §4); the decider judges whether a flagged frame is a
-  // bail-out. Without a decider, and to end an operator's order, a flagged frame is a bail-out if
-  // its arm is to blame. That is so if detection took at least half of the frame, and the game was
-  // neither paused nor loading. > 0. A daemon's welcome message replaces the value.
+  // A longer frame is flagged with kFrameBailOut (paper §4). The decider judges whether a flagged
+  // frame is a bail-out. Without a decider, and when deciding whether to end an operator's order, a
+  // flagged frame is a bail-out if its arm is to blame: detection took at least half of the frame,
+  // and the game was neither paused nor loading. > 0. A daemon's welcome message replaces the
+  // value.
   uint64_t bail_out_ns = 5'000'000'000;
-  // The time after a switch over which its settling cost is measured. A trial lasts for twice that.
-  // The embedded decider and a daemon's welcome message replace the value permanently.
+  // Time after a switch during which its settling cost is measured. A trial lasts for twice this
+  // time. The embedded decider, or a daemon's welcome message, replaces the value permanently.
   uint64_t settling_ns = 2'000'000'000;
   // Runs the parts of large searches (executor.h); borrowed, must outlive the object. Null: the
   // frame thread does all work.
@@ -110,15 +114,15 @@ struct AdaptiveOptions {
   // change a lockstep game. Sorting takes the same time for each arm and is not part of a sample's
   // detection time. Cost: pair_sorter.h.
   bool sorted_pairs = false;
-  // Limits the memory of all arms, for pairs and for sorting them, and of the shadow lane; 0: no
-  // limit. The lane may use half of it. The limit is checked at each switch and after a frame in
-  // which the active arm has grown. Above it the memory of the inactive arms is freed, and then
-  // that of the lane, as by Trim: this frame and later switches to those arms then allocate. The
-  // active arm and the pairs are not limited.
+  // Limits the total memory of all arms, of pairs and their sorting, and of the shadow lane; 0: no
+  // limit. The lane may use at most half of it. The limit is checked at each switch, and after a
+  // frame in which the active arm has grown. If it is exceeded, the memory of the inactive arms is
+  // freed, and then that of the lane if necessary, as by Trim. That frame and later switches to
+  // those arms then allocate. The memory of the active arm and of the pairs is never freed.
   uint64_t memory_budget_bytes = 0;
 };
 
-// The engine's data about the frame that ends.
+// What the engine reports about the frame that ends.
 struct FrameEnd {
   uint64_t frame_time_ns = 0;  // unscaled time since the previous EndFrame
   uint32_t flags = 0;          // kFramePaused, kFrameLoading, both or neither
@@ -126,74 +130,78 @@ struct FrameEnd {
 
 class AdaptiveBroadPhase {
  public:
-  // Returns kNotFound for an unknown arm, kResourceExhausted if the system has no thread for the
-  // shadow lane, and kInvalidArgument for other errors. `clock` and `sink` are borrowed; sink may
-  // be null. The shadow lane always uses SteadyClock().
+  // Makes the object. `clock` and `sink` are borrowed; sink may be null. The shadow lane always
+  // uses SteadyClock(). Errors: kNotFound for an unknown arm, kResourceExhausted if the system
+  // cannot create the lane's thread, kInvalidArgument otherwise.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Create(const AdaptiveOptions& options,
                                                             FrameSink* sink,
                                                             Clock& clock = SteadyClock());
   ~AdaptiveBroadPhase();
 
-  // Executes a pending switch. A switch from SelectArm or the guard is executed at once, and a
-  // command in the mailbox is then refused. A command from the mailbox waits for the shadow lane if
-  // one exists, unless it is a bail-out. A later command replaces it.
+  // Executes a pending switch. A switch by SelectArm or the bail-out guard is executed at once; a
+  // command that waits in the mailbox is refused then. A command from the mailbox waits for the
+  // shadow lane if there is one, unless its reason is a bail-out. A later command replaces it.
   void BeginFrame();
   // Returns the pairs of these boxes, valid until the next call. Their order depends on the arm
-  // unless AdaptiveOptions::sorted_pairs is set. The count may change as in BroadPhase::Update. It
-  // may be called any number of times between BeginFrame and EndFrame, for substeps or several
+  // unless AdaptiveOptions::sorted_pairs is set. The number of boxes may change as in
+  // BroadPhase::Update.
+  //
+  // It may be called any number of times between BeginFrame and EndFrame, for substeps or several
   // fixed updates. Together these searches are one sample: times and checks are summed, counts are
-  // those of the latest search (frame_sample.h). Scene descriptors and shadow lane use the first
-  // search of each frame. The sample of a frame without a search (a paused game) has detection time
-  // 0.
+  // those of the latest search (frame_sample.h). Scene descriptors and the shadow lane use only the
+  // first search of each frame. A frame without a search (a paused game) has detection time 0.
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
   // Completes the sample and passes it to the sink.
   void EndFrame(const FrameEnd& frame);
 
-  // Frees the buffers that the next frame does not need: those of inactive arms, and those for
-  // pairs and for sorting them. The shadow lane frees its memory soon after, on its own thread.
-  // Call it between EndFrame and BeginFrame, for example when a level ends or memory is low. It
-  // invalidates the result of FindPairs. The next frame, later switches and the lane's next sweep
-  // allocate again. Cost: that of freeing the memory.
+  // Frees buffers that the next frame does not need: those of inactive arms, and those for pairs
+  // and their sorting. The shadow lane frees its memory soon after, on its own thread. Call it
+  // between EndFrame and BeginFrame, for example when a level ends or memory is low. It invalidates
+  // the result of FindPairs. The next frame, later switches and the lane's next sweep allocate
+  // again. Cost: that of freeing the memory.
   void Trim();
-  // Returns the bytes that memory_budget_bytes limits.
+  // Returns the number of bytes in use that memory_budget_bytes limits.
   uint64_t memory_bytes() const;
 
-  // Chooses an arm manually; executed at the next BeginFrame. The mode does not change. The message
-  // of kNotFound lists the arms.
+  // Chooses an arm manually, from the next BeginFrame on. The mode does not change. Error:
+  // kNotFound, with a message that lists the arms.
   Status SelectArm(std::string_view arm);
-  // Sets the mode. In kManual the guard does not switch, and commands from the mailbox are refused
-  // unless their reason is kManual.
+  // Sets the mode. In kManual the bail-out guard does not switch, and commands from the mailbox are
+  // refused unless their reason is kManual.
   void SetMode(Mode mode);
   // Sets kManual and disables everything that depends on time, so that runs repeat bit for bit
   // (builds, replays, tournaments). The clock is not read, samples have no detection time, the lane
   // rests without its structures, and commands and orders are refused. SelectArm still works.
   // SetMode ends this state.
   void Freeze();
-  // Queues an operator's order, which is executed at the next BeginFrame like SetMode and
-  // SelectArm. A later order replaces one that was not executed yet. An ordered kManual holds until
-  // the next order, until SetMode, or until a frame over the bail-out limit for which the arm is to
-  // blame. In that last case the mode becomes kAi again, and the bail-out is treated as in that
-  // mode. Any thread. REQUIRES: the arm is one of arms(). Returns false, and does nothing, while
-  // frozen.
+  // Queues an operator's order, which the next BeginFrame executes like SetMode and SelectArm. A
+  // later order replaces one that was not executed yet. A kManual that was ordered ends with
+  // - the next order,
+  // - SetMode, or
+  // - a frame over the bail-out limit for which the arm is to blame. The mode then becomes kAi
+  //   again, and the frame is treated as in that mode. Any thread. Returns false, and does nothing,
+  //   while frozen. REQUIRES: the arm is one of arms().
   bool Obey(const OperatorOrder& order);
 
-  // Sets whether a decider is present, which then reacts to bail-outs. Without one the guard
-  // switches: to the arm with the highest posterior mean of the latest snapshot, or without a
-  // snapshot to the next arm in order. Any thread.
+  // Sets whether a decider is present. A decider reacts to bail-outs itself. Without one the
+  // bail-out guard switches to the arm with the highest posterior mean (SetPosteriorMeans) or, if
+  // there are none, to the next arm in order. Any thread.
   void SetDeciderPresent(bool present);
-  // Sets these posterior means, in the order of arms. Any thread; the latest call wins.
+  // Sets the posterior mean of each arm, in the order of arms. Any thread; each call replaces the
+  // values of the one before.
   void SetPosteriorMeans(std::span<const double> means);
-  // Sets the settling time, for example that of a daemon's welcome message. Any thread.
+  // Sets the settling time, for example to that of a daemon's welcome message. Any thread.
   void SetSettling(uint64_t settling_ns);
-  // Sets the bail-out limit, for example that of a daemon's welcome message; 0 is ignored. Any
+  // Sets the bail-out limit, for example to that of a daemon's welcome message. 0 is ignored. Any
   // thread.
   void SetBailOutLimit(uint64_t limit_ns);
 
-  // Sets the decider's verdict about the scene. Any thread; the latest call wins.
+  // Sets the decider's verdict about the scene. Any thread; each call replaces the verdict of the
+  // one before.
   void SetVerdict(const SceneVerdict& verdict);
   // Returns the latest verdict; kUnknown before the first. Any thread; lock-free.
   SceneVerdict verdict() const;
-  // Sets the decider's latest decision. Called by the decider, one call at a time.
+  // Sets the decider's latest decision. Called by the decider, by one thread at a time.
   void SetLastDecision(const LastDecision& decision);
   // Returns the latest decision; absent before the first. Any thread; lock-free.
   std::optional<LastDecision> last_decision() const;
@@ -202,7 +210,7 @@ class AdaptiveBroadPhase {
   std::optional<SwitchOutcome> last_outcome() const;
 
   SwitchMailbox& mailbox();
-  // Lets a session copy boxes of some frames for operators who want to see them.
+  // Through this object a session copies boxes of some frames, which operators can view.
   ViewTap& view_tap();
   // Any thread.
   Mode mode() const;

@@ -1,11 +1,11 @@
-// The contract of the interchangeable broad phases (paper §3, Table 1).
+// The interface that all broad phases implement (paper §3, Table 1).
 //
-// Call order: Build first, then Update and FindPairs once per frame. Build may be called at any
-// time and discards all state. The boxes are read during the call only, and the id of an object is
+// Call order: Build first, then Update and FindPairs once per frame. Build may be called again at
+// any time and discards all state. The boxes are read only during the call. The id of an object is
 // its index in the span. Thread safety: one thread at a time per object; distinct objects are
-// independent, unless they share an Executor. Units: world units of the caller. Memory is kept for
-// reuse until destruction. Errors: if memory runs out, a call ends as described at OutOfMemory()
-// (hooks.h), and the next call must be Build.
+// independent, unless they share an Executor. Lengths are in world units of the caller. Memory is
+// kept for reuse until destruction. Errors: if memory runs out, a call ends as described at
+// OutOfMemory() (hooks.h), and the next call must be Build.
 #pragma once
 
 #include <cstddef>
@@ -21,17 +21,21 @@
 
 namespace sweepstake {
 
-// Stops a backend's call early, for a caller that cannot wait for its end: the shadow lane.
+// Stops a call of a backend early. It is for the shadow lane, which cannot wait for the end of a
+// long call.
 class StopRequest {
  public:
   virtual ~StopRequest() = default;
-  // Returns whether the call must end now; true stays true until the call has returned. The backend
-  // calls this on each thread that runs a part of the call. A search calls it every half a million
-  // checks, which take 2 ms or less. Build and Update call it for each block of about ten thousand
-  // boxes in the passes that load and sort them. It is not called while a whole tree is split in
-  // two, or while a pair buffer doubles and is copied. Measured on a machine with other load, a
-  // call ended within 7 ms with 300,000 boxes, and within 40 ms with 1,000,000. `grown_bytes` is
-  // the growth of the backend's pair buffers since the previous call.
+  // Returns whether the call must end now. Once it returns true, it must keep doing so until the
+  // call has returned. `grown_bytes` is the growth of the backend's pair buffers since the previous
+  // WantsStop.
+  //
+  // The backend calls this function on each thread that runs a part of the call. A search calls it
+  // every half a million checks, which take 2 ms or less. Build and Update call it for each block
+  // of about ten thousand boxes in the passes that load and sort them. They do not call it while a
+  // whole tree is split in two, or while a pair buffer doubles and is copied. On a machine with
+  // other load, a call was measured to end within 7 ms with 300,000 boxes, and within 40 ms with
+  // 1,000,000.
   virtual bool WantsStop(uint64_t grown_bytes) noexcept = 0;
 };
 
@@ -39,34 +43,36 @@ class BroadPhase {
  public:
   virtual ~BroadPhase() = default;
 
-  // Returns the family's name as in BroadPhaseNames().
+  // Returns the name of the backend, one of BroadPhaseNames().
   virtual std::string_view name() const = 0;
 
-  // Returns the version, which is incremented by every change that could alter the backend's cost.
-  // Evidence about one version is kept separate from evidence about others.
+  // Returns the backend's version. Every change that could alter the backend's cost increments it.
+  // Evidence about different versions is kept apart.
   virtual uint32_t version() const = 0;
 
-  // Discards all state and uses these boxes, of which there may be 0 to 2^31 − 1.
+  // Discards all state and starts with these boxes; their number is 0 to 2^31 − 1.
   virtual void Build(std::span<const Aabb> boxes) = 0;
 
-  // Sets the boxes of the next frame. A larger count adds objects behind the last one, a smaller
-  // count removes the last ones; the others keep their ids. REQUIRES: Build was called.
+  // Sets the boxes of the next frame. If there are more boxes than before, the new objects are at
+  // the end; if there are fewer, the last objects are removed. All others keep their ids. REQUIRES:
+  // Build was called.
   virtual void Update(std::span<const Aabb> boxes) = 0;
 
   // Appends every overlapping pair (aabb.h) of the latest boxes exactly once, with a < b. The order
-  // of the pairs is unspecified, but the same for the same history of calls, whatever the number of
-  // threads. May be called once per Build or Update.
+  // of the pairs is unspecified. It is the same for the same sequence of calls, whatever the number
+  // of threads. May be called once per Build or Update.
   virtual void FindPairs(PairBuffer& out) = 0;
 
-  // Returns the number of AABB–AABB checks of the latest Build or Update and FindPairs. One lane of
-  // a vector comparison is one check, and the bounds of nodes count as AABBs.
+  // Returns the number of AABB–AABB checks of the latest Build or Update, and FindPairs. A vector
+  // comparison counts as one check per element. Checks against the bounds of tree nodes count too.
   virtual uint64_t aabb_check_count() const = 0;
 
-  // Returns the capacity of the backend's own buffers in bytes, whether it is used or not.
+  // Returns the capacity, in bytes, of the backend's own buffers, including unused parts.
   virtual size_t native_bytes() const = 0;
 
-  // Sets the StopRequest for later calls; borrowed. Null, the default: calls are never stopped. A
-  // stopped call returns early with only some of the pairs, and the next call must be Build.
+  // Sets the StopRequest for later calls; borrowed. With null, the default, calls are never
+  // stopped. A stopped call returns early with only some of the pairs, and the next call must be
+  // Build.
   void SetStop(StopRequest* stop) { stop_ = stop; }
 
  protected:
@@ -76,7 +82,7 @@ class BroadPhase {
   StopRequest* stop_ = nullptr;
 };
 
-// Returns the seven families in the paper's order: BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy,
+// Returns the seven backends in the paper's order: BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy,
 // KDTree.
 std::span<const std::string_view> BroadPhaseNames();
 
@@ -86,9 +92,10 @@ struct BroadPhaseOptions {
   Executor* executor = nullptr;
 };
 
-// Returns kNotFound for an unknown name, with a message that lists the valid ones. Returns
-// kInvalidArgument if SWEEPSTAKE_CLIENT_SIMD (simd.h) names an instruction set that this machine
-// lacks.
+// Makes a backend. Errors:
+// - kNotFound for an unknown name; the message lists the valid ones
+// - kInvalidArgument if SWEEPSTAKE_CLIENT_SIMD (simd.h) names an instruction set that this machine
+//   lacks
 Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
                                                    const BroadPhaseOptions& options = {});
 

@@ -60,10 +60,11 @@ extern "C" {
 
 /* NOLINTBEGIN(modernize-use-using): C has none. */
 
-/* Incremented by every change that an already compiled caller could notice; none is planned. */
+/* Incremented by every change that an already compiled caller could notice. No such change is
+ * planned. */
 #define SWP_ABI_VERSION 3U
-/* Counts the additions within this ABI: new functions and values, and new fields at the end of
- * structs that have a struct_size. */
+/* Number of additions to this ABI version: new functions, new values, and new fields at the end
+ * of structs that have a struct_size. */
 #define SWP_ABI_REVISION 0U
 
 /* ---- results ---- */
@@ -104,26 +105,26 @@ enum {
   SWP_KIND_LINK = 5
 };
 
-/* The number of living objects of this kind in the process; 0 for an unknown kind. Any thread, any
- * time. */
+/* The number of living objects of this kind in the process, or 0 for an unknown kind. Any
+ * thread, at any time. */
 SWP_API uint32_t swp_live_count(swp_kind kind);
 
-/* Ends every object of the process, with its threads and memory, for a host that has lost its
- * handles because its domain was reloaded. Call it before new objects are made.
+/* Ends every object of the process, with its threads and memory. It is for a host that has lost
+ * its handles because its domain was reloaded. Call it before new objects are made.
  *
- * New calls on old objects fail with SWP_FAILED_PRECONDITION. The function waits at most
- * deadline_ms for calls in progress; with 0 it does not wait. Freeing takes additional time,
- * although a session's lane stops in the middle of a search. SWP_UNAVAILABLE: some calls have not
- * returned by then. Their objects stay alive, everything else is freed, and a later call continues.
- * Objects made meanwhile stay alive.
+ * From then on, calls on old objects fail with SWP_FAILED_PRECONDITION. The function waits at
+ * most deadline_ms for calls in progress; with 0 it does not wait. Freeing takes additional
+ * time, although a session's lane stops in the middle of a search. SWP_UNAVAILABLE: some calls
+ * had not returned at the deadline. Their objects stay alive and everything else is freed; call
+ * the function again to free the rest. Objects made during the call stay alive.
  *
  * Safe: any thread may call it, at any time and more than once, also while other threads are in
  * calls that take an object as non-const. An old handle that is used afterwards gives
- * SWP_FAILED_PRECONDITION in any function, on any thread, and may be passed to its _destroy once.
- * Each lost handle keeps a small block of memory until then.
+ * SWP_FAILED_PRECONDITION in any function, on any thread. It may be passed to its _destroy once;
+ * until then it keeps a small block of memory.
  *
- * Not safe while it runs: on another thread, a _destroy or a call that takes its object as const
- * (to read pairs or query proxies). Also unsafe: reading memory that an object has returned, and
+ * Not safe on another thread while this function runs: a _destroy, a call that takes its object
+ * as const (to read pairs or query proxies), reading memory that an object has returned, and
  * using a destroyed handle. After SWP_OK the caller's executors are not called any more. */
 SWP_API swp_result swp_shutdown_all(uint32_t deadline_ms);
 

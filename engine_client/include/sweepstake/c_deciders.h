@@ -61,27 +61,29 @@ typedef struct swp_belief {
 /* Sets the defaults given above, seed 1 and time scale 1. */
 SWP_API swp_result swp_decider_options_init(swp_decider_options* options);
 
-/* `now_ns` comes from a steady clock of the caller that never goes back: the same clock in all
- * calls, from any origin. */
+/* `now_ns` is a time of the caller's steady clock: the same clock in all calls, which never goes
+ * back. Its zero point does not matter. */
 
-/* `options` NULL uses the defaults. SWP_FAILED_PRECONDITION if a decider is already attached,
- * SWP_NOT_FOUND if the file does not exist. SWP_DATA_LOSS names the first broken record. */
+/* Attaches an embedded decider. `options` NULL uses the defaults. SWP_FAILED_PRECONDITION if a
+ * decider is already attached, SWP_NOT_FOUND if the file does not exist, SWP_DATA_LOSS if the
+ * priors are broken; the message names the first broken record. */
 SWP_API swp_result swp_session_attach_decider(swp_session* session,
                                               const swp_decider_options* options, uint64_t now_ns);
-/* Ends the decider and discards what it has learnt. The session then handles bail-outs itself, and
- * its settling time is not divided by the time scale any more. */
+/* Ends the decider and discards what it has learnt. After that the session handles bail-outs
+ * itself, and the time scale does not divide its settling time any more. */
 SWP_API swp_result swp_session_detach_decider(swp_session* session);
-/* Chooses the arm that these priors expect to cost least, executed at the next begin_frame; with
- * NULL the session keeps its arm. Sets SWP_MODE_MANUAL and disables everything that depends on
- * time, so that runs repeat bit for bit (builds, replays, tournaments). The clock is not read,
- * samples have no detection time, the lane gets no frames, and commands and orders are refused.
- * swp_session_select_arm still works; swp_session_set_mode ends this state. SWP_NOT_FOUND if the
- * priors have no evidence of the project with the session's arms; the session is then unchanged.
- * Frame thread. */
+/* Chooses the arm that the priors of `options` expect to cost least, from the next begin_frame
+ * on. With NULL the session keeps its arm. Sets SWP_MODE_MANUAL and disables everything that
+ * depends on time, so that runs repeat bit for bit (builds, replays, tournaments): the clock is
+ * not read, samples have no detection time, the lane gets no frames, and commands and orders are
+ * refused. swp_session_select_arm still works. swp_session_set_mode ends this state.
+ * SWP_NOT_FOUND if the priors have no evidence of the project with the session's arms; the
+ * session is unchanged then. Frame thread. */
 SWP_API swp_result swp_session_freeze(swp_session* session, const swp_decider_options* options);
-/* Reads the costs of the frames since the last poll, decides if a decision is due
- * (decision_interval_ns), and posts the command. `commanded` is 1 if one was posted, which is then
- * also written to `command`; both may be NULL. Poll every 250 ms or more often. */
+/* Passes the frames since the last poll to the decider, makes a decision if one is due
+ * (decision_interval_ns), and posts its command, if any, to the frame thread. Sets `commanded`
+ * to 1 if a command was posted, and writes the command to `command`; both may be NULL. Poll
+ * every 250 ms or more often. */
 SWP_API swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
                                             swp_switch_command* command, uint32_t* commanded);
 /* Writes the posteriors in the order of arms; `count` is the number of arms. If `capacity` is
@@ -92,11 +94,12 @@ SWP_API swp_result swp_session_beliefs(const swp_session* session, swp_belief* b
 SWP_API swp_result swp_session_decision_count(const swp_session* session, uint64_t* count);
 /* The number of sources in the decider's priors; 0: it started from Beta(1,1). */
 SWP_API swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count);
-/* Writes the content of a priors file: all records that the decider was given, and what it has
- * learnt since. Use it as the next run's priors_data or with `sweepstake priors import`. Each piece
- * of evidence counts once there, however often it occurs. `bytes` is the length without a NUL. If
- * `capacity` is too small, the result is SWP_RESOURCE_EXHAUSTED and only `bytes` is written. Call
- * it before the decider is detached, which discards the evidence. */
+/* Writes the content of a priors file: all records that the decider started from, and what it
+ * has learnt since. Use it as the next run's priors_data, or with `sweepstake priors import`.
+ * Both count each piece of evidence only once, however often it is exported. `bytes` is the
+ * length without a NUL. If `capacity` is too small, the result is SWP_RESOURCE_EXHAUSTED and
+ * only `bytes` is written. Call it before the decider is detached, because detaching discards
+ * the evidence. */
 SWP_API swp_result swp_session_export_priors(const swp_session* session, char* data,
                                              uint64_t capacity, uint64_t* bytes);
 

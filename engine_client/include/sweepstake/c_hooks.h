@@ -1,9 +1,9 @@
-/* The part of the C ABI for hooks, by which a game replaces or observes the library's memory,
+/* The part of the C ABI for hooks. With hooks a game replaces or observes the library's memory,
  * profiling zones and threads. They apply to the whole process. c_api.h includes this header. It
- * mirrors sweepstake/hooks.h, which says what memory goes through the hooks and lists the zones and
- * threads.
+ * mirrors sweepstake/hooks.h, which lists the zones and threads and says which memory goes
+ * through the hooks.
  *
- * Cost: reading the hooks takes no lock; a zone without hooks costs one load. */
+ * Cost: reading the hooks takes no lock. A zone without hooks costs one load. */
 #ifndef SWEEPSTAKE_C_HOOKS_H_
 #define SWEEPSTAKE_C_HOOKS_H_
 
@@ -42,11 +42,11 @@ typedef struct swp_hooks {
 /* Sets all hooks to NULL. */
 SWP_API swp_result swp_hooks_init(swp_hooks* hooks);
 
-/* Replaces the hooks by a copy of these; NULL restores the defaults. Call it before the first
- * object is made or after the last is destroyed, while no other thread is in a call.
- * SWP_FAILED_PRECONDITION while an object lives (swp_live_count), because its threads read the
- * hooks. SWP_INVALID_ARGUMENT if only one of `allocate` and `release`, or of `zone_begin` and
- * `zone_end`, is set. */
+/* Replaces the hooks by a copy of these. NULL restores the defaults. Call it before the first
+ * object is made or after the last one is destroyed, while no other thread is in a call.
+ * SWP_FAILED_PRECONDITION if any object exists (swp_live_count), because its threads read the
+ * hooks. SWP_INVALID_ARGUMENT if only one of `allocate` and `release` is set, or only one of
+ * `zone_begin` and `zone_end`. */
 SWP_API swp_result swp_set_hooks(const swp_hooks* hooks);
 
 /* NOLINTEND(modernize-use-using) */

@@ -121,13 +121,14 @@ enum {
 
 SWP_API swp_result swp_link_options_init(swp_link_options* options);
 
-/* Attaches a link to the session, whose samples it sends from now on; `options` NULL uses the
- * defaults. SWP_FAILED_PRECONDITION if a decider or another link is attached. Once the session is
- * destroyed or shut down, every call of the link except destroy is SWP_FAILED_PRECONDITION. */
+/* Attaches a link to the session. From now on the link sends the session's samples. `options`
+ * NULL uses the defaults. SWP_FAILED_PRECONDITION if a decider or another link is attached.
+ * After the session is destroyed or shut down, every function of the link except destroy returns
+ * SWP_FAILED_PRECONDITION. */
 SWP_API swp_result swp_link_create(swp_session* session, const swp_link_options* options,
                                    swp_link** link);
-/* Without a previous swp_link_goodbye the daemon keeps the session, and no other process may resume
- * it. No other thread may be in a call of the link. */
+/* Destroys the link. Call swp_link_goodbye before; without it the daemon keeps the session,
+ * which no other process may resume. No other thread may be in a call of the link. */
 SWP_API void swp_link_destroy(swp_link* link);
 
 /* Reports that a stream was opened, or is being opened. SWP_FAILED_PRECONDITION if the previous
@@ -168,15 +169,15 @@ SWP_API swp_result swp_link_disconnected(swp_link* link, uint32_t grpc_status_co
  * forward. */
 SWP_API swp_result swp_link_goodbye(swp_link* link, uint64_t deadline_ns);
 
-/* Set stats->struct_size first. */
+/* Writes the statistics. Set stats->struct_size before. */
 SWP_API swp_result swp_link_status(swp_link* link, swp_link_stats* stats);
 /* Writes a text with its NUL; `size` is its length without it. If `capacity` is too small, the
  * result is SWP_RESOURCE_EXHAUSTED and only `size` is written. */
 SWP_API swp_result swp_link_copy_text(swp_link* link, swp_link_text which, char* text,
                                       uint64_t capacity, uint64_t* size);
-/* Writes the daemon's latest posteriors in the order of arms; `count` is their number, 0 before the
- * first. If `capacity` is too small, the result is SWP_RESOURCE_EXHAUSTED and only `count` is
- * written. For the verdict use swp_session_verdict. */
+/* Writes the daemon's latest posteriors in the order of arms. `count` is their number; it is 0
+ * before the first posteriors arrive. If `capacity` is too small, the result is
+ * SWP_RESOURCE_EXHAUSTED and only `count` is written. For the verdict use swp_session_verdict. */
 SWP_API swp_result swp_link_beliefs(swp_link* link, swp_belief* beliefs, uint32_t capacity,
                                     uint32_t* count);
 

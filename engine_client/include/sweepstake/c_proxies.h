@@ -32,12 +32,12 @@ extern "C" {
 
 typedef struct swp_proxies swp_proxies;
 
-/* A handle of a proxy; 0 means no proxy. The low 32 bits are its id in pairs while it lives; the
- * high 32 bits count the owners of that id. */
+/* A handle of a proxy; 0 means no proxy. The low 32 bits are the proxy's id in pairs while it
+ * exists. Ids are reused: the high 32 bits count the proxies that have had this id. */
 typedef uint64_t swp_proxy;
 #define SWP_PROXY_ID(proxy) ((uint32_t)(proxy))
 
-/* This bit is set in the ids of proxies that were added as static, and only there. */
+/* An id has this bit if and only if its proxy was added as static. */
 #define SWP_STATIC_PROXY_BIT 0x80000000U
 
 /* Two proxies may form a pair if the category of each shares a bit with the mask of the other. If a
@@ -126,7 +126,7 @@ SWP_API swp_result swp_proxies_remove_many(swp_proxies* proxies, const swp_proxy
  */
 SWP_API swp_result swp_proxies_set_boxes(swp_proxies* proxies, const swp_proxy* moved,
                                          const swp_aabb* boxes, uint32_t count);
-/* The next resolve and the next query use the new filter. */
+/* Sets the filter. It applies from the next resolve and the next query on. */
 SWP_API swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy,
                                           const swp_filter* filter);
 /* Sets the user value, which swp_proxies_get returns. */
@@ -135,10 +135,10 @@ SWP_API swp_result swp_proxies_set_user(swp_proxies* proxies, swp_proxy proxy, u
  * same. Cost: that of an add. */
 SWP_API swp_result swp_proxies_set_static(swp_proxies* proxies, swp_proxy proxy,
                                           uint32_t is_static);
-/* 1 marks a proxy that will not move: its pairs with other resting proxies are kept, and no search
- * starts from it. Setting a different box wakes it. Pairs, events and queries do not depend on it.
- * Does nothing for a static proxy. Cost: that of an add; the next resolve searches once among all
- * resting proxies. */
+/* 1 marks a proxy that will not move. Its pairs with other resting (static or sleeping) proxies
+ * are kept, and no search starts from it. Setting a different box wakes it. Pairs, events and
+ * queries are the same as without the mark. Does nothing for a static proxy. Cost: that of an
+ * add; the next resolve searches once among all resting proxies. */
 SWP_API swp_result swp_proxies_set_sleeping(swp_proxies* proxies, swp_proxy proxy,
                                             uint32_t is_sleeping);
 /* Subtracts offset[0..2] from all coordinates. No pair ends. Boxes whose gap is below the rounding
@@ -209,9 +209,9 @@ SWP_API swp_result swp_proxies_removed(const swp_proxies* proxies, const swp_pro
  * proxies) if one of those has, otherwise O(changes). */
 SWP_API swp_result swp_proxies_prepare_queries(swp_proxies* proxies);
 /* Finds all proxies that overlap each box, by ascending id. The proxies of box k are in `found`
- * from ends[k - 1] (0 for the first box) to ends[k]. If the capacity of `found` is too small, the
- * result is SWP_RESOURCE_EXHAUSTED. `ends` is then correct, its last value is the needed capacity,
- * and the content of `found` is undefined. */
+ * from index ends[k - 1] (0 for the first box) up to, but not including, ends[k]. If the
+ * capacity of `found` is too small, the result is SWP_RESOURCE_EXHAUSTED. `ends` is correct even
+ * then: its last value is the needed capacity. The content of `found` is undefined then. */
 SWP_API swp_result swp_proxies_query_boxes(const swp_proxies* proxies, const swp_aabb* boxes,
                                            uint32_t box_count, const swp_filter* filter,
                                            swp_proxy* found, uint64_t capacity, uint64_t* ends);

@@ -38,16 +38,17 @@ typedef struct swp_scene_options {
   uint32_t reserved; /* 0 */
 } swp_scene_options;
 
-/* The number of scenes, and their names, which stay valid; NULL for an index of swp_scene_count()
- * or above. Any thread, any time. */
+/* The number of scenes, and the name of each. Names stay valid. The name is NULL if `index` is
+ * swp_scene_count() or more. Any thread, at any time. */
 SWP_API uint32_t swp_scene_count(void);
 SWP_API const char* swp_scene_name(uint32_t index);
 
 /* Sets the defaults, which scene.h documents. */
 SWP_API swp_result swp_scene_options_init(swp_scene_options* options);
 
-/* `scene` is one of swp_scene_name() or the path of a .aabbs file; `options` NULL uses the
- * defaults. SWP_NOT_FOUND lists the names; SWP_DATA_LOSS says what is broken in the file. */
+/* Makes a scene. `scene` is one of swp_scene_name() or the path of a .aabbs file. `options` NULL
+ * uses the defaults. SWP_NOT_FOUND if there is no such scene; the message lists the names.
+ * SWP_DATA_LOSS if the file is broken; the message says where. */
 SWP_API swp_result swp_scene_create(const char* scene, const swp_scene_options* options,
                                     swp_scene** out);
 SWP_API void swp_scene_destroy(swp_scene* scene);

@@ -52,9 +52,9 @@ enum {
   SWP_FRAME_BAIL_OUT = 8 /* over the bail-out limit */
 };
 
-/* The shadow lane is a thread that measures the inactive arms. It also prepares the next arm before
- * a switch, so that the switching frame takes no longer than others (shadow.h). A posted switch
- * then waits some frames; one for a bail-out does not. */
+/* The shadow lane is a thread that measures the inactive arms. It also prepares the next arm
+ * before a switch, so that the frame of the switch takes no longer than others (shadow.h). For
+ * that, a commanded switch waits some frames. A switch because of a bail-out does not wait. */
 typedef uint32_t swp_shadow_mode;
 enum {
   SWP_SHADOW_OFF = 0,
@@ -207,10 +207,10 @@ typedef struct swp_decision {
  * settling, 4,096 samples, the calling thread alone, and no shadow lane. */
 SWP_API swp_result swp_session_options_init(swp_session_options* options);
 
-/* `options` NULL uses the defaults. SWP_NOT_FOUND lists the backends. SWP_RESOURCE_EXHAUSTED if the
- * system has no more threads. */
+/* Makes a session. `options` NULL uses the defaults. SWP_NOT_FOUND for an unknown arm; the
+ * message lists the backends. SWP_RESOURCE_EXHAUSTED if the system cannot create a thread. */
 SWP_API swp_result swp_session_create(const swp_session_options* options, swp_session** session);
-/* No other call may be in progress. */
+/* Destroys the session. No other call of it may be in progress. */
 SWP_API void swp_session_destroy(swp_session* session);
 
 /* The frame thread calls these functions in this order. begin_frame and end_frame are called once
@@ -219,10 +219,10 @@ SWP_API void swp_session_destroy(swp_session* session);
 
 /* Executes a pending switch, if any. */
 SWP_API swp_result swp_session_begin_frame(swp_session* session);
-/* The active backend receives these boxes, whose count may change as in swp_world_update, and
- * searches. A frame with substeps or several fixed updates calls it for each; together they are one
- * sample. After SWP_RESOURCE_EXHAUSTED (memory) there are no pairs until the next search, which
- * rebuilds; end the frame as usual. */
+/* Passes the boxes to the active backend and searches for pairs. The number of boxes may change
+ * as in swp_world_update. In a frame with substeps or several fixed updates, call it for each of
+ * them; together they are one sample. After SWP_RESOURCE_EXHAUSTED (memory) there are no pairs
+ * until the next search, which rebuilds; end the frame as usual. */
 SWP_API swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes,
                                           uint32_t box_count);
 /* The pairs of the latest search, in the library's memory, which any thread may read until the next
@@ -230,8 +230,8 @@ SWP_API swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* 
  * search failed. */
 SWP_API swp_result swp_session_pairs(const swp_session* session, const swp_pair** pairs,
                                      uint64_t* count);
-/* `frame_time_ns` is the unscaled time since the previous end; `flags` may contain SWP_FRAME_PAUSED
- * and SWP_FRAME_LOADING. */
+/* Ends the frame. `frame_time_ns` is the unscaled time since the previous end_frame. `flags` may
+ * contain SWP_FRAME_PAUSED and SWP_FRAME_LOADING. */
 SWP_API swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns,
                                          uint32_t flags);
 
@@ -250,7 +250,7 @@ SWP_API swp_result swp_session_select_arm(swp_session* session, const char* arm)
 /* Sets the mode. In SWP_MODE_MANUAL posted commands are refused unless their reason is
  * SWP_SWITCH_MANUAL. */
 SWP_API swp_result swp_session_set_mode(swp_session* session, swp_mode mode);
-/* The session's current mode, active arm and number of switches. */
+/* The session's current mode, active arm, and number of executed switches. */
 SWP_API swp_result swp_session_mode(const swp_session* session, swp_mode* mode);
 SWP_API swp_result swp_session_active_arm(const swp_session* session, uint32_t* arm);
 SWP_API swp_result swp_session_switch_epoch(const swp_session* session, uint32_t* switch_epoch);
@@ -266,25 +266,25 @@ SWP_API swp_result swp_session_arm_name(const swp_session* session, uint32_t arm
                                         const char** name);
 SWP_API swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
                                            uint32_t* backend_version);
-/* The latest verdict, of the attached decider or of the link's daemon; SWP_VERDICT_UNKNOWN before
- * the first. It is one atomic read, so a game may call it each frame and react:
+/* The latest verdict of the attached decider or of the link's daemon; SWP_VERDICT_UNKNOWN before
+ * the first. Reading it is one atomic load, so a game may call this function in each frame and
+ * react:
  *
  *   swp_verdict verdict;
  *   if (swp_session_verdict(session, &verdict) == SWP_OK && verdict.kind == SWP_VERDICT_DEGRADED) {
  *     spawn_fewer_objects();
- *   }
- */
+ *   } */
 SWP_API swp_result swp_session_verdict(const swp_session* session, swp_verdict* verdict);
-/* The latest decision of the attached decider, or command of the daemon, with its reasons. Its
- * outcome is SWP_DECISION_NONE before the first. It stays when the decider is detached. Lock-free;
- * the frame thread does not wait for it. */
+/* The latest decision of the attached decider, with its reasons, or the latest command of the
+ * daemon. The outcome is SWP_DECISION_NONE before the first. The value is kept when the decider
+ * is detached. Lock-free; the frame thread does not wait for it. */
 SWP_API swp_result swp_session_last_decision(const swp_session* session, swp_decision* decision);
-/* The outcome of the latest switch that has settled or was refused, or of the end of a trial,
- * whatever caused it; all 0 before the first. Lock-free; draining does not remove it. */
+/* The latest outcome: of a switch that has settled or was refused, or of the end of a trial. All
+ * 0 before the first. Lock-free. */
 SWP_API swp_result swp_session_last_outcome(const swp_session* session,
                                             swp_switch_outcome* outcome);
-/* The numbers of samples, and of switch outcomes and descriptors together, that full queues have
- * dropped since the session began. Either pointer may be NULL. */
+/* The numbers of items that full queues have dropped since the session began: samples, and
+ * switch outcomes and descriptors together. Either pointer may be NULL. */
 SWP_API swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
                                        uint64_t* note_count);
 

@@ -49,8 +49,8 @@ typedef struct swp_counters {
   uint32_t reserved;          /* 0 */
 } swp_counters;
 
-/* The number of backends, and their names, which stay valid; NULL for an index of
- * swp_backend_count() or above. Any thread, any time. */
+/* The number of backends, and the name of each. Names stay valid. The name is NULL if `index` is
+ * swp_backend_count() or more. Any thread, at any time. */
 SWP_API uint32_t swp_backend_count(void);
 SWP_API const char* swp_backend_name(uint32_t index);
 
@@ -74,8 +74,8 @@ SWP_API swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uin
 /* Finds each overlapping pair. A second call without a build or update in between does nothing.
  * SWP_FAILED_PRECONDITION before a build. */
 SWP_API swp_result swp_world_find_pairs(swp_world* world);
-/* The pairs of the search, each once, in the library's memory, which any thread may read until the
- * next build or update. SWP_FAILED_PRECONDITION before the search. */
+/* Writes the pairs of the search, each once. They are in the library's memory, which any thread
+ * may read until the next build or update. SWP_FAILED_PRECONDITION before the search. */
 SWP_API swp_result swp_world_pairs(const swp_world* world, const swp_pair** pairs, uint64_t* count);
 
 /* The counters of the latest build or update and search, and the memory that the world holds. */

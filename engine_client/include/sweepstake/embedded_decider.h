@@ -1,17 +1,16 @@
 // "AI Decides" without a daemon: the daemon's decision core runs in the game process and starts
 // from priors.
 //
-// ExportPriors saves what is learnt. It returns the priors together with what was learnt since.
-// The result serves the next run, or a daemon (`sweepstake priors import`):
+// ExportPriors returns the priors that the decider started from, together with what it has learnt
+// since. Use the result in the next run, or import it into a daemon (`sweepstake priors import`):
 //
 //   options.source_id = installation_id;              // the same in each run
 //   options.priors_data = ReadSave("priors.json");    // empty in the first run
 //   ... the game runs ...
 //   WriteSave("priors.json", decider->ExportPriors());
 //
-// The owner drives it from one thread of its choice: a worker, or the frame thread of a game that
-// accepts the cost of a decision every 2 s. It is not thread-safe otherwise. It needs no gRPC, no
-// network and no thread of its own.
+// Not thread-safe. The owner calls it from one thread: a worker, or the frame thread if the game
+// accepts the cost of a decision every 2 s. It needs no gRPC, no network and no thread of its own.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +36,7 @@ struct ArmBelief {
   std::optional<ArmStanding> standing{};
 };
 
-// One decision, as EmbeddedOptions::on_decision gets it.
+// One decision, as passed to EmbeddedOptions::on_decision.
 struct DecisionEvent {
   uint64_t decision_id = 0;  // counts from 1
   uint64_t time_ns = 0;      // on the clock of the caller's now_ns
@@ -84,7 +83,8 @@ struct EmbeddedOptions {
   uint64_t seed = 1;
   double time_scale = 1;  // 1–1000: divides every interval except the bail-out limit
   // Time between decisions, 1 ns to 100 days. A decision learns from the mean over this time. Half
-  // of the time doubles the noise and the cost, and detects a change twice as fast.
+  // the time doubles the variance of the mean and the cost of deciding, but a change is detected
+  // twice as fast.
   uint64_t decision_interval_ns = 2'000'000'000;
   // Minimum time from an executed switch to the next one that the policy chooses, at most 100 days.
   // Some policies wait less after a cheap switch. Bail-outs do not wait.
@@ -93,23 +93,23 @@ struct EmbeddedOptions {
   // twice this time; with 0 no trials are made.
   uint64_t settling_ns = 2'000'000'000;
   // The frame-rate floor in frames/s, 0–1000. A scene whose best arm is slower gets the verdict
-  // degraded; with 0 no scene does.
+  // kDegraded. With 0, no scene does.
   double fps_floor = 30;
   Mode mode = Mode::kAi;
   // Called with every decision, on the thread that drives the decider. It must not call the
   // decider.
   std::function<void(const DecisionEvent&)> on_decision = nullptr;
-  // Called with every row of the audit log under the same rules. A row is one or more lines of CSV
-  // without the last line end; EmbeddedDecider::AuditHeader() is the header. Null: no log is
-  // written.
+  // Called with every row of the audit log, on the thread that drives the decider; it must not call
+  // the decider. A row is one or more lines of CSV without the last line end.
+  // EmbeddedDecider::AuditHeader() is the header. Null: no log is written.
   std::function<void(std::string_view row)> on_audit_row = nullptr;
 };
 
 class EmbeddedDecider {
  public:
-  // `arms` and `arm_versions` are as in AdaptiveBroadPhase. Returns kInvalidArgument,
-  // kNotFound (no such file), or kDataLoss (broken priors; the message is one line and names the
-  // record).
+  // Makes a decider. `arms` and `arm_versions` are those of the AdaptiveBroadPhase. Errors:
+  // kInvalidArgument, kNotFound (no such file), kDataLoss (broken priors; the message is one line
+  // and names the record).
   static Result<std::unique_ptr<EmbeddedDecider>> Create(const EmbeddedOptions& options,
                                                          std::span<const std::string> arms,
                                                          std::span<const uint32_t> arm_versions,
@@ -135,8 +135,8 @@ class EmbeddedDecider {
   void Observe(const SceneDescriptor& descriptor);
   void SetMode(Mode mode, uint32_t active_arm, uint64_t now_ns);
 
-  // Makes a decision if one is due. The caller posts a returned command into the mailbox. The
-  // command may be that of an earlier bail-out.
+  // Makes a decision if one is due, and returns its command, if any. The returned command may also
+  // come from an earlier bail-out. The caller must post it into the mailbox.
   std::optional<SwitchCommand> Poll(uint64_t now_ns);
 
   // Returns the settling time divided by the time scale, for AdaptiveBroadPhase::SetSettling.
@@ -147,8 +147,8 @@ class EmbeddedDecider {
   // Returns the latest decision, with its reasons; absent before the first.
   const std::optional<DecisionEvent>& last_decision() const;
   uint64_t decision_count() const;
-  // Returns the number of sources (sessions) in the priors that it started from; 0: it started from
-  // Beta(1,1).
+  // Returns the number of sources (sessions) in the priors that the decider started from; 0 if it
+  // started from Beta(1,1).
   uint64_t prior_source_count() const;
   // Returns the text of a priors file with all given records and the evidence learnt since. If the
   // text is imported or merged with other priors, each piece of evidence counts once, however often

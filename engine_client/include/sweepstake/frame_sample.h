@@ -17,8 +17,8 @@ enum FrameFlag : uint32_t {
   kFrameBailOut = 8,  // over the bail-out limit
 };
 
-// A frame may search several times, once per substep. Its times and checks are then sums. Its
-// counts of bytes, pairs and objects are those of its latest search.
+// The cost of one frame. A frame may search several times, once per substep. Times and checks are
+// then summed; bytes, pairs and objects are those of the latest search.
 struct FrameSample {
   uint64_t frame_index = 0;        // counts from the start of the session
   uint64_t frame_time_ns = 0;      // unscaled time of the whole frame
@@ -35,7 +35,7 @@ struct FrameSample {
 static_assert(sizeof(FrameSample) == 64);
 static_assert(std::is_trivially_copyable_v<FrameSample>);
 
-// The properties of a scene that matter to a broad phase; a negative value was not measured.
+// The properties of a scene that matter to a broad phase. A negative value means "not measured".
 struct SceneDescriptor {
   float object_count = -1;
   float density_ratio = -1;     // sum of AABB volumes ÷ volume of their common bounds
@@ -52,9 +52,9 @@ enum ShadowFlag : uint32_t {
   kShadowCapped = 2,  // a cap of the lane ended the visit; the times are those until then
 };
 
-// One visit of the shadow lane: the cost of an arm off the frame thread, on copies of consecutive
-// frames' boxes. Visits with the same first_frame_index were measured on the same frames and form a
-// sweep; it includes the arm that was active then.
+// One visit of the shadow lane: the cost of an arm, measured on the lane's thread with copies of
+// consecutive frames' boxes. Visits with the same first_frame_index form a sweep: they were
+// measured on the same frames. One of them is of the arm that was active then.
 struct ShadowSample {
   uint64_t first_frame_index = 0;
   uint64_t detection_time_ns = 0;  // time to update and search, median of the measured frames
@@ -161,8 +161,8 @@ struct LastDecision {
   static constexpr size_t kMaxArms = 32;
 
   uint64_t decision_id = 0;  // counts from 1; 0 if a daemon decides, which does not send it
-  // When the decision was made, or received from the daemon; its age is the time since then. The
-  // clock is SteadyClock() with a Session, otherwise the one of now_ns.
+  // Time of the decision, or of receiving it from the daemon. The clock is SteadyClock() with a
+  // Session, otherwise the clock of `now_ns`.
   uint64_t time_ns = 0;
   uint32_t active_arm = 0;
   DecisionOutcome outcome = DecisionOutcome::kKept;
@@ -187,9 +187,9 @@ struct SwitchOutcome {
   uint64_t settling_cost_ns = 0;
   SwitchReason reason = SwitchReason::kPolicy;
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
-  // Set if the switch ends a trial that was too expensive; 0 for any other switch. The detection
-  // time is that of the shorter of the two frames over the limit. If the budget was exceeded, it is
-  // at most the mean of the trial. trial_arm is the arm that was tried.
+  // Set only if the switch ends a trial that was too expensive; otherwise 0. If two frames in a row
+  // were over the limit, it is the detection time of the shorter one. If the budget was exceeded,
+  // it is at most the mean of the trial. trial_arm is the arm that was tried.
   uint64_t trial_detection_time_ns = 0;
   uint32_t trial_arm = 0;
 };

@@ -33,7 +33,7 @@
 namespace sweepstake {
 
 // All functions may be called on any thread, several at a time. They must not throw or call the
-// library. `user` is Hooks::user.
+// library. `user` is the value of Hooks::user.
 struct Hooks {
   void* user = nullptr;  // borrowed until the hooks are replaced
 
@@ -65,11 +65,12 @@ struct Hooks {
 // from the present hooks. REQUIRES: no other thread uses the library.
 Status SetHooks(const Hooks& hooks);
 
-// Allocates like the library itself, for code that wants its memory in the same place. Never
-// returns null; without memory it ends as described at OutOfMemory(). `bytes` of 0 counts as 1. Any
-// thread.
+// Allocates memory as the library itself does, for code that wants its memory in the same place.
+// Never returns null; if memory runs out, it ends as described at OutOfMemory(). `bytes` 0 counts
+// as 1. Any thread.
 void* AllocateMemory(size_t bytes, size_t alignment);
-// `pointer` may be null. Any thread.
+// Frees memory of AllocateMemory, with the same `bytes` and `alignment`. `pointer` may be null. Any
+// thread.
 void ReleaseMemory(void* pointer, size_t bytes, size_t alignment) noexcept;
 
 // Ends a call that needs memory when none is left. A library built with exceptions throws

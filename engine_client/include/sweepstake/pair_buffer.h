@@ -15,13 +15,14 @@ namespace sweepstake {
 
 class PairBuffer {
  public:
-  // Spare room beyond the count passed to EnsureRoom, in pairs: a vector store may overrun that
-  // count by one register.
+  // Extra room, in pairs, beyond the count passed to EnsureRoom, because a vector store may write
+  // one register beyond that count.
   static constexpr size_t kSlack = 64;
 
   PairBuffer() = default;
   ~PairBuffer() { Release(); }
-  // A move swaps the two buffers: the other one stays usable, and is empty if this one was new.
+  // A move swaps the two buffers. So the moved-from buffer stays usable; it is empty if this one
+  // was new.
   PairBuffer(PairBuffer&& other) noexcept { *this = std::move(other); }
   PairBuffer& operator=(PairBuffer&& other) noexcept {
     std::swap(storage_, other.storage_);
@@ -46,9 +47,9 @@ class PairBuffer {
     ++size_;
   }
 
-  // Makes room for `count` more pairs plus kSlack, and returns the end of the array, where they
-  // belong. The caller writes them and calls Advance with their number. If memory runs out the
-  // content is unchanged (OutOfMemory).
+  // Makes room for `count` more pairs plus kSlack. Returns the end of the array, where the caller
+  // writes them before it calls Advance with their number. If memory runs out (OutOfMemory), the
+  // content is unchanged.
   OverlapPair* EnsureRoom(size_t count) {
     if (size_ + count > capacity_ || storage_ == nullptr) Grow(size_ + count);
     return storage_ + size_;

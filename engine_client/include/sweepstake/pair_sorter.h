@@ -19,8 +19,8 @@ class PairSorter {
   PairSorter(PairSorter&&) noexcept;
   PairSorter& operator=(PairSorter&&) noexcept;
 
-  // Keeps duplicate pairs. If memory runs out, it ends as described at OutOfMemory() (hooks.h); the
-  // order is then unspecified, but no pair is lost.
+  // Sorts the pairs; duplicates are kept. If memory runs out, it ends as described at OutOfMemory()
+  // (hooks.h). The order is unspecified then, but no pair is lost.
   void Sort(std::span<OverlapPair> pairs);
 
   size_t native_bytes() const;

@@ -88,7 +88,7 @@ struct ProxyHandle {
 };
 static_assert(sizeof(ProxyHandle) == 8);
 
-// This bit is set in the ids of proxies that were added as static, and only there.
+// An id has this bit if and only if its proxy was added as static.
 inline constexpr uint32_t kStaticProxyBit = 0x80000000U;
 
 // The kinds that a proxy belongs to (category) and those that it collides with (mask), as bit sets.
@@ -186,27 +186,29 @@ class ProxySet {
   // handles as boxes.
   void AddMany(std::span<const Aabb> boxes, std::span<const ProxyOptions> options,
                std::span<ProxyHandle> handles);
-  // Returns false if the handle has no proxy, as the calls below do.
+  // Removes the proxy. Returns false if the handle has no proxy, as all functions below with a bool
+  // result do.
   bool Remove(ProxyHandle handle);
   // If one of the handles has no proxy, returns false and removes nothing.
   bool RemoveMany(std::span<const ProxyHandle> handles);
 
-  // Cost: O(1). Moving a static proxy costs as much as an Add. A bitwise equal box changes nothing,
-  // so an engine may send the boxes of all its objects in each step.
+  // Sets the box. Cost: O(1) for a moving proxy; as much as an Add for a static one. A bitwise
+  // equal box changes nothing, so an engine may send the boxes of all its objects in each step.
   bool Move(ProxyHandle handle, const Aabb& box);
   // Gives boxes[k] to handles[k]. If one of the handles has no proxy, returns false and moves
   // nothing. REQUIRES: equal sizes.
   bool Move(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes);
   bool SetFilter(ProxyHandle handle, const CollisionFilter& filter);
   bool SetUser(ProxyHandle handle, uint64_t user);
-  // Makes a moving proxy static, or a static one moving and awake, at the cost of an Add. Handle
-  // and id stay the same. A proxy that was added as static and now moves is searched by the set
-  // itself, not by the broad phase. Add proxies that move most of the time as moving.
+  // Makes a moving proxy static, or a static one moving and awake. Cost: that of an Add. Handle and
+  // id stay the same. A proxy that was added as static and is moving now is searched by the set
+  // itself, not by the broad phase, which costs more. So add proxies that move most of the time as
+  // moving.
   bool SetStatic(ProxyHandle handle, bool is_static);
-  // Marks a proxy that will not move: its pairs with other resting proxies are kept, and no search
-  // starts from it. Setting a different box wakes it. Pairs, events and queries do not depend on
-  // it. Does nothing for a static proxy. Cost: that of an Add; the next Resolve searches once among
-  // all resting proxies.
+  // Marks a proxy that will not move. Its pairs with other resting (static or sleeping) proxies are
+  // kept, and no search starts from it. Setting a different box wakes it. Pairs, events and queries
+  // are the same as without the mark. Does nothing for a static proxy. Cost: that of an Add; the
+  // next Resolve searches once among all resting proxies.
   bool SetSleeping(ProxyHandle handle, bool is_sleeping);
   bool is_sleeping(ProxyHandle handle) const;
 
@@ -323,11 +325,13 @@ class ProxySet {
   Status QuerySpheres(std::span<const Sphere> spheres, const CollisionFilter& filter,
                       std::span<ProxyHandle> out, std::span<size_t> ends) const;
 
-  // Does the work that the first query after a change would do.
+  // Updates the trees after changes, so that const queries may follow. Without it, the first
+  // non-const query after a change does the same work.
   void PrepareQueries();
 
-  // Returns how often a tree was refitted. Refits are the cost of queries after changes and of
-  // searching proxies outside moving_boxes(), in addition to the search itself.
+  // Returns how often a tree was refitted (its bounds were updated after changes). Queries after
+  // changes, and searches for proxies outside moving_boxes(), cost a refit in addition to the
+  // search.
   uint64_t refit_count() const;
   size_t native_bytes() const;
 

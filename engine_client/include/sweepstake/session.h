@@ -157,7 +157,7 @@ class Session {
   virtual void OnModeChange() = 0;
   // Sends the content of the queue and a goodbye within `deadline_ms`, then ends the thread. If the
   // daemon did not confirm in time that the last evidence is on disk, stats().last_error says so.
-  // Idempotent.
+  // May be called more than once.
   virtual void Stop(uint32_t deadline_ms = 500) = 0;
   virtual SessionStats stats() const = 0;
   // Returns EmbeddedDecider::ExportPriors(), from Start on and after Stop. Any thread except the

@@ -21,8 +21,9 @@ std::span<const std::string_view> SimdTargets();
 // Returns the member of SimdTargets() in use. Any thread.
 std::string_view SimdTarget();
 
-// Uses this instruction set and none that is better. kInvalidArgument: not one of SimdTargets(),
-// which the message lists; nothing changes then. REQUIRES: no broad phase is running.
+// Uses this instruction set, and no better one. Error kInvalidArgument: `name` is not one of
+// SimdTargets(), which the message lists; nothing changes then. REQUIRES: no broad phase is
+// running.
 Status UseSimdTarget(std::string_view name);
 
 // Uses the instruction set named by the environment variable SWEEPSTAKE_CLIENT_SIMD, if it is set,
