@@ -1,5 +1,5 @@
-// The boundary between C++ and C: results, the message of the latest failure, the guard that
-// catches all exceptions of an exported function, and checks of boxes and pairs. Thread-safe: each
+// The boundary between C++ and C: converts results, keeps the message of the latest failure,
+// catches all exceptions of exported functions, and checks boxes and pairs. Thread-safe: each
 // thread has its own message.
 #pragma once
 
@@ -13,8 +13,8 @@
 
 namespace sweepstake::c_api {
 
-// Stores the message for swp_last_error, cut to 1,023 bytes, and returns `result`. Does not
-// allocate.
+// Stores the message for swp_last_error, cut to 1,023 bytes, and returns `result`. Allocates
+// nothing.
 swp_result Fail(swp_result result, std::string_view message) noexcept;
 
 // Returns SWP_OK, or Fail with the status's code and message.
@@ -23,7 +23,7 @@ swp_result ToResult(const Status& status) noexcept;
 // Fails with "NAME must not be NULL".
 swp_result NullArgument(std::string_view name) noexcept;
 
-// Runs `body`, which returns a swp_result, and converts an exception into a result.
+// Runs `body`, which returns a swp_result. If it throws an exception, returns a failure instead.
 template <typename Body>
 swp_result Guard(const Body& body) noexcept {
   return CatchOutOfMemory(
@@ -36,7 +36,7 @@ inline std::string_view TextOr(const char* text, std::string_view absent) {
   return text == nullptr ? absent : std::string_view(text);
 }
 
-// Returns SWP_OK if `boxes` may be passed to a backend as `count` boxes.
+// Returns SWP_OK if `boxes` can be passed to a backend as an array of `count` boxes.
 inline swp_result CheckBoxes(const swp_aabb* boxes, uint32_t count) noexcept {
   if (boxes == nullptr && count > 0) return NullArgument("boxes");
   if (count > 0x7fffffffU) return Fail(SWP_INVALID_ARGUMENT, "more than 2147483647 boxes");
@@ -47,14 +47,14 @@ inline std::span<const Aabb> ToBoxes(const swp_aabb* boxes, uint32_t count) {
   return {reinterpret_cast<const Aabb*>(boxes), count};
 }
 
-// Fails because a buffer of the caller is too small.
+// Returns the failure for a buffer of the caller that is too small.
 inline swp_result TooFewPlaces() noexcept {
   return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer is too small for the results");
 }
 
 inline constexpr swp_result kOk = SWP_OK;
 
-// Writes a pointer to the library's own memory and its element count.
+// Writes the address and the number of the pairs, which stay in the library's memory.
 template <typename From, typename To>
 swp_result GivePairs(std::span<From> pairs, const To** first, uint64_t* count) noexcept {
   static_assert(sizeof(From) == sizeof(To));

@@ -1,4 +1,4 @@
-// The threads of a world, a session or a set of proxies: the caller's executor, or a pool of the
+// Makes the executor of a world, a session or a set of proxies: the caller's own, or a pool of the
 // library.
 //
 // Thread safety: as Executor (sweepstake/executor.h).
@@ -12,8 +12,8 @@
 
 namespace sweepstake::c_api {
 
-// Leaves `executor` null if only the calling thread is requested. SWP_INVALID_ARGUMENT for values
-// that are out of range or contradict each other.
+// Sets `executor`, or leaves it null if only the calling thread is requested. SWP_INVALID_ARGUMENT
+// if a value is out of range, or if `thread_count` contradicts `given`.
 swp_result MakeExecutor(uint32_t thread_count, const swp_executor* given,
                         std::unique_ptr<Executor>& executor);
 

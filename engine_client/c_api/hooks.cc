@@ -1,4 +1,4 @@
-// Converts the C hooks, whose sizes are uint64_t, to those of hooks.h.
+// Converts the C hooks, whose sizes are uint64_t, to the hooks of hooks.h.
 #include "sweepstake/hooks.h"
 
 #include "engine_client/c_api/boundary.h"
@@ -12,7 +12,8 @@ using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 constexpr swp_hooks kNoHooks = {sizeof(swp_hooks), 0,       nullptr, nullptr, nullptr,
                                 nullptr,           nullptr, nullptr, nullptr};
 
-// The hooks in use, and room for the next ones: if those are refused, the present ones stay.
+// One slot has the hooks in use, the other receives new ones. If SetHooks rejects the new ones, the
+// slot in use stays the same.
 constinit swp_hooks given_hooks[2] = {kNoHooks, kNoHooks};
 constinit size_t present_slot = 0;
 
@@ -64,7 +65,7 @@ swp_result swp_set_hooks(const swp_hooks* hooks) {
     const swp_result wrong = TakeOptions("swp_hooks", hooks, known);
     if (wrong != SWP_OK) return wrong;
     if (known.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
-    if (swp_live_count(SWP_KIND_ANY) > 0) {  // its threads read the hooks
+    if (swp_live_count(SWP_KIND_ANY) > 0) {  // the threads of objects read the hooks
       return Fail(SWP_FAILED_PRECONDITION,
                   "an object exists: set hooks before the first is made or after the last ends");
     }

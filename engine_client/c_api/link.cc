@@ -1,4 +1,4 @@
-// The session with a daemon over the caller's transport: a SessionLink behind a lock.
+// The session with a daemon over the caller's transport: a SessionLink that is protected by a lock.
 #include <cstring>
 #include <mutex>
 #include <string>
@@ -45,7 +45,7 @@ struct Link : LinkedSession {
     owner->content->adaptive->SetDeciderPresent(false);
     owner->content->adaptive->SetSettling(owner->content->settling_ns);
     owner->content->adaptive->SetBailOutLimit(owner->content->bail_out_ns);
-    owner->content->link = nullptr;  // last: from now on a decider may be attached
+    owner->content->link = nullptr;  // last, because a decider may be attached after it
   }
 
   std::mutex mutex;  // guards the members below
@@ -127,8 +127,8 @@ swp_result CreateLink(swp_session& session, const swp_link_options& given, swp_l
   return SWP_OK;
 }
 
-// Runs `body` with the link under its lock, and keeps the session from being freed. Only the link
-// stores a failure, because the session stores its own errors.
+// Runs `body` with the link while its lock is held; the session cannot be freed during that time. A
+// failure is stored as the link's error only. The session has its own errors.
 template <typename Body>
 swp_result UseLink(swp_link* link, const Body& body) noexcept {
   return Use(link, [&](Link& live) {
@@ -180,7 +180,7 @@ swp_link_stats ToStats(const SessionStats& stats, bool closed) {
           stats.awaits_acknowledgement ? 1U : 0U};
 }
 
-// Returns null for an unknown text.
+// Returns the text that `which` selects, or null if `which` is unknown.
 const std::string* TextOf(const SessionStats& stats, swp_link_text which) {
   switch (which) {
     case SWP_LINK_LAST_ERROR:

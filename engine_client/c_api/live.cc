@@ -9,8 +9,8 @@
 
 namespace sweepstake::c_api {
 
-// The list of all objects of the process. It is the library's only global state, and serves hosts
-// that have lost their handles.
+// The list of all objects of the process. It is the library's only global state. swp_shutdown_all
+// needs it for hosts that have lost their handles.
 class Registry {
  public:
   void Add(LiveObject& object) noexcept {
@@ -36,7 +36,7 @@ class Registry {
     return count;
   }
 
-  // Marks all objects as ended, so that no further call begins.
+  // Marks all objects as ended, so that no new call of them begins.
   void EndAll() noexcept {
     const std::lock_guard lock(mutex_);
     for (LiveObject* object = first_; object != nullptr; object = object->next_) {
@@ -46,7 +46,7 @@ class Registry {
 
   enum class Freed { kOne, kNoneLeft, kOthersInCalls };
 
-  // Frees the content of one object that has ended and is in no call.
+  // Frees the content of one object that has ended and has no call in progress.
   Freed FreeOne() noexcept {
     const std::lock_guard lock(mutex_);
     Freed freed = Freed::kNoneLeft;
@@ -60,7 +60,8 @@ class Registry {
     return freed;
   }
 
-  // Copies the object's latest failure; returns false if no object has this address.
+  // Copies the object's latest failure to `text`. Returns false if no object has the address
+  // `handle`.
   bool ErrorOf(const void* handle, char* text, uint32_t capacity) noexcept {
     const std::lock_guard lock(mutex_);
     const LiveObject* object = first_;
@@ -76,7 +77,7 @@ class Registry {
 
  private:
   std::mutex mutex_;
-  LiveObject* first_ = nullptr;  // the latest first, so that dependent objects end first
+  LiveObject* first_ = nullptr;  // newest first, so that objects end before those they depend on
 };
 
 namespace {
@@ -88,8 +89,8 @@ Registry registry;
 void Register(LiveObject& object) noexcept { registry.Add(object); }
 void Unregister(LiveObject& object) noexcept { registry.Remove(object); }
 
-// Does not wait if another call of the object stores a failure or a reader copies it at this
-// moment. The failure is then stored for the thread only.
+// Stores the thread's latest failure in the object too. If another call is storing a failure in it,
+// or a reader is copying one, it does not wait: the failure is then stored for the thread only.
 void LiveObject::KeepError() const noexcept {
   if (writing_error_.test_and_set()) return;
   const char* const message = swp_last_error();

@@ -1,13 +1,14 @@
-// The object behind a C handle. The object is small and stores whether its content lives. _destroy
-// frees the content, and so does swp_shutdown_all for a host that has lost its handles. After
-// swp_shutdown_all the object itself stays, so that a later use of the handle fails with an error
-// instead of accessing freed memory.
+// The object behind a C handle. The object is small and has a pointer to its content. _destroy
+// frees both. For a host that has lost its handles, swp_shutdown_all frees the content of every
+// object. The objects themselves stay, so that a later use of a handle fails with an error instead
+// of accessing freed memory.
 //
-// Thread safety: a call that may change the object counts itself in, so that swp_shutdown_all frees
-// nothing under it. That takes two atomic additions and no lock. A call of a const object only
-// checks whether the content lives; it may run beside other const calls, but not beside
-// swp_shutdown_all. Objects are made and destroyed under one lock. Apart from that only
-// swp_live_count, swp_last_error_of and swp_shutdown_all take this lock.
+// Thread safety: a call that may change the object is counted while it runs, so that
+// swp_shutdown_all frees no content in use. Counting takes two atomic additions and no lock. A call
+// that takes the object as const only checks whether the content exists. It may run at the same
+// time as other const calls, but not during swp_shutdown_all. One lock protects the list of
+// objects. _create, _destroy, swp_live_count, swp_last_error_of and swp_shutdown_all take it; no
+// other function does.
 #pragma once
 
 #include <array>
@@ -31,7 +32,8 @@ class LiveObject {
   swp_kind kind() const { return kind_; }
   bool has_ended() const noexcept { return ended_; }
 
-  // Returns false if the content was freed or is about to be. Otherwise it stays alive until Leave.
+  // Begins a call. Returns true if the content exists; it is not freed before Leave. Returns false
+  // if the content was freed or will be.
   bool Enter() noexcept {
     ++call_count_;
     if (!ended_) return true;
@@ -40,7 +42,7 @@ class LiveObject {
   }
   void Leave() noexcept { --call_count_; }
 
-  // Stores this thread's latest failure as that of the object.
+  // Stores this thread's latest failure as the object's latest failure too.
   void KeepError() const noexcept;
 
  private:
@@ -50,8 +52,8 @@ class LiveObject {
   virtual void FreeContent() noexcept = 0;
 
   const swp_kind kind_;
-  // Sequentially consistent with call_count_: either a call sees that the object has ended, or
-  // swp_shutdown_all sees the call.
+  // Both atomics are sequentially consistent. So either a new call sees that the object has ended,
+  // or swp_shutdown_all sees that the call is in progress.
   std::atomic<bool> ended_ = false;
   std::atomic<uint32_t> call_count_ = 0;
   mutable std::atomic_flag writing_error_ = {};
@@ -61,7 +63,7 @@ class LiveObject {
   LiveObject* previous_ = nullptr;
 };
 
-// The type of every handle: swp_world is Handle<World>, and so on.
+// The type of every handle. For example, swp_world is derived from Handle<World>.
 template <typename ContentType>
 class Handle : public LiveObject {
  public:
@@ -79,10 +81,11 @@ class Handle : public LiveObject {
 void Register(LiveObject& object) noexcept;
 void Unregister(LiveObject& object) noexcept;
 
-// Fails with "swp_shutdown_all has ended this NAME: …", and stores the message in the object.
+// Fails with "swp_shutdown_all has ended this NAME: …", and stores that message in the object.
 swp_result Ended(const LiveObject& object, std::string_view name) noexcept;
 
-// Passes the ownership of `content` to the caller, as a new object.
+// Makes a new object with `content`, which the caller of the C ABI owns from then on, and sets
+// `*object` to it.
 template <typename Object, typename Content>
 void Publish(std::unique_ptr<Content> content, Object** object) {
   auto made = std::make_unique<Object>(std::move(content));
@@ -97,8 +100,8 @@ void Destroy(Object* object) noexcept {
   delete object;
 }
 
-// Runs `body` with the content, converts exceptions into results, and stores a failure in the
-// object. A body that returns nothing succeeds.
+// Runs `body` with the content. An exception becomes a failure, and a failure is stored in the
+// object. A body without a result succeeds.
 template <typename Object, typename Content, typename Body>
 swp_result RunWith(const Object& object, Content& content, const Body& body) noexcept {
   const swp_result result = Guard([&] {
@@ -113,8 +116,8 @@ swp_result RunWith(const Object& object, Content& content, const Body& body) noe
   return result;
 }
 
-// The common part of every function with a handle: refuses NULL and an object that has ended, then
-// runs `body`.
+// Does what every function with a handle needs: fails for NULL and for an object that has ended,
+// otherwise runs `body` with the content.
 template <typename Object, typename Body>
 swp_result Use(Object* object, const Body& body) noexcept {
   using Content = typename Object::Content;
@@ -130,7 +133,7 @@ swp_result Use(Object* object, const Body& body) noexcept {
   }
 }
 
-// Reads a value of the content into `*out`, which an error calls `name`.
+// Writes read(content) to `*out`. If `out` is NULL, the error calls it `name`.
 template <typename Object, typename Value, typename Read>
 swp_result Get(const Object* object, std::string_view name, Value* out, const Read& read) noexcept {
   return Use(object, [&](const auto& live) {

@@ -1,4 +1,4 @@
-// The C functions of ProxySet (proxy_set.h).
+// The C functions for sets of proxies (proxy_set.h).
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -26,7 +26,8 @@ using sweepstake::Sphere;
 using sweepstake::Status;
 using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 
-// The structs cross the boundary by pointer cast.
+// The C structs and the C++ structs have the same layout, because pointers to one are cast to the
+// other.
 static_assert(sizeof(swp_proxy) == sizeof(ProxyHandle));
 static_assert(std::endian::native == std::endian::little);  // index in the low bits of swp_proxy
 static_assert(sizeof(swp_proxy_pair) == sizeof(ProxyPair));
@@ -47,7 +48,7 @@ struct Proxies {
 
   std::unique_ptr<sweepstake::Executor> executor;  // outlives the set
   ProxySet set;
-  std::optional<std::span<const OverlapPair>> pairs;  // absent: nothing resolved yet
+  std::optional<std::span<const OverlapPair>> pairs;  // absent: there was no resolve yet
 };
 
 swp_result NoSuchProxy() {
@@ -110,7 +111,8 @@ ProxyOptions ToOptions(const swp_proxy_options& given) {
   return {ToFilter(given.filter), (given.flags & SWP_PROXY_STATIC) != 0, given.user};
 }
 
-// Adds proxies, and removes them again unless Keep is called, for example if memory runs out.
+// Adds proxies. Unless Keep is called, the destructor removes them again, for example if memory
+// runs out in the middle.
 class Batch {
  public:
   Batch(ProxySet& set, swp_proxy* added) : set_(set), added_(added) {}
@@ -131,21 +133,23 @@ class Batch {
   uint32_t count_ = 0;
 };
 
-// Converts the status of a query.
+// Returns the result of a query, with a message for SWP_FAILED_PRECONDITION that names the C
+// function.
 swp_result ToQueryResult(const Status& status) {
   if (status.code() != sweepstake::StatusCode::kFailedPrecondition) return ToResult(status);
   return Fail(SWP_FAILED_PRECONDITION,
               "call swp_proxies_prepare_queries first, and again after every change");
 }
 
-// Uses the beginning of the caller's array for a query's hits, which are smaller than swp_ray_hit.
+// Returns the beginning of the caller's array as an array of RayHit, which is not larger than
+// swp_ray_hit.
 std::span<RayHit> Packed(swp_ray_hit* hits, uint64_t capacity) {
   static_assert(sizeof(RayHit) <= sizeof(swp_ray_hit));
   return {reinterpret_cast<RayHit*>(hits), capacity};
 }
 
-// Converts the packed hits in place, from the last to the first, so that each is read before it is
-// overwritten.
+// Converts the hits of Packed in place. It goes from the last to the first, so that each hit is
+// read before it is overwritten.
 void Unpack(swp_ray_hit* hits, uint64_t count) {
   for (uint64_t k = count; k-- > 0;) {
     RayHit hit;
@@ -162,7 +166,8 @@ struct swp_proxies final : Handle<Proxies> {
 
 namespace {
 
-// Finds the proxies that touch each of the shapes. `names` are the required arguments in an error.
+// For each shape, finds the proxies that touch it. `names` is what errors call the required
+// arguments.
 template <typename Shape, typename Given>
 swp_result QueryShapes(const swp_proxies* proxies,
                        Status (ProxySet::*query)(std::span<const Shape>, const CollisionFilter&,
@@ -182,7 +187,7 @@ swp_result QueryShapes(const swp_proxies* proxies,
   });
 }
 
-// Finds the nearest hit of each of the moving shapes.
+// For each moving shape, finds its nearest hit.
 template <typename Shape, typename Given>
 swp_result CastShapes(const swp_proxies* proxies,
                       Status (ProxySet::*cast)(std::span<const Shape>, const CollisionFilter&,

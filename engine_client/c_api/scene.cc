@@ -56,7 +56,7 @@ struct swp_scene final : Handle<OwnScene> {
 
 uint32_t swp_scene_count(void) { return static_cast<uint32_t>(SceneNames().size()); }
 
-// The names are literals and therefore end with NUL.
+// Returns the name's data without copying: the names are literals, so they end with NUL.
 const char* swp_scene_name(uint32_t index) {
   const auto names = SceneNames();
   return index < names.size() ? names[index].data() : nullptr;

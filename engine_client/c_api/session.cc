@@ -1,4 +1,4 @@
-// The functions of a session's frame thread, and its options.
+// Creates and destroys sessions. Also contains the functions that the frame thread calls.
 #include "engine_client/c_api/session.h"
 
 #include <bit>
@@ -39,14 +39,14 @@ swp_session_options DefaultSessionOptions() {
   return options;
 }
 
-// Returns the names between the commas; empty for NULL and "".
+// Splits a list of names at its commas. Returns nothing for NULL and "".
 std::vector<std::string> Names(const char* list) {
   std::vector<std::string> names;
   std::string_view rest = TextOr(list, "");
   while (!rest.empty()) {
     const size_t comma = rest.find(',');
     names.emplace_back(rest.substr(0, comma));
-    // A comma at the end is followed by an empty name, which is refused as unknown.
+    // After a comma at the end there is an empty name. It will be rejected as an unknown arm.
     if (comma + 1 == rest.size()) names.emplace_back();
     rest = comma == std::string_view::npos ? "" : rest.substr(comma + 1);
   }

@@ -1,5 +1,5 @@
-// The content of a session: the frame path, the queue that it fills, and the consumer that empties
-// the queue.
+// The content of a session: the frame path, the queue that the frame path fills, and the consumer
+// that empties the queue (a decider or a link).
 #pragma once
 
 #include <atomic>
@@ -14,8 +14,9 @@
 
 namespace sweepstake::c_api {
 
-// A link's pointer to its session. Whichever ends first clears the other's pointer, because the
-// finalizers of a garbage collector run in any order.
+// The part of a link that its session accesses. The session and the link point to each other, and
+// whichever is destroyed first clears the other's pointer. Either may be first, because a garbage
+// collector runs finalizers in any order.
 struct LinkedSession {
   std::atomic<swp_session*> session;  // null: the session has ended
 };
@@ -32,22 +33,23 @@ struct LiveSession {
 
   SampleQueue queue;
   std::unique_ptr<Executor> executor;
-  // Destroyed before the queue (its sink) and the executor.
+  // Destroyed before the queue and the executor, because it uses both.
   std::unique_ptr<AdaptiveBroadPhase> adaptive;
-  // The session's own limits; a daemon's welcome replaces them while a link is attached.
+  // The session's own limits. While a link is attached, the daemon's welcome message replaces them.
   uint64_t settling_ns = 0;
   uint64_t bail_out_ns = 0;
 
   // Used by the frame thread.
   bool in_frame = false;                              // between begin_frame and end_frame
-  std::optional<std::span<const OverlapPair>> pairs;  // absent: not searched
+  std::optional<std::span<const OverlapPair>> pairs;  // absent: this frame has not searched
 
   // Used by the thread that polls the decider or drives the link.
   std::optional<DeciderLoop> decider_loop;     // absent: no decider is attached
-  std::atomic<LinkedSession*> link = nullptr;  // null: none is attached
+  std::atomic<LinkedSession*> link = nullptr;  // null: no link is attached
 };
 
-// Copies the beliefs to the caller's array of `capacity` places.
+// Copies the beliefs to the caller's array, which has `capacity` elements. Sets `count` in any
+// case.
 inline swp_result GiveBeliefs(std::span<const ArmBelief> known, swp_belief* beliefs,
                               uint32_t capacity, uint32_t* count) noexcept {
   *count = static_cast<uint32_t>(known.size());

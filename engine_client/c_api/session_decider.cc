@@ -1,4 +1,4 @@
-// The embedded decider of a session, which replaces a transport to a daemon.
+// The embedded decider of a session, which decides in the game process without a daemon.
 #include <algorithm>
 #include <utility>
 
@@ -61,7 +61,8 @@ swp_result Take(const swp_decider_options* given, EmbeddedOptions& options) {
   return SWP_OK;
 }
 
-// Passes the actual arm and epoch to a new decider, which assumes the first arm and epoch 0.
+// Passes the session's active arm and switch epoch to a new decider, which otherwise assumes the
+// first arm and epoch 0.
 void TellActiveArm(const AdaptiveBroadPhase& adaptive, EmbeddedDecider& decider, uint64_t now_ns) {
   const uint32_t arm = adaptive.active_arm();
   const uint32_t epoch = adaptive.switch_epoch();

@@ -7,11 +7,11 @@
 namespace sweepstake::c_api {
 namespace {
 
-// An upper bound for the size of all structs, in bytes. A struct_size that was never set is then
-// refused before memory beyond the struct is read.
+// Upper bound, in bytes, of the size of every struct. A struct_size that was never set is usually
+// above it and is rejected before memory beyond the struct is read.
 constexpr uint32_t kMaxBytes = 4096;
 
-// Reads only struct_size, because a struct of an invalid size may end after it.
+// Reads only struct_size, because a struct with an invalid size may end right after it.
 swp_result ReadSize(const SizedStruct& type, const void* given, uint32_t& size) noexcept {
   std::memcpy(&size, given, sizeof size);
   const auto earlier = type.earlier_sizes;

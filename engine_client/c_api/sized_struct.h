@@ -1,15 +1,16 @@
-// Checks the sizes of structs of the C ABI, so that structs can grow while compiled callers stay
-// the same. A struct whose first member is struct_size may grow at its end. Its caller sets
-// struct_size to the size it was compiled with, and the library accepts
+// Checks the sizes of structs of the C ABI, so that structs can grow without recompiling callers. A
+// struct whose first member is struct_size may get new members at its end. The caller sets
+// struct_size to the size that the struct had when the caller was compiled. The library accepts
+// - its own size: the struct is used unchanged
+// - the size of an earlier revision: the missing members get their defaults
+// - a larger size (of a newer caller): only if all bytes beyond the library's own size are zero and
+//   rejects every other size. Nothing beyond the caller's size is read or written.
 //
-//   its own size                      unchanged,
-//   the size of an earlier revision   with defaults for the missing members,
-//   a larger size (a newer caller)    if all bytes beyond the library's own size are zero,
-//
-// and refuses every other size. Nothing beyond the caller's size is read or written.
-//
-// To extend a struct: add fields at its end without padding, add its previous size to kEarlierSizes
-// below, increment SWP_ABI_REVISION, and write the golden files again (abi_test.py).
+// To extend a struct:
+// - add fields at its end, without padding
+// - add its previous size to kEarlierSizes below
+// - increment SWP_ABI_REVISION
+// - write the golden files again (abi_test.py)
 //
 // Thread safety: these functions have no state.
 #pragma once
@@ -33,14 +34,14 @@ struct SizedStruct {
   std::span<const uint32_t> earlier_sizes;
 };
 
-// Overwrites the beginning of `known`, which holds the defaults, with the caller's values.
+// Replaces the beginning of `known`, which has the defaults, by the caller's values.
 swp_result TakeSized(const SizedStruct& type, const void* given, void* known) noexcept;
 
-// Copies `known` to the caller's struct as far as it fits, and fills the rest with zeros;
-// struct_size stays unchanged.
+// Copies `known` to the caller's struct `out`, as far as it fits. If `out` is larger, the rest is
+// filled with zeros. struct_size is not changed.
 swp_result GiveSized(const SizedStruct& type, const void* known, void* out) noexcept;
 
-// Reads options of the caller; for NULL `options` keeps the defaults.
+// Reads a struct of options from the caller. If `given` is NULL, `options` keeps the defaults.
 template <typename Options>
 swp_result TakeOptions(std::string_view name, const Options* given, Options& options) noexcept {
   static_assert(offsetof(Options, struct_size) == 0);
@@ -48,7 +49,7 @@ swp_result TakeOptions(std::string_view name, const Options* given, Options& opt
   return TakeSized({name, sizeof(Options), kEarlierSizes<Options>}, given, &options);
 }
 
-// Writes to a struct of the caller.
+// Writes `known` to a struct of the caller.
 template <typename Struct>
 swp_result Give(std::string_view name, const Struct& known, Struct* out) noexcept {
   static_assert(offsetof(Struct, struct_size) == 0);

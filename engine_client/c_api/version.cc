@@ -7,10 +7,11 @@
 
 namespace {
 
-// The layouts of both sides meet here.
+// This file compares the layouts of the C structs with those of the C++ structs.
 using namespace sweepstake;  // NOLINT(google-build-using-namespace)
 
-// The structs cross the boundary by pointer cast.
+// The C structs and the C++ structs have the same layout, because pointers to one are cast to the
+// other.
 static_assert(sizeof(swp_aabb) == sizeof(Aabb) && sizeof(swp_aabb) == 24);
 static_assert(sizeof(swp_pair) == sizeof(OverlapPair) && sizeof(swp_pair) == 8);
 static_assert(sizeof(swp_frame_sample) == sizeof(FrameSample) && sizeof(swp_frame_sample) == 64);
@@ -19,7 +20,7 @@ static_assert(offsetof(swp_frame_sample, pair_count) == offsetof(FrameSample, pa
 static_assert(offsetof(swp_frame_sample, arm) == offsetof(FrameSample, arm));
 static_assert(offsetof(swp_frame_sample, flags) == offsetof(FrameSample, flags));
 static_assert(sizeof(swp_switch_command) == 16);
-static_assert(sizeof(swp_switch_outcome) == 40);  // without the members of a trial
+static_assert(sizeof(swp_switch_outcome) == 40);  // lacks the members about trials
 static_assert(offsetof(swp_switch_outcome, settling_cost_ns) ==
               offsetof(SwitchOutcome, settling_cost_ns));
 static_assert(offsetof(swp_switch_outcome, executed) == offsetof(SwitchOutcome, executed));

@@ -33,7 +33,7 @@ struct World {
   uint64_t search_time_ns = 0;
 };
 
-// Passes the boxes to the backend by calling `take`. An exception leaves the world unbuilt.
+// Passes the boxes to the backend by calling `take`. If it throws, the world counts as not built.
 template <typename Take>
 void TakeBoxes(World& world, uint32_t count, const Take& take) {
   world.built = false;
@@ -84,7 +84,7 @@ struct swp_world final : Handle<World> {
 
 uint32_t swp_backend_count(void) { return static_cast<uint32_t>(BroadPhaseNames().size()); }
 
-// The names are literals and therefore end with NUL.
+// Returns the name's data without copying: the names are literals, so they end with NUL.
 const char* swp_backend_name(uint32_t index) {
   const auto names = BroadPhaseNames();
   return index < names.size() ? names[index].data() : nullptr;

@@ -1,7 +1,7 @@
-// The layout of a .aabbs file, byte for byte: header, boxes and count table (README.md of this
-// folder).
+// Encodes and decodes the parts of a .aabbs file: header, boxes and count table. The README.md of
+// this folder describes the format.
 //
-// Pure functions on byte spans. recorded_scene and record_scene open the file itself.
+// Pure functions on bytes. recorded_scene and record_scene open and read the file.
 #pragma once
 
 #include <array>
@@ -30,9 +30,9 @@ enum class Layout : int32_t {
 struct Header {
   std::string scene_name;
   int32_t object_count = 0;  // the count of every frame, or the maximum of all frames
-  int32_t frame_count = 0;   // the number of frames after the spawn state
+  int32_t frame_count = 0;   // number of frames after the spawn state
   Layout layout = Layout::kFixedCount;
-  int32_t notes_bytes = 0;  // the size of the text behind everything else
+  int32_t notes_bytes = 0;  // size of the notes at the end of the file
   Aabb world{};
 
   uint64_t frames_with_spawn() const { return uint64_t{1} + static_cast<uint32_t>(frame_count); }
@@ -40,12 +40,12 @@ struct Header {
 
 using HeaderBytes = std::array<std::byte, kHeaderBytes>;
 
-// Encodes the header. A name longer than 127 bytes is cut; a byte that is not printable ASCII
-// becomes '?'.
+// Encodes the header. Cuts a name longer than 127 bytes. Replaces bytes of the name that are not
+// printable ASCII by '?'.
 HeaderBytes EncodeHeader(const Header& header);
 
-// Checks every field, but not the file's size. kDataLoss: the message names the broken field and
-// the fault.
+// Decodes the header and checks every field. The file's size is not checked here. Error kDataLoss:
+// the message names the broken field and what is wrong with it.
 Result<Header> DecodeHeader(const HeaderBytes& bytes);
 
 void EncodeBox(const Aabb& box, std::span<std::byte, kBoxBytes> bytes);

@@ -16,7 +16,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kMaxFloat = std::numeric_limits<float>::max();
 
-// The index of the box that is spawned or moved, the number of boxes, and the frame.
+// The box to spawn or move: its index, the number of boxes, and the frame.
 struct Slot {
   size_t index;
   size_t count;
@@ -31,7 +31,7 @@ struct BoxKind {
   void (*step)(SequentialRandom& random, const Slot& slot, Aabb& box);
 };
 
-// Shifts a box. Rounding is monotonic, so that min <= max still holds afterwards.
+// Shifts a box along an axis. Rounding is monotonic, so min <= max still holds afterwards.
 void Shift(Aabb& box, int axis, float distance) {
   box.min[axis] += distance;
   box.max[axis] += distance;
@@ -41,8 +41,8 @@ void Jitter(SequentialRandom& random, float distance, Aabb& box) {
   for (int axis = 0; axis < 3; ++axis) Shift(box, axis, random.Between(-distance, distance));
 }
 
-// Moves the box backwards, not at all or forwards, by `distance` on a random axis. The draws are
-// separate statements, since compilers differ in the order in which they evaluate arguments.
+// On a random axis, moves the box by −`distance`, 0 or +`distance`. The draws are separate
+// statements, because compilers evaluate function arguments in different orders.
 void ShiftByOneOfThree(SequentialRandom& random, float distance, Aabb& box) {
   const float direction = static_cast<float>(random.Below(3)) - 1.0F;
   const auto axis = static_cast<int>(random.Below(3));
@@ -77,12 +77,12 @@ void StepNearlyResting(SequentialRandom& random, const Slot&, Aabb& box) {
   Jitter(random, 0.001F, box);
 }
 
-// Moves about one box in a hundred, chosen at random in each frame.
+// Moves the box with a probability of 1/100.
 void StepFewMoving(SequentialRandom& random, const Slot&, Aabb& box) {
   if (random.Below(100) == 0) Jitter(random, 0.1F, box);
 }
 
-// Everything falls and lands on one floor.
+// Lets the box fall onto a floor at y = 0 that all boxes share.
 void StepFalling(SequentialRandom& random, const Slot& slot, Aabb& box) {
   const float fall = 0.01F * static_cast<float>(slot.frame);
   Shift(box, 1, -std::min(fall, std::max(box.min[1], 0.0F)));
@@ -120,8 +120,8 @@ void StepTouching(SequentialRandom& random, const Slot&, Aabb& box) {
   ShiftByOneOfThree(random, 1.0F, box);
 }
 
-// Spawns points and lines on half units. They coincide with one another, with faces of their
-// neighbours, and with boxes of the other kinds.
+// Spawns points and lines on multiples of 0.5. So they coincide with one another, with faces of
+// their neighbours, and with boxes of other kinds.
 Aabb SpawnZeroSize(SequentialRandom& random, const Slot& slot) {
   Aabb box;
   for (float& low : box.min) low = 0.5F * std::floor(random.Between(0, 2 * slot.WorldSide()));
@@ -178,7 +178,8 @@ void StepFloatLimits(SequentialRandom& random, const Slot& slot, Aabb& box) {
   if (random.Below(4) == 0) box = SpawnFloatLimits(random, slot);
 }
 
-// Gives each box a random sign of zero, because faces at −0 must touch faces at +0.
+// Spawns boxes whose zero coordinates have a random sign, because faces at −0 must touch faces at
+// +0.
 Aabb SpawnSignedZeros(SequentialRandom& random, const Slot&) {
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -219,7 +220,7 @@ Aabb SpawnBroken(SequentialRandom& random, const Slot& slot) {
       box = {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
       break;
     default:
-      break;  // a valid box
+      break;  // the box stays valid
   }
   return box;
 }
@@ -234,8 +235,8 @@ Aabb SpawnLongThin(SequentialRandom& random, const Slot& slot) {
   return box;
 }
 
-// Spawns a beam. The number of pairs per object does not depend on the count, unlike in long-thin,
-// whose lengths grow with the world.
+// Spawns a beam. Its length does not depend on the object count, so neither does the number of
+// pairs per object. In long-thin, lengths grow with the world.
 Aabb SpawnBeam(SequentialRandom& random, const Slot& slot) {
   float center[3];
   float half[3];
@@ -247,9 +248,9 @@ Aabb SpawnBeam(SequentialRandom& random, const Slot& slot) {
   return Around(center, half);
 }
 
-// Spawns a box around one of seven centres, with eight objects per unit of volume around each.
+// Spawns a box around one of seven centres. There are eight objects per unit of volume around each.
 Aabb SpawnCluster(SequentialRandom& random, const Slot& slot) {
-  SequentialRandom cluster(slot.index % 7);  // equal for all boxes of a cluster
+  SequentialRandom cluster(slot.index % 7);  // the same for all boxes of a cluster
   const float spread = 0.13F * slot.WorldSide();
   float center[3];
   float half[3];
@@ -260,7 +261,7 @@ Aabb SpawnCluster(SequentialRandom& random, const Slot& slot) {
   return Around(center, half);
 }
 void StepCluster(SequentialRandom& random, const Slot& slot, Aabb& box) {
-  // Each cluster gets a new common direction every 8 frames.
+  // Every 8 frames, each cluster gets a new direction, in which all its boxes move.
   SequentialRandom cluster(slot.index % 7 + 1000 * (slot.frame / 8));
   for (int axis = 0; axis < 3; ++axis) Shift(box, axis, cluster.Between(-0.5F, 0.5F));
   Jitter(random, 0.05F, box);
@@ -320,8 +321,8 @@ size_t KindIndex(std::string_view name) {
   return 0;
 }
 
-// A scene whose boxes are of the kind `kind`, under another name and with a fixed object count if
-// one is given.
+// A scene with boxes of another kind, under a name of its own and, if given, with a fixed object
+// count.
 struct Special {
   std::string_view name;
   std::string_view kind;
@@ -334,8 +335,8 @@ constexpr Special kSpecials[] = {
     {kCountChanging, kMixture, {}}, {kSpawning, "brownian", {}},
 };
 
-// Returns the number of objects in a frame. In 64 frames it falls from `max` to half of it and
-// rises again, by a 64th of `max` per frame.
+// Returns the number of objects in a frame. Over 32 frames it falls from `max` to half of it, over
+// the next 32 it rises again, by `max`/64 per frame.
 size_t SpawnedCount(size_t max, uint64_t frame) {
   const uint64_t phase = frame % 64;
   return max - max * (phase < 32 ? phase : 64 - phase) / 64;

@@ -1,9 +1,9 @@
-// Moving boxes that reveal the faults of a broad phase: ordinary, degenerate and broken ones, and
-// seeded mixtures of all kinds.
+// Scenes of moving boxes that reveal faults of a broad phase: ordinary, degenerate and broken
+// boxes, and seeded mixtures of all kinds.
 //
 // The same kind, count and seed give the same boxes on every platform. Not thread-safe. Lengths are
-// in world units. Unless a kind differs, the world holds one object per unit of volume and half
-// extents are 0.145 to 0.725.
+// in world units. Unless a kind says otherwise, the world has one object per unit of volume and
+// half extents are 0.145 to 0.725.
 #pragma once
 
 #include <cstddef>
@@ -35,10 +35,10 @@ class BoxScene {
   uint64_t frame_ = 0;
 };
 
-// A BoxScene as a Scene. `name` is a kind, or one of these:
-//   empty, one, two: the scene has 0, 1 or 2 objects, whatever object_count is;
-//   count-changing: a mixture with another number of objects in every frame, at times none;
-//   spawning: brownian, with between half of the objects and all; a 64th comes or goes per frame.
+// Makes a BoxScene as a Scene. `name` is a kind, or one of these:
+// - empty, one, two: the scene has 0, 1 or 2 objects, whatever object_count is
+// - count-changing: a mixture with another number of objects in every frame, in some frames none
+// - spawning: brownian; the number of objects changes by a 64th per frame, between half and all
 //
 // `name` must outlive the scene. `object_count` is the maximum of a frame. REQUIRES: a known name.
 std::unique_ptr<Scene> MakeDegenerateScene(std::string_view name, uint32_t object_count,

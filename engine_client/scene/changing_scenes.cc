@@ -15,19 +15,20 @@ namespace {
 
 enum class Motion {
   kJitter,    // every axis moves by up to ±reach
-  kMoveFew,   // about one object in a hundred jitters, other ones in each frame
+  kMoveFew,   // about one object in 100 jitters, others in each frame
   kTeleport,  // one object in three jumps anywhere
   kFlow,      // each object moves straight on by up to reach per axis; walls reflect it
   kRotate,    // each object turns around the vertical axis at its own pace of up to reach radians
 };
 
-// The behaviour of the objects for a number of frames. All distances from the middle of the world
-// are multiplied by a factor that changes linearly from `scale_begin` to `scale_end`.
+// What the objects do during a number of frames. Besides the motion, all distances from the middle
+// of the world are multiplied by a factor, which changes linearly from `scale_begin` to
+// `scale_end`.
 struct Regime {
   Motion motion;
   float reach = 0;
   uint32_t shown_divisor = 1;  // only one in this many objects is shown
-  bool count_changes = false;  // whether a 64th of the objects comes or goes in each frame
+  bool count_changes = false;  // a 64th of the objects comes or goes in each frame
   float scale_begin = 1;
   float scale_end = 1;
 };
@@ -75,7 +76,7 @@ constexpr ChangingKind kChangingScenes[] = {
 struct Body {
   float place[3];     // the centre, before the world is scaled
   float half[3];      // the half extents
-  float velocity[3];  // the motion per frame, as a fraction of a regime's reach
+  float velocity[3];  // the motion per frame, as a fraction of the regime's reach
   float sine;         // the sine of the rotation per frame
   float cosine;       // the cosine of the rotation per frame
 };
@@ -96,7 +97,8 @@ class ChangingScene : public Scene {
   }
 
   std::string_view name() const override { return kind_.name; }
-  // The bounds are wider than the cube, since a rotation turns its corners outwards.
+  // The bounds are wider than the cube of the objects, because a rotation turns its corners
+  // outwards.
   Aabb world() const override {
     const float low = -0.25F * side_;
     const float high = 1.25F * side_;
@@ -113,7 +115,8 @@ class ChangingScene : public Scene {
   }
 
  private:
-  // Frame 0 belongs to the first regime, and frame regime_frames is the last frame of that regime.
+  // Returns the index of the current regime. Frame 0 belongs to the first regime, and so do frames
+  // 1 to regime_frames.
   uint64_t RegimeIndex() const {
     return frame_index_ == 0 ? 0 : (frame_index_ - 1) / regime_frames_;
   }

@@ -1,13 +1,13 @@
 // Scenes in which the cheapest broad phase changes over time. Regimes of a fixed number of frames
-// repeat in a cycle. The scenes determine how much a policy can gain over the best fixed broad
+// repeat in a cycle. Such scenes show how much a policy can gain compared with the best fixed broad
 // phase; scene/README.md lists the measured gains.
 //
 // rest-and-motion, waves and storms are for tuning policies. gather-and-scatter, day-and-night and
-// arrivals, which move in other ways, are for judging them.
+// arrivals have other kinds of motion and are for judging policies.
 //
-// The world holds one object per unit of volume, half extents are log-uniform 0.145 to 0.725, as in
-// the reference suite. The same name, count and seed give the same boxes bit for bit on every
-// platform. Not thread-safe. Lengths in world units. All memory is allocated at construction.
+// The world has one object per unit of volume. Half extents are log-uniform from 0.145 to 0.725, as
+// in the reference suite. The same name, count and seed give the same boxes, bit for bit, on every
+// platform. Not thread-safe. Lengths are in world units. All memory is allocated at construction.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The base of the computed scenes. Bodies are stored as centres and half extents, moved in place,
-// and shown as boxes.
+// The base class of the computed scenes. It stores bodies as centres and half extents, which the
+// derived class moves, and converts them to boxes.
 //
 // Not thread-safe. All memory is allocated at construction: 48 bytes per object here, plus the
 // state of the derived scene.
@@ -33,11 +33,11 @@ class GeneratedScene : public Scene {
   void Step() final;
 
  protected:
-  // `name` must outlive the scene. The derived constructor places the bodies and then calls
-  // ShowBodies.
+  // `name` must outlive the scene. The derived class's constructor must place the bodies and then
+  // call ShowBodies.
   GeneratedScene(std::string_view name, const Aabb& world, uint32_t object_count);
 
-  // Moves the bodies to the frame of frame_index(), which has already been incremented.
+  // Moves the bodies by one step. frame_index() is already the index of the new frame.
   virtual void Move() = 0;
 
   void ShowBodies();
@@ -55,10 +55,11 @@ class GeneratedScene : public Scene {
 // Returns the world of the scenarios: ±half_extent on each axis.
 Aabb CentredWorld(float half_extent);
 
-// Draws log-uniform half extents, independently for each axis.
+// Draws the half extents: log-uniform, independently for each axis.
 void SpawnSizes(const SceneOptions& options, Bodies& bodies);
 
-// Draws uniform positions with the whole box inside the world. REQUIRES: sizes are drawn.
+// Draws the positions: uniform, with the whole box inside the world. REQUIRES: the half extents are
+// drawn already.
 void SpawnInsideWalls(const SceneOptions& options, Bodies& bodies);
 
 // Returns `x` reflected at the wall that it passed, then clamped to [low, high].

@@ -1,11 +1,12 @@
-// Random numbers of scenes. They are the same on every platform, unlike those of the standard
-// library's distributions.
+// Random numbers of scenes. Unlike those of the standard library's distributions, they are the same
+// on every platform.
 //
-// CounterRandom is a function of (seed, stream, object, counter). Numbers are not drawn in order,
-// so that one more draw, object or frame changes no other number. SequentialRandom draws in order,
-// for scenes that are defined by their history of draws. Distinct objects are independent. Neither
-// class may be shared between threads while it changes. A draw of CounterRandom costs two 64-bit
-// mixes, a draw of SequentialRandom one.
+// CounterRandom computes a number from (seed, stream, object, counter). Numbers are not drawn in
+// order, so another draw, object or frame changes no other number. SequentialRandom draws in order;
+// it is for scenes that are defined by the order of their draws.
+//
+// Thread safety: CounterRandom is immutable; a SequentialRandom is used by one thread at a time.
+// Cost: two 64-bit mixes per number of CounterRandom, one per draw of SequentialRandom.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +16,12 @@
 
 namespace sweepstake {
 
-// Returns the upper 24 bits as a float in [0, 1). Every value is exact.
+// Returns the upper 24 bits as a float in [0, 1). A float represents all 24 bits exactly.
 inline float UnitFloat(uint64_t bits) {
   return static_cast<float>(bits >> 40U) * (1.0F / 16777216.0F);
 }
 
-// The purpose of a number. The values enter every seed: append new ones, never reorder them.
+// What a number is for. The values are part of every seed: append new ones, and never reorder them.
 enum class SceneDraw : uint64_t { kSize = 1, kPosition, kVelocity, kDirection, kKick, kPhase };
 
 // Immutable.

@@ -28,8 +28,8 @@ std::string SystemReason() {
   return errno == 0 ? "unknown reason" : std::generic_category().message(errno);
 }
 
-// Returns a path beside the target, so that the rename stays on one file system. Its suffix is
-// random, so that two recorders do not collide.
+// Returns a path in the target's folder, so that renaming it does not cross file systems. Its
+// suffix is random, so that two recorders do not use the same file.
 fs::path PartialPath(const fs::path& target) {
   std::random_device random;
   std::ostringstream suffix;
@@ -39,8 +39,8 @@ fs::path PartialPath(const fs::path& target) {
   return partial;
 }
 
-// A file that gets its name only when it is complete. If it is destroyed before Commit, it leaves
-// nothing behind.
+// A file that gets its final name only when it is complete. If Commit is not called, the destructor
+// removes the file.
 class PendingFile {
  public:
   explicit PendingFile(const fs::path& target) : target_(target), partial_(PartialPath(target)) {
@@ -103,8 +103,8 @@ class FrameWriter {
     return file_.status();
   }
 
-  // Appends the count table, if one is needed, and the notes. Then overwrites the header, whose
-  // fields are known only now.
+  // Appends the count table, if the count changed, and the notes. Then overwrites the header,
+  // because its fields are known only now.
   Status Finish(const Scene& scene, std::string_view notes) {
     aabbs::Header header;
     header.notes_bytes = static_cast<int32_t>(notes.size());

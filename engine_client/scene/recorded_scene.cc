@@ -24,7 +24,7 @@ bool ReadExactly(std::ifstream& file, std::span<std::byte> bytes) {
   return file.gcount() == size;
 }
 
-// Returns the size of a regular file. Other files are an error: a directory or a pipe could be
+// Returns the size of a regular file. Anything else is an error: a directory or a pipe can be
 // opened, but reading it would fail or block.
 Result<uint64_t> SizeOfRegularFile(const fs::path& path) {
   std::error_code error;
@@ -92,7 +92,7 @@ Status RecordedScene::CheckNotes(uint64_t file_bytes) const {
                 " bytes of notes that its header names");
 }
 
-// Allocates memory only after the file's size has confirmed the counts of the header.
+// Compares the file's size with the counts in the header, and only then allocates memory.
 Status RecordedScene::CheckSize(uint64_t file_bytes) {
   if (header_.layout == aabbs::Layout::kChangingCount) {
     if (Status status = ReadCountTable(file_bytes); !status.ok()) return status;

@@ -1,5 +1,5 @@
-// A .aabbs file as a scene. Frames are read one at a time. Memory: one frame, plus 4 bytes per
-// frame if the count changes.
+// A .aabbs file as a scene. Frames are read from the file one at a time. Memory: one frame, plus 4
+// bytes per frame if the object count changes.
 //
 // Not thread-safe. Opening reads the whole file once, to find broken boxes before they are used.
 #pragma once
@@ -21,8 +21,9 @@ namespace sweepstake {
 
 class RecordedScene final : public Scene {
  public:
-  // kNotFound: the file does not exist. kDataLoss: one line that names the file and the fault in it
-  // (for a box: frame and object). kResourceExhausted: more than kMaxSceneObjectCount objects.
+  // Opens a file. Errors: kNotFound if it does not exist; kDataLoss if it is broken, with a line
+  // that names the file and the fault (for a box also frame and object); kResourceExhausted if it
+  // has more than kMaxSceneObjectCount objects.
   static Result<std::unique_ptr<Scene>> Open(const std::filesystem::path& path);
 
   // Returns the file's notes, empty if it has none. Errors: those of Open.
@@ -33,7 +34,7 @@ class RecordedScene final : public Scene {
   Aabb world() const override { return header_.world; }
   uint64_t frame_index() const override { return frame_index_; }
   std::span<const Aabb> aabbs() const override { return {boxes_.data(), shown_count_}; }
-  // If the file has become unreadable since it was opened, the boxes stay those of the last
+  // Reads the next frame. If the file has become unreadable, the boxes stay those of the last
   // readable frame.
   void Step() override;
 
@@ -56,7 +57,7 @@ class RecordedScene final : public Scene {
 
   std::ifstream file_;
   aabbs::Header header_;
-  std::vector<uint32_t> counts_;  // the count of each frame; empty if it is fixed
+  std::vector<uint32_t> counts_;  // count of each frame; empty if all frames have the same
   std::vector<Aabb> boxes_;
   std::vector<std::byte> bytes_;  // one frame in the format of the file
   size_t shown_count_ = 0;

@@ -53,16 +53,18 @@ void BrownianScene::Move() {
 
 using Direction = std::array<float, 3>;
 
-// A cycle of directions that all objects share, or one direction per object.
+// The directions of gravity: a cycle that all objects share, or one direction per object.
 struct Gravity {
   std::vector<Direction> directions;
   bool per_object = false;
 };
 
-// A wall hit with speed v returns kRestitution * v. It slows each component along the wall by up to
-// kFriction * v (Coulomb: resting objects stick while gravity leans less than that). It also adds
-// up to ±kScatter * v to each component. Without this scatter of rough walls, rotating gravity
-// would move all objects onto one line.
+// Objects fall between walls. What happens when an object hits a wall with speed v:
+// - it bounces back with kRestitution * v
+// - each component of its velocity along the wall is reduced by up to kFriction * v (Coulomb
+//   friction: a resting object stays at rest if gravity is not inclined more than that)
+// - each component changes by up to ±kScatter * v at random, like at a rough wall; otherwise
+//   rotating gravity would move all objects onto one line
 class FallingScene final : public GeneratedScene {
  public:
   FallingScene(std::string_view name, const SceneOptions& options, Gravity gravity);
@@ -92,13 +94,14 @@ uint64_t WholeSteps(float duration_s, float step_s) {
   return std::max<uint64_t>(1, static_cast<uint64_t>(std::llround(steps)));
 }
 
-// Returns `velocity` moved towards 0 by `loss`, never past it.
+// Returns `velocity` moved towards 0 by `loss`, but not beyond 0.
 float SlowedBy(float loss, float velocity) {
   if (velocity > 0) return std::max(0.0F, velocity - loss);
   return std::min(0.0F, velocity + loss);
 }
 
-// Returns a uniform direction on the unit sphere, on which the height is uniform (Archimedes).
+// Returns a direction that is uniformly distributed on the unit sphere, given a number in [-1, 1)
+// and one in [0, 1). The height is uniform (Archimedes).
 Direction DirectionOnSphere(float symmetric, float unit) {
   const double height = symmetric;
   const double radius = std::sqrt(1 - height * height);
@@ -169,10 +172,12 @@ void FallingScene::Bounce(uint32_t object, int axis) {
   }
 }
 
-// Let H be world_half_extent and r the mean radius of an orbit. The tangential speed is kOrbitSpeed
-// * speed * sqrt(H / r) outside the core of radius kCore * H, and the core turns as one body. The
-// radius oscillates by a fraction of ±kBreathing at 1 rad/s, with a phase per object. The height
-// gets kicks of ±kRise * speed * fixed_step_s and is reflected.
+// Objects orbit the vertical axis. H is world_half_extent, r is the mean radius of an orbit.
+// - Outside the core of radius kCore * H the tangential speed is kOrbitSpeed * speed * sqrt(H / r).
+//   The core turns like a rigid body.
+// - The radius oscillates by a fraction of ±kBreathing at 1 rad/s, with a phase per object.
+// - In each step the height changes by up to ±kRise * speed * fixed_step_s at random. Floor and
+//   ceiling reflect it.
 class HurricaneScene final : public GeneratedScene {
  public:
   explicit HurricaneScene(const SceneOptions& options);
@@ -197,7 +202,7 @@ class HurricaneScene final : public GeneratedScene {
   std::vector<float> turn_;   // radians per step, below 2 pi
 };
 
-// REQUIRES: 0 <= angle < 4 pi.
+// Returns the angle in [0, 2 pi). REQUIRES: 0 <= angle < 4 pi.
 float Wrap(float angle) { return angle >= kTwoPiF ? angle - kTwoPiF : angle; }
 
 HurricaneScene::HurricaneScene(const SceneOptions& options)

@@ -1,5 +1,5 @@
-// The five scenarios of the paper (§6.1, table 2). README.md of this folder states how each uses
-// its options.
+// The five scenarios of the paper (§6.1, table 2). The README.md of this folder describes them and
+// how each uses its options.
 //
 // All functions REQUIRE options within the ranges in sweepstake/scene.h.
 #pragma once
@@ -10,17 +10,19 @@
 
 namespace sweepstake {
 
-// Independent random kicks in each step: a spatially diffuse scene.
+// Each object moves by a random amount in each step. Objects stay spread over the world.
 std::unique_ptr<Scene> MakeBrownian(const SceneOptions& options);
 
-// Bodies between walls. Gravity points to -y, +x, +y, -x in turn (MakeRotatingGravity), in one
-// random direction per object, uniform on the sphere (MakeRandomGravity), or always to -y
-// (MakeFreeFall).
+// Objects fall between walls. The direction of gravity differs:
+// - MakeRotatingGravity: -y, +x, +y, -x in turn
+// - MakeRandomGravity: one random direction per object, uniform on the sphere
+// - MakeFreeFall: always -y
 std::unique_ptr<Scene> MakeRotatingGravity(const SceneOptions& options);
 std::unique_ptr<Scene> MakeRandomGravity(const SceneOptions& options);
 std::unique_ptr<Scene> MakeFreeFall(const SceneOptions& options);
 
-// Objects orbit the vertical axis at high speed, faster near the axis: a dense and coherent scene.
+// Objects orbit the vertical axis at high speed. The scene is dense near the axis, and neighbours
+// move alike.
 std::unique_ptr<Scene> MakeHurricane(const SceneOptions& options);
 
 }  // namespace sweepstake

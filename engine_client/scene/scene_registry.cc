@@ -1,4 +1,4 @@
-// The only list of all scenes. Add a line here for a new scene.
+// The only list of all scenes. To add a scene, add a line here.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -24,7 +24,7 @@ using ScenePointer = std::unique_ptr<Scene>;
 
 struct Entry {
   SceneDescription description;
-  bool uses_all_options;  // false: it uses only the object count and perhaps the spawn seed
+  bool uses_all_options;  // false: uses only the object count and perhaps spawn_seed
   ScenePointer (*make)(std::string_view name, const SceneOptions& options);
 };
 
@@ -125,7 +125,7 @@ Status OutOfRange(const char* name, T min, T max, T value) {
   return {StatusCode::kInvalidArgument, message.str()};
 }
 
-// Checks the ranges. A value that is not finite is outside every range.
+// Checks the ranges of the options. A value that is not finite is out of every range.
 Status ValidateFloats(const SceneOptions& options) {
   const struct {
     const char* name;

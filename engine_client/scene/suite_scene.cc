@@ -18,23 +18,24 @@ float SideOfDensityOne(uint32_t object_count) {
   return static_cast<float>(math::CubeRoot(object_count));
 }
 
-// Returns `x` mirrored at the walls of [0, side].
+// Returns `x` reflected at the walls 0 and `side`.
 float ReflectInside(float x, float side) {
   if (x < 0) x = -x;
   return x > side ? 2 * side - x : x;
 }
 
-// Sine and cosine, computed in double and rounded once to float.
+// These functions compute in double and round once to float.
 float SinF(float x) { return static_cast<float>(math::Sin(x)); }
 float CosF(float x) { return static_cast<float>(math::Cos(x)); }
 float ExpF(float x) { return static_cast<float>(math::Exp(x)); }
 float PowF(float x, float y) { return static_cast<float>(math::Pow(x, y)); }
 
-// Draws come in order from one splitmix64 stream, and all arithmetic is in float. Changing the
-// order of draws or of operations changes every published pair count.
+// The base class of the suite. All draws come in order from one splitmix64 stream, and all
+// arithmetic is in float. A change of the order of draws or operations changes every published pair
+// count.
 class SuiteScene : public GeneratedScene {
  protected:
-  // `variant` is the scene's index in the suite (B 0, G 1, H 2); it enters the seed.
+  // `variant` is the index of the scene in the suite (B 0, G 1, H 2). It is part of the seed.
   SuiteScene(std::string_view name, uint64_t variant, uint32_t object_count);
 
   float side() const { return side_; }
@@ -56,8 +57,8 @@ class SuiteBrownian final : public SuiteScene {
   void Move() override;
 };
 
-// G: gravity turns every 35 frames. Each object has a separate floor in x and y, up to a quarter of
-// the side inside the wall.
+// G: the direction of gravity changes every 35 frames. Each object has its own floor in x and in y,
+// up to a quarter of the side from the wall.
 class SuiteGravity final : public SuiteScene {
  public:
   explicit SuiteGravity(uint32_t object_count);
@@ -67,10 +68,10 @@ class SuiteGravity final : public SuiteScene {
   void MoveAxis(uint32_t object, int axis);
 
   std::vector<float> floor_;
-  std::array<std::vector<float>, 3> velocity_;  // the motion in units per frame
+  std::array<std::vector<float>, 3> velocity_;  // motion in units per frame
 };
 
-// H: orbits around the middle, from 0.44 radians per frame at the axis to 0.04 at the rim.
+// H: objects orbit the middle, by 0.44 radians per frame at the axis and 0.04 at the rim.
 class SuiteHurricane final : public SuiteScene {
  public:
   explicit SuiteHurricane(uint32_t object_count);
@@ -107,7 +108,8 @@ SuiteBrownian::SuiteBrownian(uint32_t object_count) : SuiteScene("suite-b", 0, o
   for (uint32_t i = 0; i < object_count; ++i) {
     SpawnSize(i);
     SpawnPosition(i);
-    // Suite-g draws its floor here. All scenes of the suite share the order of their first draws.
+    // This draw is unused. Suite-g draws its floor here, and all scenes of the suite share the
+    // order of their first draws.
     random().Unit();
   }
   ShowBodies();

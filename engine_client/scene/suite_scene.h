@@ -1,9 +1,9 @@
-// "suite-b", "suite-g", "suite-h": the reference suite that all published figures use. Density 1
-// (the world's side is the cube root of the object count), half extents log-uniform 0.145 to 0.725,
-// positions in the cube [0, side]³.
+// "suite-b", "suite-g", "suite-h": the reference suite, on which all published figures are
+// measured. The density is 1: the world is the cube [0, side]³, where side is the cube root of the
+// object count. Half extents are log-uniform from 0.145 to 0.725.
 //
-// Everything except the object count is fixed, including the seed. A letter and a count therefore
-// identify a scene.
+// Everything except the object count is fixed, including the seed. So a letter and a count identify
+// a scene.
 #pragma once
 
 #include <cstdint>

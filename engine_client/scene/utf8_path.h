@@ -1,5 +1,5 @@
-// Paths in the API are UTF-8 on every platform. These functions convert them to the system's paths
-// and back to text, without exceptions. Pure functions.
+// Converts paths of the API, which are UTF-8 on every platform, to paths of the system and back to
+// text. These functions do not throw. Pure functions.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace sweepstake {
 
-// Returns nothing for text that is not UTF-8 or holds a control character.
+// Returns nothing if the text is not UTF-8 or contains a control character.
 inline std::optional<std::filesystem::path> PathOfUtf8(std::string_view text) {
   if (!text::IsLine(text)) return std::nullopt;
   return std::filesystem::path(std::u8string(text.begin(), text.end()));

@@ -1,5 +1,5 @@
-# Adds the members of one archive to another. Variables: AR, ARCHIVE, ADDED, WORK (a folder, emptied
-# first).
+# Adds the members of the archive ADDED to ARCHIVE. Variables: AR (the tool), ARCHIVE, ADDED, WORK
+# (a folder, which is emptied first).
 cmake_minimum_required(VERSION 3.25)
 
 file(REMOVE_RECURSE ${WORK})

@@ -1,6 +1,6 @@
 # The C ABI for engines that cannot load a shared library of the system: an archive (consoles, iOS),
-# and a plug-in (Unity) that depends only on libc, libm and libpthread. Both contain Highway, which
-# must therefore be static.
+# and a plug-in (Unity) that depends only on libc, libm and libpthread. Both contain Highway. So
+# Highway must be a static library.
 get_target_property(highway_type hwy::hwy TYPE)
 if(highway_type STREQUAL "STATIC_LIBRARY")
   set(highway $<TARGET_FILE:hwy::hwy>)
@@ -14,8 +14,8 @@ if(NOT highway)
   return()
 endif()
 
-# sweepstake_c_parts(RESULT targets...): this project's static libraries that the targets consist
-# of, each once.
+# sweepstake_c_parts(RESULT targets...): sets RESULT to all static libraries of this project that
+# the targets depend on, each once.
 function(sweepstake_c_parts result)
   set(open ${ARGN})
   set(found)
@@ -39,7 +39,8 @@ function(sweepstake_c_parts result)
   set(${result} ${found} PARENT_SCOPE)
 endfunction()
 
-# Compiled without export attributes, which a game's own shared library would export too.
+# Compiled without export attributes. With them, a game's own shared library that links the archive
+# would export swp_* too.
 sweepstake_c_objects(sweepstake_c_static_objects SWP_STATIC)
 set(objects $<TARGET_OBJECTS:sweepstake_c_static_objects>)
 sweepstake_c_parts(all_parts ${parts})
@@ -73,7 +74,8 @@ else()
   endif()
 endif()
 
-# A C compiler links the archive, so the libraries that a C++ compiler adds implicitly are listed.
+# Lists the libraries that a C++ compiler links implicitly, because a C compiler may link the
+# archive.
 set(runtime ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
 list(REMOVE_ITEM runtime ${CMAKE_C_IMPLICIT_LINK_LIBRARIES})
 list(REMOVE_DUPLICATES runtime)
@@ -89,8 +91,8 @@ list(TRANSFORM runtime PREPEND "-l" OUTPUT_VARIABLE runtime_flags)
 list(JOIN runtime_flags " " runtime_flags)
 sweepstake_c_pkg_config(sweepstake-static "an archive" " -DSWP_STATIC" "-lsweepstake_static ${runtime_flags} ${CMAKE_THREAD_LIBS_INIT}")
 
-# The plug-in for glibc. On other systems the shared library serves as the plug-in, if the tool
-# chain links its runtime statically.
+# The plug-in for systems with glibc. On other systems the shared library is used as the plug-in,
+# provided that the tool chain links its runtime statically.
 string(TOLOWER "${CMAKE_SYSTEM_NAME}-${CMAKE_SYSTEM_PROCESSOR}" platform)
 string(REPLACE "amd64" "x86_64" platform "${platform}")
 include(CheckSymbolExists)
@@ -104,7 +106,8 @@ if(SWEEPSTAKE_HAS_GLIBC AND platform MATCHES "^linux-(x86_64|aarch64)$")
   target_link_libraries(sweepstake_plugin PRIVATE
     $<BUILD_INTERFACE:sweepstake_flags> $<LINK_GROUP:RESCAN,${plugin_parts},${highway}>)
   add_dependencies(sweepstake_plugin ${all_parts})
-  # Before version 2.34 glibc had its thread functions in libpthread, which must then be loaded.
+  # Before version 2.34, glibc had its thread functions in libpthread, so the plug-in must load that
+  # library.
   target_link_options(sweepstake_plugin PRIVATE
     -static-libstdc++ -static-libgcc LINKER:--gc-sections LINKER:--exclude-libs,ALL LINKER:--no-undefined LINKER:-z,noexecstack
     LINKER:-z,relro LINKER:--version-script=${CMAKE_CURRENT_SOURCE_DIR}/exports.map
@@ -118,7 +121,8 @@ endif()
 install(TARGETS ${plugin} COMPONENT plugin EXCLUDE_FROM_ALL
   LIBRARY DESTINATION Runtime/Plugins/${platform} RUNTIME DESTINATION Runtime/Plugins/${platform}
   ARCHIVE DESTINATION Native~/${platform})
-# The .meta files set the platform of the library for Unity. Unity has no names for other platforms.
+# The .meta files tell Unity the platform of the library. Unity has no names for other platforms
+# than those with such files.
 set(metas ${PROJECT_SOURCE_DIR}/unity_client/tools/plugin_metas/Runtime)
 if(EXISTS ${metas}/Plugins/${platform}.meta)
   install(FILES ${metas}/Plugins.meta DESTINATION Runtime COMPONENT plugin EXCLUDE_FROM_ALL)

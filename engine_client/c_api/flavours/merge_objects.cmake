@@ -1,7 +1,7 @@
-# Merges all parts of the C ABI into one object file in which only swp_* is global. A game may then
+# Merges all parts of the C ABI into one object file in which only swp_* is global. So a game may
 # have another Highway, another JSON library or another Sweepstake in the same program. Variables:
-# LINKER, OBJCOPY, NM (binutils), OBJECTS and ARCHIVES (lists; only the used members of an archive
-# are included), OUT.
+# LINKER, OBJCOPY, NM (binutils), OBJECTS and ARCHIVES (lists; only members of an archive that are
+# needed are included), OUT.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -12,8 +12,8 @@ endfunction()
 # its local symbols.
 run(${LINKER} -r --force-group-allocation -o ${OUT} ${OBJECTS} --start-group ${ARCHIVES} --end-group)
 
-# Symbols that gcc marks as unique in a process (static data of inline functions) would stay global;
-# make them weak, which objcopy can then hide.
+# gcc marks some symbols as unique in a process (static data of inline functions). objcopy cannot
+# make these local, so they are made weak first.
 execute_process(COMMAND ${NM} --defined-only ${OUT} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL " u [^\n]+" unique "${symbols}")
 list(TRANSFORM unique REPLACE "^ u " "")

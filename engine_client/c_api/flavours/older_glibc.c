@@ -1,8 +1,8 @@
-/* Defines functions of newer glibc versions by those of glibc 2.30, so that a plug-in linked on a
- * newer system loads on an older one. The static C++ runtime, the compiler's unwinder and our
- * threads use these functions. The linker prefers these definitions to libc's, and the list of
- * exports keeps them inside the plug-in. plugin_test.py checks which versions the plug-in needs,
- * and so detects a missing function. */
+/* Defines functions of newer glibc versions in terms of glibc 2.30, so that a plug-in linked on
+ * a newer system loads on an older one. The static C++ runtime, the compiler's unwinder and our
+ * threads use these functions. The linker prefers these definitions to those of libc. The list
+ * of exports keeps them local to the plug-in. plugin_test.py checks which glibc versions the
+ * plug-in needs, and so detects a missing function. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -24,7 +24,7 @@
 
 /* ---- glibc 2.34 moved the threads into libc, under a new version ---- */
 
-/* older_NAME is the function of that version. */
+/* OLDER(name, version) declares older_NAME: the function `name` of that glibc version. */
 #define OLDER(name, version)          \
   extern __typeof(name) older_##name; \
   __asm__(".symver older_" #name "," #name "@GLIBC_" version)
@@ -53,7 +53,8 @@ int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, cl
   return older_pthread_cond_clockwait(condition, mutex, clock, until);
 }
 
-/* The runtime uses only the address of this function, to detect whether the program has threads. */
+/* The runtime uses only the address of this function, to find out whether the program has
+ * threads. */
 extern int __pthread_key_create(pthread_key_t* key, void (*destroy)(void*));
 int __pthread_key_create(pthread_key_t* key, void (*destroy)(void*)) {
   (void)key;
@@ -90,7 +91,7 @@ static int StatAt(int folder, const char* path, int flags, struct stat* out) {
 
 int stat(const char* path, struct stat* out) { return StatAt(AT_FDCWD, path, 0, out); }
 
-/* The same struct on 64-bit systems. */
+/* On 64-bit systems, struct stat and struct stat64 are the same. */
 _Static_assert(sizeof(struct stat) == sizeof(struct stat64), "a 64-bit system");
 int fstat64(int file, struct stat64* out) {
   return StatAt(file, "", AT_EMPTY_PATH, (struct stat*)out);
@@ -111,8 +112,8 @@ struct search {
   struct dl_find_object* found;
 };
 
-/* Returns 1, which ends the iteration, at the object that contains the address. Its unwind tables
- * are in the segment PT_GNU_EH_FRAME. */
+/* Stops the iteration (returns 1) at the loaded object that contains the address. Stores the
+ * position of its unwind tables, the segment PT_GNU_EH_FRAME. */
 static int HoldsAddress(struct dl_phdr_info* object, size_t size, void* user) {
   (void)size;
   const struct search* search = user;
