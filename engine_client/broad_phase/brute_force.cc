@@ -8,8 +8,8 @@
 namespace sweepstake {
 namespace {
 
-// The minimum work per part of a parallel loop. A smaller part takes less time than waking a
-// thread.
+// The minimum number of items per part of a parallel loop. Fewer items take less time than waking a
+// thread for them.
 constexpr size_t kMinRowsPerPart = 512;
 constexpr size_t kMinBoxesPerPart = 2048;
 
@@ -31,7 +31,7 @@ class BruteForce final : public BroadPhase {
   void Load(std::span<const Aabb> boxes);
 
   Executor* executor_;
-  ByteBoxes boxes_;  // box k is in slot k
+  ByteBoxes boxes_;  // the box with id k is in slot k
   PairParts parts_;
   size_t pair_count_ = 0;  // the number of pairs of the latest search
   uint64_t checks_ = 0;

@@ -12,8 +12,9 @@ namespace {
 // The length of an integration step, as a multiple of the scale on which the densities change. Half
 // of this length would make the error 60 times smaller.
 constexpr double kStep = 0.5;
-// The weight of the slope when that scale is computed; the curvature's weight is 1. With this
-// value, the steps in an exponential tail are 0.7 of its scale, which is short enough.
+// The scale at a point is derived from the slope and the curvature of the densities (Demand). This
+// is the weight of the slope; the curvature's weight is 1. With this value, the steps in an
+// exponential tail are 0.7 of its scale, which is short enough.
 constexpr double kSlopeWeight = 0.5;
 // Lower probabilities are treated as 0, since they change no result.
 constexpr double kNegligibleProbability = 1e-12;
@@ -37,7 +38,7 @@ double Between(const Jet& left, const Jet& right, double width) {
                   width * width * (left.second + right.second) / 120);
 }
 
-// Computes the integrals over t, downwards from the highest end of all variables.
+// Integrates over t, from the highest end of all variables downwards.
 class MaximumIntegral {
  public:
   explicit MaximumIntegral(IndependentVariables& variables);
@@ -93,7 +94,7 @@ MaximumIntegral::MaximumIntegral(IndependentVariables& variables) : source_(vari
 }
 
 // Adds the variables whose high end is at the current point, and returns whether there are any.
-// Must be called after the interval above the point was integrated, since that interval is too wide
+// Must be called after the interval above the point has been integrated: that interval is too wide
 // for the densities of these variables.
 bool MaximumIntegral::Join() {
   const size_t before = joined_;
@@ -106,8 +107,8 @@ void MaximumIntegral::EvaluateLogDensities() {
   for (size_t i = 0; i < joined_; ++i) variables_[i].log_density = source_.At(variables_[i].index);
 }
 
-// Returns 1 ÷ the square of the scale on which the integrands change at the current point. A slope
-// counts less where the density is lower.
+// Returns 1 ÷ the square of the scale on which the integrands change at the current point. The
+// lower the density, the lower the weight of its slope.
 double MaximumIntegral::Demand() const {
   double max = -source_.scale().log_rate_curvature / 8;
   for (size_t i = 0; i < joined_; ++i) {

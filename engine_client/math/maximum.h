@@ -11,7 +11,7 @@
 
 namespace sweepstake::decision {
 
-// A density whose logarithm is this far below its peak is negligible.
+// The limit, relative to the logarithm of its peak, below which a density is negligible.
 inline constexpr double kNegligibleLogDensity = -28;
 
 // The logarithm of a density at a point, with its derivatives. The logarithm must be concave.

@@ -51,14 +51,14 @@ class AlignedBuffer {
     capacity_ = grown;
   }
 
-  // Makes room for a count that fluctuates from frame to frame; the content is lost if the array
-  // has to grow. A growing array reserves a quarter more than `count`, which avoids repeated
-  // allocation.
+  // Makes room for a count that changes from frame to frame; the content is lost if the array has
+  // to grow. A growing array reserves a quarter more than `count`, so that it seldom allocates.
   void EnsureWithSpare(size_t count) {
     if (count > capacity_) EnsureDiscarding(count + count / 4 + 2048);
   }
 
-  // Makes room for `count` elements and keeps the first `kept` ones. REQUIRES: kept <= capacity().
+  // Makes room for `count` elements and keeps the first `kept` elements. REQUIRES: kept <=
+  // capacity().
   void EnsureKeeping(size_t count, size_t kept) {
     if (count <= capacity_) return;
     const size_t grown = GrownCapacity(count);

@@ -65,10 +65,10 @@ class ByteBoxes {
   // Makes room for `count` swept boxes whose records the caller owns. REQUIRES: `records` is
   // indexed by id, and a kInvalidRecord follows the last one.
   void ResizeFor(const BoxRecord* records, size_t count);
-  // Returns the array of each slot's box id. The caller writes count() ids before Fill.
+  // Returns an array that holds the box id of each slot. The caller writes count() ids before Fill.
   uint32_t* ids() { return ids_.data(); }
-  // Fills the slots [begin, end) from `boxes`, or from the borrowed records. REQUIRES: begin, and
-  // end unless it is the count, are multiples of kGranule.
+  // Fills the slots [begin, end) from `boxes`, or from the records passed to ResizeFor. REQUIRES:
+  // `begin` is a multiple of kGranule, and so is `end` unless it equals the number of boxes.
   void Fill(std::span<const Aabb> boxes, const CoordinateRange& range, const SweepAxis& axis,
             size_t begin, size_t end);
   void Fill(const CoordinateRange& range, const SweepAxis& axis, size_t begin, size_t end);
@@ -83,7 +83,7 @@ class ByteBoxes {
   void PadSlots();
 
   AlignedBuffer<BoxRecord> records_;
-  // The low bytes of the three axes from the sweep axis on, then the high bytes.
+  // The low bytes of the three axes, beginning with the sweep axis, then the high bytes.
   AlignedBuffer<uint8_t> bytes_;
   AlignedBuffer<float> ends_;  // ByteLanes::begin, then ByteLanes::end
   AlignedBuffer<uint32_t> ids_;

@@ -78,7 +78,8 @@ HWY_INLINE uint64_t BitsOf([[maybe_unused]] Bytes d, hn::Mask<Bytes> mask) {
 #endif
 }
 
-// One box in bytes. It is a copy that no store can alias, so that it stays in registers.
+// The six bytes of one box. No store can alias this copy, so that the compiler keeps it in
+// registers.
 struct RowBytes {
   uint8_t low[3];
   uint8_t high[3];
@@ -89,10 +90,10 @@ HWY_INLINE RowBytes RowAt(const ByteLanes& lanes, size_t row) {
           {lanes.high[0][row], lanes.high[1][row], lanes.high[2][row]}};
 }
 
-// Returns, as bits, which slots from `at` on may overlap `row`: those without a gap to it on any
-// axis. Swept slots are sorted by the first axis, so that a gap before the row need not be tested
-// there. The gaps are combined in bytes before one comparison, which is faster than six comparisons
-// into masks.
+// Returns, as bits, which slots from `at` on may overlap `row`: those without a gap between the two
+// boxes on any axis. Swept slots are sorted by the first axis, so that no later slot ends before
+// the row begins there, and that test is left out. The gaps are combined in bytes before one
+// comparison, which is faster than six comparisons into masks.
 template <bool kSwept>
 HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes, size_t at) {
   const auto gap_before = [&](size_t axis) HWY_ATTR {
@@ -117,7 +118,7 @@ HWY_INLINE uint64_t CompareStep(Bytes d, const RowBytes& row, const ByteLanes& l
   return bits;
 }
 
-// Returns the bits of the slots above `row`; bit 0 stands for slot `at`.
+// Returns a mask of the slots after `row`. Bit 0 stands for slot `at`.
 HWY_INLINE uint64_t BitsBehind(size_t row, size_t at) {
   if (row < at) return ~uint64_t{0};
   return row + 1 - at < 64 ? ~uint64_t{0} << (row + 1 - at) : 0;

@@ -68,17 +68,17 @@ HWY_INLINE hn::Mask<D> HeldHits(D d, V min0, V min1, V min2, V max0, V max1, V m
   return hn::And(begins, ends);
 }
 
-// Returns the lanes of slots from `first` on, where lane 0 is slot `at`.
+// Returns a mask of the slots from `first` on. Lane 0 is slot `at`.
 template <class D>
 HWY_INLINE hn::Mask<D> SlotsFrom(D d, size_t first, size_t at) {
   return hn::Not(hn::FirstN(d, first > at ? first - at : 0));
 }
 
 // Stores a pair of `self` and each of the first `count` partners, the smaller id first. The second
-// half of the register of pairs is stored only if `count` requires it, or always with kAlways.
-// kAlways is faster if the second half is often needed. Grid's search uses StoreFewHits instead.
-// With AVX-512, StoreFewHits takes a fifth less time in Grid, but would take up to a fifth more in
-// KDTree and DBVT.
+// half of the register of pairs is stored only if `count` requires it. With kAlways it is always
+// stored, which is faster if the second half is often needed. Grid's search uses StoreFewHits
+// instead: with AVX-512, StoreFewHits takes a fifth less time in Grid, but would take up to a fifth
+// more in KDTree and DBVT.
 template <bool kAlways, class V>
 HWY_INLINE void StorePairs(V self, V partners, [[maybe_unused]] size_t count, OverlapPair* out) {
   const hn::DFromV<V> du;

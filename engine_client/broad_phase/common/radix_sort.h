@@ -32,12 +32,15 @@ constexpr uint64_t SortItemRank(uint64_t item) { return item >> 31; }
 
 class RadixSort {
  public:
-  // Returns `count` items, which the caller fills with PackSortItem; valid until the next call.
+  // Returns an array of `count` items, which the caller fills with PackSortItem. It is valid until
+  // the next call of Items or Sort.
   std::span<uint64_t> Items(size_t count);
-  // Sorts these items; items of equal rank keep their order. The result is valid until the next
-  // call. Polls `stop`, which may be null; after a stop the items are undefined.
+  // Sorts the array of the latest call of Items. Items of equal rank keep their order. The result
+  // is valid until the next call of Items or Sort. Polls `stop`, which may be null; after a stop
+  // the items are undefined.
   std::span<const uint64_t> Sort(StopRequest* stop = nullptr);
-  // Sorts the first `count` of the caller's items; swaps their storage with the sorter's.
+  // Sorts the first `count` elements of `items`. May exchange the storage of `items` for that of a
+  // buffer of this sorter, to avoid copying the result.
   void Sort(AlignedBuffer<uint64_t>& items, size_t count, StopRequest* stop = nullptr);
 
   size_t native_bytes() const {

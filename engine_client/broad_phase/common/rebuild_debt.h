@@ -1,10 +1,10 @@
 // Decides when a structure that motion has degraded is worth rebuilding, and over how many frames
 // to spread the rebuild.
 //
-// The older a structure is, the more checks a search in it makes. Its debt is the sum of the checks
-// above those of the cheapest search since the latest rebuild. A rebuild is due when the debt
-// exceeds the cost of the rebuild. The total cost is then at most twice that of the best possible
-// choice.
+// The older a structure is, the more checks a search in it makes. Its debt is the sum, over the
+// searches since the latest rebuild, of the checks above those of the cheapest search. A rebuild is
+// due when the debt exceeds the cost of the rebuild. Searches and rebuilds together then cost at
+// most twice as much as with the best possible times for the rebuilds.
 //
 // Not thread-safe: plain values. Units: AABB checks, or a fixed multiple of them.
 #pragma once

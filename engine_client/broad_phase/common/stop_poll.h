@@ -1,5 +1,5 @@
-// Polls a StopRequest (broad_phase.h) at intervals: StopPoll during a search, ForEachBlock while
-// boxes are loaded and sorted.
+// Polls a StopRequest (broad_phase.h) at intervals. StopPoll does so during a search, and
+// ForEachBlock while boxes are loaded and sorted.
 //
 // Not thread-safe: each kernel call has its own object. Borrows the request and the buffer. Cost:
 // one comparison per poll point, even without a request.
@@ -18,8 +18,8 @@ namespace sweepstake {
 
 class StopPoll {
  public:
-  // The number of checks between two polls. That many checks take 10 µs if comparisons in bytes
-  // find no pair, and 2 ms (4 MiB of pairs) if each check finds a pair.
+  // The number of checks between two polls. These checks take 10 µs if comparisons in bytes find no
+  // pair, and 2 ms (4 MiB of pairs) if each check finds a pair.
   static constexpr uint64_t kChecksPerQuestion = uint64_t{1} << 19;
 
   // `stop` may be null; `out` is the buffer that the search grows.
@@ -63,17 +63,18 @@ class StopPoll {
   uint64_t next_;  // the number of checks at which to poll next; 0 once the search has ended
 };
 
-// Returns whether the call must end. `stop` may be null.
+// Returns whether the call in progress must end. `stop` may be null.
 inline bool IsStopped(StopRequest* stop) { return stop != nullptr && stop->WantsStop(0); }
 
-// The number of boxes that are loaded, or moved by one pass of a sort, between two polls. They take
-// 1 ms or less, even if each of them misses the caches. The number is a multiple of every granule
-// that loops are divided by.
+// The number of boxes that are processed between two polls while boxes are loaded or sorted. In a
+// sort, each pass over a box counts. Processing that many boxes takes 1 ms or less, even if each
+// access misses the caches. It is a power of two and thus a multiple of the block sizes by which
+// loops are divided (ByteBoxes::kGranule and similar constants).
 inline constexpr size_t kBoxesPerQuestion = size_t{1} << 15;
 
-// Calls fn(from, to) for consecutive blocks of the items [begin, end), and polls `stop` before
-// each. Returns false if the call must end; the remaining items are then skipped. Without a request
-// all items form one block, so that the loop has no extra cost.
+// Calls fn(from, to) for consecutive blocks of the items [begin, end), and polls `stop` before each
+// block. Returns false if `stop` ended the loop; the remaining items are then skipped. If `stop` is
+// null, all items form one block, so that the loop has no extra cost.
 template <typename Fn>
 bool ForEachBlock(StopRequest* stop, size_t begin, size_t end, const Fn& fn,
                   size_t block = kBoxesPerQuestion) {

@@ -59,7 +59,8 @@ class ThreadPool final : public Executor {
     while (RunOne(End::kFront)) {
     }
     for (int spins = 0; done_.load(std::memory_order_acquire) != part_count; ++spins) {
-      // Yields after a while, since the thread that runs the last part may need this core.
+      // Gives up the core after kSpinsBeforeSleep rounds: the thread that runs the last part may
+      // need it.
       spins < kSpinsBeforeSleep ? Pause() : std::this_thread::yield();
     }
   }
@@ -96,8 +97,8 @@ class ThreadPool final : public Executor {
     sleeper_count_.fetch_sub(1, std::memory_order_relaxed);
   }
 
-  // Claims a part and runs it; returns false if there is none. run_part_ and context_ are read only
-  // after a part is claimed: they do not change until that part is done.
+  // Claims a part and runs it. Returns false if no part is left. Reads run_part_ and context_ only
+  // after it has claimed a part: they do not change until that part is done.
   bool RunOne(End end) noexcept {
     const uint64_t step = end == End::kFront ? kLast + 1 : uint64_t{0} - 1;
     uint64_t job = job_.load(std::memory_order_acquire);
@@ -126,7 +127,7 @@ class ThreadPool final : public Executor {
     return false;
   }
 
-  // The first fields have separate cache lines, so that threads that wait for job_ do not slow down
+  // job_ and done_ have separate cache lines, so that threads that wait for job_ do not slow down
   // threads that increment done_.
   alignas(64) std::atomic<uint64_t> job_{0};
   alignas(64) std::atomic<size_t> done_{0};

@@ -24,8 +24,8 @@ constexpr size_t kEntriesPerMisplaced = 8;
 constexpr size_t kObjectsPerChanged = 4;
 // A frame is calm if at most 1 in 32 sampled objects moves further than DbvtMargins::Step().
 constexpr size_t kSamplesPerFast = 32;
-// Margins are tried only up to this number of pairs per object, because each candidate pair takes
-// memory.
+// Margins are tried only in scenes with at most this number of pairs per object: the pairs of
+// enlarged boxes are kept, and they take memory.
 constexpr size_t kMaxPairsPerObject = 16;
 // The number of calm frames before margins are tried. It doubles up to kMaxCalmFrames each time
 // margins have held for fewer than kShortRest frames.
@@ -74,8 +74,8 @@ class Dbvt final : public BroadPhase {
   size_t ordered_count_ = 0;       // the number of objects when the latest order was begun
   bool is_ordering_ = false;
   RebuildDebt debt_;  // the tree's extra checks since the latest rebuild
-  // The objects that are not in the tree because their boxes are invalid. The list is not kept up
-  // to date at rest.
+  // The objects that are not in the tree because their boxes are invalid. While the tree holds
+  // boxes enlarged by margins (is_at_rest_), the list is out of date.
   HookedVector<uint32_t> outside_;
   PairParts parts_;
   size_t pair_count_ = 0;  // the number of pairs of the latest search
@@ -106,8 +106,8 @@ void Dbvt::Rebuild(std::span<const Aabb> boxes) {
   AdoptOrder(boxes);
 }
 
-// Builds the tree in the completed order and inserts the objects that were added after the start of
-// that order.
+// Builds the tree in the completed order. Then inserts the objects that were added while the order
+// was being computed.
 void Dbvt::AdoptOrder(std::span<const Aabb> boxes) {
   order_.EnsureDiscarding(KdOrder::MaxSlots(ordered_count_));
   const std::span<uint32_t> slots{order_.data(), splitter_.slot_count()};
@@ -123,8 +123,8 @@ void Dbvt::AdoptOrder(std::span<const Aabb> boxes) {
   debt_.Clear();
 }
 
-// Does this frame's share of the rebuild if a rebuild is due. Returns whether the tree was rebuilt
-// or the call was stopped.
+// If a rebuild is due, computes a part of the new order, and rebuilds the tree when the order is
+// complete. Returns whether the tree was rebuilt or the call was stopped.
 bool Dbvt::AdvanceRebuild(std::span<const Aabb> boxes) {
   if (!is_ordering_) {
     if (!debt_.Exceeds(kChecksPerRebuild * boxes.size())) return false;
@@ -156,7 +156,7 @@ void Dbvt::Update(std::span<const Aabb> boxes) {
   Refit(boxes);
 }
 
-// Adds or removes objects at the end. REQUIRES: the tree is not at rest.
+// Adds objects with the highest indices, or removes them. REQUIRES: is_at_rest_ is false.
 void Dbvt::Resize(size_t count) {
   const size_t old_count = tree_.object_count();
   if (count == old_count) return;
@@ -183,7 +183,8 @@ void Dbvt::Refit(std::span<const Aabb> boxes) {
   MaybeUseMargins(boxes, motion);
 }
 
-// Inserts the objects whose boxes have become valid, until stopped.
+// Inserts the objects of outside_ whose boxes are valid again. If the call is stopped, the others
+// stay in outside_.
 void Dbvt::InsertReturning(std::span<const Aabb> boxes) {
   size_t valid = 0;
   bool is_stopped = false;

@@ -50,7 +50,7 @@ HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
   const Half d;
   const auto overlap = hn::And(hn::Le(hn::LoadU(d, a.min), hn::LoadU(d, b.max)),
                                hn::Ge(hn::LoadU(d, a.max), hn::LoadU(d, b.min)));
-  // The fourth lane holds whatever float follows the corner in memory and is ignored.
+  // The fourth lane holds the float that follows the corner in memory and is ignored.
   return hn::AllTrue(d, hn::Or(overlap, hn::Not(hn::FirstN(d, 3))));
 }
 
@@ -58,7 +58,7 @@ HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
 HWY_INLINE bool IsInside(const Aabb& box, const Aabb& fat) {
   const Half d;
   const auto min = hn::LoadU(d, box.min);
-  // The load starts one float early, since nothing behind the last box may be read.
+  // Loads from one float before the max corner on, so that nothing behind the last box is read.
   const auto max = hn::LoadU(d, box.min + 2);
   const auto ordered = hn::Le(min, hn::Shuffle0321(max));
   const auto low = hn::And(ordered, hn::Ge(min, hn::LoadU(d, fat.min)));
@@ -110,16 +110,17 @@ constexpr float kLargest = std::numeric_limits<float>::max();
 // The bounds of a margin, as multiples of the typical side (dbvt_margins.h).
 constexpr float kMinMargin = 0.02F;
 constexpr float kMaxMargin = 0.1F;
-// The number of frames of an object's motion that a margin covers.
+// A margin is this multiple of the object's motion per frame: it should hold for that many frames.
 constexpr float kMarginFrames = 8;
-// Margins are given up if more than 1 in 20 objects leaves its margin in a frame. One refit and one
-// search for all objects then cost less than new margins and candidates for the objects that have
-// left.
+// Margins are dropped if more than 1 in 20 objects leaves its margin in a frame. One refit and one
+// search for all objects then cost less than new margins and candidates for these objects.
 constexpr size_t kObjectsPerOutside = 20;
-// The maximum number of candidates to keep. Testing more takes longer than a search in the tree. It
-// is 1.5 times kMaxPairsPerObject (dbvt.cc), the limit up to which DBVT tries margins.
+// The maximum number of candidates (pairs of enlarged boxes that overlap) per object. Testing more
+// takes longer than a search in the tree. It is 1.5 times kMaxPairsPerObject (dbvt.cc), the limit
+// up to which DBVT tries margins.
 constexpr size_t kMaxCandidatesPerObject = 24;
-// The maximum number of sampled boxes, which is enough since the median only scales margins.
+// The maximum number of boxes from which the median side is estimated. A rough estimate is enough,
+// since the median only scales the margins.
 constexpr size_t kSideSampleSize = 512;
 // The minimum work per part of a parallel loop. A smaller part takes less time than waking a
 // thread.
@@ -160,7 +161,8 @@ Aabb Enlarged(const Aabb& box, float margin) {
 
 }  // namespace
 
-// Uses evenly spaced boxes as the sample and skips invalid ones.
+// Sets side_ to the median of MiddleSide over a sample: every k-th box, with k chosen so that there
+// are at most kSideSampleSize of them. Invalid boxes are left out.
 void DbvtMargins::MeasureSide(std::span<const Aabb> boxes) {
   sides_.reserve(kSideSampleSize + 1);
   sides_.clear();
@@ -262,8 +264,8 @@ void DbvtMargins::CollectObjectsOutside(std::span<const Aabb> boxes, Executor* e
   }
 }
 
-// Lists in left_, from left_[begin] on, the objects that have left their margins, and gives them
-// new enlarged boxes. Returns their number.
+// Lists in left_, from left_[begin] on, those of the objects [begin, end) that have left their
+// margins. Gives each of them a new enlarged box. Returns their number.
 size_t DbvtMargins::UpdatePart(std::span<const Aabb> boxes, size_t begin, size_t end) {
   uint32_t* const left = left_.data() + begin;
   const size_t outside =
@@ -295,8 +297,8 @@ void DbvtMargins::Replace(uint32_t object, DbvtTree& tree) {
 }
 
 // Drops the candidates of objects that have left their margins. Few objects have left, so that the
-// branch is well predicted. Branchless code would be slower, since the address of each store would
-// depend on the flags of all pairs before.
+// processor predicts the branch well. Branchless code would be slower: the address of each store
+// would depend on the flags of all candidates before it.
 void DbvtMargins::DropOutdatedCandidates() {
   const std::span<OverlapPair> candidates = candidates_.pairs();
   OverlapPair* kept = candidates.data();

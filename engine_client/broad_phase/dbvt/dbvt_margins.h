@@ -37,10 +37,10 @@ class DbvtMargins {
   // Returns the motion per frame at which an object stays in the largest margin for 8 frames.
   float Step() const;
 
-  // Enlarges all boxes, also those in the tree, by the margin for this mean motion, and finds all
-  // candidates. Returns false if there are too many to keep (24 per object); the tree is then
-  // unchanged. The searches of Start and Follow poll `stop`, which may be null. REQUIRES: the tree
-  // holds exactly the objects with valid boxes.
+  // Enlarges all boxes, also those in the tree, and finds all candidates. `motion` is the mean
+  // motion per frame, which determines the margin. Returns false if there are too many candidates
+  // to keep (24 per object); the tree is then unchanged. The searches of Start and Follow poll
+  // `stop`, which may be null. REQUIRES: the tree holds exactly the objects with valid boxes.
   bool Start(std::span<const Aabb> boxes, float motion, DbvtTree& tree, Executor* executor,
              StopRequest* stop);
 

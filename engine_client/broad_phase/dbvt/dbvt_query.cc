@@ -106,9 +106,9 @@ HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& le
 // The maximum number of pending nodes in a depth-first walk: all siblings on each level.
 constexpr size_t kStackSize = DbvtTree::kMaxLevels * kWidth + kWidth;
 
-// The search for the pairs of one leaf with the leaves that follow it. The leaves found are
-// collected in a list, and so are the slots found in them. A list is processed when it is full,
-// since long loops are predicted better.
+// The search for the pairs of one leaf with the leaves after it. Leaves found are collected in one
+// list, and slots of boxes found in them in another one. A list is processed when it is full: the
+// processor predicts the branches of a long loop better than those of many short ones.
 struct DbvtSearch {
   DbvtSearch(const DbvtTree& tree, PairCursor& pairs)
       : nodes(tree.nodes()), links(tree.links()), cursor(pairs) {}
@@ -137,7 +137,7 @@ HWY_INLINE void TestFoundSlots(DbvtSearch& search) {
   search.slot_count = 0;
 }
 
-// Prefetches a leaf: in large trees the leaves are not in the cache.
+// Prefetches a leaf, since in large trees the leaves are not in the cache.
 HWY_INLINE void FetchAhead(const DbvtNode& leaf) {
   for (size_t axis = 0; axis < 3; ++axis) {
     hwy::Prefetch(leaf.min[axis]);
@@ -157,7 +157,7 @@ HWY_INLINE void TestFoundLeaves(DbvtSearch& search) {
   search.leaf_count = 0;
 }
 
-// Searches the subtrees below `node` from its lane `first` on.
+// Searches the subtrees of the children of `node` from the child in lane `first` on.
 HWY_INLINE void SearchBelow(DbvtSearch& search, uint32_t node, uint32_t first) {
   size_t waiting = 0;
   for (;;) {
@@ -242,7 +242,8 @@ uint64_t PairsOf(const DbvtTree& tree, std::span<const uint32_t> objects, const 
       }
       const size_t met_count = CollectChildren(fat[object], nodes[node], 0, met);
       for (size_t k = 0; k < met_count; ++k) {
-        // A pair of two listed objects is reported by the object with the lower index.
+        // If both objects of a pair are listed, only the object with the lower index reports the
+        // pair.
         if (met[k] > object || (met[k] < object && is_listed[met[k]] == 0)) {
           cursor.Append(object, met[k]);
         }

@@ -86,7 +86,8 @@ HWY_INLINE void TakeBoxes(DbvtNode& leaf, size_t count, const Aabb* HWY_RESTRICT
   }
 }
 
-// Prefetches the boxes of a leaf's objects, whose order the processor cannot predict.
+// Prefetches the boxes of a leaf's objects. They are scattered in memory, so that the processor
+// does not prefetch them itself.
 HWY_INLINE void FetchAhead(const DbvtNode& leaf, size_t count, const Aabb* boxes) {
   for (size_t lane = 0; lane < count; ++lane) {
     const Aabb* const box = boxes + leaf.child[lane];
@@ -100,7 +101,7 @@ DbvtGroupNote Refit(DbvtNode* HWY_RESTRICT nodes, const DbvtLink* links, uint32_
   DbvtNode& group = nodes[group_node];
   const size_t leaf_count = links[group_node].count;
   DbvtGroupNote note{};
-  // Samples the motion and takes the boxes, leaf by leaf.
+  // First loop, leaf by leaf: samples the motion and copies the new boxes to the leaf.
   for (size_t lane = 0; lane < leaf_count; ++lane) {
     DbvtNode& leaf = nodes[group.child[lane]];
     if (lane + 2 < leaf_count) {
@@ -112,8 +113,8 @@ DbvtGroupNote Refit(DbvtNode* HWY_RESTRICT nodes, const DbvtLink* links, uint32_
     note.motion += std::min(motion, step);
     TakeBoxes(leaf, links[group.child[lane]].count, boxes);
   }
-  // Computes the bounds in a separate loop. A vector load right after single-float stores would
-  // stall until they finish.
+  // Second loop: computes the bounds of the leaves. In the first loop, a vector load right after
+  // stores of single floats would stall until the stores finish.
   for (size_t lane = 0; lane < leaf_count; ++lane) {
     const DbvtNode& leaf = nodes[group.child[lane]];
     const Aabb bounds = BoundsOf(leaf);

@@ -68,8 +68,8 @@ int WidestAxis(const Entries& entries) {
   return widest;
 }
 
-// The lane with the outermost face on one side of a node, and the distance by which the node would
-// shrink without it. The outermost face is the lowest if `sign` is +1 and the highest if it is −1.
+// The lane of a node's outermost face on one side, and the distance by which the node would shrink
+// without that lane. The outermost face is the lowest if `sign` is +1, and the highest if it is −1.
 struct Outermost {
   uint32_t lane;
   float gain;
@@ -165,7 +165,8 @@ void DbvtTree::EvictLane(uint32_t node, uint32_t lane) {
   RemoveLane(node, lane);
 }
 
-// Removes the node; its entries wait to be inserted elsewhere. REQUIRES: the node is not the root.
+// Removes the node and appends its entries to waiting_, from which Settle inserts them elsewhere.
+// REQUIRES: the node is not the root.
 void DbvtTree::RemoveNode(uint32_t node) {
   for (uint32_t lane = links_[node].count; lane-- > 0;) EvictLane(node, lane);
   RemoveLane(links_[node].parent, links_[node].lane);
@@ -229,7 +230,7 @@ void DbvtTree::BuildLeaf(std::span<const uint32_t> objects) {
   }
 }
 
-// Makes the parents of the nodes [first, end), which form the next level. Makes at least one.
+// Makes the parents of the nodes [first, end). The parents form the next level. Makes at least one.
 void DbvtTree::BuildLevel(uint32_t level, uint32_t first, uint32_t end) {
   uint32_t node = AllocateNode(level);
   for (uint32_t child = first; child < end; ++child) {
@@ -297,7 +298,7 @@ void DbvtTree::Attach(const Entry& entry) {
   AddTo(DescendWidening(nodes_.data(), links_.data(), root_, entry.level, entry.box), entry);
 }
 
-// Adds the entry to a node. REQUIRES: the boxes of the levels above cover the entry's box.
+// Adds the entry to a node. REQUIRES: the boxes of all ancestors of the node cover the entry's box.
 void DbvtTree::AddTo(uint32_t node, const Entry& entry) {
   if (links_[node].count == kWidth) return Split(node, entry);
   SetLane(node, links_[node].count++, entry);
@@ -333,7 +334,8 @@ void DbvtTree::Split(uint32_t node, const Entry& entry) {
 
 void DbvtTree::Settle(StopRequest* stop) {
   constexpr size_t kEntriesPerQuestion = 2048;
-  // Large subtrees are inserted first, since smaller ones and objects may belong into them.
+  // Inserts subtrees before smaller subtrees and objects, because these may be inserted into the
+  // larger ones.
   for (uint32_t level = links_[root_].level + 1; level-- > 0 && !waiting_.empty();) {
     const auto attach = [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {

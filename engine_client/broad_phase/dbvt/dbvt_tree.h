@@ -69,10 +69,10 @@ class DbvtTree {
   static constexpr size_t kMaxLevels = 17;
   static constexpr float kReachFactor = 1.35F;
 
-  // Discards everything and inserts the objects in `slots`, of which sixteen at a time become a
-  // leaf. kNone and numbers that are not an index of `boxes` leave a gap. Objects with invalid
-  // boxes are appended to `lost`. The tree can then hold objects 0 … boxes.size() − 1. Polls
-  // `stop`, which may be null; after a stop the tree is undefined.
+  // Discards everything and inserts the objects in `slots`; each sixteen consecutive slots become a
+  // leaf. An entry that is kNone or not an index of `boxes` leaves its lane empty. Objects with
+  // invalid boxes are appended to `lost`. Afterwards the tree can hold objects 0 … boxes.size() −
+  // 1. Polls `stop`, which may be null; after a stop the tree is undefined.
   void Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots, Executor* executor,
              HookedVector<uint32_t>& lost, StopRequest* stop = nullptr);
   // Sets the number of objects that the tree can hold. REQUIRES: the tree holds no object from
@@ -95,8 +95,9 @@ class DbvtTree {
   };
   // Reads the objects' new boxes. Objects whose boxes have become invalid leave the tree and are
   // appended to `lost`. Entries that enlarge their node beyond its reach are removed from it and
-  // wait for Settle or Build; a search before that would miss them. If more than half of the leaves
-  // have grown beyond their reach, needs_build is set and the next call must be Build.
+  // wait until Settle or Build inserts them again; a search before that would miss them. If more
+  // than half of the leaves have grown beyond their reach, needs_build is set and the next call
+  // must be Build.
   Motion Refit(std::span<const Aabb> boxes, float step, Executor* executor,
                HookedVector<uint32_t>& lost);
   // Reads the objects' new boxes, but moves no object to another leaf. REQUIRES: the boxes of all

@@ -3,11 +3,11 @@
 //
 // A box is stored once, in the cell of its min corner in the grid of its group. It finds its pairs
 // in the rows of cells around it. In its own grid it searches half of these rows, so that each pair
-// is found once. For each two groups, one is chosen: its boxes also search all rows around them in
-// the other group's grid. Boxes of one size form one group and one grid. If sizes differ, groups
-// prevent a few huge boxes from enlarging the cells of the small ones, and give long thin boxes
-// long thin cells. The estimated cost for the present boxes (grid_cost.h) decides which shapes
-// share a group.
+// is found once. Pairs of boxes of two groups are found from one side: the boxes of one of the two
+// groups search all rows around them in the other group's grid. Boxes of one size form one group
+// and one grid. If sizes differ, groups prevent a few huge boxes from enlarging the cells of the
+// small ones, and give long thin boxes long thin cells. The estimated cost for the present boxes
+// (grid_cost.h) decides which shapes share a group.
 //
 // Memory and the choice of groups are kept between frames. Cost: O(n + cells) for the sort and O(n
 // · boxes around a box) for the search; cells <= 4 n + 256 per group. Measured on AMD Zen 5 with

@@ -75,8 +75,8 @@ HWY_INLINE hn::Mask<D> LoadHalved(D d, const Aabb* boxes, V& min_x, V& min_y, V&
   return hn::And(hn::And(on_x, on_y), HalveAxis(d, min_z, max_z));
 }
 
-// Calls action(boxes, index) for each group of boxes that fills a register. Invalid boxes complete
-// the last group.
+// Calls action(boxes, index) for each run of boxes that fills a register. The last run is filled up
+// with invalid boxes.
 template <class D, class Action>
 HWY_INLINE void ForEachRegister(D d, std::span<const Aabb> boxes, const Action& action) {
   const size_t step = hn::Lanes(d);
@@ -101,7 +101,8 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellsAt(D d, const GroupGrid& grid, si
   return hn::ConvertTo(di, hn::Min(hn::Max(cell, hn::Zero(d)), last));
 }
 
-// Returns the shape class of halved sides on one axis, shifted to the bits of that axis.
+// Returns the shape class (grid_measure.h) of halved sides on one axis, shifted to the bits of that
+// axis.
 template <class D>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOnAxis(D d, float threshold, int axis,
                                                         hn::Vec<D> side) {

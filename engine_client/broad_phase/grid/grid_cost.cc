@@ -111,8 +111,8 @@ uint32_t FirstClass(const Group& group) {
   return static_cast<uint32_t>(std::countr_zero(group.classes));
 }
 
-// Joins the smallest group with the most similar one until at most kMaxGridGroups are left.
-// JoinWhereItSaves compares all pairs of groups, which would take too long for more.
+// Joins the smallest group with the most similar other group until at most kMaxGridGroups are left.
+// JoinWhereItSaves would take too long for more groups, since it compares all pairs of groups.
 void JoinSmallest(const CornerBounds& bounds, Groups& groups) {
   while (groups.size() > kMaxGridGroups) {
     const auto smallest = std::min_element(

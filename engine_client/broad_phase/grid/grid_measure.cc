@@ -35,7 +35,7 @@ HWY_INLINE void CountShapes(D d, hn::Vec<hn::RebindToSigned<D>> classes, hn::Mas
 
 void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasure& measure) {
   const HWY_FULL(float) d;
-  // Starts with empty bounds and no box of class 0, which is size step 0 on all axes.
+  // Starts with empty bounds, and with no boxes counted in class 0 (size step 0 on all axes).
   const auto limit = hn::Set(d, std::numeric_limits<float>::max());
   auto low_x = limit;
   auto low_y = limit;
@@ -63,7 +63,8 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
     high_x = hn::Max(high_x, hn::IfThenElse(valid, x, hn::Neg(limit)));
     high_y = hn::Max(high_y, hn::IfThenElse(valid, y, hn::Neg(limit)));
     high_z = hn::Max(high_z, hn::IfThenElse(valid, z, hn::Neg(limit)));
-    // If all boxes of a register are of class 0, their classes are not computed one by one.
+    // Most scenes have boxes of class 0 only. If all boxes of a register are of class 0, their
+    // classes are not computed one by one.
     const auto side_x = hn::IfThenElseZero(valid, hn::Sub(max_x, x));
     const auto side_y = hn::IfThenElseZero(valid, hn::Sub(max_y, y));
     const auto side_z = hn::IfThenElseZero(valid, hn::Sub(max_z, z));
@@ -75,7 +76,7 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
       first_class_count += static_cast<uint32_t>(hn::CountTrue(d, valid));
       return;
     }
-    // Otherwise each box counts for its own class.
+    // Otherwise adds each box to the count of its own class.
     const auto shapes = ClassesOfSides(d, classes, side_x, side_y, side_z);
     CountShapes(d, shapes, valid, side_x, side_y, side_z, measure);
   });

@@ -1,7 +1,7 @@
 // The measurements that a grid is planned from: the bounds of the boxes' min corners, and for each
 // shape class the number of boxes and their maximum sides.
 //
-// Plain values. Cost: O(n), several times as much if the boxes are of several classes.
+// Plain values. Cost: O(n); several times as long if the boxes are of several classes.
 #pragma once
 
 #include <array>

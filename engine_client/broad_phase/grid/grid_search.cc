@@ -140,20 +140,20 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
     auto row = hn::Add(first_cell, hn::Mul(own, y_stride));
     const auto up = hn::Sub(last_y, own);
     const auto down = hn::Sub(own, first_y);
-    // Adds the row's offset along z and finds how many rows the box reaches in z.
+    // Adds the row's offset along z, and finds how many rows the box reaches in z.
     auto unused = first_x;
     auto last_z = first_x;
     CellsOnAxis(d, lanes, grid, z_axis, slot, unused, own, last_z);
     row = hn::Add(row, hn::Mul(own, z_stride));
     const auto beyond = hn::Sub(last_z, own);
     max_reach = hn::Max(max_reach, hn::Max(beyond, hn::Max(up, down)));
-    // Stores the end of the box's own row, the cell behind its last. No first cell is needed, since
-    // this row is searched from the slot behind the box on.
+    // Stores the end of the box's own row: the cell behind the last one to search. The start of the
+    // row is not stored, since the search in this row begins at the slot behind the box.
     const auto first = hn::Add(row, first_x);
     const auto behind = hn::Add(hn::Add(row, last_x), one);
     hn::StoreU(behind, di, rows.behind[0] + k);
-    // Stores the four neighbouring rows with later cells. The values up, down and beyond are 0 or
-    // 1; if any is larger, the caller discards the result.
+    // Stores the four neighbouring rows that follow the box's own row in cell order. The values up,
+    // down and beyond are 0 or 1; if any is larger, the caller discards the result.
     StoreRow(di, first, behind, hn::Mul(up, y_stride), 1, k, rows);
     StoreRow(di, first, behind, hn::Mul(hn::And(beyond, down), hn::Sub(z_stride, y_stride)), 2, k,
              rows);
@@ -221,7 +221,7 @@ HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, Pai
   const float* const columns = lanes.min[0];
   const auto stride = static_cast<size_t>(lanes.min[1] - lanes.min[0]);
   const uint32_t* const ids = lanes.id;
-  // Pairs are stored without checking for room until a chunk of the buffer is full.
+  // Pairs are stored without checking for room until a chunk of the pair buffer is full.
   OverlapPair* from = out.EnsureRoom(kChunk);
   OverlapPair* to = from;
   const OverlapPair* full = from + kChunk;
@@ -319,7 +319,7 @@ class BatchSearch {
     for (int32_t z = 1; z <= blocks_.last_z[k]; ++z) ListRows(grid, k, slot, z, blocks_.first_y[k]);
   }
 
-  // Lists the rows of the box's block at this z, from y = `first_y` on.
+  // Lists the rows of the box's block of cells at this z, from y = `first_y` on.
   HWY_INLINE void ListRows(const GroupGrid& grid, size_t k, size_t slot, int32_t z,
                            int32_t first_y) {
     const auto y_stride = static_cast<int32_t>(grid.stride[grid.AxisOf(1)]);

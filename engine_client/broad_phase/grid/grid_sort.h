@@ -25,9 +25,11 @@ namespace sweepstake {
 // time. Memory: 28 bytes per slot.
 class GridColumns {
  public:
-  // Makes room for `count` slots with undefined content, and for reading a register behind them.
+  // Makes room for `count` slots with undefined content, and for a register that kernels may read
+  // behind them.
   void Resize(size_t count);
-  // Returns the ids by slot. The caller writes them, and Gather reads them.
+  // Returns an array with the id of each slot's box. The caller writes the ids, and Gather reads
+  // them.
   uint32_t* ids() { return ids_.data(); }
   const uint32_t* ids() const { return ids_.data(); }
   // Copies the box of each slot in [begin, end), boxes[ids()[slot]], to the columns.
@@ -46,7 +48,7 @@ class GridColumns {
   size_t stride_ = 0;
 };
 
-// Gives the group of a box, and so its grid, from its shape class.
+// Maps the shape class of a box to its group. Each group has its own grid.
 struct GroupChoice {
   ShapeClasses classes;
   uint32_t group_of_class[ShapeClasses::kCount];

@@ -37,7 +37,8 @@ Cells Divide(const CornerBounds& bounds, const GroupShape& shape, double min_sid
   return cells;
 }
 
-// Returns the division into the smallest cells with which there are at most `max_count` cells.
+// Chooses the smallest cells with which the grid has at most `max_count` cells, and returns the
+// resulting division.
 Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double max_count) {
   const Cells finest = Divide(bounds, shape, 0);
   if (finest.Product() <= max_count) return finest;
@@ -54,10 +55,10 @@ Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double max
   return Divide(bounds, shape, std::exp2(high));
 }
 
-// Returns the axis along the rows of cells: normally the shortest side, along which a long box
-// crosses the most cells. Needles have two short sides; the axis after the long one is chosen. Of
-// any two groups of needles with different directions, one then lies along the rows of the other's
-// grid.
+// Returns the axis along which the rows of cells run: normally the one with the shortest side,
+// along which a long box crosses the most cells. Needles have two short sides; for them it is the
+// axis that follows the long one in cyclic order. Of any two groups of needles with different
+// directions, one then lies along the rows of the other's grid.
 int ChooseRowAxis(const double (&side)[3]) {
   const int shortest = static_cast<int>(std::min_element(side, side + 3) - side);
   const int longest = static_cast<int>(std::max_element(side, side + 3) - side);

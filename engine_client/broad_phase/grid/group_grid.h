@@ -22,7 +22,7 @@ struct GroupGrid {
   float reach[3] = {};             // half the maximum side of the group, rounded up
   uint32_t cells[3] = {1, 1, 1};   // the number of cells along x, y and z
   uint32_t stride[3] = {1, 1, 1};  // the step between neighbouring cells; 1 along the rows
-  uint32_t first_cell = 0;         // its first cell; numbers continue from group to group
+  uint32_t first_cell = 0;         // number of its first cell; numbers continue from grid to grid
   int row_axis = 0;
 
   // Returns the axis along the rows for index 0, and the other axes for 1 and 2.
@@ -48,11 +48,11 @@ struct GroupShape {
 };
 
 // Returns the maximum number of cells for a number of boxes: a few cells per box. Empty cells cost
-// little, but boxes that share a cell are tested against one another.
+// little, but more boxes in a cell mean more tests between them.
 constexpr size_t MaxCellCount(size_t box_count) { return 4 * box_count + 256; }
 
-// Returns the number of cells if they are as small as the group's maximum sides. It may exceed the
-// range of any integer type.
+// Returns how many cells the grid has if its cells are as small as the group's maximum sides. The
+// number may exceed the range of any integer type.
 double CellsWanted(const CornerBounds& bounds, const GroupShape& shape);
 
 // Makes a grid for the group with cells as small as its maximum sides, or larger if that needs more

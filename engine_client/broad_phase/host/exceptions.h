@@ -1,6 +1,6 @@
-// All code that depends on whether the library was built with exceptions. Without exceptions,
-// running out of memory ends the program (OutOfMemory in sweepstake/hooks.h). The functions here
-// then only call the body.
+// Everything in the library that depends on whether it was built with exceptions. Without
+// exceptions, the functions here only call the body, and running out of memory ends the program
+// (OutOfMemory in sweepstake/hooks.h).
 #pragma once
 
 #include <atomic>

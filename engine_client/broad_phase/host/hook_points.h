@@ -1,5 +1,5 @@
-// The calls of a game's hooks (sweepstake/hooks.h): profiler zones, threads, and vectors whose
-// memory comes from the hooks. Thread-safe.
+// Calls the hooks that a game has installed (sweepstake/hooks.h): profiler zones, thread starts,
+// and memory for vectors. Thread-safe.
 #pragma once
 
 #include <atomic>

@@ -46,7 +46,7 @@ uint64_t MemoryBytes() {
 
 #endif
 
-// Returns whether a word of a processor's name is independent of the model.
+// Returns whether a word of a processor's name says nothing about the model.
 bool IsFiller(std::string_view word) {
   return word == "r" || word == "tm" || word == "cpu" || word == "processor";
 }

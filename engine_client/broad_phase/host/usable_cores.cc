@@ -91,7 +91,8 @@ size_t CoresOfQuota() noexcept { return 0; }
 
 }  // namespace
 
-// Applies only the limits that the system reports.
+// If the affinity is unknown (0), starts from the number of hardware threads. A quota of 0 means
+// that there is none.
 size_t UsableCores() noexcept {
   size_t cores = CoresOfAffinity();
   if (cores == 0) cores = std::max(std::thread::hardware_concurrency(), 1U);

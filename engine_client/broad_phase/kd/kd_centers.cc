@@ -24,7 +24,7 @@ size_t Collect(std::span<const LeafBlock> leaves, const KdColumns& centers,
   size_t count = 0;
   for (const LeafBlock& leaf : leaves) {
     for (size_t at = 0; at < LeafBlock::kWidth; at += hn::Lanes(d)) {
-      // Sentinels (min = +inf) are skipped.
+      // Skips sentinels, which mark slots without a valid box (min = +inf).
       const auto valid = hn::Le(hn::LoadU(d, leaf.min[0] + at), max_float);
       for (size_t axis = 0; axis < 3; ++axis) {
         const auto min = hn::LoadU(d, leaf.min[axis] + at);
@@ -81,8 +81,8 @@ HWY_EXPORT(Spread);
 
 namespace {
 
-// A box is large if it exceeds this multiple of a leaf's width. A smaller box would cost more in a
-// separate class than it costs in its leaf.
+// A box is large if one of its sides exceeds this multiple of a leaf's width. For a smaller box, a
+// separate class would cost more than the growth of its leaf.
 constexpr double kLongInLeafWidths = 1.5;
 // A large box must also exceed this multiple of the lower quartile of the extents on its axis.
 constexpr float kLongInQuartiles = 4;

@@ -9,17 +9,18 @@
 namespace sweepstake {
 namespace {
 
-// The maximum size of a range that is split completely, down to parts, in one step. Its centers
-// then stay in the cache.
+// The maximum size of a range that one step splits down to ranges of kPart boxes. The centers of
+// such a range stay in the cache.
 constexpr size_t kMaxWholeRange = 4096;
-// The number of moved centers between two polls of the stop request; they take about a millisecond.
+// The number of center moves between two polls of the stop request; they take about a millisecond.
 constexpr size_t kMovesPerQuestion = size_t{1} << 19;
 
 constexpr size_t RoundUp(size_t count) {
   return (count + KdRange::kPart - 1) / KdRange::kPart * KdRange::kPart;
 }
 
-// Returns how often each center of a range is moved until its part has at most kPart boxes.
+// Returns the number of splits from a range of `count` boxes down to ranges of at most kPart boxes.
+// Each split moves every center once.
 size_t SplitDepth(size_t count) {
   size_t depth = 0;
   for (; count > KdRange::kPart; count = (count + 1) / 2) ++depth;
@@ -111,7 +112,7 @@ void KdOrder::MoveToClasses(std::span<const uint32_t> of_slots,
   }
 }
 
-// This function is inline, since a call would take as long as its work.
+// Inline: a call would take as long as the function's work.
 inline void KdOrder::Collect(const Aabb& box, uint32_t index) {
   if (!IsValid(box)) {
     result_[capacity_ - ++invalid_count_] = index;

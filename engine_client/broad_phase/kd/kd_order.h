@@ -27,7 +27,7 @@ namespace sweepstake {
 
 class KdOrder {
  public:
-  // Ranges of up to this number of boxes (parts) are not split further.
+  // A part is a range of up to this number of boxes. Parts are not split further.
   static constexpr uint32_t kPart = KdRange::kPart;
 
   // The entry of a slot without a box. It is not a valid index.
@@ -44,14 +44,14 @@ class KdOrder {
   // Does all remaining work, in parts if there is an executor. Returns false if `stop`, which may
   // be null, ended it; the order is then incomplete.
   bool Finish(Executor* executor, StopRequest* stop = nullptr);
-  // Returns the work for the whole order, as the number of moves of a center.
+  // Returns the work for the whole order, as the number of times that a center is moved.
   size_t work() const;
   size_t box_count() const { return valid_count_ + invalid_count_; }
 
   // Writes the boxes in their order, with holes so that each class begins at a multiple of kPart.
   // Invalid boxes are last. REQUIRES: the order is complete, slots.size() == slot_count().
   void TakeSlots(std::span<uint32_t> slots) const;
-  // Returns the number of boxes and holes. REQUIRES: the order is complete.
+  // Returns the number of boxes plus the number of holes. REQUIRES: the order is complete.
   size_t slot_count() const;
   static constexpr size_t MaxSlots(size_t box_count) {
     return box_count + (SizeClasses::kCount + 1) * kPart;
@@ -113,7 +113,7 @@ class KdOrder {
   size_t run_parts_ = kPart;
   std::array<Waiting, kStackSize> stack_;
   size_t waiting_ = 0;
-  // Ranges up to this size are split down to parts in one step.
+  // One step splits a range of up to this size down to parts (kPart).
   size_t whole_range_ = 0;
 };
 

@@ -29,7 +29,7 @@ struct KdRange {
   size_t end;
   // A split uses the axis with the largest product of the centers' spread and this weight.
   float axis_weight[3];
-  // The number of parts in a run that splits should not divide (KdSplitPoint).
+  // Where possible, a split does not divide a run of this number of parts (KdSplitPoint).
   size_t run_parts = kPart;
 
   size_t count() const { return end - begin; }

@@ -63,9 +63,9 @@ class KdTree final : public BroadPhase {
   Executor* const executor_;
   KdOrder splitter_;
   KdOrder unsorted_sorter_;
-  // The box in each slot. The slots up to unsorted_begin_ are in the order of the latest split,
-  // with holes for removed boxes. Behind them are the unsorted boxes, which were added since then
-  // and have a separate order.
+  // The id of the box in each slot. The slots up to unsorted_begin_ are in the order of the latest
+  // split; holes mark removed boxes. Behind them are the unsorted boxes. These were added after the
+  // latest split and have an order of their own.
   AlignedBuffer<uint32_t> order_;
   size_t slot_count_ = 0;
   size_t unsorted_begin_ = 0;
@@ -75,8 +75,9 @@ class KdTree final : public BroadPhase {
   PairParts parts_;
   bool is_splitting_ = false;
   bool split_is_done_ = false;
-  // The minimum box count since the present split began. Boxes from this index on have been
-  // replaced since then, so that their places in the split are invalid.
+  // The lowest number of boxes since the split in progress began. Boxes from this index on were
+  // removed, and possibly added again as other objects, so that their places in the split are
+  // invalid.
   size_t lasting_count_ = 0;
   double fresh_leaf_size_ = 0;  // the mean leaf size after the latest split
   RebuildDebt debt_;            // extra checks since the latest split, per kDebtScale boxes
@@ -118,7 +119,7 @@ void KdTree::Resize(std::span<const Aabb> boxes) {
   }
 }
 
-// Replaces all boxes from `count` on by holes.
+// Replaces all boxes with index `count` or higher by holes.
 void KdTree::Remove(size_t count) {
   for (size_t slot = 0; slot < slot_count_; ++slot) {
     if (order_[slot] == KdOrder::kHole || order_[slot] < count) continue;
@@ -128,7 +129,7 @@ void KdTree::Remove(size_t count) {
   lasting_count_ = std::min(lasting_count_, count);
 }
 
-// Adds the boxes from `first` on to the unsorted boxes and sorts the unsorted boxes again.
+// Adds the boxes from index `first` on to the unsorted boxes, then sorts all unsorted boxes again.
 void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
   // Closes the holes between the remaining unsorted boxes, and moves these boxes to the start of a
   // leaf.
@@ -194,8 +195,8 @@ void KdTree::BeginSplit() {
   is_splitting_ = true;
 }
 
-// Replaces the order by that of the completed split. Boxes added since the split began become
-// unsorted boxes.
+// Replaces the order by the result of the completed split. Boxes that were added while the split
+// was in progress become unsorted boxes.
 void KdTree::AdoptSplit(std::span<const Aabb> boxes) {
   ReserveSlots(box_count_);
   slot_count_ = unsorted_begin_ = splitter_.slot_count();

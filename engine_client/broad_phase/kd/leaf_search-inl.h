@@ -241,7 +241,7 @@ class LeafSearch {
       TestPart(leaf, part, with_own, places, place_count);
   }
 
-  // Not inlined: otherwise the registers that hold the faces would be saved to the stack.
+  // Not inlined, since the inlined code would keep the faces on the stack instead of in registers.
   HWY_NOINLINE void TestPart(size_t leaf, size_t part, bool with_own, const uint32_t* places,
                              size_t place_count) {
     const Lanes16 d;
@@ -280,8 +280,8 @@ class LeafSearch {
     return static_cast<uint32_t>(leaf * LeafBlock::kStride + lane);
   }
 
-  // Returns the lanes above `lane`, as bits. Each pair within the leaf is then found once, at its
-  // first box.
+  // Returns the lanes after `lane`, as bits. A box is tested only against later boxes of its own
+  // leaf, so that each pair within the leaf is found once.
   static HWY_INLINE uint32_t LanesAfter(size_t lane) { return ~1U << lane; }
 
   // Appends a note if a test has hits. A branch would often be mispredicted, since about half of

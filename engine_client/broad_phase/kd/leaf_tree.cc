@@ -71,7 +71,7 @@ namespace {
 // The number of leaves that are filled before their bounds are computed. A vector load right after
 // single-float stores would wait until they finish.
 constexpr size_t kLeavesPerBatch = 8;
-// The prefetch distance in slots.
+// The number of slots by which prefetching is ahead of reading.
 constexpr size_t kPrefetchDistance = 32;
 // The minimum work per part of a parallel loop. A smaller part takes less time than waking a
 // thread.

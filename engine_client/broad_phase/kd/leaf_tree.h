@@ -65,14 +65,16 @@ class LeafTree {
 
   // Makes room for `slot_count` slots; the content is lost.
   void Reserve(size_t slot_count) { Reserve(slot_count, slot_count); }
-  // Stores boxes[order[k]] with id order[k] in slot k. An invalid box (aabb.h) and an entry that is
-  // not an index of `boxes` become sentinels. Polls `stop`, which may be null; after a stop the
-  // tree is undefined. Reserves room for `spare_slots` more slots.
+  // Stores boxes[order[k]] with id order[k] in slot k. Stores a sentinel if that box is invalid
+  // (aabb.h) or order[k] is not an index of `boxes`. Polls `stop`, which may be null; after a stop
+  // the tree is undefined. Reserves room for `spare_slots` more slots.
   void Refit(std::span<const Aabb> boxes, std::span<const uint32_t> order, Executor* executor,
              StopRequest* stop = nullptr, size_t spare_slots = 0);
-  // Refits these blocks, in ascending order, and the nodes above them; the others stay unchanged.
-  // The order may have grown since the latest Refit. Growing beyond the spare slots moves the whole
-  // tree. REQUIRES: `blocks` contains all new blocks.
+  // Reads the boxes of the blocks with the numbers in `blocks` again, and computes the bounds of
+  // these blocks and of the nodes above them. All other blocks stay unchanged. `order` may have
+  // more entries than at the latest Refit; if they exceed the spare slots, the whole tree moves to
+  // a larger allocation. REQUIRES: `blocks` is ascending and contains every block that is new since
+  // then.
   void RefitBlocks(std::span<const Aabb> boxes, std::span<const uint32_t> order,
                    std::span<const uint32_t> blocks);
 
@@ -81,8 +83,8 @@ class LeafTree {
   // Returns the number of blocks.
   size_t block_count() const { return (leaf_count_ + kWidth - 1) / kWidth; }
 
-  // Appends every overlapping pair whose earlier box is in the blocks [begin, end); returns the
-  // AABB checks. `stop` may be null. Any thread. (kd_search.cc)
+  // Appends the overlapping pairs whose first box, in the order of the tree, is in the blocks
+  // [begin, end). Returns the AABB checks. `stop` may be null. Any thread. (kd_search.cc)
   uint64_t FindPairs(size_t begin, size_t end, PairBuffer& out, StopRequest* stop = nullptr) const;
 
   size_t native_bytes() const { return leaves_.capacity_bytes() + bounds_.capacity_bytes(); }
@@ -102,7 +104,7 @@ class LeafTree {
   AlignedBuffer<float> bounds_;
   std::array<float*, kMaxLevels + 1> first_column_{};  // the first column of each level
   std::array<size_t, kMaxLevels + 1> stride_{};        // the length of each column of a level
-  size_t capacity_ = 0;                                // slots that the columns have room for
+  size_t capacity_ = 0;                                // room for this number of slots
   // The number of levels for capacity_ slots, at least `top`.
   size_t level_count_ = 0;
   View view_;

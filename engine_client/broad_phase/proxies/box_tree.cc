@@ -35,8 +35,8 @@ void BoxTree::EnsureRoomFor(size_t new_members) {
 }
 
 void BoxTree::Add(uint32_t id, std::span<uint32_t> slots) {
-  // Closes holes. Otherwise members that are added and removed without an Update would use more and
-  // more memory.
+  // Removes the holes that Remove has left in new_. Otherwise new_ would grow without limit if
+  // members are added and removed without an Update.
   if (new_.size() - new_count_ > new_.size() / 4 + 32) {
     CloseHoles(new_);
     for (size_t k = 0; k < new_.size(); ++k) slots[new_[k]] = static_cast<uint32_t>(k) | kMark;
@@ -105,7 +105,8 @@ void BoxTree::RefitAll(std::span<const Aabb> boxes) {
   moved_count_ = 0;
   for (const uint32_t block : changed_blocks_) states_[block] = BlockState::kFresh;
   changed_blocks_.clear();
-  // If memory runs out, the next Update sorts all members.
+  // is_sorted_ is true again once Refit has succeeded. If memory runs out in Refit, the next Update
+  // sorts all members.
   is_sorted_ = false;
   Refit(boxes);
   is_sorted_ = true;
@@ -150,7 +151,8 @@ void BoxTree::SortMembers(std::span<const Aabb> boxes, KdOrder& splitter,
                                              : RoundUp(count_, kSorted) / kSorted * kBlock;
   (order_.empty() ? new_ : order_).reserve(slot_count + SpareSlots(slot_count));
   ReserveBlocks((slot_count + SpareSlots(slot_count)) / kBlock + 1);
-  // The tree is out of date until the end. If memory runs out, the next Update sorts again.
+  // is_sorted_ is false until the tree is up to date. If memory runs out before that, the next
+  // Update sorts all members.
   is_sorted_ = false;
   if (order_.empty()) std::swap(order_, new_);
   JoinMembers();

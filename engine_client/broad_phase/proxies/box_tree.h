@@ -60,7 +60,7 @@ class BoxTree {
   // called with any_moved.
   void Move(uint32_t slot);
 
-  // Reads the members' boxes from `boxes`, which is indexed by id. Searches never find invalid
+  // Brings the tree up to date with the members' boxes, boxes[id]. Searches never find invalid
   // boxes.
   void Update(std::span<const Aabb> boxes, bool any_moved, KdOrder& splitter,
               std::span<uint32_t> slots);
@@ -72,7 +72,8 @@ class BoxTree {
   // again. REQUIRES: at most one call per Update.
   void NoteSearch(uint64_t checks) { debt_.AddSearch(checks); }
 
-  // Passes the fields of a snapshot to `archive` (snapshot.h). Refit must follow a restore.
+  // Passes the fields of a snapshot to `archive` (snapshot.h). After a restore, Refit must be
+  // called.
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     archive.Array(self.order_);

@@ -86,11 +86,12 @@ class BlockChoice {
 constexpr size_t kMinRun = 2000;
 // The maximum mean extent of a run's blocks, as a multiple of the mean extent of the tree's blocks.
 constexpr double kMaxRunExtent = 2;
-// This number of members in a run degrades the tree as much as one member inserted into a block.
+// Inserting this number of members as a run degrades the tree as much as inserting one member into
+// a block.
 constexpr size_t kRunMembersPerNewOne = 8;
 
-// If more than 1 in 64 members has to be inserted one by one, sorting all takes less time. An
-// insertion takes 8 µs, sorting 0.1 µs per member (AMD Zen 4).
+// If more than 1 in 64 members has to be inserted one by one, sorting all members takes less time.
+// An insertion takes 8 µs, sorting 0.1 µs per member (AMD Zen 4).
 constexpr size_t kMembersPerEach = 64;
 
 // The mean of boxes' extents, each summed over the axes.
@@ -134,7 +135,8 @@ Aabb BoundsOf(std::span<const Aabb> boxes, std::span<const uint32_t> ids) {
 // Inserts the members in `new_`. Many members that are added at once and are close together, such
 // as a tile of the world, get separate branches.
 void BoxTree::InsertNew(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots) {
-  // If memory runs out, the next Update sorts all members.
+  // is_sorted_ is true again at the end. If memory runs out before that, the next Update sorts all
+  // members.
   is_sorted_ = false;
   if (new_count_ < kMinRun || !InsertRun(boxes, splitter, slots)) {
     if (new_count_ * kMembersPerEach > count_) return SortMembers(boxes, splitter, slots);
@@ -145,8 +147,9 @@ void BoxTree::InsertNew(std::span<const Aabb> boxes, KdOrder& splitter, std::spa
   is_sorted_ = true;
 }
 
-// Sorts the new members among themselves and writes them to separate branches. Returns false if
-// their blocks are much larger than the tree's and so would overlap many of them.
+// Sorts the new members among themselves and writes them to separate branches. Returns false
+// without a change if their blocks would be much larger than the tree's blocks, and so overlap many
+// of them.
 bool BoxTree::InsertRun(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots) {
   ids_.clear();
   for (const uint32_t id : new_) {

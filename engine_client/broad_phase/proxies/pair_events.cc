@@ -8,8 +8,9 @@
 namespace sweepstake {
 namespace {
 
-// Gives the owners of a pair's ids, which are proxies, in this frame and in the last one. An id
-// passes to a new owner if its proxy is removed and another one is added.
+// Maps the ids of a pair to the two proxies that own them, in this frame (Now) and in the last
+// frame (Before). If a proxy is removed and another one is added, the new proxy may get the id and
+// become its new owner.
 class Owners {
  public:
   Owners(const ProxyTable& moving, const ProxyTable& resting)
@@ -25,7 +26,8 @@ class Owners {
     return {{pair.a, TableOf(pair.a).seen_generation(PlaceOf(pair.a))},
             {pair.b, TableOf(pair.b).seen_generation(PlaceOf(pair.b))}};
   }
-  // Returns whether a pair that exists in both frames has other owners now.
+  // Returns whether one of the ids has another owner than in the last frame. Such a pair is a new
+  // one.
   bool Changed(const OverlapPair& pair) const {
     return any_new_ && (TableOf(pair.a).HasNewOwner(PlaceOf(pair.a)) ||
                         TableOf(pair.b).HasNewOwner(PlaceOf(pair.b)));
@@ -50,8 +52,8 @@ bool AreWithin(const Aabb& a, const Aabb& b, float margin) {
   return true;
 }
 
-// Returns whether a pair of the last frame still counts as a pair, although its boxes may be up to
-// `margin` apart.
+// Returns whether a pair of the last frame continues: both ids have the same owners, their filters
+// pass, not both proxies are static, and the boxes are at most `margin` apart on each axis.
 bool GoesOn(const OverlapPair& pair, float margin, const ProxyTable& moving,
             const ProxyTable& resting) {
   const ProxyTable* tables[2];
@@ -89,7 +91,8 @@ void PairEvents::Compare(std::span<const OverlapPair> before, std::span<const Ov
                          const ProxyTable& moving, const ProxyTable& resting) {
   const Owners owners(moving, resting);
   Clear();
-  // Works on local lists. If memory runs out, the members stay empty instead of incomplete.
+  // Fills local lists first. If memory runs out, added_ and removed_ are then empty instead of
+  // incomplete.
   HookedVector<ProxyPair> added = std::move(added_);
   HookedVector<ProxyPair> removed = std::move(removed_);
   size_t b = 0;

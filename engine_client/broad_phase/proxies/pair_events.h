@@ -1,7 +1,7 @@
 // Finds which pairs have begun and which have ended between two frames.
 //
 // Not thread-safe. Owns its memory. Memory: 16 bytes per event. Errors: std::bad_alloc from
-// Compare; there are no events then.
+// Compare, which then leaves no events.
 #pragma once
 
 #include <cstddef>
@@ -20,9 +20,9 @@ constexpr uint64_t PairKey(const OverlapPair& pair) { return uint64_t{pair.a} <<
 
 class PairEvents {
  public:
-  // `before` are the pairs at the last MarkSeen of the tables, `now` the present pairs; both are
-  // sorted by PairKey. If an id of a pair has passed to a new proxy (a new owner), the old pair
-  // counts as ended and the new one as begun. Cost: O(pairs).
+  // Compares `before`, the pairs at the last MarkSeen of the tables, with `now`, the present pairs.
+  // Both are sorted by PairKey. If an id of a pair has passed to a new proxy, the old pair counts
+  // as ended and the new one as begun. Cost: O(pairs).
   void Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
                const ProxyTable& moving, const ProxyTable& resting);
 

@@ -39,8 +39,8 @@ class PopulationJoins {
   // number of threads. Refreshes the trees.
   void FindPairs(KdOrder& splitter, PairBuffer& out);
 
-  // Frees its memory; the next FindPairs searches all populations again. REQUIRES: the kinds were
-  // compacted.
+  // Frees its memory; the next FindPairs searches all populations again. REQUIRES:
+  // ProxyKind::Compact was called for both kinds.
   void Compact();
   // Passes the fields of a snapshot to `archive` (snapshot.h).
   template <typename Self, typename Archive>
@@ -59,7 +59,7 @@ class PopulationJoins {
     const LeafTree& tree() const { return kind->tree(number); }
     bool moves() const { return MovesIn(number); }
     bool is_static() const { return IsStaticIn(number); }
-    // Returns whether the broad phase finds the pairs within the population.
+    // Returns whether the broad phase, and not a join, finds the pairs within this population.
     bool is_searched() const { return kind->id_bit() == 0 && number == 0; }
   };
   struct Join {

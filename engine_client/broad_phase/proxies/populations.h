@@ -4,8 +4,9 @@
 //
 // The proxies of a group all ignore one another, like debris that collides with everything except
 // debris. The search skips the pairs within a group, so that a pile of such proxies costs nothing.
-// A proxy may join a group under two conditions. Its category is neither in a mask of the group nor
-// in its own mask, and no category of the group is in its mask.
+// A proxy may join a group if no mask of the group or of the proxy contains:
+// - the category of the proxy, or
+// - a category of the group.
 //
 // Not thread-safe. Plain values, no allocation. Cost: O(kCount) per call.
 #pragma once
@@ -20,8 +21,8 @@ namespace sweepstake {
 
 class FilterGroups {
  public:
-  // Group 0 holds the proxies that may form pairs with one another, and those that fit no other
-  // group.
+  // Group 0 holds all proxies that fit no other group, and therefore those that may form pairs with
+  // one another.
   static constexpr uint32_t kCount = 8;
 
   // Returns the group that a proxy with this filter may join.

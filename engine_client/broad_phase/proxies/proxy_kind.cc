@@ -64,7 +64,7 @@ void ProxyKind::ShiftOrigin(const float offset[3]) {
   }
 }
 
-// Builds empty trees and adds the members again; the next refresh sorts them.
+// Replaces the trees by empty ones and adds the members again. The next RefreshTrees sorts them.
 void ProxyKind::Compact(size_t min_places) {
   std::array<std::unique_ptr<BoxTree>, kPopulations> trees;
   uint32_t changed = 0;

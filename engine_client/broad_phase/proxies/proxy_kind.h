@@ -26,7 +26,7 @@ namespace sweepstake {
 
 class ProxyKind {
  public:
-  // `id_bit` is set in the ids of all proxies of this kind; `notes_owners` as in ProxyTable.
+  // `id_bit` is set in the ids of all proxies of this kind. `notes_owners`: see ProxyTable.
   ProxyKind(uint32_t id_bit, bool notes_owners) : table_(notes_owners), id_bit_(id_bit) {}
 
   uint32_t id_bit() const { return id_bit_; }
@@ -79,7 +79,7 @@ class ProxyKind {
   const LeafTree& tree(uint32_t population) const { return trees_[population]->leaves(); }
   void NoteSearch(uint32_t population, uint64_t checks) { trees_[population]->NoteSearch(checks); }
 
-  // Returns whether a population that does not move has changed since MarkRestingSeen: a box, a
+  // Returns whether a sleeping or static population has changed since MarkRestingSeen: a box, a
   // filter or its members.
   bool any_resting_changed() const { return resting_changed_; }
   void MarkRestingSeen() { resting_changed_ = false; }
@@ -105,7 +105,8 @@ class ProxyKind {
   size_t native_bytes() const;
 
  private:
-  // Creates or deletes the tree to match the snapshot.
+  // Creates an empty tree or deletes the present one, so that a tree exists if the snapshot
+  // contains one.
   static void MatchTree(std::unique_ptr<BoxTree>& tree, bool exists) {
     if (exists != (tree != nullptr)) tree = exists ? std::make_unique<BoxTree>() : nullptr;
   }

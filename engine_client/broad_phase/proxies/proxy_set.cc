@@ -89,8 +89,8 @@ void ProxySet::Impl::Move(ProxyKind& kind, uint32_t place, const Aabb& box) {
   kind.SetBox(place, box);
 }
 
-// Reserves room for the sleeping proxies that wake because their boxes change. If memory runs out
-// here, no proxy is moved.
+// Allocates the memory that is needed to wake the sleeping proxies among `handles` whose boxes
+// change. If this fails, no proxy has moved yet.
 void ProxySet::Impl::EnsureRoomToWake(std::span<const ProxyHandle> handles,
                                       std::span<const Aabb> boxes) {
   std::array<std::array<size_t, kSleepingPopulation>, 2> waking{};  // by kind and group

@@ -106,8 +106,8 @@ class ProxySet::Impl {
   PopulationJoins joins_{moving_, resting_, options_.executor};
   PairBuffer pairs_;  // the pairs of the latest Resolve
   PairBuffer next_;   // the pairs of the Resolve in progress
-  // Used with an event margin: the pairs that have begun and not ended, after the latest Resolve
-  // and after the present one.
+  // Used if the option event_margin is set: the pairs that have begun and not ended. begun_ are
+  // those after the latest Resolve, next_begun_ those of the Resolve in progress.
   PairBuffer begun_;
   PairBuffer next_begun_;
   PairSorter sorter_;

@@ -34,7 +34,7 @@ class ProxyTable {
     return place < generations_.size() && generations_[place] == generation && IsOdd(generation);
   }
 
-  // The calls with a place require that the place holds a proxy, unless their comments differ.
+  // Calls with a place require that a proxy is there, unless their comment says otherwise.
 
   void Remove(uint32_t place);
   void SetBox(uint32_t place, const Aabb& box) {
@@ -55,8 +55,8 @@ class ProxyTable {
     populations_[place] = population;
     if (hides_others_) shown_[place] = population == 0 ? boxes_[place] : kInvalidAabb;
   }
-  // Returns the slot of each proxy in the tree of its population, indexed by place. The trees write
-  // the slots.
+  // Returns the slots of all proxies, indexed by place. The slot of a proxy is its position in the
+  // tree of its population. The trees write the slots.
   std::span<uint32_t> slots() { return slots_; }
 
   // Returns the boxes, indexed by place; a free place has an invalid box.

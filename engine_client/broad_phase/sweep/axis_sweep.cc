@@ -17,13 +17,13 @@ namespace {
 constexpr size_t kMinRowsPerPart = 1024;
 constexpr size_t kMinBoxesPerPart = 2048;
 
-// The maximum mean number of pairs per box up to which the pairs are kept between frames.
+// The pairs are kept between frames up to this mean number of pairs per box.
 constexpr size_t kMaxPairsPerBox = 32;
-// After a repair has exceeded its budget, and its work was lost, no repair is tried for this number
-// of frames.
+// A repair restores the sorted orders by insertion. If it exceeds its budget of swaps, its work is
+// lost, and no repair is tried in this number of frames.
 constexpr int kPauseFrames = 8;
-// The first repair after a sort by steps must also sort the faces within each step. This is its
-// additional budget, in swaps per face.
+// After a sort by steps, the faces within each step are unsorted, and the next repair must sort
+// them too. Its budget is increased by this number of swaps per face.
 constexpr size_t kSwapsPerFace = 8;
 // The size of the sample from which the motion is estimated.
 constexpr size_t kMotionSample = 64;
@@ -145,7 +145,7 @@ size_t AxisSweep::native_bytes() const {
 void AxisSweep::LoadBoxes(std::span<const Aabb> boxes) {
   range_ = CoordinateRange::Sample(boxes);
   records_.EnsureDiscarding(count_ + 1);
-  // Allocates the memory for later repairs now, so that no later frame allocates.
+  // Allocates the memory for repairs now, so that no later frame allocates.
   moved_ids_.EnsureDiscarding(count_);
   moved_.Clear(count_);
   const size_t part_count = BoxParts();

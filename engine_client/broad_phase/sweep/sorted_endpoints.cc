@@ -99,7 +99,7 @@ void SortedEndpoints::Append(std::span<const BoxRecord> records, size_t first, E
   std::sort(room.items.data(), room.items.data() + added);
   endpoints_.EnsureKeeping(count_ + added, count_);
   Endpoint* const order = endpoints_.data();
-  size_t end = count_;  // the end of the faces that are not yet moved
+  size_t end = count_;  // the end of the faces that are still at their old positions
   for (size_t left = added; left > 0; --left) {
     const uint64_t item = room.items[left - 1];
     const auto place =

@@ -99,31 +99,33 @@ class SortedEndpoints {
  public:
   explicit SortedEndpoints(size_t axis) : axis_(axis) {}
 
-  // Sorts the faces of all `records` by `steps` in one pass, O(n). Faces of one step are in the
-  // order of their ids. A sweep by the same steps still finds every pair, and Repair makes the
-  // order exact. If many faces share a step, they are sorted exactly in three passes. Polls `stop`,
-  // which may be null; after a stop the order is undefined.
+  // Sorts the faces of all `records`, O(n). `steps` divides the axis into equal intervals, the
+  // steps. One pass sorts the faces by step; within a step they are in the order of their ids. A
+  // sweep by the same steps still finds every pair, and Repair makes the order exact. If many faces
+  // share a step, three passes sort all faces exactly instead. Polls `stop`, which may be null;
+  // after a stop the order is undefined.
   void Sort(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room,
             StopRequest* stop = nullptr);
   // Returns whether the faces are sorted exactly, not only by steps (see Sort).
   bool is_exact() const { return is_exact_; }
-  // Inserts the faces of the boxes from `first` on, which should be few. A binary search finds the
-  // position of each, and the other faces move as blocks. An exact order stays exact, and an order
-  // by steps stays one.
+  // Inserts the faces of the boxes from index `first` on, which should be few. A binary search
+  // finds the position of each face, and the faces between two positions are moved together. An
+  // exact order stays exact, and an order by steps stays an order by steps.
   void Append(std::span<const BoxRecord> records, size_t first, EndpointRoom& room);
-  // Removes the faces of the boxes from `count` on.
+  // Removes the faces of the boxes with index `count` or higher.
   void Truncate(size_t count);
 
-  // Restores the exact order by insertion, after some boxes have moved or after a Sort. Calls
-  // on_swap(a, b) for each two boxes if the order of a lower face of one and an upper face of the
-  // other has changed. O(n + swaps). Subtracts the swaps from `allowance` and returns false once
-  // none are left; the order then needs a Sort.
+  // Restores the exact order by insertion, after some boxes have moved or after a Sort by steps. If
+  // a lower face of one box and an upper face of another have changed their order, calls on_swap(a,
+  // b) for these boxes. O(n + swaps). Subtracts the swaps from `allowance`. Returns false when none
+  // are left; the order is then incomplete and needs a Sort.
   template <typename OnSwap>
   bool Repair(std::span<const BoxRecord> records, const MovedBoxes& moved, EndpointRoom& room,
               SwapAllowance& allowance, OnSwap&& on_swap);
 
   std::span<const Endpoint> endpoints() const { return {endpoints_.data(), count_}; }
-  // Returns the number of faces per unit of length between the lower and the upper quartile.
+  // Returns the mean number of faces per unit of length, measured between the lower and the upper
+  // quartile of the faces.
   double Density(std::span<const BoxRecord> records) const;
   size_t native_bytes() const { return endpoints_.capacity_bytes(); }
 
@@ -132,7 +134,8 @@ class SortedEndpoints {
     const BoxRecord& record = records[EndpointOwner(endpoint)];
     return IsUpperFace(endpoint) ? record.max[axis_] : record.min[axis_];
   }
-  // Returns the number by which the faces are sorted.
+  // Returns the integer by which the faces are sorted: the coordinate, and the upper-face bit for
+  // equal coordinates.
   uint64_t Rank(std::span<const BoxRecord> records, Endpoint endpoint) const {
     return SortItemRank(PackSortItem(SortableKey(Coordinate(records, endpoint)), endpoint));
   }

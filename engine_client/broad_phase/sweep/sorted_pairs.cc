@@ -63,7 +63,7 @@ size_t SortedPairs::UniqueTouched(StopRequest* stop) {
   return static_cast<size_t>(end - touched_.data());
 }
 
-// Drop and Insert move the other pairs, which lie between the given ones, in blocks. REQUIRES: the
+// Drop and Insert move whole blocks of the pairs that lie between the given pairs. REQUIRES: the
 // given pairs are in ascending order.
 void SortedPairs::Drop(std::span<const OverlapPair> dropped) {
   OverlapPair* const end = pairs_.data() + count_;

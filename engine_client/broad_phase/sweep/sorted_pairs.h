@@ -29,8 +29,9 @@ class SortedPairs {
       touched_.EnsureKeeping(std::max<size_t>(touched_count_ * 2, 64), touched_count_);
     touched_[touched_count_++] = {std::min(a, b), std::max(a, b)};
   }
-  // Calls overlaps(a, b) for each pair marked since the last call, and adds or removes the pair.
-  // O(log pairs) for each; the other pairs move as blocks. `stop` is as in Adopt.
+  // Calls overlaps(a, b) for each pair marked since the last call of Settle, and adds or removes
+  // that pair. Cost: O(log pairs) per marked pair, plus moving the pairs behind changed ones in
+  // blocks. `stop` is as in Adopt.
   template <typename Overlaps>
   void Settle(Overlaps&& overlaps, StopRequest* stop = nullptr);
   // Removes the marks.

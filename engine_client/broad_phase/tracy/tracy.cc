@@ -32,11 +32,11 @@ constexpr size_t kBoxesPerCrossing = 128;
 // A margin is the shortest side of the cells (narrowest_cell) divided by this. It is wide enough to
 // hold slow boxes for many frames, and narrow enough to add few pairs.
 constexpr float kMarginsPerCell = 48;
-// Margins are tried only up to this number of pairs per box. With more pairs, testing the kept
-// pairs costs as much as finding them.
+// Margins are tried only in scenes with at most this number of pairs per box. With more, testing
+// the kept pairs in each frame costs as much as finding them.
 constexpr size_t kMaxPairsPerBox = 8;
-// Margins save time if they hold for at least this number of frames. Otherwise they are tried again
-// after a wait that doubles each time, up to kMaxWaitFrames.
+// Margins save time if the boxes stay within them for at least this number of frames. Otherwise
+// they are tried again after a wait. The wait doubles each time, up to kMaxWaitFrames.
 constexpr uint32_t kMinRestFrames = 6;
 constexpr uint32_t kMaxWaitFrames = 256;
 // The minimum work per part of a parallel loop. A smaller part takes less time than waking a
@@ -68,8 +68,8 @@ class Tracy final : public BroadPhase {
   PairParts parts_;
   TracyRest rest_;
   bool resting_ = false;
-  uint32_t rest_frames_ = 0;  // the frames since margins were last set
-  uint32_t wait_ = 0;         // the frames until margins may be set
+  uint32_t rest_frames_ = 0;  // frames since the margins were last set
+  uint32_t wait_ = 0;         // frames until margins are tried again
   uint32_t last_wait_ = 1;
   size_t pair_count_ = 0;     // the number of pairs of the latest search
   uint32_t frames_ = 0;       // the frames since the grids were laid out
@@ -109,8 +109,9 @@ void Tracy::Update(std::span<const Aabb> boxes) {
   }
 }
 
-// Updates `rest_` from the boxes. If the margins no longer hold, it sets new ones, or returns false
-// if the old ones held for fewer than kMinRestFrames frames.
+// Updates `rest_` from the boxes of this frame. If too many boxes have left their margins, there
+// are two cases. If the margins have held for kMinRestFrames frames, it sets new ones and returns
+// true. Otherwise it returns false, and the lists need an Update without margins.
 bool Tracy::UpdateAtRest(std::span<const Aabb> boxes) {
   ++rest_frames_;
   if (rest_.Step(executor_, boxes, lists_, checks_, stop())) return true;

@@ -80,7 +80,7 @@ void TracyLists::MakeRoom(size_t count, size_t parts) {
   }
 }
 
-// Removes the objects from `count` on. New objects are in no row yet.
+// Removes the objects from index `count` on. Added objects get a row only in Update.
 void TracyLists::SetCount(size_t count) {
   for (size_t i = count; i < count_; ++i) {
     if (rows_[i] != kNoRow) --parts_[0].change[rows_[i]];
@@ -109,7 +109,7 @@ void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t 
   columns_.Resize(size_ + query_count);
   for (size_t index = 0; index < parts; ++index) PlaceArrivals(parts_[index], stop);
   if (IsStopped(stop)) return;
-  // Sorts the lists, in parts of about the same number of boxes.
+  // Sorts the lists. They are divided into parts with about the same number of boxes.
   RunParts(executor, parts, [&](size_t index) {
     const uint32_t* const slots = first_slots_.data();
     const uint32_t* const end = slots + grids_.row_count();
@@ -158,7 +158,8 @@ void TracyLists::Invalidate(uint32_t object) {
 
 uint64_t TracyLists::SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids,
                                PairBuffer& out, StopRequest* stop) {
-  // The query boxes form one more group with one cell. It searches all other groups.
+  // The query boxes (SearchFor) form one more group, whose grid has one cell. It searches all other
+  // groups.
   std::array<GroupGrid, RowGrids::kMaxGroups + 1> grids;
   std::array<uint32_t, RowGrids::kMaxGroups + 1> searches;
   std::copy_n(grids_.grids.begin(), grids_.group_count, grids.begin());

@@ -27,13 +27,14 @@ class TracyLists {
  public:
   // Makes empty lists for these grids.
   void Reset(const RowGrids& grids);
-  // Moves boxes to their present rows, adds new and removes deleted boxes, and restores the order.
-  // Leaves room for `query_count` boxes of SearchFor. Polls `stop`, which may be null; after a stop
-  // the lists are undefined.
+  // Moves boxes to their present rows, adds new objects, removes deleted ones, and restores the
+  // order of the lists. Leaves room for `query_count` boxes of SearchFor. Polls `stop`, which may
+  // be null; after a stop the lists are undefined.
   void Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count = 0,
               StopRequest* stop = nullptr);
 
-  // Changes the grids so that boxes enlarged by `margin` on each side fit them.
+  // Changes the grids so that the boxes still fit them if they are enlarged by `margin` on each
+  // side.
   void SetMargin(float margin);
   // Returns the shortest side of all cells on the two axes across the rows.
   float narrowest_cell() const;
@@ -44,7 +45,7 @@ class TracyLists {
             {grids_.grids.data(), grids_.group_count},
             grids_.searches.data()};
   }
-  // Removes the box of an object from the search until the next Update.
+  // Removes an object's box from all searches until the next Update.
   void Invalidate(uint32_t object);
   // Appends the pairs of the boxes `ids` with one another and with boxes in the lists; returns the
   // number of AABB checks. `stop` may be null. REQUIRES: at most as many ids as the `query_count`

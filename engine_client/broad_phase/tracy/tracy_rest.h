@@ -29,9 +29,9 @@ class TracyRest {
   // the number of AABB checks. Start and Step poll `stop`, which may be null.
   uint64_t Start(Executor* executor, std::span<const Aabb> boxes, float margin, TracyLists& lists,
                  StopRequest* stop);
-  // Updates the state from the boxes of the next frame and adds its AABB checks to `checks`.
-  // Returns false if too many boxes are outside their margins or the number of boxes has changed.
-  // `lists` then needs an Update. REQUIRES: the last call was Start or a Step that returned true,
+  // Updates the state from the boxes of the next frame and adds the AABB checks made to `checks`.
+  // Returns false if too many boxes are outside their margins or the number of boxes has changed;
+  // `lists` then needs an Update. REQUIRES: the last call was Start, or a Step that returned true,
   // with the same lists.
   bool Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists, uint64_t& checks,
             StopRequest* stop);
