@@ -19,8 +19,8 @@ struct CommandOptions {
   bool json = false;
 };
 
-// A new experiment, or the one that the folder already contains. The report has only the plan and
-// the earlier sessions.
+// A new experiment, or the experiment that the folder already contains. `report` holds only the
+// plan and the earlier sessions; Run adds the finished runs.
 struct Opened {
   ExperimentFolder folder;
   ExperimentReport report;
@@ -48,8 +48,8 @@ Result<Opened> OpenExperiment(const CommandOptions& options) {
   return opened;
 }
 
-// Writes all outputs of the finished runs. Without the report's page there is no report;
-// `sweepstake-lab report` can make it later.
+// Writes all outputs of the finished runs. If the program was built without the report's page, it
+// writes no report.html; `sweepstake-lab report` of another build can write it later.
 Status WriteResults(const ExperimentFolder& folder, const ExperimentReport& report,
                     Terminal& terminal) {
   const std::filesystem::path& path = folder.path();
@@ -66,7 +66,7 @@ Status WriteResults(const ExperimentFolder& folder, const ExperimentReport& repo
   return folder.WriteManifest(report.plan, report.sessions, report.records.size());
 }
 
-// Makes the missing traces, plays the missing runs, and judges all runs by the traces.
+// Makes the missing traces, plays the missing runs, and compares all runs with the traces.
 Status Run(const ExperimentFolder& folder, ExperimentReport& report, Terminal& terminal) {
   // The manifest is written before the first run, so that an experiment that is killed can be
   // resumed.

@@ -26,20 +26,21 @@ void AddReplayCommand(const CommandContext& context);
 void AddReportCommand(const CommandContext& context);
 void AddTraceCommand(const CommandContext& context);
 
-// --scene, which is returned, and --objects for a list of scenes and object counts.
+// Adds --scene, which it returns, and --objects, for commands with a list of scenes and object
+// counts.
 CLI::Option* AddSceneOptions(CLI::App& command, std::vector<std::string>& scenes,
                              std::vector<uint32_t>& object_counts);
-// --arms.
+// Adds --arms.
 void AddArmsOption(CLI::App& command, std::vector<std::string>& arms);
-// --scene, which is required, --objects and --seed for one scene.
+// Adds --scene (required), --objects and --seed, for commands with one scene.
 void AddSceneChoice(CLI::App& command, SceneChoice& scene);
 
 // Returns "1 h 12 min", "3 min" or "40 s".
 std::string DurationText(double seconds);
 
-// Returns a callback that shows the finished share, its text and an estimate of the time that is
-// left. The estimate assumes the mean speed since this call. REQUIRES: `progress` outlives the
-// callback.
+// Returns a callback that shows the finished share, its text and an estimate of the remaining time.
+// The estimate assumes the mean speed since OnShareWithTimeLeft was called. REQUIRES: `progress`
+// outlives the callback.
 std::function<void(double share, const std::string& text)> OnShareWithTimeLeft(Progress& progress);
 
 }  // namespace sweepstake::cli

@@ -16,7 +16,8 @@ struct PairsOptions {
   bool json = false;
 };
 
-// Runs the arm on every frame up to `frame`, so that its incremental path finds the pairs.
+// Runs the arm on all frames up to `frame`. Its pairs then result from incremental updates, as in a
+// game, and not from a first build.
 PairBuffer FindPairsOfFrame(Scene& scene, BroadPhase& arm, uint64_t frame) {
   PairBuffer pairs;
   arm.Build(scene.aabbs());

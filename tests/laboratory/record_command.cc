@@ -16,8 +16,8 @@ struct RecordOptions {
   bool json = false;
 };
 
-// Shows the progress of the recording and counts the objects of the fullest frame. Recording calls
-// Step once per frame.
+// Shows the progress of a recording and counts the objects of the frame with the most objects. The
+// recorder calls Step once per frame.
 class ObservedScene : public Scene {
  public:
   ObservedScene(Scene& scene, Progress& progress)

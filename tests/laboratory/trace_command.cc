@@ -65,7 +65,7 @@ std::vector<TraceJob> JobsOf(const TraceCommandOptions& options) {
   return jobs;
 }
 
-// Checks the paths before anything is measured.
+// Checks, before anything is measured, that every file can be written and every scene opened.
 Status CheckPlaces(const TraceCommandOptions& options, const std::vector<TraceJob>& jobs) {
   if (options.scenes.empty()) return {};
   if (jobs.size() > 1 && options.out.ends_with(".costs")) {

@@ -22,7 +22,7 @@ Rows RowsWhere(const BenchReport& report, const auto& wanted) {
   return rows;
 }
 
-// A range of the scene's steps, [begin, end).
+// A range of steps of the scene, from `begin` to before `end`.
 struct Steps {
   uint64_t begin;
   uint64_t end;
@@ -39,14 +39,14 @@ std::span<const double> TimesIn(const BenchRow& row, Steps steps) {
   return std::span(row.step_ms).subspan(steps.begin - row.first_step, steps.end - steps.begin);
 }
 
-// How many times faster one contestant is than another.
+// How many times faster one contestant (an arm or a peer) is than another, by median and by mean.
 struct Speedup {
   double median;
   double mean;
 };
 
-// Compares two contestants on the measured frames of the one that measured fewer. Absent if they
-// have no frame in common.
+// Compares two contestants on the frames that the one with fewer measured frames has measured.
+// Returns nothing if the two have no frame in common.
 std::optional<Speedup> SpeedupOver(const BenchRow& ours, const BenchRow& other) {
   const bool ours_is_shorter = ours.frame_count < other.frame_count;
   const Steps measured = MeasuredBy(ours_is_shorter ? ours : other);
@@ -108,7 +108,7 @@ const BenchRow* Fastest(const Rows& rows) {
   return fastest == rows.end() ? nullptr : *fastest;
 }
 
-// Compares our best arm with this instruction set and thread count to the best of all peers with at
+// Compares our fastest arm with this instruction set and thread count to the fastest peer with at
 // most as many threads.
 void AddOverall(const BenchReport& report, size_t cell, std::string_view simd,
                 uint32_t thread_count, std::vector<BenchRatio>& ratios) {
@@ -236,8 +236,8 @@ std::string Title(const BenchCell& cell) {
   return cell.scene + ", " + std::to_string(cell.object_count) + " objects";
 }
 
-// Returns the cell's title with the mean pair count of an arm. A peer's count is not used, because
-// a peer that was stopped early saw fewer frames.
+// Returns the cell's title with the mean pair count of an arm. The count of a peer is not used,
+// because a peer that was stopped early has run fewer frames.
 std::string TitleWithPairs(const BenchReport& report, size_t cell) {
   const auto arm = std::find_if(report.rows.begin(), report.rows.end(), [&](const BenchRow& row) {
     return row.cell == cell && row.kind == ContestantKind::kArm;

@@ -1,6 +1,7 @@
 // The result of one run of `sweepstake-lab bench` as plain values: the machine, the options, a cell
-// per scene and object count, a row per contestant in a cell, and the ratios derived from the rows.
-// All outputs of the command are made from it alone.
+// per scene and object count, and a row per contestant in a cell. A contestant is one of our arms
+// or a peer, which is a broad phase of another library. The ratios are derived from the rows. All
+// outputs of the command are made from these values alone.
 //
 // Times are in milliseconds per frame, sizes in bytes. Optional values are absent if they are
 // unknown or were not measured.
@@ -51,7 +52,7 @@ struct BenchRow : TimeSummary {
   size_t cell = 0;  // index in BenchReport::cells
   ContestantKind kind = ContestantKind::kArm;
   std::string family;  // BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy or KDTree
-  std::string name;    // the arm's or the peer's
+  std::string name;    // name of the arm or of the peer
   std::string simd;    // the instruction set; empty for peers, which have their own
   uint32_t thread_count = 1;
   uint64_t frame_count = 0;  // measured frames; 0: not run, for the reason in `note`
@@ -59,10 +60,11 @@ struct BenchRow : TimeSummary {
   std::optional<double> aabb_checks_mean;    // arms only
   std::optional<uint64_t> bytes;             // arms only: maximum over the measured frames
   std::optional<uint64_t> bytes_with_pairs;  // `bytes` plus the pair buffer
-  std::string difference;                    // where its pairs were first wrong; else empty
-  std::string note;                          // why fewer frames were measured; else empty
-  uint64_t first_step = 0;                   // the scene's step of step_ms[0]
-  std::vector<double> step_ms;               // time per step, warm-up included
+  // The first frame with wrong pairs and what is wrong; empty if all are right.
+  std::string difference;
+  std::string note;             // why fewer frames were measured; else empty
+  uint64_t first_step = 0;      // the scene's step of step_ms[0]
+  std::vector<double> step_ms;  // time per step, warm-up included
 };
 
 enum class RatioKind {
@@ -77,10 +79,12 @@ enum class RatioKind {
 inline constexpr const char* kRatioKindNames[] = {"family",  "overall", "growth",
                                                   "threads", "spike",   "simd"};
 
-// A comparison between rows of one run. In kFamily, kOverall and kThreads `value` is how many times
-// faster `ours` is than `other` by the median over the frames that both measured; in the other
-// kinds it is a quotient that should be small. All kinds but kSimd compare arms that ran with one
-// instruction set; kSimd is how many times longer the arm takes with `simd` than with `other`.
+// A comparison between rows of one run.
+// - kFamily, kOverall, kThreads: `value` is how many times faster `ours` is than `other`, by the
+//   median over the frames that both measured.
+// - kGrowth, kSpike: `value` is a quotient that should be small.
+// - kSimd: `value` is how many times longer the arm takes with `simd` than with `other`. All other
+//   kinds compare arms that ran with the same instruction set.
 struct BenchRatio {
   size_t cell = 0;
   RatioKind kind = RatioKind::kFamily;
@@ -93,7 +97,8 @@ struct BenchRatio {
   std::optional<double> value_mean;  // computed from means instead of medians
 };
 
-// How many times faster an arm is than a peer over the frames that both measured, one thread each.
+// How many times faster an arm is than a peer, over the frames that both measured. Both have one
+// thread.
 struct BenchSpeedup {
   size_t cell = 0;
   std::string arm;
@@ -119,22 +124,22 @@ std::vector<BenchRatio> RatiosOf(const BenchReport& report);
 // Returns how many times faster each arm is than each peer of its cell, with one thread each.
 std::vector<BenchSpeedup> SpeedupsOf(const BenchReport& report);
 
-// Runs the cells of a bench: every arm with every thread count and every peer on the same frames.
-// Calls `on_progress` with the finished share and the name of the current cell. Afterwards the
-// process uses the best of the measured instruction sets. If an arm or a peer finds wrong pairs,
-// its row contains the difference; this is not an error. Errors: those of UseSimdTarget, ChooseArms
-// and OpenScene. Not thread-safe. Cost: the contestants' own time; a peer exceeds its cap by at
-// most one frame. Memory: all contestants of a cell exist at once.
+// Runs every arm with every thread count, and every peer, on the same frames of each cell. Calls
+// `on_progress` with the finished share and the name of the current cell. Afterwards the process
+// uses the best of the measured instruction sets. If an arm or a peer finds wrong pairs, its row
+// contains the difference; this is not an error. Errors: those of UseSimdTarget, ChooseArms and
+// OpenScene. Not thread-safe. Cost: the contestants' own time; a peer exceeds its cap by at most
+// one frame. Memory: all contestants of a cell exist at the same time.
 Result<BenchReport> RunBench(
     const BenchOptions& options,
     const std::function<void(double share, const std::string& text)>& on_progress);
 
-// Returns whether any row has a difference.
+// Returns whether any contestant has found wrong pairs.
 bool AnyDiffers(const BenchReport& report);
 
 void PrintBenchJson(const BenchReport& report, std::ostream& out);
-// Prints the rows. `tests/bench/judge.py bench` prints the ratios of the document, with their
-// goals.
+// Prints the rows as a table, without ratios. `tests/bench/judge.py bench` prints the ratios of the
+// JSON document, with their goals.
 void PrintBenchTable(const BenchReport& report, std::ostream& out);
 
 }  // namespace sweepstake::cli

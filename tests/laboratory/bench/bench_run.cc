@@ -31,7 +31,8 @@ class ThreadPools {
   std::map<uint32_t, std::unique_ptr<Executor>> pools_;
 };
 
-// Runs one cell. Row i holds the result of contestant i.
+// Runs one cell of the bench: all contestants on one scene with one object count. Row i holds the
+// result of contestant i.
 class CellRun {
  public:
   CellRun(BenchReport& report, const ThreadPools& pools) : report_(report), pools_(pools) {}
@@ -85,8 +86,8 @@ class CellRun {
     return row;
   }
 
-  // Returns why the peer is not run in this cell: the scene is too large for it, or the peer was
-  // too slow at a smaller object count. Empty if it is run.
+  // Returns why the peer is not run in this cell: the scene is too large for it, or it was too slow
+  // at a smaller object count. Returns an empty text if the peer is run.
   std::string WhyLeftOut(const PeerKind& peer, const BenchRow& row) const {
     const BenchCell& cell = report_.cells.back();
     if (cell.object_count > peer.max_object_count) {
@@ -142,8 +143,8 @@ class CellRun {
     const auto place = [&](const BenchRow& row) {
       return std::find(families.begin(), families.end(), row.family) - families.begin();
     };
-    // The sort is stable: contestants were added by instruction set, the best first, and keep that
-    // order.
+    // The sort is stable: contestants were added by instruction set, the best set first, and rows
+    // that compare equal keep that order.
     std::stable_sort(rows_.begin(), rows_.end(), [&](const BenchRow& a, const BenchRow& b) {
       return std::tuple(place(a), a.kind, a.name, a.thread_count) <
              std::tuple(place(b), b.kind, b.name, b.thread_count);
@@ -207,9 +208,9 @@ Status RunCell(const SceneChoice& choice, const std::vector<std::string>& arms,
   return {};
 }
 
-// Resolves `all` or names of instruction sets and chooses the best one. Returns them without
-// repetitions, the best first. An empty list means the instruction set that is already chosen.
-// Errors: those of UseSimdTarget.
+// Returns the instruction sets that `names` lists (or all of them for `all`) without repetitions,
+// the best first, and selects the best one. An empty list means the instruction set in use. Errors:
+// those of UseSimdTarget.
 Result<std::vector<std::string>> ChooseSimd(const std::vector<std::string>& names) {
   if (names.empty()) return std::vector<std::string>{std::string(SimdTarget())};
   const auto usable = SimdTargets();

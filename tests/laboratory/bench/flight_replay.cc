@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kPasses = 3;
 
-// A row of the notes, as engine_client/telemetry/common/flight_notes.cc writes it.
+// One frame in the recorder's notes, as engine_client/telemetry/common/flight_notes.cc writes it.
 struct Frame {
   uint64_t number;
   double frame_ms;
@@ -29,7 +29,8 @@ struct Frame {
   bool has_boxes;
 };
 
-// Returns the rows of the notes. Empty if the recorded boxes are not numbered 0, 1, 2, …
+// Returns the frames of the recorder's notes. Returns an empty list if the recorded boxes are not
+// numbered 0, 1, 2, …
 std::vector<Frame> FramesOf(const Json& notes) {
   std::vector<Frame> frames;
   size_t box_frame_count = 0;
@@ -137,7 +138,7 @@ Json ArmJson(const std::string& arm, const std::vector<double>& step_ms, size_t 
           {"live_ms_mean", live_ms.empty() ? Json() : Json(Mean(live_ms))}};
 }
 
-// Returns a text of the recording without control characters.
+// Returns one of the recording's texts without control characters.
 std::string Line(const Json& text) { return text::PrintableLine(text.get<std::string>()); }
 
 std::string Number(const Json& number, int decimals) {

@@ -1,5 +1,5 @@
-// Replays the file of a flight recorder (`sweepstake-lab replay --recording`): what happened in the
-// recorded frames, and what every arm takes on them on this machine.
+// Replays the file of a flight recorder (`sweepstake-lab replay --recording`). Reports what
+// happened in the recorded frames, and how long every arm takes for them on this machine.
 //
 // Not thread-safe. Cost: three passes through the recording with all arms.
 #pragma once

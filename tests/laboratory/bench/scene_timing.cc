@@ -72,8 +72,8 @@ void Wake(Executor* executor) {
       &barrier);
 }
 
-// Chooses each contestant's instruction set before its turn. The destructor restores the previous
-// one.
+// Selects a contestant's instruction set before its turn. The destructor selects the set that was
+// in use when this object was created.
 class SimdTurns {
  public:
   SimdTurns() = default;

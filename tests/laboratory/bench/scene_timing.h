@@ -1,12 +1,13 @@
-// Measures how long broad phases take per frame of a scene to take all boxes and find all pairs.
+// Measures how long each broad phase takes per frame of a scene to read all boxes and find all
+// pairs.
 //
-// All of them see the same frames in the same run. They take turns in blocks of up to 20 frames,
-// and the order rotates from block to block. A disturbance of the machine therefore affects all of
-// them alike, and each still runs with the warm caches that it would have alone. Before each
-// measured call the boxes are written to memory and the threads of the executor are woken, as in a
-// game that has just moved its objects in parallel jobs. A cold run reads and writes 32 MiB before
-// that, as the rest of a game's frame might. This evicts the data of the broad phase from the
-// caches of one core.
+// All broad phases see the same frames in the same run. They take turns in blocks of up to 20
+// frames, and the order rotates from block to block. A disturbance of the machine therefore affects
+// all of them alike, and each still runs with the warm caches that it would have alone. Before each
+// measured call, the boxes are written to memory and the threads of the executor are woken, as in a
+// game that has just moved its objects in parallel jobs. In a cold run, 32 MiB of other memory are
+// read and written before that, as the rest of a game's frame might do. This evicts the data of the
+// broad phase from the caches of one core.
 //
 // Not thread-safe. Times in milliseconds of the steady clock. Memory: up to 32 MiB of boxes, and
 // 32 bytes per frame and broad phase.
@@ -32,7 +33,7 @@ namespace sweepstake::cli {
 // A broad phase to be measured.
 struct Contestant {
   std::unique_ptr<BroadPhase> broad_phase;
-  Executor* executor = nullptr;  // the broad phase's own; null if it has none
+  Executor* executor = nullptr;  // the executor that this broad phase uses; null if none
   // The contestant stops after the frame in which its own time, Build included, exceeds this.
   double cap_s = std::numeric_limits<double>::infinity();
   // If true, only valid boxes (aabb.h) are passed to the contestant, and the ids of its pairs are
@@ -62,8 +63,8 @@ struct TimingPlan {
 
 // Builds every contestant on the scene's current frame, then runs the steps of the plan. If the cap
 // stops a contestant within the warm-up, all its steps count as measured. `on_step` is called
-// outside of the measured time, with the contestant and the number of steps it has done. In the end
-// the previous instruction set is restored.
+// outside of the measured time, with the contestant and the number of steps it has done. The
+// instruction set in use before the call is selected again at the end.
 std::vector<ContestantTiming> TimeScene(
     Scene& scene, std::span<const Contestant> contestants, const TimingPlan& plan,
     const std::function<void(size_t contestant, uint64_t step)>& on_step);

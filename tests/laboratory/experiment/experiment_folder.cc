@@ -72,7 +72,7 @@ Json ClassedMachineJson() {
   return machine;
 }
 
-// Returns the parameters of the paper's mechanism after the time scale is applied.
+// Returns the parameters of the paper's decision rule after division by the time scale.
 Json DecisionJson(double time_scale) {
   const decision::DecisionOptions options = decision::DecisionOptions{}.Scaled(time_scale);
   return {{"decision_interval_ns", options.decision_interval_ns},

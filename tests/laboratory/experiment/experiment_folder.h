@@ -31,8 +31,8 @@ struct RecordedSwitch {
   uint32_t from = 0;
   uint32_t to = 0;
   uint32_t reason = 0;       // SwitchReason
-  uint64_t rebuild_ns = 0;   // building the structure on the frame thread
-  uint64_t settling_ns = 0;  // extra frame time until it settled; also 0 if it never did
+  uint64_t rebuild_ns = 0;   // time to build the structure, on the frame thread
+  uint64_t settling_ns = 0;  // extra frame time until the arm settled; 0 if it never did
 };
 
 // One decision: a tick or a bail-out.
@@ -66,14 +66,14 @@ struct MetricWindow {
   uint32_t object_count = 0;
 };
 
-// How the time of a run was spent. The first six values add up to the frames' time; the next two
-// are of the sender thread, and the last one is of the shadow lane.
+// How the time of a run was spent. The first six values add up to the frames' time. intake_ns and
+// decision_ns are times of the sender thread, lane_ns is the time of the shadow lane.
 struct TimeShares {
   uint64_t scene_step_ns = 0;
   uint64_t detection_ns = 0;  // update and search, without rebuild frames
   uint64_t rebuild_ns = 0;    // update and search in frames that built the structure
   uint64_t copying_ns = 0;    // boxes for the shadow lane
-  uint64_t around_ns = 0;     // rest of the frame path: descriptors, switches
+  uint64_t around_ns = 0;     // the rest of the frame path: descriptors, switches
   uint64_t frame_end_ns = 0;  // sample, queue, bail-out guard
   uint64_t intake_ns = 0;     // passing frames from the queue to the decider's window
   uint64_t decision_ns = 0;   // the selector
@@ -106,7 +106,7 @@ struct RunRecord : PlannedRun {
   double observed_s() const { return end_s - exploration_s; }
 };
 
-// Writes and reads the file, as WriteDocument and ReadDocument do (io/document_file.h).
+// Writes and reads the file of a record, like WriteDocument and ReadDocument (io/document_file.h).
 Status WriteRecord(const RunRecord& record, const std::filesystem::path& path);
 Result<RunRecord> ReadRecord(const std::filesystem::path& path);
 
@@ -140,8 +140,8 @@ class ExperimentFolder {
   // Creates the folders. Error: kInvalidArgument (a folder cannot be created, or the folder already
   // contains an experiment).
   Status Create() const;
-  // Writes and reads the manifest, as WriteDocument and ReadDocument do (io/document_file.h): the
-  // options, every run's seeds, the decider's scaled parameters, machine and versions.
+  // Writes and reads the manifest, like WriteDocument and ReadDocument (io/document_file.h). It
+  // contains the options, every run's seeds, the decider's scaled parameters, machine and versions.
   // `finished_count` is how many of the plan's runs are finished.
   Status WriteManifest(const ExperimentPlan& plan, const std::vector<ExperimentSession>& sessions,
                        size_t finished_count) const;

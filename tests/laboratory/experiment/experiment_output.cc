@@ -35,7 +35,7 @@ std::string ReasonText(uint32_t reason) {
   return reason == 0 ? "" : ReasonName(static_cast<SwitchReason>(reason));
 }
 
-// Returns the row of a cell and policy, which is flat except for the list of dominant arms.
+// Returns the row of a cell and policy as a flat object, apart from the list of dominant arms.
 Json RowJson(const ExperimentReport& report, const CellSummary& cell) {
   Json row = {{"policy", cell.policy},
               {"scene", cell.cell.scene},
@@ -212,8 +212,9 @@ Json RunsJson(const ExperimentReport& report) {
   return runs;
 }
 
-// Appends an object as cells. A list of two numbers, which is an interval, gives the cells
-// `NAME_low` and `NAME_high`; other lists are left out. `names` is what to append.
+// Appends the members of an object as cells: their names if `names` is true, else their values. A
+// list of two numbers is an interval and gives the cells `NAME_low` and `NAME_high`. Other lists
+// are left out.
 void AppendCells(const Json& row, bool names, std::string& line) {
   const auto append = [&](const std::string& name, const Json& value) {
     if (!line.empty()) line += ',';
@@ -251,7 +252,7 @@ Status WriteCsv(const fs::path& path, const Groups& groups, const RowsOf& rows_o
   return (*file)->Commit();
 }
 
-// Returns the object with a first member.
+// Returns a copy of the object `row` with one more member at the front.
 Json With(const char* name, const std::string& value, const Json& row) {
   Json all = {{name, value}};
   all.update(row);

@@ -15,10 +15,10 @@
 
 namespace sweepstake::cli {
 
-// Contains all data that the outputs are made from.
+// The data from which all outputs are made.
 struct ExperimentReport {
   ExperimentPlan plan;
-  std::vector<ExperimentSession> sessions;  // the last one made this report
+  std::vector<ExperimentSession> sessions;  // the last session made this report
   Machine machine;
   std::vector<RunRecord> records;  // the finished runs
   std::vector<CellSummary> cells;  // ordered by policy, then cell; they point into `records`
@@ -35,10 +35,11 @@ std::string SpreadText(const Spread& spread, int decimals);
 void PrintExperiment(const ExperimentReport& report, const std::filesystem::path& folder,
                      std::ostream& out);
 
-// Writes Tables 3 and 4 (tables.csv), the rows of the runs (activations.csv, switches.csv,
-// decisions.csv, posteriors.csv, final.csv, metrics.csv, time.csv) and the truth (ranking.csv,
-// regret.csv, live_regret.csv, agreement.csv, comparisons.csv) into `folder`. A file without rows
-// is empty. Errors: those of WholeFile.
+// Writes these CSV files into `folder`; a file without rows is empty. Errors: those of WholeFile.
+// - Tables 3 and 4: tables.csv
+// - rows of the runs: activations.csv, switches.csv, decisions.csv, posteriors.csv, final.csv,
+//   metrics.csv, time.csv
+// - truth: ranking.csv, regret.csv, live_regret.csv, agreement.csv, comparisons.csv
 Status WriteExperimentCsv(const ExperimentReport& report, const std::filesystem::path& folder);
 
 // Prints the document of `--json`: a row per cell and policy, then the runs and the truths from

@@ -10,8 +10,8 @@
 
 namespace sweepstake::cli {
 
-// The options as given. Empty lists and zeros mean the defaults of `--quick` or of the paper's
-// grid.
+// The options as the user gave them. For empty lists and zeros, MakePlan uses the defaults of
+// `--quick` or of the paper's grid.
 struct ExperimentOptions {
   std::vector<std::string> scenes;
   std::vector<uint32_t> object_counts;

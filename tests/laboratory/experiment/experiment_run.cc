@@ -27,10 +27,10 @@ constexpr uint64_t kGoOnIntervalNs = 2'000'000;
 // for a processor core before frames are dropped.
 constexpr uint32_t kQueueFrames = 16'384;
 
-// The controls run the arms in turn, in kControlRounds rounds of one block per arm. A block lasts
-// for 1/kBlocksPerWindow of the window. If it has fewer than kBlockFrames frames by then (two turns
-// of rotating gravity), it lasts longer, but at most kBlockPatience times as long. The first fifth
-// of each block is warm-up.
+// A control run shows the frame time of each arm without decisions. The arms take turns in
+// kControlRounds rounds of one block per arm. A block lasts for 1/kBlocksPerWindow of the window.
+// If a block then has fewer than kBlockFrames frames (two turns of rotating gravity), it lasts
+// longer, but at most kBlockPatience times as long. The first fifth of each block is warm-up.
 constexpr uint64_t kControlRounds = 2;
 constexpr uint64_t kBlocksPerWindow = 210;  // 7 arms × 2 rounds take a fifteenth of the window
 constexpr uint64_t kBlockFrames = 360;
@@ -55,7 +55,7 @@ RecordedDecision Recorded(const DecisionEvent& event, uint64_t begin_ns) {
   return kept;
 }
 
-// Records the decisions, which arrive on the sender thread and are read after the session has
+// Records the decisions. They arrive on the sender thread and are read after the session has
 // stopped. The observation window begins with the decision that ends the exploration. Without an
 // exploration it begins with the run.
 class DecisionRecorder {
@@ -186,7 +186,7 @@ bool LiveRun::MayGoOn(uint64_t now_ns) {
 
 uint64_t LiveRun::MaxExplorationNs() const {
   constexpr uint64_t kPatience = 10;
-  constexpr uint64_t kMinNs = 60'000'000'000;  // slow arms at a large time scale need this long
+  constexpr uint64_t kMinNs = 60'000'000'000;  // at a large time scale, slow arms need this long
   const auto slot_ns =
       static_cast<uint64_t>(decisions_.exploration_warm_up_ns + decisions_.exploration_measure_ns);
   return std::max(kMinNs, kPatience * slot_ns * record_.arms.size());
@@ -277,7 +277,8 @@ bool LiveRun::ControlBlock(uint32_t arm) {
   return true;
 }
 
-// Returns the finished share of all cells after `cells` cells and `share` of the next one.
+// Returns the finished share of the experiment if `cells` cells are complete and `share` of the
+// next cell is done.
 double Share(const ExperimentPlan& plan, size_t cells, double share) {
   return (static_cast<double>(cells) + share) / static_cast<double>(plan.cells.size());
 }
@@ -370,7 +371,7 @@ Status PlayGrid(const ExperimentPlan& plan, const ExperimentFolder& folder,
   std::erase_if(missing, [&](const PlannedRun& run) {
     return std::find(there.begin(), there.end(), run) != there.end();
   });
-  // The controls take a fifteenth of the window.
+  // The control runs take a fifteenth of the window (kBlocksPerWindow).
   const auto run_ns = static_cast<double>(plan.window_ns + plan.window_ns / 15);
   for (size_t done = 0; done < missing.size() && !StopRequested(); ++done) {
     const PlannedRun& run = missing[done];

@@ -1,4 +1,5 @@
-// Runs an experiment: traces the scenes, plays the missing runs, and judges them by the traces.
+// Runs an experiment: traces the scenes, plays the missing runs, and compares the runs with the
+// traces.
 //
 // A live run is a real GameRun with the embedded decider, which starts from Beta(1,1) and goes
 // through the exploration and the observation window. Then every arm runs alone on the same scene

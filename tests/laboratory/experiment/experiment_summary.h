@@ -40,8 +40,8 @@ struct PlayedRun {
   uint32_t dominant = 0;                // the arm with the largest share
   uint32_t switch_count = 0;            // executed in the window
   double posterior_mean = 0;            // μ* of the dominant arm at the end of the run
-  double evidence = 0;                  // n*
-  Verdict verdict = Verdict::kUnknown;  // of the last decision with a verdict
+  double evidence = 0;                  // n* = α + β of the dominant arm at the end of the run
+  Verdict verdict = Verdict::kUnknown;  // the verdict of the last decision that has one
 
   const std::string& dominant_name() const { return record->arms[dominant]; }
 };

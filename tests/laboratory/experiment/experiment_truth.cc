@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kNormal95 = 1.96;
 
-// Returns the players: AI Decides, its baselines, each arm alone, and the oracle.
+// Returns the players that replay compares: AI Decides, its baselines, each arm alone, and the
+// oracle.
 std::vector<ReplayPlayer> JudgedPlayers(std::span<const std::string> arms) {
   std::vector<std::string> words;
   for (const std::string_view policy : decision::PolicyNames(decision::ComparedPolicies())) {
@@ -48,8 +49,8 @@ std::vector<PairedComparison> CompareInCell(const std::vector<ReplayedPlayer>& p
   return comparisons;
 }
 
-// The time scale of the live runs of one cell and policy. Replay's virtual game uses the same
-// values.
+// The time scale of the live runs of one cell and policy. The virtual game of the replay uses the
+// same values.
 struct LiveScale {
   uint64_t frame_ns = 1;       // mean frame time of the best arm, all work included
   uint64_t other_work_ns = 0;  // the part of frame_ns that is not detection
@@ -128,7 +129,7 @@ std::vector<double> Column(const std::vector<LiveRegret>& runs, double LiveRegre
   return values;
 }
 
-// Returns the figures of the live runs alone. Agree adds the intervals from replay.
+// Computes the figures of the live runs. The intervals that replay expects are added by Agree.
 Agreement LiveFigures(const CellSummary& cell, const CostTrace& trace, double other_work_ns) {
   const std::vector<double> costs = MeanCosts(trace);
   const auto best =
@@ -146,8 +147,8 @@ Agreement LiveFigures(const CellSummary& cell, const CostTrace& trace, double ot
   return agreement;
 }
 
-// Replays the policy under the live runs' conditions: frame time, other work, window and time
-// scale.
+// Replays the policy under the conditions of the live runs: their frame time, other work, window
+// and time scale.
 Result<Agreement> Agree(const CostTrace& trace, const CellSummary& cell,
                         const TruthOptions& options) {
   const LiveScale scale = ScaleOf(cell.runs);
@@ -242,7 +243,8 @@ Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> ce
 
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths) {
   const std::string own = OwnPolicyName("default");
-  std::vector<std::string> order;                    // the baselines, as they first appear
+  // The baselines, in the order of their first appearance.
+  std::vector<std::string> order;
   std::map<std::string, std::vector<double>> means;  // by policy: one mean per cell
   for (const CellTruth& truth : truths) {
     for (const ReplayedPlayer& player : truth.players) {

@@ -39,7 +39,7 @@ struct LiveRegret {
   uint32_t run = 0;
   double measured = 0;      // against the best arm's control run; includes machine noise
   double by_trace = 0;      // from the trace's costs, without machine noise
-  double active_share = 0;  // the dominant arm's
+  double active_share = 0;  // share of the time in which the dominant arm was active
 };
 
 // The regret of the live runs of one policy, and the interval in which replay expects their mean:
@@ -60,8 +60,9 @@ struct Agreement {
 struct CellTruth {
   ExperimentCell cell;
   std::vector<ArmCost> ranking;  // in ascending order of cost
-  double control_ratio = 1;      // time of a second structure of an arm ÷ the first's: noise
-  double headroom = 0;           // StudyGame::headroom (replay_study.h)
+  // Time of a second structure of one arm ÷ time of the first; differs from 1 by noise only.
+  double control_ratio = 1;
+  double headroom = 0;                        // StudyGame::headroom (replay_study.h)
   std::vector<ReplayedPlayer> players;        // empty if not replayed
   std::vector<PairedComparison> comparisons;  // AI Decides against each other policy
   std::vector<Agreement> agreements;          // one per policy with live runs
@@ -79,24 +80,24 @@ struct ExperimentTruths {
 struct TruthOptions {
   uint32_t seed_count = 30;
   uint32_t thread_count = 1;
-  double time_scale = 1;  // that of the live runs
+  double time_scale = 1;  // time scale of the live runs
 };
 
-// Returns the figures that need only the trace: ranking and control.
+// Returns the figures that need only the trace: the ranking of the arms and the control ratio.
 CellTruth RankArms(const ExperimentCell& cell, const CostTrace& trace);
 
-// Adds the figures that need replay. `cells` are the live summaries of this cell, one per policy.
-// `done` is called with the finished share.
+// Adds the figures that need replay to a CellTruth. `cells` are the summaries of the live runs in
+// this cell, one per policy. `done` is called with the finished share.
 Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> cells,
                   const TruthOptions& options, const std::function<void(double share)>& done,
                   CellTruth& truth);
 
-// Compares AI Decides with every other policy by paired tests over the cells. A pair is the mean
-// regrets of both policies in one cell.
+// Compares AI Decides with every other policy by paired tests over the cells. The two values of a
+// pair are the mean regrets of both policies in one cell.
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths);
 
-// Returns the name of the policy. For "default" this is the name of the policy that "default"
-// stands for.
+// Returns the name of the policy. For "default", returns the name of the policy that is the
+// default.
 std::string OwnPolicyName(const std::string& policy);
 
 }  // namespace sweepstake::cli

@@ -41,7 +41,7 @@ class FrameBlock {
     const size_t begin = step == 0 ? 0 : ends_[step - 1];
     return std::span(boxes_).subspan(begin, ends_[step] - begin);
   }
-  // The time that the scene took for the step.
+  // Returns the time that the scene took to compute this step.
   uint64_t step_ns(size_t step) const { return step_ns_[step]; }
 
  private:

@@ -23,7 +23,8 @@ struct Machine {
   std::string compiler;
   std::string simd_target;                // SimdTarget() (simd.h)
   std::vector<LibraryVersion> libraries;  // Highway's, then those of the peers that were run
-  std::vector<std::string> absent_peers;  // per peer left out: library and its package
+  // Per peer library that this build leaves out: its name and Debian package.
+  std::vector<std::string> absent_peers;
 };
 
 // Describes this machine. Lists Highway as the only library; RunBench adds the libraries of the

@@ -11,7 +11,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// One arm while it is checked.
+// One arm and the result of its check so far.
 struct Candidate {
   BroadPhase& backend;
   ArmCheck check;
@@ -76,8 +76,8 @@ PairDifference ComparePairs(std::span<OverlapPair> found, std::span<const Overla
   std::sort(found.begin(), found.end());
   PairDifference difference;
   if (std::equal(found.begin(), found.end(), right.begin(), right.end())) return difference;
-  // set_difference keeps surplus repetitions, so a pair that is found twice appears once in
-  // `extra`.
+  // A pair that is found twice appears once in `extra`, because set_difference keeps surplus
+  // repetitions.
   std::set_difference(found.begin(), found.end(), right.begin(), right.end(),
                       std::back_inserter(difference.extra));
   std::set_difference(right.begin(), right.end(), found.begin(), found.end(),

@@ -48,8 +48,8 @@ struct PairDifference {
   bool empty() const { return missing.empty() && extra.empty(); }
 };
 
-// Compares by identity. `found` may have any order and is sorted in place. REQUIRES: `right` is
-// sorted.
+// Compares two lists of pairs by the identity of the pairs. `found` may have any order and is
+// sorted in place. REQUIRES: `right` is sorted.
 PairDifference ComparePairs(std::span<OverlapPair> found, std::span<const OverlapPair> right);
 
 // A fingerprint of a set of pairs for tests of equality. The same pairs in any order have the same
@@ -83,13 +83,13 @@ struct ArmCheck {
   std::optional<FirstDifference> first_difference;
 };
 
-// The maximum number of pairs of a frame. The oracle and every arm hold 8 bytes per pair, and up to
-// 24 while their buffers grow, which makes 2 to 4 GB for all arms.
+// The maximum number of pairs of a frame. The oracle and every arm take 8 bytes per pair, and up to
+// 24 while their buffers grow: 2 to 4 GB for all arms together.
 inline constexpr size_t kMaxCheckedPairs = 20'000'000;
 
-// Checks the scene's current frame and `step_count` further ones. An arm that differed is not
-// checked in later frames. `on_frame` is called with the number of frames done. Error:
-// kResourceExhausted (a frame has more than `max_pairs`; the arms are not run on that frame).
+// Checks the scene's current frame and the next `step_count` frames. An arm whose pairs were wrong
+// is not checked in later frames. `on_frame` is called with the number of frames done. Error:
+// kResourceExhausted (a frame has more than `max_pairs` pairs; the arms are not run on that frame).
 Result<std::vector<ArmCheck>> CheckScene(Scene& scene,
                                          std::span<const std::unique_ptr<BroadPhase>> arms,
                                          uint64_t step_count,

@@ -14,7 +14,7 @@ namespace sweepstake::cli {
 struct DocumentFormat {
   const char* name;         // the document's member `format`
   int version;              // its member `version`
-  const char* kind;         // as in "is not a cost trace"
+  const char* kind;         // completes the error "FILE is not …", e.g. "a cost trace"
   const char* remedy = "";  // appended to errors: "; make it again with ..."
   bool is_cbor = false;     // else text, indented by two spaces if `is_indented`
   bool is_indented = false;
@@ -24,10 +24,10 @@ struct DocumentFormat {
 Status WriteDocument(const std::filesystem::path& path, const DocumentFormat& format,
                      const nlohmann::ordered_json& content);
 
-// Reads the file and passes the document to `take`, which may throw the errors of the JSON library
-// and returns what is wrong with the document, or an empty text. Errors: kNotFound (there is no
-// such file), kDataLoss (it is not a document of this format and version, or `take` found an
-// error). Each message names the file.
+// Reads the file and passes the document to `take`. `take` returns what is wrong with the document,
+// or an empty text; it may also throw the errors of the JSON library. Errors: kNotFound (the file
+// does not exist), kDataLoss (the file is not a document of this format and version, or `take`
+// found an error). Each message names the file.
 Status ReadDocument(const std::filesystem::path& path, const DocumentFormat& format,
                     const std::function<std::string(const nlohmann::json&)>& take);
 

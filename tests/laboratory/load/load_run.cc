@@ -41,8 +41,8 @@ void SleepUntil(int64_t ns) {
           std::chrono::nanoseconds(ns))));
 }
 
-// Returns the CPU time of a process of this machine, from /proc/PID/stat (proc(5), fields 14 and
-// 15), or nothing if there is no such process.
+// Returns the CPU time of a process on this machine in seconds, from /proc/PID/stat (proc(5),
+// fields 14 and 15). Returns nothing if the process does not exist.
 std::optional<double> CpuSeconds(int64_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string line;
@@ -58,7 +58,7 @@ std::optional<double> CpuSeconds(int64_t pid) {
 }
 
 // Returns whether the daemon refused the call only because it had refused many tokens before. The
-// first of those refusals has the actual reason.
+// actual reason is then in an earlier refusal.
 bool IsFollowUp(const grpc::Status& status) {
   return ReasonOf(status) == v1::ERROR_REASON_TOO_MANY_FAILURES;
 }
@@ -89,9 +89,10 @@ inline constexpr uint32_t kLoadArms = 7;
 class LoadRun;
 
 // One client of the run: a session with made-up frames. It uses gRPC's callback API, so that
-// thousands of clients do not need a thread each. The run's timer thread sends, and gRPC's threads
-// receive. Unacknowledged messages are not kept for a second attempt, because lost evidence does
-// not affect what is measured. After a lost connection the client resumes its session.
+// thousands of clients do not need a thread each. The timer thread of LoadRun sends, and gRPC's
+// threads receive. Messages that the daemon has not acknowledged are not kept for resending,
+// because lost evidence does not affect the measured figures. After a lost connection the client
+// resumes its session.
 class LoadStream {
  public:
   // Maximum number of messages that wait for the connection; further batches are not sent.
@@ -100,27 +101,29 @@ class LoadStream {
   LoadStream(const std::shared_ptr<grpc::Channel>& channel, std::string project, std::string scene,
              LoadRun& run);
 
-  // Opens a connection. REQUIRES: there is none.
+  // Opens a connection. REQUIRES: the client has no connection.
   void Connect();
-  // Sends `frames` with the arm, epoch and indices of this stream, and a bail-out after them if
-  // wanted. Returns false if there is no welcome yet or kMaxWaiting messages wait.
+  // Sends `frames` with the arm, epoch and indices of this stream, followed by a bail-out if
+  // `with_bail_out`. Returns false without sending if the daemon's welcome has not arrived or
+  // kMaxWaiting messages wait.
   bool SendBatch(const v1::FrameBatch& frames, bool with_bail_out);
-  // Messages sent between these two calls are measured.
+  // Messages sent between these two calls are measured (latency and acknowledgement).
   void BeginMeasuring();
   void EndMeasuring();
   // Returns whether measured messages have no acknowledgement yet and the connection can still
   // deliver it.
   bool AwaitsAcknowledgement();
-  // Ends the session. The connection ends when the daemon has written everything to disk.
+  // Ends the session with a goodbye. The connection ends when the daemon has written everything to
+  // disk.
   void SayGoodbye();
-  // Ends the connection at once.
+  // Ends the connection at once, without a goodbye.
   void Cancel();
 
  private:
   class Call;
 
   v1::StreamTelemetryRequest HelloRequest() const;
-  // The functions below are called with mutex_ held.
+  // The caller of these functions holds mutex_.
   void Send(v1::StreamTelemetryRequest request);
   void WriteNext();
   void OnResponse(const v1::StreamTelemetryResponse& response);
@@ -136,7 +139,7 @@ class LoadStream {
   const std::string scene_;
   LoadRun& run_;
 
-  std::mutex mutex_;  // guards all below
+  std::mutex mutex_;  // guards all members below
   Call* call_ = nullptr;
   std::deque<v1::StreamTelemetryRequest> waiting_;  // the front message is being written
   std::string session_id_;
@@ -144,7 +147,7 @@ class LoadStream {
   uint64_t acknowledged_sequence_ = 0;
   uint64_t sequence_ = 0;
   uint64_t frame_index_ = 0;
-  uint64_t bail_out_ns_ = 0;  // the daemon's limit for a frame
+  uint64_t bail_out_ns_ = 0;  // the daemon's limit for the time of a frame
   uint32_t arm_ = 0;
   uint32_t switch_epoch_ = 0;
   uint32_t reconnect_delay_ms_ = 0;
@@ -159,8 +162,8 @@ class LoadStream {
   bool leaving_ = false;          // the goodbye was sent; no message may follow
 };
 
-// The streams of a run and their timer. The owner's thread calls Run. mutex_ guards the state that
-// gRPC's threads change.
+// The streams of a run and their timer. Run is called on the owner's thread. mutex_ guards the
+// state that gRPC's threads change.
 class LoadRun {
  public:
   LoadRun(const LoadPlan& plan, const std::function<bool()>& stop,
@@ -170,7 +173,7 @@ class LoadRun {
 
   Result<LoadResult> Run();
 
-  // Events of the streams; called on any thread. `latency_ns` is the time since the start of the
+  // The streams call these functions on any thread. `latency_ns` is the time since the start of the
   // connection.
   void OnWelcome(int64_t latency_ns);
   // The daemon has written `message_count` more of the measured messages to disk. `lag_ns` is the
@@ -205,10 +208,10 @@ class LoadRun {
   Status Shortfall();
   void SayGoodbye();
   uint64_t UpCount();
-  // Returns whether every stream has its welcome or was kicked; a kicked stream does not reconnect.
-  // REQUIRES: mutex_ is held.
+  // Returns whether every stream either has its welcome or was kicked, that is, ended by an
+  // operator of the daemon. A kicked stream does not reconnect. REQUIRES: mutex_ is held.
   bool AllThere() const { return up_count_ + kicked_count_ == plan_.stream_count; }
-  // Returns whether AllThere holds, or all streams have failed without any welcome.
+  // Returns whether AllThere() is true, or every stream has failed and no welcome has ever arrived.
   bool AllUpOrRefused();
   // Waits until no connection is open, even if the run was stopped.
   void AwaitEnd(int64_t end_ns);
@@ -222,23 +225,24 @@ class LoadRun {
   std::minstd_rand random_{1};  // jitter of reconnections
   int64_t progress_due_ns_ = 0;
   std::atomic<bool> measuring_{false};
-  std::atomic<bool> counting_{true};  // acknowledgements count until the wait for them ends
+  // False: the wait is over, later acknowledgements do not count.
+  std::atomic<bool> counting_{true};
 
   std::atomic<uint64_t> open_count_{0};  // open connections
 
-  std::mutex mutex_;  // guards all below
+  std::mutex mutex_;  // guards all members below
   LoadResult result_;
   std::vector<std::pair<int64_t, LoadStream*>>
       lost_;                   // lost streams, with the time of the next attempt
   uint64_t up_count_ = 0;      // streams with a welcome
-  uint64_t kicked_count_ = 0;  // kicked streams
-  int64_t lost_since_ns_ = 0;  // since when streams are lost; 0: none is
+  uint64_t kicked_count_ = 0;  // streams that an operator of the daemon has ended
+  int64_t lost_since_ns_ = 0;  // since when not all streams are connected; 0: all are
   bool ending_ = false;
   grpc::Status last_error_;
 };
 
-// One connection. It deletes itself when gRPC has finished the call. A hold keeps the call alive
-// until the last read, so that the timer thread may write until then.
+// One connection. It deletes itself when gRPC has finished the call. A gRPC hold keeps the call
+// open until the last read has ended, so that the timer thread may write until then.
 class LoadStream::Call final
     : public grpc::ClientBidiReactor<v1::StreamTelemetryRequest, v1::StreamTelemetryResponse> {
  public:
@@ -485,7 +489,7 @@ void LoadRun::OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_
 void LoadRun::OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
                     uint32_t delay_ms) {
   const std::lock_guard lock(mutex_);
-  --open_count_;  // the destructor waits for 0 and then for the lock
+  --open_count_;  // the destructor waits until this is 0, then takes mutex_
   if (was_up) --up_count_;
   if (!status.ok() && (last_error_.ok() || !IsFollowUp(status))) last_error_ = status;
   if (ending_) {
@@ -527,8 +531,9 @@ Status LoadRun::OpenStreams() {
   return {};
 }
 
-// Spreads the starts evenly over one interval of batches, at most kLongestSpreadS. The starts take
-// longer if more than kMaxHellosPerSecond streams would start per second.
+// Distributes the starts of the streams evenly over one interval of batches, at most
+// kLongestSpreadS. If more than kMaxHellosPerSecond streams would start per second, the starts take
+// longer.
 void LoadRun::ScheduleStarts() {
   const auto count = static_cast<double>(plan_.stream_count);
   const double spread_s = std::max(std::min(1 / plan_.batches_per_second, kLongestSpreadS),
@@ -571,9 +576,10 @@ void LoadRun::Fire(const Timer& timer, int64_t due_ns) {
     ++open_count_;
     return stream.Connect();
   }
-  // Every period-th batch of a stream is followed by a bail-out. The streams start this count at
-  // different batches, because many streams send at the same moment. `stream / period` separates
-  // streams whose indices differ by a multiple of the period.
+  // Every period-th batch of a stream is followed by a bail-out. Many streams send at the same
+  // moment, so they must not all send their bail-out with the same batch. `timer.stream` shifts the
+  // count from stream to stream, and `stream / period` also separates streams whose indices differ
+  // by a multiple of the period.
   const double share = plan_.bail_out_share;
   const uint64_t period = share > 0 ? std::max<uint64_t>(1, std::llround(1 / share)) : 0;
   const bool with_bail_out =

@@ -1,9 +1,8 @@
 // Puts load on a daemon: thousands of streams send batches of frames at a fixed rate. Measures
 // rates, latencies and errors.
 //
-// RunLoad blocks: its thread is the only timer of all streams. The lateness of that timer is a
-// figure of its own, because a generator that cannot keep its rate gives no valid figures about the
-// daemon.
+// RunLoad blocks: its thread is the only timer of all streams. The lateness of this timer is also
+// measured: if the generator cannot keep its rate, the figures about the daemon are not valid.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +36,7 @@ struct LoadPlan {
 struct LoadResult {
   uint64_t welcome_count = 0;   // welcomes received, including those after a reconnection
   uint64_t batch_count = 0;     // batches sent, including those before the measurement
-  uint64_t bail_out_count = 0;  // sent
+  uint64_t bail_out_count = 0;  // bail-outs sent
   uint64_t switch_count = 0;    // switch commands received and answered
   uint64_t unsent_count = 0;    // batches not sent: no connection, or too many are waiting
   uint64_t rejected_count = 0;  // connections that the daemon refused or ended with an error
@@ -45,13 +44,15 @@ struct LoadResult {
   uint64_t measured_batch_count = 0;
   uint64_t acknowledged_count = 0;  // measured messages that are on the daemon's disk
   double measured_s = 0;
-  std::vector<double> hello_latency_ms;     // sorted; from the start of a connection to its welcome
-  std::vector<double> decision_latency_ms;  // sorted
+  std::vector<double> hello_latency_ms;  // sorted; from the start of a connection to its welcome
+  // Sorted; from a bail-out to the switch command that answers it.
+  std::vector<double> decision_latency_ms;
   // Sorted; the time from sending a measured batch to its acknowledgement.
   std::vector<double> commit_lag_ms;
-  std::vector<double> tick_lateness_ms;   // sorted
-  std::optional<double> reconnect_s;      // the longest time until all streams were back
-  std::optional<double> server_cpu_s;     // CPU time while measuring
+  std::vector<double> tick_lateness_ms;  // sorted; how late the timer sent a batch
+  // The longest time from a loss until all streams were connected again.
+  std::optional<double> reconnect_s;
+  std::optional<double> server_cpu_s;     // CPU time of the daemon while measuring
   std::optional<double> generator_cpu_s;  // CPU time of this process while measuring
   // kUnavailable with the last error if sessions did not finish. Ok if the run was stopped before
   // all streams had begun and there was no error.
@@ -64,7 +65,7 @@ struct LoadResult {
 Result<LoadResult> RunLoad(const LoadPlan& plan, const std::function<bool()>& stop,
                            const std::function<void(const std::string&)>& progress);
 
-// These functions return the measured figures as JSON and as a table with one per line.
+// Return the measured figures as a JSON document, and as a table with one figure per line.
 nlohmann::ordered_json LoadJson(const LoadPlan& plan, const LoadResult& result);
 std::string LoadText(const LoadPlan& plan, const LoadResult& result);
 

@@ -21,7 +21,7 @@ Box BoxOf(const Aabb& box) {
   return {{box.min[0], box.min[1], box.min[2]}, {box.max[0], box.max[1], box.max[2]}};
 }
 
-// Packing a new tree costs less than moving every object in the old one.
+// Packs a new tree in each frame, which costs less than moving every object in the old tree.
 class RtreePeer final : public Peer {
  public:
   using Peer::Peer;

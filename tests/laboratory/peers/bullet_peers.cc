@@ -16,7 +16,8 @@ uint32_t IdOf(const btBroadphaseProxy& proxy) {
   return static_cast<uint32_t>(reinterpret_cast<size_t>(proxy.m_clientObject));
 }
 
-// Bullet's pairs are those of padded or quantized boxes, but each proxy keeps its exact box.
+// Returns whether the exact boxes of two proxies overlap. Bullet reports pairs of padded or
+// quantized boxes, but each proxy stores its exact box.
 bool BoxesMeet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) {
   return a.m_aabbMin.x() <= b.m_aabbMax.x() && b.m_aabbMin.x() <= a.m_aabbMax.x() &&
          a.m_aabbMin.y() <= b.m_aabbMax.y() && b.m_aabbMin.y() <= a.m_aabbMax.y() &&
@@ -27,8 +28,8 @@ void AppendIfMeeting(const btBroadphaseProxy& a, const btBroadphaseProxy& b, Pai
   if (BoxesMeet(a, b)) AppendPair(out, IdOf(a), IdOf(b));
 }
 
-// Collects the pairs of a deferred collision. The deferred tree reports all of them every frame, so
-// the hash table in which Bullet would keep them would only cost time.
+// Collects the pairs of the tree in its deferred mode. That mode reports all pairs in every frame,
+// so Bullet's usual hash table of pairs would only cost time.
 class PairCollector final : public btNullPairCache {
  public:
   void CollectInto(PairBuffer& out) { out_ = &out; }
@@ -62,7 +63,8 @@ class BulletPeer : public Peer {
     for (const Aabb& box : boxes.subspan(proxies_.size())) Add(box);
   }
 
-  // The pair cache also holds outdated pairs, and pairs whose exact boxes do not overlap.
+  // Drops pairs whose exact boxes do not overlap: Bullet's pair cache also holds outdated pairs and
+  // pairs of padded boxes.
   void FindPairs(PairBuffer& out) override {
     broadphase_->calculateOverlappingPairs(nullptr);
     const btBroadphasePairArray& pairs =
@@ -78,7 +80,8 @@ class BulletPeer : public Peer {
 
   btBroadphaseInterface* broadphase() { return broadphase_.get(); }
 
-  // The pairs are dropped first, because removing a proxy searches all remaining pairs.
+  // Drops the pairs before the proxies. Otherwise the removal of each proxy would search all
+  // remaining pairs.
   void Discard() {
     if (broadphase_ == nullptr) return;
     broadphase_->getOverlappingPairCache()->getOverlappingPairArray().clear();
@@ -93,7 +96,7 @@ class BulletPeer : public Peer {
   virtual bool owns_proxies() const { return true; }
 
  private:
-  // btAxisSweep3 stores the exact box of a new proxy only when the proxy moves.
+  // Sets the exact box of the new proxy, since btAxisSweep3 sets it only when a proxy moves.
   void Add(const Aabb& box) {
     constexpr int kAnyShape = 0;
     btBroadphaseProxy* const proxy = broadphase_->createProxy(
@@ -112,8 +115,9 @@ class BulletPeer : public Peer {
   std::vector<btBroadphaseProxy*> proxies_;
 };
 
-// This is the tree as Bullet's world uses it: an object that leaves its padded box is collided at
-// once, and the pairs stay in a hash table. An object at rest costs one comparison of its box.
+// The tree as Bullet's world uses it: an object that leaves its padded box is tested against the
+// tree at once, and a hash table keeps the pairs. An object at rest costs one comparison of its
+// box.
 class DbvtPeer final : public BulletPeer {
  public:
   using BulletPeer::BulletPeer;
@@ -125,7 +129,8 @@ class DbvtPeer final : public BulletPeer {
   }
 };
 
-// The tree is collided with itself once per frame, which is faster if many objects move.
+// The tree in its deferred mode: it is tested against itself once per frame, which is faster if
+// many objects move.
 class DeferredDbvtPeer final : public BulletPeer {
  public:
   using BulletPeer::BulletPeer;
@@ -147,8 +152,7 @@ class DeferredDbvtPeer final : public BulletPeer {
   PairCollector collector_;
 };
 
-// The sweep along three sorted axes in the quantized coordinates of `Sweep`, which owns the
-// proxies.
+// Bullet's sweep along three sorted axes in quantized coordinates. `Sweep` owns the proxies.
 template <typename Sweep, typename Handle, size_t kMaxHandles>
 class AxisSweepPeer final : public BulletPeer {
  public:
@@ -177,7 +181,8 @@ using AxisSweep32Peer = AxisSweepPeer<bt32BitAxisSweep3, unsigned int, 1'000'000
 }  // namespace
 
 void AddBulletPeers(PeerLibrary& library) {
-  // Building is quadratic, because each new object is moved to its place along three axes.
+  // The maximum object count. Building is quadratic, because each new object is moved to its place
+  // along three axes.
   constexpr uint32_t kMaxInSweep = 30'000;
   library.version =
       std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100);

@@ -6,7 +6,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// The handle points to the box, whose index in the array is the id.
+// The handle points to the box in the caller's array. The index of the box in that array is the id.
 using HandledBox =
     CGAL::Box_intersection_d::Box_with_handle_d<float, 3, const Aabb*,
                                                 CGAL::Box_intersection_d::ID_FROM_HANDLE>;

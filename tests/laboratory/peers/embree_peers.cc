@@ -11,8 +11,8 @@
 namespace sweepstake::cli {
 namespace {
 
-// The boxes of a frame and the pairs found in it. An atomic counter hands out the slots for pairs,
-// because all of Embree's threads call back.
+// The boxes of a frame and the pairs found in it. Embree calls back on all of its threads, so an
+// atomic counter assigns each pair its slot.
 struct Collision {
   std::span<const Aabb> boxes;
   std::vector<OverlapPair> slots;
@@ -31,8 +31,8 @@ void Bound(const RTCBoundsFunctionArguments* arguments) {
   bounds.upper_z = box.max[2];
 }
 
-// Embree reports pairs of leaves. If a scene is collided with itself, it reports each pair in both
-// orders.
+// The callback for pairs of leaves. If a scene is tested against itself, Embree reports each pair
+// in both orders.
 void Collide(void* opaque, RTCCollision* collisions, unsigned int count) {
   auto& collision = *static_cast<Collision*>(opaque);
   OverlapPair pairs[64];

@@ -115,7 +115,8 @@ class FclPeer final : public Peer {
     manager_->setup();
   }
 
-  // If many objects come or go, registering all of them again is faster than one by one.
+  // Registers all objects again if their number has changed: this is faster than adding or removing
+  // many one by one.
   void Update(std::span<const Aabb> boxes) override {
     if (boxes.size() != bodies_.size()) return Build(boxes);
     for (size_t i = 0; i < boxes.size(); ++i) bodies_[i]->Take(boxes[i], margin_);

@@ -7,7 +7,8 @@
 namespace sweepstake::cli {
 namespace {
 
-// ODE counts its initializations, so each peer can hold one of its own.
+// Initializes ODE for one peer. ODE counts its initializations, so each peer can have its own
+// session.
 class OdeSession {
  public:
   OdeSession() {
@@ -19,9 +20,9 @@ class OdeSession {
   OdeSession& operator=(const OdeSession&) = delete;
 };
 
-// The centre and the edges of a float box are exact in double, and so is the box that ODE computes
-// from them, unless its coordinates differ by a factor above 2^28. ODE ignores boxes whose edges
-// are all zero, hence the minimum.
+// Sets the box of a geom. The centre and the edges of a float box are exact in double, and so is
+// the box that ODE computes from them, unless its coordinates differ by a factor above 2^28. ODE
+// ignores boxes whose edges are all zero, so edges have a minimum length.
 void Take(dGeomID geom, const Aabb& box) {
   dReal edge[3];
   dReal centre[3];
@@ -43,7 +44,8 @@ dSpaceID MakeSweep(std::span<const Aabb>) {
   return dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XYZ);
 }
 
-// One level per factor of four in the object count gives about one object per leaf.
+// Chooses the depth so that a leaf holds about one object: one level per factor of four in the
+// object count.
 dSpaceID MakeQuadtree(std::span<const Aabb> boxes) {
   const Aabb world = RoomyBounds(boxes);
   dVector3 centre = {0, 0, 0, 0};

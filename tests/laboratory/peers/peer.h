@@ -58,8 +58,8 @@ inline void AppendPair(PairBuffer& out, uint32_t a, uint32_t b) {
   out.Append({std::min(a, b), std::max(a, b)});
 }
 
-// Returns whether two valid boxes overlap, like the function of this name in Tracy
-// (broad_phase/tracy/tracy_rest.cc), but stops at the first axis on which they do not.
+// Returns whether two valid boxes overlap. Unlike the function of this name in tracy_rest.cc, it
+// stops at the first axis on which they do not overlap.
 inline bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
   return a.min[0] <= b.max[0] && b.min[0] <= a.max[0] && a.min[1] <= b.max[1] &&
          b.min[1] <= a.max[1] && a.min[2] <= b.max[2] && b.min[2] <= a.max[2];

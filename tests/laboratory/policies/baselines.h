@@ -12,8 +12,9 @@
 
 namespace sweepstake::decision {
 
-// Chooses any arm with equal probability, once per cooldown (`random`), to measure what choosing
-// without any knowledge costs. The active arm is one of them. The learnt rewards are not used.
+// Chooses an arm at random once per cooldown (`random`), to measure what choices without any
+// knowledge cost. All arms, including the active one, have the same probability. The learnt rewards
+// are not used.
 class RandomPolicy : public RewardPolicy {
  public:
   explicit RandomPolicy(const PolicySetup& setup)
@@ -33,13 +34,14 @@ class RandomPolicy : public RewardPolicy {
 };
 
 // Thompson sampling that forgets (`discounted-ts`; V. Raj, S. Kalyani, "Taming non-stationary
-// bandits: a Bayesian approach", arXiv:1707.09727, 2017). At every window the evidence of ALL arms
-// is multiplied by γ before the active arm gains the new window's, so that arms without recent
-// windows are drawn from nearly flat posteriors again.
+// bandits: a Bayesian approach", arXiv:1707.09727, 2017). At the end of every window the evidence
+// of ALL arms is multiplied by γ, then the new window is added to the active arm. The posteriors of
+// arms without recent windows thus become nearly flat again.
 //
 // γ = 0.99 per window of 2 s is a memory of 100 windows, five cooldowns. A shorter memory would
 // forget an arm before it can be chosen again. Loaded priors are forgotten like evidence, down to
-// Beta(1,1). The stored increments are not discounted, because each reader decides how to forget.
+// Beta(1,1). The increments that are stored are not discounted, because each policy that reads them
+// has its own rule for forgetting.
 class DiscountedPolicy : public ThompsonPolicy {
  public:
   static constexpr double kDiscount = 0.99;
@@ -75,7 +77,8 @@ class PooledVariance {
   explicit PooledVariance(uint32_t arm_count) : arms_(arm_count) {}
 
   void Add(uint32_t arm, double log_cost);
-  // Assumes a standard deviation of 5 % until there are windows.
+  // Returns the variance of a window's log-cost. Without any windows, this is the square of an
+  // assumed standard deviation of 5 %.
   double value() const;
 
  private:
@@ -98,8 +101,8 @@ class PooledVariance {
 // with the highest draw is the candidate.
 //
 // v = 0.1, a tenth of the reward's range. The arm's Beta prior counts as α+β observations of the
-// constant feature with mean μ; the other coefficients have the unit prior of that paper. A
-// bail-out counts as its penalty's number of observations of reward 0. Features without a
+// constant feature with mean μ; the other coefficients have the unit prior of Li et al. A bail-out
+// counts as several observations of reward 0, as many as its penalty. Features without a
 // measurement are 0. Before the first descriptor all features except the constant are 0. Each
 // choice takes one 8 × 8 Cholesky factorization per arm. The results have the same bits on every
 // platform (Eigen without vectorization).
@@ -126,10 +129,10 @@ class LinTsPolicy : public RewardPolicy {
   };
 
   void Observe(const Increment& increment);
-  // The belief about an arm's reward in the current scene.
+  // The distribution of an arm's expected reward in the current scene.
   struct Belief {
     double mean = 0;
-    double variance = 0;  // variance without the factor v²
+    double variance = 0;  // the variance divided by v²
   };
   Belief BeliefOf(const Model& model) const;
 

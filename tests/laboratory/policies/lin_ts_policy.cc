@@ -16,7 +16,7 @@ constexpr int kSize = LinTsPolicy::kFeatureCount;
 using Vector = Eigen::Matrix<double, kSize, 1>;
 using Matrix = Eigen::Matrix<double, kSize, kSize>;
 
-constexpr double kMinPriorEvidence = 1e-6;  // keeps the inverse finite for all priors
+constexpr double kMinPriorEvidence = 1e-6;  // keeps the inverse of B finite for all priors
 
 // Returns the value, or 0 if it was not measured.
 double Positive(float value) { return IsMeasured(value) ? value : 0; }

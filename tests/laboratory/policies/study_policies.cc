@@ -24,10 +24,11 @@ namespace {
 //
 //   x̄ + √(2 ln n / nₐ),
 //
-// where x̄ is an arm's mean reward, nₐ the number of its windows and n that of all arms. Mean and
-// count are the posterior's μ and α+β, so that loaded priors and bail-outs count as evidence; the
-// flat prior counts as two windows of reward ½. Nothing is random. It chooses at every tick, and
-// only the cooldown delays its switches. The draws are the bounds.
+// where x̄ is an arm's mean reward, nₐ the number of its windows and n the number of windows of all
+// arms. Mean and count are the posterior's μ and α+β, so that loaded priors and bail-outs count as
+// evidence; the flat prior counts as two windows of reward ½. There are no random draws. It chooses
+// at every tick, and only the cooldown delays its switches. The bounds are recorded in place of
+// draws.
 class Ucb1Policy : public RewardPolicy {
  public:
   using RewardPolicy::RewardPolicy;
@@ -47,13 +48,12 @@ class Ucb1Policy : public RewardPolicy {
 };
 
 // ε-greedy (R. Sutton, A. Barto, "Reinforcement Learning", 2nd ed., §2.4) chooses the arm with the
-// highest mean reward, but with probability ε any arm with equal probability. The draws are the
-// means.
+// highest mean reward. With probability ε it chooses any arm with equal probability instead. The
+// mean rewards are recorded in place of draws.
 //
 // ε = 0.1, the book's usual value, is constant: a decaying ε would finish its exploration within
-// the first few of the 22 choices in a run of 15 minutes. It chooses once per cooldown, because
-// exploring with ε = 0.1 at each tick of 2 s would leave the arm with probability 88 % within 20
-// ticks.
+// the first few of the 22 choices in a run of 15 minutes. It chooses once per cooldown. If it chose
+// at each tick of 2 s, it would leave the arm with a probability of 88 % within 20 ticks.
 class EpsilonGreedyPolicy : public RewardPolicy {
  public:
   explicit EpsilonGreedyPolicy(const PolicySetup& setup)
@@ -86,14 +86,15 @@ class EpsilonGreedyPolicy : public RewardPolicy {
 //
 // The reasons: testing all pairs of a hundred boxes costs less than maintaining any structure.
 // Sweeping one axis makes some 2 n^(2/3) ρ^(1/3) checks per object (n objects in a cube, ρ the
-// density), so that it pays until n or ρ grows. The paper found it ahead up to 2,000 objects, and
-// the tree ahead at 3,000 and in crowded scenes (Table 3, §7), as did the authors of the KD-tree
-// (Y. Serpa, M. Rodrigues, CGF 38, 2019). At a density of ½ objects touch wherever they are. The
-// numbers were written down before any recorded scene was looked at and are not tuned to any.
+// density), so that it is cheap only while n and ρ are small. The paper found the sweep ahead up to
+// 2,000 objects, and the tree ahead at 3,000 and in crowded scenes (Table 3, §7). The authors of
+// the KD-tree found the same (Y. Serpa, M. Rodrigues, CGF 38, 2019). At a density of ½ every object
+// touches others wherever it is. The numbers were chosen before any recorded scene was examined and
+// are not tuned to any scene.
 //
-// If the first arm of a row is missing, the second is chosen; if both are, or before the first
-// descriptor, the active arm stays. An arm that bailed out is not chosen again. The learnt rewards
-// are not used.
+// If the first arm of a row is not available, the second one is chosen. The active arm stays if
+// neither is available, or before the first descriptor. An arm that has bailed out is not chosen
+// again. The learnt rewards are not used.
 class ThresholdsPolicy : public RewardPolicy {
  public:
   explicit ThresholdsPolicy(const PolicySetup& setup)
@@ -134,9 +135,9 @@ class ThresholdsPolicy : public RewardPolicy {
 // Runs the arm that is cheapest in the shadow lane (`lane-argmin`). This trivial policy is the
 // baseline for all policies that learn from the lane.
 //
-// Each arm has a smoothed log-cost of its visits, and the cheapest one is chosen if it is cheaper
-// than the active arm by a small margin; the cooldown is settling and one window. The learnt
-// rewards are not used, but an arm that bailed out is not chosen again.
+// Each arm has a smoothed log-cost of its visits. The cheapest arm is chosen if it is cheaper than
+// the active arm by kMargin. The cooldown is the settling time plus one window. The learnt rewards
+// are not used, but an arm that has bailed out is not chosen again.
 class LaneArgminPolicy : public RewardPolicy {
  public:
   explicit LaneArgminPolicy(const PolicySetup& setup)
@@ -181,9 +182,9 @@ class LaneArgminPolicy : public RewardPolicy {
   std::vector<bool> bailed_out_;
 };
 
-// The paper's policy (`paper-one-draw`) with one draw per cooldown (IsTimeToChoose), where the
-// paper draws every 2 s until a draw leaves the arm. An arm that is the best with probability 0.9
-// then runs some 90 % of the time instead of 57 %.
+// The paper's policy (`paper-one-draw`) with one draw per cooldown (IsTimeToChoose). The paper
+// itself draws every 2 s until a draw chooses another arm. With one draw, an arm that is the best
+// with probability 0.9 runs some 90 % of the time instead of 57 %.
 class OneDrawPolicy : public ThompsonPolicy {
  public:
   explicit OneDrawPolicy(const PolicySetup& setup)

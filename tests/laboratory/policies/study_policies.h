@@ -1,5 +1,6 @@
-// The policies that the laboratory compares. Only its commands link this library: a daemon or a
-// game can choose a shipped policy only (engine_client/decider/session/policy_registry.h).
+// The policies that the laboratory compares. Only the laboratory's commands link this library. A
+// daemon or a game can choose only the policies that are shipped
+// (engine_client/decider/session/policy_registry.h).
 #pragma once
 
 #include "engine_client/decider/session/policy_registry.h"

@@ -9,7 +9,8 @@
 namespace sweepstake::cli {
 namespace {
 
-// The real lane (shadow_lane.h) builds the next arm on one frame and follows it over three more.
+// The number of frames to prepare the next arm. The real lane (shadow_lane.h) builds the arm on one
+// frame and updates it on three more.
 constexpr size_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
 
 constexpr double kMeanBusyNs = 10e9;  // mean length of a stretch of other work
@@ -17,8 +18,8 @@ constexpr double kMeanBusyNs = 10e9;  // mean length of a stretch of other work
 constexpr double kSpikeShape = 1.5;
 constexpr double kMaxSpike = 100;
 
-// Scales the time cap, so that it ends the same visits as on the machine of the trace. This holds
-// if no frame took 15 ms there, because the real lane has a longer cap for such frames
+// Scales the time cap of a visit, so that the cap ends the same visits as on the machine of the
+// trace. This holds if no frame took 15 ms there: for such frames the real lane has a longer cap
 // (ShadowOptions::visit_cap_ns).
 ShadowScheduleOptions Scaled(ShadowScheduleOptions options, const ReplayScene& scene) {
   const double cap_ns = static_cast<double>(options.visit_cap_ns) * scene.time_ratio();
@@ -26,8 +27,8 @@ ShadowScheduleOptions Scaled(ShadowScheduleOptions options, const ReplayScene& s
   return options;
 }
 
-// Visits are numbered from 1. Number 0 stands for the stream from which the biases of a game are
-// drawn.
+// Returns the random numbers of a visit. Visits are numbered from 1; number 0 is for the biases of
+// a game.
 decision::RandomStream StreamOf(uint64_t seed, uint64_t visit, uint32_t arm) {
   return {seed, decision::RandomPurpose::kReplayLane, visit, arm};
 }
@@ -102,7 +103,8 @@ void ReplayLane::BeginVisit(int64_t start_ns) {
   next_event_ns_ = start_ns + static_cast<int64_t>(visit_->busy_ns);
 }
 
-// The real lane repeats the first visit of a sweep, for at most kShadowWarmUpNs of real time.
+// Repeats the first visit of a sweep, as the real lane does, for at most kShadowWarmUpNs of real
+// time.
 void ReplayLane::RepeatVisit() {
   const double max_ns = static_cast<double>(kShadowWarmUpNs) * scene_.time_ratio();
   const uint64_t repeated_ns = std::min(visit_->busy_ns, static_cast<uint64_t>(max_ns));
@@ -111,7 +113,8 @@ void ReplayLane::RepeatVisit() {
   next_event_ns_ += static_cast<int64_t>(repeated_ns);
 }
 
-// The real lane measures the cost of its work (lane_cost.h); here the cost is known.
+// Charges the cost of the lane's work to its budget. The real lane estimates this cost
+// (lane_cost.h), here it is known.
 void ReplayLane::Charge(int64_t begin_ns, int64_t end_ns) {
   schedule_.Charge(static_cast<uint64_t>(end_ns),
                    (errors_.contention_ratio - 1) * static_cast<double>(end_ns - begin_ns));

@@ -1,11 +1,11 @@
 // Simulates the shadow lane of a replayed game in virtual time: one worker that visits the arms in
 // the order of the real lane's schedule (shadow_schedule.h) and warms up the next arm.
 //
-// A visit uses the recorded times of a running structure in the frames of its sweep. They are
-// multiplied by the slowdown of a freshly built structure, which the trace has measured in the
-// nearest burst (cost_trace.h). Frames between two bursts therefore have their own times, too.
-// LaneErrors adds the measurement errors of a real machine. Deterministic; not thread-safe. Borrows
-// the scene. Times are nanoseconds of virtual time.
+// A visit uses the times that the trace contains for a running structure in the frames of the
+// sweep. They are multiplied by the slowdown of a freshly built structure, which the trace has
+// measured in the nearest burst (cost_trace.h). Each frame between two bursts thus still has a time
+// of its own. LaneErrors adds the measurement errors of a real machine. Deterministic; not
+// thread-safe. Borrows the scene. Times are nanoseconds of virtual time.
 #pragma once
 
 #include <cstdint>
@@ -32,8 +32,8 @@ struct LaneErrors {
   double spike_ratio = 0;
   // Time of a frame during a visit ÷ that of a frame without; >= 1.
   double contention_ratio = 1;
-  // Time of a visit on the lane ÷ on the frame thread, by arm. The errors above multiply this
-  // ratio. Empty: 1.
+  // By arm: time of a visit on the lane ÷ time of the same frames on the frame thread. The errors
+  // above multiply this ratio. Empty: 1 for all arms.
   std::vector<double> arm_ratios{};
 };
 
@@ -58,8 +58,8 @@ class ReplayLane {
   // visit that ended. REQUIRES: place.now_ns >= next_event_ns().
   std::optional<ShadowSample> Advance(const Place& place);
 
-  // Builds `arm` and keeps it up to date with the game; the current visit continues afterwards.
-  // Returns the time at which the arm is ready to take over.
+  // Builds `arm` and updates it on the game's frames. The visit in progress continues afterwards.
+  // Returns the time at which the arm can take over.
   int64_t WarmUp(uint32_t arm, const Place& place);
 
   // Time of a frame ÷ its time without a lane.
@@ -80,7 +80,8 @@ class ReplayLane {
   const uint64_t seed_;
   ShadowSchedule schedule_;
   int64_t next_event_ns_ = 0;
-  // The start of the current sweep; its visits use the frames from there on.
+  // The place at which the current sweep began. The visits of the sweep use the frames from there
+  // on.
   Place sweep_;
   std::optional<ShadowVisit> visit_;  // ends at next_event_ns_; absent between sweeps
   std::vector<uint64_t> fresh_ns_;    // the result of FreshFrames
@@ -100,14 +101,15 @@ class ReplayLoad {
  public:
   ReplayLoad(const FrameLoad& load, uint64_t seed) : load_(load), seed_(seed) {}
 
-  // Returns the ratio of a frame that begins now. REQUIRES: now_ns >= that of the last call.
+  // Returns the FrameLoad::ratio of a frame that begins now if other work is running, else 1.
+  // REQUIRES: now_ns is not below that of the last call.
   double RatioAt(int64_t now_ns);
 
  private:
   FrameLoad load_;
   uint64_t seed_;
-  // Number of the current stretch. Stretches without and with the work alternate; the first is
-  // without.
+  // The number of the current stretch. Stretches without and with other work alternate; the first
+  // one is without.
   uint64_t stretch_count_ = 0;
   int64_t stretch_end_ns_ = 0;
 };

@@ -29,15 +29,15 @@ std::string IntervalText(const Interval& interval);
 void PrintReplayTable(const ReplayReport& report, std::ostream& out);
 void PrintReplayJson(const ReplayReport& report, std::ostream& out);
 
-// Returns the times of a frame; `paper` is the detection time of the policy paper.
+// Returns the times of a frame as JSON. `paper` is the detection time of the policy `paper`.
 nlohmann::ordered_json FrameMsJson(const FrameMs& ms, const std::optional<double>& paper);
 
-// Derives every decision of an audit log again and compares it with the logged one. Reads the file
-// into memory and returns the result with the first difference. Errors: kNotFound (the file cannot
-// be read), kInvalidArgument (it contains no decisions).
+// Derives every decision of an audit log again from the logged measurements, and compares it with
+// the logged decision. Reads the file into memory and returns the result with the first difference.
+// Errors: kNotFound (the file cannot be read), kInvalidArgument (it contains no decisions).
 Result<decision::AuditReport> ReplayLog(const std::string& file);
 
-// These functions return the report as one JSON document and as lines of text.
+// Return the report as one JSON document, and as lines of text.
 nlohmann::ordered_json ReplayLogJson(const decision::AuditReport& report, const std::string& file);
 std::string ReplayLogText(const decision::AuditReport& report);
 

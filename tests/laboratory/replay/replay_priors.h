@@ -17,7 +17,7 @@ namespace sweepstake::cli {
 enum class ReplayPriors {
   kNone,
   kRight,   // from a game on the same scene, build and machine class
-  kWrong,   // from that game, with the ranking of the arms reversed
+  kWrong,   // from a game like kRight, with the ranking of the arms reversed
   kClass,   // from a game on the same scene and build, on another machine class
   kScenes,  // from games on all other scenes; the scene itself is new
 };
@@ -29,11 +29,12 @@ inline constexpr std::array<std::string_view, 5> kReplayPriorsNames = {"none", "
 // tests/bench/results/amd-zen4-2cores-instruction-sets.csv.
 inline constexpr double kClassDeviation = 0.17;
 
-// Plays a game on a scene. The evidence in its result becomes the priors.
+// Plays a game on a scene. The evidence of that game (ReplayResult::taught) becomes the priors.
 using Teach = std::function<ReplayResult(const ReplayScene& scene)>;
 
-// Returns one prior per arm, or none without evidence. `others` are the project's other scenes. For
-// kClass, `seed` determines how the costs of the arms differ between the machine classes.
+// Returns one prior per arm, or an empty list if there is no evidence. `others` are the project's
+// other scenes. For kClass, `seed` determines how the costs of the arms differ between the machine
+// classes.
 std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::string& policy,
                                                   const ReplayScene& scene,
                                                   std::span<const ReplayScene* const> others,

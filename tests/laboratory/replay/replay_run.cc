@@ -28,14 +28,14 @@ decision::SessionSetup SetupOf(const ReplayScene& scene, const ReplaySetup& setu
           .active_arm = static_cast<uint32_t>(setup.seed % scene.arm_count())};
 }
 
-// Sums the times of the arms from one decision to the next.
+// Sums the times of each arm over the frames from one decision to the next.
 class ArmTimes {
  public:
   explicit ArmTimes(size_t arm_count) : ns_(arm_count) {}
 
   void Add(size_t arm, double ns) { ns_[arm] += ns; }
-  // Returns the arm's time ÷ the fastest arm's, minus 1. If the fastest arm's time is 0, returns
-  // the arm's time.
+  // Returns the arm's time ÷ the fastest arm's time, minus 1. If the fastest arm's time is 0, it
+  // returns the arm's time in nanoseconds.
   double LossRatioOf(size_t arm) const {
     const double fastest_ns = *std::min_element(ns_.begin(), ns_.end());
     return fastest_ns > 0 ? ns_[arm] / fastest_ns - 1 : ns_[arm];
@@ -198,7 +198,7 @@ FrameSample Game::NextFrame() {
   return frame;
 }
 
-// Lengthens the frame by the other work on its core.
+// Lengthens the frame by the other work that runs on the core at this time (FrameLoad).
 void Game::Load(FrameSample& frame) {
   const double ratio = load_.RatioAt(now_ns_);
   for (uint64_t* ns : {&frame.detection_time_ns, &frame.frame_time_ns})
@@ -283,7 +283,8 @@ void Game::Meter(const FrameSample& frame) {
   Report(*outcome);
 }
 
-// Ends a trial as the client does: after a short trial the previous arm still has its structure.
+// Ends a trial as a client does. A short trial costs no rebuild, because the previous arm still has
+// its structure.
 void Game::EndTrial(const FrameSample& frame) {
   FrameSample sample{};
   sample.frame_time_ns = frame.frame_time_ns;

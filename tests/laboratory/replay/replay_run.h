@@ -5,12 +5,12 @@
 // to call from many threads with one scene. Times are nanoseconds of virtual time, which starts at
 // 0 with the first frame and advances by the frames' times.
 //
-// The client behaves as a real one. It sends frames to the session in batches (250 ms or 30
-// frames). Ticks happen when they are due, even within a long frame. A command is executed at the
-// start of the next frame. Without a shadow lane this is a cold switch, and the next frames have
-// the cost of a freshly built structure. With a lane the structure is warmed up first, and the
+// The simulated client behaves like a real one. It sends frames to the session in batches (250 ms
+// or 30 frames). Ticks happen when they are due, even within a long frame. A command is executed at
+// the start of the next frame. Without a shadow lane this is a cold switch, and the next frames
+// have the cost of a freshly built structure. With a lane the structure is warmed up first, and the
 // switch has the cost of the warm-up's last frame. The client's own SwitchCostMeter measures switch
-// costs. A frame over the limit is reported at once.
+// costs. A frame over the bail-out limit is reported at once.
 //
 // Cost: linear in the frames, plus the policy's own time.
 #pragma once
@@ -42,11 +42,11 @@ struct ReplaySetup {
   FrameLoad frame_load = {};
 };
 
-// Compares the probabilities that a policy states with the frequency at which it is right: a
-// reliability table (A. Murphy, "Reliability of subjective probability forecasts", Applied
-// Statistics 26, 1977). A decision states the arm with the highest P(best), the leader, and that
-// probability. It is judged by the frames since the previous decision, for which the trace contains
-// the time of every arm.
+// Compares the probabilities that a policy predicts with the observed frequencies: a reliability
+// table (A. Murphy, "Reliability of subjective probability forecasts", Applied Statistics 26,
+// 1977). The prediction of a decision is its leader, the arm with the highest P(best), and that
+// probability. Whether the leader was the fastest arm is determined on the frames since the
+// previous decision, for which the trace contains the time of every arm.
 struct ReliabilityBin {
   uint64_t decision_count = 0;
   double probability_sum = 0;
@@ -61,8 +61,8 @@ class Reliability {
   static constexpr std::array kEdges = {0.0, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0};
   static constexpr size_t kBinCount = kEdges.size() - 1;
 
-  // Adds a decision. `loss_ratio` is the leader's time ÷ the fastest arm's, minus 1. REQUIRES: the
-  // probability is 0–1.
+  // Adds a decision. `loss_ratio` is the leader's time ÷ the fastest arm's time, minus 1. REQUIRES:
+  // `probability` is from 0 to 1.
   void Add(double probability, double loss_ratio);
   Reliability& operator+=(const Reliability& other);
 
@@ -81,19 +81,20 @@ class Reliability {
 struct ReplayResult {
   // The sums below leave out the time that FrameLoad adds to frames.
   uint64_t total_ns = 0;  // sum over all frames
-  // The start-up ends with the live exploration, but not before kStartUpNs.
+  // The start-up lasts until the live exploration ends, but at least kStartUpNs.
   uint32_t start_up_frame_count = 0;
   uint64_t after_start_up_ns = 0;            // sum over the frames after the start-up
-  uint64_t after_start_up_switch_count = 0;  // executed after the start-up
+  uint64_t after_start_up_switch_count = 0;  // switches executed after the start-up
   uint32_t opening_frame_count = 0;          // frames that begin before kOpeningNs
   uint64_t opening_ns = 0;                   // sum over these frames
   decision::ObservationSummary observation;  // active time and switches after the exploration
-  std::array<uint64_t, 5> switch_counts{};   // executed in the whole run, by SwitchReason
+  std::array<uint64_t, 5> switch_counts{};   // switches executed in the whole run, by SwitchReason
   std::vector<uint64_t> active_ns;           // frame time per arm in the whole run; sum: total_ns
-  uint64_t bail_out_count = 0;               // frames over the limit
+  uint64_t bail_out_count = 0;               // frames over the bail-out limit
   std::vector<std::optional<int64_t>>
-      first_active_ns;  // first choice of each arm after the exploration
-  // The choice of the first tick: the commanded arm, or else the active one. Absent without a tick.
+      first_active_ns;  // when each arm was first chosen after the exploration
+  // The choice of the first tick: the arm that it commands, or the active arm if it commands no
+  // switch. Absent if there was no tick.
   std::optional<uint32_t> first_choice;
   std::vector<decision::ArmEvidence> taught;  // evidence for the store, per arm
   std::array<uint64_t, 5> verdict_counts{};   // number of ticks, by Verdict

@@ -227,7 +227,7 @@ std::vector<double> FixedCosts::TotalsFrom(uint32_t first_frame) const {
   return totals;
 }
 
-// Returns how much longer the frames after a switch to `arm` take than with a running structure.
+// Returns the extra time of the frames after a switch to `arm`, compared with a running structure.
 double FixedCosts::SwitchNs(uint32_t game_frame, uint32_t arm, bool warm) const {
   const auto slowdown = scene_.slowdown(order_[game_frame], arm);
   double extra_ns = 0;
@@ -253,8 +253,8 @@ FixedCosts::OracleCost FixedCosts::Oracle(int64_t interval_ns, bool warm) const 
   const auto interval = static_cast<uint32_t>(std::clamp<uint64_t>(
       static_cast<uint64_t>(interval_ns) / scene_.options().frame_ns, 1, scene_.frame_count()));
   OracleCost oracle;
-  // Dynamic programming: at every interval each path is continued or replaced by a switch from the
-  // cheapest one.
+  // Dynamic programming: at every interval, each path either continues or is replaced by a switch
+  // from the cheapest path.
   std::vector<Path> paths(arms);  // the cheapest path that ends on each arm
   for (uint32_t frame = 0; frame < scene_.frame_count(); ++frame) {
     if (frame > 0 && frame % interval == 0) {
@@ -274,7 +274,7 @@ FixedCosts::OracleCost FixedCosts::Oracle(int64_t interval_ns, bool warm) const 
     }
     oracle.frame_ns += min_ns;
   }
-  // The cheapest path at the end is the oracle's.
+  // The path of the oracle is the cheapest one at the end.
   const Path best = *std::min_element(paths.begin(), paths.end(), cheaper);
   oracle.regime_ns = best.cost_ns;
   oracle.switch_count = best.switch_count;

@@ -1,17 +1,17 @@
 // Prepares a trace to be played as a game in virtual time.
 //
-// A game is a fixed amount of work: `frame_count` frames for every policy. A window of
-// kWindowFrameCount consecutive frames moves evenly through the trace, once per pass, and the game
-// shows the window's frames repeatedly. The scene thus changes at the speed of the pass, while two
-// seconds of the game contain tens of different frames, as in a real game. With a shorter window,
-// or if each frame were repeated for its share of the run, a few disturbed frames or the rebuild of
-// a tree would last for seconds of the game.
+// A game is a fixed amount of work: `frame_count` frames for every policy. A pass moves a window of
+// kWindowFrameCount consecutive frames evenly through the trace, and the game shows the frames of
+// the window repeatedly. The scene thus changes at the speed of the pass, while two seconds of the
+// game contain tens of different frames, as in a real game. With a shorter window, or if each frame
+// were repeated for its share of the run, a few disturbed frames or the rebuild of a tree would
+// last for seconds of the game.
 //
 // Recorded times are multiplied by one factor, so that the mean frame of the best fixed arm takes
 // GameOptions::frame_ns, other work included. Only ratios between arms are judged. Frames of 10 ms
 // suit the parameters of the paper's policy, which are absolute times.
 //
-// Immutable, so it is safe to share between threads. It borrows nothing of the trace. Times are
+// Immutable, so it is safe to share between threads. It keeps no reference to the trace. Times are
 // nanoseconds of virtual time. Memory: some 25 bytes per frame and arm.
 #pragma once
 
@@ -29,8 +29,8 @@ namespace sweepstake::cli {
 struct GameOptions {
   uint64_t frame_ns = 10'000'000;     // mean frame time of the best fixed arm
   uint64_t run_ns = 900'000'000'000;  // length of a game on that arm; default: the paper's window
-  uint64_t pass_ns = 0;               // length of one pass through the trace; 0: run_ns
-  uint64_t other_work_ns = 0;         // per frame, besides detection; < frame_ns
+  uint64_t pass_ns = 0;               // length of one pass through the trace; 0 means run_ns
+  uint64_t other_work_ns = 0;         // time of a frame besides detection; < frame_ns
 };
 
 class ReplayScene {
@@ -41,7 +41,7 @@ class ReplayScene {
   // can have). REQUIRES: a valid trace, as ReadCosts returns it.
   static Result<ReplayScene> Create(const CostTrace& trace, const GameOptions& options);
 
-  // Returns the same game on a machine where the times of each arm are multiplied by its ratio.
+  // Returns the same game on a machine on which each arm's times are multiplied by the arm's ratio.
   ReplayScene WithArmRatios(std::span<const double> ratios) const;
 
   const GameOptions& options() const { return options_; }
@@ -67,8 +67,9 @@ class ReplayScene {
   // Returns the latest descriptor that the client has sent at this frame, or null if there is none.
   const SceneDescriptor* descriptor(uint32_t trace_frame) const;
 
-  // Returns the times of the first frames of a fresh structure of `arm`, beginning with the one
-  // that builds it, ÷ those of a running structure, as measured in the burst nearest to this frame.
+  // Returns a factor for each of the first frames of a fresh structure of `arm`, beginning with the
+  // frame that builds it: its time ÷ the time of a running structure. The factors were measured in
+  // the burst nearest to this frame.
   std::span<const double> slowdown(uint32_t trace_frame, uint32_t arm) const {
     return std::span(slowdown_[nearest_burst_[trace_frame]])
         .subspan(size_t{arm} * burst_frame_count_, burst_frame_count_);
@@ -78,8 +79,8 @@ class ReplayScene {
   // Game time ÷ recorded time, the same for all frames.
   double time_ratio() const { return time_ratio_; }
 
-  // The regret that noise alone causes: the relative difference between two measurements of one
-  // arm.
+  // The relative difference between two measurements of one arm: the regret that noise alone
+  // causes.
   double control_regret() const { return control_regret_; }
 
  private:
@@ -137,11 +138,12 @@ class FixedCosts {
   std::vector<double> TotalsFrom(uint32_t first_frame) const;
 
   struct OracleCost {
-    double frame_ns = 0;        // total time with the best arm in each frame and free switches
+    // Total time with the best arm in each frame, if switches cost nothing.
+    double frame_ns = 0;
     double regime_ns = 0;       // total time of the cheapest sequence of arms and its switches
-    uint32_t switch_count = 0;  // in that sequence
-    uint32_t dominant_arm = 0;  // in that sequence
-    double active_share = 1;    // its share of the time
+    uint32_t switch_count = 0;  // number of switches in that sequence
+    uint32_t dominant_arm = 0;  // the arm with the largest share of that sequence
+    double active_share = 1;    // share of dominant_arm in the time of that sequence
   };
   // Finds both oracles in O(frames × arms). The sequence may switch once per `interval_ns` of the
   // best arm's frames, as a policy may at its ticks. If `warm`, each switch has the cost of a

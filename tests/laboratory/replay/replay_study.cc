@@ -9,7 +9,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// Seed of the games whose evidence becomes the priors of other games.
+// The seed of the games whose evidence becomes the priors of the games that are compared.
 constexpr uint64_t kPriorsSeed = 1'000'000'007;
 
 // Plays the games of one seed on one scene.
@@ -103,7 +103,8 @@ class SeedGames {
   std::vector<decision::BetaPosterior> Priors(const std::string& policy) const {
     std::vector<const ReplayScene*> others;
     for (const StudyScene& other : scenes_) {
-      if (other.name != name_) others.push_back(&other.scene);  // the same trace may be given twice
+      // Skip this trace, which may be given twice.
+      if (other.name != name_) others.push_back(&other.scene);
     }
     const uint64_t seed = seed_ + kPriorsSeed;
     return ServedPriors(options_.priors, policy, scene_, others, seed,
@@ -156,7 +157,7 @@ class SeedGames {
   const FixedCosts::OracleCost oracle_;
 };
 
-// Returns the values of a figure, leaving out games without it.
+// Returns the values of one figure; games in which it is absent are left out.
 template <typename Figure>
 std::vector<double> Column(const std::vector<StudyGame>& games, Figure StudyGame::*figure) {
   std::vector<double> values;

@@ -46,12 +46,12 @@ struct StudyScene {
   ReplayScene scene;
 };
 
-// Times of a frame in milliseconds as they were recorded, other work left out.
+// Milliseconds of a frame at the speed of the recording, without other work.
 struct FrameMs {
-  double detection = 0;  // the player's
-  double best = 0;       // the best fixed arm's
-  double median = 0;     // the median of the fixed arms
-  double worst = 0;      // the worst fixed arm's
+  double detection = 0;  // with this player
+  double best = 0;       // with the best fixed arm
+  double median = 0;     // with the median of the fixed arms
+  double worst = 0;      // with the worst fixed arm
   double lane = 0;       // CPU time of the shadow lane, on another core
 
   double regret() const { return detection - best; }
@@ -62,33 +62,35 @@ struct FrameMs {
 // The time of a frame at 60 Hz.
 inline constexpr double kFrameMsAt60Hz = 1000.0 / 60;
 
-// The figures of one player's game with one seed. In a StudyRow: their means over the games.
+// The figures of one game: one player with one seed. In a StudyRow they are means over the games.
 struct StudyGame {
   double regret_best_fixed = 0;
-  double regret_oracle = 0;   // regret against the oracle that pays for its switches
-  double headroom = 0;        // 1 − that oracle's time ÷ the best fixed arm's
-  double frame_headroom = 0;  // the same with the best arm in every frame and free switches
+  double regret_oracle = 0;   // against the oracle that pays for its switches
+  double headroom = 0;        // 1 − time of the oracle ÷ time of the best fixed arm
+  double frame_headroom = 0;  // the same for the best arm in every frame and free switches
   double switches = 0;        // number of switches after the exploration
-  double after_start_up_switches = 0;  // policies only: also after the first minute
-  double active_share = 1;             // the dominant arm's
-  double shadow_share = 0;             // share of the time that the shadow lane worked
+  // Policies only: switches after the exploration and the first minute.
+  double after_start_up_switches = 0;
+  double active_share = 1;  // the share of the dominant arm in the time
+  double shadow_share = 0;  // share of the time that the shadow lane worked
   // The regret without the first minute and the exploration. Absent for the oracle, and if no
   // frames are left.
   std::optional<double> regret_after_start_up{};
-  // These are absent for fixed arms and the oracle.
+  // The following figures are absent or empty for fixed arms and the oracle.
   std::optional<double> bail_outs{};
-  std::optional<double> first_best_s{};    // when the policy first chose the best fixed arm
-  std::optional<double> first_right{};     // 1 if the first choice loses at most kTieLossRatio
+  std::optional<double> first_best_s{};  // when the policy first chose the best fixed arm
+  // 1 if the first chosen arm is at most kTieLossRatio slower than the best, else 0.
+  std::optional<double> first_right{};
   std::optional<double> opening_regret{};  // regret of the first 10 s
   std::vector<double> verdict_shares{};    // share of the ticks with each Verdict
   FrameMs ms{};
-  Reliability reliability{};  // of a policy's decisions; in a row: the sum
-  uint32_t dominant_arm = 0;  // in a row: the most frequent one
+  Reliability reliability{};  // of a policy's decisions; in a row: summed over the games
+  uint32_t dominant_arm = 0;  // in a row: the most frequent one of the games
   bool operator==(const StudyGame&) const = default;
 };
 
-// Compares a policy with a baseline on the same seeds by the paired differences of regret, which
-// are negative if the policy loses less.
+// Compares a policy with a baseline by the differences of their regrets with the same seed. A
+// negative difference means that the policy has less regret.
 struct PairedComparison {
   std::string policy;
   std::string baseline;
@@ -100,17 +102,18 @@ struct PairedComparison {
 PairedComparison Compare(const std::string& policy, std::span<const double> ours,
                          const std::string& baseline, std::span<const double> theirs);
 
-// The results of one player on one scene. Each figure is the mean over the games that have it;
-// first_best_s is the median.
+// The results of one player on one scene. Each figure is the mean over the games in which it is
+// present; first_best_s is the median.
 struct StudyRow : StudyGame {
   uint32_t scene = 0;
   uint32_t player = 0;
-  std::vector<StudyGame> games;                   // by seed, from 1
-  Interval ci95;                                  // 95 % interval of regret_best_fixed
-  std::optional<Interval> after_start_up_ci95;    // of regret_after_start_up
-  std::optional<double> headroom_captured;        // absent if the headroom is below kMinHeadroom
-  std::optional<double> paper_ms;                 // detection time of `paper` on the same scene
-  std::optional<PairedComparison> against_paper;  // by seed
+  std::vector<StudyGame> games;                 // by seed, from 1
+  Interval ci95;                                // 95 % interval of regret_best_fixed
+  std::optional<Interval> after_start_up_ci95;  // of regret_after_start_up
+  std::optional<double> headroom_captured;      // absent if the headroom is below kMinHeadroom
+  // Detection time with the policy `paper` on the same scene.
+  std::optional<double> paper_ms;
+  std::optional<PairedComparison> against_paper;  // the games with the same seeds are compared
 
   std::vector<double> Values(double StudyGame::*figure) const;  // one per game
 };
@@ -132,7 +135,7 @@ struct ReplayRequest {
   std::string priors = "none";        // REQUIRES: one of kReplayPriorsNames
   bool no_shadow = false;
   std::vector<std::pair<std::string, std::string>> lane_ratios{};  // arm and its ratio, as typed
-  // Further options. Its players, priors and lane are filled in from the texts above.
+  // Further options. MakeReplayPlan sets its players, priors and lane from the texts above.
   StudyOptions study{};
 };
 
@@ -146,9 +149,9 @@ struct ReplayPlan {
 // values. REQUIRES: at least one trace.
 Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request);
 
-// Returns the players that `words` names: a policy, `all` policies (`default` is among them under
-// its own name), `fixed` for every arm, `fixed:ARM`, `oracle`. Error: kInvalidArgument (lists what
-// is valid).
+// Returns the players with these names: a policy, `all` policies, `fixed` for every arm,
+// `fixed:ARM`, or `oracle`. `all` contains the default policy once, under its own name. Error:
+// kInvalidArgument (the message lists the valid names).
 Result<std::vector<ReplayPlayer>> ReplayPlayers(std::span<const std::string> words,
                                                 std::span<const std::string> arms);
 

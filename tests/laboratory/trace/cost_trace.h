@@ -26,10 +26,10 @@ struct TracedArm {
   uint32_t version = 0;
 };
 
-// A burst measures every arm with a fresh structure, which is built on the burst's first frame and
-// updated on the frames after it. It shows the cost of a switch and the times that the shadow lane
-// of a game measures. A very slow arm (`held` in the burst's first frame) runs only frames 0 and 1,
-// or none. Its last measured time is used for the other frames.
+// A burst shows the cost of a switch, and the times that the shadow lane of a game measures. For
+// this, every arm gets a fresh structure, which is built on the burst's first frame and updated on
+// the frames after it. A very slow arm (`held` in the burst's first frame) runs only frames 0 and
+// 1, or none. Its last measured time is used for the other frames.
 struct TraceBurst {
   uint32_t first_frame = 0;
   // Arm-major: the value of arm a in the burst's frame k is at a · burst_frame_count + k. It is the
@@ -59,8 +59,8 @@ struct CostTrace {
   std::vector<uint64_t> detection_ns;
   std::vector<uint64_t> aabb_check_count;
   std::vector<uint64_t> native_bytes;
-  // 1 if the arm is very slow and was not measured in this frame. Its values are then those of
-  // another frame.
+  // 1 if the arm is very slow and was not measured in this frame. Its values in this frame are
+  // copies from another frame.
   std::vector<uint8_t> held;
 
   uint32_t control_arm = 0;

@@ -128,7 +128,8 @@ class TracePass {
     RunBlock(Turns());
   }
 
-  // Records what is the same for all arms: object counts, the scene's own time and descriptors.
+  // Records values of a block that do not depend on the arm: object counts, the scene's own time
+  // and descriptors.
   void NoteFrames() {
     for (size_t step = 0; step < block_.step_count(); ++step) {
       const uint32_t frame = done_ + static_cast<uint32_t>(step);
@@ -218,7 +219,8 @@ class TracePass {
     // The median keeps a single disturbed frame from making an arm count as slow.
     const auto middle = times.begin() + static_cast<ptrdiff_t>(times.size() / 2);
     std::nth_element(times.begin(), middle, times.end());
-    // The unmeasured frame of a sparse turn costs at least as much as the measured one.
+    // A sparse turn also runs an unmeasured frame. It costs at least as much as the measured one,
+    // so the turn costs twice that.
     pace_.Note(arm, turn, ObjectCount(), *middle, turn == ArmTurn::kLastFrame ? 2 * sum : sum);
   }
 
@@ -247,9 +249,9 @@ class TracePass {
     trace_.bursts.push_back(std::move(burst));
   }
 
-  // Returns the time of the arm in frame k of the burst. A sparse arm runs two frames, and the time
-  // of the second one is used for the others. An arm that skips the block repeats its times of the
-  // previous burst.
+  // Returns the time of the arm in frame k of the burst. A sparsely measured arm runs two frames,
+  // and the time of the second one is used for all later frames. An arm that skips the block
+  // repeats its times of the previous burst.
   uint64_t BurstFrame(BroadPhase& fresh, size_t arm, size_t k, ArmTurn turn,
                       const TraceBurst& burst) {
     const size_t at = arm * kBurstFrames + k;
@@ -263,7 +265,7 @@ class TracePass {
   const TracePlan& plan_;
   ArmPace pace_;
   TurnOrder order_;
-  std::vector<std::unique_ptr<BroadPhase>> structures_;  // those of the arms, then the control's
+  std::vector<std::unique_ptr<BroadPhase>> structures_;  // one per arm, then the control's
   Bench bench_;
   FrameBlock block_;
   std::vector<std::vector<FrameCost>> costs_;  // per contestant, the block's measured frames
@@ -317,7 +319,8 @@ Result<std::unique_ptr<Scene>> Open(const SceneChoice& choice) {
   return scene;
 }
 
-// Returns the approximate time of a frame per arm, the minimum of a few frames. Steps the scene.
+// Returns the approximate time of a frame for each arm: the minimum of a few frames. Steps the
+// scene.
 std::vector<uint64_t> ProbeArms(const std::vector<std::string>& arms, Scene& scene) {
   constexpr size_t kProbeFrames = 5;
   FrameBlock block;
@@ -339,7 +342,7 @@ std::vector<uint64_t> ProbeArms(const std::vector<std::string>& arms, Scene& sce
   return min_ns;
 }
 
-// Returns the plan of every run, except order_seed.
+// Returns a plan for all runs. order_seed is set later, because it differs from run to run.
 Result<TracePlan> MakePlan(const TraceOptions& options) {
   auto scene = Open(options.scene);
   if (!scene.ok()) return scene.status();

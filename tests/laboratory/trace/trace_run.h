@@ -33,7 +33,8 @@
 
 namespace sweepstake::cli {
 
-// The maximum object count at which a block (frame_block.h) still holds the frames of a burst.
+// The maximum object count at which the memory of a block (frame_block.h) still suffices for all
+// frames of a burst.
 inline constexpr uint32_t kMaxTracedObjects = 100'000;
 
 struct TraceOptions {
@@ -65,10 +66,10 @@ struct TracePlan {
   uint64_t order_seed = 0;  // determines the order of the arms in each frame
 };
 
-// Returns a trace that lacks only scene, seed, machine and repeat_count. Between blocks `on_frame`
-// is called with the number of frames done. Error: kInternal (two arms found different numbers of
-// pairs). REQUIRES: frame_count >= kBurstFrames; the scene is at its start, and its blocks hold at
-// least kBurstFrames frames.
+// Runs the scene once and returns a trace without scene, seed, machine and repeat_count. Between
+// blocks `on_frame` is called with the number of frames done. Error: kInternal (two arms found
+// different numbers of pairs). REQUIRES: frame_count >= kBurstFrames; the scene is at its start,
+// and its blocks hold at least kBurstFrames frames.
 Result<CostTrace> RunTracePass(Scene& scene, const TracePlan& plan,
                                const std::function<void(uint32_t frames_done)>& on_frame);
 
@@ -84,8 +85,8 @@ enum class ArmTurn {
 // It is measured again once the scene has lost enough objects (kFewerRatio) for the arm to be fast.
 class ArmPace {
  public:
-  // Four times the ratio between the slowest and the fastest arm in scenes up to 3,000 objects, so
-  // that all arms are measured on every frame there.
+  // Four times the ratio between the slowest and the fastest arm in scenes with up to 3,000
+  // objects. In such scenes all arms are therefore measured on every frame.
   static constexpr uint64_t kSparseRatio = 16;
   static constexpr double kSparseShare = 0.1;
   // A skipped arm is measured again if fewer than this share of the objects are left.
@@ -96,7 +97,7 @@ class ArmPace {
     for (const uint64_t ns : frame_ns) arms_.push_back({.frame_ns = ns});
   }
 
-  // Returns the arm's turn in a block whose frames hold `object_count` objects.
+  // Returns how the arm is measured in a block whose frames hold `object_count` objects.
   ArmTurn TurnOf(size_t arm, size_t object_count) const {
     const auto cheapest =
         std::min_element(arms_.begin(), arms_.end(),
@@ -144,7 +145,8 @@ class TurnOrder {
   // one order counts as the neighbour of the first one of the next. With only two contestants the
   // control and its twin are always neighbours.
   const std::vector<size_t>& Next() {
-    // Three contestants take some six draws, more contestants take fewer.
+    // The maximum number of random orders to try until the control and its twin are apart. With
+    // three contestants some six are needed on average, with more contestants fewer.
     constexpr int kMaxDraws = 1000;
     const size_t last = order_.back();
     for (int draw = 0; draw < kMaxDraws; ++draw) {

@@ -23,11 +23,12 @@ struct TraceSummary {
   // The cheapest arm is determined per window, because in a single frame it is too often due to
   // noise.
   static constexpr uint32_t kWindowFrames = 20;
-  // If the control differs by more than this, the arms were not measured under equal conditions.
+  // The maximum difference of the control ratio from 1. If it is larger, the arms were not measured
+  // under equal conditions.
   static constexpr double kFairWithin = 0.005;
 
   std::vector<TracedArmSummary> arms;
-  size_t best_arm = 0;  // with the minimum total time: the best fixed arm
+  size_t best_arm = 0;  // the best fixed arm: the one with the minimum total time
   uint32_t object_count_min = 0;
   uint32_t object_count_max = 0;
   double pair_count_mean = 0;

@@ -112,7 +112,7 @@ TEST(Ratios, CompareOurBestWithTheBestOfAllPeers) {
 }
 
 TEST(Ratios, CompareOnTheFramesThatAPeerMeasuredBeforeItsCap) {
-  // The peer stopped after two steps, all of them within the warm-up of the arm.
+  // The peer stopped after two steps, which are both within the arm's warm-up.
   const auto ratios = Bench()
                           .Cell("suite-b", 500)
                           .Arm("Grid", {1, 1, 10, 10})
@@ -179,7 +179,7 @@ TEST(Ratios, CompareThreadsWithOneThreadAndPeersOfAsManyThreads) {
   EXPECT_DOUBLE_EQ(threads[0].value, 2);
   const auto overall = bench.Ratios(RatioKind::kOverall);
   ASSERT_EQ(overall.size(), 2U);
-  EXPECT_DOUBLE_EQ(overall[0].value, 2);  // one thread against one
+  EXPECT_DOUBLE_EQ(overall[0].value, 2);  // both with one thread
   EXPECT_EQ(overall[1].thread_count, 2U);
   EXPECT_DOUBLE_EQ(overall[1].value, 3);
 }
@@ -238,8 +238,8 @@ TEST(Ratios, CompareInstructionSetsOnTheFramesThatBothMeasured) {
   EXPECT_DOUBLE_EQ(ratios[0].value_mean.value(), 2);
 }
 
-// A cell with Grid, SAP and one peer. Times with SSE4 are twice as long; only with SSE4 is SAP
-// faster than Grid.
+// Returns a cell with Grid, SAP and one peer, measured with AVX2 and SSE4. SAP is faster than Grid
+// only with SSE4.
 Bench OfTwoSets() {
   return Bench()
       .Measured({"avx2", "sse4"})

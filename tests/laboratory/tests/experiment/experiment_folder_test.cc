@@ -115,7 +115,7 @@ TEST_F(InterruptedExperiment, ARecordThatIsCutOffAnywhereIsNoRecord) {
   Finish(run);
   const std::string whole = FileText(folder_.RunFile(run));
   ASSERT_GT(whole.size(), 1000U);
-  // The last character is the line's end, which the record does not need.
+  // The last character is a newline, which the record does not need.
   for (size_t size = 0; size + 1 < whole.size(); size += 97) {
     WriteFile(folder_.RunFile(run), whole.substr(0, size));
     EXPECT_EQ(ReadRecord(folder_.RunFile(run)).status().code(), StatusCode::kDataLoss) << size;
@@ -267,7 +267,7 @@ TEST_F(InterruptedExperiment, ResumingACompleteOneOnlyMakesItsResults) {
   EXPECT_NE(Manifest()["sittings"][1]["end_utc"], "");
 }
 
-// The signal comes before the first trace. The process that it stops is the test's child.
+// The signal arrives before the first trace. It stops a child process of the test.
 TEST(StoppedExperimentDeathTest, LeavesAFolderThatSaysWhatWasAskedFor) {
   const TemporaryDirectory root;
   const std::filesystem::path out = root.path() / "out";

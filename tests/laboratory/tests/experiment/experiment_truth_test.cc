@@ -22,7 +22,8 @@ using testing::Not;
 
 constexpr uint32_t kFrames = 400;
 
-// KDTree takes 20 µs, SAP 30, Grid 60; each frame a little more or less.
+// A trace in which KDTree takes 20 µs, SAP 30 µs and Grid 60 µs, varied a little from frame to
+// frame.
 CostTrace Trace() {
   CostTrace trace;
   trace.scene = "brownian";
@@ -63,7 +64,7 @@ ExperimentPlan TruthPlan() {
   return std::move(*plan);
 }
 
-// The larger cell has one run and no trace.
+// A report in which the larger cell has one run and no trace.
 ExperimentReport TruthReport() {
   ExperimentReport report;
   report.plan = TruthPlan();
@@ -206,7 +207,8 @@ TEST(Agreement, ComparesTheLiveRunsWithReplaysInterval) {
   EXPECT_EQ(paper.policy, "paper");
   EXPECT_EQ(paper.runs.size(), 2U);
   EXPECT_NEAR(paper.active_share, 0.6, 1e-9);
-  // Three arms with as many frames each, at 20, 30 and 60 µs and other work of 35 µs.
+  // Each of the three arms ran as many frames as the others, at 20, 30 and 60 µs plus 35 µs of
+  // other work.
   EXPECT_NEAR(paper.regret, (110.0 / 3 + 35) / 55 - 1, 0.01);
   EXPECT_NEAR(paper.measured_regret, 40.0 / 60 - 1, 1e-9);
   Agreement agreement;

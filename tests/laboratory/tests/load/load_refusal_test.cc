@@ -49,7 +49,7 @@ TEST(LoadRefusal, TheFirstReasonIsToldAndNotThatThereWereManyOfIt) {
   daemon.SetScript([](auto& script) {
     script.refusal = RefusalOf(grpc::StatusCode::RESOURCE_EXHAUSTED, "TOO_MANY_FAILURES");
   });
-  // After the first hello that is counted here, every further one comes after a refusal.
+  // Counts the hellos once the first one has arrived. Each later hello comes after a refusal.
   size_t hello_count = 0;
   daemon.WaitUntil([&](const FakeDaemon& now) { return (hello_count = now.hellos.size()) > 0; });
   daemon.WaitUntil([&](const FakeDaemon& now) { return now.hellos.size() >= hello_count + 3; });

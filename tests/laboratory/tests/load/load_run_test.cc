@@ -69,8 +69,8 @@ class LoadRunTest : public ::testing::Test {
 };
 
 TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
-  // After four commits per stream, every stream has had at least two ticks and has received the
-  // acknowledgements of the first.
+  // Four commits per stream mean that every stream has had at least two ticks and has received the
+  // acknowledgements of the first tick.
   const auto result =
       Run([&] { return server_->counters().stored_commit_count >= 4 * plan_.stream_count; });
   ASSERT_TRUE(result.ok()) << result.status().message();
@@ -102,7 +102,8 @@ TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
 TEST_F(LoadRunTest, WhatTheLastCommitBringsIsWaitedFor) {
   plan_.bail_out_share = 0;
   plan_.commit_patience_ns = 60'000'000'000;
-  // The store delays all commits, and thus acknowledgements, until the end of the measurement.
+  // The store holds back all commits, and thus all acknowledgements, until the end of the
+  // measurement.
   store_->Hold();
   const auto result = Run([&] {
     const bool ends = server_->counters().accepted_frame_count >= 30U * 100;

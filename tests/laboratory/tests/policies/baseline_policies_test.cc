@@ -25,7 +25,7 @@ SessionSetup SetupOf(const std::string& policy, uint32_t arm_count = 4, uint64_t
   return setup;
 }
 
-// A frame of arm k takes 8 ms of other work and 4k ms of detection, so arm 0 is the best.
+// A frame of arm k takes 8 ms of other work plus 4k ms of detection, so arm 0 is the best.
 class Game {
  public:
   explicit Game(const SessionSetup& setup) : client_(setup) {}
@@ -150,7 +150,7 @@ TEST(Random, TakesEachArmAsOftenAsTheOthersWithItsPropensity) {
     ASSERT_EQ(decision.record.propensity, 0.25);
     ++counts[*decision.record.candidate];
   }
-  // The tolerance is five standard deviations.
+  // The tolerance is five standard deviations of the count.
   for (const int count : counts) EXPECT_NEAR(count, 1'000, 5 * 27.4);
 }
 

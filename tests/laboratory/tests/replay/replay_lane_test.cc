@@ -82,8 +82,8 @@ TEST_F(ReplayLaneTest, ASweepWaitsUntilTheSearchesAllowForIt) {
   lane_.Advance({due_ns, /*search_ns=*/500 * kMsNs, 7, 0, 0});
   const int64_t asks_again_ns = lane_.next_event_ns();
   EXPECT_EQ(asks_again_ns, due_ns + 10 * kMsNs) << "a frame later";
-  // 750 ms of searches allow the next sweep. This is twice the 460 ms of the first sweep, minus the
-  // time that the lane may work in advance.
+  // The next sweep begins when the frame thread has searched for 750 ms. This is twice the 460 ms
+  // of the first sweep, minus the time that the lane may work in advance.
   lane_.Advance({asks_again_ns, /*search_ns=*/750 * kMsNs, 8, 0, 0});
   EXPECT_NEAR(static_cast<double>(lane_.next_event_ns() - asks_again_ns), 2 * 115e6, 20);
 }
@@ -101,7 +101,8 @@ TEST_F(ReplayLaneTest, AVisitEndsAtItsTimeCap) {
 
 TEST_F(ReplayLaneTest, RepeatsNoMoreOfAVisitThanTheRealLane) {
   Visits(1, /*active_arm=*/1);
-  // KDTree's visit lasts for 230 ms. Frames that take 20 ms in the game took 100 µs in the trace.
+  // KDTree's visit takes 230 ms of the game. A frame that takes 20 ms in the game took 100 µs in
+  // the trace, a factor of 200.
   const double repeated_ns = 200.0 * kShadowWarmUpNs;
   EXPECT_NEAR(static_cast<double>(lane_.next_event_ns()), 230e6 + repeated_ns, 20);
 }
@@ -109,8 +110,8 @@ TEST_F(ReplayLaneTest, RepeatsNoMoreOfAVisitThanTheRealLane) {
 TEST_F(ReplayLaneTest, WarmingAnArmUpDelaysTheVisitUnderWay) {
   Visits(1);
   const int64_t visit_end_ns = lane_.next_event_ns();
-  // The preparation takes 40 ms to build, then three frames of 10 ms, or of the arm's own time if
-  // it is longer.
+  // The preparation takes 40 ms to build, then three frames. Each takes 10 ms of the game, or the
+  // arm's own time if that is longer.
   const int64_t ready_ns = lane_.WarmUp(0, {5 * kMsNs, 0, 1, 1, 1});
   EXPECT_NEAR(static_cast<double>(ready_ns), (5 + 40 + 10 + 10 + 11) * 1e6, 10);
   EXPECT_EQ(lane_.next_event_ns(), visit_end_ns + ready_ns - 5 * kMsNs);

@@ -197,8 +197,9 @@ TEST(Oracle, StaysWhereSwitchingCostsMoreThanItSaves) {
 
 TEST(Replay, AColdSwitchIsChargedOnce) {
   const ReplayScene scene = SceneOf(TwiceAsSlow());
-  // Seed 1 starts on KDTree. The first descriptor comes after 64 frames of 20 ms. The second tick
-  // is at 4 s, that is after 200 frames. The next frame builds in 40 ms, and five more take 11 ms.
+  // The game with seed 1 starts on KDTree. The first descriptor comes after 64 frames of 20 ms. The
+  // second tick is at 4 s, after 200 frames. The next frame builds AxisSweep in 40 ms, and five
+  // more frames take 11 ms each.
   ReplaySetup setup = SetupOf("thresholds", 1);
   const ReplayResult result = Replay(scene, setup);
   EXPECT_NEAR(static_cast<double>(result.total_ns), 900e9 + 200 * 10 * kMs + 30 * kMs + 5 * kMs,
@@ -216,8 +217,8 @@ TEST(Replay, AWarmSwitchWaitsForTheLaneAndCostsItsLastFrame) {
   ReplaySetup setup = SetupOf("thresholds", 1);
   setup.shadow_lane = true;
   const ReplayResult result = Replay(scene, setup);
-  // The preparation builds for 40 ms and runs frames of 10, 10 and 11 ms. Meanwhile the game runs
-  // four more frames of 20 ms.
+  // The preparation builds for 40 ms and then runs frames of 10, 10 and 11 ms. During the
+  // preparation, the game runs four more frames of 20 ms.
   EXPECT_NEAR(static_cast<double>(result.total_ns), 900e9 + 204 * 10 * kMs + 1 * kMs, 1e6);
 }
 
@@ -286,7 +287,8 @@ TEST(RunStudy, FixedArmsAndTheOracleHaveTheRegretThatTheTraceSays) {
   EXPECT_NEAR(rows[1].regret_best_fixed, 1, 1e-12);
   EXPECT_NEAR(*rows[1].regret_after_start_up, 1, 1e-12);
   EXPECT_NEAR(rows[2].regret_best_fixed, 0, 1e-12);
-  // Two of the four seeds start on the slow arm, see AColdSwitchIsChargedOnce.
+  // Two of the four seeds start on the slow arm. The test AColdSwitchIsChargedOnce explains the
+  // cost.
   EXPECT_NEAR(rows[3].regret_best_fixed, 2.035 / 900 / 2, 1e-8);
   EXPECT_NEAR(*rows[3].regret_after_start_up, 0, 1e-9);
   EXPECT_EQ(rows[3].bail_outs, 0.0);
@@ -320,7 +322,8 @@ TEST(RunStudy, WhatAPolicySaysIsComparedWithTheFramesSinceTheDecisionBefore) {
   EXPECT_EQ(rows[1].reliability.decision_count(), 0U);
 }
 
-// The arms change places in the middle: the leader is the wrong one until the lane has seen it.
+// The arms change places in the middle of the trace. The old leader is wrong from then on, until
+// the lane has measured the change.
 TEST(RunStudy, ALeaderThatIsNotTheFastestArmAnyMoreIsWrong) {
   const auto rows = Study(TwoRegimes(), StudyOf({"adaptive"}, {"A", "B"}));
   uint64_t wrong = 0;
@@ -400,7 +403,7 @@ TEST(RunStudy, WrongPriorsAreTheRightOnesWithTheArmsRankingReversed) {
 
 TEST(RunStudy, TheFirstChoiceIsThatOfTheFirstDecision) {
   StudyOptions options = StudyOf({"adaptive", "fixed:KDTree"}, {"AxisSweep", "KDTree"});
-  options.seed_count = 3;  // the second starts on the fast arm
+  options.seed_count = 3;  // the game with the second seed starts on the fast arm
   const auto first_right = [&](ReplayPriors priors, double right) {
     options.priors = priors;
     const auto rows = Study(TwiceAsSlow(), options);
@@ -436,7 +439,7 @@ TEST(RunStudy, TheOpeningIsTheFirstTenSeconds) {
   EXPECT_FALSE(rows[1].opening_regret);
 }
 
-// Returns the evidence of 50 visits per arm in a game in which `arm` is the cheaper one.
+// Returns the evidence of 50 visits per arm, measured in a game in which `arm` is the cheaper one.
 ReplayResult TaughtThat(uint32_t arm) {
   ReplayResult result;
   result.taught.resize(2);

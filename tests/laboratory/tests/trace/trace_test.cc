@@ -114,7 +114,8 @@ TEST(Trace, HasABurstInEveryThirdBlockOfTwentyFrames) {
   for (const TraceBurst& burst : trace.bursts) first_frames.push_back(burst.first_frame);
   EXPECT_THAT(first_frames, ElementsAre(0U, 60U, 120U));
   EXPECT_EQ(trace.burst_frame_count, kBurstFrames);
-  // The last block is too short for a burst.
+  // 127 frames are six blocks of 20 and a shorter last block. That last block is too short for a
+  // burst.
   EXPECT_EQ(MustTrace("suite-b", 50, {"SAP"}, 127, 1).bursts.size(), 2U);
 }
 
@@ -147,7 +148,8 @@ TEST(Trace, SaysThatAScenesObjectsAreTooMany) {
   EXPECT_THAT(trace.status().message(), HasSubstr("up to 100000 objects"));
 }
 
-// With the costs in the plan BruteForce counts as very slow until it has been measured.
+// The plan's costs declare BruteForce as very slow. It is measured sparsely until its real time is
+// known.
 CostTrace PassWithASlowArm(uint32_t control_arm) {
   TracePlan plan;
   plan.arms = {"KDTree", "BruteForce"};
@@ -175,8 +177,8 @@ TEST(TracePass, MeasuresTheControlsTwinOnEveryFrame) {
   EXPECT_EQ(ErrorOf(trace), "");
 }
 
-// Two arms, 40 frames and a burst. A frame of the first arm costs 10 ms, later 30 ms; one of the
-// second arm always costs 20 ms.
+// A trace of two arms with 40 frames and a burst. A frame of the first arm takes 10 ms, later 30
+// ms; a frame of the second arm always takes 20 ms.
 CostTrace TwoArmTrace() {
   CostTrace trace;
   trace.scene = "made-up";
@@ -239,8 +241,8 @@ TEST(TraceSummary, NamesTheBestFixedArmAndWhatTheOracleWouldSave) {
 TEST(TraceSummary, GivesTheControlsRatioWithAnIntervalFromItsSpread) {
   const TraceSummary summary = SummarizeTrace(TwoArmTrace());
   EXPECT_DOUBLE_EQ(summary.control_ratio, 820.0 / 800);
-  // In two windows the control takes 420 and 400 ms, and its twin 400 ms in each. The residuals are
-  // ±10, and the standard error is 20 ÷ 800.
+  // The control takes 420 ms in the first window and 400 ms in the second one, its twin 400 ms in
+  // each. The residuals are ±10, and the standard error is 20 ÷ 800.
   EXPECT_NEAR(summary.control_high - summary.control_ratio, 1.96 * 20 / 800, 1e-9);
   EXPECT_FALSE(summary.ControlIsFair());
   CostTrace fair = TwoArmTrace();

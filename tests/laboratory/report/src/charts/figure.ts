@@ -1,4 +1,5 @@
-// Shared by all charts: the figure element around a picture, and its legend. The browser shows a mark's title as a tooltip.
+// Parts that all charts share: the figure element around a picture, and its legend. The browser shows a mark's title as
+// a tooltip.
 import { h } from '../dom';
 import { textColourOn } from '../../../../../server/dashboard/src/palette';
 

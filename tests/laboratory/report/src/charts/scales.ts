@@ -17,7 +17,7 @@ export function logDomain(values: number[], margin = 1.25): [number, number] {
   return [low, high];
 }
 
-// Returns the decades, and 2 and 5 times each if there is room.
+// Returns the powers of ten in the range, and 2 and 5 times each of them if there is room.
 export function logTicks([low, high]: [number, number]): number[] {
   const decades = Math.log10(high / low);
   const step = Math.max(1, Math.round(decades / 6));

@@ -16,7 +16,8 @@ export interface Ratio {
 export interface BenchDocument {
   command: 'bench'; command_line?: string; frames?: number; warmup: number; seed: number; threads?: number[]; simd?: string[]; cold?: boolean;
   peers?: boolean; peer_cap_s?: number; machine: Machine; rows: BenchRow[]; ratios: Ratio[];
-  // Added by tests/bench: comparisons with peers that did not run, and comparisons with their goals.
+  // tests/bench adds these: comparisons with peers whose times were published elsewhere, and comparisons with their
+  // goals.
   published?: Ratio[]; goals?: Ratio[];
 }
 
