@@ -123,7 +123,7 @@ class Conditions(unittest.TestCase):
 
     def test_the_lane_model_changes_the_replay(self):
         regrets = []
-        for arm in ("Grid", "AxisSweep"):  # this arm looks cheapest to the trivial policy
+        for arm in ("Grid", "AxisSweep"):  # a policy that only takes the cheapest arm would choose this one
             model = self.folder / f"{arm}.toml"
             model.write_text(f"[lane-ratio]\n{arm} = 0.01\n")
             cells = json.loads(self.run_row("stationary", "--json", "--lane-model", model).stdout)["cells"]

@@ -286,7 +286,8 @@ def measure_files(daemon, scenes, builds):
     sums = daemon.data / "sums.json"
     export_s = seconds_of(daemon.sweepstake("priors", "export", "--sums", "--out", sums))
     whole_s = seconds_of(daemon.sweepstake("priors", "export", "--out", daemon.data / "whole.json"))
-    # A game that ships with this file reads and checks the whole file at its start, and uses one scene.
+    # A game that ships with this file reads and checks the whole file at its start, but uses the priors of one scene
+    # only.
     read_s = seconds_of([daemon.programs / "sweepstake", "priors", "arm", "--in", sums, "--project", "load", "--scene", "level 0",
                          "--machine-class", "desktop"])
     return {"scenes": scenes, "builds": builds, "records": len(records), "import_s": import_s, "promote_s": promote_s, "export_s": export_s,
@@ -317,7 +318,8 @@ def plan(options):
     """Returns name, title, measurement and the daemon's options of each load."""
     streams = options.streams
     scenes, browsers, levels = max(streams // 40, 1), max(streams // 10, 1), max(options.sources // 100, 1)
-    # Each game's posterior changes at each tick of the watchers' updates, because the policy `paper` learns from every window.
+    # The policy `paper` learns from every window, so each game's posterior changes at each tick of the updates to
+    # watchers.
     quick = {"server_options": ["--decision-policy", "paper", "--decision-interval-ms", "200", "--decision-settling-ms", "0",
                                 "--no-decision-explore"]}
     return [

@@ -17,7 +17,7 @@ HEADERS = "engine_client/include/sweepstake"
 GOLDEN = "tests/engine_client/c_api/golden"
 OUTPUT = "unity_client/com.sweepstake.broadphase/Runtime/Core/LowLevel"
 
-# The name of each C struct and of its C# counterpart.
+# Maps the name of each C struct to the name of its C# counterpart.
 STRUCTS = {
     "swp_aabb": "Aabb", "swp_pair": "OverlapPair", "swp_world_options": "WorldOptions", "swp_counters": "WorldCounters",
     "swp_session_options": "NativeSessionOptions", "swp_frame_sample": "FrameSample", "swp_switch_command": "SwitchCommand",

@@ -17,7 +17,7 @@ import sys
 PACKAGE = "com.sweepstake.broadphase"
 GUID = re.compile(r"^guid: ([0-9a-f]{32})$", re.MULTILINE)
 
-# The metas of plug-ins, in the same folder structure as the package.
+# The .meta files of plug-ins, in the same folder structure as in the package.
 TEMPLATES = pathlib.Path(__file__).resolve().parent / "plugin_metas"
 
 FOLDER = """\
@@ -54,7 +54,7 @@ guid: {guid}
 """
 IMPORTERS = {".asmdef": "AssemblyDefinitionImporter", ".md": "TextScriptImporter", ".json": "TextScriptImporter", ".txt": "TextScriptImporter",
              ".shader": "ShaderImporter"}
-# Unity's importer of style sheets is a script of the editor, which the GUID names.
+# Style sheets are imported by a script of the editor. The GUID identifies that script.
 STYLE = """\
 fileFormatVersion: 2
 guid: {guid}

@@ -9,12 +9,12 @@ using NUnit.Framework;
 namespace Sweepstake.Tests
 {
     /// <summary>
-    /// Simulates what Unity does after each change of a script: it loads the managed code again into the same process. Statics are reset, nothing
-    /// disposes of the objects of the former code, and the native library stays.
+    /// Simulates a domain reload, which Unity does after each change of a script: it loads the managed code again into the same process.
+    /// Statics are reset, nothing disposes of the objects of the old code, and the native library stays.
     /// </summary>
     public sealed class DomainReloadTest
     {
-        // Loading the code again is slow, so each domain plays and ends ten times.
+        // Loading the code again is slow, so each domain begins and ends play ten times: 1,000 times in all.
         private const int Domains = 100;
         private const int EndsOfEach = 10;
         private const int PatienceMs = 120_000;
@@ -38,7 +38,8 @@ namespace Sweepstake.Tests
         }
 
         /// <summary>
-        /// Runs in its own domain. Its last end calls no Shutdown, as after an error; the next domain first ends what was left.
+        /// Runs in its own domain. The last of its ends calls no Shutdown, as after an error. The next domain first ends the objects that
+        /// were left.
         /// </summary>
         public static void PlayAndEnd()
         {

@@ -160,7 +160,8 @@ namespace Sweepstake.Tests
         }
 
         /// <summary>
-        /// The policy "paper" samples from posteriors without evidence at first, so it tries other arms whatever they cost.
+        /// Selects the policy "paper". At first it samples from posteriors without evidence, so it tries other arms whatever their costs
+        /// are.
         /// </summary>
         private static void ExploresFast(LinkOptions options)
         {
@@ -206,7 +207,7 @@ namespace Sweepstake.Tests
 
         private static int Descriptors() => Directory.GetFileSystemEntries("/proc/self/fd").Length;
 
-        /// <summary>Offers protocol version 99 only.</summary>
+        /// <summary>A game that offers protocol version 99 only.</summary>
         private sealed class NewerGame : ITelemetryTransport, ITelemetryStream
         {
             private readonly ITelemetryTransport transport;

@@ -15,18 +15,19 @@ using Cells = System.Collections.Generic.Dictionary<string, string>;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>The same run over both transports gives the same evidence on the daemon's disk.</summary>
+    /// <summary>Tests that the same run over the C++ and over the C# transport gives the same evidence on the daemon's disk.</summary>
     public sealed class EvidenceTest
     {
-        // Sums of a window in the audit log that do not depend on the end of the window.
+        // The columns of a window in the audit log whose sums do not depend on where the window ends.
         private static readonly string[] Summed =
         {
             "frame_count", "ordinary_frame_count", "time_ns", "ordinary_detection_ns", "calm_frame_count", "rebuild_detection_ns", "check_count", "pair_count",
         };
-        // Small enough that a decision never receives more lane visits at once than it accepts.
+        // The number of messages sent ahead of their acknowledgement. It is small enough that a decision never gets more lane visits than
+        // it accepts.
         private const ulong MessagesAhead = 4;
         private const int Attempts = 10;
-        // Equals DecisionSession::kMaxShadowSamples: a late decision uses only that many of the latest visits.
+        // Equals DecisionSession::kMaxShadowSamples: a late decision uses only this number of visits, the latest ones.
         private const int VisitsOfALateDecision = 256;
         private static readonly TimeSpan AfterTheLastFrame = TimeSpan.FromSeconds(1);
 
@@ -58,7 +59,8 @@ namespace Sweepstake.Tests
         }
 
         /// <summary>
-        /// The daemons may decide at different times and divide frames into windows differently. The input of their decisions is the same.
+        /// Tests AI Decides with the lane. The two daemons may decide at different times and divide frames into windows differently, but
+        /// their decisions have the same input.
         /// </summary>
         [Test]
         public async Task ARunOfAiDecidesWithTheLaneIsTheSameEvidenceToo()
@@ -73,7 +75,8 @@ namespace Sweepstake.Tests
             Assume.That(visits, Is.Not.Empty, "the lane needs a second processor");
         }
 
-        /// <summary>Plays over C++ to one daemon, and sends the same messages over C# to the other one; returns the messages.</summary>
+        /// <summary>Plays over the C++ transport to one daemon, then sends the same messages over the C# transport to the other one.
+        /// Returns the messages.</summary>
         private async Task<StreamTelemetryRequest[]> PlayBothWays(params string[] arguments)
         {
             List<byte[]> played = await PlayInTime(overCpp, address => PlayOverCpp(arguments, address));
@@ -85,7 +88,7 @@ namespace Sweepstake.Tests
             return played.Select(Sent).ToArray();
         }
 
-        /// <summary>Repeats the game until the daemon has decided in time; returns the messages.</summary>
+        /// <summary>Repeats the game until the daemon's decisions were in time (see WasInTime). Returns the messages.</summary>
         private static async Task<List<byte[]>> PlayInTime(DaemonProcess daemon, Func<string, Task> play)
         {
             for (int attempt = 0; attempt < Attempts; ++attempt)
@@ -109,8 +112,8 @@ namespace Sweepstake.Tests
         }
 
         /// <summary>
-        /// A game waits two seconds for the end. A late daemon loses lane visits only in two ways: those after its last decision, and those that did
-        /// not fit into a decision.
+        /// Returns whether the daemon has used all lane visits. A game waits only two seconds for the end, and a late daemon then loses
+        /// visits in two ways: visits after its last decision, and visits that did not fit into a decision.
         /// </summary>
         private static bool WasInTime(DaemonProcess daemon, List<byte[]> played)
         {
@@ -131,8 +134,8 @@ namespace Sweepstake.Tests
         private static StreamTelemetryRequest Sent(byte[] message) => StreamTelemetryRequest.Parser.ParseFrom(message);
 
         /// <summary>
-        /// Sends these messages unchanged, some of them ahead of their acknowledgement as a game does, and the goodbye after all others are
-        /// acknowledged.
+        /// Sends these messages unchanged. As a game does, it sends some of them before earlier ones are acknowledged. It sends the goodbye
+        /// when all others are acknowledged.
         /// </summary>
         private static async Task Replay(List<byte[]> messages, string address)
         {

@@ -12,7 +12,7 @@ namespace Sweepstake.Tests
 
         internal Game(ITelemetryTransport transport, Action<LinkOptions> change = null, Action<SessionOptions> changeSession = null)
         {
-            // The queue is large enough that it does not fill while the link waits for a processor or a disk.
+            // This queue does not fill even if the link waits long for a processor or a disk.
             var sessionOptions = new SessionOptions { Arms = "SAP,DBVT,KDTree", QueueFrames = 1 << 16 };
             changeSession?.Invoke(sessionOptions);
             Session = new BroadPhaseSession(sessionOptions);
@@ -56,7 +56,8 @@ namespace Sweepstake.Tests
             }
         }
 
-        /// <summary>Plays until the condition holds; fails only if it never does.</summary>
+        /// <summary>Plays until the condition is true. Fails only if that takes longer than the generous limit of <see
+        /// cref="Eventually"/>.</summary>
         internal void PlayUntil(Func<bool> isSo, string what) =>
             Eventually.Is(isSo, () => $"{what}; {Status.State}, {Status.LastError}, {Connection.Failure}", () => Play(1));
 

@@ -14,7 +14,7 @@ using Sweepstake.Protocol.V1;
 namespace Sweepstake.Tests
 {
     /// <summary>
-    /// End to end: the sample plays Hurricane with 3,000 objects through C#, and the daemon's own tools check the result.
+    /// Tests all parts together: the sample plays Hurricane with 3,000 objects through C#, and the daemon's own tools check the result.
     /// </summary>
     public sealed class HeadlessTest
     {
@@ -41,7 +41,7 @@ namespace Sweepstake.Tests
             Assert.That(PostedList(browser, request), Is.EqualTo(learnt), "HTTP says what gRPC says");
             Assert.That(DashboardScenes(browser), Is.EqualTo(new[] { Scene }), "the scenes that the dashboard shows");
 
-            // About 45 decisions. Even if the disk is busy, all their rows fit into the audit log's queue, so none is lost.
+            // The run makes about 45 decisions. Even if the disk is busy, all their rows fit into the audit log's queue, so none is lost.
             RunTool(
                 "run", "--daemon", daemon.Address, "--scene", "hurricane", "--objects", "3000", "--mode", "ai", "--policy", policy,
                 "--time-scale", "30", "--duration", "3s");

@@ -52,7 +52,7 @@ namespace Sweepstake.Tests
             }
             catch (Exception ended) when (ended is IOException || ended is ObjectDisposedException)
             {
-                // Ignored: clients may end their connection in different ways.
+                // Ignored, because clients may end their connection in different ways.
             }
             server.Close();
             await Task.WhenAny(back);

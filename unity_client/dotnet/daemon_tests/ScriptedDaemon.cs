@@ -8,7 +8,7 @@ using Sweepstake.Protocol.V1;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>A transport whose daemon sends what a test wants, in messages of the generated protocol.</summary>
+    /// <summary>A transport with a simulated daemon, which sends the messages that a test chooses, in the generated protocol.</summary>
     internal sealed class ScriptedDaemon : ITelemetryTransport
     {
         private readonly Func<ITelemetryStream> open;
@@ -45,7 +45,7 @@ namespace Sweepstake.Tests
         private TaskCompletionSource<byte[]> waiting;
         private bool hasEnded;
 
-        /// <summary>The task that each write returns.</summary>
+        /// <summary>The task that WriteAsync returns.</summary>
         internal Task Writing { get; set; } = Task.CompletedTask;
         /// <summary>The name of the call that throws; "" for none.</summary>
         internal string Broken { get; set; } = "";

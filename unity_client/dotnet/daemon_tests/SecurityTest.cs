@@ -8,7 +8,7 @@ using Sweepstake.GrpcNet;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>TLS with a private authority, client certificates and tokens, with a real daemon.</summary>
+    /// <summary>Tests TLS with a private authority, client certificates and tokens, with a real daemon.</summary>
     public sealed class SecurityTest
     {
         private string folder;
@@ -117,7 +117,7 @@ namespace Sweepstake.Tests
             Assert.That(wrong.Message, Does.Contain(advice));
         }
 
-        /// <summary>The game receives an error message and continues.</summary>
+        /// <summary>Checks that the game gets an error message, never connects, and continues.</summary>
         private static void AssertNeverOnline(Game game)
         {
             game.PlayUntil(() => game.Status.LastError.Length > 0, "shown an error");

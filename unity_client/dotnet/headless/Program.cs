@@ -5,7 +5,7 @@ using Sweepstake.GrpcNet;
 
 namespace Sweepstake.Headless
 {
-    /// <summary>The loop of a game: move, search, report the cost of the frame. Prints a line each second.</summary>
+    /// <summary>The loop of a game without a window: move, search, report the cost of the frame. Prints a line each second.</summary>
     internal static class Program
     {
         private const ulong NsPerSecond = 1_000_000_000;

@@ -6,16 +6,16 @@ using NUnit.Framework;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>Waits for actions of other threads and processes, however busy the machine is.</summary>
+    /// <summary>Waits until other threads and processes have done something, however busy the machine is.</summary>
     internal static class Eventually
     {
         internal static readonly TimeSpan Patience = TimeSpan.FromMinutes(2);
-        // Tolerance for the runtime's own threads, which come and go.
+        // The number of threads that may be left, because the runtime starts and ends threads of its own.
         private const int SpareThreads = 4;
         private const int AllocationRounds = 5;
         private const int TimedRounds = 10;
 
-        /// <summary>Waits until the condition holds. It allocates nothing, for tests that count allocations.</summary>
+        /// <summary>Waits until the condition is true. It allocates nothing, so it can be used in tests that count allocations.</summary>
         /// <param name="between">Called between the checks; null for nothing.</param>
         internal static void Is(Func<bool> isSo, Func<string> what, Action between = null)
         {
@@ -35,10 +35,11 @@ namespace Sweepstake.Tests
             return process.Threads.Count;
         }
 
-        /// <summary>Repeats Shutdown: each call waits for a limited time, and the next one continues.</summary>
+        /// <summary>Repeats Shutdown until everything has ended. Each call waits for a limited time, and the next one continues.</summary>
         internal static void ShutsDown() => Is(() => SweepstakeLibrary.Shutdown(), () => "shut down");
 
-        /// <summary>At least one of several rounds takes less than `bound`; a busy machine may delay single rounds.</summary>
+        /// <summary>Checks that at least one of several rounds takes less than `bound`, because a busy machine may delay single
+        /// rounds.</summary>
         internal static void TakesLessThan(TimeSpan bound, Func<TimeSpan> round)
         {
             TimeSpan least = round();
@@ -51,7 +52,8 @@ namespace Sweepstake.Tests
         }
 
         /// <summary>
-        /// Bytes that `work` allocates on this thread after a first call: the minimum of several rounds, to exclude single events.
+        /// Returns the number of bytes that `work` allocates on this thread, apart from its first call. It is the minimum of several
+        /// rounds, to exclude single events.
         /// </summary>
         internal static long AllocatedBy(Action work)
         {

@@ -9,7 +9,7 @@ using UnityEngine;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>Failures on other threads are reported once, and the game continues.</summary>
+    /// <summary>Tests that failures on other threads are reported once, and that the game continues.</summary>
     public sealed class FailureTest : Stage
     {
         private const string FullDisk = "/dev/full";
@@ -40,7 +40,7 @@ namespace Sweepstake.Tests
         [Test]
         public void ACsvFileThatCannotBeWrittenIsToldAtItsEnd([Values] bool isOfTheManager)
         {
-            // Ending waits only for a limited time, so the report may come later.
+            // The end waits only for a limited time, so the failure may be reported in a later frame.
             FramesUntil(() => IsToldAtTheEnd(isOfTheManager), "reported at the end");
             Assert.That(Logged("CSV"), Has.Exactly(1).Items);
         }

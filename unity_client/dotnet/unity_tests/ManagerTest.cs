@@ -128,7 +128,8 @@ namespace Sweepstake.Tests
             Assert.That(manager.Session.SwitchEpoch, Is.EqualTo(epoch));
         }
 
-        /// <summary>Whether the latest decision has a leader. If so, checks that the text names it with its probability.</summary>
+        /// <summary>Returns whether the latest decision has a leader. If so, checks that the text contains its name and
+        /// probability.</summary>
         private static bool SaysWhoIsTheBest(SweepstakeManager manager)
         {
             Decision decision = manager.LastDecision;

@@ -6,7 +6,7 @@ using UnityEngine;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>Unity's ways to end and begin play mode, scenes and domains, in all orders.</summary>
+    /// <summary>Tests all orders in which Unity can end and begin play mode, scenes and domains.</summary>
     public sealed class ReloadTest : Stage
     {
         [Test]

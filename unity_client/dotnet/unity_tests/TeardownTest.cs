@@ -8,10 +8,10 @@ using Sweepstake.Unity;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>Ends managers whose threads hang: the end waits once for all of them together, not for each.</summary>
+    /// <summary>Tests the end of managers whose threads hang: it waits once for all of them together, not once for each.</summary>
     public sealed class TeardownTest : Stage
     {
-        // If they were ended one after another, they would take 8 × 500 ms = 4 s.
+        // Ended one after another, the managers would take 8 × 500 ms = 4 s.
         private const int ManagerCount = 8;
         private static readonly TimeSpan Bound = TimeSpan.FromSeconds(2);
 

@@ -436,7 +436,7 @@ namespace Sweepstake.Tests
             Assert.That(new[] { tracker.Count, KnownCount() }, Is.All.LessThan(130));
             Assert.That(tracker.IsTracked(b), Is.True);
             manager.enabled = true;
-            // Static colliders are checked in rotation.
+            // Static colliders are checked in turns, so a destroyed one is noticed within some frames.
             Frames(10);
             Assert.That((tracker.Count, KnownCount(), ended.Count), Is.EqualTo((1, 1, 1)));
         }
@@ -459,7 +459,7 @@ namespace Sweepstake.Tests
             return box;
         }
 
-        /// <summary>Updates the set of open pairs, in both orders, by the reported events.</summary>
+        /// <summary>Adds the pairs of begin events to `open` and removes those of end events, in both orders.</summary>
         private void Follow(HashSet<(Collider, Collider)> open)
         {
             Assert.That(ended.All(pair => open.Remove(pair) && open.Remove((pair.Item2, pair.Item1))), Is.True);

@@ -4,7 +4,7 @@ using UnityEngine.UIElements;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>The state of a manager as a coloured word.</summary>
+    /// <summary>A label that shows the state of a manager as a coloured word.</summary>
     internal sealed class StatusChip : Label
     {
         private const string Class = "sweepstake-chip";

@@ -11,8 +11,8 @@ using UnityEngine.UIElements;
 namespace Sweepstake.Editor
 {
     /// <summary>
-    /// The fields as Unity draws them (with undo, prefab overrides and multi-object editing). Below them, in play mode, the state of the manager
-    /// and its actions.
+    /// The inspector of a manager. It shows the fields as Unity draws them (with undo, prefab overrides and multi-object editing). In play
+    /// mode it also shows the state of the manager and its actions below them.
     /// </summary>
     [CustomEditor(typeof(SweepstakeManager))]
     [CanEditMultipleObjects]

@@ -8,7 +8,7 @@ namespace Sweepstake.Editor
     internal enum SetupState
     {
         Ok,
-        /// <summary>The package works without it, except for the feature that the text names.</summary>
+        /// <summary>Missing, but the package works without it, except for the feature that the text names.</summary>
         Optional,
         Wrong,
     }

@@ -12,12 +12,12 @@ using UnityEngine.UIElements;
 namespace Sweepstake.Editor
 {
     /// <summary>
-    /// Shows what is missing and how to get it, sets the define SWEEPSTAKE_GRPC, and cleans up before the package is removed.
+    /// Shows which parts are missing and how to get them, sets the define SWEEPSTAKE_GRPC, and cleans up before the package is removed.
     /// </summary>
     [DocumentationPage("setup.md")]
     internal sealed class SetupWindow : EditorWindow
     {
-        /// <summary>The platforms that may have a native library.</summary>
+        /// <summary>The platforms for which a native library can exist.</summary>
         private static readonly NamedBuildTarget[] Targets =
         {
             NamedBuildTarget.Standalone, NamedBuildTarget.Server, NamedBuildTarget.EmbeddedLinux, NamedBuildTarget.Android, NamedBuildTarget.iOS,

@@ -6,7 +6,8 @@ using UnityEngine;
 namespace Sweepstake.Editor
 {
     /// <summary>
-    /// The editor's settings of the project, in ProjectSettings: the config of new managers, whose daemon the live window reads.
+    /// The package's editor settings for the project, stored in ProjectSettings: the config that new managers get. The live window reads
+    /// posteriors from the daemon of this config.
     /// </summary>
     [FilePath("ProjectSettings/SweepstakeSettings.asset", FilePathAttribute.Location.ProjectFolder)]
     internal sealed class SweepstakeProjectSettings : ScriptableSingleton<SweepstakeProjectSettings>

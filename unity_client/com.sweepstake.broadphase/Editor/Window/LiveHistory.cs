@@ -29,7 +29,8 @@ namespace Sweepstake.Editor
         }
     }
 
-    /// <summary>One minute of a game with ten values a second. It stays after play mode ends, until the next one begins.</summary>
+    /// <summary>One minute of a game, with ten values a second. The values stay after play mode ends, until play mode begins
+    /// again.</summary>
     [Serializable]
     internal sealed class LiveHistory
     {

@@ -90,8 +90,8 @@ namespace Sweepstake.Editor
         }
 
         /// <summary>
-        /// Measures round trips with a small request. It publishes no errors, because Watch does. It clears the latest error if Watch was
-        /// connected both before and after a round trip.
+        /// Measures round trips with a small request. It publishes no errors, because Watch publishes them. It clears the latest error if
+        /// Watch was connected both before and after a round trip.
         /// </summary>
         private async Task MeasureRoundTrips(CancellationToken token)
         {
@@ -124,7 +124,7 @@ namespace Sweepstake.Editor
             }
         }
 
-        /// <param name="problem">The new problem; null keeps the former one.</param>
+        /// <param name="problem">The new problem; null keeps the present problem.</param>
         private void Publish(float roundTripMs, string? problem)
         {
             lock (gate)

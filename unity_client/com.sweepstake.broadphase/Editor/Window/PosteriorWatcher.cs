@@ -8,8 +8,8 @@ using Sweepstake.Unity;
 namespace Sweepstake.Editor
 {
     /// <summary>
-    /// Reads the posteriors of a project through the daemon's service, on threads of the pool; views read <see cref="Latest"/>. It sends nothing
-    /// but its requests. Use it on the main thread.
+    /// Reads the posteriors of a project through the daemon's service, on threads of the pool; views read <see cref="Latest"/>. The only
+    /// data that leaves the machine is its requests. Use it on the main thread.
     /// </summary>
     internal sealed class PosteriorWatcher : IDisposable
     {
@@ -18,7 +18,7 @@ namespace Sweepstake.Editor
 #if SWEEPSTAKE_GRPC
         private PosteriorRun? run;
 
-        /// <summary>The latest posteriors. After the watcher was stopped they stay, without a round-trip time.</summary>
+        /// <summary>The latest posteriors. They stay after the watcher was stopped, but then have no round-trip time.</summary>
         internal PosteriorSnapshot Latest => run?.Latest ?? kept;
 
         /// <summary>Whether the watcher is reading. Reading ends by itself only after an error that a retry cannot fix.</summary>

@@ -21,7 +21,7 @@ namespace Sweepstake.Editor
 
         private readonly PosteriorWatcher watcher = new PosteriorWatcher();
         private readonly StringBuilder text = new StringBuilder();
-        // CreateGUI creates the elements, because Unity allows little in the constructor of a window.
+        // These elements are created in CreateGUI, because Unity allows little in the constructor of a window.
         private StatusChip chip = null!;
         private Label status = null!;
         private Label posteriors = null!;

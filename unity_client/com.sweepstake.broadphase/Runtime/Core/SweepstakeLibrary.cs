@@ -110,7 +110,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Returns the reason why the platform cannot have a native library; null if it can.</summary>
+        /// <summary>Returns why this platform cannot have a native library; null if it can have one.</summary>
         internal static NativeLibraryException? FindPlatformProblem(bool isWebGL, int pointerBytes)
         {
             if (isWebGL)

@@ -7,8 +7,8 @@ using Sweepstake.Protocol.V1;
 namespace Sweepstake.GrpcNet
 {
     /// <summary>
-    /// The daemon's services for tools, through the generated stubs: live posteriors, and export and import of evidence. Thread-safe. It sends
-    /// nothing but the requests to the daemon.
+    /// The daemon's services for tools, through the generated stubs: live posteriors, and export and import of evidence. Thread-safe. The
+    /// only data that leaves the machine is the requests to the daemon.
     /// </summary>
     public sealed class DaemonClient : IDisposable
     {

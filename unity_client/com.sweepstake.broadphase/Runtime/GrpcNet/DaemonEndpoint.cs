@@ -22,7 +22,7 @@ namespace Sweepstake.GrpcNet
         /// <summary>HOST:PORT; an IPv6 address in brackets.</summary>
         public string Address { get; set; } = DefaultAddress;
 
-        /// <summary>Null for plain text, over which no token is sent to another machine.</summary>
+        /// <summary>TLS settings. Null for plain text; then no token is sent to another machine.</summary>
         public TlsFiles? Tls { get; set; }
 
         /// <summary>The token for a daemon that requires one; never displayed. Null for none.</summary>
@@ -34,9 +34,9 @@ namespace Sweepstake.GrpcNet
         public string? TokenFile { get; set; }
 
         /// <summary>
-        /// Creates the HTTP/2 handler, once for each connection, which disposes of it. A custom handler also configures TLS itself; <see cref="Tls"/>
-        /// then only selects the scheme. Null: .NET's HttpClientHandler with the TLS files. Unity before 6000.5 does not have HTTP/2 and needs a
-        /// custom handler.
+        /// Creates the HTTP/2 handler. It is called once for each connection, and the connection disposes of the handler. A custom handler
+        /// also configures TLS itself; <see cref="Tls"/> then only selects the scheme. If null, .NET's HttpClientHandler with the TLS files
+        /// is used. Unity before 6000.5 does not have HTTP/2 and needs a custom handler.
         /// </summary>
         public Func<HttpMessageHandler>? Handler { get; set; }
 

@@ -10,7 +10,7 @@ using Sweepstake.Protocol.V1;
 namespace Sweepstake.GrpcNet
 {
     /// <summary>
-    /// Carries telemetry over gRPC: calls the method of the generated service with the link's bytes as messages. Each stream has its own
+    /// Transports telemetry over gRPC: calls the method of the generated service with the link's bytes as messages. Each stream has its own
     /// connection.
     /// </summary>
     public sealed class GrpcTelemetryTransport : ITelemetryTransport

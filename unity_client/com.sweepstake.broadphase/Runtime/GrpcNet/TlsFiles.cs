@@ -85,7 +85,7 @@ namespace Sweepstake.GrpcNet
             try
             {
                 using X509Certificate2 whole = WithKey(certificate, text, keyPath);
-                // Windows does not accept a key that exists only in memory.
+                // Export the certificate and load it again, because Windows does not accept a key that exists only in memory.
                 return new X509Certificate2(whole.Export(X509ContentType.Pkcs12));
             }
             catch (Exception broken) when (broken is CryptographicException || broken is FormatException || broken is ArgumentException)

@@ -18,8 +18,8 @@ namespace Sweepstake.Unity
         void Report();
 
         /// <summary>
-        /// Returns, for debug views, the boxes of a pair of the latest search. Returns false after the last pair, and once an object of the
-        /// pairs was removed.
+        /// Returns, for debug views, the boxes of the pair with this index in the latest search. Returns false if there is no such pair, or
+        /// if an object of the pairs was removed after the search.
         /// </summary>
         bool TryGetPair(int index, out Aabb a, out Aabb b);
 

@@ -35,7 +35,8 @@ namespace Sweepstake.Unity
         public DaemonSettings daemon = new DaemonSettings();
 
         /// <summary>The options of a session that starts in this mode with this backend.</summary>
-        /// <param name="initialBackend">"": KDTree if the config allows all backends, otherwise the first of the config's.</param>
+        /// <param name="initialBackend">If empty: KDTree if the config allows all backends, otherwise the first backend of the
+        /// config.</param>
         public SessionOptions ToSessionOptions(SessionMode mode, string initialBackend) => new SessionOptions
         {
             Mode = mode,

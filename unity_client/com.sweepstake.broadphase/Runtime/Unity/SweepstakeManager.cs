@@ -43,13 +43,14 @@ namespace Sweepstake.Unity
         private bool isFailing;
         private bool mustBegin;
 
-        /// <summary>The state has changed.</summary>
+        /// <summary>Raised when the state has changed.</summary>
         public event Action<SweepstakeState>? StateChanged { add => stateChanged.Add(value); remove => stateChanged.Remove(value); }
-        /// <summary>Another backend is active; the argument is its name.</summary>
+        /// <summary>Raised when another backend becomes active; the argument is its name.</summary>
         public event Action<string>? BackendChanged { add => backendChanged.Add(value); remove => backendChanged.Remove(value); }
-        /// <summary>The kind of the verdict has changed; <see cref="Advice.Of(VerdictKind)"/> says what to do about it.</summary>
+        /// <summary>Raised when the kind of the verdict has changed. <see cref="Advice.Of(VerdictKind)"/> says what to do about
+        /// it.</summary>
         public event Action<Verdict>? VerdictChanged { add => verdictChanged.Add(value); remove => verdictChanged.Remove(value); }
-        /// <summary>A new decision was made.</summary>
+        /// <summary>Raised when a decision was made.</summary>
         public event Action<Decision>? Decided { add => decided.Add(value); remove => decided.Remove(value); }
 
         /// <summary>The enabled managers in the order in which they were enabled.</summary>
@@ -75,7 +76,8 @@ namespace Sweepstake.Unity
         public BroadPhaseSession? Session => host?.Session;
         public EmbeddedDecider? Decider => host?.Decider;
         public DaemonConnection? Connection => host?.Connection;
-        /// <summary>Whether the running session has searched; before that, its source may have pairs of an earlier session.</summary>
+        /// <summary>Whether the running session has searched. Before its first search, the source may have pairs of an earlier
+        /// session.</summary>
         internal bool HasSearched => host != null && endedNs != 0;
 
         public SweepstakeState State { get; private set; }
@@ -202,7 +204,7 @@ namespace Sweepstake.Unity
                 Destroy(defaults);
         }
 
-        /// <summary>Changes in the inspector during play take effect in the next frame.</summary>
+        /// <summary>Takes over changes that were made in the inspector during play, in the next frame.</summary>
         private void OnValidate()
         {
             if (host == null)
@@ -274,7 +276,8 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>Raises an event for each change. Returns early if a listener ends the session.</summary>
+        /// <summary>Raises an event for each change of state, backend, verdict or decision. Returns early if a listener ends the
+        /// session.</summary>
         private void RaiseChanges(BroadPhaseSession session)
         {
             if (changes.HasOtherBackend(session))
@@ -321,7 +324,7 @@ namespace Sweepstake.Unity
             isFailing = false;
         }
 
-        /// <summary>Logs the error of an action once; what worked before continues.</summary>
+        /// <summary>Runs an action. Logs its error once; the session then continues as before the action.</summary>
         private void Guarded(Action action)
         {
             trouble = "";
@@ -351,7 +354,7 @@ namespace Sweepstake.Unity
             SetState(status == null ? SweepstakeState.Embedded : StateOf(status), ProblemOf(host, status));
         }
 
-        /// <summary>The most important current problem.</summary>
+        /// <summary>Returns the most important current problem.</summary>
         private string ProblemOf(SessionHost running, ConnectionStatus? status)
         {
             if (running.WorkProblem.Length > 0)

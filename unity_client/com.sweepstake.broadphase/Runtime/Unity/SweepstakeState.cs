@@ -5,7 +5,7 @@ namespace Sweepstake.Unity
     /// <summary>The state of a <see cref="SweepstakeManager"/>.</summary>
     public enum SweepstakeState
     {
-        /// <summary>Not enabled.</summary>
+        /// <summary>The manager is not enabled.</summary>
         Stopped,
         /// <summary>The manager could not start or had to end; <see cref="SweepstakeManager.Problem"/> says why and what to do.</summary>
         Failed,
@@ -16,7 +16,7 @@ namespace Sweepstake.Unity
         Online,
         /// <summary>The daemon is not available. The game continues with its current backend and reconnects automatically.</summary>
         Offline,
-        /// <summary>The daemon refuses this game. Waiting does not help; the problem's text says what to do.</summary>
+        /// <summary>The daemon refuses this game and will do so again; <see cref="SweepstakeManager.Problem"/> says what to do.</summary>
         Refused,
     }
 }

@@ -11,7 +11,7 @@ namespace Sweepstake.Samples
     internal static class SampleKeys
     {
 #if SWEEPSTAKE_INPUT_SYSTEM && ENABLE_INPUT_SYSTEM
-        /// <summary>1 to 5; 0 if none was pressed in this frame.</summary>
+        /// <summary>The digit key pressed in this frame, 1 to 5; 0 if none was pressed.</summary>
         internal static int Digit()
         {
             Keyboard? keyboard = Keyboard.current;
@@ -28,7 +28,7 @@ namespace Sweepstake.Samples
         internal static bool More => Keyboard.current != null && Keyboard.current[Key.UpArrow].wasPressedThisFrame;
         internal static bool Fewer => Keyboard.current != null && Keyboard.current[Key.DownArrow].wasPressedThisFrame;
 #else
-        /// <summary>1 to 5; 0 if none was pressed in this frame.</summary>
+        /// <summary>The digit key pressed in this frame, 1 to 5; 0 if none was pressed.</summary>
         internal static int Digit()
         {
             for (int digit = 1; digit <= 5; ++digit)

@@ -6,8 +6,8 @@ using UnityEngine;
 namespace Sweepstake.Samples
 {
     /// <summary>
-    /// Balls that drift through each other, as triggers without Rigidbodies. A ball has the second colour while its box overlaps another one. Add
-    /// it to an object with a Sweepstake Collider Tracker and enter play mode.
+    /// Balls that drift through each other, as triggers without Rigidbodies. A ball has the second colour while its box overlaps another
+    /// one. Add this component to an object with a Sweepstake Collider Tracker and enter play mode.
     /// </summary>
     [RequireComponent(typeof(ColliderTracker))]
     public sealed class QuickStart : MonoBehaviour
@@ -83,7 +83,7 @@ namespace Sweepstake.Samples
                 made.transform.SetParent(parent, false);
                 made.transform.position = reach * Direction(random);
                 velocity = speed * Direction(random);
-                // Naming the type keeps code stripping from removing it.
+                // Naming the component type here keeps code stripping from removing the type.
                 Collider = made.GetComponent<SphereCollider>();
                 Collider.isTrigger = true;
                 material = made.GetComponent<MeshRenderer>().material;
@@ -109,7 +109,7 @@ namespace Sweepstake.Samples
 
             private void Show()
             {
-                // The Built-in pipeline names it _Color, URP and HDRP _BaseColor.
+                // The colour is named _Color in the Built-in pipeline, and _BaseColor in URP and HDRP.
                 material.SetColor("_Color", touched > 0 ? Touching : Alone);
                 material.SetColor("_BaseColor", touched > 0 ? Touching : Alone);
             }

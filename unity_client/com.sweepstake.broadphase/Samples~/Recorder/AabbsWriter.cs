@@ -8,8 +8,9 @@ using System.Text;
 namespace Sweepstake.Samples
 {
     /// <summary>
-    /// Writes frames of boxes to an .aabbs file, which `sweepstake-lab trace`, `bench` and `replay` read and the library plays as a scene. If the
-    /// number of boxes changes, it uses the extension of the format for changing counts. The file appears under its name when it is complete.
+    /// Writes frames of boxes to an .aabbs file, which `sweepstake-lab trace`, `bench` and `replay` read and the library plays as a scene.
+    /// If the number of boxes changes, the file uses the format's extension for changing counts. The data goes to a temporary file, which
+    /// gets its final name when it is complete.
     /// </summary>
     public sealed class AabbsWriter : IDisposable
     {

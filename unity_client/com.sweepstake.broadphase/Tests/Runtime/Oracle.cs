@@ -4,7 +4,7 @@ using System.Collections.Generic;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>The expected pairs by brute force.</summary>
+    /// <summary>Computes the expected pairs by brute force.</summary>
     internal static class Oracle
     {
         internal static List<OverlapPair> Pairs(ReadOnlySpan<Aabb> boxes)
@@ -29,7 +29,7 @@ namespace Sweepstake.Tests
             return pairs;
         }
 
-        /// <summary>A moving scene with pairs, and few enough objects for brute force.</summary>
+        /// <summary>Creates a moving scene with pairs. It has few enough objects for brute force.</summary>
         internal static MotionScene CrowdedScene(string name, uint objects = 300)
         {
             SceneOptions options = SceneOptions.Default;

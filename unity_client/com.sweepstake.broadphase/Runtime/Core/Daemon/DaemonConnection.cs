@@ -7,9 +7,10 @@ using Sweepstake.LowLevel;
 namespace Sweepstake
 {
     /// <summary>
-    /// Connects a session to a daemon: a separate thread moves the bytes of the native link over a transport. The native link handles batches,
-    /// resending, back-off, resuming and the commands for the frame path. The frame thread never waits for the connection. If the daemon is
-    /// absent, slow or killed, the game continues, and the connection is made again automatically. Create and dispose of it while no frame runs.
+    /// Connects a session to a daemon. A separate thread moves the bytes of the native link over a transport. The native link handles
+    /// batches, resending, back-off, resuming and the commands for the frame path. The frame thread never waits for the connection. If the
+    /// daemon is absent, slow or killed, the game continues, and the connection is made again automatically. Create this object and dispose
+    /// of it while no frame runs.
     /// </summary>
     public sealed unsafe class DaemonConnection : SessionWork
     {
@@ -28,7 +29,7 @@ namespace Sweepstake
         private byte[] buffer;
         private volatile ConnectionStatus status = ConnectionStatus.Initial;
 
-        /// <param name="transport">The connection owns it, and disposes of it when it has ended.</param>
+        /// <param name="transport">The connection owns the transport, and disposes of it when the connection has ended.</param>
         /// <param name="options">Null for the defaults.</param>
         /// <exception cref="SweepstakeException">The session already has a decider or a connection, or a value is out of range.</exception>
         public DaemonConnection(BroadPhaseSession session, ITelemetryTransport transport, LinkOptions? options = null)
@@ -37,7 +38,8 @@ namespace Sweepstake
             this.transport = transport ?? throw new ArgumentNullException(nameof(transport));
             wakeAfter = task =>
             {
-                // Mark a failed write as observed; the read that ends the stream reports the failure.
+                // Reading the exception marks the failed write as observed. The failure itself is reported by the read that ends the
+                // stream.
                 _ = task.Exception;
                 Wake();
             };

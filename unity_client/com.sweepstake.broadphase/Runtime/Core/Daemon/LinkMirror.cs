@@ -5,7 +5,7 @@ using Sweepstake.LowLevel;
 
 namespace Sweepstake
 {
-    /// <summary>Copies the state of a native link into a status; returns the former object if nothing has changed.</summary>
+    /// <summary>Copies the state of a native link into a status. Returns the previous status object if nothing has changed.</summary>
     internal sealed unsafe class LinkMirror
     {
         private readonly byte[] text = new byte[4096];

@@ -58,7 +58,8 @@ namespace Sweepstake
         /// Reads the costs of the frames since the last poll, and decides if a decision is due. It allocates native memory and waits for a poll
         /// that is running on another thread.
         /// </summary>
-        /// <param name="nowNs">The time of <see cref="SteadyClock"/>, or of another steady clock if only the game polls.</param>
+        /// <param name="nowNs">The time of <see cref="SteadyClock"/>. Without the decider's own thread, any other steady clock works
+        /// too.</param>
         /// <returns>Whether a switch was commanded.</returns>
         public bool Poll(ulong nowNs)
         {
@@ -74,8 +75,8 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// All records that the decider loaded and what it has learnt since, for the next run's <see cref="DeciderOptions.PriorsData"/> or for
-        /// `sweepstake priors import`. Call it before Dispose, which discards them.
+        /// Returns all records that the decider has loaded, and what it has learnt since. They are for the next run's <see
+        /// cref="DeciderOptions.PriorsData"/> or for `sweepstake priors import`. Call this before Dispose, which discards the records.
         /// </summary>
         /// <exception cref="SweepstakeException">The decider has ended. If it failed, the message says why.</exception>
         public byte[] ExportPriors()

@@ -6,9 +6,9 @@ using System.Threading;
 namespace Sweepstake
 {
     /// <summary>
-    /// Base of everything that decides for a session on its own thread. Native calls are made under <see cref="Gate"/> and never after it is
-    /// closed. The caller of Stop frees the native parts, because no frame may run then. All instances that have not been stopped are
-    /// registered for <see cref="SweepstakeLibrary.Shutdown"/>. Thread-safe.
+    /// Base of the classes that decide for a session on a thread of their own. Native calls are made under <see cref="Gate"/>, and never
+    /// after this object is closed. The caller of Stop frees the native parts, because no frame may run then. All instances that have not
+    /// been stopped are registered for <see cref="SweepstakeLibrary.Shutdown"/>. Thread-safe.
     /// </summary>
     public abstract class SessionWork : IDisposable
     {
@@ -102,7 +102,8 @@ namespace Sweepstake
                 Running.Remove(this);
         }
 
-        /// <summary>Starts the thread; each derived constructor calls it last. With a null name no thread is started, and the game polls.</summary>
+        /// <summary>Starts the thread; each derived constructor calls this last. If the name is null, no thread is started, and the game
+        /// polls.</summary>
         private protected void Start(string? threadName)
         {
             Session.Work = this;
@@ -114,7 +115,7 @@ namespace Sweepstake
             thread.Start();
         }
 
-        /// <summary>The body of the thread; returns soon after it is woken if IsClosed.</summary>
+        /// <summary>The body of the thread. If IsClosed is set, it returns soon after the thread is woken.</summary>
         private protected abstract void Serve();
         /// <summary>Called under the gate: begins an orderly end that is complete at `endNs`.</summary>
         private protected abstract void BeginNativeStop(ulong endNs);
@@ -176,7 +177,7 @@ namespace Sweepstake
             }
             catch (Exception problem)
             {
-                // An exception must not escape the thread. It also arrives here if the session is shut down at the same time.
+                // An exception must not escape the thread. A native call also throws here if the session is shut down at the same time.
                 failure = problem;
             }
             finally

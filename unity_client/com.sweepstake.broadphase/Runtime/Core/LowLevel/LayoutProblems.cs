@@ -11,7 +11,8 @@ namespace Sweepstake.LowLevel
         internal bool IsEmpty => found.Count == 0;
 
         /// <summary>
-        /// Compares the size of a struct. If it `grows`, it may be larger in the library, which may be newer than this runtime.
+        /// Compares the size of a struct. If `grows` is true, the struct may be larger in the library, because newer libraries append
+        /// fields.
         /// </summary>
         internal void Size(string name, uint number, int here, int inHeaders, bool grows)
         {

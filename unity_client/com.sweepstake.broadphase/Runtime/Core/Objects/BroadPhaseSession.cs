@@ -40,16 +40,16 @@ namespace Sweepstake
         /// <summary>The attached decider or connection; null if there is none.</summary>
         internal SessionWork? Work { get; set; }
 
-        /// <summary>Executes a pending switch.</summary>
+        /// <summary>Begins a frame, and executes a switch that was commanded since the previous frame.</summary>
         public void BeginFrame()
         {
             Check(NativeMethods.swp_session_begin_frame(Pointer));
         }
 
         /// <summary>
-        /// Passes these boxes to the active backend and searches. Their count may change as in
-        /// <see cref="BroadPhaseWorld.Update(ReadOnlySpan{Aabb})"/>. A frame with several fixed updates calls it once for each; together they give
-        /// one sample.
+        /// Passes these boxes to the active backend and searches for pairs. The number of boxes may change as in <see
+        /// cref="BroadPhaseWorld.Update(ReadOnlySpan{Aabb})"/>. If a frame has several fixed updates, call this once for each of them;
+        /// together they give one sample.
         /// </summary>
         public void FindPairs(ReadOnlySpan<Aabb> boxes)
         {
@@ -74,7 +74,7 @@ namespace Sweepstake
             }
         }
 
-        /// <param name="frameTimeNs">The unscaled time since the previous end of a frame, in nanoseconds.</param>
+        /// <param name="frameTimeNs">The unscaled time since the end of the previous frame, in nanoseconds.</param>
         /// <param name="flags"><see cref="FrameFlags.Paused"/> and <see cref="FrameFlags.Loading"/>; the library sets the others.</param>
         public void EndFrame(ulong frameTimeNs, FrameFlags flags = FrameFlags.None)
         {
@@ -186,7 +186,8 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// The latest decision with its reasons; it stays after the decider has ended. It and all members below may be called from any thread.
+        /// The latest decision with its reasons; it stays after the decider has ended. This member and all members below may be called from
+        /// any thread.
         /// </summary>
         public Decision LastDecision
         {
@@ -198,7 +199,8 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The latest switch that has settled or was refused, whatever requested it; zeros before the first.</summary>
+        /// <summary>The latest switch that has settled or was refused, whether the game or a decider requested it; zeros before the
+        /// first.</summary>
         public SwitchOutcome LastOutcome
         {
             get
@@ -220,7 +222,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Counters of the shadow lane, and its state, which gives the reason if the lane does not run.</summary>
+        /// <summary>Counters of the shadow lane, and its state. If the lane does not run, the state is the reason.</summary>
         public ShadowStats ShadowStats
         {
             get

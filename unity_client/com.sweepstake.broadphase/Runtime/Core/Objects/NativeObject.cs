@@ -5,8 +5,8 @@ using System.Runtime.InteropServices;
 namespace Sweepstake
 {
     /// <summary>
-    /// Owns one object of the native library. Only one caller at a time may use it; distinct objects are independent. Dispose frees it, and so
-    /// does <see cref="SweepstakeLibrary.Shutdown"/>, after which each call throws.
+    /// Owns one object of the native library. Only one caller at a time may use it; distinct objects are independent. Dispose frees it.
+    /// <see cref="SweepstakeLibrary.Shutdown"/> frees it too, and each later call then throws.
     /// </summary>
     public abstract class NativeObject : IDisposable
     {
@@ -18,7 +18,7 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// The native pointer, for <see cref="LowLevel.NativeMethods"/> in jobs; keep this object alive while it is in use.
+        /// The native pointer, for <see cref="LowLevel.NativeMethods"/> in jobs. Keep this object alive while a job uses the pointer.
         /// </summary>
         /// <exception cref="ObjectDisposedException">The object was disposed of.</exception>
         public IntPtr Pointer

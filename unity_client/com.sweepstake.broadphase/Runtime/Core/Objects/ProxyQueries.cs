@@ -52,7 +52,7 @@ namespace Sweepstake
                     proxies.Pointer, sphere, (uint)spheres.Length, &filter, handle, (ulong)found.Length, end));
         }
 
-        /// <summary>For each ray, finds the nearest hit; the hit's proxy is None if there is none.</summary>
+        /// <summary>Finds the nearest hit of each ray. If a ray hits nothing, the hit's proxy is None.</summary>
         public void Rays(ReadOnlySpan<RayQuery> rays, ProxyFilter filter, Span<QueryHit> hits)
         {
             CheckLengths(rays.Length, hits.Length);
@@ -61,7 +61,7 @@ namespace Sweepstake
                 proxies.CheckCall(NativeMethods.swp_proxies_cast_rays(proxies.Pointer, ray, (uint)rays.Length, &filter, hit));
         }
 
-        /// <summary>For each moving box, finds the nearest hit; the hit's proxy is None if there is none.</summary>
+        /// <summary>Finds the nearest hit of each moving box. If a box hits nothing, the hit's proxy is None.</summary>
         public void Sweeps(ReadOnlySpan<BoxSweepQuery> sweeps, ProxyFilter filter, Span<QueryHit> hits)
         {
             CheckLengths(sweeps.Length, hits.Length);

@@ -71,7 +71,7 @@ namespace Sweepstake
                 Check(NativeMethods.swp_proxies_set_boxes(Pointer, handle, box, (uint)boxes.Length));
         }
 
-        /// <summary>The new filter holds from the next search and the next query on.</summary>
+        /// <summary>Sets the filter of a proxy. It takes effect with the next search and the next query.</summary>
         public void SetFilter(ProxyHandle proxy, ProxyFilter filter)
         {
             Check(NativeMethods.swp_proxies_set_filter(Pointer, proxy.Value, &filter));
@@ -87,13 +87,14 @@ namespace Sweepstake
             Check(NativeMethods.swp_proxies_set_static(Pointer, proxy.Value, isStatic ? 1u : 0u));
         }
 
-        /// <summary>True promises that the proxy does not move; a new box wakes it. Pairs and events do not depend on this state.</summary>
+        /// <summary>Sets whether a proxy sleeps. The caller promises that a sleeping proxy does not move; a new box wakes it. Pairs and
+        /// events do not depend on this state.</summary>
         public void SetSleeping(ProxyHandle proxy, bool isSleeping)
         {
             Check(NativeMethods.swp_proxies_set_sleeping(Pointer, proxy.Value, isSleeping ? 1u : 0u));
         }
 
-        /// <summary>Subtracts an offset from all coordinates; pairs do not end.</summary>
+        /// <summary>Subtracts an offset from all coordinates. No pair ends because of it.</summary>
         public void ShiftOrigin(float x, float y, float z)
         {
             float* offset = stackalloc float[3] { x, y, z };
@@ -203,7 +204,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The complete state without pointers, for games that roll back.</summary>
+        /// <summary>Returns the complete state without pointers, for games that roll back to an earlier frame.</summary>
         public byte[] Save()
         {
             ulong bytes;

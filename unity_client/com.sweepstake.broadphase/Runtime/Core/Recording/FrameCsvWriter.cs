@@ -66,7 +66,7 @@ namespace Sweepstake
         /// <summary>Samples dropped because the ring was full.</summary>
         public long DroppedCount => Interlocked.Read(ref dropped);
 
-        /// <summary>Why writing has ended, for example a full disk; null while all is well.</summary>
+        /// <summary>Why writing has ended, for example because the disk is full; null while there is no failure.</summary>
         public Exception? Failure => failure;
 
         /// <summary>Queues the sample of the frame that has just ended.</summary>

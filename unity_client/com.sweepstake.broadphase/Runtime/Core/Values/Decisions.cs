@@ -46,9 +46,9 @@ namespace Sweepstake
         NoFrames = 5,
         /// <summary>The session is in <see cref="SessionMode.Manual"/>.</summary>
         Manual = 6,
-        /// <summary>No candidate; the command switches to the next arm to try.</summary>
+        /// <summary>The policy still tries each arm: it proposes no candidate, and the command switches to the next arm to try.</summary>
         Exploring = 7,
-        /// <summary>A measurement is not finite.</summary>
+        /// <summary>A measurement was rejected because it is not finite.</summary>
         Rejected = 8,
         /// <summary>No switch: the expected gain is lower than the cost of the switch.</summary>
         HeldGate = 9,
@@ -79,7 +79,7 @@ namespace Sweepstake
         public uint CommandArm;
         public SwitchReason CommandReason;
         public Verdict Verdict;
-        /// <summary>Expected loss of choosing the leader, relative to the best arm's cost.</summary>
+        /// <summary>The expected extra cost of choosing the leader, relative to the cost of the best arm.</summary>
         public double ExpectedLossRatio;
         internal fixed double BestProbability[MaxArms];
 
@@ -108,9 +108,10 @@ namespace Sweepstake
     public enum ShadowMode : uint
     {
         Off = 0,
-        /// <summary>The lane runs from the first <see cref="SessionMode.Ai"/> on, while there is a spare core.</summary>
+        /// <summary>The lane starts when the session first enters <see cref="SessionMode.Ai"/>, and runs while there is a spare
+        /// core.</summary>
         Auto = 1,
-        /// <summary>The lane runs even if the game has always been in <see cref="SessionMode.Manual"/>.</summary>
+        /// <summary>The lane runs even if the session has never been in <see cref="SessionMode.Ai"/>.</summary>
         On = 2,
     }
 

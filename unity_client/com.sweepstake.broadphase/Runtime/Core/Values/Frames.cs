@@ -63,7 +63,7 @@ namespace Sweepstake
     [StructLayout(LayoutKind.Sequential)]
     public struct SwitchCommand
     {
-        /// <summary>Id of the decider's command; 0: the game selected the arm itself.</summary>
+        /// <summary>Id of the command with which a decider requested the switch; 0 if the game selected the arm itself.</summary>
         public ulong CommandId;
         public uint Arm;
         public SwitchReason Reason;

@@ -19,7 +19,7 @@ namespace Sweepstake
     {
         None = 0,
         Send = 1,
-        /// <summary>All messages are written: end the writing side, and read until the end.</summary>
+        /// <summary>All messages are written: end the writing side of the stream, and read until the stream ends.</summary>
         Finish = 2,
         /// <summary>End the stream at once.</summary>
         Cancel = 3,
@@ -64,7 +64,7 @@ namespace Sweepstake
 
         /// <summary>Whether the daemon failed to read some of its priors.</summary>
         public readonly bool ArePriorsUnavailable => PriorsUnavailable != 0;
-        /// <summary>Whether sending waits for the daemon's acknowledgement.</summary>
+        /// <summary>Whether sending is paused until the daemon acknowledges earlier messages.</summary>
         public readonly bool IsAwaitingAcknowledgement => AwaitsAcknowledgement != 0;
     }
 }

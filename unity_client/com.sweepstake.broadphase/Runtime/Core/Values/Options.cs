@@ -60,7 +60,8 @@ namespace Sweepstake
             set => PairEvents = value ? 1u : 0u;
         }
 
-        /// <summary>Sorts pairs with every backend; implied by events.</summary>
+        /// <summary>Sorts pairs by A and then B with every backend. Pairs are always sorted if <see cref="HasPairEvents"/> is
+        /// set.</summary>
         public bool IsSorted
         {
             readonly get => SortedPairs != 0;
@@ -102,7 +103,7 @@ namespace Sweepstake
         public float HalfExtentMax;
         /// <summary>Characteristic speed in units/s.</summary>
         public float Speed;
-        /// <summary>Acceleration in units/s².</summary>
+        /// <summary>Gravitational acceleration in units/s².</summary>
         public float Gravity;
         /// <summary>Time per direction of gravity in the scene rotating-gravity.</summary>
         public float DirectionIntervalS;

@@ -66,7 +66,7 @@ namespace Sweepstake
         public ProxyFilter Filter;
         public ProxyFlags Flags;
         internal uint Reserved;
-        /// <summary>Any value of the game, such as an instance id.</summary>
+        /// <summary>A value that the game can use freely, such as an instance id.</summary>
         public ulong User;
 
         public ProxyOptions(ProxyFilter filter, ProxyFlags flags = ProxyFlags.None, ulong user = 0)

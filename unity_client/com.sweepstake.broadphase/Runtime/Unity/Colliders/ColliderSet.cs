@@ -26,7 +26,8 @@ namespace Sweepstake.Unity
     internal sealed class ColliderSet : IDisposable
     {
         /// <summary>
-        /// Number of colliders per frame, in rotation, whose layer and static state are checked; bounds the cost of the checks.
+        /// The number of colliders per frame whose layer and static state are checked. The colliders take turns, so the cost per frame is
+        /// bounded.
         /// </summary>
         private const int ChecksPerFrame = 64;
         private static readonly Aabb NoBox = new Aabb(1, 1, 1, -1, -1, -1);
@@ -66,7 +67,8 @@ namespace Sweepstake.Unity
         internal int Count => count;
         /// <summary>Number of colliders that are tracked or were removed since the latest search.</summary>
         internal int KnownCount => owners.Count;
-        /// <summary>Whether the pairs may be read: not before the first search, nor while they contain removed proxies.</summary>
+        /// <summary>Whether the pairs may be read. False before the first search, and after a collider was removed until the next
+        /// search.</summary>
         internal bool HasPairs { get; private set; }
 
         /// <returns>False if it is already tracked.</returns>
@@ -209,7 +211,8 @@ namespace Sweepstake.Unity
             colliders[count] = null;
         }
 
-        /// <summary>Moves the content of one slot to another, whose own content was moved or removed before.</summary>
+        /// <summary>Moves the content of slot `from` to slot `to`. REQUIRES: the content of `to` has been moved or removed
+        /// before.</summary>
         private void Move(int from, int to)
         {
             if (from != to)

@@ -18,9 +18,9 @@ namespace Sweepstake.Unity
     }
 
     /// <summary>
-    /// Lets the manager on the same object search the boxes of colliders: triggers without physics, and queries. It raises events when boxes
-    /// begin or cease to overlap, for layers that collide in the collision matrix. Rigidbodies are not affected: PhysX has its own broad phase.
-    /// Objects that are spawned later have to be registered, or found with <see cref="Scan()"/>.
+    /// Lets the manager on the same object search the boxes of colliders, for triggers without physics and for queries. It raises events
+    /// when boxes begin or cease to overlap, for layers that collide in the collision matrix. Rigidbodies are not affected: PhysX has its
+    /// own broad phase. Objects that are spawned later must be registered, or found with <see cref="Scan()"/>.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake Collider Tracker")]
     [RequireComponent(typeof(SweepstakeManager))]
@@ -51,9 +51,9 @@ namespace Sweepstake.Unity
         private ColliderSet? colliders;
         private ColliderQueries? queries;
 
-        /// <summary>Two boxes overlap since this frame. Use Physics.ComputePenetration to test the shapes.</summary>
+        /// <summary>Raised when two boxes begin to overlap. Use Physics.ComputePenetration to test the shapes.</summary>
         public event Action<ColliderPair>? PairBegan { add => beganListeners.Add(value); remove => beganListeners.Remove(value); }
-        /// <summary>Two boxes no longer overlap, or one of the colliders was disabled, removed or destroyed.</summary>
+        /// <summary>Raised when two boxes no longer overlap, or one of the colliders was disabled, removed or destroyed.</summary>
         public event Action<ColliderPair>? PairEnded { add => endedListeners.Add(value); remove => endedListeners.Remove(value); }
 
         /// <summary>The number of tracked colliders.</summary>

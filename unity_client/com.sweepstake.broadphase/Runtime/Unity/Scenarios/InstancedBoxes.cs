@@ -29,7 +29,7 @@ namespace Sweepstake.Unity
             Material ofPipeline = cube.GetComponent<MeshRenderer>().sharedMaterial;
             resting = Copy(ofPipeline, Resting);
             touching = Copy(ofPipeline, Touching);
-            // Naming the component also keeps code stripping from removing it.
+            // Naming the component type here also keeps code stripping from removing the type.
             cube.GetComponent<BoxCollider>().enabled = false;
             cube.SetActive(false);
             UnityEngine.Object.Destroy(cube);
@@ -76,7 +76,7 @@ namespace Sweepstake.Unity
         private static Material Copy(Material material, Color color)
         {
             var copy = new Material(material) { enableInstancing = true, hideFlags = HideFlags.HideAndDontSave };
-            // The Built-in pipeline names it _Color, URP and HDRP _BaseColor.
+            // The colour is named _Color in the Built-in pipeline, and _BaseColor in URP and HDRP.
             copy.SetColor("_Color", color);
             copy.SetColor("_BaseColor", color);
             return copy;

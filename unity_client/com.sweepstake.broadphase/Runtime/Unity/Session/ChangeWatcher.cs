@@ -25,7 +25,7 @@ namespace Sweepstake.Unity
             return isOther;
         }
 
-        /// <summary>Compares command ids too, because decisions of a daemon have a command id but no decision id.</summary>
+        /// <summary>Compares decision ids and command ids, because decisions of a daemon have a command id but no decision id.</summary>
         internal bool HasNewDecision(BroadPhaseSession session, out Decision decision)
         {
             decision = session.LastDecision;

@@ -5,7 +5,8 @@ using UnityEngine;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// A session and its decider or connection: created from a config, and changed while the game runs. Use it on the main thread.
+    /// A session, with the decider or connection that decides for it. It is created from a config and can be changed while the game runs.
+    /// Use it on the main thread.
     /// </summary>
     internal sealed class SessionHost
     {
@@ -14,7 +15,7 @@ namespace Sweepstake.Unity
         private readonly Action<string> tell;
         private FrameCsvWriter? csv;
 
-        /// <param name="tell">Reports a problem; called once for each failure on another thread.</param>
+        /// <param name="tell">Called with a problem; once for each failure on another thread.</param>
         internal SessionHost(SweepstakeConfig config, SessionMode mode, string backend, string sceneName, Action<string> tell)
         {
             this.config = config;
@@ -26,9 +27,9 @@ namespace Sweepstake.Unity
         internal BroadPhaseSession Session { get; }
         internal EmbeddedDecider? Decider { get; private set; }
         internal DaemonConnection? Connection { get; private set; }
-        /// <summary>Why decisions have stopped; "" while something decides.</summary>
+        /// <summary>Why no decisions are made; "" while a decider or a connection works.</summary>
         internal string WorkProblem { get; private set; } = "";
-        /// <summary>Why the latest CSV file is incomplete; "" if no loss is known.</summary>
+        /// <summary>Why the latest CSV file is incomplete; "" as far as no row is known to be missing.</summary>
         internal string CsvProblem { get; private set; } = "";
 
         /// <summary>Ends a connection and starts the embedded decider.</summary>
@@ -74,7 +75,7 @@ namespace Sweepstake.Unity
             LeaveCsv();
         }
 
-        /// <summary>Reports threads that have failed since the last call.</summary>
+        /// <summary>Reports failures of other threads since the last call.</summary>
         internal void TellFailures()
         {
             if (csv?.Failure != null)

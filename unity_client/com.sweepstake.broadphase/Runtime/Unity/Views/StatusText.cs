@@ -5,7 +5,7 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>The state of a manager as text for the HUD, the inspector and the window; in the invariant culture.</summary>
+    /// <summary>Formats the state of a manager for the HUD, the inspector and the window, in the invariant culture.</summary>
     public static class StatusText
     {
         /// <summary>The state in one or two words.</summary>

@@ -5,8 +5,8 @@ using UnityEngine;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// Shows the state of a manager in a corner of the screen, also in builds and with either input system. Its text is updated a few times a
-    /// second and allocates then; remove it if nothing may allocate.
+    /// Shows the state of a manager in a corner of the screen, also in builds and with either input system. A few times a second its text
+    /// is updated, which allocates memory. Remove the HUD if the game must not allocate.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake HUD")]
     [DisallowMultipleComponent]
