@@ -63,8 +63,9 @@ namespace Sweepstake.Tests
             return NativeLibrary.Load(library);
         }
 
-        /// <summary>Loads the package again, with the library that `load` returns, and checks the problem that the package
-        /// reports.</summary>
+        /// <summary>
+        /// Loads the package again, with the library that `load` returns, and checks the problem that the package reports.
+        /// </summary>
         private static void AssertProblem(Func<IntPtr> load, string problem, string remedy)
         {
             var domain = new AssemblyLoadContext("wrong library", isCollectible: true);

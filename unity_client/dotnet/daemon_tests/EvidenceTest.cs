@@ -75,8 +75,10 @@ namespace Sweepstake.Tests
             Assume.That(visits, Is.Not.Empty, "the lane needs a second processor");
         }
 
-        /// <summary>Plays over the C++ transport to one daemon, then sends the same messages over the C# transport to the other one.
-        /// Returns the messages.</summary>
+        /// <summary>
+        /// Plays over the C++ transport to one daemon, then sends the same messages over the C# transport to the other one. Returns the
+        /// messages.
+        /// </summary>
         private async Task<StreamTelemetryRequest[]> PlayBothWays(params string[] arguments)
         {
             List<byte[]> played = await PlayInTime(overCpp, address => PlayOverCpp(arguments, address));

@@ -56,8 +56,9 @@ namespace Sweepstake.Tests
             }
         }
 
-        /// <summary>Plays until the condition is true. Fails only if that takes longer than the generous limit of <see
-        /// cref="Eventually"/>.</summary>
+        /// <summary>
+        /// Plays until the condition is true. Fails only if that takes longer than the generous limit of <see cref="Eventually"/>.
+        /// </summary>
         internal void PlayUntil(Func<bool> isSo, string what) =>
             Eventually.Is(isSo, () => $"{what}; {Status.State}, {Status.LastError}, {Connection.Failure}", () => Play(1));
 

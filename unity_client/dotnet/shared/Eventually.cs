@@ -38,8 +38,9 @@ namespace Sweepstake.Tests
         /// <summary>Repeats Shutdown until everything has ended. Each call waits for a limited time, and the next one continues.</summary>
         internal static void ShutsDown() => Is(() => SweepstakeLibrary.Shutdown(), () => "shut down");
 
-        /// <summary>Checks that at least one of several rounds takes less than `bound`, because a busy machine may delay single
-        /// rounds.</summary>
+        /// <summary>
+        /// Checks that at least one of several rounds takes less than `bound`, because a busy machine may delay single rounds.
+        /// </summary>
         internal static void TakesLessThan(TimeSpan bound, Func<TimeSpan> round)
         {
             TimeSpan least = round();

@@ -128,8 +128,9 @@ namespace Sweepstake.Tests
             Assert.That(manager.Session.SwitchEpoch, Is.EqualTo(epoch));
         }
 
-        /// <summary>Returns whether the latest decision has a leader. If so, checks that the text contains its name and
-        /// probability.</summary>
+        /// <summary>
+        /// Returns whether the latest decision has a leader. If so, checks that the text contains its name and probability.
+        /// </summary>
         private static bool SaysWhoIsTheBest(SweepstakeManager manager)
         {
             Decision decision = manager.LastDecision;

@@ -29,8 +29,9 @@ namespace Sweepstake.Editor
         }
     }
 
-    /// <summary>One minute of a game, with ten values a second. The values stay after play mode ends, until play mode begins
-    /// again.</summary>
+    /// <summary>
+    /// One minute of a game, with ten values a second. The values stay after play mode ends, until play mode begins again.
+    /// </summary>
     [Serializable]
     internal sealed class LiveHistory
     {

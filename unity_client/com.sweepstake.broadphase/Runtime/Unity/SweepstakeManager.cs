@@ -47,8 +47,9 @@ namespace Sweepstake.Unity
         public event Action<SweepstakeState>? StateChanged { add => stateChanged.Add(value); remove => stateChanged.Remove(value); }
         /// <summary>Raised when another backend becomes active; the argument is its name.</summary>
         public event Action<string>? BackendChanged { add => backendChanged.Add(value); remove => backendChanged.Remove(value); }
-        /// <summary>Raised when the kind of the verdict has changed. <see cref="Advice.Of(VerdictKind)"/> says what to do about
-        /// it.</summary>
+        /// <summary>
+        /// Raised when the kind of the verdict has changed. <see cref="Advice.Of(VerdictKind)"/> says what to do about it.
+        /// </summary>
         public event Action<Verdict>? VerdictChanged { add => verdictChanged.Add(value); remove => verdictChanged.Remove(value); }
         /// <summary>Raised when a decision was made.</summary>
         public event Action<Decision>? Decided { add => decided.Add(value); remove => decided.Remove(value); }
@@ -76,8 +77,9 @@ namespace Sweepstake.Unity
         public BroadPhaseSession? Session => host?.Session;
         public EmbeddedDecider? Decider => host?.Decider;
         public DaemonConnection? Connection => host?.Connection;
-        /// <summary>Whether the running session has searched. Before its first search, the source may have pairs of an earlier
-        /// session.</summary>
+        /// <summary>
+        /// Whether the running session has searched. Before its first search, the source may have pairs of an earlier session.
+        /// </summary>
         internal bool HasSearched => host != null && endedNs != 0;
 
         public SweepstakeState State { get; private set; }
@@ -276,8 +278,9 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>Raises an event for each change of state, backend, verdict or decision. Returns early if a listener ends the
-        /// session.</summary>
+        /// <summary>
+        /// Raises an event for each change of state, backend, verdict or decision. Returns early if a listener ends the session.
+        /// </summary>
         private void RaiseChanges(BroadPhaseSession session)
         {
             if (changes.HasOtherBackend(session))

@@ -102,8 +102,9 @@ namespace Sweepstake
                 Running.Remove(this);
         }
 
-        /// <summary>Starts the thread; each derived constructor calls this last. If the name is null, no thread is started, and the game
-        /// polls.</summary>
+        /// <summary>
+        /// Starts the thread; each derived constructor calls this last. If the name is null, no thread is started, and the game polls.
+        /// </summary>
         private protected void Start(string? threadName)
         {
             Session.Work = this;

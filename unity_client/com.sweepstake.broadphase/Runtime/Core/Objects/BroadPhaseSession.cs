@@ -199,8 +199,9 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The latest switch that has settled or was refused, whether the game or a decider requested it; zeros before the
-        /// first.</summary>
+        /// <summary>
+        /// The latest switch that has settled or was refused, whether the game or a decider requested it; zeros before the first.
+        /// </summary>
         public SwitchOutcome LastOutcome
         {
             get

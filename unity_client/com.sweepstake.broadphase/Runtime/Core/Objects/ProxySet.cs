@@ -87,8 +87,10 @@ namespace Sweepstake
             Check(NativeMethods.swp_proxies_set_static(Pointer, proxy.Value, isStatic ? 1u : 0u));
         }
 
-        /// <summary>Sets whether a proxy sleeps. The caller promises that a sleeping proxy does not move; a new box wakes it. Pairs and
-        /// events do not depend on this state.</summary>
+        /// <summary>
+        /// Sets whether a proxy sleeps. The caller promises that a sleeping proxy does not move; a new box wakes it. Pairs and events do
+        /// not depend on this state.
+        /// </summary>
         public void SetSleeping(ProxyHandle proxy, bool isSleeping)
         {
             Check(NativeMethods.swp_proxies_set_sleeping(Pointer, proxy.Value, isSleeping ? 1u : 0u));

@@ -49,8 +49,9 @@ namespace Sweepstake
             return box;
         }
 
-        /// <summary>Whether the two boxes overlap, by the same definition as in the broad phase. Testing many boxes this way is
-        /// slow.</summary>
+        /// <summary>
+        /// Whether the two boxes overlap, by the same definition as in the broad phase. Testing many boxes this way is slow.
+        /// </summary>
         public readonly bool Overlaps(in Aabb other) =>
             IsValid && other.IsValid &&
             MinX <= other.MaxX && other.MinX <= MaxX &&

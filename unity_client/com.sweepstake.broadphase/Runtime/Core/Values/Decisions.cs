@@ -108,8 +108,9 @@ namespace Sweepstake
     public enum ShadowMode : uint
     {
         Off = 0,
-        /// <summary>The lane starts when the session first enters <see cref="SessionMode.Ai"/>, and runs while there is a spare
-        /// core.</summary>
+        /// <summary>
+        /// The lane starts when the session first enters <see cref="SessionMode.Ai"/>, and runs while there is a spare core.
+        /// </summary>
         Auto = 1,
         /// <summary>The lane runs even if the session has never been in <see cref="SessionMode.Ai"/>.</summary>
         On = 2,

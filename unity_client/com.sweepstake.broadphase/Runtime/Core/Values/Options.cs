@@ -60,8 +60,9 @@ namespace Sweepstake
             set => PairEvents = value ? 1u : 0u;
         }
 
-        /// <summary>Sorts pairs by A and then B with every backend. Pairs are always sorted if <see cref="HasPairEvents"/> is
-        /// set.</summary>
+        /// <summary>
+        /// Sorts pairs by A and then B with every backend. Pairs are always sorted if <see cref="HasPairEvents"/> is set.
+        /// </summary>
         public bool IsSorted
         {
             readonly get => SortedPairs != 0;

@@ -67,8 +67,9 @@ namespace Sweepstake.Unity
         internal int Count => count;
         /// <summary>Number of colliders that are tracked or were removed since the latest search.</summary>
         internal int KnownCount => owners.Count;
-        /// <summary>Whether the pairs may be read. False before the first search, and after a collider was removed until the next
-        /// search.</summary>
+        /// <summary>
+        /// Whether the pairs may be read. False before the first search, and after a collider was removed until the next search.
+        /// </summary>
         internal bool HasPairs { get; private set; }
 
         /// <returns>False if it is already tracked.</returns>
@@ -211,8 +212,9 @@ namespace Sweepstake.Unity
             colliders[count] = null;
         }
 
-        /// <summary>Moves the content of slot `from` to slot `to`. REQUIRES: the content of `to` has been moved or removed
-        /// before.</summary>
+        /// <summary>
+        /// Moves the content of slot `from` to slot `to`. REQUIRES: the content of `to` has been moved or removed before.
+        /// </summary>
         private void Move(int from, int to)
         {
             if (from != to)

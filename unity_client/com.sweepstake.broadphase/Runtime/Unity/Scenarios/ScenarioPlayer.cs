@@ -55,8 +55,9 @@ namespace Sweepstake.Unity
         public float Speed { get => speed; set => Change(ref speed, value); }
         public bool IsDrawn { get => isDrawn; set => isDrawn = value; }
 
-        /// <summary>Hash of the current boxes: the same on every platform for the same seed and step. 0 while no scene is
-        /// playing.</summary>
+        /// <summary>
+        /// Hash of the current boxes: the same on every platform for the same seed and step. 0 while no scene is playing.
+        /// </summary>
         public ulong Hash => scene?.Hash ?? 0;
         /// <summary>Number of steps since the scene began.</summary>
         public ulong Step => scene?.FrameIndex ?? 0;
@@ -122,8 +123,9 @@ namespace Sweepstake.Unity
 
         private void OnValidate() => isStale = true;
 
-        /// <summary>Advances the scene by one step of fixed duration, and never by more. Otherwise a slow frame would make the next one
-        /// slower.</summary>
+        /// <summary>
+        /// Advances the scene by one step of fixed duration, and never by more. Otherwise a slow frame would make the next one slower.
+        /// </summary>
         private MotionScene? Advanced()
         {
             if (isStale)
