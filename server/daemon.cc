@@ -80,7 +80,7 @@ rpc::RpcOptions RpcOptionsOf(const Config& config) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Daemon>> Daemon::Start(const Config& config,
-                                                      sessions::Clock& clock) {
+                                                      sessions::LoopClock& clock) {
   if (absl::Status status = Validate(config); !status.ok()) return status;
   auto directory = storage::DataDirectory::Open(config.data);
   if (!directory.ok()) return directory.status();
@@ -99,7 +99,7 @@ Daemon::Daemon(const Config& config, storage::DataDirectory directory)
       database_bytes_(config.database_bytes),
       audit_limits_(config.audit) {}
 
-absl::Status Daemon::Open(sessions::Clock& clock) {
+absl::Status Daemon::Open(sessions::LoopClock& clock) {
   if (directory_.open_to_others()) {
     log_->warn(
         "other users can read the data directory {}, which contains the key of its sessions; chmod "

@@ -39,7 +39,7 @@ class Daemon {
   // Opens the store, listens, then writes the port file. Errors: INVALID_ARGUMENT (the
   // configuration), and the errors of the data directory, the database and the listener.
   static absl::StatusOr<std::unique_ptr<Daemon>> Start(const Config& config,
-                                                       sessions::Clock& clock);
+                                                       sessions::LoopClock& clock);
   ~Daemon();
 
   int port() const { return rpc_->port(); }
@@ -68,7 +68,7 @@ class Daemon {
 
  private:
   Daemon(const Config& config, storage::DataDirectory directory);
-  absl::Status Open(sessions::Clock& clock);
+  absl::Status Open(sessions::LoopClock& clock);
   std::string StoreName() const;
   void StartBackups(const Config& config);
   void LimitStore(const Config& config);

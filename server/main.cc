@@ -274,7 +274,7 @@ int Run(const Config& config, CommandLine& line) {
   // under one lock for all threads.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   std::optional<sweepstake::server::ExitGuard> guard;  // outlives the daemon
-  sweepstake::sessions::SteadyClock clock;
+  sweepstake::sessions::SteadyLoopClock clock;
   auto daemon = sweepstake::server::Daemon::Start(config, clock);
   if (!daemon.ok()) return Fail(kCouldNotStart, std::string(daemon.status().message()));
   const auto interval = sweepstake::server::WatchdogInterval();

@@ -43,7 +43,7 @@ class Encoder {
   // Encodes the number of connected sessions of a scene. It is the only part of the scene's message
   // that is not in the store.
   virtual std::string ActiveSessions(uint32_t count) const = 0;
-  virtual std::string Decision(const sessions::DecisionEvent& decision) const = 0;
+  virtual std::string Decision(const sessions::SessionDecision& decision) const = 0;
   virtual std::string Session(const sessions::SessionView& session) const = 0;
   virtual std::string SessionEnd(const std::string& session_id, sessions::SessionEnd end) const = 0;
   // `view` is an encoded message sweepstake.v1.BoxView.

@@ -259,7 +259,7 @@ void EventBus::OnSession(const std::string& session_id, const sessions::SessionC
   ScheduleTick();
 }
 
-void EventBus::OnDecision(const sessions::DecisionEvent& event) {
+void EventBus::OnDecision(const sessions::SessionDecision& event) {
   const SceneKey& scene = event.session.scene;
   if (!Watches(scene)) return;
   Decisions& decisions = decisions_[scene];

@@ -75,7 +75,7 @@ class EventBus final : public sessions::SessionObserver {
 
   void OnSession(const std::string& session_id, const sessions::SessionChange& change) override;
   bool Watches(const priors::SceneKey& scene) const override;
-  void OnDecision(const sessions::DecisionEvent& event) override;
+  void OnDecision(const sessions::SessionDecision& event) override;
   void OnEvidence(const priors::SceneKey& scene, std::span<const priors::KeyedEvidence> increments,
                   bool new_source) override;
   void Forget(const priors::SceneKey& scene) override { scenes_.erase(scene); }

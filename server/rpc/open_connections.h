@@ -33,7 +33,7 @@ class OpenConnections {
 
   // `options` and `clock` are borrowed. `name_of` returns the peer of a descriptor. `is_own`
   // returns whether the peer is on the daemon's own machine, at any of its addresses.
-  OpenConnections(const RpcOptions& options, const sessions::Clock& clock,
+  OpenConnections(const RpcOptions& options, const sessions::LoopClock& clock,
                   NameOf name_of = net::PeerOf, IsOwn is_own = net::ConnectsItself)
       : options_(options),
         clock_(clock),
@@ -61,7 +61,7 @@ class OpenConnections {
   size_t CountOpen(const std::string& address);
 
   const RpcOptions& options_;
-  const sessions::Clock& clock_;
+  const sessions::LoopClock& clock_;
   const NameOf name_of_;
   const IsOwn is_own_;
   std::unordered_map<int, Connection> connections_;

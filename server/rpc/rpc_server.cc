@@ -82,7 +82,7 @@ absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeCredentials(const t
 
 }  // namespace
 
-RpcServer::RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPriorStore& store,
+RpcServer::RpcServer(RpcOptions options, sessions::LoopClock& clock, priors::AsyncPriorStore& store,
                      spdlog::logger& log)
     : options_(std::move(options)),
       access_(options_, clock, log),
@@ -101,7 +101,7 @@ RpcServer::RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPr
 
 absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,
                                                             RpcOptions options,
-                                                            sessions::Clock& clock,
+                                                            sessions::LoopClock& clock,
                                                             priors::AsyncPriorStore& store,
                                                             spdlog::logger& log) {
   std::unique_ptr<RpcServer> server(new RpcServer(std::move(options), clock, store, log));

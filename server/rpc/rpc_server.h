@@ -47,7 +47,7 @@ class RpcServer {
   // UNAVAILABLE (cannot listen there), INVALID_ARGUMENT (the TLS files cannot be used).
   static absl::StatusOr<std::unique_ptr<RpcServer>> Start(const std::string& listen,
                                                           RpcOptions options,
-                                                          sessions::Clock& clock,
+                                                          sessions::LoopClock& clock,
                                                           priors::AsyncPriorStore& store,
                                                           spdlog::logger& log);
   ~RpcServer();
@@ -87,7 +87,7 @@ class RpcServer {
   sessions::HeldEvidence CountHeld();
 
  private:
-  RpcServer(RpcOptions options, sessions::Clock& clock, priors::AsyncPriorStore& store,
+  RpcServer(RpcOptions options, sessions::LoopClock& clock, priors::AsyncPriorStore& store,
             spdlog::logger& log);
   absl::Status Listen(const std::string& address);
   // Creates listener_. The gRPC server that `builder` builds later serves its connections.

@@ -10,11 +10,11 @@ namespace sweepstake::priors {
 
 inline constexpr size_t kMaxAuditRowBytes = 65'536;  // a longer row is not stored
 
-struct AuditRow {
+struct StoredAuditRow {
   uint64_t number = 1;  // position in the segment, from 1
   std::string bytes;    // a message sweepstake.v1.AuditRow, 1 to kMaxAuditRowBytes bytes
 
-  friend bool operator==(const AuditRow&, const AuditRow&) = default;
+  friend bool operator==(const StoredAuditRow&, const StoredAuditRow&) = default;
 };
 
 // Rows of one segment that follow the rows that are already stored.
@@ -22,8 +22,8 @@ struct AuditRows {
   uint32_t segment = 1;  // number of the segment in its session, from 1
   std::string project;   // project and scene are names (text/names.h)
   std::string scene;
-  int64_t unix_start_ms = 0;   // time at which the segment began
-  std::vector<AuditRow> rows;  // ascending by number; numbers may be missing
+  int64_t unix_start_ms = 0;         // time at which the segment began
+  std::vector<StoredAuditRow> rows;  // ascending by number; numbers may be missing
 };
 
 // Limits of a store's audit log, over all sessions except kAdminSession, which has the actions of

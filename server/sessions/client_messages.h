@@ -8,13 +8,14 @@
 #include <variant>
 #include <vector>
 
+#include "engine_client/decider/client_reports.h"
 #include "engine_client/decider/types.h"
 #include "server/sessions/prior_store.h"
 
 namespace sweepstake::sessions {
 
 // The first message of a stream.
-struct Hello {
+struct SessionRequest {
   priors::SceneKey scene;  // with the reward version of the policy
   std::vector<std::string> arms;
   std::vector<uint32_t> backend_versions;  // one per arm
@@ -32,13 +33,6 @@ struct Hello {
   bool shows_boxes = false;
 };
 
-struct FrameBatch {
-  std::vector<FrameSample> frames;
-  std::vector<ShadowSample> shadows;
-  uint64_t dropped_frame_count = 0;
-  std::optional<SceneDescriptor> descriptor;
-};
-
 // The result of a switch command, or a switch that the game made by itself.
 struct SwitchAnswer {
   uint64_t command_id = 0;
@@ -49,24 +43,15 @@ struct SwitchAnswer {
   decision::SwitchCost cost;
 };
 
-struct BailOut {
-  uint64_t frame_index = 0;
-  FrameSample frame;
-};
-
-struct OrderRefusal {
-  uint64_t order_id = 0;
-  // True: the game accepts orders, but not this one; false: it accepts none.
-  bool takes_orders = false;
-};
-
 // A message of a newer protocol. It is counted and ignored.
 struct UnknownMessage {};
 
 // A message after Hello that changes the session.
 struct Telemetry {
   uint64_t sequence = 0;  // counts from 1; a resent message keeps its number
-  std::variant<UnknownMessage, FrameBatch, SwitchAnswer, BailOut, ModeChange, OrderRefusal> message;
+  std::variant<UnknownMessage, protocol::FrameBatch, SwitchAnswer, protocol::BailOut, ModeChange,
+               protocol::OrderRefusal>
+      message;
 };
 
 }  // namespace sweepstake::sessions

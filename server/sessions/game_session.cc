@@ -118,7 +118,7 @@ void GameSession::Attach(ClientStream& link) {
   sent_verdict_ = Verdict::kUnknown;
 }
 
-void GameSession::Start(const Hello& hello) {
+void GameSession::Start(const SessionRequest& hello) {
   takes_orders_ = hello.takes_orders;
   boxes_.Connect(*link_, hello.shows_boxes);
   if (hello.mode != decisions_.mode()) {
@@ -155,7 +155,7 @@ void GameSession::Apply(Telemetry& telemetry) {
   ++context_.counters.applied_message_count;
 }
 
-void GameSession::ApplyMessage(FrameBatch& batch) {
+void GameSession::ApplyMessage(protocol::FrameBatch& batch) {
   frame_count_ += batch.frames.size();
   context_.counters.dropped_frame_count += batch.dropped_frame_count;
   dropped_frame_count_ += batch.dropped_frame_count;
@@ -164,13 +164,13 @@ void GameSession::ApplyMessage(FrameBatch& batch) {
     if (!IsOverLimit(frame)) frame.flags &= ~kFrameBailOut;
   }
   Reject(batch.frames, context_.counters.rejected_frame_counts);
-  Reject(batch.shadows, context_.counters.rejected_shadow_counts);
+  Reject(batch.shadow_samples, context_.counters.rejected_shadow_counts);
   context_.counters.accepted_frame_count += batch.frames.size();
-  context_.counters.accepted_shadow_count += batch.shadows.size();
+  context_.counters.accepted_shadow_count += batch.shadow_samples.size();
   decisions_.ObserveFrames(batch.frames);
   if (measured_) Measure(batch.frames);
-  decisions_.ObserveShadow(batch.shadows);
-  if (batch.descriptor) decisions_.ObserveDescriptor(*batch.descriptor);
+  decisions_.ObserveShadow(batch.shadow_samples);
+  if (batch.scene_descriptor) decisions_.ObserveDescriptor(*batch.scene_descriptor);
 }
 
 void GameSession::Measure(std::span<const FrameSample> frames) {
@@ -195,10 +195,10 @@ void GameSession::ApplyMessage(SwitchAnswer& outcome) {
   PublishChange();
 }
 
-void GameSession::ApplyMessage(BailOut& bail_out) {
-  if (last_bail_out_frame_ && bail_out.frame_index <= *last_bail_out_frame_) return;
-  last_bail_out_frame_ = bail_out.frame_index;
+void GameSession::ApplyMessage(protocol::BailOut& bail_out) {
   FrameSample& frame = bail_out.frame;
+  if (last_bail_out_frame_ && frame.frame_index <= *last_bail_out_frame_) return;
+  last_bail_out_frame_ = frame.frame_index;
   std::optional<RejectionReason> rejection = RejectionOf(frame);
   if (!rejection && !IsOverLimit(frame)) rejection = RejectionReason::kFrameTime;
   if (rejection) return Count(*rejection, context_.counters.rejected_frame_counts);
@@ -227,12 +227,12 @@ void GameSession::ApplyMessage(ModeChange& change) {
   PublishChange();
 }
 
-void GameSession::ApplyMessage(OrderRefusal& refusal) {
-  AnswerOrder(
-      refusal.order_id,
-      refusal.takes_orders
-          ? Refused(reasons::kOrderRefused, "the game does not support this order; update the game")
-          : TakesNoOrders());
+void GameSession::ApplyMessage(protocol::OrderRefusal& refusal) {
+  AnswerOrder(refusal.order_id,
+              refusal.reason == protocol::OrderRefusalReason::kNotAllowed
+                  ? TakesNoOrders()
+                  : Refused(reasons::kOrderRefused,
+                            "the game does not support this order; update the game"));
 }
 
 void GameSession::Order(const decision::OrderReport& order, OrderAnswer answer) {

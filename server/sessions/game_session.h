@@ -113,7 +113,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void Attach(ClientStream& link);
   // Called after the welcome message: sends the switch command that the client has not answered, if
   // any, and starts the ticks.
-  void Start(const Hello& hello);
+  void Start(const SessionRequest& hello);
   // Called when the connection is lost. Does nothing if `link` is not the attached one.
   void Detach(ClientStream& link);
 
@@ -182,11 +182,11 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
 
   // These functions apply one kind of message each. They may modify the frames of the message.
   void ApplyMessage(UnknownMessage& /*unknown*/) {}
-  void ApplyMessage(FrameBatch& batch);
+  void ApplyMessage(protocol::FrameBatch& batch);
   void ApplyMessage(SwitchAnswer& outcome);
-  void ApplyMessage(BailOut& bail_out);
+  void ApplyMessage(protocol::BailOut& bail_out);
   void ApplyMessage(ModeChange& change);
-  void ApplyMessage(OrderRefusal& refusal);
+  void ApplyMessage(protocol::OrderRefusal& refusal);
   bool IsOverLimit(const FrameSample& frame) const;
   void Measure(std::span<const FrameSample> frames);
   // Reports `status` to the caller of Order if the order with this id still waits for an answer.

@@ -325,8 +325,9 @@ class PriorReader {
 
   // Returns the rows of a segment from number `first_row` on, ascending by number. Stops after
   // `limit` rows, or once `max_bytes` have been read. REQUIRES: limit > 0.
-  virtual absl::StatusOr<std::vector<AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
-                                                          uint32_t limit, size_t max_bytes) = 0;
+  virtual absl::StatusOr<std::vector<StoredAuditRow>> LoadAudit(uint64_t segment_id,
+                                                                uint64_t first_row, uint32_t limit,
+                                                                size_t max_bytes) = 0;
 };
 
 // The store of evidence. Every implementation passes

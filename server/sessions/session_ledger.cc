@@ -120,7 +120,7 @@ void SessionLedger::Offer() {
 }
 
 void SessionLedger::DropOffer() {
-  for (const priors::AuditRow& row : offered_->audit.rows) {
+  for (const priors::StoredAuditRow& row : offered_->audit.rows) {
     audit_bytes_ -= row.bytes.size();
     counters_.waiting_audit_bytes -= row.bytes.size();
   }
@@ -130,7 +130,7 @@ void SessionLedger::DropOffer() {
 void SessionLedger::DropAll() {
   for (const auto* rows : {&audit_.rows, &open_rows_}) {
     counters_.lost_audit_row_count += rows->size();
-    for (const priors::AuditRow& row : *rows) {
+    for (const priors::StoredAuditRow& row : *rows) {
       audit_bytes_ -= row.bytes.size();
       counters_.waiting_audit_bytes -= row.bytes.size();
     }

@@ -108,7 +108,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   std::map<priors::EvidenceKey, priors::Evidence> open_;  // since the latest checkpoint
   std::map<priors::EvidenceKey, priors::Evidence>
       waiting_;  // up to the latest checkpoint, without the evidence in `offered_`
-  std::vector<priors::AuditRow> open_rows_;  // since the latest checkpoint
+  std::vector<priors::StoredAuditRow> open_rows_;  // since the latest checkpoint
   priors::AuditRows audit_;       // up to the latest checkpoint, without the rows in `offered_`
   uint64_t audit_row_count_ = 0;  // rows of the segment, lost ones included
   size_t audit_bytes_ = 0;        // size of all rows held here

@@ -22,7 +22,7 @@ struct SessionChange {
 };
 
 // A decision of a session. All pointers and references are borrowed.
-struct DecisionEvent {
+struct SessionDecision {
   const SessionIdentity& session;
   const decision::DecisionRecord& record;
   int64_t unix_ms = 0;
@@ -42,7 +42,7 @@ class SessionObserver {
   virtual void OnSession(const std::string& session_id, const SessionChange& change) = 0;
   // Returns whether anybody watches this scene. If not, OnDecision need not be called.
   virtual bool Watches(const priors::SceneKey& scene) const = 0;
-  virtual void OnDecision(const DecisionEvent& event) = 0;
+  virtual void OnDecision(const SessionDecision& event) = 0;
   // Called when increments of the scene have reached the disk. `new_source` says that they are the
   // first ones of their session.
   virtual void OnEvidence(const priors::SceneKey& scene,

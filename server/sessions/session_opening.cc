@@ -13,7 +13,7 @@ absl::Status StoreBusy() {
 }
 
 // Returns whether the Hello, whose token has been checked, may resume this session in memory.
-bool CanResume(const GameSession& session, const Hello& hello) {
+bool CanResume(const GameSession& session, const SessionRequest& hello) {
   const SessionIdentity& identity = session.identity();
   return !session.ended() && identity.scene == hello.scene && identity.arms == hello.arms &&
          identity.backend_versions == hello.backend_versions;

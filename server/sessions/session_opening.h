@@ -47,7 +47,7 @@ class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
   using Done = std::function<void(absl::StatusOr<OpenedSession>)>;
 
   // The table outlives it. `token_id` is the id of the client's token, 0 for none.
-  SessionOpening(SessionTable& table, Hello hello, int64_t token_id, Done done)
+  SessionOpening(SessionTable& table, SessionRequest hello, int64_t token_id, Done done)
       : table_(table), hello_(std::move(hello)), token_id_(token_id), done_(std::move(done)) {}
 
   // Calls `done` once, on the loop, perhaps before Run returns. Errors: PERMISSION_DENIED (the
@@ -57,7 +57,7 @@ class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
   void Run();
 
   // The Hello, without the id of a session that it may not resume.
-  const Hello& hello() const { return hello_; }
+  const SessionRequest& hello() const { return hello_; }
 
  private:
   const SessionContext& context() const { return table_.context(); }
@@ -73,7 +73,7 @@ class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
   void Finish(absl::StatusOr<OpenedSession> result);
 
   SessionTable& table_;
-  Hello hello_;
+  SessionRequest hello_;
   const int64_t token_id_;
   Done done_;  // empty after the call
 };

@@ -27,7 +27,7 @@ std::string NewSessionId(const HostedSessionOptions& options) {
   return absl::StrFormat("%016x%016x", first, options.random_bits());
 }
 
-std::vector<EvidenceKey> KeysOf(const Hello& hello) {
+std::vector<EvidenceKey> KeysOf(const SessionRequest& hello) {
   std::vector<EvidenceKey> keys;
   for (size_t i = 0; i < hello.arms.size(); ++i) {
     for (const std::string_view by : {std::string_view(), decision::kLaneName})
@@ -36,11 +36,11 @@ std::vector<EvidenceKey> KeysOf(const Hello& hello) {
   return keys;
 }
 
-bool StartsFromPriors(const Hello& hello) {
+bool StartsFromPriors(const SessionRequest& hello) {
   return decision::PolicyKindOf(hello.policy, decision::ShippedPolicies()).starts_from_priors;
 }
 
-decision::PriorKey PriorKeyOf(const Hello& hello, const StoredStart& start) {
+decision::PriorKey PriorKeyOf(const SessionRequest& hello, const StoredStart& start) {
   return {.project = hello.scene.project,
           .scene = hello.scene.scene,
           .machine_class = hello.scene.machine_class,
@@ -96,8 +96,8 @@ struct StoredEvidence {
 };
 
 // Adds the evidence of the scene's sources, except the session's own, which has already been added.
-absl::Status AddSources(priors::PriorReader& store, const Hello& hello, const StoredStart& start,
-                        StoredEvidence& stored) {
+absl::Status AddSources(priors::PriorReader& store, const SessionRequest& hello,
+                        const StoredStart& start, StoredEvidence& stored) {
   auto sources = store.LoadSources(hello.scene);
   if (!sources.ok()) return sources.status();
   stored.sources = *std::move(sources);
@@ -110,7 +110,8 @@ absl::Status AddSources(priors::PriorReader& store, const Hello& hello, const St
 
 // Reads the sums of all sources, for policies whose rewards cannot be compared between sources. The
 // sums include the session's own evidence.
-absl::Status AddSums(priors::PriorReader& store, const Hello& hello, StoredEvidence& stored) {
+absl::Status AddSums(priors::PriorReader& store, const SessionRequest& hello,
+                     StoredEvidence& stored) {
   auto scene = store.LoadScene(hello.scene);
   if (!scene.ok()) return scene.status();
   stored.sum = *std::move(scene);
@@ -120,7 +121,7 @@ absl::Status AddSums(priors::PriorReader& store, const Hello& hello, StoredEvide
   return absl::OkStatus();
 }
 
-absl::Status AddOtherScenes(priors::PriorReader& store, const Hello& hello,
+absl::Status AddOtherScenes(priors::PriorReader& store, const SessionRequest& hello,
                             StoredEvidence& stored) {
   const priors::SceneKey& scene = hello.scene;
   uint32_t of_class_count = 0;
@@ -168,8 +169,8 @@ bool LacksArms(const decision::Prior& prior) {
 
 // Sets the prior, which includes the session's own evidence. Other scenes are read only if some arm
 // lacks evidence, and not on the writing thread, where reading them would delay commits.
-absl::Status LoadPrior(priors::PriorReader& store, const Hello& hello, bool is_writing_thread,
-                       StoredStart& start) {
+absl::Status LoadPrior(priors::PriorReader& store, const SessionRequest& hello,
+                       bool is_writing_thread, StoredStart& start) {
   const decision::PriorKey key = PriorKeyOf(hello, start);
   StoredEvidence stored;
   if (start.source) stored.AddOwn(*start.source, hello.build);
@@ -195,8 +196,8 @@ bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>
 }
 
 // Checks the scene and its arms against the quotas. Sets start.refusal and start.new_scene.
-void CheckQuota(priors::PriorReader& store, const Hello& hello, const HostedSessionOptions& options,
-                bool counts, StoredStart& start) {
+void CheckQuota(priors::PriorReader& store, const SessionRequest& hello,
+                const HostedSessionOptions& options, bool counts, StoredStart& start) {
   SceneQuota quota(store, options, counts);
   for (size_t i = 0; i < hello.arms.size(); ++i) {
     start.refusal = quota.Add(hello.scene, hello.arms[i], hello.backend_versions[i]);
@@ -205,13 +206,14 @@ void CheckQuota(priors::PriorReader& store, const Hello& hello, const HostedSess
   start.new_scene = quota.unstored();
 }
 
-decision::DecisionOptions OptionsOf(const Hello& hello, const HostedSessionOptions& options) {
+decision::DecisionOptions OptionsOf(const SessionRequest& hello,
+                                    const HostedSessionOptions& options) {
   decision::DecisionOptions scaled = options.decision;
   scaled.policy = hello.policy;
   return hello.time_scale > 1 ? scaled.Scaled(hello.time_scale) : scaled;
 }
 
-SessionIdentity IdentityOf(const Hello& hello, const StoredStart& start, int64_t token_id,
+SessionIdentity IdentityOf(const SessionRequest& hello, const StoredStart& start, int64_t token_id,
                            const HostedSessionOptions& options) {
   SessionIdentity identity;
   identity.token_id = token_id;
@@ -233,7 +235,7 @@ SessionIdentity IdentityOf(const Hello& hello, const StoredStart& start, int64_t
   return identity;
 }
 
-decision::SessionSetup SetupOf(const Hello& hello, const SessionIdentity& identity,
+decision::SessionSetup SetupOf(const SessionRequest& hello, const SessionIdentity& identity,
                                const StoredStart& start, int64_t now_ns) {
   decision::SessionSetup setup;
   setup.options = identity.decision;
@@ -254,7 +256,7 @@ decision::SessionSetup SetupOf(const Hello& hello, const SessionIdentity& identi
 
 }  // namespace
 
-StoredStart LoadStart(priors::PriorReader& store, const Hello& hello,
+StoredStart LoadStart(priors::PriorReader& store, const SessionRequest& hello,
                       const HostedSessionOptions& options, bool is_writing_thread) {
   StoredStart start;
   CheckQuota(store, hello, options, /*counts=*/false, start);
@@ -273,13 +275,13 @@ StoredStart LoadStart(priors::PriorReader& store, const Hello& hello,
   return start;
 }
 
-void CountScene(priors::PriorReader& store, const Hello& hello, const HostedSessionOptions& options,
-                StoredStart& start) {
+void CountScene(priors::PriorReader& store, const SessionRequest& hello,
+                const HostedSessionOptions& options, StoredStart& start) {
   if (start.new_scene) CheckQuota(store, hello, options, /*counts=*/true, start);
 }
 
 absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(const SessionContext& context,
-                                                         const Hello& hello,
+                                                         const SessionRequest& hello,
                                                          const StoredStart& start,
                                                          int64_t token_id) {
   SessionIdentity identity = IdentityOf(hello, start, token_id, context.options);

@@ -37,18 +37,18 @@ struct StoredStart {
 // Reads all that the Hello's session needs, on one of the store's threads. A scene that is not
 // stored is not counted against the quotas yet. The project's other scenes are skipped on the
 // writing thread, where reading them would delay commits.
-StoredStart LoadStart(priors::PriorReader& store, const Hello& hello,
+StoredStart LoadStart(priors::PriorReader& store, const SessionRequest& hello,
                       const HostedSessionOptions& options, bool is_writing_thread);
 
 // Counts the Hello's scene against the quotas, if `start` says that it is not stored. REQUIRES: the
 // caller is the store's writing thread, so that the count is exact.
-void CountScene(priors::PriorReader& store, const Hello& hello, const HostedSessionOptions& options,
-                StoredStart& start);
+void CountScene(priors::PriorReader& store, const SessionRequest& hello,
+                const HostedSessionOptions& options, StoredStart& start);
 
 // Creates the session of a Hello for the caller's token. Error: INVALID_ARGUMENT (the setup is not
 // valid).
 absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(const SessionContext& context,
-                                                         const Hello& hello,
+                                                         const SessionRequest& hello,
                                                          const StoredStart& start,
                                                          int64_t token_id);
 

@@ -110,7 +110,7 @@ bool BarsUnknown(const priors::SourceFilter& filter) {
          filter == priors::SourceFilter{.id = filter.id};
 }
 
-bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row) {
+bool IsStorable(const priors::AuditRows& rows, const priors::StoredAuditRow& row) {
   return IsName(rows.project) && IsName(rows.scene) && rows.segment > 0 && row.number > 0 &&
          row.number <= kMaxCount && !row.bytes.empty() &&
          row.bytes.size() <= priors::kMaxAuditRowBytes;

@@ -28,7 +28,7 @@ absl::Status QuarantineBound(uint64_t count, uint64_t max_records);
 bool BarsUnknown(const priors::SourceFilter& filter);
 
 // Returns whether the row can be stored. If a name in `rows` is invalid, no row can be stored.
-bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row);
+bool IsStorable(const priors::AuditRows& rows, const priors::StoredAuditRow& row);
 
 // A range of rows of the audit log, which is removed as a whole. Its first row was stored at
 // `unix_start_s`.

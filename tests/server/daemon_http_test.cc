@@ -25,7 +25,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 // A clock whose loop can be made to hang.
-class HangingClock final : public sessions::Clock {
+class HangingClock final : public sessions::LoopClock {
  public:
   int64_t NowNs() const override { return steady_.NowNs() + ahead_ns_; }
   void WaitUntil(int64_t deadline_ns) override {
@@ -54,7 +54,7 @@ class HangingClock final : public sessions::Clock {
   }
 
  private:
-  sessions::SteadyClock steady_;
+  sessions::SteadyLoopClock steady_;
   std::atomic<int64_t> ahead_ns_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -83,7 +83,7 @@ class DaemonHttpTest : public ::testing::Test {
 
   test_support::TemporaryDirectory directory_;
   Config config_;
-  sessions::SteadyClock clock_;
+  sessions::SteadyLoopClock clock_;
 };
 
 TEST_F(DaemonHttpTest, ThePortFilesSecondLineIsTheHttpPort) {
@@ -102,7 +102,7 @@ TEST_F(DaemonHttpTest, AnHttpPortInUseStopsTheStart) {
   const auto daemon = Start();
   config_.http = "127.0.0.1:" + std::to_string(daemon->http_port());
   config_.data = directory_.path() / "other";
-  sessions::SteadyClock clock;
+  sessions::SteadyLoopClock clock;
   EXPECT_TRUE(absl::IsUnavailable(Daemon::Start(config_, clock).status()));
 }
 

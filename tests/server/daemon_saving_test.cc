@@ -44,7 +44,7 @@ TEST(DaemonSavingTest, TheFlagIsSetOnlyWhileTheCopyIsMade) {
   config.listen = "127.0.0.1:0";
   config.data = directory.path();
   config.log_level = "off";
-  sessions::SteadyClock clock;
+  sessions::SteadyLoopClock clock;
   const auto daemon = *Daemon::Start(config, clock);
   const auto saving = daemon->saving();
   EXPECT_FALSE(*saving);

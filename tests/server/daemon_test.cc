@@ -48,7 +48,7 @@ class DaemonTest : public ::testing::Test {
 
   test_support::TemporaryDirectory directory_;
   Config config_;
-  sessions::SteadyClock clock_;
+  sessions::SteadyLoopClock clock_;
 };
 
 v1::StreamTelemetryRequest Hello() {
@@ -135,7 +135,7 @@ TEST_F(DaemonTest, AFailedStartRemovesThePortFileOfAnEarlierDaemon) {
   config_.data = directory_.path() / "other";
   config_.port_file = directory_.path() / "stale";
   std::ofstream(config_.port_file) << "1\n";
-  sessions::SteadyClock clock;
+  sessions::SteadyLoopClock clock;
   EXPECT_FALSE(Daemon::Start(config_, clock).ok());
   EXPECT_FALSE(std::filesystem::exists(config_.port_file));
 }
@@ -161,7 +161,7 @@ TEST_F(DaemonTest, DrainingIsIdempotentAndFreesTheDataDirectory) {
 
 TEST_F(DaemonTest, ASecondDaemonOnTheSameDataIsRefused) {
   const auto daemon = Start();
-  sessions::SteadyClock clock;
+  sessions::SteadyLoopClock clock;
   const absl::Status status = Daemon::Start(config_, clock).status();
   EXPECT_THAT(std::string(status.message()), HasSubstr("another daemon"));
 }
@@ -170,7 +170,7 @@ TEST_F(DaemonTest, APortInUseIsAnError) {
   const auto daemon = Start();
   config_.listen = "127.0.0.1:" + std::to_string(daemon->port());
   config_.data = directory_.path() / "other";
-  sessions::SteadyClock clock;
+  sessions::SteadyLoopClock clock;
   const absl::Status status = Daemon::Start(config_, clock).status();
   EXPECT_TRUE(absl::IsUnavailable(status));
   EXPECT_THAT(std::string(status.message()), HasSubstr("cannot listen on"));

@@ -1,6 +1,6 @@
 // The messages that a client sends to and receives from sweepstake.v1.TelemetryService, as plain
-// structs. telemetry.proto describes their fields. Where a struct of frame_sample.h has the same
-// content as a message, that struct is used.
+// structs. telemetry.proto describes their fields. Where a struct of frame_sample.h or
+// client_reports.h has the same content as a message, that struct is used.
 //
 // A received enumeration may have a value that only a newer protocol defines.
 #pragma once
@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/decider/client_reports.h"
 #include "engine_client/math/beta_distribution.h"
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/frame_sample.h"
@@ -25,8 +26,6 @@ inline constexpr uint64_t kNsPerMs = 1'000'000;
 namespace sweepstake::protocol {
 
 enum class Capability : uint32_t { kOperatorOrders = 1, kBoxView = 2 };
-
-enum class OrderRefusalReason : uint32_t { kNotAllowed = 1, kUnknown = 2 };
 
 struct Arm {
   std::string name;
@@ -52,25 +51,7 @@ struct Hello {
   std::vector<Capability> capabilities;
 };
 
-// Consecutive frames. Their index and pair count are not sent.
-struct FrameBatch {
-  std::vector<FrameSample> frames;
-  std::optional<SceneDescriptor> scene_descriptor;  // only its values >= 0 are sent
-  uint64_t dropped_frame_count = 0;
-  std::vector<ShadowSample> shadow_samples;
-};
-
-// A frame over the bail-out limit.
-struct BailOut {
-  FrameSample frame;
-};
-
 struct Goodbye {};
-
-struct OrderRefusal {
-  uint64_t order_id = 0;
-  OrderRefusalReason reason = OrderRefusalReason::kUnknown;
-};
 
 // Some of a frame's boxes. telemetry.proto describes the encoding of `boxes` and `pairs`.
 struct BoxView {

@@ -41,7 +41,7 @@ struct Caller : auth::Principal {
 class AccessControl {
  public:
   // All three arguments are borrowed.
-  AccessControl(const RpcOptions& options, const sessions::Clock& clock, spdlog::logger& log)
+  AccessControl(const RpcOptions& options, const sessions::LoopClock& clock, spdlog::logger& log)
       : options_(options), tokens_(options.tokens), clock_(clock), refusals_(clock, log) {}
 
   // Returns the caller. Errors: UNAUTHENTICATED (missing or invalid token), PERMISSION_DENIED (its
@@ -125,7 +125,7 @@ class AccessControl {
 
   const RpcOptions& options_;
   const auth::TokenDirectory* const tokens_;
-  const sessions::Clock& clock_;
+  const sessions::LoopClock& clock_;
   auth::FailureLimit failures_;
   auth::RateLimit reads_;
   auth::RateLimit hellos_;

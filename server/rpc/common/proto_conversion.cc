@@ -189,7 +189,7 @@ absl::StatusOr<std::vector<v1::ScenePosterior>> ToProto(
   return messages;
 }
 
-void ToProto(const sessions::DecisionEvent& event, v1::DecisionEvent& message) {
+void ToProto(const sessions::SessionDecision& event, v1::DecisionEvent& message) {
   const sessions::SessionIdentity& identity = event.session;
   const decision::DecisionRecord& record = event.record;
   message.set_unix_ms(event.unix_ms);
@@ -215,7 +215,7 @@ void ToProto(const sessions::DecisionEvent& event, v1::DecisionEvent& message) {
   for (const ArmStanding& standing : record.standings) *message.add_standings() = ToProto(standing);
 }
 
-void ToProto(const sessions::GameSession& session, const sessions::Hello& hello,
+void ToProto(const sessions::GameSession& session, const sessions::SessionRequest& hello,
              const RpcOptions& options, v1::Welcome& message) {
   const sessions::SessionIdentity& identity = session.identity();
   const decision::DecisionOptions& decision = identity.decision;
@@ -327,6 +327,7 @@ FrameSample FrameOf(const v1::FrameBatch& batch, int i) {
 
 FrameSample FrameOf(const v1::BailOut& bail_out) {
   FrameSample frame;
+  frame.frame_index = bail_out.frame_index();
   frame.frame_time_ns = bail_out.frame_time_ns();
   frame.detection_time_ns = bail_out.detection_time_ns();
   frame.arm = bail_out.arm();
@@ -360,17 +361,17 @@ decision::SwitchCost CostOf(const v1::SwitchOutcome& outcome) {
 }
 
 // Reuses the memory of `batch`.
-void FromProto(const v1::FrameBatch& message, sessions::FrameBatch& batch) {
+void FromProto(const v1::FrameBatch& message, protocol::FrameBatch& batch) {
   batch.frames.clear();
   for (int i = 0; i < message.frame_time_ns_size(); ++i)
     batch.frames.push_back(FrameOf(message, i));
-  batch.shadows.clear();
+  batch.shadow_samples.clear();
   for (const v1::ShadowSample& sample : message.shadow_samples())
-    batch.shadows.push_back(FromProto(sample));
+    batch.shadow_samples.push_back(FromProto(sample));
   batch.dropped_frame_count = message.dropped_frame_count();
-  batch.descriptor.reset();
+  batch.scene_descriptor.reset();
   if (message.has_scene_descriptor())
-    batch.descriptor = sweepstake::FromProto(message.scene_descriptor());
+    batch.scene_descriptor = sweepstake::FromProto(message.scene_descriptor());
 }
 
 sessions::SwitchAnswer FromProto(const v1::SwitchOutcome& message) {
@@ -391,8 +392,8 @@ bool HasUnknownValue(const v1::StreamTelemetryRequest& request) {
 
 }  // namespace
 
-sessions::Hello FromProto(const v1::Hello& message) {
-  sessions::Hello hello{
+sessions::SessionRequest FromProto(const v1::Hello& message) {
+  sessions::SessionRequest hello{
       .scene =
           {message.project(), message.scene(), message.machine_class(),
            decision::PolicyKindOf(message.policy(), decision::ShippedPolicies()).reward_version},
@@ -420,26 +421,25 @@ sessions::Hello FromProto(const v1::Hello& message) {
 void FromProto(const v1::StreamTelemetryRequest& request, sessions::Telemetry& telemetry) {
   telemetry.sequence = request.sequence();
   if (request.has_frame_batch()) {
-    if (!std::holds_alternative<sessions::FrameBatch>(telemetry.message))
-      telemetry.message.emplace<sessions::FrameBatch>();
-    return FromProto(request.frame_batch(), std::get<sessions::FrameBatch>(telemetry.message));
+    if (!std::holds_alternative<protocol::FrameBatch>(telemetry.message))
+      telemetry.message.emplace<protocol::FrameBatch>();
+    return FromProto(request.frame_batch(), std::get<protocol::FrameBatch>(telemetry.message));
   }
   if (HasUnknownValue(request)) {
     telemetry.message = sessions::UnknownMessage{};
   } else if (request.has_switch_outcome()) {
     telemetry.message = FromProto(request.switch_outcome());
   } else if (request.has_bail_out()) {
-    telemetry.message =
-        sessions::BailOut{request.bail_out().frame_index(), FrameOf(request.bail_out())};
+    telemetry.message = protocol::BailOut{FrameOf(request.bail_out())};
   } else if (request.has_mode_change()) {
     const v1::ModeChange& change = request.mode_change();
     telemetry.message =
         ModeChange{FromProto(change.mode()), change.active_arm(), change.order_id()};
   } else if (request.has_order_refusal()) {
     const v1::OrderRefusal& refusal = request.order_refusal();
-    telemetry.message = sessions::OrderRefusal{
+    telemetry.message = protocol::OrderRefusal{
         .order_id = refusal.order_id(),
-        .takes_orders = refusal.reason() != v1::ORDER_REFUSAL_REASON_NOT_ALLOWED};
+        .reason = static_cast<protocol::OrderRefusalReason>(refusal.reason())};
   } else {
     telemetry.message = sessions::UnknownMessage{};
   }

@@ -47,10 +47,10 @@ void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
 absl::StatusOr<std::vector<v1::ScenePosterior>> ToProto(
     const absl::StatusOr<std::vector<priors::SceneEvidence>>& page);
-void ToProto(const sessions::DecisionEvent& event, v1::DecisionEvent& message);
+void ToProto(const sessions::SessionDecision& event, v1::DecisionEvent& message);
 // Sets the capabilities that the client announced in its Hello and that the daemon supports. The
 // caller sets resumed, protocol_version and batch_interval_ms.
-void ToProto(const sessions::GameSession& session, const sessions::Hello& hello,
+void ToProto(const sessions::GameSession& session, const sessions::SessionRequest& hello,
              const RpcOptions& options, v1::Welcome& message);
 void ToProto(const sessions::SessionView& session, v1::SessionInfo& message);
 void ToProto(const events::EventStamp& stamp, v1::EventStamp& message);
@@ -61,7 +61,7 @@ void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
 // REQUIRES for the next three functions: the message has passed the checks of message_validation.h.
 Mode FromProto(v1::Mode mode);
 // Sets the scene's reward version to that of the policy. REQUIRES: the Hello names a policy.
-sessions::Hello FromProto(const v1::Hello& message);
+sessions::SessionRequest FromProto(const v1::Hello& message);
 // Reuses the memory of `telemetry`. A value of a scene descriptor that is negative or not finite
 // counts as not measured, and each cost of a switch is limited to kMaxFrameNs.
 void FromProto(const v1::StreamTelemetryRequest& request, sessions::Telemetry& telemetry);

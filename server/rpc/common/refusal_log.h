@@ -22,7 +22,7 @@ class RefusalLog {
  public:
   static constexpr int64_t kIntervalNs = 10'000'000'000;
 
-  RefusalLog(const sessions::Clock& clock, spdlog::logger& log) : clock_(clock), log_(log) {}
+  RefusalLog(const sessions::LoopClock& clock, spdlog::logger& log) : clock_(clock), log_(log) {}
 
   // Logs a refusal. `peer` is the caller whose call or stream was refused.
   void Tell(std::string_view peer, const absl::Status& refusal);
@@ -39,7 +39,7 @@ class RefusalLog {
     uint64_t left_out_count = 0;
   };
 
-  const sessions::Clock& clock_;
+  const sessions::LoopClock& clock_;
   spdlog::logger& log_;
   std::mutex mutex_;
   std::array<Line, v1::ErrorReason_ARRAYSIZE> lines_;  // guarded by mutex_

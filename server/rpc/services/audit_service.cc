@@ -68,11 +68,11 @@ void SetMissing(const AuditSegment& segment, uint64_t number, v1::AuditRow& mess
 
 // Adds the rows to the response. One row of the kind AUDIT_KIND_MISSING stands for each gap in the
 // row numbers and for each row that does not parse. Returns the number of bytes of `rows`.
-size_t AddRows(const std::vector<priors::AuditRow>& rows, RowPlace& place,
+size_t AddRows(const std::vector<priors::StoredAuditRow>& rows, RowPlace& place,
                v1::ExportDecisionsResponse& response) {
   size_t bytes = 0;
   const AuditSegment& segment = *place.segment;
-  for (const priors::AuditRow& row : rows) {
+  for (const priors::StoredAuditRow& row : rows) {
     if (row.number != place.next_row) SetMissing(segment, place.next_row, *response.add_rows());
     place.next_row = row.number + 1;
     v1::AuditRow& message = *response.add_rows();

@@ -20,7 +20,7 @@ class EventEncoder final : public events::Encoder {
     response.mutable_posterior()->set_active_session_count(count);
     return response.SerializeAsString();
   }
-  std::string Decision(const sessions::DecisionEvent& decision) const override {
+  std::string Decision(const sessions::SessionDecision& decision) const override {
     v1::WatchPosteriorsResponse response;
     ToProto(decision, *response.add_decisions());
     return response.SerializeAsString();

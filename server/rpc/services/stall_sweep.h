@@ -24,7 +24,7 @@ class StallingCall {
   // The time of the last progress, or Clock::kNever while the daemon does not wait for the client.
   virtual int64_t waiting_since_ns() const = 0;
   // The time by which the call must be done, or Clock::kNever.
-  virtual int64_t deadline_ns() const { return sessions::Clock::kNever; }
+  virtual int64_t deadline_ns() const { return sessions::LoopClock::kNever; }
   // Called when the call has made no progress for the patience of StallSweep, or its deadline has
   // passed. The call may remove itself from the sweep.
   virtual void OnStalled() = 0;
@@ -68,7 +68,7 @@ class Transfer : public StallingCall {
   absl::Status BeginTransfer(v1::ErrorReason refusal);
   void OnProgress() { last_progress_ns_ = context_.loop.clock().NowNs(); }
   // Called while the daemon waits for the store instead of the client.
-  void WaitForStore() { last_progress_ns_ = deadline_ns_ = sessions::Clock::kNever; }
+  void WaitForStore() { last_progress_ns_ = deadline_ns_ = sessions::LoopClock::kNever; }
   // Stops checking the progress, and logs `status` if it is a refusal. Called before the call is
   // finished.
   void EndTransfer(const absl::Status& status);
@@ -79,7 +79,7 @@ class Transfer : public StallingCall {
  private:
   AccessControl::Share share_;
   int64_t last_progress_ns_ = 0;
-  int64_t deadline_ns_ = sessions::Clock::kNever;
+  int64_t deadline_ns_ = sessions::LoopClock::kNever;
 };
 
 }  // namespace sweepstake::rpc

@@ -165,7 +165,7 @@ void TelemetryStream::ReportMissingEvidence(const absl::Status& status) {
 void TelemetryStream::Enter(const sessions::OpenedSession& opened) {
   session_ = opened.session;
   const std::shared_ptr<sessions::SessionOpening> opening = std::exchange(opening_, nullptr);
-  const sessions::Hello& hello = opening->hello();
+  const sessions::SessionRequest& hello = opening->hello();
   context_.sessions.Attach(*session_, *this, {.address = transport_.peer(), .build = hello.build});
   ++context_.counters.connected_stream_count;
   if (opened.resumed) ++context_.counters.resumed_count;

@@ -63,7 +63,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   }
 
   int64_t waiting_since_ns() const override {
-    return writing_ ? write_start_ns_ : sessions::Clock::kNever;
+    return writing_ ? write_start_ns_ : sessions::LoopClock::kNever;
   }
   void OnStalled() override {
     OnEnd(Refused(v1::ERROR_REASON_WATCHER_STALLED, "the watcher did not read; watch again"));

@@ -14,13 +14,13 @@ constexpr size_t kLaterTasksPerTurn = 8;
 
 }  // namespace
 
-int64_t SteadyClock::NowNs() const {
+int64_t SteadyLoopClock::NowNs() const {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
 
-void SteadyClock::WaitUntil(int64_t deadline_ns) {
+void SteadyLoopClock::WaitUntil(int64_t deadline_ns) {
   std::unique_lock lock(mutex_);
   const auto woken = [&] { return wake_; };
   if (deadline_ns == kNever) {
@@ -32,7 +32,7 @@ void SteadyClock::WaitUntil(int64_t deadline_ns) {
   wake_ = false;
 }
 
-void SteadyClock::Wake() {
+void SteadyLoopClock::Wake() {
   {
     const std::lock_guard lock(mutex_);
     wake_ = true;
@@ -40,7 +40,7 @@ void SteadyClock::Wake() {
   woken_.notify_one();
 }
 
-DecisionLoop::DecisionLoop(Clock& clock, OnTimer on_timer, Runner runner)
+DecisionLoop::DecisionLoop(LoopClock& clock, OnTimer on_timer, Runner runner)
     : clock_(clock), on_timer_(std::move(on_timer)) {
   if (runner == Runner::kOwnThread) thread_ = std::thread([this] { Run(); });
 }
@@ -90,7 +90,7 @@ bool DecisionLoop::Collect(Turn& turn) {
          turn.due.size() < kLaterTasksPerTurn) {
     turn.due.insert(turn.due.end(), timers_.extract(timers_.begin()));
   }
-  turn.next_due_ns = timers_.empty() ? Clock::kNever : timers_.begin()->first;
+  turn.next_due_ns = timers_.empty() ? LoopClock::kNever : timers_.begin()->first;
   return !turn.empty() || !closing_;
 }
 

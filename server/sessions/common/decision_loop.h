@@ -17,11 +17,11 @@ namespace sweepstake::sessions {
 //
 // Times are nanoseconds since an arbitrary moment. They never decrease, even if the wall clock is
 // set back. NowNs and Wake may be called from any thread, WaitUntil from one.
-class Clock {
+class LoopClock {
  public:
   static constexpr int64_t kNever = INT64_MAX;
 
-  virtual ~Clock() = default;
+  virtual ~LoopClock() = default;
   virtual int64_t NowNs() const = 0;
   // Returns when NowNs() >= deadline_ns or Wake was called since the last return. It may also
   // return earlier.
@@ -30,7 +30,7 @@ class Clock {
 };
 
 // The clock of the daemon: std::chrono::steady_clock.
-class SteadyClock final : public Clock {
+class SteadyLoopClock final : public LoopClock {
  public:
   int64_t NowNs() const override;
   void WaitUntil(int64_t deadline_ns) override;
@@ -64,7 +64,8 @@ class DecisionLoop {
   };
 
   // `on_timer`, if set, is called on the loop's thread with the lateness of each PostAt task.
-  explicit DecisionLoop(Clock& clock, OnTimer on_timer = {}, Runner runner = Runner::kOwnThread);
+  explicit DecisionLoop(LoopClock& clock, OnTimer on_timer = {},
+                        Runner runner = Runner::kOwnThread);
   ~DecisionLoop();
   DecisionLoop(const DecisionLoop&) = delete;
   DecisionLoop& operator=(const DecisionLoop&) = delete;
@@ -78,7 +79,7 @@ class DecisionLoop {
   // the next PostAt task is due, or Clock::kNever. REQUIRES: Runner::kCaller.
   int64_t RunReady();
 
-  Clock& clock() { return clock_; }
+  LoopClock& clock() { return clock_; }
 
  private:
   using Timers = std::multimap<int64_t, Task>;
@@ -87,7 +88,7 @@ class DecisionLoop {
   struct Turn {
     std::vector<Task> ready;
     Timers due;
-    int64_t next_due_ns = Clock::kNever;
+    int64_t next_due_ns = LoopClock::kNever;
 
     bool empty() const { return ready.empty() && due.empty(); }
   };
@@ -100,7 +101,7 @@ class DecisionLoop {
   bool Collect(Turn& turn);
   void RunTasks(Turn& turn);
 
-  Clock& clock_;
+  LoopClock& clock_;
   const OnTimer on_timer_;
   std::mutex mutex_;
   std::vector<Task> posted_;  // guarded by mutex_

@@ -14,7 +14,7 @@
 #include "server/sessions/common/adjustable.h"
 
 namespace sweepstake::decision {
-struct AuditRow;
+struct StoredAuditRow;
 }  // namespace sweepstake::decision
 
 namespace sweepstake::sessions {

@@ -21,7 +21,7 @@ namespace sweepstake::priors {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(KeyedEvidence, key, evidence)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceProgress, source_id, commit_sequence, message_sequence,
                                    explored_arm_count, decision_count, frame_count, seed)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AuditRow, number, bytes)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StoredAuditRow, number, bytes)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AuditRows, segment, project, scene, unix_start_ms, rows)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceOrigin, build, token_id)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceWriter, id, resumed_sequence)

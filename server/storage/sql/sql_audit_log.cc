@@ -9,8 +9,8 @@
 namespace sweepstake::storage {
 namespace {
 
-using priors::AuditRow;
 using priors::AuditRows;
+using priors::StoredAuditRow;
 
 // In a shared database only one daemon at a time appends to the audit log, so that the rows of a
 // chunk have consecutive ids. The lock ends with the transaction; its number is arbitrary.
@@ -94,9 +94,9 @@ absl::Status SqlAuditLog::AppendAll(std::span<const priors::SourceUpdate* const>
 absl::Status SqlAuditLog::AppendOne(const priors::SourceUpdate& update, uint64_t& lost) {
   const auto segment = Find(update.progress.source_id, update.audit.segment);
   if (!segment.ok()) return segment.status();
-  std::vector<const AuditRow*> rows;
+  std::vector<const StoredAuditRow*> rows;
   uint64_t bytes = 0;
-  for (const AuditRow& row : update.audit.rows) {
+  for (const StoredAuditRow& row : update.audit.rows) {
     if (!IsStorable(update.audit, row)) {
       ++lost;
     } else if (row.number > segment->last_row) {
@@ -116,7 +116,7 @@ absl::Status SqlAuditLog::AppendOne(const priors::SourceUpdate& update, uint64_t
   if (status.ok() && !is_admin) status = GrowChunk(bytes, update.unix_time_s);
   if (!status.ok()) return status;
   SqlBatch batch;
-  for (const AuditRow* row : rows) batch.Add(*id, row->number, SqlBytes{row->bytes});
+  for (const StoredAuditRow* row : rows) batch.Add(*id, row->number, SqlBytes{row->bytes});
   status = database_.Run(kAddRows, batch);
   if (!status.ok() || !is_admin) return status;
   return RemoveRows(kDeleteAdminRows, decision::kAdminSession, limits_.admin_row_count);

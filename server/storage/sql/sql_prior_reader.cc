@@ -476,13 +476,13 @@ absl::StatusOr<std::vector<priors::AuditSegment>> SqlPriorReader::ListAudit(
       filter.session_id, filter.project, filter.scene, after, limit, LineList(filter.projects));
 }
 
-absl::StatusOr<std::vector<priors::AuditRow>> SqlPriorReader::LoadAudit(uint64_t segment_id,
-                                                                        uint64_t first_row,
-                                                                        uint32_t limit,
-                                                                        size_t max_bytes) {
+absl::StatusOr<std::vector<priors::StoredAuditRow>> SqlPriorReader::LoadAudit(uint64_t segment_id,
+                                                                              uint64_t first_row,
+                                                                              uint32_t limit,
+                                                                              size_t max_bytes) {
   const SqlSnapshot snapshot(database_);
   if (!snapshot.status().ok()) return snapshot.status();
-  return database_.Collect<std::vector<priors::AuditRow>>(
+  return database_.Collect<std::vector<priors::StoredAuditRow>>(
       kLoadRows,
       [](const SqlRow& row, auto& rows) {
         rows.push_back({.number = row.Unsigned(0), .bytes = row.Bytes(1)});

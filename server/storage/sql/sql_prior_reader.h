@@ -59,9 +59,9 @@ class SqlPriorReader : public virtual priors::PriorReader {
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override;
-  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
-                                                          uint32_t limit,
-                                                          size_t max_bytes) override;
+  absl::StatusOr<std::vector<priors::StoredAuditRow>> LoadAudit(uint64_t segment_id,
+                                                                uint64_t first_row, uint32_t limit,
+                                                                size_t max_bytes) override;
 
   // Returns the scenes whose evidence was changed by transactions from the transaction id `since`
   // on. Sets `since` to the oldest transaction that is still running, so that the next call misses

@@ -81,7 +81,7 @@ class RecordingEncoder final : public Encoder {
     return std::to_string(scenes.size() - 1);
   }
   std::string ActiveSessions(uint32_t /*count*/) const override { return ""; }
-  std::string Decision(const sessions::DecisionEvent& /*decision*/) const override {
+  std::string Decision(const sessions::SessionDecision& /*decision*/) const override {
     return std::string(decision_bytes, 'd');
   }
   std::string Session(const sessions::SessionView& /*session*/) const override { return ""; }
@@ -192,7 +192,7 @@ class EventBusTest : public ::testing::Test {
   }
   // Advances the clock by one tick and runs the loop. Returns whether a tick was due.
   bool Tick() {
-    const bool due = loop_.RunReady() != sessions::Clock::kNever;
+    const bool due = loop_.RunReady() != sessions::LoopClock::kNever;
     clock_.Advance(EventBus::kIntervalNs);
     loop_.RunReady();
     return due;

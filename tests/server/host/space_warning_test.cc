@@ -54,7 +54,7 @@ std::string LogOfADaemon(uint64_t max_bytes) {
   config.log_level = "warn";
   config.database_bytes = max_bytes;
   config.audit.bytes = 0;
-  sessions::SteadyClock clock;
+  sessions::SteadyLoopClock clock;
   ::testing::internal::CaptureStderr();
   const auto daemon = *Daemon::Start(config, clock);
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);

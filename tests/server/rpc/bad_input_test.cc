@@ -91,7 +91,7 @@ TEST(MessageValidation, AcceptsOnlyMeasuredValuesOfTheScene) {
   message.set_speed_mean(-1);
   message.set_static_ratio(0);
   const SceneDescriptor descriptor =
-      *std::get<sessions::FrameBatch>(Converted(request).message).descriptor;
+      *std::get<protocol::FrameBatch>(Converted(request).message).scene_descriptor;
   EXPECT_EQ(descriptor.object_count, 1000);
   EXPECT_FALSE(decision::IsMeasured(descriptor.density_ratio));
   EXPECT_FALSE(decision::IsMeasured(descriptor.size_spread));
@@ -142,7 +142,7 @@ TEST(MessageValidation, KeepsTheFieldsOfAShadowSampleApart) {
   message.set_frame_count(8);
   message.set_flags(0xFF);
   const ShadowSample sample =
-      std::get<sessions::FrameBatch>(Converted(request).message).shadows.at(0);
+      std::get<protocol::FrameBatch>(Converted(request).message).shadow_samples.at(0);
   EXPECT_EQ(sample.first_frame_index, 1u);
   EXPECT_EQ(sample.arm, 2u);
   EXPECT_EQ(sample.detection_time_ns, 3u);

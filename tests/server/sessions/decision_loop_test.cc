@@ -41,7 +41,7 @@ TEST(DecisionLoopTest, TheCallerRunsPostedAndDueTasksAndTheTasksThatTheyPost) {
   EXPECT_EQ(loop.RunReady(), start_ns + 100);
   EXPECT_THAT(order, ElementsAre(1, 2));
   clock.Advance(100);
-  EXPECT_EQ(loop.RunReady(), Clock::kNever);
+  EXPECT_EQ(loop.RunReady(), LoopClock::kNever);
   EXPECT_THAT(order, ElementsAre(1, 2, 3));
 }
 
@@ -55,7 +55,7 @@ TEST(DecisionLoopTest, PostedTasksOvertakeManyLaterTasksAndTimers) {
     loop.PostLater([&] { ++done; });
     loop.PostAt(clock.NowNs(), [&] { ++done; });
   }
-  EXPECT_EQ(loop.RunReady(), Clock::kNever);
+  EXPECT_EQ(loop.RunReady(), LoopClock::kNever);
   EXPECT_EQ(done, 2000);
   EXPECT_LT(done_before, 20);
 }

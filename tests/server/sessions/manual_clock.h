@@ -8,7 +8,7 @@
 
 namespace sweepstake::sessions {
 
-class ManualClock final : public Clock {
+class ManualClock final : public LoopClock {
  public:
   int64_t NowNs() const override {
     const std::lock_guard lock(mutex_);

@@ -189,7 +189,7 @@ class CountedStore final : public storage::ForwardingStore {
 TEST_F(SceneQuotaTest, ANewSceneIsCountedOnceAndOnlyByCountScene) {
   CountedStore store;
   options_.max_scenes = 0;
-  const sessions::Hello hello = FromProto(OneArmHello());
+  const sessions::SessionRequest hello = FromProto(OneArmHello());
   sessions::StoredStart start =
       sessions::LoadStart(store, hello, options_, /*is_writing_thread=*/false);
   EXPECT_TRUE(start.new_scene);

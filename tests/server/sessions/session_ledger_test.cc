@@ -50,7 +50,7 @@ class SessionLedgerTest : public ::testing::Test {
     done.get_future().wait();
   }
   void ExpectOffer(size_t index, uint64_t sequence, double alpha,
-                   const std::vector<priors::AuditRow>& rows) {
+                   const std::vector<priors::StoredAuditRow>& rows) {
     ASSERT_EQ(store_.offered.size(), index + 1);
     const priors::SourceUpdate& update = store_.offered[index];
     EXPECT_EQ(update.progress.message_sequence, sequence);

@@ -60,14 +60,14 @@ class NoObserver final : public SessionObserver {
  public:
   void OnSession(const std::string&, const SessionChange&) override {}
   bool Watches(const priors::SceneKey&) const override { return false; }
-  void OnDecision(const DecisionEvent&) override {}
+  void OnDecision(const SessionDecision&) override {}
   void OnEvidence(const priors::SceneKey&, std::span<const priors::KeyedEvidence>, bool) override {}
   void Forget(const priors::SceneKey&) override {}
   void Reload(const priors::SceneKey&) override {}
 };
 
-Hello HelloOf(const std::string& scene) {
-  Hello hello;
+SessionRequest HelloOf(const std::string& scene) {
+  SessionRequest hello;
   hello.scene = {"game", scene, "", 1};
   hello.arms = {"Grid"};
   hello.backend_versions = {1};
@@ -79,7 +79,7 @@ class SessionOpeningTest : public ::testing::Test {
  protected:
   SessionOpeningTest() { options_.resume_secret = std::string(32, 's'); }
 
-  std::shared_ptr<SessionOpening> Open(Hello hello, int64_t token_id = 0) {
+  std::shared_ptr<SessionOpening> Open(SessionRequest hello, int64_t token_id = 0) {
     opened_.reset();
     const auto opening = std::make_shared<SessionOpening>(
         table_, std::move(hello), token_id,
@@ -88,7 +88,7 @@ class SessionOpeningTest : public ::testing::Test {
     return opening;
   }
   // Opens the session and runs the store's jobs.
-  OpenedSession Begin(const Hello& hello) {
+  OpenedSession Begin(const SessionRequest& hello) {
     const auto opening = Open(hello);
     store_.RunRead();
     store_.RunJob();
@@ -174,7 +174,7 @@ TEST_F(SessionOpeningTest, NoSessionBeginsForAClientThatHasLeft) {
 
 TEST_F(SessionOpeningTest, ASessionInMemoryIsResumedWithoutTheStore) {
   const OpenedSession first = Begin(HelloOf("harbour"));
-  Hello hello = HelloOf("harbour");
+  SessionRequest hello = HelloOf("harbour");
   hello.session_id = first.session->identity().id;
   hello.resume_token = ResumeTokenOf(hello.session_id, 0, options_.resume_secret);
   const auto opening = Open(hello);
@@ -192,7 +192,7 @@ TEST_F(SessionOpeningTest, ASessionThatEndsWhileTheStoreIsReadIsRefusedOnce) {
   update.progress.message_sequence = 1;
   ASSERT_TRUE(store_.store().Commit({&update, 1}).ok());
   table_.Forget(*first.session);
-  Hello hello = HelloOf("harbour");
+  SessionRequest hello = HelloOf("harbour");
   hello.session_id = first.session->identity().id;
   hello.resume_token = ResumeTokenOf(hello.session_id, 0, options_.resume_secret);
   const auto opening = Open(hello);
@@ -210,7 +210,7 @@ TEST_F(SessionOpeningTest, ASessionThatEndsWhileTheStoreIsReadIsRefusedOnce) {
 }
 
 TEST_F(SessionOpeningTest, ADifferentTokenCannotResumeTheSession) {
-  Hello hello = HelloOf("harbour");
+  SessionRequest hello = HelloOf("harbour");
   hello.session_id = "session";
   hello.resume_token = ResumeTokenOf("session", 7, options_.resume_secret);
   const auto opening = Open(hello, /*token_id=*/8);

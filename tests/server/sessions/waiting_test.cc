@@ -122,7 +122,7 @@ TEST_F(StoreOutageTest, KeepsActionsOfAdministratorsDuringTheOutage) {
   Keep();
   std::string rows;
   for (const priors::SourceUpdate& update : kept()) {
-    for (const priors::AuditRow& row : update.audit.rows) rows += row.bytes;
+    for (const priors::StoredAuditRow& row : update.audit.rows) rows += row.bytes;
   }
   EXPECT_THAT(rows, HasSubstr("one from meanwhile"));
   EXPECT_THAT(rows, Not(HasSubstr("one from before")));

@@ -61,7 +61,7 @@ void SimulatedDaemon::Run() {
   const int64_t due_ns = loop_.RunReady();
   if (due_ns < wake_ns_ || wake_ns_ <= world_.NowNs()) {
     wake_ns_ = due_ns;
-    if (due_ns != sessions::Clock::kNever) world_.After(due_ns - world_.NowNs(), [] {});
+    if (due_ns != sessions::LoopClock::kNever) world_.After(due_ns - world_.NowNs(), [] {});
   }
   if (store_.queued_count() > 0) RunLater(store_busy_, &storage::StoreThread::RunNext);
   if (store_.queued_read_count() > 0) RunLater(reads_busy_, &storage::StoreThread::RunNextRead);

@@ -74,7 +74,7 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   bool store_busy_ = false;
   bool reads_busy_ = false;
   // The latest time at which the world runs the daemon again.
-  int64_t wake_ns_ = sessions::Clock::kNever;
+  int64_t wake_ns_ = sessions::LoopClock::kNever;
 };
 
 }  // namespace sweepstake::simulation

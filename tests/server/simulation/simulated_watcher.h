@@ -51,7 +51,7 @@ class SimulatedWatcher final : public events::Sink, public events::Encoder {
     return absl::StrCat(encoded_.size() - 1);
   }
   std::string ActiveSessions(uint32_t /*count*/) const override { return ""; }
-  std::string Decision(const sessions::DecisionEvent& decision) const override {
+  std::string Decision(const sessions::SessionDecision& decision) const override {
     Check(decision.session.scene.project);
     return "";
   }

@@ -15,7 +15,7 @@ namespace sweepstake::simulation {
 inline constexpr int64_t kMsNs = 1'000'000;
 inline constexpr int64_t kSecondNs = 1'000 * kMsNs;
 
-class World final : public sessions::Clock {
+class World final : public sessions::LoopClock {
  public:
   explicit World(uint64_t seed) : random_(seed) {}
 

@@ -42,9 +42,9 @@ class AuditConformance : public PriorStoreConformance {
     }
     return {};
   }
-  static std::vector<std::string> Texts(const std::vector<priors::AuditRow>& rows) {
+  static std::vector<std::string> Texts(const std::vector<priors::StoredAuditRow>& rows) {
     std::vector<std::string> texts;
-    for (const priors::AuditRow& row : rows) texts.push_back(row.bytes);
+    for (const priors::StoredAuditRow& row : rows) texts.push_back(row.bytes);
     return texts;
   }
 

@@ -80,9 +80,9 @@ class ForwardingStore : public priors::PriorStore {
                                                               uint32_t limit) override {
     return store_->ListAudit(filter, after, limit);
   }
-  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
-                                                          uint32_t limit,
-                                                          size_t max_bytes) override {
+  absl::StatusOr<std::vector<priors::StoredAuditRow>> LoadAudit(uint64_t segment_id,
+                                                                uint64_t first_row, uint32_t limit,
+                                                                size_t max_bytes) override {
     return store_->LoadAudit(segment_id, first_row, limit, max_bytes);
   }
 

@@ -54,7 +54,7 @@ class LoadRunTest : public ::testing::Test {
     }
   }
 
-  sessions::SteadyClock clock_;
+  sessions::SteadyLoopClock clock_;
   spdlog::logger log_{"test"};
   std::unique_ptr<storage::StoreThread> thread_;
   std::unique_ptr<rpc::HoldingStore> store_;

@@ -64,7 +64,7 @@ struct Seen {
   std::vector<PriorRecord> records;
   std::vector<PriorRecord> waiting;
   std::vector<priors::AuditSegment> segments;
-  std::vector<priors::AuditRow> rows;
+  std::vector<priors::StoredAuditRow> rows;
   std::vector<priors::Evidence> sums;
   std::vector<uint64_t> source_counts;
 
