@@ -65,9 +65,10 @@ void AddWatchCommand(const CommandContext& context) {
       "leader's. best: the probability of being the best arm, as if all windows were independent.\n"
       "For the session of the latest decision: n, the effective number of live windows; live and\n"
       "lane, the live windows and shadow-lane visits in its evidence. Verdicts: stable\n"
-      "(best >= 0.8), tie (less, but choosing the leader loses at most 0.5 %), ambiguous; in\n"
-      "decisions also degraded, if even the leader misses the frame-rate floor. Exit code 3 if\n"
-      "no daemon answers; a daemon that is lost later is tried again until Ctrl-C.",
+      "(best >= 0.8), tie (less, but choosing the leader loses at most 0.5 %), ambiguous\n"
+      "(it may lose more). A decision can also be degraded: even the leader misses the frame-rate\n"
+      "floor. Exit code 3 if no daemon answers; a daemon that is lost later is tried again until\n"
+      "Ctrl-C.",
       [](CLI::App& command, WatchOptions& options) {
         AddDaemonOptions(command, options.daemon);
         command.add_option("--project", options.project, "Only this project");

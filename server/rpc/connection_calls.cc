@@ -56,7 +56,8 @@ class CallCounter final : public grpc::experimental::ServerInterceptorFactoryInt
 
  private:
   const std::shared_ptr<ConnectionCalls> calls_;
-  // Makes an order of threads visible to ThreadSanitizer, like CountedCall::made_.
+  // Shows ThreadSanitizer that the constructor ends before CreateServerInterceptor is called, like
+  // CountedCall::made_.
   std::atomic<bool> made_{false};
 };
 

@@ -73,7 +73,7 @@ void AddRecordCommand(const CommandContext& context) {
       context, "record", "Write a scene's boxes, frame by frame, as a .aabbs file",
       "  sweepstake-lab record --scene hurricane --objects 3000 --frames 600 --seed 1 --out "
       "h.aabbs\n"
-      "The file holds the spawn state and then F frames; it appears whole or not at all.\n" +
+      "The file holds the spawn state and then --frames frames; it appears whole or not at all.\n" +
           SceneHelp(),
       [](CLI::App& command, RecordOptions& options) {
         AddSceneChoice(command, options.scene);

@@ -81,7 +81,7 @@ class ThreadPool final : public Executor {
     const uint64_t number = (job_.load(std::memory_order_relaxed) >> 32) + 1;
     job_.store(number << 32 | part_count);
     if (sleeper_count_.load() == 0) return;
-    // Taking the lock once waits for a thread in Sleep that has checked for a job but does not wait
+    // Taking the lock here waits for a thread in Sleep that has checked for a job but does not wait
     // yet. Such a thread would miss the notification.
     { const std::scoped_lock lock(sleep_); }
     wake_.notify_all();

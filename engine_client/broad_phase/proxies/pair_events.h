@@ -32,8 +32,8 @@ class PairEvents {
   }
 
   // Appends to `out` the pairs `now` and those `before` that have not ended. A pair has not ended
-  // if its proxies are the same, may form a pair, and are at most `margin` apart on each axis. All
-  // lists are sorted by PairKey. Cost: O(pairs).
+  // if its ids still belong to the same proxies, these may form a pair, and they are at most
+  // `margin` apart on each axis. All lists are sorted by PairKey. Cost: O(pairs).
   static void Hold(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
                    float margin, const ProxyTable& moving, const ProxyTable& resting,
                    PairBuffer& out);

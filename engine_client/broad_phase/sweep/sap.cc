@@ -16,11 +16,12 @@ constexpr size_t kMinRowsPerPart = 1024;
 constexpr size_t kMinFilledPerPart = 2048;
 constexpr size_t kMinSortedPerPart = 16384;
 
-// If a box shares its step with more boxes than this on average, an exact sort is cheaper. For each
-// 64 boxes that share its step, the sweep compares one more register.
+// The sweep axis is divided into equal intervals, the steps. A counting sort orders the boxes by
+// their step. If a box shares its step with more boxes than this on average, an exact sort is
+// cheaper. For each 64 boxes that share its step, the sweep compares one more register.
 constexpr uint64_t kMaxBoxesSharingStep = 64;
-// The mean number of boxes per step. Finer steps would cost more to count than they save, since a
-// box covers dozens of them.
+// The mean number of boxes per step. Finer steps would cost the counting sort more than they save
+// the sweep, because a box covers dozens of steps.
 constexpr size_t kBoxesPerStep = 8;
 
 class Sap final : public BroadPhase {

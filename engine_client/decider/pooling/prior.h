@@ -24,7 +24,7 @@ struct ArmRecord {
   std::string_view machine_class;  // empty: unknown
   uint32_t reward_version = 1;
   std::string_view source;  // a session, or the sum of several
-  std::string_view build;   // build of the source; empty: unknown
+  std::string_view build;   // the game's build; empty: unknown
   std::string_view arm;
   uint32_t backend_version = 1;
   ArmEvidence evidence = {};

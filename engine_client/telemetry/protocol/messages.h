@@ -17,8 +17,7 @@
 
 namespace sweepstake {
 
-// Times in messages are in milliseconds. Consecutive frames. The index and pair count of a frame
-// are not sent.
+// Messages give intervals and limits in milliseconds, and measured times in nanoseconds.
 inline constexpr uint64_t kNsPerMs = 1'000'000;
 
 }  // namespace sweepstake

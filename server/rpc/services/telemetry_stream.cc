@@ -104,10 +104,10 @@ absl::Status TelemetryStream::CountMessage(const v1::StreamTelemetryRequest& req
                : absl::OkStatus();
   }
   return Refused(v1::ERROR_REASON_TOO_MANY_MESSAGES,
-                 absl::StrCat("more than ", per_s,
-                              " messages a second, and ten times as many at "
-                              "once (max_messages_per_s); send batches at the welcome's interval, "
-                              "and connect again in ten seconds"));
+                 absl::StrCat("the game sent too many messages: max_messages_per_s allows ", per_s,
+                              " messages per second of game time, and a burst of ten times as "
+                              "many; send batches at the interval of the Welcome, and connect "
+                              "again in ten seconds"));
 }
 
 absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {

@@ -99,8 +99,9 @@ void Game::MoveTo(const std::string& address) {
     EXPECT_EQ(welcome.session_id(), hello_.session_id()) << "the session is lost";
   }
   rpc::Resume(hello_, welcome);
-  // A daemon that has not read the later messages reports a smaller number. Acknowledged messages
-  // are not sent again, and the daemon must notice that.
+  // If another daemon has stored messages since this daemon read the session, this one reports a
+  // smaller number. The game does not resend acknowledged messages. The daemon must detect that its
+  // copy of the session is outdated.
   acknowledged_ = std::max(acknowledged_, welcome.acknowledged_sequence());
   for (uint64_t next = acknowledged_; next < sent_.size(); ++next) stream_->Send(sent_[next]);
 }

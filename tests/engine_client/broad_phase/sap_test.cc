@@ -1,4 +1,5 @@
-// Tests the parts that only SAP has: sorting in parts, and exact sorting if steps are too coarse.
+// Tests what only SAP has: a sort on several threads, and an exact sort if too many boxes share an
+// interval of the sweep axis.
 #include <gtest/gtest.h>
 
 #include <vector>

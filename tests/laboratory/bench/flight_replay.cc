@@ -29,8 +29,8 @@ struct Frame {
   bool has_boxes;
 };
 
-// Returns the frames of the recorder's notes. Returns an empty list if the recorded boxes are not
-// numbered 0, 1, 2, …
+// Returns the frames of the recorder's notes. The box sets of frames must be numbered 0, 1, 2, … in
+// this order. Otherwise, or if no frame has boxes, the list is empty.
 std::vector<Frame> FramesOf(const Json& notes) {
   std::vector<Frame> frames;
   size_t box_frame_count = 0;

@@ -259,7 +259,7 @@ Json With(const char* name, const std::string& value, const Json& row) {
   return all;
 }
 
-// Returns "1" if the time is in the observation window, else "0".
+// Returns 1 if the observation window has begun at this time, else 0.
 int Observed(const RunRecord& record, double time_s) {
   return time_s >= record.exploration_s ? 1 : 0;
 }

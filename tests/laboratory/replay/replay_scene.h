@@ -64,7 +64,8 @@ class ReplayScene {
   uint32_t object_count(uint32_t trace_frame) const { return object_count_[trace_frame]; }
   double mean_object_count() const;  // over the trace
 
-  // Returns the latest descriptor that the client has sent at this frame, or null if there is none.
+  // Returns the latest descriptor up to this frame, or the first one if it is later. Returns null
+  // if the trace has none.
   const SceneDescriptor* descriptor(uint32_t trace_frame) const;
 
   // Returns a factor for each of the first frames of a fresh structure of `arm`, beginning with the

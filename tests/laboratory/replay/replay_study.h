@@ -84,8 +84,8 @@ struct StudyGame {
   std::optional<double> opening_regret{};  // regret of the first 10 s
   std::vector<double> verdict_shares{};    // share of the ticks with each Verdict
   FrameMs ms{};
-  Reliability reliability{};  // of a policy's decisions; in a row: summed over the games
-  uint32_t dominant_arm = 0;  // in a row: the most frequent one of the games
+  Reliability reliability{};  // of a policy's decisions; in a StudyRow: summed over the games
+  uint32_t dominant_arm = 0;  // in a StudyRow: the most frequent one of the games
   bool operator==(const StudyGame&) const = default;
 };
 

@@ -15,7 +15,7 @@ namespace Sweepstake.Unity
         private readonly Action<string> tell;
         private FrameCsvWriter? csv;
 
-        /// <param name="tell">Called with a problem; once for each failure on another thread.</param>
+        /// <param name="tell">Called with a text for each problem of decider, connection or CSV file, on the calling thread.</param>
         internal SessionHost(SweepstakeConfig config, SessionMode mode, string backend, string sceneName, Action<string> tell)
         {
             this.config = config;
