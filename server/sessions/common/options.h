@@ -14,7 +14,7 @@
 #include "server/sessions/common/adjustable.h"
 
 namespace sweepstake::decision {
-struct StoredAuditRow;
+struct AuditRow;
 }  // namespace sweepstake::decision
 
 namespace sweepstake::sessions {
