@@ -22,7 +22,7 @@ inline absl::StatusOr<std::vector<decision::AuditRow>> StoredAudit(priors::Prior
     const auto rows = store.LoadAudit(segment.id, 1, 1'000'000, size_t{1} << 30);
     if (!rows.ok()) return rows.status();
     uint64_t next = 1;
-    for (const priors::AuditRow& row : *rows) {
+    for (const priors::StoredAuditRow& row : *rows) {
       if (row.number != next)
         log.push_back(decision::MissingRow(segment.session_id, segment.segment, next));
       next = row.number + 1;
