@@ -52,7 +52,7 @@ def clock_errors(root):
     for steady in STEADY:
         for source in [root / steady] if (root / steady).is_file() else sorted((root / steady).rglob("*.[ch]*")):
             if WALL_CLOCK.search(source.read_text(encoding="utf-8")):
-                yield f"{source.relative_to(root)}: the wall clock may jump; use sessions::Clock"
+                yield f"{source.relative_to(root)}: the wall clock may jump; use sessions::LoopClock"
 
 
 def main(root):

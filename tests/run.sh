@@ -5,7 +5,7 @@
 #   tests/run.sh --long             also the long tests: benchmarks, PostgreSQL, C# of the Unity package, browsers
 #   tests/run.sh asan tsan          the same tests under AddressSanitizer + UBSan, then under ThreadSanitizer
 #   tests/run.sh release --quick    builds the shipped parts, and runs only basic tests of programs and package
-#   tests/run.sh dev -R Grid        the first other option and all after it are passed to ctest
+#   tests/run.sh dev -R proxies        the first other option and all after it are passed to ctest
 #
 # Warnings are errors in all presets. If a complete run of a committed tree passes, the tree's hash is written to
 # build/PRESET/passed; runs with options of ctest or --quick do not write it.
@@ -14,7 +14,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=tests/passed.sh
 source tests/passed.sh
 
-readonly quick_tests='^(install_consumer|subproject|check_mixtures|c_api(_static)?[.].*|plugin[.].*|readme_program|GoldenLog.*)$'
+readonly quick_tests='^(install_consumer|subproject|check_mixtures|c_api(_static)?[.].*|plugin[.].*|readme_program|decider[.].*)$'
 # The targets that these tests need.
 readonly quick_targets=(proto/all server/all engine_client/all tests/engine_client/c_api/all tests/laboratory/all decider_test)
 
