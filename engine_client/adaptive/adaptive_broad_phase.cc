@@ -106,7 +106,8 @@ Status AdaptiveBroadPhase::Impl::StartLane() {
       },
       [](const char*) -> Status {
         return {StatusCode::kResourceExhausted,
-                "the system has no more threads: end some, or turn the shadow lane off"};
+                "the system cannot start a thread for the shadow lane: end other threads, or turn "
+                "the lane off"};
       });
 }
 

@@ -30,7 +30,8 @@ Status ValidateArms(std::span<const std::string> arms) {
 
 Status ValidateOptions(const AdaptiveOptions& options) {
   if (options.bail_out_ns == 0) {
-    return {StatusCode::kInvalidArgument, "bail_out_ns is 0; give the longest frame in ns"};
+    return {StatusCode::kInvalidArgument,
+            "bail_out_ns is 0; give the frame time in ns above which an arm is replaced"};
   }
   if (options.mode != Mode::kManual && options.mode != Mode::kAi) {
     return {StatusCode::kInvalidArgument, "mode is neither kManual (1) nor kAi (2)"};
@@ -41,7 +42,8 @@ Status ValidateOptions(const AdaptiveOptions& options) {
   }
   if (shadow.enabled > ShadowMode::kOn || shadow.visit_cap_ns == 0) {
     return {StatusCode::kInvalidArgument,
-            "shadow.enabled must be kOff (0), kAuto (1) or kOn (2), and visit_cap_ns over 0"};
+            "shadow.enabled must be kOff (0), kAuto (1) or kOn (2), and shadow.visit_cap_ns must "
+            "be over 0"};
   }
   return {};
 }

@@ -67,7 +67,8 @@ swp_result MakeExecutor(uint32_t thread_count, const swp_executor* given,
         return SWP_OK;
       },
       [](const char*) {
-        return Fail(SWP_RESOURCE_EXHAUSTED, "the system has no more threads: use fewer");
+        return Fail(SWP_RESOURCE_EXHAUSTED,
+                    "the system cannot start that many threads: use a lower thread_count");
       });
 }
 

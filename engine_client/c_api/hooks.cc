@@ -67,7 +67,8 @@ swp_result swp_set_hooks(const swp_hooks* hooks) {
     if (known.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
     if (swp_live_count(SWP_KIND_ANY) > 0) {  // the threads of objects read the hooks
       return Fail(SWP_FAILED_PRECONDITION,
-                  "an object exists: set hooks before the first is made or after the last ends");
+                  "objects exist: set the hooks before you create the first one or after you "
+                  "destroy the last one");
     }
     return InstallHooks(known);
   });

@@ -116,7 +116,9 @@ uint64_t JitterSeed(const swp_link_options& given, const swp_session& session) {
 
 swp_result CreateLink(swp_session& session, const swp_link_options& given, swp_link** link) {
   if (session.content->decider_loop || session.content->link != nullptr) {
-    return Fail(SWP_FAILED_PRECONDITION, "a decider or a link is already attached: end it first");
+    return Fail(SWP_FAILED_PRECONDITION,
+                "the session already has a decider or a link: detach the decider or destroy the "
+                "link first");
   }
   const std::string_view address = TextOr(given.daemon, "");
   std::string daemon = "the daemon";
@@ -154,8 +156,9 @@ swp_result TakeMessage(Link& live, uint64_t now_ns, void* buffer, uint64_t capac
   *size = live.protocol.next_message_bytes();
   if (capacity == 0) return SWP_RESOURCE_EXHAUSTED;  // the caller has a write in progress
   if (*size > capacity) {
-    return Fail(SWP_RESOURCE_EXHAUSTED,
-                "the message is larger than the buffer: size is its length in bytes");
+    return Fail(
+        SWP_RESOURCE_EXHAUSTED,
+        "the buffer is too small for the message: `size` is the number of bytes that it needs");
   }
   const std::string message = live.protocol.Take(now_ns);
   std::memcpy(buffer, message.data(), message.size());
@@ -253,7 +256,7 @@ swp_result swp_link_disconnected(swp_link* link, uint32_t grpc_status_code, cons
     if (delay_ms == nullptr) return NullArgument("delay_ms");
     if (details == nullptr && details_size > 0) return NullArgument("details");
     if (details_size > kMaxTextBytes) {
-      return Fail(SWP_INVALID_ARGUMENT, "details_size is over 1048576");
+      return Fail(SWP_INVALID_ARGUMENT, "details_size must be at most 1048576");
     }
     const StreamEnd end = {.code = grpc_status_code,
                            .message = std::string(TextOr(message, "")),
@@ -284,11 +287,15 @@ swp_result swp_link_copy_text(swp_link* link, swp_link_text which, char* text, u
     const SessionStats stats = live.protocol.stats();
     const std::string* const chosen = TextOf(stats, which);
     if (chosen == nullptr) {
-      return Fail(SWP_INVALID_ARGUMENT, "which must be one of SWP_LINK_LAST_ERROR to _POLICY, 0-4");
+      return Fail(
+          SWP_INVALID_ARGUMENT,
+          "the parameter `which` must be from SWP_LINK_LAST_ERROR (0) to SWP_LINK_POLICY (4)");
     }
     *size = chosen->size();
     if (chosen->size() >= capacity) {
-      return Fail(SWP_RESOURCE_EXHAUSTED, "the text and its NUL are larger than the buffer");
+      return Fail(
+          SWP_RESOURCE_EXHAUSTED,
+          "the buffer is too small for the text and its NUL: give it more than `size` bytes");
     }
     std::memcpy(text, chosen->c_str(), chosen->size() + 1);
     return kOk;

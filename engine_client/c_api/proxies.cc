@@ -93,7 +93,9 @@ swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxi
 swp_result CheckMovingPairs(std::span<const OverlapPair> pairs, size_t moving_count) {
   for (const OverlapPair& pair : pairs) {
     if (pair.a < pair.b && pair.b < moving_count) continue;
-    return Fail(SWP_INVALID_ARGUMENT, "a pair has an id outside of swp_proxies_moving_boxes");
+    return Fail(
+        SWP_INVALID_ARGUMENT,
+        "each pair must have a < b, and both must be indices of boxes of swp_proxies_moving_boxes");
   }
   return SWP_OK;
 }

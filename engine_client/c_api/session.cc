@@ -60,7 +60,8 @@ swp_result CheckOptions(const swp_session_options& options) {
     return Fail(SWP_INVALID_ARGUMENT, "queue_frames must be a power of two from 2 to 1048576");
   }
   if (options.shadow > SWP_SHADOW_ON) {
-    return Fail(SWP_INVALID_ARGUMENT, "shadow must be one of SWP_SHADOW_*, 0 to 2");
+    return Fail(SWP_INVALID_ARGUMENT,
+                "shadow must be SWP_SHADOW_OFF (0), SWP_SHADOW_AUTO (1) or SWP_SHADOW_ON (2)");
   }
   if (options.sorted_pairs > 1) return Fail(SWP_INVALID_ARGUMENT, "sorted_pairs must be 0 or 1");
   if (!(options.shadow_duty_ratio > 0 && options.shadow_duty_ratio <= 1)) {

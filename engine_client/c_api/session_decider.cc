@@ -56,7 +56,7 @@ swp_result Take(const swp_decider_options* given, EmbeddedOptions& options) {
     return wrong;
   if (known.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
   if (known.priors_data == nullptr && known.priors_data_bytes > 0)
-    return NullArgument("priors_data (priors_data_bytes is over 0)");
+    return NullArgument("if priors_data_bytes is over 0, priors_data");
   options = ToEmbeddedOptions(known);
   return SWP_OK;
 }
@@ -108,7 +108,9 @@ swp_result swp_session_attach_decider(swp_session* session, const swp_decider_op
                                       uint64_t now_ns) {
   return Use(session, [&](LiveSession& live) {
     if (live.decider_loop || live.link != nullptr) {
-      return Fail(SWP_FAILED_PRECONDITION, "a decider or a link is already attached: end it first");
+      return Fail(SWP_FAILED_PRECONDITION,
+                  "the session already has a decider or a link: detach the decider or destroy the "
+                  "link first");
     }
     EmbeddedOptions taken;
     const swp_result wrong = Take(options, taken);

@@ -87,7 +87,7 @@ Status ProxySet::Impl::Save(std::span<std::byte> snapshot) const {
   header.bytes = snapshot_bytes();
   if (snapshot.size() < header.bytes) {
     return {StatusCode::kInvalidArgument, "the snapshot needs " + std::to_string(header.bytes) +
-                                              " bytes, but there is room for " +
+                                              " bytes, but the buffer has only " +
                                               std::to_string(snapshot.size())};
   }
   SnapshotWriter writer(snapshot.data() + sizeof header);

@@ -57,9 +57,9 @@
 
 namespace sweepstake {
 
-static_assert(sizeof(btScalar) == sizeof(float),
-              "the boxes of a world in double precision do not fit; build Bullet without "
-              "BT_USE_DOUBLE_PRECISION");
+static_assert(
+    sizeof(btScalar) == sizeof(float),
+    "boxes in double precision are not supported; build Bullet without BT_USE_DOUBLE_PRECISION");
 
 class BulletBroadPhase final : public btBroadphaseInterface {
  public:

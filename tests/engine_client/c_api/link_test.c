@@ -265,11 +265,11 @@ static void check_small_buffer(void) {
   run_frames(&played, 1);
   CHECK(swp_link_next_message(played.link, played.now_ns, NULL, 0, &size, &action) ==
         SWP_RESOURCE_EXHAUSTED);
-  CHECK(strstr(swp_last_error(), "larger than the buffer") == NULL); /* not an error for NULL */
+  CHECK(strstr(swp_last_error(), "too small for the message") == NULL); /* not an error for NULL */
   CHECK(size > 10 && size < 100 && action == SWP_LINK_SEND);
   CHECK(swp_link_next_message(played.link, played.now_ns, message.data, size - 1, &message.size,
                               &action) == SWP_RESOURCE_EXHAUSTED);
-  CHECK(strstr(swp_last_error(), "larger than the buffer") != NULL);
+  CHECK(strstr(swp_last_error(), "too small for the message") != NULL);
   CHECK(stats_of(&played).sent_sequence == 0);
   CHECK_OK(swp_link_next_message(played.link, played.now_ns, message.data, size, &message.size,
                                  &action));
@@ -376,7 +376,7 @@ static void check_errors(void) {
   CHECK_OK(swp_last_error_of(played.session, text, sizeof text));
   CHECK(strstr(text, "swp_session_begin_frame") != NULL);
   CHECK_OK(swp_last_error_of(played.link, text, sizeof text));
-  CHECK(strstr(text, "which must be") != NULL);
+  CHECK(strstr(text, "`which` must be") != NULL);
   end_game(&played);
 }
 

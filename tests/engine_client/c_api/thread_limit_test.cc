@@ -61,14 +61,14 @@ class ThreadLimitTest : public testing::Test {
 
 TEST_F(ThreadLimitTest, ASessionIsRefusedIfItsPoolCannotStart) {
   options_.thread_count = 2;
-  ExpectRefused("use fewer");
+  ExpectRefused("use a lower thread_count");
   ExpectMadeWithThreads();
 }
 
 TEST_F(ThreadLimitTest, ASessionIsRefusedIfItsLaneCannotStart) {
   if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "a lane needs a spare core";
   options_.shadow = SWP_SHADOW_ON;
-  ExpectRefused("turn the shadow lane off");
+  ExpectRefused("turn the lane off");
   ExpectMadeWithThreads();
 }
 
