@@ -86,7 +86,7 @@ AuditCsvReader::AuditCsvReader(std::string_view csv) : lines_(csv) {
     return;
   }
   problem_ = ahead_.empty()             ? "the file is empty"
-             : lines_.problem().empty() ? "the header is not that of an audit log of this version"
+             : lines_.problem().empty() ? "this is not the header of an audit log of this version"
                                         : lines_.problem();
   ahead_.clear();
 }

@@ -40,7 +40,8 @@ Result Compare(const AuditRow& logged, const AuditRow& derived) {
       if (cells[i] == expected[i]) continue;
       if (AuditColumns()[i] == kHashColumn) break;
       const auto text = [](const std::string& cell) { return cell.empty() ? "nothing" : cell; };
-      return Problem{AuditColumns()[i], "the log has " + text(cells[i]) + ", derived again it is " +
+      return Problem{AuditColumns()[i], "the log has " + text(cells[i]) +
+                                            ", but deriving the row again gives " +
                                             text(expected[i])};
     }
   }
@@ -97,9 +98,10 @@ class Segment final : public AuditSink {
 
 Result Segment::Apply(const AuditRow& row) {
   if ((row.kind == AuditKind::kSetup) == (session_ != nullptr)) {
-    return Problem{"kind", session_ ? "is a setup row in the middle of a segment"
-                                    : "is not setup, but a segment begins with its setup row; "
-                                      "rows before this one are missing"};
+    return Problem{"kind", session_
+                               ? "is setup, but only the first row of a segment may be a setup row"
+                               : "is not setup, but a segment begins with its setup row; "
+                                 "rows before this one are missing"};
   }
   if (row.kind == AuditKind::kRefusal) {
     session_->ObserveRefusal(row.command_id.value_or(0));
@@ -124,12 +126,12 @@ Result Segment::Apply(const AuditRow& row) {
       return std::nullopt;
     }
     default:
-      return Problem{"kind", "is not that of a row of a session"};
+      return Problem{"kind", "does not occur in the segment of a session"};
   }
 }
 
 Result Segment::Begin(const AuditRow& row) {
-  if (!row.setup) return Problem{"kind", "is setup, but the row has none"};
+  if (!row.setup) return Problem{"kind", "is setup, but the setup columns of the row are empty"};
   if (const auto invalid = Validate(row.setup->setup, policies_)) return Problem{"setup", *invalid};
   AuditOrigin origin = row.setup->origin;
   origin.session_id = row.session;
@@ -141,8 +143,8 @@ Result Segment::Begin(const AuditRow& row) {
 
 Result Segment::ApplyTick(const AuditRow& row) {
   if (now_ns_ < session_->next_tick_ns()) {
-    return Problem{"time_ns",
-                   "is earlier than the next tick, at " + std::to_string(session_->next_tick_ns())};
+    return Problem{"time_ns", "is too early: the next tick is due at " +
+                                  std::to_string(session_->next_tick_ns())};
   }
   session_->ObserveShadow(row.shadow);
   if (row.scene) session_->ObserveDescriptor(*row.scene);
@@ -155,7 +157,7 @@ Result Segment::ApplySwitch(const AuditRow& row) {
   if (Result problem = ReadArm(row, arm)) return problem;
   const SwitchCost cost = row.switch_cost.value_or(SwitchCost{});
   if (cost.ended_trial && cost.ended_trial->arm >= session_->arms().size())
-    return Problem{"switch_cost_ended_trial_arm", "is not an arm of the setup"};
+    return Problem{"switch_cost_ended_trial_arm", "is not an arm of the setup row"};
   session_->ObserveSwitch(arm, row.switch_epoch.value_or(0), row.reason, now_ns_, cost);
   return std::nullopt;
 }
@@ -173,7 +175,7 @@ Result Segment::ReadTime(const AuditRow& row) {
   constexpr int64_t kLatestNs = int64_t{1} << 62;  // 146 years; no difference overflows
   now_ns_ = row.time_ns.value_or(kLatestNs + 1);
   if (now_ns_ >= -kLatestNs && now_ns_ <= kLatestNs) return std::nullopt;
-  return Problem{"time_ns", "is empty or out of the range of a clock"};
+  return Problem{"time_ns", "is empty or not from -2^62 to 2^62"};
 }
 
 Result Segment::RestoreRuns(const AuditRow& row) {
@@ -182,13 +184,13 @@ Result Segment::RestoreRuns(const AuditRow& row) {
   if (!row.runs || !sums.ok)
     return Problem{"runs", "is empty, or has a sum that is negative or not finite"};
   if (session_->RestoreRuns(*row.runs)) return std::nullopt;
-  return Problem{"runs", "has another arm or switch epoch active than the rows before lead to"};
+  return Problem{"runs", "has an arm or switch epoch that does not follow from the rows before"};
 }
 
 Result Segment::ReadArm(const AuditRow& row, uint32_t& arm) const {
   const auto& arms = session_->arms();
   const auto found = std::find(arms.begin(), arms.end(), row.arm);
-  if (found == arms.end()) return Problem{"arm", "is not an arm of the setup"};
+  if (found == arms.end()) return Problem{"arm", "is not an arm of the setup row"};
   arm = static_cast<uint32_t>(found - arms.begin());
   return std::nullopt;
 }
@@ -245,13 +247,13 @@ class Rederivation {
     const uint64_t expected = row_in_segment_ + 1;
     row_in_segment_ = number;
     if (number == expected || (after_missing_ && number > expected)) return std::nullopt;
-    return Problem{"row", "comes where row " + std::to_string(expected) +
-                              " should; rows are missing or out of order"};
+    return Problem{"row",
+                   "should be " + std::to_string(expected) + "; rows are missing or out of order"};
   }
 
   Result SkipMissing(const AuditRow& row) {
     if (Compare(row, MissingRow(row.session, row.segment, row.row)))
-      return Problem{"", "replaces missing rows, but has values in its other fields"};
+      return Problem{"", "this row stands for missing rows, but its other columns are not empty"};
     if (segment_) ++report_.incomplete_segment_count;
     segment_.reset();
     hash_.reset();

@@ -146,7 +146,7 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   reader.Count("unix_last_seen_s", record.last_seen_unix_s, false, kMaxSequence);
   reader.Flag("is_quarantined", record.is_quarantined);
   reader.RejectUnknown();
-  if (!reader.error() && IsSum(record)) return "source_id begins with *, as those of sums do";
+  if (!reader.error() && IsSum(record)) return "source_id must not begin with *, which marks sums";
   return reader.error();
 }
 
@@ -362,7 +362,9 @@ class SceneReader {
                        line[1].is_array() && line[2].is_array() &&
                        line[0].get<uint64_t>() <= kMaxSequence && line[1].size() == arms_.size() &&
                        line[2].size() == arms_.size();
-    if (!whole) return SetError("a build must be [time, [a cell per arm], [a cell per arm]]");
+    if (!whole)
+      return SetError(
+          "a build must be [Unix time, [live evidence per arm], [lane evidence per arm]]");
     common_.build = build;
     common_.last_seen_unix_s = line[0].get<uint64_t>();
     for (size_t by_lane = 0; by_lane < 2; ++by_lane) {
@@ -376,7 +378,8 @@ class SceneReader {
     const bool whole = cell.is_array() && (cell.size() == 3 || cell.size() == 4) &&
                        cell[0].is_number() && cell[1].is_number() && cell[2].is_number_unsigned() &&
                        cell.back().is_number_unsigned();
-    if (!whole) return SetError("evidence must be [alpha, beta, count] or [.., bail-outs]");
+    if (!whole)
+      return SetError("evidence must be [alpha, beta, count] or [alpha, beta, count, bail-outs]");
     PriorRecord& sum = sums_.emplace_back(common_);
     std::tie(sum.key.arm, sum.key.backend_version) = arms_[arm];
     sum.evidence.alpha = cell[0].get<double>();
@@ -385,7 +388,7 @@ class SceneReader {
     sum.evidence.bail_out_count = cell.size() == 4 ? cell[3].get<uint64_t>() : 0;
     MarkAsSum(sum);
     if (!IsIncrement(sum.evidence.alpha) || !IsIncrement(sum.evidence.beta))
-      SetError("evidence must be from 0 to 1e15");
+      SetError("alpha and beta must be from 0 to 1e15");
   }
 
   void SetError(std::string what) {
@@ -409,7 +412,8 @@ class ScenesReader {
     if (reader.error()) {
       error_ = Name(index) + ": " + *reader.error();
     } else if (!scenes_.emplace(SceneOf(reader.common())).second) {
-      error_ = Name(index) + ": repeats an earlier one";
+      error_ = Name(index) +
+               ": repeats the project, scene, machine class and reward version of an earlier one";
     } else if (sums_.size() > kMaxSums) {
       error_ = "the priors hold more than 1000000 sums";
     }
@@ -418,7 +422,8 @@ class ScenesReader {
   // Appends the sums of all scenes, or returns the first error. Call it once.
   Status AppendTo(std::vector<PriorRecord>& records, const Json& checksum) {
     if (checksum != checksum_.Text())
-      return Broken("the priors are not what was written; their checksum is another one");
+      return Broken(
+          "the priors were changed after they were written: their checksum does not match");
     if (error_) return Broken(*error_);
     records.insert(records.end(), std::make_move_iterator(sums_.begin()),
                    std::make_move_iterator(sums_.end()));
@@ -458,7 +463,7 @@ Result<bool> HasArray(const Json& document, const char* name) {
   const auto found = document.find(name);
   if (found == document.end()) return false;
   if (found->is_array() && found->empty()) return true;
-  return Broken(std::string("the priors have no array \"") + name + "\" of objects");
+  return Broken(std::string("in the priors, \"") + name + "\" must be an array of objects");
 }
 
 }  // namespace
@@ -480,9 +485,9 @@ Result<std::vector<PriorRecord>> ParsePriors(std::string_view text) {
   const Json document = Json::parse(text, keep, /*allow_exceptions=*/false);
   if (document.is_discarded()) return Broken("the priors are not a JSON document");
   if (!document.is_object() || document.value("format", Json()) != kFormat)
-    return Broken("the priors are not of format \"sweepstake-priors\"");
+    return Broken("the priors do not have the format \"sweepstake-priors\"");
   if (document.value("version", Json()) != kVersion)
-    return Broken("the priors are not of version 1, which this build reads");
+    return Broken("the priors do not have version 1, the only version that this build reads");
   const Result<bool> has_records = HasArray(document, "records");
   if (!has_records.ok()) return has_records.status();
   const Result<bool> has_scenes = HasArray(document, "scenes");
@@ -517,7 +522,8 @@ Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& pat
     return Status(StatusCode::kNotFound, "there is no priors file " + path.string());
   }
   const uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error || bytes > kMaxFileBytes) return Broken(path.string() + ": over 128 MiB or unreadable");
+  if (error || bytes > kMaxFileBytes)
+    return Broken(path.string() + ": is over 128 MiB, or its size cannot be read");
   std::string text(static_cast<size_t>(bytes), '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(text.data(), static_cast<std::streamsize>(text.size()));

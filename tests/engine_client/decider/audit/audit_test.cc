@@ -188,18 +188,19 @@ TEST(AuditLog, AnEditedOutputIsNamedWithBothValues) {
   EXPECT_EQ(report.difference->segment, 1u);
   EXPECT_EQ(report.difference->row, tick->row);
   EXPECT_EQ(report.difference->column, "decision_posteriors_beta");
-  EXPECT_EQ(report.difference->message, "the log has 7, derived again it is " + FieldText(beta));
+  EXPECT_EQ(report.difference->message,
+            "the log has 7, but deriving the row again gives " + FieldText(beta));
 }
 
 TEST(AuditLog, MissingAndSwappedRowsAreReported) {
   const Rows rows = LogOf(1, "paper", 200);
   Rows missing = rows;
   missing.erase(missing.begin() + 4);
-  EXPECT_NE(ProblemOf(missing).find("row 6, row comes where row 5 should"), std::string::npos)
+  EXPECT_NE(ProblemOf(missing).find("row 6, row should be 5"), std::string::npos)
       << ProblemOf(missing);
   Rows exchanged = rows;
   std::swap(exchanged[4], exchanged[5]);
-  EXPECT_NE(ProblemOf(exchanged).find("row 6, row comes where row 5 should"), std::string::npos);
+  EXPECT_NE(ProblemOf(exchanged).find("row 6, row should be 5"), std::string::npos);
   Rows headless = rows;
   headless.erase(headless.begin());
   EXPECT_NE(ProblemOf(headless).find("first rows are missing"), std::string::npos);
@@ -252,10 +253,10 @@ TEST(AuditLog, AnEditAfterMissingRowsIsFound) {
   }
   Rows swapped = rows;
   std::swap(swapped[7], swapped[8]);
-  EXPECT_NE(ProblemOf(swapped).find("comes where row"), std::string::npos);
+  EXPECT_NE(ProblemOf(swapped).find("rows are missing or out of order"), std::string::npos);
   Rows not_missing = rows;
   not_missing[4].time_ns = 1;
-  EXPECT_NE(ProblemOf(not_missing).find("has values in its other fields"), std::string::npos);
+  EXPECT_NE(ProblemOf(not_missing).find("its other columns are not empty"), std::string::npos);
 }
 
 TEST(AuditLog, ATruncatedLineIsReported) {
@@ -267,7 +268,7 @@ TEST(AuditLog, ATruncatedLineIsReported) {
 TEST(AuditLog, OtherFilesAreRejected) {
   EXPECT_EQ(ProblemOf(std::string()), "the file is empty");
   EXPECT_EQ(ProblemOf(std::string("frame,arm\n1,2\n")),
-            "line 1: the header is not that of an audit log of this version");
+            "line 1: this is not the header of an audit log of this version");
   EXPECT_EQ(ProblemOf(AuditHeader() + "\n"), "");
 }
 
@@ -275,11 +276,12 @@ TEST(AuditLog, ATickBeforeItIsDueOrAfterTheEndOfTimeIsRejected) {
   Rows rows = LogOf(1, "paper", 200);
   const auto tick = FirstTick(rows);
   tick->time_ns = 5;
-  EXPECT_NE(ProblemOf(rows).find("time_ns is earlier than the next tick"), std::string::npos)
+  EXPECT_NE(ProblemOf(rows).find("time_ns is too early: the next tick is due at"),
+            std::string::npos)
       << ProblemOf(rows);
   for (const auto time_ns : {std::optional<int64_t>(INT64_MAX), std::optional<int64_t>()}) {
     tick->time_ns = time_ns;
-    EXPECT_NE(ProblemOf(rows).find("time_ns is empty or out of the range of a clock"),
+    EXPECT_NE(ProblemOf(rows).find("time_ns is empty or not from -2^62 to 2^62"),
               std::string::npos);
   }
 }
@@ -295,7 +297,8 @@ TEST(AuditLog, RunsOfArmsThatAreNotThereAndImpossibleSumsAreRefused) {
     edited[static_cast<size_t>(tick - lines.begin())][ColumnOf(column)] = value;
     return ProblemOf(TextOf(edited));
   };
-  EXPECT_NE(problem_with("runs_active_arm", "9").find("has another arm"), std::string::npos);
+  EXPECT_NE(problem_with("runs_active_arm", "9").find("has an arm or switch epoch"),
+            std::string::npos);
   for (const char* wrong : {"-1", "inf", "nan"}) {
     EXPECT_NE(problem_with("runs_active_window_time_ns", wrong).find("has a sum that is negative"),
               std::string::npos)

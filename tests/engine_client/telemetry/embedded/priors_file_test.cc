@@ -137,7 +137,7 @@ TEST(PriorsFile, DoesNotDependOnTheOrderOfItsFields) {
   EXPECT_EQ(ComplaintAbout(turned), "none");
   EXPECT_EQ(ParsePriors(turned)->size(), 1U);
   EXPECT_THAT(ComplaintAbout(R"({"records":[{}],"version":1,"format":"other"})"),
-              HasSubstr("not of format"));
+              HasSubstr("do not have the format"));
 }
 
 TEST(PriorsFile, HasItsRecordsOnlyInTheArrayRecords) {
@@ -148,7 +148,7 @@ TEST(PriorsFile, HasItsRecordsOnlyInTheArrayRecords) {
   std::string object = record;
   object.replace(object.find("\"records\":["), 11, "\"records\":{\"a\":");
   object.replace(object.rfind(']'), 1, "}");
-  EXPECT_THAT(ComplaintAbout(object), HasSubstr("no array \"records\""));
+  EXPECT_THAT(ComplaintAbout(object), HasSubstr("\"records\" must be an array"));
 }
 
 TEST(PriorsFile, RepeatedEvidenceIsRefused) {
@@ -161,7 +161,7 @@ TEST(PriorsFile, RepeatedEvidenceIsRefused) {
 
 TEST(PriorsFile, RefusesASumAmongTheRecords) {
   EXPECT_THAT(ComplaintAbout(DocumentWith("source_id", "\"*0\"")),
-              HasSubstr("record 0: source_id begins with *"));
+              HasSubstr("record 0: source_id must not begin with *"));
 }
 
 TEST(PriorsFile, IsRefusedIfTruncatedAnywhere) {
