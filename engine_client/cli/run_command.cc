@@ -325,10 +325,9 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
 
 void DeclareFlightRecorder(CLI::App& command, FlightRecorderOptions& options) {
   command
-      .add_option(
-          "--flight-recorder", options.memory_mb,
-          "MiB of memory for the boxes of the last 5 s, written to a file after a frame over "
-          "the budget, for `sweepstake-lab replay --recording`; 0: off")
+      .add_option("--flight-recorder", options.memory_mb,
+                  "Memory in MiB for the boxes of the last 5 s, which are written to a file after "
+                  "a frame over --frame-budget, for `sweepstake-lab replay --recording`; 0: off")
       ->check(WholeUpTo(1024))
       ->capture_default_str();
   command
@@ -390,7 +389,8 @@ void Declare(CLI::App& command, RunOptions& options) {
   DeclareFlightRecorder(command, options.session.flight_recorder);
   command
       .add_option("--shadow", options.shadow,
-                  "Shadow lane; auto: in mode ai, if a core is free; on: in mode manual too")
+                  "Shadow lane, which measures inactive arms; auto: in mode ai, if a core is free; "
+                  "on: in mode manual too")
       ->check(OneOf(kShadowModes))
       ->capture_default_str();
   command.add_option(

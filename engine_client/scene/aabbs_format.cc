@@ -40,7 +40,8 @@ void PutText(std::string_view text, size_t offset, HeaderBytes& bytes) {
 Result<std::string> TextAt(const HeaderBytes& bytes, size_t offset, const std::string& field) {
   const char* first = reinterpret_cast<const char*>(bytes.data()) + offset;
   const char* end = std::find(first, first + kNameBytes, '\0');
-  if (end == first + kNameBytes) return Broken("the " + field + " has no end within 128 bytes");
+  if (end == first + kNameBytes)
+    return Broken("the " + field + " does not end with a zero byte within 128 bytes");
   if (!std::all_of(first, end, IsPrintable)) {
     return Broken("the " + field + " is not printable ASCII text");
   }
@@ -49,28 +50,30 @@ Result<std::string> TextAt(const HeaderBytes& bytes, size_t offset, const std::s
 
 Status CheckCounts(int32_t object_count, int32_t frame_count) {
   if (object_count <= 0) {
-    return Broken("the object count is " + std::to_string(object_count) + ", must be at least 1");
+    return Broken("the object count is " + std::to_string(object_count) +
+                  ", but must be at least 1");
   }
   if (frame_count < 0) {
-    return Broken("the frame count is " + std::to_string(frame_count) + ", must be at least 0");
+    return Broken("the frame count is " + std::to_string(frame_count) + ", but must be at least 0");
   }
   return {};
 }
 
 Status CheckLayout(int32_t layout, int32_t notes_bytes) {
   if (layout != 0 && layout != 1) {
-    return Broken("the layout flag at byte 264 is " + std::to_string(layout) + ", must be 0 or 1");
+    return Broken("the layout flag at byte 264 is " + std::to_string(layout) +
+                  ", but must be 0 or 1");
   }
   if (notes_bytes < 0 || notes_bytes > kMaxNotesBytes) {
     return Broken("the size of the notes at byte 268 is " + std::to_string(notes_bytes) +
-                  ", must be from 0 to " + std::to_string(kMaxNotesBytes));
+                  ", but must be from 0 to " + std::to_string(kMaxNotesBytes));
   }
   return {};
 }
 
 Status CheckWorld(const Aabb& world) {
   if (!IsFinite(world)) return Broken("the world bounds are not finite");
-  if (!IsValid(world)) return Broken("the world bounds are inverted");
+  if (!IsValid(world)) return Broken("the world bounds are inverted (min > max)");
   return {};
 }
 

@@ -133,7 +133,7 @@ class FrameWriter {
   static Status BadCount(uint32_t max) {
     return {StatusCode::kInvalidArgument,
             "a recording needs from 1 to " + std::to_string(kMaxSceneObjectCount) +
-                " objects in its fullest frame, the scene has " + std::to_string(max)};
+                " objects in its largest frame, but the scene has " + std::to_string(max)};
   }
 
   void AppendCountTable() {

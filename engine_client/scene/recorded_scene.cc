@@ -37,8 +37,8 @@ Result<uint64_t> SizeOfRegularFile(const fs::path& path) {
 }
 
 Status WrongSize(uint64_t file_bytes, const std::string& expected) {
-  return Broken("has " + std::to_string(file_bytes) +
-                " bytes, which is not the size its header gives: " + expected);
+  return Broken("has " + std::to_string(file_bytes) + " bytes, but its header requires " +
+                expected);
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ Status RecordedScene::ReadHeader(const fs::path& path) {
   file_.open(path, std::ios::binary);
   if (!file_) return {StatusCode::kNotFound, "cannot be opened for reading"};
   aabbs::HeaderBytes bytes;
-  if (!ReadExactly(file_, bytes)) return Broken("shorter than the 304 bytes of a .aabbs header");
+  if (!ReadExactly(file_, bytes)) return Broken("is shorter than the 304 bytes of a .aabbs header");
   Result<aabbs::Header> header = aabbs::DecodeHeader(bytes);
   if (!header.ok()) return header.status();
   header_ = std::move(*header);
@@ -106,9 +106,9 @@ Status RecordedScene::CheckSize(uint64_t file_bytes) {
   }
   const auto largest = static_cast<uint32_t>(header_.object_count);
   if (largest > kMaxSceneObjectCount) {
-    return {StatusCode::kResourceExhausted, "has " + std::to_string(largest) +
-                                                " objects, at most " +
-                                                std::to_string(kMaxSceneObjectCount) + " are read"};
+    return {StatusCode::kResourceExhausted,
+            "has " + std::to_string(largest) + " objects, but at most " +
+                std::to_string(kMaxSceneObjectCount) + " are supported"};
   }
   boxes_.resize(largest);
   bytes_.resize(size_t{largest} * aabbs::kBoxBytes);
@@ -129,7 +129,7 @@ Status RecordedScene::ReadCountTable(uint64_t file_bytes) {
     const int32_t count = aabbs::DecodeInt32(bytes);
     if (count < 0 || count > header_.object_count) {
       return Broken("frame " + std::to_string(frame) + " has " + std::to_string(count) +
-                    " objects, must be from 0 to " + std::to_string(header_.object_count));
+                    " objects, but must have 0 to " + std::to_string(header_.object_count));
     }
     counts_.push_back(static_cast<uint32_t>(count));
   }

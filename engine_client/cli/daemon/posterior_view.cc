@@ -45,7 +45,7 @@ std::string VerdictText(const v1::ScenePosterior& scene) {
   if (leader == scene.arms().end()) return name;
   return name + ": " + leader->arm() + " is the best with probability " +
          Fixed(leader->best_probability(), 3) + ", expected loss " +
-         Percent(scene.expected_loss_ratio(), 2) + ", gain from perfect information " +
+         Percent(scene.expected_loss_ratio(), 2) + ", possible gain from more evidence " +
          Percent(scene.value_remaining_ratio(), 2);
 }
 

@@ -295,7 +295,7 @@ std::string ShadowText(const RunSummary& summary) {
     text += ", " + std::to_string(shadow.visit_count) + " visits in " +
             std::to_string(shadow.sweep_count) + " sweeps, " +
             Fixed(100 * summary.shadow_busy_ratio(), 1) +
-            " % of its thread's time, cost the frame " + "thread " +
+            " % of its thread's time, slowed the frame thread by " +
             Fixed(100 * summary.shadow_frame_share(), 2) + " %, copying took " +
             Fixed(summary.shadow_copy_ns_per_frame(), 0) + " ns per frame";
   }

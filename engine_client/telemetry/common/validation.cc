@@ -123,7 +123,7 @@ Status ValidateSessionOptions(const SessionOptions& options, const TlsNames& nam
   }
   if (options.backoff_min_ms < 1 || options.backoff_max_ms < options.backoff_min_ms ||
       options.backoff_max_ms > 3'600'000) {
-    return Invalid("backoff_min_ms and backoff_max_ms", "1 <= min <= max <= 3600000");
+    return Invalid("backoff_min_ms and backoff_max_ms", "1 to 3600000, with min at most max");
   }
   if (Status status = ValidateFlightRecorder(options.flight_recorder); !status.ok()) return status;
   return options.tls ? ValidateTlsOptions(*options.tls, names) : Status();

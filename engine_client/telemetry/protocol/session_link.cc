@@ -229,7 +229,7 @@ std::string SessionLink::Take(uint64_t now_ns) {
 Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
   if (!stream_) {
     return {StatusCode::kFailedPrecondition,
-            "a message needs a connection; report the connection first"};
+            "a message arrived, but no connection was reported; report the connection first"};
   }
   if (stream_->IsBeingCancelled()) return {};
   const std::optional<protocol::Response> response = protocol::DecodeResponse(bytes);
@@ -318,7 +318,7 @@ void SessionLink::OnOrder(const OperatorOrder& order) {
 // limits the memory if a daemon keeps sending commands but never acknowledges the answers.
 void SessionLink::Answer(std::string message) {
   if (state_.full()) {
-    stream_->fault = "does not acknowledge the answers to refused orders and commands";
+    stream_->fault = "did not acknowledge the game's refusals of orders and commands";
     return;
   }
   state_.Append({std::move(message)});

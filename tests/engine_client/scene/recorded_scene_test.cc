@@ -143,9 +143,9 @@ TEST_F(RecordedFile, TooManyObjectsAreRefusedEvenIfTheSizeFits) {
 
 TEST_F(RecordedFile, NamesMustBeTerminatedAndPrintable) {
   const std::string whole = FileBytes().Header(1, 0).Boxes(1).str();
-  ExpectBroken(std::string(128, 'x') + whole.substr(128), "the scene name has no end");
+  ExpectBroken(std::string(128, 'x') + whole.substr(128), "the scene name does not end");
   ExpectBroken(whole.substr(0, 128) + std::string(128, 'x') + whole.substr(256),
-               "the object type has no end");
+               "the object type does not end");
   ExpectBroken(WithByte(whole, 2, '\n'), "the scene name is not printable");
   ExpectBroken(WithByte(whole, 2, '\xFF'), "the scene name is not printable");
 }
@@ -154,7 +154,7 @@ TEST_F(RecordedFile, UnknownLayoutsAndMissingNotesAreRefused) {
   ExpectBroken(FileBytes().Header(1, 0, 2).Boxes(1).str(), "layout flag at byte 264 is 2");
   const std::string whole = FileBytes().Header(1, 0).Boxes(1).str();
   ExpectBroken(WithByte(whole, 268, 33), "shorter than the 33 bytes of notes");
-  ExpectBroken(WithByte(whole, 268, 1), "is not the size its header gives");
+  ExpectBroken(WithByte(whole, 268, 1), "but its header requires");
   ExpectBroken(WithByte(whole, 271, -1), "size of the notes at byte 268");
   ExpectBroken(WithByte(whole, 271, 2), "size of the notes at byte 268");
 }

@@ -227,8 +227,8 @@ TEST(ShadowText, StatesWhyTheLaneIsOffOrWhatItCost) {
                     .slowdown_time_ns = kSecond,
                     .warm_switch_count = 1};
   EXPECT_EQ(ShadowText(summary),
-            "Shadow lane: running, 9 visits in 2 sweeps, 10.0 % of its thread's time, cost the "
-            "frame thread 2.50 %, copying took 200 ns per frame; 1 warm and 0 cold switches");
+            "Shadow lane: running, 9 visits in 2 sweeps, 10.0 % of its thread's time, slowed the "
+            "frame thread by 2.50 %, copying took 200 ns per frame; 1 warm and 0 cold switches");
 }
 
 // The run has 30 frames of SAP with cost ratio 1 and 10 of Grid with ratio 2: 1.25 on average. The

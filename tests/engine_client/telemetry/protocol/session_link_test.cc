@@ -455,7 +455,7 @@ TEST_F(SessionLinkTest, LimitsAnswersThatTheDaemonDoesNotAcknowledge) {
   EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
   EXPECT_TRUE(link_.Disconnected(EndWith(1, "cancelled"), now_ns_));
   EXPECT_THAT(link_.stats().last_error,
-              HasSubstr("does not acknowledge the answers to refused orders and commands"));
+              HasSubstr("did not acknowledge the game's refusals of orders and commands"));
   Connect();
   ASSERT_TRUE(Receive(WelcomeTo("a", true, 0)).ok());
   EXPECT_EQ(TakeAll().size(), Options().unacknowledged_messages);
