@@ -17,19 +17,19 @@ describe('why this arm', () => {
     const text = explained(told).join(' ');
     expect(text).toContain('KDTree looks better, but SAP stays: the change would not pay');
     expect(text).toContain('save 3.0 % of the detection time for 200 s, which counts as 6.0 s.'); // 200 × 0.03
-    expect(text).toContain('cost 1.0 % more for 40 s, until the next switch is allowed, which counts as 400 ms; and the change itself counts as 8.0 s. That does not pay.');
-    expect(explained({ ...told, gate: { ...told.gate!, costS: 1 } }).join(' ')).toContain('That would pay.');
+    expect(text).toContain('cost 1.0 % more for 40 s, until the next switch is allowed, which counts as 400 ms. The switch itself counts as 8.0 s. Altogether the switch does not pay.');
+    expect(explained({ ...told, gate: { ...told.gate!, costS: 1 } }).join(' ')).toContain('Altogether the switch would pay.');
     const sure = explained({ ...told, gate: { ...told.gate!, gain: Math.log(4), loss: 1e-40 } }).join(' ');
     expect(sure).toContain('save 75 % of the detection time');
-    expect(sure).toContain('cost hardly any more for 40 s, until the next switch is allowed, which counts as nothing;');
-    expect(explained({ ...told, outcome: DecisionOutcome.SWITCHED, gate: { ...told.gate!, costS: 1 } }).join(' ')).toContain('That pays.');
+    expect(sure).toContain('cost hardly any more for 40 s, until the next switch is allowed, which counts as nothing.');
+    expect(explained({ ...told, outcome: DecisionOutcome.SWITCHED, gate: { ...told.gate!, costS: 1 } }).join(' ')).toContain('Altogether the switch pays.');
   });
 
   it('says the detection time where rewards tell it, else the reward', () => {
     expect(explained(told).join(' ')).toContain('SAP took 7.58 µs per frame');
     expect(explained({ ...told, rewardVersion: 1 }).join(' ')).toContain('gave SAP a reward of 0.600');
     const { reward: _, ...nothing } = told;
-    expect(explained(nothing).join(' ')).toContain('Nothing was learnt');
+    expect(explained(nothing).join(' ')).toContain('did not become evidence');
   });
 
   it('does not contradict itself where the verdict waits for more decisions', () => {

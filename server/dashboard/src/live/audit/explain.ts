@@ -37,7 +37,7 @@ function whatHappened({ activeArm, candidate, outcome, reason, cooldownMs }: Tol
   const other = candidate && candidate !== activeArm ? candidate : 'another arm';
   switch (outcome) {
     case DecisionOutcome.SWITCHED: return `The daemon commanded a switch from ${activeArm} to ${other}. ${reasonWord(reason).meaning}`;
-    case DecisionOutcome.KEPT: return `${activeArm} stays: the policy chose it again.`;
+    case DecisionOutcome.KEPT: return `${activeArm} stays, because the policy chose it again.`;
     case DecisionOutcome.HELD_COOLDOWN:
       return `${other} looks better, but ${activeArm} stays: after a switch `
         + (cooldownMs === undefined ? 'the cooldown has to pass' : `${durationText(cooldownMs)} have to pass`) + ' before the next one.';
@@ -45,8 +45,8 @@ function whatHappened({ activeArm, candidate, outcome, reason, cooldownMs }: Tol
     case DecisionOutcome.HELD_TIE: return `${other} looks better, but by too little to matter, so ${activeArm} stays.`;
     case DecisionOutcome.EXPLORING:
       return reason === SwitchReason.EXPLORATION
-        ? `${activeArm} has been measured, and the next arm follows: at the start every arm is measured once.`
-        : `${activeArm} is being measured: at the start every arm is measured once.`;
+        ? `${activeArm} has been measured, and the next arm follows. At the start every arm is measured once.`
+        : `${activeArm} is being measured. At the start every arm is measured once.`;
     default: return `${activeArm} was active. ${outcomeWord(outcome).meaning}`;
   }
 }
@@ -60,8 +60,8 @@ function whatWeighed({ candidate, activeArm, gate, outcome }: Told): string | un
   const more = Math.expm1(gate.loss);
   const pay = outcome === DecisionOutcome.SWITCHED ? 'pays' : 'would pay';
   return `For ${candidate}: it is expected to save ${percent(-Math.expm1(-gate.gain))} of the detection time for ${seconds(gate.horizonS)}, which counts as ${worth(saved)}. `
-    + `Against it: it may turn out to cost ${more < 1e-4 ? 'hardly any' : percent(more)} more for ${seconds(gate.cooldownS)}, until the next switch is allowed, which counts as ${worth(risked)}; `
-    + `and the change itself counts as ${worth(gate.costS)}. That ${pays ? pay : 'does not pay'}.`;
+    + `Against it: it may turn out to cost ${more < 1e-4 ? 'hardly any' : percent(more)} more for ${seconds(gate.cooldownS)}, until the next switch is allowed, which counts as ${worth(risked)}. `
+    + `The switch itself counts as ${worth(gate.costS)}. Altogether the switch ${pays ? pay : 'does not pay'}.`;
 }
 
 function whatIsBelieved({ leader, bestProbability, expectedLossRatio, verdict }: Told): string | undefined {
@@ -73,9 +73,9 @@ function whatIsBelieved({ leader, bestProbability, expectedLossRatio, verdict }:
 }
 
 function whatWasMeasured({ activeArm, reward, rewardVersion }: Told): string | undefined {
-  if (reward === undefined) return 'Nothing was learnt from the frames before it.';
-  if (rewardVersion !== LOG_COST_REWARD_VERSION) return `The frames before it gave ${activeArm} a reward of ${significant(reward)} (1 is the best).`;
-  return `In the frames before it ${activeArm} took ${rewardText(reward, true)} per frame, a reward of ${significant(reward)}.`;
+  if (reward === undefined) return 'The frames before this decision did not become evidence.';
+  if (rewardVersion !== LOG_COST_REWARD_VERSION) return `The frames before this decision gave ${activeArm} a reward of ${significant(reward)} (1 is the best).`;
+  return `In the frames before this decision ${activeArm} took ${rewardText(reward, true)} per frame, a reward of ${significant(reward)}.`;
 }
 
 /** Returns the sentences that explain a decision, the most important one first. */
@@ -106,7 +106,7 @@ export function explainedRow(row: AuditRow, setup?: AuditSetup): string[] {
     case AuditKind.MODE: return [row.mode === Mode.AI ? 'The daemon decides.' : `The game keeps ${arm}, which a person chose.`];
     case AuditKind.ORDER: return [orderText(row)];
     case AuditKind.ADMIN: return [actionText(row)];
-    case AuditKind.SETUP: return [`${meaning} Policy ${setup?.policy ?? ''}, arms ${setup?.arms.join(', ') ?? ''}.`];
+    case AuditKind.SETUP: return [setup ? `${meaning} The policy is ${setup.policy}, and the arms are ${setup.arms.join(', ')}.` : meaning];
     default: return [meaning];
   }
 }

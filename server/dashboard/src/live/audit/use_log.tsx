@@ -104,7 +104,7 @@ export function LogState({ log }: { log: SessionLog }) {
   return (
     <p class="soft log-state">
       <span class="row-count">{grouped(log.droppedCount + log.steps.length)} rows</span> of the audit log, read {ago(log.atMs, now.value)}{log.error && <>: <span role="status">{log.error.message}; the page tries again</span></>}.
-      {log.droppedCount > 0 && <> The last {grouped(MAX_STEPS)} are shown; <code>sweepstake audit export</code> writes all rows.</>} <button type="button" class="quiet" disabled={log.isReading} onClick={log.again}>Read again</button>
+      {log.droppedCount > 0 && <> The page shows the last {grouped(MAX_STEPS)}; <code>sweepstake audit export</code> writes all rows.</>} <button type="button" class="quiet" disabled={log.isReading} onClick={log.again}>Read again</button>
     </p>
   );
 }

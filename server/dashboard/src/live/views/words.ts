@@ -15,6 +15,9 @@ export const GLOSSARY: readonly (readonly [string, string])[] = [
   ['window', 'The frames between two decisions. They are one measurement of the arm that ran.'],
   ['shadow lane', 'A thread of the game beside the frame thread. It runs the other arms on copies of some frames.'],
   ['P(best)', 'The probability that an arm is the cheapest of its scene, given the evidence so far.'],
+  ['leader', 'The arm with the highest P(best) in a scene.'],
+  ['reward', 'The cost of a window as a number from 0 to 1; 1 is the best.'],
+  ['bail-out', 'A frame that took longer than the bail-out limit. If its arm was the cause, the game changes to another arm at once.'],
   ['policy', 'The rule that chooses the arm: it draws a random cost for each arm from its posterior, and takes the lowest (Thompson sampling).'],
   ['posterior', 'The distribution of an arm’s cost after all measurements. It is narrow if the cost is well known.'],
   ['prior', 'The distribution with which a session begins. It comes from earlier sessions, builds and machines.'],
@@ -47,11 +50,11 @@ const REASONS: Readonly<Record<SwitchReason, Word>> = {
 };
 
 const VERDICTS: Readonly<Record<Verdict, Word>> = {
-  [Verdict.UNSPECIFIED]: word('unknown', '?', 'Nothing is decided yet.'),
+  [Verdict.UNSPECIFIED]: word('unknown', '?', 'There is no decision about this scene yet.'),
   [Verdict.STABLE]: word('stable', '●', 'One arm is very probably the best.'),
-  [Verdict.TIE]: word('tie', '=', 'No arm is clearly the best, but choosing the leader costs hardly more than the best.'),
-  [Verdict.AMBIGUOUS]: word('ambiguous', '≈', 'No arm is clearly the best, and choosing the leader may cost noticeably more than the best. More measurements are needed.'),
-  [Verdict.DEGRADED]: word('degraded', '▼', 'Even the best arm misses the frame-rate floor. Another arm does not help; a scene with fewer objects would.'),
+  [Verdict.TIE]: word('tie', '=', 'No arm is clearly the best, but the leader costs hardly more than the best arm.'),
+  [Verdict.AMBIGUOUS]: word('ambiguous', '≈', 'No arm is clearly the best, and the leader may cost noticeably more than the best arm. More measurements are needed.'),
+  [Verdict.DEGRADED]: word('degraded', '▼', 'Even with the best arm, the frame rate is below the frame-rate floor, the required minimum. Another arm does not help; fewer objects would.'),
 };
 
 const MODES: Readonly<Record<Mode, Word>> = {
@@ -71,7 +74,7 @@ const ENDS: Readonly<Record<SessionEnd, Word>> = {
   [SessionEnd.UNSPECIFIED]: word('gone', '–', 'The session ended while the page was disconnected.'),
   [SessionEnd.GOODBYE]: word('ended', '■', 'The game ended the session.'),
   [SessionEnd.KICKED]: word('kicked', '✗', 'An operator of the daemon ended the session.'),
-  [SessionEnd.FORGOTTEN]: word('forgotten', '…', 'The game did not reconnect in time. The session may still continue from the store.'),
+  [SessionEnd.FORGOTTEN]: word('forgotten', '…', 'The game did not reconnect in time. If it reconnects later, the session can continue from the stored evidence.'),
 };
 
 const KINDS: Readonly<Record<AuditKind, Word>> = {
@@ -84,7 +87,7 @@ const KINDS: Readonly<Record<AuditKind, Word>> = {
   [AuditKind.MODE]: word('mode', '◆', 'The game changed between manual mode and AI Decides.'),
   [AuditKind.ORDER]: word('order', '✋', 'An operator ordered manual mode or AI Decides.'),
   [AuditKind.MISSING]: word('rows missing', '…', 'Rows are missing here: they were removed because the size of the log is limited, or could not be written.'),
-  [AuditKind.ADMIN]: word('administration', '⚙', 'An action of an administrator.'),
+  [AuditKind.ADMIN]: word('administration', '⚙', 'An administrator changed something, such as a token or stored evidence.'),
 };
 
 export const outcomeWord = (value: DecisionOutcome) => OUTCOMES[value] ?? UNKNOWN;
