@@ -75,8 +75,8 @@ async function checkPromote(page, daemon, commands) {
   assert.deepEqual([preview.sources, preview.records, preview.scenes], [1, waiting.length, 1]);
   const ask = async () => {
     await button(page, 'Promote build 0.9').click();
-    await previewIs(page, preview, /would count\./);
-    assert.match(await dialog(page).getByRole('status').innerText(), / for 1 scene would count/);
+    await previewIs(page, preview, /would be promoted\./);
+    assert.match(await dialog(page).getByRole('status').innerText(), / for 1 scene would be promoted/);
   };
   await ask();
   await assertAccessible(page, 'the dialog of a promotion');
@@ -168,7 +168,7 @@ async function valuesOf(figure) {
 async function checkPriorOfBuild(page, daemon, commands) {
   const records = commands.exported().records.filter(({ scene, reward_version: version }) => scene === 'arena' && version === 3);
   await page.goto(`${daemon.origin}/scenes/arcade/arena?class=${encodeURIComponent(records[0].machine_class)}&reward=3`);
-  await button(page, 'Tell sources apart').click();
+  await button(page, 'Show evidence by source').click();
   const figure = page.locator('figure[data-chart=build]');
   await figure.getByRole('combobox').selectOption('1.2');
   assert.equal(query(page).get('build'), '1.2');
@@ -196,7 +196,7 @@ async function checkPriorOfBuild(page, daemon, commands) {
 
 const counted = (count, one) => `${count} ${one}${count === 1 ? '' : 's'}`;
 const countsText = ({ sources, records, windows }) => [counted(sources, 'source'), counted(records, 'record'), counted(windows, 'window')];
-async function previewIs(page, result, end = /would go\./) {
+async function previewIs(page, result, end = /would be revoked\./) {
   const text = await until('the preview is there', async () => { const shown = await dialog(page).getByRole('status').innerText(); return end.test(shown) && shown; });
   for (const part of countsText(result)) assert.ok(text.replaceAll(',', '').includes(part), `${text} without ${part}`);
   const leaders = result.leader_changes.scenes.map(({ scene, arm, next_arm: next }) => `${shownName(scene)}: ${next || 'none'} in place of ${arm || 'none'}`);
@@ -255,7 +255,7 @@ async function checkRevokeForm(page, daemon, commands) {
   const { records } = commands.exported();
   await field('Began at or after').fill(localTime(seen(records) + 3600).replace(' ', 'T'));
   await preview();
-  await dialog(page).getByText('Nothing would go').waitFor();
+  await dialog(page).getByText('Nothing would be revoked').waitFor();
   assert.ok(await revoke.isDisabled());
   await field('Began at or after').fill('');
   await field('Began at or before').fill(localTime(seen(records) + 3600).replace(' ', 'T'));
@@ -265,7 +265,7 @@ async function checkRevokeForm(page, daemon, commands) {
   await field('Number of the token').fill('77');
   assert.ok(await revoke.isDisabled(), 'another scope was not previewed');
   await preview();
-  await dialog(page).getByText('Nothing would go').waitFor();
+  await dialog(page).getByText('Nothing would be revoked').waitFor();
   await page.keyboard.press('Escape');
   assert.equal(await dialog(page).count(), 0);
   assert.deepEqual(commands.exported().records, records);

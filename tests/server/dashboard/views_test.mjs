@@ -50,7 +50,7 @@ async function checkNeverRan(page) {
   const unseen = arms.filter(({ Measured }) => Measured !== 'live');
   const titles = await chart(page, 'beliefs').locator('svg.picture title').allTextContents();
   for (const { Arm, Measured } of unseen) assert.ok(titles.some((title) => title.startsWith(`${Arm}: `) && /never/.test(title)), `${Arm} is ${Measured}`);
-  await page.getByRole('button', { name: 'Tell sources apart' }).click();
+  await page.getByRole('button', { name: 'Show evidence by source' }).click();
   await chart(page, 'measured').locator('svg.picture').waitFor();
   const measured = await chart(page, 'measured').locator('svg.picture title').allTextContents();
   assert.ok(measured.some((title) => / live: /.test(title)), measured.join('\n'));
@@ -243,7 +243,7 @@ async function checkCompare(page, daemon, { sessionId }) {
   await page.locator('.why').waitFor();
   assert.equal(new URL(page.url()).pathname, `/sessions/${other}`, 'a decision of the second session is not explained on the page of that session');
   await page.goBack();
-  await page.getByRole('button', { name: 'Show only the first' }).click();
+  await page.getByRole('button', { name: 'Show only the first one' }).click();
   await page.getByRole('heading', { name: `Session ${sessionId}` }).waitFor();
   await rival.quit();
 }
@@ -259,7 +259,7 @@ async function checkUnknown(page, daemon, { sessionId }) {
   await isNarrow(page, 'an unknown session');
   await page.goto(`${daemon.origin}${SCENE}&with=${encodeURIComponent(nobody)}`);
   await page.getByText('The daemon does not know the other scene').waitFor();
-  await page.getByRole('button', { name: 'Show only the first' }).click();
+  await page.getByRole('button', { name: 'Show only the first one' }).click();
   await page.getByRole('region', { name: 'Arms' }).waitFor();
 }
 

@@ -25,7 +25,7 @@ import { armNames, armRows, ridgeRows } from './scene/arms';
 import { CostCharts, type Ends } from './session/cost_charts';
 import { type CostColumns, costColumns, stepQuery, switchMoments } from './session/model';
 
-const Alone = () => <button type="button" class="quiet" onClick={() => setQuery({ with: undefined }, { step: true })}>Show only the first</button>;
+const Alone = () => <button type="button" class="quiet" onClick={() => setQuery({ with: undefined }, { step: true })}>Show only the first one</button>;
 const span = (ranges: readonly (readonly [number, number])[]): [number, number] => [Math.min(...ranges.map(([low]) => low)), Math.max(...ranges.map(([, high]) => high))];
 
 interface Side { state: SceneState; ridges: RidgeRow[]; arms: string[]; rows: SeriesRow[] }
@@ -158,7 +158,7 @@ export function CompareSessions({ ids: [first, second] }: { ids: readonly [strin
     <>
       <header class="title"><h1>Comparison</h1><span><Alone /><CopyLink /></span></header>
       <TimeTools />
-      <p class="soft">Both sessions are drawn from the same start. Times are those of the first session.</p>
+      <p class="soft">Both sessions are drawn as if they had begun at the same time. The axes show the times of the first session.</p>
       <div class="beside">{both.map((data) => <SessionSide key={data.id} data={data} domain={range.value ?? { fromMs: startMs, toMs: startMs + lengthMs }} ends={ends} />)}</div>
     </>
   );

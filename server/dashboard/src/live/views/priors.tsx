@@ -50,7 +50,7 @@ function Notes({ used, isCut, project }: Evidence & { project: string }) {
     <p class="soft small">
       {grouped(used.length)} records of {grouped(new Set(used.map(({ sourceId }) => sourceId)).size)} sources
       {project && <> of <Name text={project} /></>}.
-      {isCut && ' Not all of them are in the tables and in the file; choose a project.'}
+      {isCut && ` There are more records. The tables and the file leave them out${project ? '' : '; choose a project to see all of its records'}.`}
     </p>
   );
 }
@@ -93,7 +93,7 @@ export function Priors() {
   return (
     <>
       <header class="title"><h1>Priors</h1><CopyLink /></header>
-      <p>New sessions start from this evidence: everything that is stored, without the prior Beta(1,1). The views of scenes also include the newest evidence of their sessions.</p>
+      <p>New sessions start from this stored evidence. Its figures do not include the prior Beta(1,1). The views of scenes also include the newest evidence of their sessions, which may not be stored yet.</p>
       <div class="tools">
         <Filter label="Search evidence" />
         <Choice label="Project" parameter="project" options={[['', 'all'], ...projects.map((each) => [each, visible(each)] as const)]} />
@@ -106,11 +106,11 @@ export function Priors() {
       </div>
       <PriorsQuestion known={{ projects, builds: namesIn(used, 'build').filter(Boolean).sort() }} onDone={again} />
       {isReading && <Loading what="the evidence" />}
-      {error && <Failure what="all of the evidence" error={error} onRetry={again} />}
+      {error && <Failure what="the complete evidence" error={error} onRetry={again} />}
       {waiting.length > 0 && <Quarantine waiting={waiting} scope={scope} />}
       {evidence && !error && used.length === 0 && <Empty title="Nothing is stored yet"><p>The evidence of a session is stored while the session continues. It appears here a moment later.</p></Empty>}
       {used.length > 0 && <><Notes {...evidence!} project={project} /><Tables records={used} project={project} /></>}
-      <p class="soft small"><code>sweepstake priors import --daemon HOST:PORT --in FILE</code> imports a file of priors. The imported evidence waits here for its promotion.</p>
+      <p class="soft small"><code>sweepstake priors import --daemon HOST:PORT --in FILE</code> imports a file of priors. The imported evidence waits here until an operator promotes it.</p>
     </>
   );
 }
@@ -120,7 +120,7 @@ const LANE = 'lane'; // measured_by of evidence from the shadow lane; it is empt
 const [sourcesOf, scenesOf, armsOf, classesOf] = [namesOf('sourceId'), namesOf('scene'), namesOf('arm'), namesOf('machineClass')];
 const [alphaOf, betaOf, weightOf, lastSeenS] = [sumOf('alphaIncrement'), sumOf('betaIncrement'), mostOf('weight'), mostOf('unixLastSeenS')];
 const NUMBERS: readonly Column<Group>[] = [
-  { id: 'windows', title: 'Windows', hint: 'Decision windows, and visits of the lane', sort: sumOf('windowCount') },
+  { id: 'windows', title: 'Windows', hint: 'Decision windows, and visits of the shadow lane', sort: sumOf('windowCount') },
   { id: 'bails', title: 'Bail-outs', sort: sumOf('bailOutCount') },
 ];
 const BUILD: Column<Group> = { id: 'build', title: 'Build', isText: true, sort: ({ example }) => example.build };
@@ -131,7 +131,7 @@ const PROJECT: Column<Group> = { id: 'project', title: 'Project', isText: true, 
 const ORIGIN: readonly Column<Group>[] = [
   ...NUMBERS,
   { id: 'arms', title: 'Arms', sort: (row) => armsOf(row).length },
-  { id: 'seen', title: 'Last seen', hint: 'When it last added evidence, by the clock of its daemon', sort: (row) => lastSeenS(row) || undefined,
+  { id: 'seen', title: 'Last seen', hint: 'Time of its latest evidence, by the clock of its daemon', sort: (row) => lastSeenS(row) || undefined,
     csv: (row) => (lastSeenS(row) ? new Date(1000 * lastSeenS(row)).toISOString() : ''), cell: (row) => (lastSeenS(row) ? timeText(1000 * lastSeenS(row)) : '–') },
   { id: 'classes', title: 'Machines', isText: true, sort: (row) => classesOf(row).join(', ') },
   { id: 'scenes', title: 'Scenes', isText: true, sort: (row) => scenesOf(row).join(', ') },
@@ -163,8 +163,8 @@ const SOURCES: readonly Column<Group>[] = [
   { id: 'origin', title: 'Origin', isText: true, hint: 'A session of this daemon, or the import of a file of priors',
     sort: ({ example }) => (example.isImported ? 'import' : 'session') },
   BUILD,
-  { id: 'weight', title: 'Weight', hint: 'The highest weight of its records in a new session on its class of machines, with the build that was seen last in the scene and '
-    + 'the newest backends. 0: newer sources of every arm have replaced it. 1: rewards do not depend on the cost alone, and all sources are summed',
+  { id: 'weight', title: 'Weight', hint: 'The highest weight of its records in a new session. That session runs on the same class of machines, with the latest build of the scene and '
+    + 'the newest backends. 0: newer sources of every arm have replaced it. 1: rewards do not depend on the cost alone, so all sources count fully',
     sort: weightOf, cell: (row) => significant(weightOf(row)) },
   ...ORIGIN,
 ];
@@ -181,9 +181,9 @@ const SUMS: readonly Column<Group>[] = [
   BUILD,
   { id: 'backend', title: 'Version', hint: 'Version of the backend’s code; evidence of different versions is kept apart', sort: ({ example }) => example.backendVersion },
   SOURCE_COUNT, ...NUMBERS,
-  { id: 'mean', title: 'Mean reward', hint: 'α ÷ (α + β) of the evidence alone', sort: meanOf, cell: (row) => meanOf(row)?.toFixed(4) ?? '–' },
-  { id: 'alpha', title: 'α', hint: 'Successes, without any prior', sort: alphaOf, cell: (row) => significant(alphaOf(row), 4) },
-  { id: 'beta', title: 'β', hint: 'Failures, without any prior', sort: betaOf, cell: (row) => significant(betaOf(row), 4) },
+  { id: 'mean', title: 'Mean reward', hint: 'α ÷ (α + β) of this evidence, without any prior', sort: meanOf, cell: (row) => meanOf(row)?.toFixed(4) ?? '–' },
+  { id: 'alpha', title: 'α', hint: 'What this evidence adds to α of the Beta distribution', sort: alphaOf, cell: (row) => significant(alphaOf(row), 4) },
+  { id: 'beta', title: 'β', hint: 'What this evidence adds to β of the Beta distribution', sort: betaOf, cell: (row) => significant(betaOf(row), 4) },
   PROJECT,
   { id: 'class', title: 'Machines', isText: true, sort: ({ example }) => example.machineClass },
   { id: 'reward', title: 'Reward', sort: ({ example }) => example.rewardVersion },

@@ -42,8 +42,8 @@ const COLUMNS: readonly Column<Row>[] = [
     cell: ({ scene }) => <a href={sceneHref(scene)}><Name text={scene.scene} /></a> },
   { id: 'arm', title: 'Arm', isText: true, sort: ({ change }) => change.arm, cell: ({ change }) => <Arm name={change.arm} /> },
   { id: 'before', title: 'Cost before', hint: 'Cost of the arm ÷ that of the scene’s cheapest arm, in the first build', sort: ({ change }) => beforeOf(change)?.median, cell: ({ change }) => ratioText(beforeOf(change)) },
-  { id: 'after', title: 'Cost after', hint: 'The same in the second build', sort: ({ change }) => afterOf(change)?.median, cell: ({ change }) => ratioText(afterOf(change)) },
-  { id: 'change', title: 'Change', isText: true, hint: 'A change of more than 5 %, relative to the cheapest arm', sort: ({ change }) => changeWord(change),
+  { id: 'after', title: 'Cost after', hint: 'Cost of the arm ÷ that of the scene’s cheapest arm, in the second build', sort: ({ change }) => afterOf(change)?.median, cell: ({ change }) => ratioText(afterOf(change)) },
+  { id: 'change', title: 'Change', isText: true, hint: 'Whether the cost ratio differs by more than 5 % between the builds, or is known in one of them only', sort: ({ change }) => changeWord(change),
     cell: ({ change }) => <Chip tone={change.changed ? 'warn' : 'plain'}>{changeWord(change)}</Chip> },
   { id: 'leader', title: 'Cheapest arm', isText: true, hint: 'Whether the same arm is the cheapest in both builds', sort: ({ scene }) => leaderWord(scene),
     cell: ({ scene }) => (scene.leaderChanged ? <Chip tone="bad" sign="≠">another</Chip> : leaderWord(scene)) },
@@ -71,7 +71,7 @@ function Pictures({ changes, before, after }: Builds & { changes: readonly Scene
   return (
     <>
       <div class="beside">{shown.map((change) => <Picture key={keyOf(change)} change={change} before={before} after={after} />)}</div>
-      {changes.length > shown.length && <p class="soft small">{MAX_PICTURES} of {changes.length} scenes are drawn: first those with another cheapest arm, then those with the largest change, last those of one build.</p>}
+      {changes.length > shown.length && <p class="soft small">The page draws {MAX_PICTURES} of {changes.length} scenes. Scenes with another cheapest arm come first, then those with the largest change, and last those of one build only.</p>}
     </>
   );
 }
@@ -85,7 +85,7 @@ function ChangeTable({ changes, before, after }: Builds & { changes: readonly Sc
     <>
       <Pictures changes={changes} before={before} after={after} />
       <Table caption="Changes" columns={COLUMNS} rows={rows} keyOf={({ key }) => key} sort="scene" sortParameter="changes" />
-      <p class="soft small">The scenes in which an arm changes, from the evidence of each build alone. <code>sweepstake priors diff</code> compares exported files in the same way. Only
+      <p class="soft small">The table lists the scenes in which the cost ratio of an arm has changed. It uses the evidence of each build alone. <code>sweepstake priors diff</code> compares exported files in the same way. Only
         rewards of version {LOG_COST_REWARD_VERSION} can be compared, since they depend on the cost alone.</p>
     </>
   );

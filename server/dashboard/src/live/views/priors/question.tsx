@@ -19,10 +19,10 @@ type Action = 'promote' | 'revoke';
 interface Counts { sourceCount: bigint; recordCount: bigint; windowCount: bigint; sceneCount?: bigint; leaderChanges?: LeaderChanges }
 
 const DEEDS = {
-  revoke: { verb: 'Revoke', title: 'Revoke evidence?', done: 'Revoked', notDone: 'Not revoked', would: 'would go', what: 'what would go',
-    none: 'Nothing would go: every matching source is revoked already, or none matches.', method: PriorsService.method.revokePriors },
-  promote: { verb: 'Promote', title: 'Promote imports?', done: 'Promoted', notDone: 'Not promoted', would: 'would count', what: 'what would count',
-    none: 'Nothing would count: no evidence in quarantine matches.', method: PriorsService.method.promotePriors },
+  revoke: { verb: 'Revoke', title: 'Revoke evidence?', done: 'Revoked', notDone: 'Not revoked', would: 'would be revoked', what: 'what would be revoked',
+    none: 'Nothing would be revoked: no source matches, or each matching source is revoked already.', method: PriorsService.method.revokePriors },
+  promote: { verb: 'Promote', title: 'Promote imports?', done: 'Promoted', notDone: 'Not promoted', would: 'would be promoted', what: 'what would be promoted',
+    none: 'Nothing would be promoted: no evidence in quarantine matches.', method: PriorsService.method.promotePriors },
 } as const;
 
 interface Asked { action: Action; scope: Scope; isOpen: boolean } // isOpen: the user selects the sources in the dialog
@@ -67,19 +67,19 @@ async function act(action: Action, scope: Scope): Promise<void> {
     toast(`${done}: ${countsText(await ask(action, scope, false))}.`);
   } catch (error) {
     const { code, message } = asApiError(error);
-    toast(code === 'UNREACHABLE' ? `It is not known whether it was done: ${message}. Read again.` : `${notDone}: ${message}`, { isBad: true });
+    toast(code === 'UNREACHABLE' ? `The page does not know whether the daemon did this: ${message}. Click “Read again” to check.` : `${notDone}: ${message}`, { isBad: true });
   }
 }
 
 function ScopeWords({ action, scope: { project, sourceId, build, tokenId, unixFromS, unixUntilS } }: { action: Action; scope: Scope }) {
   return (
     <p>
-      All {action === 'promote' ? 'imports that wait' : 'evidence'} {project ? <>in project <Name text={project} /></> : 'in all projects'}
+      This concerns all {action === 'promote' ? 'imports in quarantine' : 'evidence'} {project ? <>in project <Name text={project} /></> : 'in all projects'}
       {sourceId && <> of source <Name text={sourceId} /></>}
       {build && <> of build <Name text={build} /></>}
-      {tokenId !== undefined && <> of sessions that began with token {String(tokenId)}</>}
-      {unixFromS !== undefined && <> from {timeText(1000 * Number(unixFromS))} on</>}
-      {unixUntilS !== undefined && <> until {timeText(1000 * Number(unixUntilS))}</>}.
+      {tokenId !== undefined && <> of sessions that began with the token number {String(tokenId)}</>}
+      {unixFromS !== undefined && <>, if its source began at or after {timeText(1000 * Number(unixFromS))}</>}
+      {unixUntilS !== undefined && <>, if its source began at or before {timeText(1000 * Number(unixUntilS))}</>}.
     </p>
   );
 }

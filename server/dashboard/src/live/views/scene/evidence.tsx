@@ -32,7 +32,7 @@ function ByMeasure({ scene, name }: { scene: SceneComparison | undefined; name: 
   return (
     <RidgeFigure id="measured" title="Measured in games, and in the shadow lane" names={[name.project, name.scene]} rows={measuredRows(scene)}
       rewardVersion={name.rewardVersion} notYet={NO_EVIDENCE}
-      note="Games run an arm when the policy chooses it. The lane runs all arms on the same frames, off the frame thread. Its costs of some arms are wrong by 10 to 20 %.
+      note="Games run an arm when the policy chooses it. The lane runs all arms on the same frames, on a thread of its own. For some arms its costs are wrong by 10 to 20 %.
         Posteriors compare the arms by their costs in the lane, scaled to the mean cost of the arms that also ran in games. A posterior may therefore differ from both
         measurements." />
   );
@@ -46,7 +46,7 @@ function ByBuild({ builds, name }: { builds: readonly string[]; name: SceneName 
   const figure = (rows: RidgeRow[]) => (
     <RidgeFigure id="build" title="Prior and posterior of a build" names={[name.project, name.scene, build]} rows={rows} rewardVersion={name.rewardVersion} notYet={NO_EVIDENCE}
       note={builds.length > 1
-        ? <>Dashed grey: the evidence of the other builds. Filled: that and the evidence of build {shown}, windows and visits together.</>
+        ? <>Dashed grey: the evidence of the other builds alone. Filled: the evidence of all builds, including build {shown}, from games and from the shadow lane.</>
         : <>Only build {shown} has evidence of this scene.</>}>
       {builds.length > 1 && <Choice label="Build" parameter="build" options={builds.map((each) => [each, visible(each) || 'unknown'] as const)} />}
     </RidgeFigure>
@@ -65,5 +65,5 @@ function Evidence({ name }: { name: SceneName }) {
 export function SceneEvidence({ name }: { name: SceneName }) {
   const [isOpen, open] = useState(false);
   if (isOpen) return <Evidence name={name} />;
-  return <p><button type="button" onClick={() => open(true)}>Tell sources apart</button> <span class="soft">shows the stored evidence of games and of the shadow lane, and that of each build</span></p>;
+  return <p><button type="button" onClick={() => open(true)}>Show evidence by source</button> <span class="soft">This compares the stored evidence of games, of the shadow lane, and of each build.</span></p>;
 }
