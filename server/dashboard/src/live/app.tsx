@@ -63,7 +63,7 @@ function ThemeSwitch() {
     chooseTheme(next);
     theme.value = next;
   };
-  return <button type="button" class="quiet" onClick={choose} title={`Change to ${next}`}>Theme: {theme.value}</button>;
+  return <button type="button" class="quiet" onClick={choose} title={`Change the theme to ${next}`}>Theme: {theme.value}</button>;
 }
 
 async function leave(): Promise<void> {
@@ -74,7 +74,7 @@ async function leave(): Promise<void> {
 function Reader() {
   const who = account.value;
   if (!who?.loggedIn) return null;
-  return <button type="button" class="quiet" onClick={() => void leave()} title={`Role: ${who.role}. Log out`}><Name text={who.name} unknown="logged in" /></button>;
+  return <button type="button" class="quiet" onClick={() => void leave()} title={`Your role is ${who.role}. Click to log out.`}><Name text={who.name} unknown="logged in" /></button>;
 }
 
 function Header() {

@@ -22,8 +22,9 @@ export interface RidgeRow {
   isPart?: true; // the row has only live or only lane evidence; another row may have the rest
 }
 
+/** Sentences that explain where an arm was measured; empty if it ran in a game. */
 export const MEASURED_WORDS: Readonly<Record<Measured, string>> = {
-  live: '', lane: 'only in the shadow lane, never in the game', never: 'never measured: the curve shows the assumption without evidence',
+  live: '', lane: 'The arm was measured only in the shadow lane, never in a game.', never: 'Without a measurement the posterior equals the prior.',
 };
 
 const ROW = 62;

@@ -25,7 +25,7 @@ const WORDS: Readonly<Record<ConnectionStatus, { tone: Tone; sign: string; text:
   connecting: { tone: 'plain', sign: '◌', text: 'connecting', meaning: 'The page has not received data from the daemon yet.' },
   stale: { tone: 'warn', sign: '◍', text: 'stale', meaning: 'The page is connected, but has received nothing from the daemon for 5 s. The data may be old.' },
   offline: { tone: 'bad', sign: '✕', text: 'offline', meaning: 'The connection to the daemon is lost. The page shows the last data that it received, and reconnects automatically.' },
-  denied: { tone: 'bad', sign: '⊘', text: 'no access', meaning: 'The daemon refuses access to this data.' },
+  denied: { tone: 'bad', sign: '⊘', text: 'no access', meaning: 'The daemon refuses access to this data. Ask its administrator for a token that may read it.' },
 };
 
 export function ConnectionBadge() {

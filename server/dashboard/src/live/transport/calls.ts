@@ -110,7 +110,7 @@ export async function* stream<Input extends DescMessage, Output extends DescMess
   const response = await send(`/api/${pathOf(method)}`, init);
   for await (const line of linesOf(response.body!)) {
     if (!line.trim()) continue;
-    if (line.startsWith('{"error":')) throw parseError(line, 'the daemon broke off its answer');
+    if (line.startsWith('{"error":')) throw parseError(line, 'the daemon ended its answer before it was complete');
     yield messageOf(method.output, line);
   }
 }

@@ -122,7 +122,7 @@ function Pager({ page, matchCount, order }: { page: number; matchCount: number; 
       <button type="button" disabled={page === 0} onClick={() => go(page - 1)}>Newer</button>
       <span>{matchCount === 0 ? 'none' : `${grouped(first)} to ${grouped(last)} of ${grouped(matchCount)}, ${order}`}</span>
       <button type="button" disabled={last >= matchCount || page + 1 >= MAX_PAGE} onClick={() => go(page + 1)}>Older</button>
-      {page + 1 >= MAX_PAGE && <span class="soft">Older rows: <code>sweepstake audit export</code></span>}
+      {page + 1 >= MAX_PAGE && <span class="soft"><code>sweepstake audit export</code> writes older rows, too.</span>}
     </nav>
   );
 }

@@ -28,7 +28,7 @@ const sceneOf = ({ state }: SceneSummary) => state.posterior;
 const COLUMNS: readonly Column<SceneSummary>[] = [
   { id: 'scene', title: 'Scene', sort: (row) => `${sceneOf(row).project}\n${sceneOf(row).scene}`, csv: (row) => sceneOf(row).scene,
     cell: (row) => <a href={sceneHref(sceneOf(row))}><Name text={sceneOf(row).scene} /></a> },
-  { id: 'verdict', title: 'Verdict', isText: true, width: '8rem', hint: 'Whether the best arm is known. Sorted by uncertainty.', sort: (row) => row.uncertainty,
+  { id: 'verdict', title: 'Verdict', isText: true, width: '8rem', hint: 'Says whether the best arm is known. This column sorts by uncertainty.', sort: (row) => row.uncertainty,
     csv: (row) => verdictWord(row.verdict).name, cell: (row) => <VerdictChip verdict={row.verdict} /> },
   { id: 'leader', title: 'Leader', isText: true, width: '8rem', hint: 'The arm with the highest probability of being the best', sort: (row) => sceneOf(row).leaderArm,
     cell: (row) => <Arm name={sceneOf(row).leaderArm} /> },
@@ -40,11 +40,11 @@ const COLUMNS: readonly Column<SceneSummary>[] = [
     cell: (row) => (sceneOf(row).leaderArm ? share(sceneOf(row).expectedLossRatio) : '–') },
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount },
   { id: 'evidence', title: 'Evidence', width: '7rem', hint: 'Decision windows and visits of the shadow lane in all sessions', sort: (row) => Number(row.evidence) },
-  { id: 'changed', title: 'Changed', width: '7rem', hint: 'Time of the last change since the page was opened, or of the latest evidence before that', sort: (row) => row.state.changedMs || undefined,
+  { id: 'changed', title: 'Changed', width: '7rem', hint: 'Time of the last change that this page received. If there was none: time of the latest evidence', sort: (row) => row.state.changedMs || undefined,
     cell: (row) => (row.state.changedMs ? ago(row.state.changedMs, now.value) : '–') },
   { id: 'project', title: 'Project', isText: true, sort: (row) => sceneOf(row).project },
   { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: (row) => sceneOf(row).machineClass },
-  { id: 'reward', title: 'Reward', hint: 'Version of the reward; AI Decides uses version 3', sort: (row) => sceneOf(row).rewardVersion },
+  { id: 'reward', title: 'Reward', hint: 'Version of the formula that turns a cost into a reward; AI Decides uses version 3', sort: (row) => sceneOf(row).rewardVersion },
 ];
 
 const VERDICTS = [Verdict.DEGRADED, Verdict.AMBIGUOUS, Verdict.UNSPECIFIED, Verdict.TIE, Verdict.STABLE];
@@ -62,7 +62,7 @@ function Figures() {
       <Figure value={grouped(all.length)} what={all.length === 1 ? 'scene' : 'scenes'} />
       <Figure value={grouped(connectedSessions.value.length)} what={connectedSessions.value.length === 1 ? 'session online' : 'sessions online'} />
       <Figure value={grouped(unsure)} what="not settled" title="Scenes with the verdict ambiguous or degraded" />
-      <Figure value={lastMs ? ago(lastMs, now.value) : '–'} what="last change" title="Time of the last change since the page was opened, or of the latest evidence before that" />
+      <Figure value={lastMs ? ago(lastMs, now.value) : '–'} what="last change" title="Time of the last change that this page received. If there was none: time of the latest evidence" />
     </div>
   );
 }
@@ -103,7 +103,7 @@ const projectsOf = (all: readonly SceneSummary[]): Project[] => [...groupedBy(al
 
 const PROJECTS: readonly Column<Project>[] = [
   { id: 'project', title: 'Project', sort: ({ project }) => project, cell: ({ project }) => <a href={`/?project=${encodeURIComponent(project)}`}><Name text={project} /></a> },
-  { id: 'verdict', title: 'Least certain scene', isText: true, hint: 'The scene of the project whose best arm is least certain. Sorted by uncertainty.', sort: ({ worst }) => worst.uncertainty,
+  { id: 'verdict', title: 'Least certain scene', isText: true, hint: 'The scene of the project whose best arm is least certain. This column sorts by uncertainty.', sort: ({ worst }) => worst.uncertainty,
     csv: ({ worst }) => sceneOf(worst).scene, cell: ({ worst }) => <><VerdictChip verdict={worst.verdict} /> <a href={sceneHref(sceneOf(worst))}><Name text={sceneOf(worst).scene} /></a></> },
   { id: 'unsettled', title: 'Not settled', hint: 'Scenes with the verdict ambiguous or degraded', sort: (row) => row.scenes.filter(isUnsettled).length },
   { id: 'scenes', title: 'Scenes', sort: (row) => row.scenes.length },
@@ -125,7 +125,7 @@ function Projects({ all }: { all: readonly SceneSummary[] }) {
 function NoScenes() {
   return (
     <Empty title="No scene has reported yet">
-      <p>A scene appears here as soon as a game has played it. To try it without a game:</p>
+      <p>A scene appears here as soon as a game has played it. To try this without a game, run:</p>
       <pre>sweepstake run --scene hurricane --objects 3000 --mode ai --daemon HOST:PORT</pre>
     </Empty>
   );
@@ -147,7 +147,7 @@ export function Overview() {
         {all.length > 0 && rows.length === 0 && <Empty title="No scene matches the filter" />}
       </section>
       <Projects all={all} />
-      <p class="soft small">{counted(sessions.value.size, 'session', 'sessions')} known. A verdict uses the evidence of all sessions. A scene is stable if P(best) of its leader is at least {significant(thresholds.value.stableProbability, 1)}.</p>
+      <p class="soft small">The page knows {counted(sessions.value.size, 'session', 'sessions')}. A verdict uses the evidence of all sessions. A scene is stable if P(best) of its leader is at least {significant(thresholds.value.stableProbability, 1)}.</p>
       <details class="soft small">
         <summary>Terms on this page</summary>
         <dl>{GLOSSARY.map(([name, meaning]) => [<dt key={name}>{name}</dt>, <dd key={`${name}=`}>{meaning}</dd>])}</dl>
@@ -190,8 +190,8 @@ function concerns(): Concern[] {
   const failed = (checks.value ?? []).filter(({ isOk, note }) => !isOk || note !== '');
   return [
     ...failed.map(({ name, isOk, note }): Concern => ({ text: `${name}: ${note || 'failed'}`, isBad: !isOk, places: [{ href: '/health', name: 'health' }] })),
-    concern(all.filter(({ verdict }) => verdict === Verdict.DEGRADED), 'scene misses the frame-rate floor with every arm',
-      'scenes miss the frame-rate floor with every arm', true, '/?verdict=degraded'),
+    concern(all.filter(({ verdict }) => verdict === Verdict.DEGRADED), 'scene misses the frame-rate floor even with its best arm',
+      'scenes miss the frame-rate floor even with their best arms', true, '/?verdict=degraded'),
     concern(all.filter(bailsOut), 'scene had a bail-out in the last 10 minutes', 'scenes had bail-outs in the last 10 minutes', true),
     concern(lost, 'session has lost the connection to its game', 'sessions have lost the connection to their games', false),
     concern(online.filter(({ info }) => info.droppedFrameCount > 0n), 'game has dropped measurements', 'games have dropped measurements', false),

@@ -35,8 +35,8 @@ function Sentence({ state }: { state: SceneState }) {
   return (
     <p>
       <VerdictChip verdict={verdict} /> {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} `}<b><Name text={posterior.leaderArm} /></b> is the best arm with a probability of{' '}
-      <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. Perfect
-      knowledge would gain <b>{share(posterior.valueRemainingRatio)}</b>.
+      <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. With
+      exactly known costs, the choice would gain <b>{share(posterior.valueRemainingRatio)}</b> on average.
     </p>
   );
 }
@@ -66,8 +66,8 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   return (
     <RidgeFigure id="beliefs" title="Posterior of each arm" names={[posterior.project, posterior.scene]} table={table} rows={ridges}
       rewardVersion={posterior.rewardVersion} notYet="No arm has evidence yet."
-      note="Thick: 50 %, thin: 95 %. Dashed arms never ran in a game. Dashed grey: the posterior when you opened this view, if it has changed since. The prior of a build
-        is below, under Evidence; the prior of a session is in the view of that session." />
+      note="Thick lines are 50 % credible intervals, thin ones 95 %. Arms with a dashed outline never ran in a game. Dashed grey: the posterior when you opened this view, if it
+        has changed since. The prior of a build is below, under Evidence; the prior of a session is in the view of that session." />
   );
 }
 
@@ -94,7 +94,7 @@ function Charts({ state, rows }: { state: SceneState; rows: readonly ArmRow[] })
   return (
     <>
       <TimeTools />
-      <p class="soft small">Dotted lines mark the first session of a build, and switches in the colour of the new arm (the latest {MAX_SWITCHES} of all sessions). These
+      <p class="soft small">Dotted lines mark the first session of each build. They also mark the latest {MAX_SWITCHES} switches of all sessions, in the colour of the new arm. These
         charts begin when the page was opened. The charts of a session begin with its log.</p>
       <BandsChart {...props} />
       <div class="beside"><BestChart {...props} /><LossChart {...props} /></div>

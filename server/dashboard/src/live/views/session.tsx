@@ -86,7 +86,7 @@ const LANE_COLUMNS: readonly Column<LaneSum>[] = [
   { id: 'median', title: 'Median', hint: 'Median detection time in the lane', sort: ({ medianNs }) => medianNs, cell: ({ medianNs }) => nsText(medianNs) },
   { id: 'last', title: 'Last', sort: ({ lastNs }) => lastNs, cell: ({ lastNs }) => nsText(lastNs) },
   { id: 'build', title: 'Build', hint: 'Median time to build the arm’s data structure', sort: ({ buildNs }) => buildNs, cell: ({ buildNs }) => nsText(buildNs) },
-  { id: 'capped', title: 'Cut short', hint: 'Visits that reached the time limit of the lane', sort: ({ cappedCount }) => cappedCount },
+  { id: 'capped', title: 'Cut short', hint: 'Visits that the lane ended early, because they reached its time limit', sort: ({ cappedCount }) => cappedCount },
   { id: 'when', title: 'Last visit', sort: ({ lastMs }) => lastMs, cell: ({ lastMs }) => timeText(lastMs) },
 ];
 
@@ -102,7 +102,7 @@ function Timeline({ sessionId, steps, arms, domain }: ChartsProps) {
   const switchCount = steps.filter(isSwitch).length;
   return (
     <ChartFrame id="timeline" title="Switches" names={[sessionId]} table={() => decisionTable(steps)} empty={steps.length === 0 && 'There are no decisions yet.'}
-      note={`${counted(switchCount, 'switch command', 'switch commands')}. Dotted lines in the charts below mark changes of the active arm.`}>
+      note={`The log has ${counted(switchCount, 'switch command', 'switch commands')}. Dotted lines in the charts below mark changes of the active arm.`}>
       <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openStep} />
     </ChartFrame>
   );
@@ -168,7 +168,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       </p>
       <LogState log={log} />
       {chosen && <Why step={chosen} sessionId={sessionId} onRead={log.again} onClose={() => setQuery({ decision: undefined, at: undefined })} />}
-      {!chosen && !log.isReading && asksForStep() && <p class="soft" role="status">The decision in the URL is not among the rows that are shown. <a href={decisionsHref({ session: sessionId })}>All rows of its log</a></p>}
+      {!chosen && !log.isReading && asksForStep() && <p class="soft" role="status">The decision in the URL is not among the rows that are shown. See <a href={decisionsHref({ session: sessionId })}>all rows of its log</a>.</p>}
       <TimeTools />
       <Timeline {...props} />
       <Costs {...props} />
@@ -189,7 +189,7 @@ function Opened({ sessionId }: { sessionId: string }) {
   if (!state && log.steps.length === 0) {
     if (log.error) return <Failure what="The session" error={log.error} onRetry={log.again} />;
     return log.isReading ? <Loading what="the session" />
-      : <Empty title="The daemon does not know this session"><p><Name text={sessionId} /> is neither in memory nor in the audit log. <a href="/">The overview</a></p></Empty>;
+      : <Empty title="The daemon does not know this session"><p><Name text={sessionId} /> is neither in memory nor in the audit log. <a href="/">The overview</a> lists all scenes.</p></Empty>;
   }
   return <Session sessionId={sessionId} state={state} log={log} />;
 }

@@ -47,9 +47,9 @@ export function CostCharts({ columns, moments, domain, names, ends, laterMs = 0 
   return (
     <>
       <TimeFigure {...figure(lines.frame)} id="frame-time" title="Frame time" levels={BUDGETS} format={ms} height={180} {...(ends && { values: ends.frameMs })}
-        note="Percentiles cover the frames since the page was opened. The mean of each window is from the audit log. 60 and 30 fps: budgets of 16.7 and 33.3 ms." />
+        note="Percentiles cover the frames since the page was opened. The mean of each window is from the audit log. The lines 60 fps and 30 fps mark 16.7 and 33.3 ms per frame." />
       <TimeFigure {...figure(lines.detection)} id="detection" title="Detection time" levels={BUDGETS_ASIDE} format={ms} height={180} scale="log"
-        {...(ends && { values: ends.detectionMs })} note="Time of the broad phase per frame, on a logarithmic axis. The budgets of a frame are drawn if values come near them." />
+        {...(ends && { values: ends.detectionMs })} note="Time of the broad phase per frame, on a logarithmic axis. The lines 60 fps and 30 fps appear only if values come near them." />
       <div class="beside">
         <TimeFigure {...figure(lines.bytes)} id="memory" title="Memory" format={bytes} height={140} />
         <TimeFigure {...figure(lines.checks)} id="checks" title="AABB checks per frame" format={compact} height={140} />

@@ -29,7 +29,7 @@ async function ask({ sessionId, mode, activeArm }: SessionInfo, order: Order): P
       <p>{order.mode === Mode.AI
         ? 'The daemon chooses the arm again, and learns from its cost.'
         : <>The game keeps <Name text={order.arm} /> until the next order. Meanwhile its frames do not become evidence.</>}</p>
-      <p class="soft">The order is in the audit log. You can undo it.</p>
+      <p class="soft">The audit log records the order. You can undo it.</p>
     </>
   );
   const action = order.mode === Mode.AI ? 'Let the daemon decide' : 'Keep this arm';
@@ -39,7 +39,7 @@ async function ask({ sessionId, mode, activeArm }: SessionInfo, order: Order): P
 async function kick({ sessionId, scene }: SessionInfo, mayReturn: boolean): Promise<void> {
   const body = (
     <>
-      <p>{mayReturn ? 'The connection is closed. The game connects again, and the session continues.' : 'The session ends. The game decides by itself until it begins a new session.'}</p>
+      <p>{mayReturn ? 'The connection is closed. The game connects again, and the session continues.' : 'The session ends. The game does not connect again until it begins a new session.'}</p>
       <p>Scene <Name text={scene} />. Its evidence is kept. {!mayReturn && <b>This cannot be undone.</b>}</p>
     </>
   );
