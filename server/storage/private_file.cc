@@ -82,9 +82,9 @@ absl::Status FilesInUse::Check() const {
     const auto now = FileId::Of(path);
     if (!now.ok()) return now.status();
     if (*now == id) continue;
-    return absl::NotFoundError(
-        absl::StrCat(path.string(), " was ", *now == FileId() ? "removed" : "replaced",
-                     " while it was in use, and what is committed would be lost"));
+    return absl::NotFoundError(absl::StrCat(path.string(), " was ",
+                                            *now == FileId() ? "removed" : "replaced",
+                                            " while it was in use, and new commits would be lost"));
   }
   return absl::OkStatus();
 }

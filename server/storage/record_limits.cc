@@ -101,8 +101,8 @@ absl::Status CheckRecords(std::span<const priors::PriorRecord> records) {
 absl::Status QuarantineBound(uint64_t count, uint64_t max_records) {
   if (count <= max_records) return absl::OkStatus();
   return absl::ResourceExhaustedError(
-      absl::StrCat("with these ", count, " records would wait in quarantine, more than ",
-                   max_records, "; promote or revoke what waits there first"));
+      absl::StrCat("this import would raise the number of records in quarantine to ", count,
+                   ", but at most ", max_records, " are allowed; promote or revoke some first"));
 }
 
 bool BarsUnknown(const priors::SourceFilter& filter) {

@@ -16,7 +16,7 @@ absl::Status ToStatus(int code, const char* message) {
   switch (code & 0xff) {
     case SQLITE_FULL:
       return absl::UnavailableError(
-          absl::StrCat("the disk is full, or the file is as large as it may be: ", message));
+          absl::StrCat("the disk is full, or the file has its maximum size: ", message));
     case SQLITE_READONLY:
     case SQLITE_IOERR:
     case SQLITE_BUSY:

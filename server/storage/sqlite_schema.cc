@@ -53,8 +53,8 @@ absl::Status CheckId(SqliteDatabase& database, const fs::path& path) {
   if (expected.empty()) return WriteId(path, *id);
   if (*id == expected) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrCat(
-      path.string(), " is not the database that was here (", StoreIdFile(path).string(),
-      " has another id); put that one back, or delete store-id to use this one"));
+      path.string(), " is another database than at the last start (", StoreIdFile(path).string(),
+      " has another id); put the former one back, or delete store-id to use this one"));
 }
 
 absl::Status CreateTables(SqliteDatabase& database) {
@@ -66,14 +66,14 @@ absl::Status CreateTables(SqliteDatabase& database) {
 
 absl::Status CreateFile(const fs::path& path) {
   if (!ReadId(path).empty()) {
-    return absl::DataLossError(absl::StrCat(path.string(), " is missing but was here, as ",
-                                            StoreIdFile(path).string(), " says"));
+    return absl::DataLossError(absl::StrCat(path.string(), " is missing, but ",
+                                            StoreIdFile(path).string(), " shows that it existed"));
   }
   const fs::path log = path.string() + "-wal";
   std::error_code error;
   if (fs::exists(log, error)) {
-    return absl::DataLossError(absl::StrCat(path.string(), " is missing but its log ",
-                                            log.filename().string(), " is there"));
+    return absl::DataLossError(absl::StrCat(path.string(), " is missing, but its write-ahead log ",
+                                            log.filename().string(), " exists"));
   }
   const fs::path unfinished = path.string() + ".new";
   if (absl::Status status = CreatePrivateFile(unfinished); !status.ok()) return status;
@@ -106,9 +106,9 @@ absl::Status CheckPriorDatabase(SqliteDatabase& database, const fs::path& path) 
   if (*version < 1) return absl::DataLossError(absl::StrCat(path.string(), " has no schema"));
   return absl::FailedPreconditionError(
       absl::StrCat(path.string(), " has schema version ", *version,
-                   ", and this daemon reads version ", kSchemaVersion,
-                   " alone; use the daemon that wrote it, or another data directory: "
-                   "`sweepstake priors export` and `import` carry the evidence over"));
+                   ", but this daemon reads only version ", kSchemaVersion,
+                   "; use the version of the daemon that wrote it, or another data directory: "
+                   "`sweepstake priors export` and `import` transfer the evidence"));
 }
 
 namespace {
@@ -121,7 +121,7 @@ absl::Status Judge(const absl::StatusOr<std::string>& verdict, const fs::path& p
   if (absl::StrContains(*verdict, "unable to get the page") ||
       absl::StrContains(*verdict, "failed to get page")) {
     return absl::UnavailableError(
-        absl::StrCat(path.string(), " cannot be read (", *verdict, "); look at the disk"));
+        absl::StrCat(path.string(), " cannot be read (", *verdict, "); check the disk"));
   }
   return absl::DataLossError(absl::StrCat(path.string(), " is corrupt (", *verdict, ")"));
 }

@@ -57,7 +57,7 @@ void StoreThread::Commit(priors::SourceUpdate update, CommitCallback done) {
   }
   if (done == nullptr) return changed_.notify_all();
   done(absl::ResourceExhaustedError(
-      "the queue of the prior store is full or closed; offer the update again later"));
+      "the queue of the prior store is full or closed; try again later"));
 }
 
 bool StoreThread::Submit(Job job) {

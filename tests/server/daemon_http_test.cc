@@ -144,7 +144,7 @@ TEST_F(DaemonHttpTest, ADaemonWithADamagedDatabaseUsesABackupAndReportsIt) {
   const auto ready = Get(daemon->http_port(), "/readyz?verbose");
   EXPECT_EQ(ready.status, 200);
   EXPECT_THAT(ready.body, HasSubstr("[+]store ok, but " + database.string()));
-  EXPECT_THAT(ready.body, HasSubstr("priors.db.backup-20260101T000000Z is in its place"));
+  EXPECT_THAT(ready.body, HasSubstr("priors.db.backup-20260101T000000Z replaces it"));
   EXPECT_THAT(Get(daemon->http_port(), "/metrics").body, HasSubstr("sweepstake_store_damaged 1\n"));
 }
 

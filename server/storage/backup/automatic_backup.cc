@@ -125,20 +125,20 @@ std::string DescribeDamagedRows(const fs::path& path) {
   if (!database.ok()) return {};
   const auto count = CountDamagedRows(*database);
   if (!count.ok() || *count == 0) return {};
-  return absl::StrCat(
-      *count, " rows of ", path.string(),
-      " are not what was written: scenes have no priors where it is their evidence, sessions are "
-      "not resumed, and what they say of builds is not known; look at the disk, and restore a "
-      "backup");
+  return absl::StrCat(*count, " rows of ", path.string(),
+                      " were changed on the disk. Their scenes have no priors, their sessions are "
+                      "not resumed, and exports and comparisons of builds that need them fail. "
+                      "Check the disk, and restore a backup");
 }
 
 // Says what an operator can do if there is no usable database.
 absl::Status WithAdvice(const absl::Status& problem, const fs::path& path, bool damaged) {
   const std::string name = path.filename().string();
   std::string text(problem.message());
-  if (damaged) absl::StrAppend(&text, ", and no whole ", name, kBackup, "TIME is beside it");
-  absl::StrAppend(&text, "; move away what is there of ", name, ", ", name, "-wal and ", name,
-                  "-shm, and then put a backup in its place with `sweepstaked restore`, or delete ",
+  if (damaged)
+    absl::StrAppend(&text, ", and there is no undamaged backup ", name, kBackup, "TIME beside it");
+  absl::StrAppend(&text, "; move away those of ", name, ", ", name, "-wal and ", name,
+                  "-shm that exist, then restore a backup with `sweepstaked restore`, or delete ",
                   StoreIdFile(path).string(), " too, to start with an empty store");
   return {problem.code(), text};
 }
@@ -171,9 +171,9 @@ absl::StatusOr<OpenedStore> OpenStoreOrBackup(const fs::path& path,
   if (!store.ok()) return store.status();
   return WithReads(
       *std::move(store), path,
-      absl::StrCat(problem.message(), ". It is kept as ", kept.string(), ", and ",
+      absl::StrCat(problem.message(), ". The damaged file is kept as ", kept.string(), ", and ",
                    backup->filename().string(),
-                   " is in its place: what was learnt since then is lost. Look at the disk"));
+                   " replaces it: what was learnt since that backup is lost. Check the disk"));
 }
 
 std::optional<fs::file_time_type> LastBackupTime(const fs::path& path) {
@@ -251,9 +251,9 @@ absl::StatusOr<MadeBackup> AutomaticBackups::MakeOne() {
   const fs::space_info space = fs::space(path_.parent_path(), unknown);
   const uintmax_t bytes = fs::file_size(path_, missing);
   if (!missing && !unknown && space.available / 2 < bytes) {
-    return absl::UnavailableError(
-        absl::StrCat("the disk has no room for a backup of ", bytes >> 20,
-                     " MiB and as much besides; make some, or set backup_count to 0"));
+    return absl::UnavailableError(absl::StrCat(
+        "a backup needs ", bytes >> 19,
+        " MiB of free space, twice the size of the store; free some, or set backup_count to 0"));
   }
   const fs::path file = absl::StrCat(path_.string(), kBackup, TimeText());
   const auto contents = BackUpStore(path_.parent_path(), file, &stopping_);

@@ -94,19 +94,20 @@ absl::Status CheckRows(SqliteDatabase& database, const fs::path& file) {
   if (!verdict.ok()) return Corrupt(file, verdict.status().message());
   if (*verdict != "ok") return Corrupt(file, *verdict);
   absl::Status status = CheckNone(database, "SELECT count(*) FROM pragma_foreign_key_check", file,
-                                  "rows that refer to none");
+                                  "rows refer to a row that does not exist");
   if (!status.ok()) return status;
   const auto damaged = CountDamagedRows(database);
   if (!damaged.ok()) return Corrupt(file, damaged.status().message());
-  if (*damaged > 0) return Corrupt(file, absl::StrCat(*damaged, " rows are not what was written"));
-  status = CheckNone(database, kWrongSums, file, "sums that are not those of their rows");
+  if (*damaged > 0) return Corrupt(file, absl::StrCat(*damaged, " rows were changed on the disk"));
+  status = CheckNone(database, kWrongSums, file, "sums differ from their rows");
   if (!status.ok()) return status;
-  status = CheckNone(database, kWrongCounts, file, "scenes with a wrong number of sources");
+  status = CheckNone(database, kWrongCounts, file, "scenes have a wrong number of sources");
   if (status.ok())
-    status = CheckNone(database, kUncountedSources, file, "sources that their scene does not have");
+    status = CheckNone(database, kUncountedSources, file,
+                       "sources are missing in the list of their scene");
   if (!status.ok()) return status;
   return CheckNone(database, absl::StrCat("SELECT count(*) FROM (", kSourcesOfNothing, ")"), file,
-                   "sources of scenes without their evidence");
+                   "sources are listed for a scene but have no evidence of it");
 }
 
 absl::StatusOr<StoreContents> Count(SqliteDatabase& database) {
@@ -171,7 +172,7 @@ int64_t LeaveOutDamagedRows(SqliteDatabase& copy) {
 
 absl::StatusOr<StoreContents> BackUpStore(const fs::path& directory, const fs::path& file,
                                           const std::atomic<bool>* stop) {
-  absl::Status status = CheckAbsent(file, "name a file that does not");
+  absl::Status status = CheckAbsent(file, "name a file that does not exist");
   if (!status.ok()) return status;
   const fs::path path = directory / DataDirectory::kDatabaseName;
   std::error_code error;

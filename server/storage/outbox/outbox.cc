@@ -78,7 +78,7 @@ absl::StatusOr<Outbox> Outbox::Open(const fs::path& path) {
   const auto version = status.ok() ? database->QueryInteger("PRAGMA user_version") : status;
   if (absl::IsDataLoss(version.status())) return Unreadable(path, version.status().message());
   if (!version.ok()) return Explain(path, version.status());
-  if (*version > kVersion) return Unreadable(path, "it is of a newer daemon");
+  if (*version > kVersion) return Unreadable(path, "a newer version of the daemon wrote it");
   if (status = database->Execute(kTable); !status.ok()) return Explain(path, status);
   return Outbox(path, *std::move(database));
 }
@@ -131,10 +131,10 @@ absl::Status CheckDelivered(const fs::path& path) {
   if (!outbox.ok()) return outbox.status();
   const auto updates = outbox->Load();
   if (!updates.ok() || updates->empty()) return updates.status();
-  return absl::FailedPreconditionError(absl::StrCat(
-      path.string(), " has ", updates->size(),
-      " updates that the shared store lacks: start the daemon with `store` once more, which "
-      "delivers them, or move the file away"));
+  return absl::FailedPreconditionError(
+      absl::StrCat(path.string(), " has ", updates->size(),
+                   " updates that the shared store lacks: start the daemon once with `store`, "
+                   "which delivers them, or move the file away"));
 }
 
 }  // namespace sweepstake::storage

@@ -145,9 +145,10 @@ absl::Status PostgresConnection::Open() {
   values.insert(values.end(), {url_.c_str(), nullptr});
   connection_.reset(PQconnectdbParams(names.data(), values.data(), /*expand_dbname=*/1));
   if (PQstatus(connection_.get()) != CONNECTION_OK) {
-    return absl::UnavailableError(absl::StrCat(
-        "PostgreSQL cannot be reached: ", Line(PQerrorMessage(connection_.get())),
-        "; see that the server runs, that the URL is its, and that it lets this user in"));
+    return absl::UnavailableError(
+        absl::StrCat("PostgreSQL cannot be reached: ", Line(PQerrorMessage(connection_.get())),
+                     "; check that the server runs, that the URL is correct, and that the server "
+                     "accepts this user"));
   }
   // libpq would print warnings to stderr, which the daemon uses for its log.
   PQsetNoticeProcessor(
@@ -160,8 +161,8 @@ absl::Status PostgresConnection::CheckStoreId() {
   const auto id = ReadText("SELECT id FROM store");
   if (!id.ok() || *id == store_id_) return id.status();
   return absl::UnavailableError(
-      "the database in PostgreSQL is not the one that was there before; put that one back, or "
-      "restart the daemon to use this one");
+      "the database in PostgreSQL is not the one that this daemon used before; put that one back, "
+      "or restart the daemon to use this one");
 }
 
 absl::Status PostgresConnection::Begin() {

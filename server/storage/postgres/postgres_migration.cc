@@ -229,8 +229,9 @@ absl::Status CheckCounts(SqlDatabase& from, SqlDatabase& to) {
     const auto after = CountRows(table, to);
     if (!after.ok()) return after.status();
     if (*before != *after) {
-      return absl::DataLossError(absl::StrCat("of the ", *before, " rows of ", table.name, " ",
-                                              *after, " were copied; nothing was changed"));
+      return absl::DataLossError(
+          absl::StrCat(*after, " of the ", *before, " rows of ", table.name,
+                       " were copied; the copy was cancelled, and nothing was changed"));
     }
   }
   return absl::OkStatus();
@@ -240,8 +241,8 @@ absl::Status CheckEmpty(SqlDatabase& database) {
   const auto count = CountRows(Tables().front(), database);
   if (!count.ok() || *count == 0) return count.status();
   return absl::AlreadyExistsError(
-      "the store in PostgreSQL has sources; name another database, or export from one and import "
-      "into the other");
+      "the store in PostgreSQL already contains evidence; name another database, or export from "
+      "one store and import into the other");
 }
 
 // Copies all rows into an empty database, in one transaction.

@@ -36,9 +36,10 @@ absl::Status MakeTables(SqlDatabase& connection) {
     return connection.Run("INSERT INTO schema_version VALUES (?1)", kSchemaVersion);
   }
   if (*version == kSchemaVersion) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat(
-      "the tables in PostgreSQL have schema version ", *version, ", and this daemon reads version ",
-      kSchemaVersion, " alone; use the daemon that made them, or another database"));
+  return absl::FailedPreconditionError(
+      absl::StrCat("the tables in PostgreSQL have schema version ", *version,
+                   ", but this daemon reads only version ", kSchemaVersion,
+                   "; use the version of the daemon that created them, or another database"));
 }
 
 }  // namespace
@@ -47,9 +48,9 @@ absl::StatusOr<std::string> PreparePostgresSchema(SqlDatabase& connection) {
   const auto encoding = connection.ReadText("SELECT current_setting('server_encoding')");
   if (!encoding.ok()) return encoding;
   if (*encoding != "UTF8") {
-    return absl::FailedPreconditionError(
-        absl::StrCat("the database keeps text as ", *encoding,
-                     "; make one with `createdb --encoding=UTF8 --template=template0`"));
+    return absl::FailedPreconditionError(absl::StrCat(
+        "the database stores text as ", *encoding,
+        ", but must use UTF8; create one with `createdb --encoding=UTF8 --template=template0`"));
   }
   absl::Status status = InTransaction(connection, [&] { return MakeTables(connection); });
   if (!status.ok()) return status;

@@ -142,7 +142,7 @@ EvidenceKey KeyOf(const SqlRow& row) {
 
 absl::Status Damaged(absl::string_view what) {
   return absl::DataLossError(
-      absl::StrCat("a row of ", what, " is not what was written: it was changed on the disk"));
+      absl::StrCat("a row of ", what, " was changed on the disk: its hash does not match"));
 }
 
 absl::Status DamagedScene(absl::string_view project, absl::string_view scene) {

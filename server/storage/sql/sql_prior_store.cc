@@ -351,7 +351,7 @@ absl::StatusOr<bool> SqlPriorStore::Advance(Source& source, const SourceUpdate& 
   if (database_->shared() && writer != source.writer && writer != 0 &&
       resumed_sequence != source.commit_sequence) {
     return absl::FailedPreconditionError(
-        absl::StrCat("another daemon goes on with session ", update.progress.source_id));
+        absl::StrCat("another daemon has continued the session ", update.progress.source_id));
   }
   if (update.progress.commit_sequence <= source.commit_sequence) return false;
   source.commit_sequence = update.progress.commit_sequence;

@@ -96,10 +96,10 @@ TEST_F(MigrationProgram, EvidenceMovesThereAndBackAndTheSessionContinues) {
   const Ran there = RunDaemonProgram("migrate to-store" + Paths());
   EXPECT_EQ(there.exit_code, 0) << there.said;
   EXPECT_THAT(there.said, HasSubstr("sweepstaked: evidence: 1 of 1 rows\n"));
-  EXPECT_THAT(there.said, HasSubstr(": whole; 1 records of 1 sources about 1 scenes"));
+  EXPECT_THAT(there.said, HasSubstr(": undamaged; 1 records of 1 sources about 1 scenes"));
   const Ran again = RunDaemonProgram("migrate to-store" + Paths());
   EXPECT_EQ(again.exit_code, 1);
-  EXPECT_THAT(again.said, HasSubstr("has sources; name another database"));
+  EXPECT_THAT(again.said, HasSubstr("already contains evidence; name another database"));
   std::string learnt;
   {
     DaemonProcess daemon(data_.path(), "127.0.0.1:0", {"--store", url_});
@@ -125,12 +125,12 @@ TEST(MigrationWords, ErrorsSayWhatIsMissingAndWhatToDo) {
       RunDaemonProgram("migrate to-data --store 'postgresql:///none?host=/nowhere'" + data);
   EXPECT_EQ(nowhere.exit_code, 1);
   EXPECT_THAT(nowhere.said, HasSubstr("PostgreSQL cannot be reached: "));
-  EXPECT_THAT(nowhere.said, HasSubstr("see that the server runs"));
+  EXPECT_THAT(nowhere.said, HasSubstr("check that the server runs"));
   EXPECT_EQ(RunDaemonProgram("migrate sideways" + data).exit_code, 2);
   EXPECT_THAT(RunDaemonProgram("migrate --help").said, HasSubstr("sweepstaked migrate to-data"));
   const Ran start = RunDaemonProgram("--store 'postgresql:///none?host=/nowhere'" + data);
   EXPECT_EQ(start.exit_code, 3);
-  EXPECT_THAT(start.said, HasSubstr("see that the server runs"));
+  EXPECT_THAT(start.said, HasSubstr("check that the server runs"));
 }
 
 TEST(MigrationWords, TheExampleOfASharedStoreIsAValidConfiguration) {

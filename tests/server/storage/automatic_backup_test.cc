@@ -106,9 +106,10 @@ TEST_F(AutomaticBackupTest, ADamagedFileIsKeptAndReplacedByTheLastIntactBackup) 
   const auto opened = OpenStoreOrBackup(path_);
   ASSERT_TRUE(opened.ok()) << opened.status();
   EXPECT_EQ(CommitOf(*opened->store), 2u);
-  EXPECT_THAT(opened->damage, HasSubstr("priors.db.backup-20260102T000000Z is in its place"));
-  EXPECT_THAT(opened->damage, HasSubstr("It is kept as " + path_.string() + ".quarantine-"));
-  EXPECT_THAT(opened->damage, HasSubstr("Look at the disk"));
+  EXPECT_THAT(opened->damage, HasSubstr("priors.db.backup-20260102T000000Z replaces it"));
+  EXPECT_THAT(opened->damage,
+              HasSubstr("The damaged file is kept as " + path_.string() + ".quarantine-"));
+  EXPECT_THAT(opened->damage, HasSubstr("Check the disk"));
   EXPECT_EQ(CountFiles(".quarantine-"), 1u);
   EXPECT_EQ(CountFiles(".backup-"), 3u);
   const auto read = [&] {
@@ -188,7 +189,7 @@ TEST_F(AutomaticBackupTest, AMissingOrForeignFileIsNotReplaced) {
   BackUp("20260101T000000Z");
   std::filesystem::remove(path_);
   EXPECT_THAT(std::string(OpenStoreOrBackup(path_).status().message()),
-              HasSubstr("is missing but was here"));
+              HasSubstr("shows that it existed"));
   ASSERT_TRUE(SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kCreate)
                   ->Execute("CREATE TABLE other (x)")
                   .ok());
@@ -224,8 +225,8 @@ TEST_P(LostStoreTest, TheAdviceLeadsToARestoredOrANewStore) {
     const absl::Status status = OpenStoreOrBackup(path_).status();
     EXPECT_TRUE(absl::IsDataLoss(status)) << status;
     const std::string advice(status.message());
-    EXPECT_THAT(advice, HasSubstr("; move away what is there of priors.db, priors.db-wal and"));
-    EXPECT_THAT(advice, HasSubstr("then put a backup in its place with `sweepstaked restore`, or"));
+    EXPECT_THAT(advice, HasSubstr("; move away those of priors.db, priors.db-wal and"));
+    EXPECT_THAT(advice, HasSubstr("then restore a backup with `sweepstaked restore`, or"));
     EXPECT_THAT(advice, HasSubstr("/store-id too, to start with an empty store"));
     MoveAway();
     EXPECT_FALSE(OpenStoreOrBackup(path_).ok());

@@ -143,7 +143,7 @@ TEST_F(DamagedBackupTest, TheDaemonMakesBackupsAndReportsHowManyRowsTheyLack) {
   std::filesystem::resize_file(path_, 5'000);
   const auto opened = OpenStoreOrBackup(path_);
   ASSERT_TRUE(opened.ok()) << opened.status();
-  EXPECT_THAT(opened->damage, ::testing::HasSubstr("is in its place"));
+  EXPECT_THAT(opened->damage, ::testing::HasSubstr("replaces it"));
   EXPECT_EQ(SumOf(*opened->store, Key("Grid")).source_count, 1u);
 }
 

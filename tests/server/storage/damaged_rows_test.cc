@@ -173,7 +173,7 @@ TEST_F(DamagedRowsTest, AChangedBitThatSqliteDoesNotDetectIsDetected) {
   EXPECT_EQ(*Raw().QueryText("PRAGMA integrity_check"), "ok");
   EXPECT_EQ(DamagedRowCount(), 1);
   EXPECT_THAT(std::string(VerifyStore(path_).status().message()),
-              HasSubstr("1 rows are not what was written"));
+              HasSubstr("1 rows were changed on the disk"));
 }
 
 }  // namespace

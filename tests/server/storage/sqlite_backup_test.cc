@@ -118,34 +118,35 @@ TEST_F(SqliteBackupTest, ReportsSumsThatDifferFromTheRows) {
   BackUp();
   Execute("UPDATE evidence SET alpha = alpha + 1 WHERE key_id = 1");
   Execute("UPDATE evidence SET hash = content_hash");
-  EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("1 sums that are not"));
+  EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("1 sums differ"));
 }
 
 TEST_F(SqliteBackupTest, ReportsAWrongNumberOfSources) {
   BackUp();
   Execute("UPDATE scene SET source_count = source_count + 1");
   Execute("UPDATE scene SET hash = content_hash");
-  EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("2 scenes with a"));
+  EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("2 scenes have a"));
 }
 
 TEST_F(SqliteBackupTest, ReportsSourcesThatDifferFromTheEvidence) {
   BackUp();
   Execute("UPDATE scene_source SET scene_id = 3 - scene_id");
   EXPECT_THAT(std::string(VerifyStore(file_).status().message()),
-              HasSubstr("2 sources that their scene does not have"));
+              HasSubstr("2 sources are missing in the list"));
   Execute("UPDATE scene_source SET scene_id = 3 - scene_id");
   EXPECT_TRUE(VerifyStore(file_).ok());
   Execute("INSERT INTO scene_source SELECT 1, id FROM scene WHERE scene = 'desert'");
   Execute("UPDATE scene SET source_count = 2 WHERE scene = 'desert'");
   Execute("UPDATE scene SET hash = content_hash");
   EXPECT_THAT(std::string(VerifyStore(file_).status().message()),
-              HasSubstr("1 sources of scenes without their evidence"));
+              HasSubstr("1 sources are listed for a scene"));
 }
 
 TEST_F(SqliteBackupTest, ReportsDanglingReferences) {
   BackUp();
   Execute("DELETE FROM source WHERE name = 'b'");
-  EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("refer to none"));
+  EXPECT_THAT(std::string(VerifyStore(file_).status().message()),
+              HasSubstr("refer to a row that does not exist"));
 }
 
 TEST_F(SqliteBackupTest, AForeignFileIsNotABackup) {

@@ -149,13 +149,14 @@ TEST_F(SqlitePriorStoreTest, AFileOfAnotherSchemaVersionIsRefusedAndNotChanged) 
   Execute("PRAGMA user_version = 11");
   EXPECT_TRUE(absl::IsFailedPrecondition(OpenSqlitePriorStore(path_).status()));
   EXPECT_TRUE(absl::IsFailedPrecondition(VerifyStore(path_).status()));
-  EXPECT_THAT(OpenError(), HasSubstr("has schema version 11, and this daemon reads version 1"));
+  EXPECT_THAT(OpenError(),
+              HasSubstr("has schema version 11, but this daemon reads only version 1"));
   EXPECT_EQ(QueryInteger("PRAGMA user_version"), 11);
 }
 
 TEST_F(SqlitePriorStoreTest, ALogWithoutItsFileIsRefused) {
   std::ofstream(path_.string() + "-wal") << "something";
-  EXPECT_THAT(OpenError(), HasSubstr("is missing but its log"));
+  EXPECT_THAT(OpenError(), HasSubstr("is missing, but its write-ahead log"));
   EXPECT_FALSE(std::filesystem::exists(path_));
 }
 
@@ -283,7 +284,7 @@ TEST_F(SqlitePriorStoreTest, AFileAtItsMaximumSizeAcceptsNoNewEvidence) {
     auto store = *OpenSqlitePriorStore(path_, {}, /*max_bytes=*/1);
     while (stored < 1'000 && (status = store->Commit(nth(stored))).ok()) ++stored;
     EXPECT_TRUE(absl::IsUnavailable(status)) << status;
-    EXPECT_THAT(std::string(status.message()), HasSubstr("the file is as large as it may be"));
+    EXPECT_THAT(std::string(status.message()), HasSubstr("the file has its maximum size"));
     EXPECT_FALSE(store->Commit(nth(stored)).ok());
     EXPECT_EQ(store->List({}, std::nullopt, 20'000)->size(), stored);
   }
