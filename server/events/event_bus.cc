@@ -160,9 +160,9 @@ void EventBus::LoadScenes(const ChannelPtr& channel, const std::optional<SceneKe
     });
   });
   if (!submitted) {
-    EndAll(Refused(sessions::reasons::kStoreBusy,
-                   "the prior store has too much to do; watch again later"),
-           channel.get());
+    EndAll(
+        Refused(sessions::reasons::kStoreBusy, "the prior store is overloaded; watch again later"),
+        channel.get());
   }
 }
 

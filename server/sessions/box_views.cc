@@ -20,7 +20,7 @@ void BoxViews::Connect(ClientStream& link, bool shows) {
   shows_ = shows;
   if (shows) return Ask();
   for (BoxViewListener* viewer : std::exchange(viewers_, {}))
-    viewer->OnEnd(Refused(reasons::kBoxesNotShown, "the game no longer shows its boxes"));
+    viewer->OnEnd(Refused(reasons::kBoxesNotShown, "the game no longer sends its boxes"));
 }
 
 void BoxViews::Disconnect() {
@@ -36,7 +36,7 @@ void BoxViews::End() {
 absl::Status BoxViews::Add(BoxViewListener& viewer) {
   if (!shows_) {
     return Refused(reasons::kBoxesNotShown,
-                   "this game does not show its boxes; build it with allow_box_view");
+                   "this game does not send its boxes; set allow_box_view in the game");
   }
   if (viewers_.size() >= kMaxViewers) {
     return Refused(reasons::kTooManyWatchers,

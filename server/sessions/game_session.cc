@@ -20,7 +20,7 @@ constexpr uint64_t kOrderIdMask = (uint64_t{1} << 48) - 1;
 
 absl::Status TakesNoOrders() {
   return Refused(reasons::kOrderRefused,
-                 "this game does not accept orders; build it with allow_operator_orders");
+                 "this game does not accept orders; set allow_operator_orders in the game");
 }
 
 void Count(RejectionReason reason, RejectionCounts& counts) {
@@ -252,11 +252,9 @@ void GameSession::Order(const decision::OrderReport& order, OrderAnswer answer) 
   context_.loop.PostAt(order.now_ns + kOrderPatienceNs, [weak = weak_from_this(), id = order_id_] {
     const auto self = weak.lock();
     if (!self) return;
-    self->AnswerOrder(
-        id,
-        Refused(
-            reasons::kOrderUnanswered,
-            "the game has not answered; it may execute the order later, or be too old for orders"));
+    self->AnswerOrder(id, Refused(reasons::kOrderUnanswered,
+                                  "the game has not answered; it may execute the order later, or "
+                                  "its version may not support orders"));
   });
 }
 

@@ -156,7 +156,7 @@ absl::StatusOr<AccessControl::Share> AccessControl::BeginTransfer(const auth::Pr
       (caller.token_id != 0 && own_count >= options_.max_transfers_per_token)) {
     return Refused(
         refusal, absl::StrCat(transfers_->count, " exports and imports are under way, ", own_count,
-                              " of them with this token; one of the limits max_transfers and "
+                              " of them with this token; the limit max_transfers or "
                               "max_transfers_per_token is reached; try again later"));
   }
   return Shares::Take(transfers_, std::move(holders));
@@ -172,8 +172,9 @@ absl::StatusOr<AccessControl::Share> AccessControl::BeginWatch(const auth::Princ
   const uint32_t most = (options_.max_watchers + 1) / 2;
   const std::lock_guard lock(watchers_->mutex);
   if (watchers_->count >= options_.max_watchers) {
-    return Refused(v1::ERROR_REASON_TOO_MANY_WATCHERS,
-                   "this daemon has as many watchers as it may; try again later");
+    return Refused(
+        v1::ERROR_REASON_TOO_MANY_WATCHERS,
+        "this daemon has the maximum number of watchers (max_watchers); try again later");
   }
   for (const std::string& holder : holders) {
     if (const uint32_t held = watchers_->Of(holder); held >= most) {

@@ -47,7 +47,7 @@ void PageStream::OnWritten(bool ok) {
 void PageStream::OnStalled() {
   const absl::Status stalled =
       Refused(v1::ERROR_REASON_CALL_STALLED,
-              "the answer was not read, or not in time; request less at once");
+              "the client did not read the whole answer in time; request less at once");
   EndTransfer(stalled);
   sink_.Cancel(stalled);
 }

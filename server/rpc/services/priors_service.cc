@@ -171,8 +171,9 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     context_.loop.Post([this] { delete this; });
   }
   void OnStalled() override {
-    const absl::Status stalled = Refused(
-        v1::ERROR_REASON_CALL_STALLED, "no records came, or not all in time; nothing was imported");
+    const absl::Status stalled =
+        Refused(v1::ERROR_REASON_CALL_STALLED,
+                "the records did not arrive in time; nothing was imported; import them again");
     EndTransfer(stalled);
     Cancel(call_, ToGrpc(stalled, context_.counters));
   }
@@ -195,7 +196,8 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   void OnHalfClose() {
     // A lost connection must not count as the end of the records.
     if (call_.IsCancelled())
-      return End(absl::CancelledError("the stream broke off; nothing was imported"));
+      return End(
+          absl::CancelledError("the stream ended before its last record; nothing was imported"));
     if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
       return End(still);
     WaitForStore();
@@ -250,14 +252,14 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     }
     if (request_.records_size() > static_cast<int>(kRecordsPerMessage)) {
       return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                     absl::StrCat("a message may hold ", kRecordsPerMessage, " records"));
+                     absl::StrCat("a message may hold at most ", kRecordsPerMessage, " records"));
     }
     promotes_ = promotes_ || request_.promote();
     for (const v1::PriorRecord& record : request_.records()) {
       if (records_.size() == kMaxImportRecords) {
         return Refused(
             v1::ERROR_REASON_IMPORT_TOO_LARGE,
-            absl::StrCat("an import may hold ", kMaxImportRecords, " records; split it"));
+            absl::StrCat("an import may hold at most ", kMaxImportRecords, " records; split it"));
       }
       if (collected_count_ >= 2 * size_t{kMaxImportRecords}) {
         return Refused(v1::ERROR_REASON_TOO_MANY_IMPORTS,
@@ -296,10 +298,12 @@ bool NamesAny(const v1::SourceFilter& sources) {
 absl::StatusOr<priors::SourceFilter> FilterOf(const v1::SourceFilter& sources,
                                               const auth::Principal& caller) {
   if (sources.token_id() < 0 || sources.unix_from_s() < 0 || sources.unix_until_s() < 0)
-    return Refused(v1::ERROR_REASON_INVALID_MESSAGE, "a number of a filter is 0 or more");
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                   "the numbers of a filter must not be negative");
   for (const std::string* name : {&sources.project(), &sources.source_id(), &sources.build()}) {
     if (!text::IsOptionalName(*name))
-      return Refused(v1::ERROR_REASON_INVALID_MESSAGE, "a name has at most 128 bytes of UTF-8");
+      return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                     "a name must have at most 128 bytes of UTF-8 and no control characters");
   }
   if (absl::Status allowed = CheckProject(caller, sources.project()); !allowed.ok()) return allowed;
   priors::SourceFilter filter{.id = sources.source_id(),
@@ -373,9 +377,9 @@ void ChangeSources(ServiceContext& context, const Caller& caller, const Request&
   auto selected = FilterOf(request.sources(), caller);
   if (!selected.ok()) return end(selected.status());
   if (!kPromotes && !NamesAny(request.sources())) {
-    return end(
-        Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                "name the sources to revoke: by source_id, build, token_id, or a time since 1970"));
+    return end(Refused(
+        v1::ERROR_REASON_INVALID_MESSAGE,
+        "select the sources to revoke by source_id, build, token_id, unix_from_s or unix_until_s"));
   }
   const auto change = [&context, &request, &response, caller, end,
                        filter = *std::move(selected)](priors::PriorStore& store) {

@@ -39,7 +39,7 @@ absl::StatusOr<decision::OrderReport> OrderOf(const v1::OrderSessionRequest& req
   if (request.arm().empty()) return order;
   if (order.mode != Mode::kManual) {
     return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                   "with MODE_AI the daemon chooses the arm; leave it absent");
+                   "leave arm absent with MODE_AI: the decider chooses it");
   }
   const auto arm = std::find(arms.begin(), arms.end(), request.arm());
   if (arm == arms.end()) {
@@ -118,7 +118,7 @@ void Answer(ServiceContext& context, const Caller& caller, const v1::OrderSessio
     context.admin.Record(who, action);
     session->Order(*order, [&context, &response, who, end, action,
                             &decisions = session->decisions()](const absl::Status& status) {
-      context.admin.Record(who, status.ok() ? absl::StrCat(action, ", and the game obeyed")
+      context.admin.Record(who, status.ok() ? absl::StrCat(action, ", and the game executed it")
                                             : absl::StrCat(action, ", which was refused: ",
                                                            NameOf(ReasonOfRefusal(status))));
       if (status.ok()) {

@@ -26,9 +26,9 @@ void TelemetryStream::Accept() {
   context_.counters.open_stream_count = streams_.all.size();
   if (streams_.draining) return Drain(context_.options.reconnect_delay_ms);
   if (streams_.all.size() > size_t{context_.options.max_sessions} + kMaxStreamsWithoutSession) {
-    return Reject(
-        Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
-                "this daemon has as many streams as it may; try again later, or use another"));
+    return Reject(Refused(
+        v1::ERROR_REASON_TOO_MANY_STREAMS,
+        "this daemon has the maximum number of streams; try again later, or use another daemon"));
   }
   if (absl::Status status = CountAddress(); !status.ok()) return Reject(status);
   transport_.Read();
@@ -45,8 +45,8 @@ absl::Status TelemetryStream::CountAddress() {
   if (count >= context_.options.max_streams_per_address) {
     return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
                    absl::StrCat("this address has ", count,
-                                " streams, as many as it may (max_streams_per_address); end some, "
-                                "or raise it on the daemon"));
+                                " streams, the maximum (max_streams_per_address); end some, or "
+                                "raise the limit on the daemon"));
   }
   ++count;
   address_ = address;
@@ -55,7 +55,8 @@ absl::Status TelemetryStream::CountAddress() {
 
 void TelemetryStream::OnHelloOverdue() {
   if (end_ || opening_ || session_) return;
-  Reject(Refused(v1::ERROR_REASON_HELLO_OVERDUE, "no Hello came in time; send it first"));
+  Reject(Refused(v1::ERROR_REASON_HELLO_OVERDUE,
+                 "no Hello arrived in time; send it as the first message of the stream"));
 }
 
 void TelemetryStream::OnCancelled() {

@@ -22,8 +22,7 @@ using EndCall = std::function<void(const absl::Status&)>;
 
 // The status of a call whose job the store has refused, because its queue is full.
 inline absl::Status StoreBusy() {
-  return Refused(v1::ERROR_REASON_STORE_BUSY,
-                 "the prior store has too much to do; try again later");
+  return Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store is overloaded; try again later");
 }
 
 template <typename Request, typename Response>

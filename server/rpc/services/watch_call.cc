@@ -66,7 +66,8 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
     return writing_ ? write_start_ns_ : sessions::LoopClock::kNever;
   }
   void OnStalled() override {
-    OnEnd(Refused(v1::ERROR_REASON_WATCHER_STALLED, "the watcher did not read; watch again"));
+    OnEnd(Refused(v1::ERROR_REASON_WATCHER_STALLED,
+                  "the watcher did not read its events in time; watch again"));
   }
   void OnWriteDone(bool ok) override {
     context_.loop.Post([this, ok] { OnWritten(ok); });

@@ -249,7 +249,7 @@ async function checkRevokeForm(page, daemon, commands) {
   assert.equal(await field('Project').inputValue(), 'arcade');
   await expecting(page, refused(400), async () => {
     await preview();
-    await dialog(page).getByText('name the sources to revoke').waitFor();
+    await dialog(page).getByText('select the sources to revoke').waitFor();
   });
   assert.ok(await revoke.isDisabled());
   const { records } = commands.exported();

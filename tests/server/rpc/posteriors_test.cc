@@ -437,7 +437,7 @@ TEST_F(PosteriorsTest, AnImportThatStopsHalfwayEndsAndImportsNothing) {
   const int64_t start_ns = clock_.NowNs();
   EXPECT_EQ(EndOfStalled(clock_, *writer).error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
   EXPECT_GE(clock_.NowNs() - start_ns, options_.watcher_patience_ns);
-  ExpectTold("(CALL_STALLED): no records came");
+  ExpectTold("(CALL_STALLED): the records did not arrive");
   EXPECT_EQ(Stored().source_count, 1u);
 }
 
@@ -456,7 +456,7 @@ TEST_F(PosteriorsTest, AnExportThatIsNotReadEnds) {
   while (reader->Read(&part)) {
   }
   EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
-  ExpectTold("(CALL_STALLED): the answer was not read");
+  ExpectTold("(CALL_STALLED): the client did not read");
 }
 
 TEST_F(PosteriorsTest, ExportedPriorsGiveAnotherDaemonTheSamePosteriors) {
