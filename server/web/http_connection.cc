@@ -129,9 +129,10 @@ std::optional<Page> HttpConnection::HeaderProblem() const {
     return Page{kLengthRequired, "A request with a body needs a Content-Length.\n"};
   if (length == 0) return std::nullopt;
   if (parser_->get().method() != http::verb::post)
-    return Page{kPayloadTooLarge, "Only a POST has a body here.\n"};
+    return Page{kPayloadTooLarge, "Only a POST request may have a body here.\n"};
   if (shared_.body_bytes + length > shared_.limits.max_total_body_bytes)
-    return Page{kUnavailable, "The daemon reads as many requests as it may; try again.\n"};
+    return Page{kUnavailable,
+                "The daemon is reading too many large requests at the moment; try again later.\n"};
   return std::nullopt;
 }
 

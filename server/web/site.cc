@@ -69,12 +69,13 @@ std::optional<Page> Site::PageFor(const Request& request) const {
     return reads ? page->second(request.query()) : MethodPage("GET, HEAD");
   if (!IsKnownHost(request)) {
     return Page{403,
-                "This daemon does not go by the name in the request's Host: ask for it by its "
-                "address, or add the name to http_hosts.\n"};
+                "This daemon does not serve the host name in the Host header: use its address, or "
+                "add the name to http_hosts.\n"};
   }
   if (!IsOfApi(request)) return reads ? options_.files.PageFor(request) : MethodPage("GET, HEAD");
   if (IsCrossSite(request))
-    return ErrorPage(absl::PermissionDeniedError("another site's page made this request"));
+    return ErrorPage(absl::PermissionDeniedError(
+        "a page of another site sent this request, which is not allowed"));
   if (request.is_post() && request.Header("X-Sweepstake") != "1") {
     return ErrorPage(absl::PermissionDeniedError(
         "a POST needs the header `X-Sweepstake: 1`, which other sites' pages cannot set"));

@@ -57,7 +57,9 @@ void Calls::Begin(const Method& method, std::shared_ptr<const google::protobuf::
   answers_[number] = answer;
   if (!method.streams) {
     answer->timer.async_wait([this, number](boost::system::error_code cancelled) {
-      if (!cancelled) OnCallEnd(number, absl::DeadlineExceededError("there is no answer in time"));
+      if (!cancelled)
+        OnCallEnd(number, absl::DeadlineExceededError(
+                              "the daemon did not answer in time; try again later"));
     });
   }
   // The callbacks own no objects of this thread, because another thread may destroy the callbacks.
@@ -72,7 +74,8 @@ void Calls::Begin(const Method& method, std::shared_ptr<const google::protobuf::
         inbox->Post([this, number, status] { OnCallEnd(number, status); });
       });
   if (!begun)
-    OnCallEnd(number, absl::NotFoundError("the events of this method are under /events/"));
+    OnCallEnd(number, absl::NotFoundError(
+                          "this method sends events; request it under /events/ instead of /api/"));
 }
 
 void Calls::OnCallResponse(uint64_t number, const google::protobuf::Message& response,

@@ -28,7 +28,7 @@ void EventTopics::Watch(const std::shared_ptr<Exchange>& exchange, const Method&
   WatcherShare share = CountWatcher(net::AddressOf(peer));
   if (!share) {
     return exchange->Answer(ErrorPage(absl::ResourceExhaustedError(
-        "the daemon, or your address, has as many watchers as it may; try again later")));
+        "the daemon, or your address, has the maximum number of watchers; try again later")));
   }
   // A line break separates the parts. Type names and tokens contain no line breaks.
   const std::string key =

@@ -229,7 +229,7 @@ void Topic::MakeSnapshot() {
     making_->text += DataOf(JsonOf(*events[making_->next]));
   if (making_->text.size() > context_.limits.max_snapshot_bytes) {
     return OnEnd(absl::ResourceExhaustedError(
-        "there is too much to show at once; watch one project or scene"));
+        "the selection is too large to show at once; watch one project or scene"));
   }
   if (end == events.size()) return HandOutSnapshot();
   boost::asio::post(context_.io, [weak = weak_from_this()] {

@@ -341,7 +341,7 @@ TEST_F(FewWatchersTest, WatchersAreLimitedAndOneThatLeavesMakesRoom) {
     watch.Snapshot();
     const Answer refused = Get(kPosteriors);
     EXPECT_EQ(refused.status, 429);
-    EXPECT_THAT(refused.body, HasSubstr("as many watchers as it may"));
+    EXPECT_THAT(refused.body, HasSubstr("the maximum number of watchers"));
   }
   ASSERT_TRUE(Eventually([&] { return events_->open_watcher_count == 0; }));
   ASSERT_TRUE(Eventually([&] { return events_->open_topic_count == 0; })) << "it has no watcher";
@@ -372,7 +372,7 @@ TEST_F(LittleStateTest, ASnapshotAboveTheLimitEndsTheTopic) {
   const std::string harbour = std::string(kPosteriors) + "?request=%7B%22scene%22:%22harbour%22%7D";
   const Answer refused = Get(harbour);
   EXPECT_EQ(refused.status, 429);
-  EXPECT_THAT(refused.body, HasSubstr("too much to show at once"));
+  EXPECT_THAT(refused.body, HasSubstr("too large to show at once"));
 }
 
 TEST_F(EventsTest, AThousandWatchersShareOneSubscriptionAndOneEncoding) {
