@@ -210,7 +210,7 @@ absl::Status Validate(const Config& config) {
   if (config.http == config.listen && !config.listen.ends_with(":0"))
     problems.Add("http: listen has the same address; give each one its own port");
   if (config.database_bytes < 2 * config.audit.bytes)
-    problems.Add("database_mb: the audit log is a part of it; allow at least twice audit_mb");
+    problems.Add("database_mb: it includes the audit log; set it to at least twice audit_mb");
   if (config.data.empty()) problems.Add("data: name a directory");
   if (!config.store.empty()) problems.Add(storage::CheckStoreUrl(config.store), "store: ");
   for (const std::string& problem :

@@ -171,7 +171,7 @@ void AddLive(Table& table, Config& config) {
   table.Whole("database_mb", config.database_bytes, 8, 1 << 24,
               "maximum size of priors.db in MiB; a full store accepts no new evidence", kMiB);
   table.Whole("backup_count", config.backup_count, 0, 1'000,
-              "backups that are kept next to priors.db; 0 makes none");
+              "number of backups that are kept next to priors.db; 0: no backups");
   table.Whole("backup_hours", config.backup_hours, 1, 8'760, "hours between two backups");
   table.Whole("audit_mb", config.audit.bytes, 0, 1 << 20,
               "size of the audit log in MiB; older rows are deleted first; 0 keeps only the rows "
@@ -195,8 +195,8 @@ void AddDecision(Table& table, decision::DecisionOptions& options) {
   milliseconds("decision.interval_ms", options.decision_interval_ns,
                "time between two decisions, in ms");
   milliseconds("decision.cooldown_ms", options.cooldown_ns,
-               "minimum time between two switches, in ms; policy adaptive: maximum of its own "
-               "cooldown");
+               "minimum time between two switches, in ms; policy adaptive waits at most this long, "
+               "and less if switches are cheap");
   milliseconds("decision.settling_ms", options.settling_ns,
                "frame time after a switch, in ms, that is excluded from learning");
   milliseconds("decision.bail_out_ms", options.bail_out_ns,

@@ -178,7 +178,7 @@ absl::Status Daemon::OpenOutbox(priors::PriorStore& store) {
   const auto delivery = outbox_->DeliverTo(store);
   if (!delivery.ok()) return delivery.status();
   if (delivery->committed_count + delivery->refused_count > 0) {
-    log_->info("{} updates that an earlier run left in {} are now in {}; {} were refused",
+    log_->info("{} updates that an earlier run kept in {} are now stored in {}; {} were refused",
                delivery->committed_count, directory_.outbox().string(), StoreName(),
                delivery->refused_count);
   }
@@ -300,10 +300,11 @@ void Daemon::ReportStore(const absl::Status& status) {
     log_->info("{} can be written again", StoreName());
   } else if (absl::IsNotFound(status)) {
     log_->error(
-        "{}; nothing more is acknowledged. Put the file back, or wait until the log reports a copy",
+        "{}; nothing more is acknowledged. Put the file back, or wait until the log reports that "
+        "its content was copied",
         std::string(status.message()));
   } else if (shared_) {
-    log_->error("{} cannot be written: {}; this daemon keeps new evidence until it can",
+    log_->error("{} cannot be written: {}; this daemon keeps new evidence until it can write again",
                 StoreName(), std::string(status.message()));
   } else {
     log_->error("{} cannot be written: {}; make room on the disk, or raise database_mb ({} now)",
@@ -322,9 +323,9 @@ void Daemon::SaveStore(priors::PriorStore& store, bool last) {
   *saving_ = false;
   if (!saved.ok()) {
     log_->error(
-        "the prior store cannot be copied; its content is lost when the daemon ends unless {} is "
-        "put back: {}; make room on the disk; the daemon tries again in a minute",
-        path, std::string(saved.status().message()));
+        "the prior store cannot be copied ({}), and its content is lost when the daemon ends "
+        "unless you put {} back; make room on the disk; the daemon tries again in a minute",
+        std::string(saved.status().message()), path);
     return;
   }
   save_.done = true;
@@ -332,8 +333,8 @@ void Daemon::SaveStore(priors::PriorStore& store, bool last) {
       "all acknowledged evidence is in ", saved->string(), ": stop the daemon, move ", path, ", ",
       path, "-wal and ", path, "-shm away if they exist, run `sweepstaked restore ",
       saved->string(), " --data ", config_.data.string(),
-      "`, and start the daemon again. Later evidence is lost at the stop, unless the file is put "
-      "back before, or the game still runs and sends it again");
+      "`, and start the daemon again. Later evidence is lost at the stop, unless you put the file "
+      "back first, or the game still runs and sends it again");
   log_->error("{}", what);
   const std::lock_guard lock(mutex_);
   absl::StrAppend(&store_problem_, "; ", what);

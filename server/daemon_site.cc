@@ -103,7 +103,7 @@ std::optional<std::string> Daemon::LoopProblem() const {
 std::optional<std::string> Daemon::StoreProblem() const {
   if (store_->can_write()) {
     if (store_->can_read()) return std::nullopt;
-    return "a read of the prior store does not end; new sessions start without its evidence";
+    return "a read of the prior store has not finished; new sessions start without its evidence";
   }
   const std::lock_guard lock(mutex_);
   return "the prior store cannot write; decisions continue in memory: " + store_problem_;

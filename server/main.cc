@@ -158,7 +158,7 @@ int CheckConfig(const std::string& file) {
 int ReportContents(const std::string& file,
                    const absl::StatusOr<sweepstake::storage::StoreContents>& contents) {
   if (!contents.ok()) return Fail(kCheckFailed, std::string(contents.status().message()));
-  std::cout << file << ": whole; " << contents->record_count << " records of "
+  std::cout << file << ": undamaged; " << contents->record_count << " records of "
             << contents->source_count << " sources about " << contents->scene_count << " scenes, "
             << contents->audit_row_count << " rows of the audit log\n";
   if (contents->damaged_row_count == 0) return kDone;

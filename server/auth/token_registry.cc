@@ -18,9 +18,10 @@ std::string NameFor(const StoredToken& token) { return text::PrintableLine(token
 
 std::string MadeText(const StoredToken& token) {
   const TokenRequest& request = token.request;
-  return absl::StrCat("token ", NameFor(token), " was made by ",
-                      text::PrintableLine(request.made_by), ": ", std::string(NameOf(request.role)),
-                      " of ", request.projects.empty() ? "all projects" : "some projects");
+  return absl::StrCat("token ", NameFor(token), " was created by ",
+                      text::PrintableLine(request.made_by), ", role ",
+                      std::string(NameOf(request.role)), ", for ",
+                      request.projects.empty() ? "all projects" : "some projects");
 }
 
 // Returns whether the list has the token at this index. Tokens are only appended to the file, so a

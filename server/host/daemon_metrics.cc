@@ -81,7 +81,7 @@ constexpr CounterRow kCounters[] = {
     {&Counters::accepted_shadow_count, "sweepstake_accepted_shadow_samples_total",
      "Shadow visits that were accepted for learning."},
     {&Counters::surplus_bail_out_count, "sweepstake_surplus_bail_outs_total",
-     "Bail-outs that were answered but do not count as evidence, because their game, token or "
+     "Bail-outs that were handled but do not count as evidence, because their game, token or "
      "address exceeded its rate."},
     {&Counters::dropped_frame_count, "sweepstake_dropped_frames_total",
      "Frames that the queues of clients dropped."},
@@ -239,7 +239,7 @@ std::vector<prometheus::MetricFamily> ProcessFamilies() {
 
 DaemonMetrics::DaemonMetrics(const std::string& version)
     : commits_(AddHistogram(registry_, "sweepstake_store_commit_duration_seconds",
-                            "Time in which the store committed a group of updates.")),
+                            "Time that the store took to commit a group of updates.")),
       reads_(AddHistogram(registry_, "sweepstake_store_read_duration_seconds",
                           "Time of store reads, including their time in the queue.")),
       syncs_(AddHistogram(registry_, "sweepstake_store_fsync_duration_seconds",
@@ -253,8 +253,8 @@ DaemonMetrics::DaemonMetrics(const std::string& version)
       max_store_bytes_(AddGauge(registry_, "sweepstake_store_max_size_bytes",
                                 "Maximum size of the store's file.")),
       used_store_bytes_(AddGauge(registry_, "sweepstake_store_used_size_bytes",
-                                 "Bytes of the store's file that are in use; the file grows "
-                                 "only when all are.")) {
+                                 "Bytes of the store's file that are in use; the file grows only "
+                                 "when all its bytes are in use.")) {
   prometheus::BuildGauge()
       .Name("sweepstake_build_info")
       .Help("Always 1; the label is the version of the daemon.")

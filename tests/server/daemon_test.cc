@@ -202,7 +202,8 @@ TEST_F(DaemonTest, ADatabaseOfAnotherDirectoryIsRefused) {
                              std::filesystem::copy_options::overwrite_existing);
   const absl::Status status = Daemon::Start(config_, clock_).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(status));
-  EXPECT_THAT(std::string(status.message()), HasSubstr("is not the database that was here"));
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr("is another database than at the last start"));
 }
 
 TEST_F(DaemonTest, HealthIsServingUntilItDrains) {
@@ -424,7 +425,8 @@ TEST_F(DaemonTokenTest, CreationAndRevocationOfTokensAreInTheAuditLog) {
     }
   }
   EXPECT_THAT(text, HasSubstr("token first was revoked by another test"));
-  EXPECT_THAT(text, HasSubstr("token second was made by the test: admin of all projects"));
+  EXPECT_THAT(text,
+              HasSubstr("token second was created by the test, role admin, for all projects"));
 }
 
 TEST_F(DaemonTokenTest, ALostTokenFileStopsTheStartUntilItsMarkIsRemoved) {

@@ -114,7 +114,7 @@ TEST_F(TokenRegistryTest, ATokenEndsWhenItExpires) {
 TEST_F(TokenRegistryTest, DetectsAndReportsChangesByTheTokenCommand) {
   const auto registry = Open();
   const std::string token = Make("game");
-  EXPECT_THAT(AwaitChanges(1), ElementsAre(HasSubstr("game was made by ann: ingest")));
+  EXPECT_THAT(AwaitChanges(1), ElementsAre(HasSubstr("game was created by ann, role ingest")));
   // A change is reported just before it takes effect.
   while (!registry->Find(token)) std::this_thread::yield();
   const Principal holder = registry->Find(token).value();
@@ -159,7 +159,7 @@ TEST_F(TokenRegistryTest, ATokenWithTheSameIdInAnotherFileIsAnotherToken) {
   const std::string new_token = TokenStore::Open(other)->Create(request, 1).value();
   std::filesystem::rename(other, path_);
   EXPECT_THAT(AwaitChanges(2), ElementsAre(HasSubstr("game was removed from the file"),
-                                           HasSubstr("game was made by eve")));
+                                           HasSubstr("game was created by eve")));
   while (!registry->Find(new_token)) std::this_thread::yield();
   EXPECT_FALSE(registry->Find(token));
   EXPECT_FALSE(registry->IsValid(holder)) << "this ends its streams";

@@ -155,7 +155,7 @@ TEST(DaemonProgram, ABackupOfARunningDaemonCanStartAnotherDaemon) {
   ASSERT_EQ(Learn(daemon).exit_code, 0);
   const ProgramRun backup = RunDaemonProgram("backup " + file + " --data " + data);
   EXPECT_EQ(backup.exit_code, 0) << backup.err;
-  EXPECT_THAT(backup.out, HasSubstr("monday.db: whole; "));
+  EXPECT_THAT(backup.out, HasSubstr("monday.db: undamaged; "));
   EXPECT_EQ(RunDaemonProgram("backup " + file + " --data " + data).exit_code, 1);
   EXPECT_EQ(RunDaemonProgram("restore " + file + " --verify").out, backup.out);
   EXPECT_EQ(RunDaemonProgram("restore " + file + " --data " + data).exit_code, 1);
@@ -183,7 +183,7 @@ TEST(DaemonProgram, ABackupThatOmitsDamagedRowsIsKeptAndReported) {
           .ok());
   const ProgramRun backup = RunDaemonProgram("backup " + file + " --data " + data.path().string());
   EXPECT_EQ(backup.exit_code, 1);
-  EXPECT_THAT(backup.out, HasSubstr("monday.db: whole; 1 records of 1 sources"));
+  EXPECT_THAT(backup.out, HasSubstr("monday.db: undamaged; 1 records of 1 sources"));
   EXPECT_THAT(backup.err, HasSubstr("1 damaged rows of the database are not in " + file));
   EXPECT_EQ(RunDaemonProgram("restore " + file + " --verify").exit_code, 0);
 }
