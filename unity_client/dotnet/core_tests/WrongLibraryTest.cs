@@ -43,13 +43,13 @@ namespace Sweepstake.Tests
         {
             AssertProblem(
                 () => Compiled("unsigned swp_abi_version(void) { return 3; } unsigned swp_struct_size(unsigned which) { return which == 7 ? 60 : 400; }"),
-                "FrameSample takes 64 bytes here, 64 in the headers and 60 in the library", "Runtime/Plugins");
+                "FrameSample has 64 bytes in C#, 64 in the C headers and 60 in the library", "Runtime/Plugins");
         }
 
         [Test]
         public void AnotherLibraryOfTheNameIsNotUsed()
         {
-            AssertProblem(() => Compiled("int something_else(void) { return 0; }"), "is not the one of this package", "Runtime/Plugins");
+            AssertProblem(() => Compiled("int something_else(void) { return 0; }"), "lacks a function that this package needs", "Runtime/Plugins");
         }
 
         private IntPtr Compiled(string source)

@@ -20,7 +20,7 @@ namespace Sweepstake.Headless
             "  --csv FILE           writes a row for each frame\n" +
             "\n" +
             "Example: dotnet run --project unity_client/dotnet/headless -- --daemon 127.0.0.1:7433 --frames 10000\n" +
-            "Exit code: 0 played, 1 the daemon never welcomed the game or the CSV file is not complete, 2 bad usage.\n";
+            "Exit code: 0 played, 1 no session with the daemon or an incomplete CSV file, 2 bad usage.\n";
 
         internal string? Daemon;
         internal string Scene = "hurricane";

@@ -101,7 +101,7 @@ namespace Sweepstake.Headless
             bool hasEnded = csv.Stop(EndTimeoutMs);
             if (hasEnded && csv.Failure == null && csv.DroppedCount == 0)
                 return true;
-            string why = csv.Failure != null ? csv.Failure.Message : hasEnded ? $"{csv.DroppedCount} frames were dropped because writing was too slow." : "the disk is too slow.";
+            string why = csv.Failure != null ? csv.Failure.Message : hasEnded ? $"{csv.DroppedCount} frames were dropped because writing was too slow." : "writing did not end in time, because the disk is too slow.";
             Console.Error.WriteLine("The CSV file is not complete: " + why);
             return false;
         }

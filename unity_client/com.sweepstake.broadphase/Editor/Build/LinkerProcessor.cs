@@ -7,7 +7,7 @@ using UnityEditor.UnityLinker;
 namespace Sweepstake.Editor
 {
     /// <summary>
-    /// Tells the linker to keep code that stripping would remove: the structs of the C ABI, which native code reads, and protobuf's
+    /// Makes the linker keep code that stripping would remove: the structs of the C ABI, which native code reads, and protobuf's
     /// messages, which are found by reflection. Unity ignores a link.xml in a package, so this class writes one for each build.
     /// </summary>
     internal sealed class LinkerProcessor : IUnityLinkerProcessor

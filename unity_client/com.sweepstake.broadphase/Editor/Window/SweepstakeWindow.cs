@@ -55,7 +55,7 @@ namespace Sweepstake.Editor
             pairs = new LineChart("Pairs", "pairs");
             backend = new BackendChart();
             roundTrip = new LineChart("Round trip to the daemon", "ms");
-            watch = new Button(ToggleWatch) { tooltip = "Reads the posteriors from the daemon of the project's config. Sends it the name of the project." };
+            watch = new Button(ToggleWatch) { tooltip = "Reads the posteriors from the daemon of the project's config, and sends that daemon the name of the project." };
             posteriors = TextLabel();
             foreach (VisualElement part in new VisualElement[] { chip, status, fps, detection, pairs, backend, watch, posteriors, roundTrip })
                 scroll.Add(part);

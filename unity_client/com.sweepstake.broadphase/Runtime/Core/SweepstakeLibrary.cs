@@ -102,7 +102,7 @@ namespace Sweepstake
             }
             catch (EntryPointNotFoundException missing)
             {
-                return new NativeLibraryException("The native library 'sweepstake' is not the one of this package.", Install, missing);
+                return new NativeLibraryException("The native library 'sweepstake' lacks a function that this package needs.", Install, missing);
             }
             catch (BadImageFormatException wrong)
             {
@@ -160,7 +160,7 @@ namespace Sweepstake
             var problems = new LayoutProblems();
             NativeLayouts.Check(problems);
             isChecked = problems.IsEmpty;
-            return isChecked ? null : new NativeLibraryException($"The native library 'sweepstake' does not fit: {problems}.", Install);
+            return isChecked ? null : new NativeLibraryException($"The structs of the native library 'sweepstake' differ from those of this package: {problems}.", Install);
         }
     }
 }

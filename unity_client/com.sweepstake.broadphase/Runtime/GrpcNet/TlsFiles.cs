@@ -127,7 +127,7 @@ namespace Sweepstake.GrpcNet
                 at += begin.Length;
                 int stop = text.IndexOf(end, at, StringComparison.Ordinal);
                 if (stop < 0)
-                    throw new FormatException("A section does not end.");
+                    throw new FormatException("A section of the PEM file has no END line.");
                 yield return Convert.FromBase64String(text.Substring(at, stop - at));
             }
         }

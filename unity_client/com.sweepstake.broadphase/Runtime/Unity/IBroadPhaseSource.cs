@@ -24,8 +24,8 @@ namespace Sweepstake.Unity
         bool TryGetPair(int index, out Aabb a, out Aabb b);
 
         /// <summary>
-        /// Replaces the content of the list by the boxes of the latest search, including static ones, for recordings. An object keeps its index for
-        /// life; an unused index has an invalid box.
+        /// Replaces the content of the list with the boxes of the latest search, including static ones, for recordings. An object keeps its
+        /// index as long as it is in the source; an unused index has an invalid box.
         /// </summary>
         void CopyBoxes(List<Aabb> boxes);
     }

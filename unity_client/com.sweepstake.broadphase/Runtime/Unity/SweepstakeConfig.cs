@@ -92,7 +92,7 @@ namespace Sweepstake.Unity
         [Tooltip("Names of the backends that may be selected. Empty: all.")]
         [BackendName]
         public string[] backends = Array.Empty<string>();
-        [Tooltip("Threads of a search. 0 or 1: only the main thread. The pairs do not depend on it.")]
+        [Tooltip("Number of threads that search. 0 or 1: only the main thread. The pairs do not depend on this number.")]
         [Range(0, 64)]
         public int threads = 0;
         [Tooltip("Sorts the pairs, so that all backends give the same order, for lockstep games.")]

@@ -36,8 +36,8 @@ namespace Sweepstake.Tests
             problems.Field("FrameSample.Arm", 44, 48);
             problems.Size("FrameSample", 7, 60, 64, false);
             problems.Size("Belief", 13, 16, 16, false);
-            Assert.That(problems.ToString(), Does.Contain("FrameSample.Arm is at 44 here and at 48"));
-            Assert.That(problems.ToString(), Does.Contain("FrameSample takes 60 bytes here"));
+            Assert.That(problems.ToString(), Does.Contain("FrameSample.Arm is at offset 44 in C# and at 48"));
+            Assert.That(problems.ToString(), Does.Contain("FrameSample has 60 bytes in C#"));
             Assert.That(problems.ToString(), Does.Not.Contain("Belief"));
         }
 

@@ -19,7 +19,7 @@ namespace Sweepstake
         public LinkStats Stats { get; }
         /// <summary>What went wrong most recently and what to do; "" if nothing went wrong.</summary>
         public string LastError => Texts.LastError;
-        /// <summary>Why the daemon refused the latest attempt (its token, names or protocol); "" if it did not refuse.</summary>
+        /// <summary>Why the daemon refused the latest attempt, for example because of the token or the names; "" if it did not refuse.</summary>
         public string Refusal => Texts.Refusal;
         /// <summary>Id of the session. Like the next two properties, it is "" before the daemon's first welcome message.</summary>
         public string SessionId => Texts.SessionId;

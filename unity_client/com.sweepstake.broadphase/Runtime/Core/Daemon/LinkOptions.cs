@@ -55,7 +55,8 @@ namespace Sweepstake
         /// <summary>Maximum number of unacknowledged messages, 1 to 4,096. At this limit sending pauses, and the session's queue drops its oldest samples.</summary>
         public uint UnacknowledgedMessages { get => native.UnacknowledgedMessages; set => native.UnacknowledgedMessages = value; }
         /// <summary>
-        /// First delay before reconnecting, in milliseconds, 1 to 3,600,000. It doubles after each broken stream up to the maximum, with full jitter.
+        /// Upper limit of the first delay before reconnecting, in milliseconds, 1 to 3,600,000. Each delay is random, up to a limit that
+        /// doubles after each broken stream, at most to <see cref="BackoffMaxMs"/>.
         /// </summary>
         public uint BackoffMinMs { get => native.BackoffMinMs; set => native.BackoffMinMs = value; }
         public uint BackoffMaxMs { get => native.BackoffMaxMs; set => native.BackoffMaxMs = value; }

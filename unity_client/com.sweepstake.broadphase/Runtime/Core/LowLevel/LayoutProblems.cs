@@ -18,13 +18,13 @@ namespace Sweepstake.LowLevel
         {
             uint inLibrary = NativeMethods.swp_struct_size(number);
             if (here != inHeaders || inLibrary < here || (inLibrary > here && !grows))
-                found.Add($"{name} takes {here} bytes here, {inHeaders} in the headers and {inLibrary} in the library");
+                found.Add($"{name} has {here} bytes in C#, {inHeaders} in the C headers and {inLibrary} in the library");
         }
 
         internal void Field(string name, long here, int inHeaders)
         {
             if (here != inHeaders)
-                found.Add($"{name} is at {here} here and at {inHeaders} in the headers");
+                found.Add($"{name} is at offset {here} in C# and at {inHeaders} in the C headers");
         }
 
         public override string ToString() => string.Join("; ", found);

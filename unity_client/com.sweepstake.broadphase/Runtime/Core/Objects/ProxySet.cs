@@ -118,7 +118,7 @@ namespace Sweepstake
             return box;
         }
 
-        /// <summary>The handle of the proxy that has this id (for example from a pair) now.</summary>
+        /// <summary>The handle of the proxy that currently has this id, for example an id from a pair.</summary>
         public ProxyHandle HandleOf(uint id)
         {
             ProxyHandle proxy;

@@ -11,7 +11,7 @@ namespace Sweepstake
     {
         internal uint StructSize;
         /// <summary>
-        /// Threads that search: 0 or 1 for the calling thread only, up to 256 for a pool of threads. The pairs do not depend on it.
+        /// Threads that search: 0 or 1 for the calling thread only, up to 256 for a pool of threads. The pairs do not depend on this number.
         /// </summary>
         public uint ThreadCount;
         internal IntPtr Executor;

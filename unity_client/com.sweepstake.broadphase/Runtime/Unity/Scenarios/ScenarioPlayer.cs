@@ -32,7 +32,7 @@ namespace Sweepstake.Unity
         private uint seed = 1;
         [SerializeField]
         [Min(1)]
-        [Tooltip("The world reaches from minus this to this on each axis, in units.")]
+        [Tooltip("Half the size of the world: it extends from minus this value to this value on each axis, in units.")]
         private float worldHalfExtent = 50;
         [SerializeField]
         [Min(0)]

@@ -53,7 +53,7 @@ namespace Sweepstake.Unity
             {
                 throw new SweepstakeException(
                     ResultCode.FailedPrecondition,
-                    $"'{path}' cannot be read: on this platform StreamingAssets are not files. Write it below Application.persistentDataPath and set its absolute path in the config.");
+                    $"'{path}' cannot be read: on this platform StreamingAssets are not files. Copy it to a folder below Application.persistentDataPath, and set its absolute path in the config.");
             }
             return Path.Combine(Application.streamingAssetsPath, path);
         }
