@@ -22,11 +22,13 @@ void Declare(CLI::App& command, BenchOptions& options) {
   command.add_option("--frames", options.frames, "Measured frames")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}))
       ->capture_default_str();
-  command.add_option("--warmup", options.warmup, "Frames before them")
+  command.add_option("--warmup", options.warmup, "Frames that run before the measured ones")
       ->check(WholeUpTo(1'000'000))
       ->capture_default_str();
   AddSeedOption(command, options.seed, "the scenes");
-  command.add_option("--threads", options.thread_counts, "Threads of each arm, counted one by one")
+  command
+      .add_option("--threads", options.thread_counts,
+                  "Thread counts; every arm is timed with each of them")
       ->delimiter(',')
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
       ->capture_default_str();
@@ -35,14 +37,15 @@ void Declare(CLI::App& command, BenchOptions& options) {
   command
       .add_option(
           "--simd", options.simd,
-          "all, or instruction sets, as avx512, avx2 or sse4: times each arm with each of them; "
-          "peers choose their own. SWEEPSTAKE_CLIENT_SIMD sets one for every command")
+          "Instruction sets, such as avx512, avx2 or sse4, or all; every arm is timed with each "
+          "of them. Peers choose their own. The variable SWEEPSTAKE_CLIENT_SIMD selects one for "
+          "any command")
       ->delimiter(',');
   command.add_flag("--peers", options.peers,
-                   "Time the broad phases of other libraries too, and compare");
+                   "Also time the broad phases of other libraries (peers), and compare");
   command
       .add_option("--peer-cap", options.peer_cap_s,
-                  "Maximum seconds of a peer in one scene with one object count")
+                  "Seconds after which a peer is stopped, per scene and object count")
       ->check(RealFrom(0.001, 86'400.0))
       ->capture_default_str();
   AddJsonFlag(command, options.json);
@@ -52,7 +55,7 @@ void Declare(CLI::App& command, BenchOptions& options) {
 
 void AddBenchCommand(const CommandContext& context) {
   AddCommand<BenchOptions>(
-      context, "bench", "Time every arm on the same frames: take all boxes, find all pairs",
+      context, "bench", "Time every arm on the same frames: update all boxes, find all pairs",
       "  sweepstake-lab bench --scene suite-b,suite-g,suite-h --objects 1000,10000 --arms all\n"
       "  sweepstake-lab bench --scene hurricane --objects 3000 --arms SAP,KDTree --json\n"
       "  sweepstake-lab bench --scene nearly-resting,beams --objects 10000 --threads 1,2\n"

@@ -69,7 +69,7 @@ std::string FailureText(const Row& row) {
   return "FAILED " + row.check.arm + " in " + row.scene.name + " (" +
          std::to_string(row.scene.object_count) + " objects, seed " +
          std::to_string(row.scene.seed) + "): frame " + std::to_string(first.frame) +
-         " is the first to differ" + PairsText("missing", first.pairs.missing) +
+         " is the first with other pairs" + PairsText("missing", first.pairs.missing) +
          PairsText("extra", first.pairs.extra) + '\n';
 }
 
@@ -102,7 +102,7 @@ Status CheckOne(SceneChoice choice, const std::vector<std::string>& arms, uint64
                            [&](uint64_t done) { progress.Show(first + done, label); });
   if (!checks.ok()) {
     return {checks.status().code(),
-            label + ": " + checks.status().message() + "; take fewer objects"};
+            label + ": " + checks.status().message() + "; use fewer --objects"};
   }
   for (ArmCheck& check : *checks) rows.push_back({choice, std::move(check)});
   return {};
@@ -132,21 +132,19 @@ int RunCheck(const CheckOptions& options, Terminal& terminal) {
 
 void AddCheckCommand(const CommandContext& context) {
   AddCommand<CheckOptions>(
-      context, "check",
-      "Compare every arm with brute force, every frame, by the identity of the pairs",
+      context, "check", "Check in every frame that every arm finds the same pairs as brute force",
       "  sweepstake-lab check --scene suite-g --objects 1000,3000 --frames 300\n"
       "  sweepstake-lab check --scene all --arms DBVT,KDTree\n"
       "  sweepstake-lab check --scene degenerate --objects 300    empty, coincident, ±1e30, NaN, "
       "…\n"
       "  sweepstake-lab check --scene mixtures --seed 7           ten mixtures, seeds 7 to 16\n"
-      "Exit code 1 if an arm differs; shows the first differing frame and its pairs. A frame "
-      "with\n"
-      "more than 20,000,000 pairs is not checked: exit code 2.\n" +
+      "The exit code is 1 if an arm finds other pairs; the output shows the first such frame.\n"
+      "The exit code is 2 if a frame has more than 20,000,000 pairs, too many to check.\n" +
           SceneHelp(),
       [](CLI::App& command, CheckOptions& options) {
         AddSceneOptions(command, options.scenes, options.object_counts)->required();
         AddArmsOption(command, options.arms);
-        command.add_option("--frames", options.frames, "Steps after the first frame")
+        command.add_option("--frames", options.frames, "Frames to check after the first one")
             ->check(WholeUpTo(1'000'000))
             ->capture_default_str();
         AddSeedOption(command, options.seed, "the scenes");

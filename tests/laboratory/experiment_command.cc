@@ -109,12 +109,14 @@ int RunExperiment(const CommandOptions& options, const std::string& command_line
 void Declare(CLI::App& command, CommandOptions& options) {
   ExperimentOptions& experiment = options.experiment;
   command.add_option("--out", options.out, "Folder of all results; created if it is missing");
-  command.add_option("--resume", options.resume,
-                     "Folder of an interrupted experiment: continues with the missing runs and its "
-                     "own options");
+  command.add_option(
+      "--resume", options.resume,
+      "Folder of an interrupted experiment; its missing runs are played with its own "
+      "options");
   command
-      .add_option("--time-scale", experiment.time_scale,
-                  "Divides the window and all intervals of the decider except the bail-out limit")
+      .add_option(
+          "--time-scale", experiment.time_scale,
+          "Divisor of the window and of all intervals of the decider except the bail-out limit")
       ->check(RealFrom(1.0, 1000.0))
       ->capture_default_str();
   command.add_option("--runs", experiment.run_count, "Runs of each cell and policy (default: 5)")
@@ -130,7 +132,8 @@ void Declare(CLI::App& command, CommandOptions& options) {
       ->delimiter(',');
   command
       .add_option("--policies", experiment.policies,
-                  "Policies, also adaptive-without-... (default: paper,default)")
+                  "Policies, including ablations such as adaptive-without-gate (default: "
+                  "paper,default)")
       ->delimiter(',');
   command.add_option(
       "--window", experiment.window,
@@ -164,8 +167,9 @@ void AddExperimentCommand(const CommandContext& context) {
       "  sweepstake-lab experiment --resume results\n"
       "Default: 3 scenes × (1000, 2000, 3000, 10000, 50000 objects) × 2 policies × 5 runs with "
       "fixed\n"
-      "seeds. A run is the exploration and 15 minutes, divided by the time scale. Ctrl-C writes\n"
-      "partial results and ends with exit code 1; --resume continues after the finished runs.\n"
+      "seeds. A run lasts for the exploration and 15 minutes, both divided by the time scale.\n"
+      "Ctrl-C writes partial results and ends with exit code 1; --resume continues after the\n"
+      "finished runs.\n"
       "Keep the machine free of other work, which distorts the figures.",
       Declare,
       [command_line = context.command_line](const CommandOptions& options, Terminal& terminal) {

@@ -35,19 +35,21 @@ CLI::Option* AddSceneOptions(CLI::App& command, std::vector<std::string>& scenes
       ->capture_default_str();
   return command
       .add_option("--scene", scenes,
-                  "Scenes or .aabbs files, or all, changing, degenerate, mixtures")
+                  "Scenes, .aabbs files, or groups: all, changing, degenerate, mixtures")
       ->delimiter(',');
 }
 
 void AddArmsOption(CLI::App& command, std::vector<std::string>& arms) {
-  command.add_option("--arms", arms, "all, or names of backends")
+  command.add_option("--arms", arms, "Names of backends, or all")
       ->delimiter(',')
       ->capture_default_str();
 }
 
 void AddSceneChoice(CLI::App& command, SceneChoice& scene) {
   command.add_option("--scene", scene.name, "Scene or .aabbs file")->required();
-  command.add_option("--objects", scene.object_count, "Object count; a file has its own")
+  command
+      .add_option("--objects", scene.object_count,
+                  "Object count; ignored for a file, which has its own")
       ->capture_default_str();
   AddSeedOption(command, scene.seed, "spawn and motion");
 }

@@ -37,7 +37,7 @@ int LoadDaemon(const LoadOptions& options, Terminal& terminal) {
 void Declare(CLI::App& command, LoadOptions& options) {
   LoadPlan& plan = options.plan;
   AddDaemonOptions(command, plan.daemon);
-  command.add_option("--streams", plan.stream_count, "Games at a time")
+  command.add_option("--streams", plan.stream_count, "Games that play at the same time")
       ->check(WholeFrom(1, 100'000))
       ->capture_default_str();
   command
@@ -51,13 +51,14 @@ void Declare(CLI::App& command, LoadOptions& options) {
       ->capture_default_str();
   command.add_option("--duration", options.duration, "Measured time after all games have begun")
       ->capture_default_str();
-  command.add_option("--project", plan.project, "Project of the games")->capture_default_str();
-  command.add_option("--scenes", plan.scene_count, "Scenes, assigned to the games in turn")
+  command.add_option("--project", plan.project, "Project name that the games send")
+      ->capture_default_str();
+  command.add_option("--scenes", plan.scene_count, "Number of scenes; the games use them in turn")
       ->check(WholeFrom(1, 100'000))
       ->capture_default_str();
   command
       .add_option("--bail-out-share", plan.bail_out_share,
-                  "Share of the batches that are followed by a bail-out")
+                  "Share of the batches that are followed by a bail-out, from 0 to 1")
       ->check(RealFrom(0, 1))
       ->capture_default_str();
   command
@@ -74,15 +75,14 @@ void AddLoadCommand(const CommandContext& context) {
       context, "load", "Load a daemon with thousands of simulated games",
       "  sweepstake-lab load --daemon 127.0.0.1:7433 --streams 1000 --duration 30s\n"
       "  sweepstake-lab load --daemon 127.0.0.1:7433 --streams 10000 --server-pid PID --json\n"
-      "batches_per_s were passed to gRPC. acknowledged_per_s messages (batches, bail-outs, "
-      "switches)\n"
-      "reached the daemon's disk at most 2.5 s after the measured time; if they are fewer, the\n"
-      "daemon does not keep up.\n"
-      "hello_latency is the time from the start of a connection to its welcome, decision_latency\n"
-      "from a bail-out to its switch command, commit_lag from a batch to the acknowledgement that\n"
-      "it is on disk. tick_lateness is the delay of this program's own timer: if it is large, the\n"
-      "other figures do not describe the daemon. Ctrl-C ends the run early.\n"
-      "Exit code 3 if no daemon answers, or if games were refused or lost at the end.",
+      "batches_per_s counts batches that were passed to gRPC. acknowledged_per_s counts messages\n"
+      "(batches, bail-outs, switches) that reached the daemon's disk at most 2.5 s after the\n"
+      "measured time. If the second figure is lower, the daemon does not keep up.\n"
+      "hello_latency is the time from the start of a connection to its welcome message,\n"
+      "decision_latency from a bail-out to its switch command, commit_lag from a batch to the\n"
+      "acknowledgement that it is on disk. tick_lateness is the delay of this program's timer. If\n"
+      "it is large, the other figures do not describe the daemon. Ctrl-C ends the run early.\n"
+      "The exit code is 3 if no daemon answers, or if games were refused or lost at the end.",
       Declare, LoadDaemon);
 }
 

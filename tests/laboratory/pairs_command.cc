@@ -65,10 +65,11 @@ int RunPairs(const PairsOptions& options, Terminal& terminal) {
 
 void AddPairsCommand(const CommandContext& context) {
   AddCommand<PairsOptions>(
-      context, "pairs", "Print the overlapping pairs of one frame, \"a b\" per line, sorted",
+      context, "pairs",
+      "Print the overlapping pairs of one frame, sorted, as a line \"a b\" for each pair",
       "  sweepstake-lab pairs --scene h.aabbs --frame 10 --arm Tracy\n"
       "  sweepstake-lab pairs --scene suite-b --objects 1000 --frame 21 --arm BruteForce\n"
-      "Frame 0 is the spawn state. A recorded file starts again after its last frame.\n" +
+      "Frame 0 has the initial boxes. A recorded file starts again after its last frame.\n" +
           SceneHelp(),
       [](CLI::App& command, PairsOptions& options) {
         AddSceneChoice(command, options.scene);

@@ -61,7 +61,7 @@ int MakeRecording(const RecordOptions& options, Terminal& terminal) {
                                            {"out", options.out},
                                            {"bytes", bytes}};
   PrintResult(terminal, options.json, document,
-              options.out + ": 1 + " + std::to_string(options.frames) + " frames of " +
+              options.out + ": " + std::to_string(options.frames + 1) + " frames of up to " +
                   std::to_string(max_objects) + " boxes, " + std::to_string(bytes) + " bytes\n");
   return kDone;
 }
@@ -73,11 +73,12 @@ void AddRecordCommand(const CommandContext& context) {
       context, "record", "Write a scene's boxes, frame by frame, as a .aabbs file",
       "  sweepstake-lab record --scene hurricane --objects 3000 --frames 600 --seed 1 --out "
       "h.aabbs\n"
-      "The file holds the spawn state and then --frames frames; it appears whole or not at all.\n" +
+      "The file contains the initial boxes and then --frames frames. It is written completely\n"
+      "or not at all.\n" +
           SceneHelp(),
       [](CLI::App& command, RecordOptions& options) {
         AddSceneChoice(command, options.scene);
-        command.add_option("--frames", options.frames, "Frames after the spawn state")
+        command.add_option("--frames", options.frames, "Frames after the initial boxes")
             ->check(WholeUpTo(2'147'483'647))
             ->required();
         command.add_option("--out", options.out, "File to write")->required();

@@ -74,19 +74,21 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command.add_option("--costs", request.costs, "Cost traces, made by `sweepstake-lab trace`")
       ->delimiter(',');
   command.add_option("--log", options.log_file,
-                     "Derive every decision of this audit log again and compare");
+                     "Audit log in CSV; derive each of its decisions again and compare");
   command.add_option("--recording", options.recording,
                      "Time every arm on the frames of a flight recorder, and show its switches "
                      "and decisions");
   command
-      .add_option("--policy", request.policies,
-                  "Policies, or all; fixed for every arm, fixed:ARM, oracle")
+      .add_option(
+          "--policy", request.policies,
+          "Policies, or all of them; fixed (each arm without switches), fixed:ARM, oracle (the "
+          "best sequence of arms)")
       ->delimiter(',')
       ->capture_default_str();
   command.add_option("--seeds", study.seed_count, "Games of each policy on each trace")
       ->check(CLI::Range(uint32_t{1}, uint32_t{100'000}))
       ->capture_default_str();
-  command.add_option("--run", request.run, "Virtual time of a game on the best fixed arm")
+  command.add_option("--run", request.run, "Virtual time of a game if it uses the best fixed arm")
       ->capture_default_str();
   command
       .add_option("--pass", request.passes,
@@ -98,11 +100,11 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   LaneErrors& errors = study.lane_errors;
   command
       .add_option("--lane-ratio", request.lane_ratios,
-                  "Time of an arm on the lane ÷ on the frame thread (default: 1)")
+                  "Time of an arm in the shadow lane ÷ on the frame thread (default: 1)")
       ->type_name("ARM RATIO");
   command
       .add_option("--lane-bias", errors.bias_deviation,
-                  "Standard deviation of that ratio's logarithm between arms, drawn for each game")
+                  "Standard deviation of that ratio's logarithm between arms; random in each game")
       ->check(CLI::Range(0.0, 2.0))
       ->capture_default_str();
   command
@@ -117,7 +119,7 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
       ->capture_default_str();
   command
       .add_option("--lane-contention", errors.contention_ratio,
-                  "Frame time during a visit ÷ without one")
+                  "Frame time during a visit of the lane ÷ frame time without one")
       ->check(CLI::Range(1.0, 10.0))
       ->capture_default_str();
   command
@@ -164,8 +166,8 @@ void AddReplayCommand(const CommandContext& context) {
       "  sweepstake-lab replay --recording flight-20261123-234641-250.aabbs\n"
       "Policies:" +
           policies +
-          "\nRegret is frame time against the best fixed arm's on the same frames; negative is "
-          "better.\n",
+          "\nRegret is frame time ÷ that of the best fixed arm on the same frames, minus 1; less "
+          "is better.\n",
       Declare, RunReplay);
 }
 

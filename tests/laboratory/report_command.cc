@@ -28,7 +28,10 @@ std::string ErrorOf(const nlohmann::json& document) {
 
 Result<std::string> ReadDocument(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) return Status(StatusCode::kNotFound, path + " cannot be read");
+  if (!file) {
+    return Status(StatusCode::kNotFound,
+                  path + " cannot be read; check the path and the permissions");
+  }
   std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::string error = ErrorOf(nlohmann::json::parse(text, nullptr, false));
   if (error.empty()) return text;
@@ -56,7 +59,7 @@ void Declare(CLI::App& command, ReportOptions& options) {
       .add_option("documents", options.documents,
                   "JSON files printed by bench, experiment or replay with --json")
       ->required();
-  command.add_option("--out", options.out, "The HTML file")->required();
+  command.add_option("--out", options.out, "HTML file to write")->required();
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ Status CheckWords(const TraceCommandOptions& options) {
     return Invalid("give --scene to trace a scene, or --costs to show a trace");
   }
   if (options.scenes.empty() != options.out.empty()) {
-    return Invalid("--scene needs --out FILE.costs, and --costs takes no --out");
+    return Invalid("--scene needs --out FILE.costs, and --costs must be without --out");
   }
   return {};
 }
@@ -134,7 +134,7 @@ void Declare(CLI::App& command, TraceCommandOptions& options) {
       ->check(CLI::Range(uint32_t{1}, uint32_t{99}))
       ->capture_default_str();
   command.add_option("--out", options.out,
-                     "File to write; for several scenes or counts the folder of their files");
+                     "File to write, or a folder if there are several scenes or object counts");
   command.add_option("--costs", options.costs, "Show these traces instead of making one")
       ->delimiter(',');
   AddJsonFlag(command, options.json);
@@ -148,11 +148,10 @@ void AddTraceCommand(const CommandContext& context) {
       "  sweepstake-lab trace --scene hurricane --objects 3000 --out hurricane.costs\n"
       "  sweepstake-lab trace --scene brownian,suite-g --objects 1000,10000 --out traces/ --json\n"
       "  sweepstake-lab trace --costs b.costs\n"
-      "All arms see the same frames and take turns; a second structure of one of them is the A/A\n"
-      "control. In bursts, every 60 frames, fresh structures show what a switch costs. An arm 16\n"
-      "times as slow as the cheapest is measured on one frame in 20 or fewer; the other frames "
-      "repeat\n"
-      "its last time.\n" +
+      "All arms run the same frames in turns. One arm also runs with a second data structure: the\n"
+      "A/A control, which shows the noise. Every 60 frames new data structures run a burst of\n"
+      "frames, to measure the cost of a switch. An arm 16 times as slow as the cheapest one is\n"
+      "measured on one frame in 20 or fewer; the other frames repeat its last time.\n" +
           SceneHelp(),
       Declare, Trace);
 }

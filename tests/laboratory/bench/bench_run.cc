@@ -91,7 +91,7 @@ class CellRun {
   std::string WhyLeftOut(const PeerKind& peer, const BenchRow& row) const {
     const BenchCell& cell = report_.cells.back();
     if (cell.object_count > peer.max_object_count) {
-      return "takes up to " + std::to_string(peer.max_object_count) + " objects";
+      return "accepts at most " + std::to_string(peer.max_object_count) + " objects";
     }
     for (const BenchRow& before : report_.rows) {
       const BenchCell& smaller = report_.cells[before.cell];
@@ -101,7 +101,8 @@ class CellRun {
       }
       const double growth = static_cast<double>(cell.object_count) / smaller.object_count;
       if (before.ms_mean * growth > 1000 * report_.options.peer_cap_s || before.frame_count == 0) {
-        return "too slow with " + std::to_string(smaller.object_count) + " objects";
+        return "left out, because it was too slow with " + std::to_string(smaller.object_count) +
+               " objects";
       }
     }
     return "";
@@ -132,8 +133,8 @@ class CellRun {
     for (size_t i = 0; i < found.step_pairs.size(); ++i) {
       if (found.step_pairs[i] == right.step_pairs[i]) continue;
       return "step " + std::to_string(i + 1) + ": other pairs than " + rows_.front().name +
-             " with " + rows_.front().simd + ", " + std::to_string(found.step_pairs[i].count) +
-             " in place of " + std::to_string(right.step_pairs[i].count);
+             " with " + rows_.front().simd + " (" + std::to_string(found.step_pairs[i].count) +
+             " instead of " + std::to_string(right.step_pairs[i].count) + ")";
     }
     return "";
   }

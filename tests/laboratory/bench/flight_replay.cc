@@ -169,7 +169,8 @@ Result<Json> ReplayFlight(const std::string& file) {
     return Status(
         StatusCode::kInvalidArgument,
         text::PrintableLine(file) +
-            " was not written by a flight recorder, or by a newer one; `sweepstake-lab bench "
+            " was not written by a flight recorder, or the recorder is newer than this program; "
+            "`sweepstake-lab bench "
             "--scene` times any .aabbs file");
   }
   Json document;
@@ -185,7 +186,8 @@ Result<Json> ReplayFlight(const std::string& file) {
     broken = error.what();
   }
   if (document.is_null()) {
-    return Status(StatusCode::kDataLoss, text::PrintableLine(file) + " has broken notes: " +
+    return Status(StatusCode::kDataLoss, text::PrintableLine(file) +
+                                             " has invalid data of the flight recorder: " +
                                              text::PrintableLine(broken) + "; record it again");
   }
   // The structures are built on the first recorded boxes; step k updates them to the boxes with
@@ -216,8 +218,8 @@ std::string FlightReplayText(const Json& document) {
           " ms (budget " + Number(document["frame_budget_ms"], 1) + " ms): detection " +
           Number(worst["detection_ms"], 3) + " ms with " + Line(worst["arm"]) + ", " +
           worst["objects"].dump() + " objects, " + worst["pairs"].dump() + " pairs\n" +
-          document["frames"].dump() + " frames, with boxes " + document["box_frames"].dump() +
-          "\n\nEvery arm on these boxes, here\n";
+          document["frames"].dump() + " frames, " + document["box_frames"].dump() +
+          " of them with boxes\n\nEvery arm on these boxes, timed on this machine\n";
   TextTable table({"arm", "ms_mean", "ms_max", "ms_worst_frame", "live_frames", "live_ms_mean"});
   for (const Json& arm : document["arms"]) {
     table.AddRow({arm["arm"], Number(arm["ms_mean"], 4), Number(arm["ms_max"], 4),

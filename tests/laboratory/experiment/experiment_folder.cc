@@ -173,7 +173,7 @@ Result<RunRecord> ReadRecord(const std::filesystem::path& path) {
   Status status =
       ReadDocument(path, kRunFormat, [&](const nlohmann::json& document) -> std::string {
         document.at("run").get_to(record);
-        return IsConsistent(record) ? "" : "the lengths of its lists do not match";
+        return IsConsistent(record) ? "" : "its lists have different lengths";
       });
   if (!status.ok()) return status;
   return record;

@@ -503,8 +503,8 @@ void PrintTables(std::span<const CellSummary> cells, std::ostream& out) {
   }
   out << "\nTable 3. Dominant algorithms across the runs.\n\n"
       << table3.Text()
-      << "\nTable 4. Switches over all runs; active time, μ* and n* over the dominant runs; mean ± "
-         "sample standard deviation.\n\n"
+      << "\nTable 4. Switches over all runs; active time, posterior mean μ* and n* = α + β of the "
+         "dominant arm over its runs; mean ± sample standard deviation.\n\n"
       << table4.Text();
 }
 
@@ -518,7 +518,7 @@ std::string SpreadText(const Spread& spread, int decimals) {
 void PrintExperiment(const ExperimentReport& report, const fs::path& folder, std::ostream& out) {
   if (!report.complete()) {
     out << "PARTIAL: " << report.records.size() << " of " << report.plan.runs.size()
-        << " runs; continue with --resume " << folder.string() << "\n";
+        << " runs are finished; continue with --resume " << folder.string() << "\n";
   }
   PrintTables(report.cells, out);
 }

@@ -67,7 +67,7 @@ Result<std::vector<ExperimentCell>> MakeCells(const ExperimentOptions& options) 
     cells.push_back({choice.name, static_cast<uint32_t>((*scene)->aabbs().size()), choice.seed});
     if (!labels.insert(cells.back().label()).second) {
       return Status(StatusCode::kInvalidArgument,
-                    "there are two cells called " + cells.back().label() + "; leave one out");
+                    "two cells are called " + cells.back().label() + "; remove one of them");
     }
   }
   return cells;

@@ -28,7 +28,7 @@ Status ReadDocument(const std::filesystem::path& path, const DocumentFormat& for
   std::ifstream file(path, std::ios::binary);
   if (!file || std::filesystem::is_directory(path, unknown)) {
     return {StatusCode::kNotFound,
-            "there is no " + std::string(format.kind) + " " + path.string() + format.remedy};
+            "there is no " + std::string(format.kind) + " at " + path.string() + format.remedy};
   }
   std::string error;
   try {

@@ -93,8 +93,8 @@ std::string AgainstPaperText(const StudyRow& row) {
 
 std::string SceneTitle(const StudyScene& scene, const StudyRow& first_row) {
   return scene.name + ": noise floor " + SignedPercent(std::abs(scene.scene.control_regret())) +
-         ", headroom " + SignedPercent(first_row.headroom) + " with switches paid, " +
-         SignedPercent(first_row.frame_headroom) + " frame by frame";
+         ", headroom " + SignedPercent(first_row.headroom) + " including switches, " +
+         SignedPercent(first_row.frame_headroom) + " without their cost";
 }
 
 // Returns the reliability of each policy that states P(best), over all scenes.
@@ -116,7 +116,8 @@ Result<std::string> ReadLog(const std::string& path) {
   std::error_code unknown;
   std::ifstream file(path, std::ios::binary);
   if (!file || std::filesystem::is_directory(path, unknown)) {
-    return Status(StatusCode::kNotFound, path + " cannot be read");
+    return Status(StatusCode::kNotFound,
+                  path + " cannot be read; check the path and the permissions");
   }
   return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
@@ -136,8 +137,8 @@ std::string UnderivedText(const AuditReport& report) {
   if (report.incomplete_segment_count == 0) return "";
   return Counted(report.underived_decision_count, "decision") + " in " +
          Counted(report.incomplete_segment_count, "segment") +
-         " cannot be re-derived: earlier rows are missing, because the log is bounded or a "
-         "write failed\n";
+         " cannot be re-derived: earlier rows are missing, because the size of the log is "
+         "limited or a write failed\n";
 }
 
 }  // namespace
@@ -186,12 +187,15 @@ void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
                   row.bail_outs ? Fixed(*row.bail_outs, 2) : "-", AgainstPaperText(row)});
   }
   table.Print(out);
-  out << "\nRegret: frame time relative to the best fixed arm on the same frames, mean of "
+  out << "\nRegret is frame time ÷ that of the best fixed arm on the same frames, minus 1; the "
+         "table has the mean of\n"
       << report.options.seed_count
-      << " seeds with its 95 % interval;\nafter_start leaves out the first minute and the "
-         "exploration; vs_oracle: against the best\nsequence of arms that pays for its switches; "
-         "captured: share of that oracle's gain over\nthe best fixed arm; share: time on the "
-         "dominant arm. Noise floor: one arm measured twice.\n";
+      << " seeds and its 95 % interval. after_start leaves out the first minute and the "
+         "exploration. vs_oracle compares\nwith the oracle, the best sequence of arms including "
+         "its switches. Headroom is the gain of the oracle over\nthe best fixed arm, and captured "
+         "the "
+         "policy's share of it. share is the time on the dominant arm. The noise\nfloor is the "
+         "difference of two measurements of one arm.\n";
 }
 
 void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
@@ -247,7 +251,7 @@ Json ReplayLogJson(const AuditReport& report, const std::string& file) {
 std::string ReplayLogText(const AuditReport& report) {
   return Counted(report.decision_count, "decision") + " in " +
          Counted(report.segment_count, "segment") + " re-derived, " +
-         (report.difference ? "then a difference\n" + report.difference->Text() : "all equal") +
+         (report.difference ? "then a row differs:\n" + report.difference->Text() : "all equal") +
          '\n' + UnderivedText(report);
 }
 

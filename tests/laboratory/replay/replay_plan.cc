@@ -111,7 +111,7 @@ Result<std::vector<double>> LaneRatios(const ReplayRequest& request,
     double ratio = 0;
     const auto read = std::from_chars(text.data(), text.data() + text.size(), ratio);
     if (read.ptr != text.data() + text.size() || !(ratio >= 0.01 && ratio <= 100)) {
-      return Invalid("--lane-ratio " + name + ": give a ratio of 0.01 to 100, as 0.9");
+      return Invalid("--lane-ratio " + name + ": give a ratio of 0.01 to 100, such as 0.9");
     }
     ratios[static_cast<size_t>(arm - arms.begin())] = ratio;
   }

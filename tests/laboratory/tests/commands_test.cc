@@ -186,7 +186,7 @@ TEST(CheckCommand, RefusesAFrameWithTooManyPairsAndSaysWhatToDo) {
   EXPECT_EQ(run.exit_code, kBadUsage);
   EXPECT_THAT(run.err, StartsWith("sweepstake-lab: "));
   EXPECT_THAT(run.err,
-              AllOf(HasSubstr("frame 0 has too many pairs"), HasSubstr("take fewer objects")));
+              AllOf(HasSubstr("frame 0 has too many pairs"), HasSubstr("use fewer --objects")));
 }
 
 TEST(PairsCommand, PrintsTheSamePairsAsTextAndAsJson) {
@@ -220,7 +220,7 @@ TEST(RecordCommand, WritesTheFramesThatPairsThenReads) {
   const CommandRun run =
       RunLabCommand("record --scene suite-b --objects 300 --frames 3 --seed 5 --out " + file);
   ASSERT_EQ(run.exit_code, kDone) << run.err;
-  EXPECT_EQ(run.out, file + ": 1 + 3 frames of 300 boxes, " + std::to_string(304 + 4 * 300 * 32) +
+  EXPECT_EQ(run.out, file + ": 4 frames of up to 300 boxes, " + std::to_string(304 + 4 * 300 * 32) +
                          " bytes\n");
   const std::string frame = " --frame 2 --arm SAP --objects 300 --seed 5";
   EXPECT_EQ(RunLabCommand("pairs --scene " + file + frame).out,

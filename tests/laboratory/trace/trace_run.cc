@@ -230,7 +230,7 @@ class TracePass {
     if (expected == pair_count || !status_.ok()) return;
     status_ = {StatusCode::kInternal, plan_.arms[arm] + " finds " + std::to_string(pair_count) +
                                           " pairs in frame " + std::to_string(frame) +
-                                          ", another arm " + std::to_string(expected) +
+                                          ", another arm finds " + std::to_string(expected) +
                                           "; `sweepstake-lab check` shows which arm is wrong"};
   }
 
@@ -308,8 +308,8 @@ void KeepHeldInAll(std::vector<CostTrace>& runs) {
 }
 
 Status TooManyObjects() {
-  return {StatusCode::kInvalidArgument,
-          "a trace takes up to " + std::to_string(kMaxTracedObjects) + " objects per frame"};
+  return {StatusCode::kInvalidArgument, "a trace has at most " + std::to_string(kMaxTracedObjects) +
+                                            " objects per frame; use fewer --objects"};
 }
 
 // Opens the scene at its start. Error: it has too many objects.

@@ -202,18 +202,18 @@ void PrintTrace(const CostTrace& trace, const TraceSummary& summary, const std::
   table.Print(out);
   out << "Best fixed arm: " << trace.arms[summary.best_arm].name
       << ".\nThe cheapest arm of every frame would save " << Percent(summary.frame_headroom, 1)
-      << " of its time,\nthat of every " << TraceSummary::kWindowFrames << " frames "
-      << Percent(summary.window_headroom, 1) << ".\nA/A control: a second "
+      << " of its time,\nthe cheapest arm of every " << TraceSummary::kWindowFrames << " frames "
+      << Percent(summary.window_headroom, 1) << ".\nA/A control, which shows the noise: a second "
       << trace.arms[trace.control_arm].name << " takes " << Fixed(summary.control_ratio, 4)
-      << " of the first one's time\n(95 %: " << Fixed(summary.control_low, 4) << " to "
-      << Fixed(summary.control_high, 4) << ").\n";
+      << " times as long as the first one\n(95 % interval: " << Fixed(summary.control_low, 4)
+      << " to " << Fixed(summary.control_high, 4) << ").\n";
 }
 
 void PrintControlWarning(const CostTrace& trace, const TraceSummary& summary, std::ostream& err) {
   if (summary.ControlIsFair()) return;
   err << "Warning: " << trace.scene << ": two structures of " << trace.arms[trace.control_arm].name
       << " differ by " << Percent(summary.control_ratio - 1, 2)
-      << ", more than 0.5 %: keep the machine free of other work, or take more --repeats or "
+      << ", more than 0.5 %: keep the machine free of other work, or use more --repeats or "
          "--frames\n";
 }
 

@@ -120,7 +120,7 @@ TEST_F(FlightReplayTest, SaysItInWords) {
       run.out,
       AllOf(HasSubstr("level-3 of asteroids, build 1.2, on a-pc\n"),
             HasSubstr("Frame 13 took 70.0 ms (budget 50.0 ms): detection 6.000 ms with KDTree, 60 "
-                      "objects, 7 pairs\n5 frames, with boxes 3\n"),
+                      "objects, 7 pairs\n5 frames, 3 of them with boxes\n"),
             HasSubstr("\nSwitches\nframe 12: SAP → KDTree\n"),
             HasSubstr("frame 11: switched, candidate KDTree, commanded KDTree (policy), KDTree is "
                       "the best with probability 0.88\n"),
@@ -142,7 +142,7 @@ TEST_F(FlightReplayTest, ARecordingOfSomethingElseIsRefused) {
   EXPECT_THAT(run.err, HasSubstr("was not written by a flight recorder"));
   json newer = PlainNotes();
   newer["flight_recording"] = 2;
-  EXPECT_THAT(ErrorOf(newer), HasSubstr("or by a newer one"));
+  EXPECT_THAT(ErrorOf(newer), HasSubstr("or the recorder is newer"));
   EXPECT_THAT(RunLabCommand("replay --recording /none.aabbs").err, HasSubstr("no such file"));
 }
 
@@ -150,17 +150,18 @@ TEST_F(FlightReplayTest, BrokenNotesAreRefused) {
   for (const char* key : {"scene", "arms", "frames", "worst_frame", "decisions"}) {
     json notes = PlainNotes();
     notes.erase(key);
-    EXPECT_THAT(ErrorOf(notes), AllOf(HasSubstr("has broken notes"), HasSubstr(key)));
+    EXPECT_THAT(ErrorOf(notes),
+                AllOf(HasSubstr("has invalid data of the flight recorder"), HasSubstr(key)));
   }
   json unknown_arm = PlainNotes();
   unknown_arm["frames"][0][7] = 2;
-  EXPECT_THAT(ErrorOf(unknown_arm), HasSubstr("has broken notes"));
+  EXPECT_THAT(ErrorOf(unknown_arm), HasSubstr("has invalid data of the flight recorder"));
   json missing_boxes = PlainNotes();
   missing_boxes["frames"][2][10] = 2;
-  EXPECT_THAT(ErrorOf(missing_boxes), HasSubstr("has broken notes"));
+  EXPECT_THAT(ErrorOf(missing_boxes), HasSubstr("has invalid data of the flight recorder"));
   json short_row = PlainNotes();
   short_row["frames"][0] = json::array({1, 2});
-  EXPECT_THAT(ErrorOf(short_row), HasSubstr("has broken notes"));
+  EXPECT_THAT(ErrorOf(short_row), HasSubstr("has invalid data of the flight recorder"));
 }
 
 TEST_F(FlightReplayTest, NeedsExactlyOneThingToReplay) {

@@ -93,7 +93,7 @@ TEST(ExperimentPlan, KeepsTheOrderOfTheCountsAndRejectsACellTwice) {
   options.object_counts = {80, 60};
   EXPECT_THAT(Labels(PlanOf(options).cells), ElementsAre("brownian-80", "brownian-60"));
   options.object_counts = {60, 60};
-  EXPECT_THAT(MakePlan(options).status().message(), HasSubstr("two cells called brownian-60"));
+  EXPECT_THAT(MakePlan(options).status().message(), HasSubstr("two cells are called brownian-60"));
 }
 
 TEST(ExperimentPlan, DividesTheWindowByTheTimeScale) {

@@ -105,19 +105,20 @@ TEST(ExperimentTables, StandInThePapersLayoutWithItsFiguresBeside) {
   report.plan.runs.resize(records.size());
   std::ostringstream out;
   PrintExperiment(report, "out", out);
-  EXPECT_EQ(out.str(),
-            "\nTable 3. Dominant algorithms across the runs.\n\n"
-            "Scenario       Objects  Dominance frequency  Interpretation              Paper\n"
-            "\nPolicy paper\n"
-            "Rotating Grav  1,000    SAP 2/2              Stable preference for SAP.  SAP 3/5; "
-            "AxisSweep 2/5\n"
-            "\nTable 4. Switches over all runs; active time, μ* and n* over the "
-            "dominant runs; mean ± sample standard deviation.\n\n"
-            "Scenario       Obj.   Dominant  Freq.  Switches  Active (%)  μ* / n*\n"
-            "\nPolicy paper\n"
-            "Rotating Grav  1,000  SAP       2 / 2  2.0±0.0   65.0±7.1    0.900±0.000 / 10.0±0.0\n"
-            "  paper               SAP       3 / 5  20.0±1.2  42.3±2.9    0.905±0.006 / "
-            "179.0±13.0\n");
+  EXPECT_EQ(
+      out.str(),
+      "\nTable 3. Dominant algorithms across the runs.\n\n"
+      "Scenario       Objects  Dominance frequency  Interpretation              Paper\n"
+      "\nPolicy paper\n"
+      "Rotating Grav  1,000    SAP 2/2              Stable preference for SAP.  SAP 3/5; "
+      "AxisSweep 2/5\n"
+      "\nTable 4. Switches over all runs; active time, posterior mean μ* and n* = α + β of the "
+      "dominant arm over its runs; mean ± sample standard deviation.\n\n"
+      "Scenario       Obj.   Dominant  Freq.  Switches  Active (%)  μ* / n*\n"
+      "\nPolicy paper\n"
+      "Rotating Grav  1,000  SAP       2 / 2  2.0±0.0   65.0±7.1    0.900±0.000 / 10.0±0.0\n"
+      "  paper               SAP       3 / 5  20.0±1.2  42.3±2.9    0.905±0.006 / "
+      "179.0±13.0\n");
 }
 
 TEST(ExperimentTables, OfOneRunHaveNoDeviation) {

@@ -47,7 +47,7 @@ TEST(LabProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"check --scene suite-b --seed -1", "--seed: -1 is negative"},
       {"pairs --scene suite-b --frame 0 --arm SAP --seed -1", "--seed: -1 is negative"},
       {"record --scene suite-b --frames 1 --out x.aabbs --seed -1", "--seed: -1 is negative"},
-      {"check --scene all-coincident --objects 100000 --frames 0", "take fewer objects"},
+      {"check --scene all-coincident --objects 100000 --frames 0", "use fewer --objects"},
       {"check --scene suite-b --objects 4000000000 --frames 1", "--objects"},
       {"bench --scene suite-b --threads 0", "--threads"},
       {"bench --scene suite-b --peer-cap nan", "--peer-cap: nan is not a number"},

@@ -89,7 +89,7 @@ TEST_F(TraceProgram, SaysWhatIsWrongWithItsWords) {
       {"trace", "give --scene to trace a scene, or --costs"},
       {"trace --scene suite-b", "--scene needs --out"},
       {"trace --scene suite-b --costs a.costs" + out, "give --scene to trace a scene, or --costs"},
-      {"trace --costs a.costs" + out, "--costs takes no --out"},
+      {"trace --costs a.costs" + out, "--costs must be without --out"},
       {"trace --scene nowhere" + out, "gather-and-scatter"},
       {"trace --scene suite-b --arms Octree" + out, "AxisSweep"},
       {"trace --scene suite-b --frames 7" + out, "--frames"},

@@ -127,7 +127,7 @@ TEST_F(ReplayOutput, JsonNamesThePriors) {
 
 TEST_F(ReplayOutput, TheTableShowsRatiosInPercentAndNoNegativeZero) {
   const std::string table = Table();
-  EXPECT_THAT(table, HasSubstr("a.costs: noise floor +0.00%, headroom +10.00% with switches paid"));
+  EXPECT_THAT(table, HasSubstr("a.costs: noise floor +0.00%, headroom +10.00% including switches"));
   EXPECT_THAT(table, HasSubstr("+37.50%"));
   EXPECT_THAT(table, HasSubstr("+25.00% to +50.00%"));
   EXPECT_THAT(table, HasSubstr("-375%"));

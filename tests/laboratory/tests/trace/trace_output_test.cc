@@ -49,7 +49,7 @@ TEST(TraceOutput, TheTableNamesTheBestFixedArmAndTheControl) {
   EXPECT_THAT(text.str(),
               HasSubstr("x.costs: synthetic, 1000 objects, seed 0, 40 frames, 3 burst"));
   EXPECT_THAT(text.str(), HasSubstr("Best fixed arm: SAP."));
-  EXPECT_THAT(text.str(), HasSubstr("a second SAP takes 1.0000 of the first one's time"));
+  EXPECT_THAT(text.str(), HasSubstr("a second SAP takes 1.0000 times as long as the first one"));
 }
 
 TEST(TraceOutput, FitsATerminalWithTheLongestNameAndShare) {
