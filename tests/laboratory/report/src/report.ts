@@ -16,7 +16,7 @@ function pageOf(data: Document): Page {
     case 'experiment': return experimentPage(data);
     case 'replay': return replayPage(data);
   }
-  throw new Error(`this page cannot show what ${JSON.stringify((data as { command?: unknown }).command)} printed`);
+  throw new Error(`this page cannot show documents of the command ${JSON.stringify((data as { command?: unknown }).command)}`);
 }
 
 // If a document cannot be drawn, its page contains the error, and the others are drawn.
@@ -31,7 +31,7 @@ function pageOrError(data: Document, i: number): Page {
 
 function readDocuments(): Document[] {
   const text = document.getElementById('documents')?.textContent ?? '';
-  if (!text.startsWith('[')) throw new Error('it holds no documents; `sweepstake-lab report FILE.json --out FILE.html` makes one that does');
+  if (!text.startsWith('[')) throw new Error('it contains no documents; create a page that does with `sweepstake-lab report FILE.json --out FILE.html`');
   return JSON.parse(text) as Document[];
 }
 

@@ -118,7 +118,7 @@ async function checkReplay(page, { rows, scenes, calibration }) {
   const bins = calibration.reduce((sum, each) => sum + each.bins.length, 0);
   assert.equal(await marks(page, '#reliability'), bins);
   assert.equal(await rowsOf(page, 'calibration'), bins);
-  await checkMark(page, '#reliability', /said .* %, was the fastest in .* %/);
+  await checkMark(page, '#reliability', /stated .* %, was the fastest in .* %/);
 }
 
 const textOf = (page, selector) => page.locator(selector).innerText();

@@ -10,7 +10,7 @@ export interface FigureSpec { id: string; title: string; note?: string | undefin
 
 export function figure({ id, title, note }: FigureSpec, picture: SVGElement | HTMLElement, below?: HTMLElement): HTMLElement {
   picture.setAttribute('role', 'group');
-  picture.setAttribute('aria-label', `${title}; the tables hold the values`);
+  picture.setAttribute('aria-label', `${title}; the tables have the values`);
   return h('figure', { id, class: 'chart' },
     h('figcaption', {}, h('strong', {}, title), note && h('span', {}, note)), h('div', { class: 'plot' }, picture), below);
 }

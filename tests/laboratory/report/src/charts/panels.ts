@@ -34,7 +34,7 @@ function draw(panel: Panel, x: [number, number], y: [number, number]): HTMLEleme
 
 export function panels(chart: Panels): HTMLElement {
   const points = chart.panels.flatMap(({ lines }) => lines.flatMap((line) => line.points));
-  if (points.length === 0) return figure(chart, h('p', { class: 'soft' }, 'Nothing was decided in these runs.'));
+  if (points.length === 0) return figure(chart, h('p', { class: 'soft' }, 'These runs have no decisions.'));
   const x = domainOf(points.map((point) => point.x));
   const y = domainOf(points.map((point) => point.y));
   return figure(chart, h('div', { class: 'panels' }, ...chart.panels.map((panel) => draw(panel, [0, x[1]], y))));

@@ -40,7 +40,7 @@ function rankingChart(index: BenchIndex, at: Cell, id: string): HTMLElement {
       label: `${milliseconds(row.ms_median)} ms`, text: described(index, row) }] : [];
   });
   return rangeChart({ id, title: `${sceneTitle(index, at.scene)}, ${grouped(at.objects)} objects`, rows: byValue(rows),
-    xLabel: 'Milliseconds per frame: the mark is the median, the bar reaches from the fastest frame to the p99' });
+    xLabel: 'Milliseconds per frame. Mark: median. Bar: from the fastest frame to the p99, which 99 % of the frames do not exceed' });
 }
 
 function timeCharts(index: BenchIndex): HTMLElement[] {

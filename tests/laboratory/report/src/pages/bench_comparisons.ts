@@ -40,8 +40,8 @@ export function overallTable(index: BenchIndex): HTMLElement {
     rows: cells.flatMap((at) => index.sets.flatMap((simd) => index.threadCounts.map((threads) => overallRow(index, at, threads, simd))))
       .filter((row) => row !== undefined),
   })).filter(({ rows }) => rows.length > 0);
-  return drawTable({ id: 'overall', groups, caption: 'How many times faster the fastest of Sweepstake is than the fastest peer, by the median frame.',
-    head: [columns('Objects', text('Best of ours'), 'Than the peers that ran', 'By the mean', 'Than published ones')] });
+  return drawTable({ id: 'overall', groups, caption: 'How many times faster Sweepstake’s fastest backend is than the fastest peer, by the median frame.',
+    head: [columns('Objects', text('Best of ours'), 'Than the best peer that ran', 'By the mean frame', 'Than published peers')] });
 }
 
 function missedList(index: BenchIndex, missed: Ratio[]): Child {
@@ -71,7 +71,7 @@ export function familyTable(index: BenchIndex): HTMLElement | undefined {
     const title = contestantTitle(ours, threads, simd);
     const found = (at: At) => ratios.find((ratio) => isIn(at)(ratio) && ratio.ours === ours && ratio.threads === threads && ratio.simd === simd &&
       (isPublished(ratio) ? ratio.other : '') === published);
-    const row = [cell(published ? [published, small('did not run: by published ratios')] : 'best peer that ran'),
+    const row = [cell(published ? [published, small('did not run; derived from published ratios')] : 'best peer that ran'),
       ...index.cells.map((at) => {
         const ratio = found(at);
         return ratio ? cell([times(ratio.value), goalVerdict(ratio), !published && small(ratio.other)], ratio.value, goalClass(ratio)) : noValue();

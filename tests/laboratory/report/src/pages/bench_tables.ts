@@ -69,7 +69,7 @@ function judged(index: BenchIndex, kind: RatioKind, row: BenchRow, value: number
 }
 
 export const timeTable = (index: BenchIndex) => contestantTable(index, 'times',
-  'Milliseconds per frame, median; below it how many times the fastest of the column takes. ★ is the fastest.', false, (row) => {
+  'Median of the milliseconds per frame; below it the ratio to the fastest of the column. ★ marks the fastest.', false, (row) => {
     const fastest = index.fastest(row)!.ms_median;
     const isBest = row.ms_median === fastest;
     return cell([isBest && '★ ', milliseconds(row.ms_median), small(times(row.ms_median / fastest)),
@@ -77,24 +77,24 @@ export const timeTable = (index: BenchIndex) => contestantTable(index, 'times',
   });
 
 export const growthTable = (index: BenchIndex) => contestantTable(index, 'growth',
-  'Nanoseconds per object and frame: a number that stays the same along a row is linear growth.', false, (row) => {
+  'Nanoseconds per object and frame. If they are equal along a row, the time grows linearly with the objects.', false, (row) => {
     const ns = (row.ms_median * 1e6) / row.objects;
     const ratio = ratioOf(index, 'growth', row);
     return judged(index, 'growth', row, ns, [significant(ns), ratio && small(`${times(ratio.value)} that at ${ratio.other}`)]);
   });
 
 export const spikeTable = (index: BenchIndex) => contestantTable(index, 'spikes',
-  'The slowest frame but one in a hundred (p99) divided by the median: 1× is a steady frame time. Below it the p99 in milliseconds.',
+  'The time that 99 % of the frames do not exceed (p99) ÷ the median: 1× is a steady frame time. Below it the p99 in milliseconds.',
   false, (row) => judged(index, 'spike', row, row.ms_p99 / row.ms_median,
     [times(row.ms_p99 / row.ms_median), small(`${milliseconds(row.ms_p99)} ms`)]));
 
 export const checkTable = (index: BenchIndex) => contestantTable(index, 'checks',
-  'Comparisons of two boxes per frame, and below it how many for each pair found. Peers do not count theirs.', true,
+  'Comparisons of two boxes per frame; below it the comparisons per pair found. Peers do not count their comparisons.', true,
   ({ aabb_checks_mean: checks, pairs_mean: pairs }) => (checks === null ? noValue()
     : cell([compact(checks), small(`${compact(checks / pairs)} per pair`)], checks)));
 
 export const memoryTable = (index: BenchIndex) => contestantTable(index, 'memory',
-  'The most that a backend held in a measured frame, with the buffer of the pairs; below it the backend alone, per object.', true,
+  'The largest memory of a backend in a measured frame, with the buffer of the pairs; below it the backend alone, per object.', true,
   (row) => {
     if (row.bytes === null) return noValue();
     const all = row.bytes_with_pairs ?? row.bytes;
@@ -112,7 +112,7 @@ export function threadTable(index: BenchIndex): HTMLElement {
           return judged(index, 'threads', several, faster, [times(faster), small(`${milliseconds(several.ms_median)} ms`)]);
         })])));
   return drawTable({ id: 'threads', head: cellHead(index, 'Backend and threads'), groups: [{ rows }],
-    caption: 'How many times faster with several threads than with the fewest, by the median; below it the milliseconds per frame.' });
+    caption: 'How many times faster a backend is with several threads than with the fewest, by the median; below it the milliseconds per frame.' });
 }
 
 export function simdTable(index: BenchIndex): HTMLElement {

@@ -14,7 +14,7 @@ function manifest({ machine, time_scale, options, sittings }: ExperimentDocument
     h('h3', {}, 'Command lines'),
     sittings.map(({ command_line, start_utc, end_utc }) => [commandLine(command_line),
       h('p', { class: 'soft small' }, `From ${start_utc} to ${end_utc || 'an unknown end'}`)]),
-    paragraph('All seeds and every parameter of the decider are in ', h('code', {}, 'manifest.json'), ' beside this page, the raw rows in its CSV files.')];
+    paragraph('The folder of this page has all seeds and parameters of the decider in ', h('code', {}, 'manifest.json'), ', and the raw rows in CSV files.')];
 }
 
 // Returns a section with an explanation before its body. If the body is empty, so is the section.
@@ -31,25 +31,27 @@ export function experimentPage(document: ExperimentDocument): Page {
     lead: lead(document),
     sections: [
       { id: 'summary', heading: 'Summary', body: [summary(document, words)] },
-      explained('dominant', 'Who won where', 'Each cell names the algorithm that was active longest, and in how many of the runs. The small line ' +
-        'compares it with the truth.', some(rows, () => dominanceGrid(document, words))),
-      explained('tables', 'Tables 3 and 4 of the paper', 'The paper’s tables with this experiment’s figures; the paper’s own stand beside or below. ' +
-        'Many switches and an active share below half mean that the policy could not make up its mind, or that it did not matter.',
+      explained('dominant', 'Who won where', 'Each cell names the algorithms that were active longest in a run, and the number of such runs. The small line ' +
+        'shows the active share, and the algorithm that was the fastest in a separate measurement.', some(rows, () => dominanceGrid(document, words))),
+      explained('tables', 'Tables 3 and 4 of the paper', 'The paper’s tables with the figures of this experiment. The paper’s figures are beside or below them. ' +
+        'μ* = α ÷ (α + β) is the mean of the dominant algorithm’s posterior, and n* = α + β. Many switches and an active share below half mean ' +
+        'that the algorithms cost about the same, or that the policy did not find the best one.',
       some(rows, () => paperTables(document, words))),
       { id: 'ranking-section', heading: 'How fast each algorithm truly is', body: [trueRanking(document, words)] },
-      explained('regret', 'What each policy loses', `Left is better; the axis is logarithmic, and what loses ${percent(0.0001).slice(1)} or less, or ` +
-        'wins, stands at its left edge. “fixed:…” is an algorithm that always stays; the oracle knows everything and still pays for its switches.',
+      explained('regret', 'What each policy loses', `Left is better. The axis is logarithmic; a loss of ${percent(0.0001).slice(1)} or less, or a ` +
+        'gain, is drawn at its left edge. “fixed:…” is one algorithm without switches. The oracle is the best sequence of algorithms, including the cost of its switches.',
       regretCharts(document, words)),
       { id: 'tests', heading: 'Is the difference real?', body: comparisonTables(document, words) },
-      explained('live-replay', 'Live against replay', 'Replay can only be trusted where it says what live runs show.', liveAgainstReplay(document, words)),
-      explained('switches', 'Who was active when', 'A lane per run. Faint: the exploration. Strokes below a lane: candidates that were held back by ' +
-        'the cooldown or a safeguard. Crosses: bail-outs.', some(runs, () => switchTimelines(document, words))),
+      explained('live-replay', 'Live against replay', 'This compares live runs with replays of the same conditions. If they differ, the replay’s ' +
+        'figures for that cell are not reliable.', liveAgainstReplay(document, words)),
+      explained('switches', 'Who was active when', 'Each row is a run. Faint: the exploration, in which every algorithm is tried. Strokes below a row: candidates that the ' +
+        'cooldown or a safeguard held back. Crosses: bail-outs, which are frames over the time limit.', some(runs, () => switchTimelines(document, words))),
       { id: 'shares', heading: 'Active shares', body: [some(runs, () => activeShareChart(document, words))] },
-      explained('posteriors', 'Posteriors over time', 'What the decider believed of each algorithm’s reward, a panel per run; the dominant one is thick ' +
-        'and named.', some(runs, () => posteriorPanels(document, words))),
+      explained('posteriors', 'Posteriors over time', 'The mean of the decider’s posterior of each algorithm’s reward, in one panel per run. The line of the dominant algorithm is thick ' +
+        'and has its name.', some(runs, () => posteriorPanels(document, words))),
       { id: 'verdicts', heading: 'Verdicts', body: [some(runs, () => verdictChart(document, words))] },
-      explained('time', 'Where the time went', 'The paper left open what its selector costs. Copying in hands boxes to the shadow lane, which measures ' +
-        'the other algorithms on a thread of its own; rebuilds are what switches cost the frame thread.', some(runs, () => timeSection(document, words))),
+      explained('time', 'Where the time went', 'The paper does not report the cost of its selector. “Copying in” copies boxes for the shadow lane, which measures ' +
+        'the other algorithms on a thread of its own. “Rebuilds” is the cost of switches on the frame thread.', some(runs, () => timeSection(document, words))),
       { id: 'method', heading: 'How it was measured', body: [method(document)] },
       { id: 'manifest', heading: 'Machine, versions, commands', body: manifest(document) },
     ],

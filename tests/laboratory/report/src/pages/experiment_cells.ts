@@ -61,14 +61,14 @@ export function paperTables(document: ExperimentDocument, words: Words): HTMLEle
     drawTable({ id: 'table-3', caption: 'Table 3. Dominant algorithms across the runs of each scenario and size', groups: groups(table3Row),
       head: [columns('Scenario', 'Objects', text('Dominance frequency'), text('Interpretation'), text('Paper: frequency'), text('Paper: interpretation'))] }),
     drawTable({ id: 'table-4', groups: groups(table4Row), caption: 'Table 4. Switches over all runs; active time, μ* and n* over the runs in which ' +
-      'the arm dominated; mean ± sample standard deviation. Below each figure the paper’s',
+      'the arm dominated; mean ± sample standard deviation. The paper’s figure is below each figure',
       head: [columns('Scenario', 'Obj.', text('Dominant'), 'Freq.', 'Switches', 'Active (%)', 'μ*', 'n*')] })];
 }
 
 const rowName = (words: Words, row: ExperimentRow) => `${words.cellName(row.cell)} · ${words.policyShort(row.policy)}`;
 
 export function activeShareChart(document: ExperimentDocument, words: Words): HTMLElement {
-  return stackedBars({ id: 'active-shares', title: 'Active share of each algorithm', note: 'Of the observation window, mean over the runs.',
+  return stackedBars({ id: 'active-shares', title: 'Active share of each algorithm', note: 'Share of the observation window; mean over the runs.',
     kinds: document.arms.map((name) => ({ name, colour: colourOf(name) })),
     rows: document.rows.map((row) => ({ name: rowName(words, row), values: activeShares(document, runsOf(document, row)) })) });
 }
@@ -77,7 +77,7 @@ const VERDICT_TITLES = ['Nothing learnt', 'Stable', 'Tie', 'Ambiguous', 'Degrade
 export const verdictKinds = VERDICT_TITLES.map((name, index) => ({ name, colour: kindColour(index) }));
 
 export function verdictChart(document: ExperimentDocument, words: Words): HTMLElement {
-  return stackedBars({ id: 'verdict-shares', title: 'What the posteriors said', note: 'Share of the decisions in the observation window.',
+  return stackedBars({ id: 'verdict-shares', title: 'Verdicts of the decider', note: 'Share of the decisions in the observation window.',
     kinds: VERDICTS.map((_, index) => verdictKinds[index]!),
     rows: document.rows.map((row) => ({ name: rowName(words, row), values: verdictCounts(runsOf(document, row)) })) });
 }
@@ -97,11 +97,11 @@ function timeRow(document: ExperimentDocument, words: Words, row: ExperimentRow)
 export function timeSection(document: ExperimentDocument, words: Words): Child[] {
   const kinds = TIME_PARTS.map(([, name], index) => ({ name, colour: kindColour(index) }));
   return [
-    stackedBars({ id: 'time-shares', title: 'The frame thread’s time', note: 'Means over the runs. What is too narrow to see is in the table.',
+    stackedBars({ id: 'time-shares', title: 'The frame thread’s time', note: 'Means over the runs. The table has all parts, including those that are too narrow here.',
       kinds: kinds.slice(0, FRAME_PARTS),
       rows: document.rows.map((row) => ({ name: rowName(words, row), values: timeParts(runsOf(document, row)).slice(0, FRAME_PARTS) })) }),
-    drawTable({ id: 'time-table', caption: 'In percent of the frames’ time. Intake, selector and shadow lane run on other threads meanwhile, and ' +
-      'take nothing from the frame',
+    drawTable({ id: 'time-table', caption: 'Percent of the frames’ time. Intake, selector and shadow lane run on other threads at the same time, and ' +
+      'do not lengthen the frame',
       head: [columns('', { content: 'Frame thread', className: 'first', span: FRAME_PARTS }, { content: 'Other threads', className: 'first', span: 3 },
         { content: 'Selector', className: 'first', span: 2 }, ''),
       columns('Cell', ...TIME_PARTS.map(([, content], i) => ({ content, className: i === FRAME_PARTS ? 'first' : '' })),

@@ -27,7 +27,7 @@ function laneOf(words: Words, run: Run): Lane {
 export function switchTimelines(document: ExperimentDocument, words: Words): HTMLElement[] {
   const charts = document.cells.map(({ cell }, number) => ({ number, cell, lanes: document.runs.filter((run) => run.cell === cell).map((run) => laneOf(words, run)) }));
   return [armLegend(document), ...charts.filter(({ lanes }) => lanes.length > 0).map(({ number, cell, lanes }) =>
-    timelineChart({ id: `timeline-${number + 1}`, title: words.cellName(cell), xLabel: 'Minutes, as the paper counts them', lanes }))];
+    timelineChart({ id: `timeline-${number + 1}`, title: words.cellName(cell), xLabel: 'Minutes × time scale, as in the paper', lanes }))];
 }
 
 function panelOf(words: Words, run: Run): Panel {
@@ -45,6 +45,6 @@ function panelOf(words: Words, run: Run): Panel {
 export function posteriorPanels(document: ExperimentDocument, words: Words): HTMLElement[] {
   const charts = document.cells.map(({ cell }, number) => ({ number, cell, runs: document.runs.filter((run) => run.cell === cell) }));
   return [armLegend(document), ...charts.filter(({ runs }) => runs.length > 0).map(({ number, cell, runs }) => panels({
-    id: `posteriors-${number + 1}`, title: words.cellName(cell), note: 'Posterior mean against minutes, as the paper counts them.',
+    id: `posteriors-${number + 1}`, title: words.cellName(cell), note: 'Posterior mean over minutes × time scale, as in the paper.',
     panels: runs.map((run) => panelOf(words, run)) }))];
 }

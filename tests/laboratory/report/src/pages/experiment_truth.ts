@@ -16,7 +16,7 @@ export function trueRanking({ truths }: ExperimentDocument, words: Words): HTMLE
     ...truth.ranking.map(({ arm, mean_ns, ratio }) => textCell([armChip(arm), small(ratio === 1 ? microseconds(mean_ns) : times(ratio))])),
     cell(percent(truth.control_ratio - 1)), truth.players.length === 0 ? noValue() : cell(share(Math.max(0, truth.headroom)))]);
   return drawTable({ id: 'ranking', groups: [{ rows }], head: [columns('Cell', ...places, 'Same twice', 'Headroom')],
-    caption: 'Mean time to update and search a frame, every algorithm on the same frames; how many times the fastest’s' });
+    caption: 'Mean time of each algorithm to update and search a frame, on the same frames: the fastest one’s time, and the ratios of the others to it' });
 }
 
 function overviewRows(document: ExperimentDocument, words: Words): RangeRow[] {
@@ -35,15 +35,15 @@ function regretTable(truths: Truth[], words: Words): HTMLElement {
       return cell([percent(regret), small(interval(ci95)), small(percent(after_start_up))], regret, is_policy && regret === best(truth) ? 'best' : '');
     })]);
   return drawTable({ id: 'regret-table', groups: [{ rows }], head: [columns('Player', ...truths.map(({ cell: name }) => words.cellName(name)))],
-    caption: 'Mean regret of each player over its games, start and exploration included; below it the 95 % interval, and the mean after ' +
-      'the start-up. The lowest policy of each cell is marked' });
+    caption: 'Mean regret of each player over its games, including start and exploration; below it the 95 % interval, and the mean after ' +
+      'the start-up. The policy with the lowest regret in each cell is marked' });
 }
 
 export function regretCharts(document: ExperimentDocument, words: Words): Child[] {
   const truths = replayed(document);
   return truths.length === 0 ? [] : [
     rangeChart({ id: 'regret-over-cells', title: 'All cells together', xLabel: REGRET_AXIS, rows: byValue(overviewRows(document, words)),
-      note: 'The mark is the mean over the cells; the bar reaches from the best cell to the worst.' }),
+      note: 'Mark: mean over the cells. Bar: from the best cell to the worst one.' }),
     regretTable(truths, words)];
 }
 
@@ -58,8 +58,8 @@ export function comparisonTables(document: ExperimentDocument, words: Words): Ch
   if (over_cells.length === 0) return [];
   const draw = (id: string, groups: Group[]) => drawTable({ id, groups,
     head: [columns('Baseline', 'Pairs', 'Difference', '95 % interval', 'p', 'p, corrected', 'Effect')],
-    caption: `${words.policyTitle('default')} against each baseline, paired: the difference of regret (negative: loses less), its 95 % bootstrap ` +
-      'interval, Wilcoxon’s signed-rank test, its probability by Holm’s correction, and the rank-biserial effect size' });
+    caption: `${words.policyTitle('default')} against each baseline, paired: the difference of regret (negative: AI Decides loses less), its 95 % bootstrap ` +
+      'interval, p of Wilcoxon’s signed-rank test, the same with Holm’s correction, and the rank-biserial effect size' });
   return [draw('comparisons', [comparisonGroup('All cells; a pair per cell', over_cells, words)]), details('Each cell', draw('comparisons-by-cell', replayed(document).map((truth) =>
     comparisonGroup(`${words.cellName(truth.cell)}; a pair per seed`, truth.comparisons, words))))];
 }
@@ -89,7 +89,7 @@ export function liveAgainstReplay({ truths }: ExperimentDocument, words: Words):
   const rows = truths.flatMap((truth) => truth.agreements.map((each) =>
     agreementRows(`${words.cellName(truth.cell)} · ${words.policyShort(each.policy)}`, each)));
   if (rows.length === 0) return [];
-  const note = 'Mark: live. Bar: where replay expects it, 95 %.';
+  const note = 'Mark: live runs. Bar: the 95 % interval that the replay predicts.';
   return [
     rangeChart({ id: 'agreement-regret', title: 'Regret', note, xLabel: REGRET_AXIS, rows: rows.map((each) => each.regret) }),
     rangeChart({ id: 'agreement-share', title: 'Active share of the dominant algorithm', note, xLabel: 'Percent of the observation window', linear: true,

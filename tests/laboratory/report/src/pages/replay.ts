@@ -24,9 +24,9 @@ function results(document: ReplayDocument): Child[] {
   const papers = policy === 'paper' ? undefined : meanRegretOf(document, 'paper');
   const traces = costsOf(document).length;
   return [
-    typeof ours === 'number' && headline(percent(ours), `of frame time is what the policy ${policy} loses to the best fixed algorithm, on average over ` +
-      `${traces} ${traces === 1 ? 'trace' : 'traces'} and ${document.seeds} seeds, start and exploration included; below 0 means faster than any ` +
-      `single one.${papers === undefined ? '' : ` The paper’s policy loses ${percent(papers)}.`}`)];
+    typeof ours === 'number' && headline(percent(ours), `of frame time is the mean loss of the policy ${policy} against the best fixed algorithm over ` +
+      `${traces} ${traces === 1 ? 'trace' : 'traces'} and ${document.seeds} seeds, including start and exploration. Below 0 it is faster than any ` +
+      `single algorithm.${papers === undefined ? '' : ` The paper’s policy loses ${percent(papers)}.`}`)];
 }
 
 function goals({ goals = [] }: ReplayDocument): Child[] {
@@ -34,7 +34,7 @@ function goals({ goals = [] }: ReplayDocument): Child[] {
   const rows = goals.map(({ goal, limit_text, reached, met, cells }) => [cell(goal), textCell(limit_text),
     reached === null ? noValue() : cell(significant(reached), reached),
     textCell(cells.length === 0 ? '–' : `${cells.filter((each) => each.met).length} of ${cells.length}, worst ${cells[0]!.cell}`),
-    reached === null ? textCell('nothing to judge') : cell(verdict(met, met ? 'met' : 'missed'), Number(met), met ? 'met' : 'missed')]);
+    reached === null ? textCell('no data for this goal') : cell(verdict(met, met ? 'met' : 'missed'), Number(met), met ? 'met' : 'missed')]);
   return [drawTable({ id: 'goals', caption: 'The goals that this run can judge.', groups: [{ rows }],
     head: [columns('Goal', text('Limit'), 'Reached', text('Cells'), 'Result')] })];
 }
@@ -44,9 +44,9 @@ function regretChart(document: ReplayDocument, costs: string, number: number): H
   const first = rowsOf(document, costs)[0]!;
   const rows = rowsOf(document, costs).map(({ policy, regret_best_fixed: regret, ci95, regret_after_start }) => regretRow(policy,
     styleOf(policy, !isFixed(policy), ownOf(document)), regret, ci95, `${percent(regret)} (95 %: ${interval(ci95)})\nafter start-up ${percent(regret_after_start)}`));
-  return rangeChart({ id: `regret-${number + 1}`, title: fileName(costs), rows: byValue(rows), xLabel: `${REGRET_AXIS}; the bar is the 95 % interval`,
-    note: `Headroom ${percent(first.headroom)} with switches paid, ${percent(first.headroom_frame)} frame by frame` +
-      (scene ? `; noise floor ${percent(Math.abs(scene.control_regret))}` : '') });
+  return rangeChart({ id: `regret-${number + 1}`, title: fileName(costs), rows: byValue(rows), xLabel: `${REGRET_AXIS}; bar: 95 % interval`,
+    note: `The best sequence of algorithms would gain ${percent(first.headroom)} including its switches, ${percent(first.headroom_frame)} without their cost` +
+      (scene ? `; noise floor (one algorithm measured twice) ${percent(Math.abs(scene.control_regret))}` : '') });
 }
 
 // For each policy: the mean over the traces, and the range from the best trace to the worst.
@@ -59,7 +59,7 @@ function overview(document: ReplayDocument): HTMLElement | null {
       `mean ${percent(mean(regrets))}, from ${percent(low)} to ${percent(high)}`);
   });
   return rangeChart({ id: 'regret-over-traces', title: 'All traces together', xLabel: REGRET_AXIS, rows: byValue(rows),
-    note: 'The mark is the mean over the traces; the bar reaches from the best trace to the worst.' });
+    note: 'Mark: mean over the traces. Bar: from the best trace to the worst one.' });
 }
 
 const optional = (value: number | null, show: (value: number) => string) => (value === null ? noValue() : cell(show(value), value));
@@ -76,7 +76,7 @@ function rowCells(row: ReplayRow): Cell[] {
 }
 
 function rowTable(document: ReplayDocument): HTMLElement {
-  return drawTable({ id: 'rows', caption: `Mean of ${document.seeds} games of each policy on each trace, with the 95 % interval.`,
+  return drawTable({ id: 'rows', caption: `Mean of ${document.seeds} games of each policy on each trace, with the 95 % interval. Captured: share of the oracle’s gain that the policy reached.`,
     head: [columns('Policy', 'Regret', 'After start-up', 'Against the oracle', 'Captured', 'Switches', 'Active share', text('Dominant'), 'Bail-outs',
       'First on the best', 'Shadow lane', 'Against the paper')],
     groups: costsOf(document).map((costs) => ({ title: costs, rows: rowsOf(document, costs).map(rowCells) })) });
@@ -84,7 +84,7 @@ function rowTable(document: ReplayDocument): HTMLElement {
 
 function verdicts(document: ReplayDocument): Child[] {
   const known = document.rows.filter((row) => Object.values(row.verdicts).some((value) => value > 0));
-  return known.length === 0 ? [] : [stackedBars({ id: 'verdict-shares', title: 'What the posteriors said', note: 'Share of the decisions.', kinds: verdictKinds,
+  return known.length === 0 ? [] : [stackedBars({ id: 'verdict-shares', title: 'Verdicts of the policies', note: 'Share of the decisions with each verdict.', kinds: verdictKinds,
     rows: known.map(({ costs, policy, verdicts: counts }) => ({ name: `${fileName(costs)} · ${policy}`, values: VERDICTS.map((name) => counts[name] ?? 0) })) })];
 }
 
@@ -117,20 +117,20 @@ function calibration(document: ReplayDocument): Child[] {
   const known = document.calibration ?? [];
   if (known.length === 0) return [];
   return [reliabilityChart({ id: 'reliability', title: 'How often the leader was the fastest', xLabel: 'Probability that the policy gave its leader',
-    yLabel: 'Share in which it was the fastest algorithm', note: 'Judged by the frames since the decision before; the area of a mark grows with the ' +
-      'number of decisions. On the dashed line, what is said with 80 % is right in 80 %; below it, the policy is too sure of itself.',
+    yLabel: 'Share of decisions in which it was the fastest', note: 'The fastest on the frames since the previous decision. The area of a mark grows with the ' +
+      'number of decisions. On the dashed line the stated probabilities are right; below it, they are too high.',
     lines: known.map(({ policy, bins }) => ({ name: policy, colour: styleOf(policy, true, ownOf(document)).colour, points: bins.map((bin) => ({
-      predicted: bin.predicted, observed: bin.best, weight: bin.decisions, text: `said ${share(bin.predicted)}, was the fastest in ${share(bin.best)}, or ` +
-        `within 0.5 % of it in ${share(bin.best_or_tie)} of ${grouped(bin.decisions)} decisions` })) })) }),
-  drawTable({ id: 'calibration', caption: 'The same figures.', head: [columns('Probability', 'Decisions', 'Said on average', 'Was the fastest', 'Or within 0.5 %')],
-    groups: known.map(({ policy, error, bins }) => ({ title: `${policy}: ${share(error)} off on average`, rows: bins.map((bin) => [
+      predicted: bin.predicted, observed: bin.best, weight: bin.decisions, text: `stated ${share(bin.predicted)}, was the fastest in ${share(bin.best)}, and at most ` +
+        `0.5 % slower in ${share(bin.best_or_tie)} of ${grouped(bin.decisions)} decisions` })) })) }),
+  drawTable({ id: 'calibration', caption: 'The figures of the chart above.', head: [columns('Probability', 'Decisions', 'Stated on average', 'Was the fastest', 'At most 0.5 % slower')],
+    groups: known.map(({ policy, error, bins }) => ({ title: `${policy}: mean error ${share(error)}`, rows: bins.map((bin) => [
       cell(`${significant(100 * bin.low, 2)} to ${significant(100 * bin.high, 2)} %`, bin.low), cell(grouped(bin.decisions), bin.decisions),
       cell(share(bin.predicted), bin.predicted), cell(share(bin.best), bin.best), cell(share(bin.best_or_tie), bin.best_or_tie)]) })) })];
 }
 
 function sceneTable({ scenes = [] }: ReplayDocument): Child {
   const seconds = (ns: number) => cell(`${significant(ns * 1e-9)} s`, ns);
-  return scenes.length > 0 && drawTable({ id: 'scenes', caption: 'The traces as they were played. Noise floor: the same algorithm measured twice.',
+  return scenes.length > 0 && drawTable({ id: 'scenes', caption: 'The traces as the games played them. Noise floor: difference of two measurements of the same algorithm.',
     head: [columns('Trace', 'Algorithms', 'Frames of the trace', 'Frames of a game', 'Mean frame', 'Run', 'Pass', 'Noise floor')],
     groups: [{ rows: scenes.map((scene) => [cell(scene.costs), cell(String(scene.arms.length)), cell(grouped(scene.trace_frames)), cell(grouped(scene.frames)),
       cell(`${significant(scene.frame_ns * 1e-6)} ms`, scene.frame_ns), seconds(scene.run_ns), seconds(scene.pass_ns), cell(percent(Math.abs(scene.control_regret)))]) }] });
@@ -140,22 +140,22 @@ export function replayPage(document: ReplayDocument): Page {
   const traces = costsOf(document);
   return {
     title: 'Sweepstake replay',
-    lead: [paragraph('Policies played recorded cost traces in virtual time: every algorithm’s cost on every frame is known, so each decision can be ' +
-      'judged by what the others would have cost.')],
+    lead: [paragraph('Policies played recorded cost traces in virtual time. A trace has the cost of every algorithm on every frame, so each decision can be ' +
+      'compared with the cost of the other algorithms.')],
     sections: [
       { id: 'results', heading: 'Results', body: results(document) },
       { id: 'judged', heading: 'Goals', body: goals(document) },
       { id: 'regret', heading: 'What each policy loses', body: [
-        paragraph('Left is better; the axis is logarithmic, and what loses 0.01 % or less, or wins, stands at its left edge.'),
+        paragraph('Left is better. The axis is logarithmic; a loss of 0.01 % or less, or a gain, is drawn at its left edge.'),
         overview(document), ...traces.map((costs, i) => regretChart(document, costs, i))] },
       { id: 'policies', heading: 'Policies', body: [rowTable(document)] },
       { id: 'ms', heading: 'In milliseconds', body: msTable(document) },
-      { id: 'sure', heading: 'How sure it may be', body: calibration(document) },
+      { id: 'sure', heading: 'How reliable P(best) is', body: calibration(document) },
       { id: 'verdicts', heading: 'Verdicts', body: verdicts(document) },
       { id: 'traces', heading: 'Traces', body: [sceneTable(document), document.command_line && commandLine(document.command_line)] },
-      { id: 'method', heading: 'How it was measured', body: [list(['All policies played the same frames with the same seeds; intervals are bootstrapped over ' +
-        'the seeds, probabilities are Wilcoxon’s signed-rank test.', 'Recorded times are multiplied by one factor, so that the mean frame of the best fixed ' +
-        'algorithm has the length that the table of traces names.'])] },
+      { id: 'method', heading: 'How it was measured', body: [list(['All policies played the same frames with the same seeds. Intervals are bootstrapped over ' +
+        'the seeds; p is from Wilcoxon’s signed-rank test.', 'Recorded times are multiplied by one factor, so that the mean frame of the best fixed ' +
+        'algorithm has the length in the column “Mean frame” of the table of traces.'])] },
     ],
   };
 }
