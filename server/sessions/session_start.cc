@@ -147,18 +147,20 @@ std::vector<std::string> Describe(const decision::Prior& prior, bool compares_so
   constexpr size_t kMaxLines = 8;
   std::vector<std::string> lines;
   if (!compares_sources && prior.source_count > 0)
-    lines.push_back(absl::StrCat("the sums of ", prior.source_count, " sources"));
+    lines.push_back(absl::StrCat("the summed evidence of ", prior.source_count, " sources"));
   for (const decision::SourceGroup& group : prior.groups) {
     if (lines.size() == kMaxLines) {
       lines.push_back(absl::StrCat("and ", prior.groups.size() - kMaxLines, " more groups"));
       break;
     }
     const auto named = [](const std::string& name) { return name.empty() ? "unknown" : name; };
-    lines.push_back(absl::StrFormat("%d of build %s on %s at %g", group.source_count,
-                                    named(group.build), named(group.machine_class), group.weight));
+    lines.push_back(absl::StrFormat("%d sources of build %s on %s with weight %g",
+                                    group.source_count, named(group.build),
+                                    named(group.machine_class), group.weight));
   }
   if (prior.other_scene_count > 0)
-    lines.push_back(absl::StrCat("what ", prior.other_scene_count, " other scenes have in common"));
+    lines.push_back(absl::StrCat("the evidence that ", prior.other_scene_count,
+                                 " other scenes have in common"));
   return lines;
 }
 

@@ -330,8 +330,8 @@ std::string ChangeText(const char* verb, const priors::ChangeResult& result,
   add("session", sources.source_id());
   add("build", sources.build());
   add("token", sources.token_id());
-  add("begun from Unix time", sources.unix_from_s());
-  add("begun until Unix time", sources.unix_until_s());
+  add("started at or after Unix time", sources.unix_from_s());
+  add("started at or before Unix time", sources.unix_until_s());
   return text;
 }
 

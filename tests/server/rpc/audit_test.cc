@@ -99,7 +99,8 @@ TEST_F(AuditTest, TheSetupRowListsTheSourcesOfThePriorAndTheirWeights) {
   EXPECT_TRUE(client.Finish().ok());
   const std::vector<decision::AuditRow> rows = ExportAudit();
   EXPECT_THAT(rows.at(0).setup->origin.prior_sources,
-              ElementsAre("2 of build 1.1 on desktop at 0.5", "1 of build 1.0 on desktop at 0.25"));
+              ElementsAre("2 sources of build 1.1 on desktop with weight 0.5",
+                          "1 sources of build 1.0 on desktop with weight 0.25"));
   Derived(rows);
 }
 

@@ -58,7 +58,8 @@ TEST_F(PriorsWalk, BuildsShareEvidenceABadBuildIsRevokedAndPriorsAreShipped) {
   const json second = Play("1.1");
   EXPECT_GE(second["prior_sources"], 1) << "it starts from what 1.0 has learnt";
   JsonOf("audit export --project arcade --out " + Path("log.csv") + at());
-  EXPECT_THAT(test_support::FileText(Path("log.csv")), HasSubstr("of build 1.0 on m at 0.25"));
+  EXPECT_THAT(test_support::FileText(Path("log.csv")),
+              HasSubstr("of build 1.0 on m with weight 0.25"));
 
   const std::string before = Known("good.json");
   Play("1.2");
