@@ -49,7 +49,9 @@ inline std::span<const Aabb> ToBoxes(const swp_aabb* boxes, uint32_t count) {
 
 // Returns the failure for a buffer of the caller that is too small.
 inline swp_result TooFewPlaces() noexcept {
-  return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer is too small for the results");
+  return Fail(
+      SWP_RESOURCE_EXHAUSTED,
+      "the buffer is too small for the results; the call has written the size that they need");
 }
 
 inline constexpr swp_result kOk = SWP_OK;
