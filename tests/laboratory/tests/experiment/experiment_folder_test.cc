@@ -302,7 +302,7 @@ TEST(StoppedExperimentDeathTest, LeavesAFolderThatSaysWhatWasAskedFor) {
   EXPECT_TRUE(document["rows"].empty());
   EXPECT_EQ(document["cells"].size(), 4U);
   EXPECT_THAT(FileText(out / "tables.txt"),
-              StartsWith("PARTIAL: 0 of 24 runs; continue with --resume "));
+              StartsWith("PARTIAL: 0 of 24 runs are finished; continue with --resume "));
 }
 
 }  // namespace

@@ -225,7 +225,8 @@ TEST(ExperimentText, SaysFirstWhatIsMissing) {
   EXPECT_THAT(Text(report), StartsWith("\nTable 3"));
   report.records.resize(5);
   report.cells = SummarizeCells(report.plan, report.records);
-  EXPECT_THAT(Text(report), StartsWith("PARTIAL: 5 of 8 runs; continue with --resume results\n"));
+  EXPECT_THAT(Text(report),
+              StartsWith("PARTIAL: 5 of 8 runs are finished; continue with --resume results\n"));
 }
 
 json Document(const ExperimentReport& report) {

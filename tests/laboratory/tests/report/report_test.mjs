@@ -224,7 +224,7 @@ async function handmadeInBrowser(context) {
   await show('partial experiment', partialExperiment(experiment), checkPartial);
   await show('undisturbed experiment', { ...experiment, truths: experiment.truths.map((truth) => ({ ...truth, control_ratio: 1 })) },
     async (page) => assert.ok(!(await textOf(page, '#summary')).includes('disturbed.')));
-  await show('judged replay', judgedReplay(replay), (page) => checkTexts(page, '#goals', '✗ missed', 'nothing to judge', '0 of 1, worst storms'));
+  await show('judged replay', judgedReplay(replay), (page) => checkTexts(page, '#goals', '✗ missed', 'no data for this goal', '0 of 1, worst storms'));
   writeReport('two benches', fullBench, fullBench);
   await inBrowser(context, 'two benches', checkApart);
   const degenerate = { bench: degenerateBenches, experiment: degenerateExperiments(experiment), replay: degenerateReplays(replay) };
