@@ -16,8 +16,8 @@ Measures the time of a decision, and prints every goal with the reached value, i
 Options after -- are passed to \`sweepstake-lab replay\`, for example --seeds 200 or --no-shadow; --json prints one JSON document.
   --ablation        all policies, not only AI Decides and the paper's
   --program PATH    the program \`sweepstake-lab\` (default: build/release/bin/sweepstake-lab)
-  --traces FOLDER   (default: build/traces/tuning, held-out or LIST)
-Exit code: 0 every goal is met, 1 a goal is missed, 2 something is missing. Tracing takes 5 to 20 minutes on an otherwise idle
+  --traces FOLDER   folder of the traces (default: build/traces/tuning, held-out or LIST)
+Exit code: 0 every goal is met, 1 a goal is missed, 2 a program or a trace is missing. Tracing takes 5 to 20 minutes on an otherwise idle
 machine; the rest takes about one minute on two cores, two with --ablation.
 END
 }

@@ -153,12 +153,12 @@ def parse(words):
         "  tests/bench/lane_model.py --condition neighbours --scenes hurricane:2000\n"
         "  tests/bench/lane_model.py --condition quota --cpu-quota 3 --json\n"
         "Exit code: 0 measured, 2 the measurement failed.")
-    parser.add_argument("--program", default=live.ROOT / "build/release/bin/sweepstake", metavar="PATH", help="(default: %(default)s)")
-    parser.add_argument("--scenes", default=live.SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")
-    parser.add_argument("--arms", type=lambda word: word.split(","), default=list(live.ARMS), metavar="ARM,…", help="(default: all)")
+    parser.add_argument("--program", default=live.ROOT / "build/release/bin/sweepstake", metavar="PATH", help="the program sweepstake (default: %(default)s)")
+    parser.add_argument("--scenes", default=live.SCENES, metavar="SCENE:OBJECTS,…", help="scenes and their object counts (default: %(default)s)")
+    parser.add_argument("--arms", type=lambda word: word.split(","), default=list(live.ARMS), metavar="ARM,…", help="arms to measure (default: all)")
     parser.add_argument("--condition", choices=CONDITIONS, default="quiet", help="(default: %(default)s)")
     parser.add_argument("--cpu-quota", type=float, default=MIN_QUOTA, metavar="CORES",
-                        help="quota of the condition quota, at least %(default)s")
+                        help="processors of the game in the condition quota, at least %(default)s (the default)")
     live.add_game_options(parser, seconds=5)
     options = parser.parse_args(words)
     live.check_game_options(parser, options, [options.program])

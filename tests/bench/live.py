@@ -347,12 +347,12 @@ def text(document):
 def add_game_options(parser, seconds, rounds=None, near=None):
     """Adds the options of all commands that play live games; `rounds` for those that compare, `near` for those that select arms."""
     if rounds is not None:
-        parser.add_argument("--policy", default="default", help="(default: %(default)s)")
-        parser.add_argument("--rounds", type=int, default=rounds, help="(default: %(default)s)")
+        parser.add_argument("--policy", default="default", help="the policy to measure (default: %(default)s)")
+        parser.add_argument("--rounds", type=int, default=rounds, help="rounds of games (default: %(default)s)")
     if near is not None:
         parser.add_argument("--near", type=float, default=near, metavar="RATIO",
-                            help="a fixed arm takes part if a short game's median frame, without other work, is within this of the best "
-                            "(default: %(default)s)")
+                            help="a fixed arm takes part if its median frame in a short game is at most this ratio × that of the best arm, "
+                            "without other work (default: %(default)s)")
     parser.add_argument("--seconds", type=float, default=seconds, help="duration of a game (default: %(default)s)")
     parser.add_argument("--time-scale", type=float, default=20, help="time scale of the decider and the lane (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
@@ -376,17 +376,17 @@ def parse(words):
         "  tests/bench/live.py --lane-only --conditions quiet,neighbours --json | tests/bench/judge.py live\n"
         "  tests/bench/live.py --minutes 30 --conditions quiet,neighbours --scenes hurricane:2000,suite-g:10000\n"
         "All conditions with four scenes take about two hours; the machine should be otherwise idle.")
-    parser.add_argument("--program", default=ROOT / "build/release/bin/sweepstake", metavar="PATH", help="(default: %(default)s)")
-    parser.add_argument("--scenes", default=SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")
-    parser.add_argument("--conditions", default=DEFAULT_CONDITIONS, metavar="NAME,…", help="(default: %(default)s)")
-    parser.add_argument("--minutes", type=float, default=0, help="end with the last round that fits (default: all rounds)")
-    parser.add_argument("--lane-only", action="store_true", help="only the games with and without the lane")
-    parser.add_argument("--cpu-quota", type=float, default=1, metavar="CORES", help="quota of the condition quota (default: %(default)s)")
+    parser.add_argument("--program", default=ROOT / "build/release/bin/sweepstake", metavar="PATH", help="the program sweepstake (default: %(default)s)")
+    parser.add_argument("--scenes", default=SCENES, metavar="SCENE:OBJECTS,…", help="scenes and their object counts (default: %(default)s)")
+    parser.add_argument("--conditions", default=DEFAULT_CONDITIONS, metavar="NAME,…", help="conditions to measure (default: %(default)s)")
+    parser.add_argument("--minutes", type=float, default=0, help="stop after the last round that fits into this time (default: play all rounds)")
+    parser.add_argument("--lane-only", action="store_true", help="play only the pairs of games with and without the lane")
+    parser.add_argument("--cpu-quota", type=float, default=1, metavar="CORES", help="processors of the game in the condition quota (default: %(default)s)")
     add_game_options(parser, seconds=15, rounds=5, near=1.15)
     options = parser.parse_args(words)
     check_game_options(parser, options, [options.program])
     if not options.cpu_quota > 0:
-        parser.error("give a quota above 0")
+        parser.error("give a --cpu-quota above 0")
     return options
 
 

@@ -18,7 +18,7 @@ written to FOLDER/PART.json instead. The page with charts of all its documents i
                   machine has (default: the best one)
   --cold          evict the caches before each frame
   --program PATH  the program \`sweepstake-lab\` (default: build/release/bin/sweepstake-lab)
-  --out FOLDER    (default: build/bench)
+  --out FOLDER    folder of the results (default: build/bench)
 Exit code 1: a backend or a peer found wrong pairs, or the frame path allocated or blocked.
 Takes about 10 minutes on two cores, one minute with --quick; the machine should be otherwise idle.
 END
@@ -110,7 +110,7 @@ frame_path() {
   local path_bench
   path_bench=$(dirname "$program")/frame_path_bench
   if [[ ! -x $path_bench ]]; then
-    echo "frame-path left out: $path_bench was not built (Google Benchmark: libbenchmark-dev)" | tee -a "$file"
+    echo "frame-path left out: $path_bench was not built. Install Google Benchmark (libbenchmark-dev) and build again" | tee -a "$file"
     return
   fi
   local options=()

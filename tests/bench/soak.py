@@ -132,7 +132,7 @@ def parse(words):
         epilog="examples:\n  tests/bench/soak.py --minutes 480\n  tests/bench/soak.py --minutes 5 --streams 200 --json > soak.json")
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin", metavar="FOLDER",
                         help="folder with sweepstaked and sweepstake (default: build/release/bin)")
-    parser.add_argument("--minutes", type=float, default=60, help="how long (default: %(default)s)")
+    parser.add_argument("--minutes", type=float, default=60, help="duration of the run (default: %(default)s)")
     parser.add_argument("--streams", type=int, default=500, help="concurrent games (default: %(default)s)")
     parser.add_argument("--round-seconds", type=int, default=15, help="duration of each round of games (default: %(default)s)")
     parser.add_argument("--sample-seconds", type=float, default=2, help="interval of samples (default: %(default)s)")

@@ -135,21 +135,21 @@ def parse(words):
         "  tests/cross/neon_instructions.py\n"
         "  tests/cross/neon_instructions.py --scene suite-g --only KDTree --only Tracy\n"
         "  tests/cross/neon_instructions.py --frames 4 --json\n"
-        "exit code: 0 every backend meets the goal, 1 one does not, 2 the instructions could not be counted")
+        "Exit code: 0 every backend meets the goal, 1 a backend misses it, 2 the instructions could not be counted.")
     parser.add_argument("--scene", default="suite-b", help="default: %(default)s")
     parser.add_argument("--objects", type=count_from(1), default=1000, metavar="N", help="default: %(default)s")
     parser.add_argument("--frames", type=count_from(2), default=48, metavar="N",
-                        help="including the first one, which builds and is not counted; the default is enough that KDTree "
-                        "splits again in suite-b and suite-g (default: %(default)s)")
+                        help="number of frames, including the first one, which builds and is not counted. With the default, KDTree "
+                        "also splits nodes again in suite-b and suite-g (default: %(default)s)")
     parser.add_argument("--only", choices=BACKENDS, action="append", help="only this backend; may be repeated")
     parser.add_argument("--jobs", type=count_from(1), default=len(os.sched_getaffinity(0)), metavar="N",
                         help="parallel runs (default: one per processor)")
     parser.add_argument("--native", default=ROOT / "build/cross-native/bin/frames", metavar="PROGRAM",
-                        help="for x86-64 (default: %(default)s)")
+                        help="the program for x86-64 (default: %(default)s)")
     parser.add_argument("--aarch64", default=ROOT / "build/cross-aarch64/bin/frames", metavar="PROGRAM",
-                        help="default: %(default)s")
+                        help="the program for aarch64 (default: %(default)s)")
     parser.add_argument("--goals", default=ROOT / "tests/bench/data/goals.toml", metavar="FILE.toml",
-                        help="its [instructions] (default: %(default)s)")
+                        help="file whose table [instructions] has the goal (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
     return parser.parse_args(words)
 

@@ -129,9 +129,9 @@ def asmdef_errors(package):
     for path in paths:
         name, asmdef = path.relative_to(package).as_posix(), json_of(path)
         if asmdef["name"] != path.stem:
-            yield f"{name}: is called '{asmdef['name']}'"
+            yield f"{name}: the assembly is called '{asmdef['name']}'; it must be named like its file"
         if asmdef["includePlatforms"] and asmdef["excludePlatforms"]:
-            yield f"{name}: either includes platforms or excludes some"
+            yield f"{name}: must not both include and exclude platforms"
         for reference in asmdef["references"]:
             if reference not in names | KNOWN_REFERENCES:
                 yield f"{name}: '{reference}' is not an assembly"

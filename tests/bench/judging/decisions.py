@@ -179,8 +179,8 @@ def policies_text(cells, replays):
 
 
 def decisions_text(goals, cells, policy, replays):
-    return (f"Policy {policy}, {replays.seeds} seeds in each of {len(cells)} cells; regret is frame time against the best "
-            f"fixed arm's.\n\n{goals_text(goals)}\n{cells_text(cells, policy, replays)}\n"
+    return (f"Policy {policy}, {replays.seeds} seeds in each of {len(cells)} cells; regret is frame time ÷ that of the "
+            f"best fixed arm, minus 1.\n\n{goals_text(goals)}\n{cells_text(cells, policy, replays)}\n"
             "floor: the same arm measured twice. headroom: what the best sequence of arms would save, including the\n"
             "cost of its switches. captured: the part of the headroom that the policy saved. right, wrong, class,\n"
             "scenes: with stored priors from other games (`sweepstake-lab replay --priors`).\n\n"
