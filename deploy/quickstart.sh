@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# From a fresh clone to learnt posteriors: installs missing packages, builds, and starts the daemon with its dashboard. It runs the
+# Tries Sweepstake from a fresh clone: installs missing packages, builds, and starts the daemon with its dashboard. Then it runs the
 # Hurricane scene with 3,000 objects in AI mode over the real gRPC stream, prints switches and posteriors as they happen, and stops
 # everything it started. A second run starts from the priors of the first.
 #
@@ -40,7 +40,7 @@ done
 cd "$root"
 if [ -z "$bin" ]; then
   deploy/install_packages.sh --programs
-  echo "== building the daemon and the command line without its laboratory (the first time takes a few minutes) =="
+  echo "== building the daemon and the command line (the first time takes a few minutes) =="
   cmake --preset quickstart >/dev/null
   cmake --build --preset quickstart -j "$(nproc)"
   bin=build/quickstart/bin
