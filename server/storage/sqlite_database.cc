@@ -116,7 +116,11 @@ class SqliteRow final : public SqlRow {
     if (text == nullptr) return {};
     return {text, static_cast<size_t>(sqlite3_column_bytes(statement_, column))};
   }
-  std::string Bytes(int column) const override { return Text(column); }
+  std::string Bytes(int column) const override {
+    const auto* bytes = static_cast<const char*>(sqlite3_column_blob(statement_, column));
+    if (bytes == nullptr) return {};
+    return {bytes, static_cast<size_t>(sqlite3_column_bytes(statement_, column))};
+  }
 
  private:
   sqlite3_stmt* statement_;
@@ -135,7 +139,7 @@ void Bind(sqlite3_stmt* statement, int index, const SqlValue& value) {
   } else if (const auto* amount = std::get_if<SqlAmount>(&value)) {
     sqlite3_bind_double(statement, index, amount->value);
   } else if (const auto* bytes = std::get_if<SqlBytes>(&value)) {
-    bind_text(bytes->value);
+    sqlite3_bind_blob64(statement, index, bytes->value.data(), bytes->value.size(), SQLITE_STATIC);
   } else {
     bind_text(std::get<std::string_view>(value));
   }

@@ -123,7 +123,7 @@ std::vector<Table> MakeTables() {
         {"project", Kind::kText},
         {"scene", Kind::kText},
         {"unix_start_ms"}}},
-      {"audit_row", 1, false, {{"id"}, {"segment_id"}, {"number"}, {"text", Kind::kBytes}}},
+      {"audit_row", 1, false, {{"id"}, {"segment_id"}, {"number"}, {"bytes", Kind::kBytes}}},
       {"audit_chunk", 1, false, {{"first_row_id"}, {"unix_start_s"}, {"byte_count"}}}};
   for (Table& table : tables) table = WithStatements(std::move(table));
   return tables;

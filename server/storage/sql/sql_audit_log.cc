@@ -22,7 +22,7 @@ constexpr const char* kAddSegment = R"sql(
     INSERT INTO audit_segment (session, segment, project, scene, unix_start_ms)
     VALUES (?1, ?2, ?3, ?4, ?5) RETURNING id)sql";
 constexpr const char* kAddRows = R"sql(
-    INSERT INTO audit_row (segment_id, number, text) SELECT ?1, ?2, ?3 {FROM @given ORDER BY 2}
+    INSERT INTO audit_row (segment_id, number, bytes) SELECT ?1, ?2, ?3 {FROM @given ORDER BY 2}
     )sql";
 constexpr const char* kLatestChunk = R"sql(
     SELECT first_row_id, unix_start_s, byte_count

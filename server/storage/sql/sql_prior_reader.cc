@@ -119,10 +119,10 @@ constexpr const char* kListSegments = R"sql(
       AND (?6 = '' OR instr(?6, char(10) || project || char(10)) > 0)
     ORDER BY id LIMIT ?5)sql";
 constexpr const char* kLoadRows = R"sql(
-    SELECT number, text FROM (
-      SELECT number, text,
-             sum(octet_length(text)) OVER (ORDER BY number) - octet_length(text) AS before
-      FROM (SELECT number, text FROM audit_row
+    SELECT number, bytes FROM (
+      SELECT number, bytes,
+             sum(octet_length(bytes)) OVER (ORDER BY number) - octet_length(bytes) AS before
+      FROM (SELECT number, bytes FROM audit_row
             WHERE segment_id = ?1 AND number >= ?2 ORDER BY number LIMIT ?3) page) r
     WHERE before < ?4 ORDER BY number)sql";
 constexpr const char* kChangedScenes = R"sql({

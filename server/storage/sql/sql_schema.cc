@@ -106,7 +106,7 @@ constexpr const char* kSchema = R"sql(
     id ROW_ID PRIMARY KEY,
     segment_id INTEGER NOT NULL REFERENCES audit_segment,
     number INTEGER NOT NULL CHECK (number >= 1),
-    text [TEXT]{bytea} NOT NULL CHECK (octet_length(text) BETWEEN 1 AND 65536),
+    bytes [BLOB]{bytea} NOT NULL CHECK (octet_length(bytes) BETWEEN 1 AND 65536),
     UNIQUE (segment_id, number)
   ) [STRICT];
 

@@ -371,9 +371,9 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseSchemaRefusesInvalidAuditRows) {
     EXPECT_FALSE(database.Execute(segment + wrong).ok()) << wrong;
   }
   const std::string row = "INSERT INTO audit_row VALUES ";
-  ASSERT_TRUE(database.Execute(row + "(1, 1, 1, 'x')").ok());
-  for (const char* wrong :
-       {"(2, 1, 0, 'x')", "(2, 1, 2, '')", "(2, 1, 2, NULL)", "(2, 1, 1, 'x')"}) {
+  ASSERT_TRUE(database.Execute(row + "(1, 1, 1, x'78')").ok());
+  for (const char* wrong : {"(2, 1, 0, x'78')", "(2, 1, 2, x'')", "(2, 1, 2, NULL)",
+                            "(2, 1, 2, 'x')", "(2, 1, 1, x'78')"}) {
     EXPECT_FALSE(database.Execute(row + wrong).ok()) << wrong;
   }
   EXPECT_FALSE(database.Execute("INSERT INTO audit_chunk VALUES (1, -1, 0)").ok());
