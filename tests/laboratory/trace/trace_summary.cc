@@ -203,7 +203,7 @@ void PrintTrace(const CostTrace& trace, const TraceSummary& summary, const std::
   out << "Best fixed arm: " << trace.arms[summary.best_arm].name
       << ".\nThe cheapest arm of every frame would save " << Percent(summary.frame_headroom, 1)
       << " of its time,\nthe cheapest arm of every " << TraceSummary::kWindowFrames << " frames "
-      << Percent(summary.window_headroom, 1) << ".\nA/A control, which shows the noise: a second "
+      << Percent(summary.window_headroom, 1) << ".\nA/A control, which shows the noise:\na second "
       << trace.arms[trace.control_arm].name << " takes " << Fixed(summary.control_ratio, 4)
       << " times as long as the first one\n(95 % interval: " << Fixed(summary.control_low, 4)
       << " to " << Fixed(summary.control_high, 4) << ").\n";

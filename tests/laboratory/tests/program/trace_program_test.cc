@@ -95,7 +95,7 @@ TEST_F(TraceProgram, SaysWhatIsWrongWithItsWords) {
       {"trace --scene suite-b --frames 7" + out, "--frames"},
       {"trace --scene suite-b --repeats 0" + out, "--repeats"},
       {"trace --scene suite-b --seed -1" + out, "--seed: -1 is negative"},
-      {"trace --scene suite-b --objects 100001 --frames 8" + out, "up to 100000 objects"},
+      {"trace --scene suite-b --objects 100001 --frames 8" + out, "at most 100000 objects"},
       {"trace --scene suite-b,suite-h" + out, "--out must be a folder"},
       {"trace --scene suite-b --frames 100000 --out /nonexistent/x.costs", "/nonexistent/x.costs"},
       {"trace --costs " + Place("none.costs"), "there is no cost trace"},

@@ -132,7 +132,7 @@ TEST_F(ReplayOutput, TheTableShowsRatiosInPercentAndNoNegativeZero) {
   EXPECT_THAT(table, HasSubstr("+25.00% to +50.00%"));
   EXPECT_THAT(table, HasSubstr("-375%"));
   EXPECT_THAT(table, Not(HasSubstr("-0.00%")));
-  EXPECT_THAT(table, HasSubstr("mean of 2 seeds"));
+  EXPECT_THAT(table, HasSubstr("mean of\n2 seeds"));
 }
 
 TEST_F(ReplayOutput, RegretIsAlsoAShareOfDetectionAndOfAFrameAndInMilliseconds) {

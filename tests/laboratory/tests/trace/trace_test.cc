@@ -145,7 +145,7 @@ TEST(Trace, SaysThatAScenesObjectsAreTooMany) {
   const auto trace = RunTrace(options, Nothing);
   ASSERT_FALSE(trace.ok());
   EXPECT_EQ(trace.status().code(), StatusCode::kInvalidArgument);
-  EXPECT_THAT(trace.status().message(), HasSubstr("up to 100000 objects"));
+  EXPECT_THAT(trace.status().message(), HasSubstr("at most 100000 objects"));
 }
 
 // The plan's costs declare BruteForce as very slow. It is measured sparsely until its real time is
