@@ -5,7 +5,8 @@
     A source file has at most 800 lines (except for generated code: Generated/).
     In the command line only io/ uses the standard streams; a *_command.cc parses options and calls functions.
     A status that the daemon sends has a reason of errors.proto: services create it with Refused.
-    Each path in a document, in backticks or as a link, exists.
+    Each path in a document, in backticks or as a link, exists. A folder such as `common/` in a table row exists in the
+    document's folder or in a folder that the row's first cell names.
     Comments and strings are in plain English: a few patterns that readers did not understand are rejected.
 
 include_direction_test.py checks which folder may include which.
@@ -38,6 +39,8 @@ COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
 CODE_BLOCK = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
 QUOTED = re.compile(r"`([^`\n]+)`")
+ROW = re.compile(r"^\|([^|\n]*)\|(.*)$", re.MULTILINE)
+QUOTED_FOLDER = re.compile(r"`([\w.-]+(?:/[\w.-]+)*/)`")
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
 PATH = re.compile(r"^[\w.*@-]+(?:/[\w.*@-]+)*/?$")
 FILE_SUFFIX = re.compile(r"\.(?:h|cc|c|cs|ts|py|sh|proto|toml|cmake|md|txt|json)$")
@@ -151,6 +154,16 @@ class Tree:
             self.has(posixpath.join(place, name)) or self.has(posixpath.join(place, name + ".*")) for place in places)
 
 
+def row_errors(path, prose, tree):
+    """A folder in a table row must exist at the top, in the document's folder, or in a folder that the row's first cell names."""
+    folder = posixpath.dirname(path)
+    for row in ROW.finditer(prose):
+        places = [folder, *(posixpath.join(folder, name) for name in QUOTED_FOLDER.findall(row.group(1)))]
+        for name in QUOTED_FOLDER.findall(row.group()):
+            if not MADE.match(name) and not tree.has(name) and not any(tree.has(posixpath.join(place, name)) for place in places):
+                yield f"{path}:{prose.count(chr(10), 0, row.start()) + 1}: `{name}` exists neither beside this document nor in the folder of its row"
+
+
 def document_errors(path, text, tree):
     if not path.endswith(".md"):
         return
@@ -161,6 +174,7 @@ def document_errors(path, text, tree):
         name = match.group(1).split(" ")[0]
         if tree.misses(name, folder):
             yield f"{path}:{prose.count(chr(10), 0, match.start()) + 1}: `{name}` does not exist"
+    yield from row_errors(path, prose, tree)
     for match in LINK.finditer(prose):
         if "://" not in match.group(1) and not tree.has(posixpath.join(folder, match.group(1))):
             yield f"{path}:{prose.count(chr(10), 0, match.start()) + 1}: the link to {match.group(1)} leads nowhere"
@@ -193,6 +207,7 @@ GOOD = {
     "README.md": "`engine_client/cli/io/text_table.cc`, `tests/run.sh asan`, `build/dev/bin`, [bench](tests/bench/README.md)\n",
     "tests/run.sh": "x\n" * MAX_LINES,
     "tests/bench/README.md": "`results/` and `../../README.md`\n",
+    "engine_client/README.md": "| `cli/` | in `io/` the terminal, beside `server/rpc/` |\n",
     "engine_client/cli/io/text_table.cc": "void Print() { std::cout << 1; }\n",
     ".ci/good.cc": "// The rest\n// Of a sentence goes on here.\nint a = 1;  // of one\n",
     "engine_client/cli/run_command.cc": "// std::cout\nvoid F() { std::snprintf(buffer, 8, \"\"); }\n",
@@ -215,6 +230,7 @@ BAD = [
     ("server/README.md", "server/README.md", "`server/gone/file.cc`\n"),
     ("server/README.md", "server/README.md", "`rpc/gone.cc`\n"),
     ("server/README.md", "server/README.md", "`gone.cc`\n"),
+    ("server/README.md", "server/README.md", "| `rpc/` | in `io/` the command line's terminal |\n"),
     ("server/README.md", "server/README.md", "[gone](../gone.md)\n"),
 ]
 
