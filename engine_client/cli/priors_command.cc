@@ -164,7 +164,7 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
   return kDone;
 }
 
-// Describes what was revoked or promoted, or would be with --preview.
+// Describes what was revoked or promoted, or would be with --yes.
 template <typename Result>
 std::string CountsText(const Result& result) {
   return std::to_string(result.source_count()) + " sources with " +

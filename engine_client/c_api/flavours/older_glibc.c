@@ -1,7 +1,7 @@
 /* Defines functions of newer glibc versions in terms of glibc 2.30, so that a plug-in linked on
  * a newer system loads on an older one. The static C++ runtime, the compiler's unwinder and our
  * threads use these functions. The linker prefers these definitions to those of libc. The list
- * of exports keeps them local to the plug-in. plugin_test.py checks which glibc versions the
+ * of exports keeps them local to the plug-in. plugin_test.cmake checks which glibc versions the
  * plug-in needs, and so detects a missing function. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
