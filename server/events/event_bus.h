@@ -81,7 +81,8 @@ class EventBus final : public sessions::SessionObserver {
   void Forget(const priors::SceneKey& scene) override { scenes_.erase(scene); }
   void Reload(const priors::SceneKey& scene) override;
   // Called after evidence was imported, promoted or revoked. All watched scenes are read and
-  // published again.
+  // published again. Subscribers with Wish::snapshots receive them as a snapshot, which lacks the
+  // scenes that have no evidence any more.
   void Reset();
   // Ends the subscriptions whose Wish::check returns an error, for instance because the token was
   // revoked.

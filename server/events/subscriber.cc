@@ -30,7 +30,7 @@ void Subscriber::PutDecisions(const EventPtr& event) {
 }
 
 void Subscriber::Restart() {
-  if (wish_.snapshots) return;
+  needs_snapshot_ = wish_.snapshots;
   cursor_ = "";
   std::erase_if(queue_, [](const Place& place) { return place.decisions == nullptr; });
   latest_.clear();
@@ -79,7 +79,9 @@ EventPtr Subscriber::NextOfQueue() {
 std::optional<Subscriber::Snapshot> Subscriber::TakeSnapshot() {
   if (channel_ == nullptr || !channel_->complete) return std::nullopt;
   cursor_.reset();
-  Snapshot snapshot{.stamp = bus_.NextStamp(), .events = {}};
+  Snapshot snapshot{.stamp = bus_.NextStamp(),
+                    .events = {},
+                    .replaces_all = std::exchange(needs_snapshot_, false)};
   for (const auto& [key, event] : channel_->state) snapshot.events.push_back(event);
   return snapshot;
 }

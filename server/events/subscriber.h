@@ -74,10 +74,15 @@ class Subscriber {
   struct Snapshot {
     EventStamp stamp;
     std::vector<EventPtr> events;
+    bool replaces_all = false;  // all earlier snapshots and events are void: see needs_snapshot
   };
   // Returns a snapshot. It is absent while the state is still being loaded; then Sink::Wake is
   // called later. REQUIRES: Wish::snapshots is set, and Take has returned all events.
   std::optional<Snapshot> TakeSnapshot();
+  // Returns whether the state was replaced since the last snapshot, because evidence was imported,
+  // promoted or revoked. Scenes may be missing in the new state. Their removal causes no event, so
+  // the sink must take a snapshot. Always false unless Wish::snapshots is set.
+  bool needs_snapshot() const { return needs_snapshot_; }
 
  private:
   friend class EventBus;
@@ -105,6 +110,7 @@ class Subscriber {
   // The last key of the initial state that Take has returned; absent when Take has returned all of
   // it.
   std::optional<std::string> cursor_ = "";
+  bool needs_snapshot_ = false;
   std::deque<Place> queue_;  // the oldest entry first
   size_t decision_bytes_ = 0;
   std::map<std::string, EventPtr> latest_;  // the latest event of each key in queue_

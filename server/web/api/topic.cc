@@ -55,7 +55,8 @@ class Topic::Feed final : public events::Sink, public std::enable_shared_from_th
     Batch batch;
     for (auto events = subscriber_->Take(1); !events.empty(); events = subscriber_->Take(1))
       batch.events.push_back(std::move(events.front()));
-    if (snapshot_wanted_) batch.snapshot = subscriber_->TakeSnapshot();
+    if (snapshot_wanted_ || subscriber_->needs_snapshot())
+      batch.snapshot = subscriber_->TakeSnapshot();
     if (batch.snapshot) snapshot_wanted_ = false;
     if (batch.events.empty() && !batch.snapshot) return;
     under_way_ = true;
@@ -103,11 +104,8 @@ class Topic::Watcher final : public PartSource {
     if (waiting_.size() < max_waiting_) {
       waiting_.push_back(text);
     } else {
-      // The client reads too slowly. When it reads again, it receives a snapshot instead of the
-      // texts.
-      ++topic_->context_.counters.skip_count;
-      waiting_.clear();
-      skips_ = true;
+      // When the client reads again, it receives a snapshot instead of the texts.
+      Skip();
     }
     Wake();
   }
@@ -116,9 +114,14 @@ class Topic::Watcher final : public PartSource {
   }
   // Returns whether the client has read all waiting texts and needs a snapshot.
   bool wants_snapshot() const { return wants_snapshot_; }
+  // Drops texts until the next snapshot, because that snapshot replaces the whole state.
+  void AwaitSnapshot() {
+    if (waiting_.size() >= max_waiting_) Skip();
+    skips_ = wants_snapshot_ = true;
+  }
   void PushSnapshot(const std::vector<SharedText>& texts) {
     skips_ = wants_snapshot_ = false;
-    waiting_.assign(texts.begin(), texts.end());
+    waiting_.insert(waiting_.end(), texts.begin(), texts.end());
     Wake();
   }
   // Sends the last text. The watcher does not use the topic afterwards.
@@ -143,6 +146,12 @@ class Topic::Watcher final : public PartSource {
   bool ended() const override { return topic_ == nullptr && waiting_.empty(); }
 
  private:
+  // Drops the waiting texts, because the client reads too slowly.
+  void Skip() {
+    ++topic_->context_.counters.skip_count;
+    waiting_.clear();
+    skips_ = true;
+  }
   void Wake() const {
     if (wake_) wake_();
   }
@@ -217,9 +226,17 @@ void Topic::OnBatch(const Batch& batch) {
   }
   if (!batch.snapshot) return;
   Flush();
+  if (batch.snapshot->replaces_all) DropState();
   making_ = Making{.snapshot = *batch.snapshot, .text = kSnapshotBegin};
   Keep(IdOf(making_->snapshot.stamp), "");
   MakeSnapshot();
+}
+
+void Topic::DropState() {
+  snapshot_.reset();
+  kept_.clear();
+  kept_bytes_ = 0;
+  for (Watcher* watcher : watchers_) watcher->AwaitSnapshot();
 }
 
 void Topic::MakeSnapshot() {

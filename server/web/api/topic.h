@@ -5,6 +5,8 @@
 // - The JSON of an event is made once, even if several topics send it.
 // - A new watcher receives a snapshot: the whole current state. So does a watcher that reads so
 //   slowly that it misses texts.
+// - All watchers receive a snapshot if the bus replaces the whole state, for instance after a
+//   revocation.
 // - A watcher that reconnects receives the messages that it missed, if they are still kept.
 //
 // Used on the server's thread only.
@@ -136,6 +138,9 @@ class Topic : public std::enable_shared_from_this<Topic> {
   // Returns the messages after the one with this id; null if that message is not kept any more.
   SharedText MissedSince(std::string_view id) const;
   void WantSnapshot();
+  // Drops the old state, because a snapshot that replaces it is about to be made. All watchers will
+  // receive that snapshot.
+  void DropState();
   void MakeSnapshot();
   void HandOutSnapshot();
   void Add(const std::string& text);

@@ -48,6 +48,9 @@ class ManualStore final : public priors::AsyncPriorStore {
     for (; !reads_.empty(); reads_.pop_front()) reads_.front()(store_);
   }
   SceneEvidence Load(const SceneKey& key) { return **store_.LoadScene(key); }
+  void Revoke(const std::string& source_id) {
+    ASSERT_TRUE(store_.Revoke({.id = source_id}, {}).ok());
+  }
 
   size_t submit_count = 0;
   size_t read_count = 0;
@@ -358,6 +361,26 @@ TEST_F(EventBusTest, ASnapshotIsTheStateOnceItIsComplete) {
   sink_.TakeAll();
   EXPECT_THAT(sink_.names, ElementsAre("b"));
   EXPECT_THAT(sink_.subscriber->TakeSnapshot()->events, SizeIs(2));
+}
+
+TEST_F(EventBusTest, AResetGivesASubscriberOfSnapshotsANewSnapshotWithoutRevokedScenes) {
+  sink_.subscriber.reset();
+  Commit("a", "s", 1);
+  Watch(sink_, {.snapshots = true});
+  EXPECT_THAT(sink_.subscriber->TakeSnapshot()->events, SizeIs(1));
+  EXPECT_FALSE(sink_.subscriber->needs_snapshot());
+  store_.Revoke("s");
+  bus_.Reset();
+  EXPECT_TRUE(sink_.subscriber->needs_snapshot());
+  EXPECT_FALSE(sink_.subscriber->TakeSnapshot()) << "the state is being read";
+  RunReads();
+  EXPECT_THAT(sink_.names, IsEmpty()) << "the state is in the snapshot only";
+  const auto snapshot = sink_.subscriber->TakeSnapshot();
+  ASSERT_TRUE(snapshot);
+  EXPECT_THAT(snapshot->events, IsEmpty());
+  EXPECT_TRUE(snapshot->replaces_all);
+  EXPECT_FALSE(sink_.subscriber->needs_snapshot());
+  EXPECT_FALSE(sink_.subscriber->TakeSnapshot()->replaces_all);
 }
 
 TEST_F(EventBusTest, TheEndOfASessionIsSentAndItIsNotInTheStateAnyMore) {
