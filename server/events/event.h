@@ -27,6 +27,7 @@ struct Event {
   std::shared_ptr<const std::string> body;
   std::string tail;       // the stamp; for a scene also the number of its connected sessions
   bool all_told = false;  // whether this event marks the end of the initial state
+  uint32_t active_session_count = 0;  // for a scene: the number of connected sessions in `tail`
   // The message as JSON, made at its first use. Only the thread of the HTTP server uses it.
   mutable std::string json = {};
 };

@@ -212,10 +212,12 @@ EventPtr EventBus::Mark(Kind kind) {
 
 EventPtr EventBus::SceneEvent(const SceneKey& key, std::shared_ptr<const std::string> body) {
   const EventStamp stamp = NextStamp();
-  return std::make_shared<Event>(Event{.stamp = stamp,
-                                       .body = std::move(body),
-                                       .tail = encoder_.ActiveSessions(sessions_.ActiveCount(key)) +
-                                               encoder_.Stamp(Kind::kPosteriors, stamp, false)});
+  const uint32_t count = sessions_.ActiveCount(key);
+  return std::make_shared<Event>(Event{
+      .stamp = stamp,
+      .body = std::move(body),
+      .tail = encoder_.ActiveSessions(count) + encoder_.Stamp(Kind::kPosteriors, stamp, false),
+      .active_session_count = count});
 }
 
 template <typename Use>
@@ -254,9 +256,10 @@ bool EventBus::Watches(const SceneKey& scene) const {
 void EventBus::OnSession(const std::string& session_id, const sessions::SessionChange& change) {
   bool watches = false;
   ForEachChannel(Kind::kSessions, change.scene, [&](const Channel&) { watches = true; });
-  if (!watches) return;
-  changed_sessions_.insert_or_assign(session_id, change);
-  ScheduleTick();
+  if (watches) changed_sessions_.insert_or_assign(session_id, change);
+  const bool watches_scene = Watches(change.scene);
+  if (watches_scene) session_scenes_.insert(change.scene);
+  if (watches || watches_scene) ScheduleTick();
 }
 
 void EventBus::OnDecision(const sessions::SessionDecision& event) {
@@ -338,6 +341,7 @@ void EventBus::Tick() {
     if (scene.sums && std::exchange(scene.changed, false) && Watches(key))
       PublishScene(*scene.sums);
   }
+  PublishActiveCounts();
   if (scenes_.size() <= kMaxScenes) return;
   std::erase_if(scenes_, [](const auto& entry) { return !entry.second.changed; });
 }
@@ -369,6 +373,19 @@ void EventBus::PublishSessions() {
   }
   for (const auto& [key, channel] : channels_) {
     if (channel->kind == Kind::kSessions) Wake(*channel);
+  }
+}
+
+void EventBus::PublishActiveCounts() {
+  for (const SceneKey& scene : std::exchange(session_scenes_, {})) {
+    ForEachChannel(Kind::kPosteriors, scene, [&](Channel& channel) {
+      const auto known = channel.state.find(TextOf(scene));
+      if (known == channel.state.end() ||
+          known->second->active_session_count == sessions_.ActiveCount(scene))
+        return;
+      Put(channel, known->first, SceneEvent(scene, known->second->body));
+      Wake(channel);
+    });
   }
 }
 
@@ -409,6 +426,7 @@ void EventBus::Drain() {
   draining_ = true;
   scenes_.clear();
   changed_sessions_.clear();
+  session_scenes_.clear();
   EndAll(Refused(sessions::reasons::kDraining, "the daemon is draining; watch again later"));
 }
 

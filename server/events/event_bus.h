@@ -137,6 +137,8 @@ class EventBus final : public sessions::SessionObserver {
   static void Put(Channel& channel, const std::string& key, const EventPtr& event);
   static void Wake(const Channel& channel);
   void PublishSessions();
+  // Publishes the scenes again whose number of connected sessions has changed.
+  void PublishActiveCounts();
   void PublishDecisions(const priors::SceneKey& scene, Decisions decisions);
   void PublishScene(const priors::SceneEvidence& scene);
 
@@ -162,6 +164,7 @@ class EventBus final : public sessions::SessionObserver {
   std::map<priors::SceneKey, Scene> scenes_;
   std::map<priors::SceneKey, Decisions> decisions_;
   std::map<std::string, sessions::SessionChange> changed_sessions_;  // since the last tick, by id
+  std::set<priors::SceneKey> session_scenes_;  // scenes of the sessions that changed since then
   bool tick_scheduled_ = false;
   bool draining_ = false;
 };

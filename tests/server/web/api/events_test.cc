@@ -211,6 +211,21 @@ TEST_F(EventsTest, ARevokedSceneLeavesThePagesOfOldAndNewWatchers) {
   EXPECT_EQ(events_->open_topic_count, 1u);
 }
 
+TEST_F(EventsTest, TheNumberOfConnectedSessionsOfASceneIsKeptUpToDate) {
+  Put({rpc::LearntInHours()});
+  EventReader watch = Watch();
+  EXPECT_THAT(watch.Snapshot(), Not(HasSubstr("activeSessionCount")));
+  const std::string one = "\"activeSessionCount\":1";
+  const auto shown = [&] { return CountOf(Watch().Snapshot(), one); };  // to a new watcher
+  {
+    TelemetryClient client(channel_);
+    client.Open(rpc::OneArmHello());
+    ASSERT_TRUE(TickUntil([&] { return shown() == 1; }));
+    EXPECT_THAT(watch.Until(one), Not(HasSubstr("snapshot")));
+  }
+  ASSERT_TRUE(TickUntil([&] { return shown() == 0; }));
+}
+
 TEST_F(EventsTest, SessionsComeAndGo) {
   TelemetryClient first(channel_);
   const std::string first_id = first.Open(rpc::HelloMessage()).session_id();
