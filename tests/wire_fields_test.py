@@ -15,7 +15,6 @@ import re
 import sys
 
 READ_BY_NAME = "engine_client/telemetry/conversion/audit_conversion.cc accesses the fields by reflection"
-MARK = "clients in other languages ask for the mark; ours draw changes as they come"
 EVENTS = "the dashboard reads them in server-sent events"
 # Fields that other programs read or write, and why.
 OTHERS = {
@@ -28,14 +27,8 @@ OTHERS = {
     "BoxView.stride": "the dashboard shows boxes",
     "WatchBoxesRequest.session_id": "the dashboard watches boxes",
     "WatchBoxesResponse.view": "the dashboard watches boxes",
-    "WatchPosteriorsRequest.mark_all_told": MARK,
-    "WatchSessionsRequest.mark_all_told": MARK,
-    "WatchBoxesRequest.mark_all_told": MARK,
     "WatchPosteriorsResponse.stamp": EVENTS,
-    "WatchPosteriorsResponse.all_told": EVENTS,
-    "WatchSessionsResponse.all_told": EVENTS,
     "WatchBoxesResponse.stamp": EVENTS,
-    "WatchBoxesResponse.all_told": EVENTS,
     "ArmPosterior.is_outdated": "the dashboard marks old versions",
     "PriorRecord.is_imported": "the dashboard distinguishes imports from sessions",
     "PriorRecord.weight": "the dashboard shows the weight of a source",

@@ -25,8 +25,7 @@ struct EventStamp {
 struct Event {
   EventStamp stamp;
   std::shared_ptr<const std::string> body;
-  std::string tail;       // the stamp; for a scene also the number of its connected sessions
-  bool all_told = false;  // whether this event marks the end of the initial state
+  std::string tail;  // the stamp; for a scene also the number of its connected sessions
   uint32_t active_session_count = 0;  // for a scene: the number of connected sessions in `tail`
   // The message as JSON, made at its first use. Only the thread of the HTTP server uses it.
   mutable std::string json = {};
@@ -49,8 +48,7 @@ class Encoder {
   virtual std::string SessionEnd(const std::string& session_id, sessions::SessionEnd end) const = 0;
   // `view` is an encoded message sweepstake.v1.BoxView.
   virtual std::string Boxes(const std::string& view) const = 0;
-  // Encodes the stamp. `all_told` says whether the message marks the end of the initial state.
-  virtual std::string Stamp(Kind kind, const EventStamp& stamp, bool all_told) const = 0;
+  virtual std::string Stamp(Kind kind, const EventStamp& stamp) const = 0;
 };
 
 }  // namespace sweepstake::events

@@ -199,25 +199,17 @@ EventStamp EventBus::NextStamp() {
 EventPtr EventBus::MakeEvent(Kind kind, std::shared_ptr<const std::string> body) {
   const EventStamp stamp = NextStamp();
   return std::make_shared<Event>(
-      Event{.stamp = stamp, .body = std::move(body), .tail = encoder_.Stamp(kind, stamp, false)});
-}
-
-EventPtr EventBus::Mark(Kind kind) {
-  const EventStamp stamp = NextStamp();
-  return std::make_shared<Event>(Event{.stamp = stamp,
-                                       .body = Shared(""),
-                                       .tail = encoder_.Stamp(kind, stamp, true),
-                                       .all_told = true});
+      Event{.stamp = stamp, .body = std::move(body), .tail = encoder_.Stamp(kind, stamp)});
 }
 
 EventPtr EventBus::SceneEvent(const SceneKey& key, std::shared_ptr<const std::string> body) {
   const EventStamp stamp = NextStamp();
   const uint32_t count = sessions_.ActiveCount(key);
-  return std::make_shared<Event>(Event{
-      .stamp = stamp,
-      .body = std::move(body),
-      .tail = encoder_.ActiveSessions(count) + encoder_.Stamp(Kind::kPosteriors, stamp, false),
-      .active_session_count = count});
+  return std::make_shared<Event>(
+      Event{.stamp = stamp,
+            .body = std::move(body),
+            .tail = encoder_.ActiveSessions(count) + encoder_.Stamp(Kind::kPosteriors, stamp),
+            .active_session_count = count});
 }
 
 template <typename Use>

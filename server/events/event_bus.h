@@ -124,7 +124,6 @@ class EventBus final : public sessions::SessionObserver {
   void LoadSessions(const ChannelPtr& channel, const std::string& after);
 
   EventStamp NextStamp();
-  EventPtr Mark(Kind kind);
   EventPtr MakeEvent(Kind kind, std::shared_ptr<const std::string> body);
   EventPtr SceneEvent(const priors::SceneKey& key, std::shared_ptr<const std::string> body);
   // Returns a new event for the scene or session of `event`, with its present number of connected

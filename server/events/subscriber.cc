@@ -49,7 +49,6 @@ std::vector<EventPtr> Subscriber::Take(size_t max) {
     if (!channel_->complete || wish_.snapshots) return taken;
     cursor_.reset();
   }
-  if (std::exchange(wish_.mark, false)) return {bus_.Mark(wish_.kind)};
   while (taken.size() < max) {
     EventPtr next = NextOfQueue();
     if (next == nullptr) break;

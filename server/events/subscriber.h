@@ -43,10 +43,9 @@ class Sink {
 // The scenes, sessions or boxes that a watcher wants to see, and the checks of its permission.
 struct Wish {
   Kind kind = Kind::kPosteriors;
-  priors::SceneFilter filter = {};  // must match only scenes that the caller may see
-  std::string session_id = {};      // for boxes
-  bool mark = false;                // send an event that marks the end of the initial state
-  bool snapshots = false;           // the sink takes the initial state with TakeSnapshot
+  priors::SceneFilter filter = {};           // must match only scenes that the caller may see
+  std::string session_id = {};               // for boxes
+  bool snapshots = false;                    // the sink takes the initial state with TakeSnapshot
   std::function<absl::Status()> check = {};  // returns whether the caller may still watch
   std::function<void(const absl::Status&)> on_end = {};  // called before Sink::OnEnd
   // released when the subscription ends, which uncounts the watcher

@@ -158,7 +158,6 @@ bool RpcServer::WatchOverHttp(const google::protobuf::Message& request, const st
                               std::shared_ptr<events::Sink> sink) {
   std::optional<events::Wish> wish = WishOf(request);
   if (!wish) return false;
-  wish->mark = false;
   wish->snapshots = true;
   wish->on_end = [this, peer](const absl::Status& status) {
     access_.refusals().TellEnd(peer, status);

@@ -42,19 +42,16 @@ class EventEncoder final : public events::Encoder {
     response.mutable_view()->ParseFromString(view);
     return response.SerializeAsString();
   }
-  std::string Stamp(events::Kind kind, const events::EventStamp& stamp,
-                    bool all_told) const override {
-    if (kind == events::Kind::kPosteriors)
-      return Stamp<v1::WatchPosteriorsResponse>(stamp, all_told);
-    if (kind == events::Kind::kSessions) return Stamp<v1::WatchSessionsResponse>(stamp, all_told);
-    return Stamp<v1::WatchBoxesResponse>(stamp, all_told);
+  std::string Stamp(events::Kind kind, const events::EventStamp& stamp) const override {
+    if (kind == events::Kind::kPosteriors) return Stamp<v1::WatchPosteriorsResponse>(stamp);
+    if (kind == events::Kind::kSessions) return Stamp<v1::WatchSessionsResponse>(stamp);
+    return Stamp<v1::WatchBoxesResponse>(stamp);
   }
 
  private:
   template <typename Response>
-  static std::string Stamp(const events::EventStamp& stamp, bool all_told) {
+  static std::string Stamp(const events::EventStamp& stamp) {
     Response response;
-    response.set_all_told(all_told);
     ToProto(stamp, *response.mutable_stamp());
     return response.SerializeAsString();
   }

@@ -111,18 +111,14 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
 std::optional<events::Wish> WishOf(const google::protobuf::Message& request) {
   if (const auto* scenes = dynamic_cast<const v1::WatchPosteriorsRequest*>(&request)) {
     return events::Wish{.kind = events::Kind::kPosteriors,
-                        .filter = {scenes->project(), scenes->scene()},
-                        .mark = scenes->mark_all_told()};
+                        .filter = {scenes->project(), scenes->scene()}};
   }
   if (const auto* sessions = dynamic_cast<const v1::WatchSessionsRequest*>(&request)) {
     return events::Wish{.kind = events::Kind::kSessions,
-                        .filter = {sessions->project(), sessions->scene()},
-                        .mark = sessions->mark_all_told()};
+                        .filter = {sessions->project(), sessions->scene()}};
   }
   if (const auto* boxes = dynamic_cast<const v1::WatchBoxesRequest*>(&request)) {
-    return events::Wish{.kind = events::Kind::kBoxes,
-                        .session_id = boxes->session_id(),
-                        .mark = boxes->mark_all_told()};
+    return events::Wish{.kind = events::Kind::kBoxes, .session_id = boxes->session_id()};
   }
   return std::nullopt;
 }

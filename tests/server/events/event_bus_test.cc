@@ -49,7 +49,7 @@ class ManualStore final : public priors::AsyncPriorStore {
   }
   SceneEvidence Load(const SceneKey& key) { return **store_.LoadScene(key); }
   void Revoke(const std::string& source_id) {
-    ASSERT_TRUE(store_.Revoke({.id = source_id}, {}).ok());
+    ASSERT_TRUE(store_.Revoke({.id = source_id}, false).ok());
   }
 
   size_t submit_count = 0;
@@ -92,9 +92,7 @@ class RecordingEncoder final : public Encoder {
     return id;
   }
   std::string Boxes(const std::string& /*view*/) const override { return ""; }
-  std::string Stamp(Kind /*kind*/, const EventStamp& /*stamp*/, bool /*all_told*/) const override {
-    return "";
-  }
+  std::string Stamp(Kind /*kind*/, const EventStamp& /*stamp*/) const override { return ""; }
 
   mutable std::deque<SceneEvidence> scenes;
   size_t decision_bytes = 10;
@@ -121,9 +119,7 @@ class RecordingSink final : public Sink {
     const auto events = subscriber->Take(1);
     if (events.empty()) return false;
     const std::string& body = *events.front()->body;
-    if (events.front()->all_told) {
-      names.push_back("mark");
-    } else if (body.starts_with('d')) {
+    if (body.starts_with('d')) {
       names.push_back("decisions");
       decision_bytes += body.size();
     } else if (body.starts_with("session")) {
@@ -298,12 +294,11 @@ TEST_F(EventBusTest, ALaterWatcherHasTheStateWithoutTheStore) {
   sink_.subscriber.reset();
   for (size_t i = 0; i < 2 * EventBus::kPageSize; ++i)
     Commit(std::to_string(i), "s" + std::to_string(i));
-  Watch(sink_, {.mark = true});
+  Watch(sink_);
   EXPECT_THAT(sink_.posteriors, SizeIs(2 * EventBus::kPageSize));
-  EXPECT_EQ(sink_.names.back(), "mark");
   const size_t reads = store_.read_count;
   const size_t encoded = encoder_.scenes.size();
-  Watch(other_, {.mark = true});
+  Watch(other_);
   EXPECT_EQ(other_.names, sink_.names);
   EXPECT_EQ(store_.read_count, reads);
   EXPECT_EQ(encoder_.scenes.size(), encoded);
@@ -316,7 +311,7 @@ TEST_F(EventBusTest, ASlowWatcherHasEachSceneOnceInItsLatestState) {
   RunJobs();
   Tick();
   other_.slow = true;
-  Watch(other_, {.mark = true});
+  Watch(other_);
   EXPECT_TRUE(other_.Take());
   for (uint64_t n = 2; n <= 5; ++n) {
     Commit("a", "s", n);  // the slow watcher has received "a" before
@@ -326,7 +321,7 @@ TEST_F(EventBusTest, ASlowWatcherHasEachSceneOnceInItsLatestState) {
   Decide("a");
   Tick();
   other_.TakeAll();
-  EXPECT_THAT(other_.names, ElementsAre("a", "b", "c", "mark", "a", "decisions"));
+  EXPECT_THAT(other_.names, ElementsAre("a", "b", "c", "a", "decisions"));
   EXPECT_EQ(other_.posteriors[2].arms[0].live.window_count, 5U);
   EXPECT_EQ(other_.posteriors[3].arms[0].live.window_count, 5U);
 }
@@ -390,8 +385,8 @@ TEST_F(EventBusTest, TheEndOfASessionIsSentAndItIsNotInTheStateAnyMore) {
   EXPECT_THAT(other_.names, ElementsAre("session 1"));
   other_.subscriber.reset();
   other_.names.clear();
-  Watch(other_, {.kind = Kind::kSessions, .mark = true});
-  EXPECT_THAT(other_.names, ElementsAre("mark"));
+  Watch(other_, {.kind = Kind::kSessions});
+  EXPECT_THAT(other_.names, IsEmpty());
 }
 
 TEST_F(EventBusTest, AStoreThatIsTooBusyEndsTheWatch) {

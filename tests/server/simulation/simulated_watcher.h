@@ -61,8 +61,7 @@ class SimulatedWatcher final : public events::Sink, public events::Encoder {
     return "";
   }
   std::string Boxes(const std::string& /*view*/) const override { return ""; }
-  std::string Stamp(events::Kind /*kind*/, const events::EventStamp& /*stamp*/,
-                    bool /*all_told*/) const override {
+  std::string Stamp(events::Kind /*kind*/, const events::EventStamp& /*stamp*/) const override {
     return "";
   }
 

@@ -22,7 +22,6 @@ class Look {
     context_.AddMetadata("authorization", "Bearer " + token);
     v1::WatchBoxesRequest request;
     request.set_session_id(session_id);
-    request.set_mark_all_told(true);
     reader_ = stub_->WatchBoxes(&context_, request);
   }
   ~Look() { context_.TryCancel(); }
@@ -84,7 +83,6 @@ TEST_F(BoxWatchTest, TheGameIsAskedWhileThereAreViewersAndItsViewsArePassedOn) {
   EXPECT_EQ(welcome.capabilities(0), v1::CAPABILITY_BOX_VIEW);
   {
     Look look(channel_, welcome.session_id());
-    EXPECT_TRUE(look.Next().all_told());
     const v1::BoxRequest asked = Asked(game);
     EXPECT_EQ(asked.interval_ms(), 250u);
     EXPECT_EQ(asked.max_bytes(), 65'536u);
@@ -102,7 +100,7 @@ TEST_F(BoxWatchTest, AViewIsNeitherEvidenceNorLogged) {
   TelemetryClient game(channel_, "all-token");
   const v1::Welcome welcome = game.Open(Hello(true));
   Look look(channel_, welcome.session_id());
-  look.Next();
+  Asked(game);
   game.Send(View(5));
   look.Next();
   EXPECT_EQ(server_->counters().applied_message_count, 0u);
@@ -144,8 +142,7 @@ TEST_F(BoxWatchTest, ASessionHasAtMostTwoViewers) {
   const std::string id = game.Open(Hello(true)).session_id();
   Look first(channel_, id);
   Look second(channel_, id);
-  first.Next();
-  second.Next();
+  ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 2; }));
   EXPECT_EQ(Look(channel_, id).Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   game.Send(View(1));
   EXPECT_EQ(first.Next().view().frame_index(), 1u);
@@ -156,7 +153,6 @@ TEST_F(BoxWatchTest, ContinuesWhenTheGameReconnectsAndEndsWithTheSession) {
   auto game = std::make_unique<TelemetryClient>(channel_, "all-token");
   const v1::Welcome welcome = game->Open(Hello(true));
   Look look(channel_, welcome.session_id());
-  look.Next();
   Asked(*game);
   game.reset();
   TelemetryClient back(channel_, "all-token");

@@ -34,61 +34,60 @@ namespace Sweepstake.Protocol.V1 {
             "amVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIVCg1tYWNoaW5lX2NsYXNzGAMg",
             "ASgJEhYKDnJld2FyZF92ZXJzaW9uGAQgASgNIkQKFEdldFBvc3RlcmlvclJl",
             "c3BvbnNlEiwKBXNjZW5lGAEgASgLMh0uc3dlZXBzdGFrZS52MS5TY2VuZVBv",
-            "c3RlcmlvciJPChZXYXRjaFBvc3RlcmlvcnNSZXF1ZXN0Eg8KB3Byb2plY3QY",
-            "ASABKAkSDQoFc2NlbmUYAiABKAkSFQoNbWFya19hbGxfdG9sZBgDIAEoCCK4",
-            "AQoXV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2USMAoJcG9zdGVyaW9yGAEgASgL",
-            "Mh0uc3dlZXBzdGFrZS52MS5TY2VuZVBvc3RlcmlvchIvCglkZWNpc2lvbnMY",
-            "AiADKAsyHC5zd2VlcHN0YWtlLnYxLkRlY2lzaW9uRXZlbnQSKAoFc3RhbXAY",
-            "AyABKAsyGS5zd2VlcHN0YWtlLnYxLkV2ZW50U3RhbXASEAoIYWxsX3RvbGQY",
-            "BCABKAgitwIKDlNjZW5lUG9zdGVyaW9yEg8KB3Byb2plY3QYASABKAkSDQoF",
-            "c2NlbmUYAiABKAkSFQoNbWFjaGluZV9jbGFzcxgDIAEoCRIWCg5yZXdhcmRf",
-            "dmVyc2lvbhgEIAEoDRIpCgRhcm1zGAUgAygLMhsuc3dlZXBzdGFrZS52MS5B",
-            "cm1Qb3N0ZXJpb3ISHAoUYWN0aXZlX3Nlc3Npb25fY291bnQYBiABKA0SFAoM",
-            "c291cmNlX2NvdW50GAcgASgEEicKB3ZlcmRpY3QYCCABKA4yFi5zd2VlcHN0",
-            "YWtlLnYxLlZlcmRpY3QSEgoKbGVhZGVyX2FybRgJIAEoCRIbChNleHBlY3Rl",
-            "ZF9sb3NzX3JhdGlvGAogASgBEh0KFXZhbHVlX3JlbWFpbmluZ19yYXRpbxgL",
-            "IAEoASKIAwoMQXJtUG9zdGVyaW9yEgsKA2FybRgBIAEoCRIXCg9iYWNrZW5k",
-            "X3ZlcnNpb24YAiABKA0SLwoJcG9zdGVyaW9yGAMgASgLMhwuc3dlZXBzdGFr",
-            "ZS52MS5CZXRhUG9zdGVyaW9yEhQKDHdpbmRvd19jb3VudBgEIAEoBBIWCg5i",
-            "YWlsX291dF9jb3VudBgFIAEoBBITCgt2aXNpdF9jb3VudBgGIAEoBBIeChZl",
-            "ZmZlY3RpdmVfd2luZG93X2NvdW50GAcgASgBEhgKEHVuaXhfbGFzdF9zZWVu",
-            "X3MYCCABKAMSFQoNcmV3YXJkX2xvd185NRgJIAEoARIWCg5yZXdhcmRfaGln",
-            "aF85NRgKIAEoARITCgtpc19vdXRkYXRlZBgLIAEoCBIdChBiZXN0X3Byb2Jh",
-            "YmlsaXR5GAwgASgBSACIAQESLAoKY29zdF9yYXRpbxgNIAEoCzIYLnN3ZWVw",
-            "c3Rha2UudjEuQ29zdFJhdGlvQhMKEV9iZXN0X3Byb2JhYmlsaXR5Io4ECg1E",
-            "ZWNpc2lvbkV2ZW50EhIKCnNlc3Npb25faWQYASABKAkSDwoHcHJvamVjdBgC",
-            "IAEoCRINCgVzY2VuZRgDIAEoCRITCgtkZWNpc2lvbl9pZBgEIAEoBBISCgph",
-            "Y3RpdmVfYXJtGAUgASgJEhUKDWNhbmRpZGF0ZV9hcm0YBiABKAkSLwoHb3V0",
-            "Y29tZRgHIAEoDjIeLnN3ZWVwc3Rha2UudjEuRGVjaXNpb25PdXRjb21lEisK",
-            "BnJlYXNvbhgIIAEoDjIbLnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVhc29uEhMK",
-            "BnJld2FyZBgJIAEoAUgAiAEBEhUKDW1hY2hpbmVfY2xhc3MYCiABKAkSGAoQ",
-            "YmVzdF9wcm9iYWJpbGl0eRgLIAMoARIbChNleHBlY3RlZF9sb3NzX3JhdGlv",
-            "GAwgASgBEicKB3ZlcmRpY3QYDSABKA4yFi5zd2VlcHN0YWtlLnYxLlZlcmRp",
-            "Y3QSDgoGcG9saWN5GA4gASgJEjYKDG1lYXN1cmVtZW50cxgPIAEoCzIgLnN3",
-            "ZWVwc3Rha2UudjEuRnJhbWVNZWFzdXJlbWVudHMSDAoEYXJtcxgQIAMoCRIt",
-            "CglzdGFuZGluZ3MYESADKAsyGi5zd2VlcHN0YWtlLnYxLkFybVN0YW5kaW5n",
-            "Eg8KB3VuaXhfbXMYEiABKANCCQoHX3Jld2FyZCKyAQoRRnJhbWVNZWFzdXJl",
-            "bWVudHMSMgoNZnJhbWVfdGltZV9ucxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEu",
-            "TG9nSGlzdG9ncmFtEjYKEWRldGVjdGlvbl90aW1lX25zGAIgASgLMhsuc3dl",
-            "ZXBzdGFrZS52MS5Mb2dIaXN0b2dyYW0SMQoMbmF0aXZlX2J5dGVzGAMgASgL",
-            "Mhsuc3dlZXBzdGFrZS52MS5Mb2dIaXN0b2dyYW0iNAoMTG9nSGlzdG9ncmFt",
-            "EhQKDGJ1Y2tldF9zdGVwcxgBIAMoDRIOCgZjb3VudHMYAiADKA0q8AIKD0Rl",
-            "Y2lzaW9uT3V0Y29tZRIgChxERUNJU0lPTl9PVVRDT01FX1VOU1BFQ0lGSUVE",
-            "EAASGQoVREVDSVNJT05fT1VUQ09NRV9LRVBUEAESHQoZREVDSVNJT05fT1VU",
-            "Q09NRV9TV0lUQ0hFRBACEiIKHkRFQ0lTSU9OX09VVENPTUVfSEVMRF9DT09M",
-            "RE9XThADEiIKHkRFQ0lTSU9OX09VVENPTUVfSEVMRF9TRVRUTElORxAEEh4K",
-            "GkRFQ0lTSU9OX09VVENPTUVfTk9fRlJBTUVTEAUSGwoXREVDSVNJT05fT1VU",
-            "Q09NRV9NQU5VQUwQBhIeChpERUNJU0lPTl9PVVRDT01FX0VYUExPUklORxAH",
-            "Eh0KGURFQ0lTSU9OX09VVENPTUVfUkVKRUNURUQQCBIeChpERUNJU0lPTl9P",
-            "VVRDT01FX0hFTERfR0FURRAJEh0KGURFQ0lTSU9OX09VVENPTUVfSEVMRF9U",
-            "SUUQCjKvAgoRUG9zdGVyaW9yc1NlcnZpY2USXQoOTGlzdFBvc3RlcmlvcnMS",
-            "JC5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVxdWVzdBolLnN3ZWVw",
-            "c3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXNwb25zZRJXCgxHZXRQb3N0ZXJp",
-            "b3ISIi5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlcXVlc3QaIy5zd2Vl",
-            "cHN0YWtlLnYxLkdldFBvc3RlcmlvclJlc3BvbnNlEmIKD1dhdGNoUG9zdGVy",
-            "aW9ycxIlLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVxdWVzdBom",
-            "LnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2UwAUIZqgIW",
-            "U3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
+            "c3RlcmlvciI4ChZXYXRjaFBvc3RlcmlvcnNSZXF1ZXN0Eg8KB3Byb2plY3QY",
+            "ASABKAkSDQoFc2NlbmUYAiABKAkipgEKF1dhdGNoUG9zdGVyaW9yc1Jlc3Bv",
+            "bnNlEjAKCXBvc3RlcmlvchgBIAEoCzIdLnN3ZWVwc3Rha2UudjEuU2NlbmVQ",
+            "b3N0ZXJpb3ISLwoJZGVjaXNpb25zGAIgAygLMhwuc3dlZXBzdGFrZS52MS5E",
+            "ZWNpc2lvbkV2ZW50EigKBXN0YW1wGAMgASgLMhkuc3dlZXBzdGFrZS52MS5F",
+            "dmVudFN0YW1wIrcCCg5TY2VuZVBvc3RlcmlvchIPCgdwcm9qZWN0GAEgASgJ",
+            "Eg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xhc3MYAyABKAkSFgoOcmV3",
+            "YXJkX3ZlcnNpb24YBCABKA0SKQoEYXJtcxgFIAMoCzIbLnN3ZWVwc3Rha2Uu",
+            "djEuQXJtUG9zdGVyaW9yEhwKFGFjdGl2ZV9zZXNzaW9uX2NvdW50GAYgASgN",
+            "EhQKDHNvdXJjZV9jb3VudBgHIAEoBBInCgd2ZXJkaWN0GAggASgOMhYuc3dl",
+            "ZXBzdGFrZS52MS5WZXJkaWN0EhIKCmxlYWRlcl9hcm0YCSABKAkSGwoTZXhw",
+            "ZWN0ZWRfbG9zc19yYXRpbxgKIAEoARIdChV2YWx1ZV9yZW1haW5pbmdfcmF0",
+            "aW8YCyABKAEiiAMKDEFybVBvc3RlcmlvchILCgNhcm0YASABKAkSFwoPYmFj",
+            "a2VuZF92ZXJzaW9uGAIgASgNEi8KCXBvc3RlcmlvchgDIAEoCzIcLnN3ZWVw",
+            "c3Rha2UudjEuQmV0YVBvc3RlcmlvchIUCgx3aW5kb3dfY291bnQYBCABKAQS",
+            "FgoOYmFpbF9vdXRfY291bnQYBSABKAQSEwoLdmlzaXRfY291bnQYBiABKAQS",
+            "HgoWZWZmZWN0aXZlX3dpbmRvd19jb3VudBgHIAEoARIYChB1bml4X2xhc3Rf",
+            "c2Vlbl9zGAggASgDEhUKDXJld2FyZF9sb3dfOTUYCSABKAESFgoOcmV3YXJk",
+            "X2hpZ2hfOTUYCiABKAESEwoLaXNfb3V0ZGF0ZWQYCyABKAgSHQoQYmVzdF9w",
+            "cm9iYWJpbGl0eRgMIAEoAUgAiAEBEiwKCmNvc3RfcmF0aW8YDSABKAsyGC5z",
+            "d2VlcHN0YWtlLnYxLkNvc3RSYXRpb0ITChFfYmVzdF9wcm9iYWJpbGl0eSKO",
+            "BAoNRGVjaXNpb25FdmVudBISCgpzZXNzaW9uX2lkGAEgASgJEg8KB3Byb2pl",
+            "Y3QYAiABKAkSDQoFc2NlbmUYAyABKAkSEwoLZGVjaXNpb25faWQYBCABKAQS",
+            "EgoKYWN0aXZlX2FybRgFIAEoCRIVCg1jYW5kaWRhdGVfYXJtGAYgASgJEi8K",
+            "B291dGNvbWUYByABKA4yHi5zd2VlcHN0YWtlLnYxLkRlY2lzaW9uT3V0Y29t",
+            "ZRIrCgZyZWFzb24YCCABKA4yGy5zd2VlcHN0YWtlLnYxLlN3aXRjaFJlYXNv",
+            "bhITCgZyZXdhcmQYCSABKAFIAIgBARIVCg1tYWNoaW5lX2NsYXNzGAogASgJ",
+            "EhgKEGJlc3RfcHJvYmFiaWxpdHkYCyADKAESGwoTZXhwZWN0ZWRfbG9zc19y",
+            "YXRpbxgMIAEoARInCgd2ZXJkaWN0GA0gASgOMhYuc3dlZXBzdGFrZS52MS5W",
+            "ZXJkaWN0Eg4KBnBvbGljeRgOIAEoCRI2CgxtZWFzdXJlbWVudHMYDyABKAsy",
+            "IC5zd2VlcHN0YWtlLnYxLkZyYW1lTWVhc3VyZW1lbnRzEgwKBGFybXMYECAD",
+            "KAkSLQoJc3RhbmRpbmdzGBEgAygLMhouc3dlZXBzdGFrZS52MS5Bcm1TdGFu",
+            "ZGluZxIPCgd1bml4X21zGBIgASgDQgkKB19yZXdhcmQisgEKEUZyYW1lTWVh",
+            "c3VyZW1lbnRzEjIKDWZyYW1lX3RpbWVfbnMYASABKAsyGy5zd2VlcHN0YWtl",
+            "LnYxLkxvZ0hpc3RvZ3JhbRI2ChFkZXRlY3Rpb25fdGltZV9ucxgCIAEoCzIb",
+            "LnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtEjEKDG5hdGl2ZV9ieXRlcxgD",
+            "IAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtIjQKDExvZ0hpc3Rv",
+            "Z3JhbRIUCgxidWNrZXRfc3RlcHMYASADKA0SDgoGY291bnRzGAIgAygNKvAC",
+            "Cg9EZWNpc2lvbk91dGNvbWUSIAocREVDSVNJT05fT1VUQ09NRV9VTlNQRUNJ",
+            "RklFRBAAEhkKFURFQ0lTSU9OX09VVENPTUVfS0VQVBABEh0KGURFQ0lTSU9O",
+            "X09VVENPTUVfU1dJVENIRUQQAhIiCh5ERUNJU0lPTl9PVVRDT01FX0hFTERf",
+            "Q09PTERPV04QAxIiCh5ERUNJU0lPTl9PVVRDT01FX0hFTERfU0VUVExJTkcQ",
+            "BBIeChpERUNJU0lPTl9PVVRDT01FX05PX0ZSQU1FUxAFEhsKF0RFQ0lTSU9O",
+            "X09VVENPTUVfTUFOVUFMEAYSHgoaREVDSVNJT05fT1VUQ09NRV9FWFBMT1JJ",
+            "TkcQBxIdChlERUNJU0lPTl9PVVRDT01FX1JFSkVDVEVEEAgSHgoaREVDSVNJ",
+            "T05fT1VUQ09NRV9IRUxEX0dBVEUQCRIdChlERUNJU0lPTl9PVVRDT01FX0hF",
+            "TERfVElFEAoyrwIKEVBvc3RlcmlvcnNTZXJ2aWNlEl0KDkxpc3RQb3N0ZXJp",
+            "b3JzEiQuc3dlZXBzdGFrZS52MS5MaXN0UG9zdGVyaW9yc1JlcXVlc3QaJS5z",
+            "d2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVzcG9uc2USVwoMR2V0UG9z",
+            "dGVyaW9yEiIuc3dlZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0GiMu",
+            "c3dlZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXNwb25zZRJiCg9XYXRjaFBv",
+            "c3RlcmlvcnMSJS5zd2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1JlcXVl",
+            "c3QaJi5zd2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1Jlc3BvbnNlMAFC",
+            "GaoCFlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -96,8 +95,8 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ListPosteriorsResponse), global::Sweepstake.Protocol.V1.ListPosteriorsResponse.Parser, new[]{ "Scenes", "NextPageToken" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.GetPosteriorRequest), global::Sweepstake.Protocol.V1.GetPosteriorRequest.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.GetPosteriorResponse), global::Sweepstake.Protocol.V1.GetPosteriorResponse.Parser, new[]{ "Scene" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene", "MarkAllTold" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp", "AllTold" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount", "Verdict", "LeaderArm", "ExpectedLossRatio", "ValueRemainingRatio" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount", "UnixLastSeenS", "RewardLow95", "RewardHigh95", "IsOutdated", "BestProbability", "CostRatio" }, new[]{ "BestProbability" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings", "UnixMs" }, new[]{ "Reward" }, null, null, null),
@@ -1256,7 +1255,6 @@ namespace Sweepstake.Protocol.V1 {
     public WatchPosteriorsRequest(WatchPosteriorsRequest other) : this() {
       project_ = other.project_;
       scene_ = other.scene_;
-      markAllTold_ = other.markAllTold_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1296,21 +1294,6 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
-    /// <summary>Field number for the "mark_all_told" field.</summary>
-    public const int MarkAllToldFieldNumber = 3;
-    private bool markAllTold_;
-    /// <summary>
-    /// True: a message marks the end of the initial state (all_told). Absent: no mark.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public bool MarkAllTold {
-      get { return markAllTold_; }
-      set {
-        markAllTold_ = value;
-      }
-    }
-
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -1328,7 +1311,6 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (Project != other.Project) return false;
       if (Scene != other.Scene) return false;
-      if (MarkAllTold != other.MarkAllTold) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -1338,7 +1320,6 @@ namespace Sweepstake.Protocol.V1 {
       int hash = 1;
       if (Project.Length != 0) hash ^= Project.GetHashCode();
       if (Scene.Length != 0) hash ^= Scene.GetHashCode();
-      if (MarkAllTold != false) hash ^= MarkAllTold.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -1365,10 +1346,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(18);
         output.WriteString(Scene);
       }
-      if (MarkAllTold != false) {
-        output.WriteRawTag(24);
-        output.WriteBool(MarkAllTold);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -1387,10 +1364,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(18);
         output.WriteString(Scene);
       }
-      if (MarkAllTold != false) {
-        output.WriteRawTag(24);
-        output.WriteBool(MarkAllTold);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -1406,9 +1379,6 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (Scene.Length != 0) {
         size += 1 + pb::CodedOutputStream.ComputeStringSize(Scene);
-      }
-      if (MarkAllTold != false) {
-        size += 1 + 1;
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -1427,9 +1397,6 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.Scene.Length != 0) {
         Scene = other.Scene;
-      }
-      if (other.MarkAllTold != false) {
-        MarkAllTold = other.MarkAllTold;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -1456,10 +1423,6 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 18: {
             Scene = input.ReadString();
-            break;
-          }
-          case 24: {
-            MarkAllTold = input.ReadBool();
             break;
           }
         }
@@ -1489,10 +1452,6 @@ namespace Sweepstake.Protocol.V1 {
             Scene = input.ReadString();
             break;
           }
-          case 24: {
-            MarkAllTold = input.ReadBool();
-            break;
-          }
         }
       }
     }
@@ -1501,8 +1460,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A scene's changed posteriors, decisions of its sessions, or the mark all_told. A message with none of these comes from a newer
-  /// protocol.
+  /// A scene's changed posteriors, or decisions of its sessions. A message with neither comes from a newer protocol.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class WatchPosteriorsResponse : pb::IMessage<WatchPosteriorsResponse>
@@ -1542,7 +1500,6 @@ namespace Sweepstake.Protocol.V1 {
       posterior_ = other.posterior_ != null ? other.posterior_.Clone() : null;
       decisions_ = other.decisions_.Clone();
       stamp_ = other.stamp_ != null ? other.stamp_.Clone() : null;
-      allTold_ = other.allTold_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1556,7 +1513,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PosteriorFieldNumber = 1;
     private global::Sweepstake.Protocol.V1.ScenePosterior posterior_;
     /// <summary>
-    /// The scene's complete posteriors. Absent: this message has decisions or is the mark all_told.
+    /// The scene's complete posteriors. Absent: this message has decisions.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1596,21 +1553,6 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
-    /// <summary>Field number for the "all_told" field.</summary>
-    public const int AllToldFieldNumber = 4;
-    private bool allTold_;
-    /// <summary>
-    /// True, once in a stream that requests it: every matching scene has been sent; changes follow. Absent: not the mark.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public bool AllTold {
-      get { return allTold_; }
-      set {
-        allTold_ = value;
-      }
-    }
-
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -1629,7 +1571,6 @@ namespace Sweepstake.Protocol.V1 {
       if (!object.Equals(Posterior, other.Posterior)) return false;
       if(!decisions_.Equals(other.decisions_)) return false;
       if (!object.Equals(Stamp, other.Stamp)) return false;
-      if (AllTold != other.AllTold) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -1640,7 +1581,6 @@ namespace Sweepstake.Protocol.V1 {
       if (posterior_ != null) hash ^= Posterior.GetHashCode();
       hash ^= decisions_.GetHashCode();
       if (stamp_ != null) hash ^= Stamp.GetHashCode();
-      if (AllTold != false) hash ^= AllTold.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -1668,10 +1608,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(26);
         output.WriteMessage(Stamp);
       }
-      if (AllTold != false) {
-        output.WriteRawTag(32);
-        output.WriteBool(AllTold);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -1691,10 +1627,6 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(26);
         output.WriteMessage(Stamp);
       }
-      if (AllTold != false) {
-        output.WriteRawTag(32);
-        output.WriteBool(AllTold);
-      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -1711,9 +1643,6 @@ namespace Sweepstake.Protocol.V1 {
       size += decisions_.CalculateSize(_repeated_decisions_codec);
       if (stamp_ != null) {
         size += 1 + pb::CodedOutputStream.ComputeMessageSize(Stamp);
-      }
-      if (AllTold != false) {
-        size += 1 + 1;
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -1739,9 +1668,6 @@ namespace Sweepstake.Protocol.V1 {
           Stamp = new global::Sweepstake.Protocol.V1.EventStamp();
         }
         Stamp.MergeFrom(other.Stamp);
-      }
-      if (other.AllTold != false) {
-        AllTold = other.AllTold;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -1780,10 +1706,6 @@ namespace Sweepstake.Protocol.V1 {
             input.ReadMessage(Stamp);
             break;
           }
-          case 32: {
-            AllTold = input.ReadBool();
-            break;
-          }
         }
       }
     #endif
@@ -1819,10 +1741,6 @@ namespace Sweepstake.Protocol.V1 {
               Stamp = new global::Sweepstake.Protocol.V1.EventStamp();
             }
             input.ReadMessage(Stamp);
-            break;
-          }
-          case 32: {
-            AllTold = input.ReadBool();
             break;
           }
         }
