@@ -12,11 +12,10 @@ Subscriber::Subscriber(EventBus& bus, Wish wish, Sink& sink)
 Subscriber::~Subscriber() { bus_.Remove(*this); }
 
 void Subscriber::Put(const std::string& key, const EventPtr& event) {
-  // Queue the event only if the cursor has passed the key. Otherwise NextOfState sends the new
-  // state when the cursor gets there.
-  if (!cursor_ || key <= *cursor_) {
-    if (latest_.insert_or_assign(key, event).second) queue_.push_back({key, nullptr});
-  }
+  // Queue the event only if the cursor has passed the key. Otherwise the next snapshot has it, or
+  // NextOfState sends the new state when the cursor gets there.
+  if (cursor_ && (wish_.snapshots || key > *cursor_)) return;
+  if (latest_.insert_or_assign(key, event).second) queue_.push_back({key, nullptr});
 }
 
 void Subscriber::PutDecisions(const EventPtr& event) {

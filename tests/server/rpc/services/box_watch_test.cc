@@ -1,7 +1,9 @@
 // Operators watch the boxes of a session: who may do so, which request the game receives, and that
 // nothing is stored.
+#include <atomic>
 #include <cmath>
 #include <functional>
+#include <memory>
 
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/sessions.grpc.pb.h"
@@ -94,6 +96,49 @@ TEST_F(BoxWatchTest, TheGameIsAskedWhileThereAreViewersAndItsViewsArePassedOn) {
     EXPECT_EQ(Asked(game).interval_ms(), 250u) << "the request is renewed before it expires";
   }
   EXPECT_EQ(Asked(game).interval_ms(), 0u) << "there are no viewers left";
+}
+
+// A sink that takes a snapshot only after the first view. Used on the server's loop.
+class LateSink final : public events::Sink {
+ public:
+  void Begin(std::unique_ptr<events::Subscriber> subscriber) override {
+    subscriber_ = std::move(subscriber);
+  }
+  // The first call is made when the subscription begins, the second one for the view.
+  void Wake() override {
+    if (++wake_count_ != 2) return;
+    snapshot_count = subscriber_->TakeSnapshot()->events.size();
+    later_count = subscriber_->Take(10).size();
+    has_taken = true;
+  }
+  void OnEnd(const absl::Status& /*status*/) override {
+    subscriber_.reset();
+    has_ended = true;
+  }
+
+  std::atomic<size_t> snapshot_count = 0;
+  std::atomic<size_t> later_count = 0;
+  std::atomic<bool> has_taken = false;
+  std::atomic<bool> has_ended = false;
+
+ private:
+  std::unique_ptr<events::Subscriber> subscriber_;
+  int wake_count_ = 0;
+};
+
+TEST_F(BoxWatchTest, AViewThatIsInTheSnapshotIsNotSentAgain) {
+  TelemetryClient game(channel_, "all-token");
+  v1::WatchBoxesRequest request;
+  request.set_session_id(game.Open(Hello(true)).session_id());
+  const auto sink = std::make_shared<LateSink>();
+  ASSERT_TRUE(server_->WatchOverHttp(request, "ipv4:127.0.0.1:1", "all-token", sink));
+  Asked(game);
+  game.Send(View(5));
+  EXPECT_TRUE(Eventually([&] { return sink->has_taken.load(); }));
+  EXPECT_EQ(sink->snapshot_count, 1u);
+  EXPECT_EQ(sink->later_count, 0u);
+  server_->Drain(std::chrono::milliseconds(0));
+  ASSERT_TRUE(Eventually([&] { return sink->has_ended.load(); }));
 }
 
 TEST_F(BoxWatchTest, AViewIsNeitherEvidenceNorLogged) {
