@@ -299,7 +299,7 @@ void EventBus::LoadLater(Scene& scene) {
 
 void EventBus::Reload(const SceneKey& key) {
   if (draining_ || !Watches(key)) return Forget(key);
-  scenes_.try_emplace(key);
+  scenes_[key].sums.reset();
   Load(key);
 }
 
@@ -335,7 +335,9 @@ void EventBus::Tick() {
   }
   PublishActiveCounts();
   if (scenes_.size() <= kMaxScenes) return;
-  std::erase_if(scenes_, [](const auto& entry) { return !entry.second.changed; });
+  // Keep scenes without sums: the result of their read would be dropped.
+  std::erase_if(scenes_,
+                [](const auto& entry) { return entry.second.sums && !entry.second.changed; });
 }
 
 void EventBus::LoadUnread() {

@@ -55,8 +55,8 @@ class EventBus final : public sessions::SessionObserver {
  public:
   // Maximum number of failed reads of scenes that are repeated per tick.
   static constexpr size_t kReadsPerTick = 100;
-  // If more scenes than this have sums in memory, the sums of scenes without a pending change are
-  // dropped. They are read again at the scene's next change.
+  // If more scenes than this are in memory, the sums of scenes without a pending change are
+  // dropped. They are read again at the scene's next change. Scenes that are being read are kept.
   static constexpr size_t kMaxScenes = 10'000;
   static constexpr uint32_t kPageSize = 100;  // scenes or sessions per page of a load
   // Maximum number of decisions in one message. It limits the message to 130 kB.

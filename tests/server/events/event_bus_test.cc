@@ -484,6 +484,20 @@ TEST_F(EventBusTest, AChangeThatIsReportedByNameOnlyIsReadAndPublished) {
   EXPECT_EQ(last.arms[0].live.window_count, 3U);
 }
 
+TEST_F(EventBusTest, ASceneThatIsBeingReadIsPublishedAlsoIfThereAreTooManyScenes) {
+  Commit("a", "s", 1);
+  RunJobs();
+  Tick();
+  sink_.names.clear();
+  bus_.Reload(Scene("a"));
+  for (size_t i = 0; i < EventBus::kMaxScenes; ++i) bus_.Reload(Scene(std::to_string(i)));
+  Decide("a");
+  EXPECT_TRUE(Tick()) << "it drops the sums of some scenes";
+  RunJobs();
+  Tick();
+  EXPECT_THAT(sink_.names, ElementsAre("decisions", "a"));
+}
+
 TEST_F(EventBusTest, ADrainEndsTheWatchesAndReadsTheStoreNoMore) {
   Commit("a", "s", 1);
   bus_.Drain();
