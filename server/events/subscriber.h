@@ -35,8 +35,8 @@ class Sink {
   // Called when Subscriber::Take may return events. The sink must not end the subscription in this
   // call.
   virtual void Wake() = 0;
-  // The subscription has ended, or was refused. No other call follows. The sink may destroy the
-  // subscriber.
+  // The subscription has ended, or was refused. No other call follows. The sink may destroy its own
+  // subscriber, but no other one, because the bus may be ending several subscribers one by one.
   virtual void OnEnd(const absl::Status& status) = 0;
 };
 
