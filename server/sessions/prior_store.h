@@ -23,7 +23,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "engine_client/decider/pooling/prior_record.h"
-#include "engine_client/decider/pooling/scene_prior.h"
+#include "engine_client/decider/pooling/scene_pool.h"
 #include "server/sessions/audit_rows.h"
 
 namespace sweepstake::priors {
@@ -141,6 +141,7 @@ struct SceneEvidence {
     uint64_t last_seen_unix_s = 0;
 
     Evidence& of(std::string_view measured_by) { return measured_by.empty() ? live : lane; }
+    friend bool operator==(const Arm&, const Arm&) = default;
   };
   SceneKey key;
   std::vector<Arm> arms;  // ordered by name and version
@@ -163,9 +164,16 @@ inline SceneEvidence::Arm& SceneEvidence::ArmOf(const std::string& name, uint32_
 
 // Converts the arm's evidence to the input of decision::PriorFor.
 inline decision::ArmEvidence EvidenceOf(const SceneEvidence::Arm& arm) {
-  return {.live = {arm.live.alpha, arm.live.beta},
-          .lane = {arm.lane.alpha, arm.lane.beta},
-          .bail_out_count = arm.live.bail_out_count};
+  decision::ArmEvidence evidence = decision::EvidenceBy({}, arm.live);
+  return evidence += decision::EvidenceBy(decision::kLaneName, arm.lane);
+}
+
+// Pools the arms' evidence. The result borrows their names.
+inline decision::PooledScene Pool(std::span<const SceneEvidence::Arm> arms) {
+  std::vector<decision::VersionEvidence> versions;
+  for (const SceneEvidence::Arm& arm : arms)
+    versions.push_back({arm.name, arm.backend_version, EvidenceOf(arm)});
+  return decision::PoolScene(versions);
 }
 
 // Number of latest sources, per arm and kind of evidence (live, lane), that

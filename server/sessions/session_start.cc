@@ -57,11 +57,9 @@ struct StoredEvidence {
   // Adds the session's own evidence. `source` must outlive the records.
   void AddOwn(const priors::SourceState& source, std::string_view build) {
     for (const auto& [key, evidence] : source.evidence) {
-      ArmRecord& record = records.emplace_back(
+      records.push_back(
           RecordOf(key, source.progress.source_id, build, key.arm, key.backend_version));
-      const bool is_live = key.measured_by.empty();
-      (is_live ? record.evidence.live : record.evidence.lane) = {evidence.alpha, evidence.beta};
-      if (is_live) record.evidence.bail_out_count = evidence.bail_out_count;
+      records.back().evidence = decision::EvidenceBy(key.measured_by, evidence);
     }
   }
 

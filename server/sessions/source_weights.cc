@@ -13,16 +13,15 @@ namespace {
 // Returns whether a session whose arm has the version `own` uses the source's evidence of the key.
 // It uses only the source's best version of the arm.
 bool IsUsed(const priors::SceneSource& source, const priors::EvidenceKey& key, uint32_t own) {
-  bool has_better = false;
+  uint32_t best = 0;
   bool has_it = false;
   for (const priors::SceneEvidence::Arm& arm : source.evidence.arms) {
     if (arm.name != key.arm) continue;
-    has_better =
-        has_better || decision::IsBetterVersion(arm.backend_version, key.backend_version, own);
+    best = decision::BestVersion(arm.backend_version, best, own);
     if (arm.backend_version == key.backend_version)
       has_it = (key.measured_by.empty() ? arm.live : arm.lane) != priors::Evidence();
   }
-  return has_it && !has_better;
+  return has_it && key.backend_version == best;
 }
 
 }  // namespace
@@ -58,7 +57,7 @@ absl::StatusOr<const SourceWeights::Scene*> SourceWeights::Find(const priors::Sc
     last_seen_unix_s = std::max(last_seen_unix_s, source.last_seen_unix_s);
     for (const priors::SceneEvidence::Arm& arm : source.evidence.arms) {
       uint32_t& newest = scene.newest_versions[arm.name];
-      newest = std::max(newest, arm.backend_version);
+      newest = decision::BestVersion(newest, arm.backend_version, 0);
     }
     scene.sources.emplace(source.id, std::move(source));
   }

@@ -52,8 +52,8 @@ std::string ShowText(const PriorsGroups& groups) {
   for (const auto& [key, group] : groups) {
     table.AddTitle(NameOf(key) + ", " + std::to_string(group.sources.size()) + " sources");
     for (const auto& [name, arm] : group.arms)
-      table.AddRow({name, std::to_string(arm.version), Grouped(arm.window_count),
-                    Grouped(arm.visit_count), Grouped(arm.evidence.bail_out_count),
+      table.AddRow({name, std::to_string(arm.version), Grouped(arm.evidence.window_count),
+                    Grouped(arm.evidence.visit_count), Grouped(arm.evidence.bail_out_count),
                     RatioText(arm)});
   }
   return table.Text();
@@ -66,8 +66,8 @@ Json ShowJson(const PriorsGroups& groups) {
     for (const auto& [name, arm] : group.arms) {
       arms.push_back({{"arm", name},
                       {"backend_version", arm.version},
-                      {"windows", arm.window_count},
-                      {"visits", arm.visit_count},
+                      {"windows", arm.evidence.window_count},
+                      {"visits", arm.evidence.visit_count},
                       {"bail_outs", arm.evidence.bail_out_count},
                       {"cost_ratio", OrNull(RatioOf(arm))}});
     }

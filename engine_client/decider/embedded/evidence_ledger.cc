@@ -9,18 +9,15 @@ namespace sweepstake {
 namespace {
 
 decision::ArmRecord ArmRecordOf(const PriorRecord& record) {
-  decision::ArmRecord arm{.project = record.key.project,
-                          .scene = record.key.scene,
-                          .machine_class = record.key.machine_class,
-                          .reward_version = record.key.reward_version,
-                          .source = record.source_id,
-                          .build = record.build,
-                          .arm = record.key.arm,
-                          .backend_version = record.key.backend_version};
-  const bool is_live = record.key.measured_by.empty();
-  (is_live ? arm.evidence.live : arm.evidence.lane) = {record.evidence.alpha, record.evidence.beta};
-  if (is_live) arm.evidence.bail_out_count = record.evidence.bail_out_count;
-  return arm;
+  return {.project = record.key.project,
+          .scene = record.key.scene,
+          .machine_class = record.key.machine_class,
+          .reward_version = record.key.reward_version,
+          .source = record.source_id,
+          .build = record.build,
+          .arm = record.key.arm,
+          .backend_version = record.key.backend_version,
+          .evidence = decision::EvidenceBy(record.key.measured_by, record.evidence)};
 }
 
 decision::Prior PriorOf(std::span<const PriorRecord> records, const decision::PriorKey& key) {

@@ -3,8 +3,8 @@
 // counts as if its windows were independent. The daemon computes these figures for all its readers,
 // so dashboard and command line show the same.
 //
-// Only contenders are compared: each arm in its newest backend version. With fewer than two
-// contenders the verdict is unknown.
+// Only contenders are compared: each arm with evidence, in its newest backend version. With fewer
+// than two contenders the verdict is unknown.
 #pragma once
 
 #include <cstddef>
@@ -22,13 +22,13 @@ namespace sweepstake::decision {
 struct SceneArm {
   std::string_view name;
   uint32_t backend_version = 0;
-  BetaPosterior posterior;  // parameters finite and > 0
+  BetaPosterior posterior;  // parameters finite and > 0; Beta(1,1): no evidence
 };
 
 struct ArmDiagnosis {
   CredibleInterval reward_95;              // the central 95 % of the posterior
   bool is_outdated = false;                // a newer backend version of the arm exists
-  std::optional<double> best_probability;  // absent if the verdict is unknown or is_outdated
+  std::optional<double> best_probability;  // absent if it is no contender, or the verdict unknown
   // The arm's cost ÷ the leader's cost. Absent if best_probability is absent, or if rewards of this
   // version do not measure costs.
   std::optional<CostRatio> cost_ratio;
@@ -43,5 +43,12 @@ struct SceneDiagnosis {
 };
 
 SceneDiagnosis DiagnoseScene(std::span<const SceneArm> arms, uint32_t reward_version);
+
+// Returns only the leader, as an index into `arms`. A single contender leads too. Absent without
+// evidence. Takes a tenth of the time of DiagnoseScene.
+std::optional<size_t> LeaderOf(std::span<const SceneArm> arms, uint32_t reward_version);
+
+// Returns whether `arms` has a newer backend version of the arm.
+bool IsOutdated(const SceneArm& arm, std::span<const SceneArm> arms);
 
 }  // namespace sweepstake::decision

@@ -81,10 +81,8 @@ class ProjectEvidence {
     source.versions.resize(key_.arms.size());
     if (arm == key_.arms.size()) return;
     uint32_t& version = source.versions[arm];
-    if (IsBetterVersion(record.backend_version, version, key_.backend_versions[arm])) {
-      version = record.backend_version;
-      source.arms[arm] = {};
-    }
+    const uint32_t best = BestVersion(record.backend_version, version, key_.backend_versions[arm]);
+    if (best != std::exchange(version, best)) source.arms[arm] = {};
     if (record.backend_version == version) source.arms[arm] += record.evidence;
   }
 
@@ -165,11 +163,6 @@ std::vector<BetaPosterior> Prior::posteriors() const {
     posteriors.push_back({1 + sum.alpha * scale, 1 + sum.beta * scale});
   }
   return posteriors;
-}
-
-bool IsBetterVersion(uint32_t version, uint32_t other, uint32_t own) {
-  if (other == 0) return version > 0;
-  return version != other && other != own && (version == own || version > other);
 }
 
 Prior PriorFor(std::span<const ArmRecord> records, const PriorKey& key) {

@@ -70,10 +70,11 @@ struct Prior {
   std::vector<BetaPosterior> posteriors() const;
 };
 
-// Returns whether evidence of backend version `version` is preferred to evidence of version
-// `other`. The session's own version `own` is preferred to all others, then the latest. Versions
-// count from 1; 0 stands for none.
-bool IsBetterVersion(uint32_t version, uint32_t other, uint32_t own);
+// Returns the backend version whose evidence is preferred: the session's own version `own` if it is
+// one of the two, else the later one. Versions count from 1; 0 stands for none.
+constexpr uint32_t BestVersion(uint32_t a, uint32_t b, uint32_t own) {
+  return own != 0 && (a == own || b == own) ? own : (a > b ? a : b);
+}
 
 // Returns the prior of the session `key`. Records of other projects and reward versions are
 // ignored. REQUIRES: key.backend_versions has one item per arm; source names are unique within a

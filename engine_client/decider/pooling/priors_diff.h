@@ -28,7 +28,7 @@ struct SceneComparison {
 
   bool changed() const;  // at least one arm changed()
   bool in_both() const;  // both sets have cost ratios
-  // Returns whether the cheapest arms differ between the two sets. False unless in_both().
+  // Returns whether the leaders differ between the two sets. False unless in_both().
   bool leader_changed() const;
 };
 

@@ -5,44 +5,26 @@
 
 #include "engine_client/decider/policy/log_cost.h"
 #include "engine_client/decider/pooling/prior.h"
+#include "engine_client/decider/pooling/scene_pool.h"
 
 namespace sweepstake::decision {
 namespace {
 
-void AddTo(const PriorRecord& record, PriorsArm& arm) {
-  const bool by_lane = record.key.measured_by == kLaneName;
-  EvidenceSum& sum = by_lane ? arm.evidence.lane : arm.evidence.live;
-  sum.alpha += record.evidence.alpha;
-  sum.beta += record.evidence.beta;
-  if (!by_lane) arm.evidence.bail_out_count += record.evidence.bail_out_count;
-  (by_lane ? arm.visit_count : arm.window_count) += record.evidence.window_count;
-}
-
-double MeanReward(const EvidenceSum& sum) { return sum.alpha / sum.evidence(); }
-
-void FillPooled(PriorsGroup& group) {
-  std::vector<ArmEvidence> evidence;
-  for (const auto& [name, arm] : group.arms) evidence.push_back(arm.evidence);
-  const std::vector<EvidenceSum> pooled = PoolEvidence(evidence);
-  for (auto sum = pooled.begin(); auto& [name, arm] : group.arms) arm.pooled = *sum++;
-}
-
-// Computes the cost ratio of each arm. REQUIRES: `pooled` of each arm is set, and rewards depend
-// only on the cost.
-void FillCostRatios(PriorsGroup& group) {
-  const PriorsArm* cheapest = nullptr;
-  for (const auto& [name, arm] : group.arms) {
-    if (arm.pooled.evidence() > 0 &&
-        (cheapest == nullptr || MeanReward(arm.pooled) > MeanReward(cheapest->pooled)))
-      cheapest = &arm;
-  }
-  const auto posterior = [](const PriorsArm& arm) {
-    return BetaPosterior{arm.pooled.alpha, arm.pooled.beta};
-  };
+// Computes what depends on all arms of the group: `pooled` and cost_ratio.
+void Compare(uint32_t reward_version, PriorsGroup& group) {
+  std::vector<VersionEvidence> versions;
+  for (const auto& [name, arm] : group.arms) versions.push_back({name, arm.version, arm.evidence});
+  const PooledScene scene = PoolScene(versions);
+  for (auto sum = scene.pooled.begin(); auto& [name, arm] : group.arms) arm.pooled = *sum++;
+  const std::optional<size_t> leader = LeaderOf(scene.arms, reward_version);
+  if (reward_version != kLogCostRewardVersion || !leader) return;
+  const auto posterior = [](const EvidenceSum& sum) { return BetaPosterior{sum.alpha, sum.beta}; };
   for (auto& [name, arm] : group.arms) {
-    if (arm.pooled.evidence() > 0)
-      arm.cost_ratio =
-          &arm == cheapest ? CostRatio{} : CostRatioOf(posterior(arm), posterior(*cheapest));
+    if (name == versions[*leader].arm) {
+      arm.cost_ratio = CostRatio{};
+    } else if (arm.pooled.evidence() > 0) {
+      arm.cost_ratio = CostRatioOf(posterior(arm.pooled), posterior(scene.pooled[*leader]));
+    }
   }
 }
 
@@ -62,14 +44,12 @@ PriorsGroups GroupPriors(std::span<const PriorRecord> records, const ArmVersions
     PriorsArm& arm = group.arms[record.key.arm];
     const auto known = own.find(record.key.arm);
     const uint32_t own_version = known == own.end() ? 0 : known->second;
-    if (IsBetterVersion(record.key.backend_version, arm.version, own_version))
-      arm = {.version = record.key.backend_version};
-    if (record.key.backend_version == arm.version) AddTo(record, arm);
+    const uint32_t best = BestVersion(record.key.backend_version, arm.version, own_version);
+    if (best != arm.version) arm = {.version = best};
+    if (record.key.backend_version == best)
+      arm.evidence += EvidenceBy(record.key.measured_by, record.evidence);
   }
-  for (auto& [key, group] : groups) {
-    FillPooled(group);
-    if (key.reward_version == kLogCostRewardVersion) FillCostRatios(group);
-  }
+  for (auto& [key, group] : groups) Compare(key.reward_version, group);
   return groups;
 }
 

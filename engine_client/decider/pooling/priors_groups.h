@@ -38,11 +38,9 @@ struct PriorsGroupKey {
 struct PriorsArm {
   uint32_t version = 0;
   ArmEvidence evidence = {};
-  uint64_t window_count = 0;
-  uint64_t visit_count = 0;
   EvidenceSum pooled = {};  // windows and visits combined (PoolEvidence)
-  // The arm's cost ÷ the cost of the group's cheapest arm, from the group's evidence alone. Absent
-  // if there is no evidence, or if rewards do not depend on the cost alone (log_cost.h).
+  // The arm's cost ÷ the cost of the group's leader, from the group's evidence alone. Absent if
+  // there is no evidence, or if rewards do not depend on the cost alone (log_cost.h).
   std::optional<CostRatio> cost_ratio = {};
 };
 

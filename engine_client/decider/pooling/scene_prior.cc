@@ -86,6 +86,14 @@ double LevelOf(std::span<const EvidenceSum> own, const CommonRewards& common) {
 
 }  // namespace
 
+ArmEvidence EvidenceBy(std::string_view measured_by, const Evidence& evidence) {
+  const EvidenceSum sum = {evidence.alpha, evidence.beta};
+  if (!measured_by.empty()) return {.lane = sum, .visit_count = evidence.window_count};
+  return {.live = sum,
+          .bail_out_count = evidence.bail_out_count,
+          .window_count = evidence.window_count};
+}
+
 bool IsAnythingKnown(std::span<const EvidenceSum> arms) {
   return std::any_of(arms.begin(), arms.end(), IsKnown);
 }

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "engine_client/decider/pooling/prior_record.h"
+
 namespace sweepstake::decision {
 
 // A record's measured_by is kLaneName or, for the frame thread, empty.
@@ -35,14 +37,21 @@ struct ArmEvidence {
   EvidenceSum live = {};        // windows, and the penalties of bail-outs
   EvidenceSum lane = {};        // visits; empty except in reward version 3
   uint64_t bail_out_count = 0;  // bail-outs whose penalties are in `live`
+  uint64_t window_count = 0;
+  uint64_t visit_count = 0;
 
   ArmEvidence& operator+=(const ArmEvidence& other) {
     live += other.live;
     lane += other.lane;
     bail_out_count += other.bail_out_count;
+    window_count += other.window_count;
+    visit_count += other.visit_count;
     return *this;
   }
 };
+
+// Returns stored evidence of an arm as evidence of the frame thread or of the lane.
+ArmEvidence EvidenceBy(std::string_view measured_by, const Evidence& evidence);
 
 // Returns whether any arm has evidence.
 bool IsAnythingKnown(std::span<const EvidenceSum> arms);

@@ -1,10 +1,11 @@
 // Previews how revoking or promoting evidence would change the leading arm of each scene. It reads
-// the leaders twice: from the store as it is, and from the store as it would be after the change.
+// the scenes twice: from the store as it is, and from the store as it would be after the change.
 // Used on the store's writing thread.
 #pragma once
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "server/sessions/prior_store.h"
@@ -14,7 +15,7 @@ namespace sweepstake::rpc {
 
 class LeaderPreview {
  public:
-  // If `is_preview`, reads the current leaders of the project (empty: of all projects). At most
+  // If `is_preview`, reads the current scenes of the project (empty: of all projects). At most
   // kMaxScenes scenes are read.
   LeaderPreview(priors::PriorReader& store, std::string project, bool is_preview);
 
@@ -27,14 +28,14 @@ class LeaderPreview {
  private:
   static constexpr size_t kMaxScenes = 10'000;
   static constexpr int kMaxTold = 20;
-  using Leaders = std::map<priors::SceneKey, std::string>;
+  using Scenes = std::map<priors::SceneKey, std::vector<priors::SceneEvidence::Arm>>;
 
-  absl::StatusOr<Leaders> Load(priors::PriorReader& store) const;
+  absl::StatusOr<Scenes> Load(priors::PriorReader& store) const;
 
   const std::string project_;
   const bool is_preview_;
-  absl::StatusOr<Leaders> before_ = Leaders();
-  absl::StatusOr<Leaders> after_ = Leaders();
+  absl::StatusOr<Scenes> before_ = Scenes();
+  absl::StatusOr<Scenes> after_ = Scenes();
 };
 
 }  // namespace sweepstake::rpc

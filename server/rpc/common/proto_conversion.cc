@@ -104,41 +104,6 @@ void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message) {
 
 namespace {
 
-std::vector<decision::EvidenceSum> Pool(std::span<const priors::SceneEvidence::Arm> arms) {
-  std::vector<decision::ArmEvidence> evidence;
-  for (const auto& arm : arms) evidence.push_back(EvidenceOf(arm));
-  return decision::PoolEvidence(evidence);
-}
-
-// Pools the newest version of each arm with the newest versions of the others, as sessions do. Each
-// older version is pooled alone.
-std::vector<decision::EvidenceSum> PoolVersions(std::span<const priors::SceneEvidence::Arm> arms) {
-  std::vector<priors::SceneEvidence::Arm> newest;
-  std::vector<bool> is_newest(arms.size());
-  for (size_t i = 0; i < arms.size(); ++i) {
-    is_newest[i] = i + 1 == arms.size() || arms[i + 1].name != arms[i].name;
-    if (is_newest[i]) newest.push_back(arms[i]);
-  }
-  const std::vector<decision::EvidenceSum> together = Pool(newest);
-  std::vector<decision::EvidenceSum> pooled;
-  for (size_t i = 0, next = 0; i < arms.size(); ++i)
-    pooled.push_back(is_newest[i] ? together[next++] : Pool(arms.subspan(i, 1)).front());
-  return pooled;
-}
-
-// Returns the average evidence per live window of the scene; 0 if there is none. Arms with
-// bail-outs are left out, because the penalties of bail-outs are evidence without windows.
-double WindowEvidence(std::span<const priors::SceneEvidence::Arm> arms) {
-  double evidence = 0;
-  double window_count = 0;
-  for (const auto& arm : arms) {
-    if (arm.live.bail_out_count > 0) continue;
-    evidence += arm.live.alpha + arm.live.beta;
-    window_count += static_cast<double>(arm.live.window_count);
-  }
-  return window_count > 0 ? evidence / window_count : 0;
-}
-
 void SetDiagnosis(std::span<const decision::SceneArm> arms, v1::ScenePosterior& message) {
   const decision::SceneDiagnosis scene = decision::DiagnoseScene(arms, message.reward_version());
   message.set_verdict(static_cast<v1::Verdict>(scene.verdict));
@@ -161,24 +126,21 @@ void SetDiagnosis(std::span<const decision::SceneArm> arms, v1::ScenePosterior& 
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
   ToProto(scene.key, message);
   message.set_source_count(scene.source_count);
-  const double window_evidence = WindowEvidence(scene.arms);
-  const std::vector<decision::EvidenceSum> pooled = PoolVersions(scene.arms);
-  std::vector<decision::SceneArm> arms;
+  const decision::PooledScene pooled = priors::Pool(scene.arms);
   for (size_t i = 0; i < scene.arms.size(); ++i) {
     const priors::SceneEvidence::Arm& arm = scene.arms[i];
     v1::ArmPosterior& filled = *message.add_arms();
     filled.set_arm(arm.name);
     filled.set_backend_version(arm.backend_version);
-    arms.push_back({arm.name, arm.backend_version, {1 + pooled[i].alpha, 1 + pooled[i].beta}});
-    ToProto(arms.back().posterior, *filled.mutable_posterior());
+    ToProto(pooled.arms[i].posterior, *filled.mutable_posterior());
     filled.set_window_count(arm.live.window_count);
     filled.set_visit_count(arm.lane.window_count);
     filled.set_bail_out_count(arm.live.bail_out_count);
     filled.set_unix_last_seen_s(static_cast<int64_t>(arm.last_seen_unix_s));
-    if (window_evidence > 0)
-      filled.set_effective_window_count(pooled[i].evidence() / window_evidence);
+    if (pooled.window_evidence > 0)
+      filled.set_effective_window_count(pooled.pooled[i].evidence() / pooled.window_evidence);
   }
-  SetDiagnosis(arms, message);
+  SetDiagnosis(pooled.arms, message);
 }
 
 absl::StatusOr<std::vector<v1::ScenePosterior>> ToProto(

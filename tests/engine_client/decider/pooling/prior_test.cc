@@ -183,13 +183,13 @@ TEST(PriorFor, ScalesDownEvidenceThatASessionWouldNotAccept) {
   EXPECT_LT(posteriors[0].alpha, kMaxPriorEvidence);
 }
 
-TEST(IsBetterVersion, PrefersTheSessionsVersionThenTheLatest) {
-  EXPECT_TRUE(IsBetterVersion(2, 1, 5));
-  EXPECT_FALSE(IsBetterVersion(1, 2, 5));
-  EXPECT_TRUE(IsBetterVersion(1, 2, 1));
-  EXPECT_FALSE(IsBetterVersion(2, 1, 1));
-  EXPECT_TRUE(IsBetterVersion(1, 0, 0)) << "any version is better than none";
-  EXPECT_FALSE(IsBetterVersion(2, 2, 2));
+TEST(BestVersion, IsTheSessionsVersionElseTheLatest) {
+  EXPECT_EQ(BestVersion(2, 1, 5), 2u);
+  EXPECT_EQ(BestVersion(1, 2, 5), 2u);
+  EXPECT_EQ(BestVersion(1, 2, 1), 1u);
+  EXPECT_EQ(BestVersion(2, 1, 1), 1u);
+  EXPECT_EQ(BestVersion(1, 0, 0), 1u) << "any version is better than none";
+  EXPECT_EQ(BestVersion(2, 2, 2), 2u);
 }
 
 }  // namespace
