@@ -3,7 +3,7 @@
 
     include, text, math <- broad_phase <- scene <- adaptive <- decider <- telemetry <- c_api, cli      adaptive <- bullet
     decider <- server/sessions <- server/storage, events <- rpc, web <- server/host <- daemon <- main      storage <- auth <- rpc, daemon
-    proto <- telemetry, cli, server/rpc, server/web      telemetry/tls <- rpc      net, auth <- rpc, web <- daemon
+    proto <- telemetry, cli, server/rpc, server/web      telemetry/tls <- rpc, web      net, auth <- rpc, web <- daemon
 
 `a <- b`: b may include a. engine_client never includes server; headers of tests/laboratory may be included only from that
 folder. Within the decider: the decision core (decider, policy, session) and pooling <- audit, embedded.
@@ -55,7 +55,7 @@ ALLOWED = {
     "server/auth": {"server/storage"},
     "server/events": DECIDER | {"server/sessions"},
     "server/net": set(),
-    "server/web": {"server/auth", "server/dashboard", "server/events", "server/net", "server/sessions", "proto"},
+    "server/web": {"engine_client/telemetry/tls", "server/auth", "server/dashboard", "server/events", "server/net", "server/sessions", "proto"},
     "server/rpc": DECIDER | {
         "server/auth", "server/events", "server/net", "server/sessions", "engine_client/telemetry/conversion", "engine_client/telemetry/tls", "proto"},
     "server/host": {"server/sessions", "server/rpc", "server/storage", "server/web", "proto"},

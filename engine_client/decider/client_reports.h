@@ -1,4 +1,5 @@
-// Reports of a client to a decider over a connection, beside those of frame_sample.h.
+// Reports of a client to a decider over a connection, beside those of frame_sample.h, and their
+// limits.
 // telemetry.proto describes their fields.
 #pragma once
 
@@ -9,6 +10,10 @@
 #include "sweepstake/frame_sample.h"
 
 namespace sweepstake::protocol {
+
+inline constexpr uint32_t kVersion = 1;  // daemons refuse clients with another version
+inline constexpr uint32_t kMaxBatchFrames = 240;
+inline constexpr uint32_t kMaxMessageBytes = 256 * 1024;  // a longer message is RESOURCE_EXHAUSTED
 
 // Consecutive frames. Their index and pair count are not sent.
 struct FrameBatch {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "sweepstake/frame_sample.h"
+
 namespace sweepstake::decision {
 
 // Weights of the reward's four scores. Each is finite and >= 0; their sum is 1 ± 1e-9 (paper §4).
@@ -25,7 +27,7 @@ struct DecisionOptions {
   // Frame time after the first frame on the new arm during which nothing is learnt, >= 0.
   int64_t settling_ns = 2'000'000'000;
   // A frame longer than this is a bail-out, > 0. Scaled() leaves it unchanged.
-  int64_t bail_out_ns = 5'000'000'000;
+  int64_t bail_out_ns = kBailOutNs;
   int64_t exploration_warm_up_ns = 2'000'000'000;  // time per arm, >= 0
   int64_t exploration_measure_ns = 4'000'000'000;  // time per arm, > 0
   bool explore = true;                             // false: no initial exploration

@@ -4,12 +4,13 @@
 #include <cassert>
 #include <utility>
 
+#include "engine_client/decider/client_reports.h"
+
 namespace sweepstake {
 namespace {
 
 constexpr int kKeepAliveIntervalMs = 20'000;
 constexpr int kKeepAliveTimeoutMs = 10'000;
-constexpr int kMaxMessageBytes = 256 * 1024;
 constexpr char kMethod[] = "/sweepstake.v1.TelemetryService/StreamTelemetry";
 
 std::string TextOf(const grpc::ByteBuffer& buffer) {
@@ -28,7 +29,7 @@ Result<std::shared_ptr<grpc::Channel>> DaemonConnection::MakeChannel(
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepAliveTimeoutMs);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  arguments.SetMaxReceiveMessageSize(protocol::kMaxMessageBytes);
   return MakeDaemonChannel(address, tls, token, names, std::move(arguments));
 }
 

@@ -1,12 +1,12 @@
 #include "server/web/site.h"
 
 #include <algorithm>
-#include <boost/asio/ip/address.hpp>
 #include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "engine_client/telemetry/tls/tls_files.h"
 #include "server/web/error_page.h"
 
 namespace sweepstake::web {
@@ -30,12 +30,6 @@ bool IsOfApi(const Request& request) {
 std::string WithoutPort(std::string_view host) {
   const size_t end = host.starts_with('[') ? host.find(']') + 1 : host.find(':');
   return absl::AsciiStrToLower({host.data(), std::min(end, host.size())});
-}
-
-bool IsLoopback(const std::string& host) {
-  if (host == "localhost" || host == "[::1]") return true;
-  boost::system::error_code no_address;
-  return boost::asio::ip::make_address_v4(host, no_address).is_loopback() && !no_address;
 }
 
 // Returns whether the request comes from the page of another site, according to the browser.
@@ -86,7 +80,7 @@ std::optional<Page> Site::PageFor(const Request& request) const {
 bool Site::IsKnownHost(const Request& request) const {
   if (request.message.count(http::field::host) != 1) return false;
   const std::string host = WithoutPort(request.Header("Host"));
-  return IsLoopback(host) || host == request.own_host || options_.hosts.contains(host);
+  return tls::IsLoopback(host + ":") || host == request.own_host || options_.hosts.contains(host);
 }
 
 }  // namespace sweepstake::web

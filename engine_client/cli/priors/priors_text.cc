@@ -14,10 +14,6 @@ using decision::PriorsGroups;
 using decision::SceneComparison;
 using Json = nlohmann::ordered_json;
 
-std::optional<double> RatioOf(const std::optional<PriorsArm>& arm) {
-  return arm && arm->cost_ratio ? std::optional(arm->cost_ratio->median) : std::nullopt;
-}
-
 std::string RatioText(const std::optional<PriorsArm>& arm) {
   const std::optional<double> ratio = RatioOf(arm);
   return ratio ? Fixed(*ratio, 2) : "-";

@@ -11,11 +11,11 @@ namespace {
 
 constexpr double kMinLogChange = 0.05;
 
+}  // namespace
+
 std::optional<double> RatioOf(const std::optional<PriorsArm>& arm) {
   return arm && arm->cost_ratio ? std::optional(arm->cost_ratio->median) : std::nullopt;
 }
-
-}  // namespace
 
 double ArmComparison::log_change() const {
   const std::optional<double> old_ratio = RatioOf(before);

@@ -10,6 +10,9 @@
 
 namespace sweepstake::decision {
 
+// Returns the arm's cost ratio; absent if it is unknown.
+std::optional<double> RatioOf(const std::optional<PriorsArm>& arm);
+
 // The evidence about an arm in the first set and in the second set; absent where there is none.
 struct ArmComparison {
   std::string arm;

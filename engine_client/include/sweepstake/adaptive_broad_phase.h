@@ -102,7 +102,7 @@ struct AdaptiveOptions {
   // flagged frame is a bail-out if its arm is to blame: detection took at least half of the frame,
   // and the game was neither paused nor loading. > 0. A daemon's welcome message replaces the
   // value.
-  uint64_t bail_out_ns = 5'000'000'000;
+  uint64_t bail_out_ns = kBailOutNs;
   // Time after a switch during which its settling cost is measured. A trial lasts for twice this
   // time. The embedded decider, or a daemon's welcome message, replaces the value permanently.
   uint64_t settling_ns = 2'000'000'000;

@@ -17,6 +17,8 @@ enum FrameFlag : uint32_t {
   kFrameBailOut = 8,  // over the bail-out limit
 };
 
+inline constexpr uint64_t kBailOutNs = 5'000'000'000;  // the default bail-out limit
+
 // The cost of one frame. A frame may search several times, once per substep. Times and checks are
 // then summed; bytes, pairs and objects are those of the latest search.
 struct FrameSample {

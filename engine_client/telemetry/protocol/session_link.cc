@@ -13,13 +13,11 @@
 namespace sweepstake {
 namespace {
 
-constexpr uint32_t kProtocolVersion = 1;
 // Maximum time for the daemon to answer Hello, and to end a stream after the client has closed its
 // side. After that the stream is cancelled.
 constexpr uint64_t kAnswerTimeoutNs = 10'000 * kNsPerMs;
 // If a connection lasted at least this long, the next back-off starts from its minimum again.
 constexpr uint64_t kGoodConnectionNs = 1'000 * kNsPerMs;
-constexpr uint32_t kMaxBatchFrames = 240;
 // After a refused token, the delay before the next attempt is this number times Backoff::LongMs.
 constexpr uint32_t kTokenDelayFactor = 6;
 // Maximum length, in bytes, of a status message in log lines and errors.
@@ -39,7 +37,7 @@ enum GrpcCode : uint32_t {
 
 protocol::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhase& adaptive) {
   protocol::Hello hello;
-  hello.protocol_version = kProtocolVersion;
+  hello.protocol_version = protocol::kVersion;
   using protocol::Capability;
   if (options.allow_operator_orders) hello.capabilities.push_back(Capability::kOperatorOrders);
   if (options.allow_box_view) hello.capabilities.push_back(Capability::kBoxView);
@@ -73,7 +71,7 @@ BatchLimits LimitsOf(const SessionOptions& options, const protocol::Welcome& wel
   BatchLimits limits = LimitsOf(options);
   limits.interval_ns = interval_ms * kNsPerMs;
   if (welcome.max_batch_frames > 0)
-    limits.frames = std::min({limits.frames, welcome.max_batch_frames, kMaxBatchFrames});
+    limits.frames = std::min({limits.frames, welcome.max_batch_frames, protocol::kMaxBatchFrames});
   if (welcome.max_message_bytes > 0)
     limits.bytes = std::min(limits.bytes, welcome.max_message_bytes);
   return limits;

@@ -51,9 +51,9 @@ absl::Status CheckTimeScale(double scale, double max) {
 }
 
 absl::Status CheckVersion(const v1::Hello& hello) {
-  if (hello.protocol_version() == kProtocolVersion) return absl::OkStatus();
+  if (hello.protocol_version() == protocol::kVersion) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_PROTOCOL_VERSION,
-                 absl::StrCat("this daemon has version ", kProtocolVersion,
+                 absl::StrCat("this daemon has version ", protocol::kVersion,
                               " of the protocol, the client has version ", hello.protocol_version(),
                               "; update the older side"));
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/decider/client_reports.h"
 #include "engine_client/telemetry/conversion/audit_conversion.h"
 #include "engine_client/telemetry/tls/tls_files.h"
 #include "server/auth/principal.h"
@@ -19,13 +20,12 @@
 
 namespace sweepstake::rpc {
 
-inline constexpr uint32_t kProtocolVersion = 1;  // clients with another version are refused
 // Limits of a batch (frames, shadow samples) and of the time scale in a Hello. A message above a
 // limit is INVALID_ARGUMENT.
-inline constexpr uint32_t kMaxBatchFrames = 240;
+using protocol::kMaxBatchFrames;
 inline constexpr uint32_t kMaxBatchShadows = 64;
 inline constexpr double kMaxTimeScale = 1000;
-inline constexpr uint32_t kMaxMessageBytes = 256 * 1024;  // a longer message is RESOURCE_EXHAUSTED
+using protocol::kMaxMessageBytes;
 // Number of evidence records per message of an export. An import message with more records is
 // INVALID_ARGUMENT.
 inline constexpr uint32_t kRecordsPerMessage = 200;

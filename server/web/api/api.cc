@@ -1,7 +1,6 @@
 #include "server/web/api/api.h"
 
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -10,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "server/net/peer_address.h"
+#include "server/sessions/common/unix_time.h"
 #include "server/web/error_page.h"
 #include "server/web/query.h"
 
@@ -29,12 +29,6 @@ Page OnlyPage(const std::string& method) {
   return {.status = 405,
           .body = absl::StrCat("Only ", method, " is valid here.\n"),
           .headers = {{"Allow", method}}};
-}
-
-int64_t UnixNowS() {
-  return std::chrono::duration_cast<std::chrono::seconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
 }
 
 // Returns whether the text can be a token in a header.
@@ -150,7 +144,7 @@ absl::StatusOr<Api::Token> Api::TokenOf(const Request& request) {
       return absl::InvalidArgumentError(
           "the token in Authorization has invalid characters, or is too long");
   } else if (const std::string cookie = CookieOf(request); !cookie.empty()) {
-    token = logins_.Find(cookie, UnixNowS());
+    token = logins_.Find(cookie, priors::UnixNowS());
   }
   const absl::Status allowed = token ? CheckWay(request) : absl::OkStatus();
   if (!allowed.ok()) return allowed;
@@ -169,7 +163,8 @@ Page Api::LogIn(const Request& request) {
   const auto holder = options_.identify(request.peer, token);
   if (!holder.ok()) return ErrorPage(holder.status());
   logins_.End(CookieOf(request));
-  return {.status = kNoContent, .headers = {SetCookie(request, logins_.Begin(token, UnixNowS()))}};
+  return {.status = kNoContent,
+          .headers = {SetCookie(request, logins_.Begin(token, priors::UnixNowS()))}};
 }
 
 Page Api::LogOut(const Request& request) {
@@ -189,7 +184,7 @@ Page Api::WhoAmI(const Request& request) {
   // Ends a login whose token has become invalid. Otherwise each use of its cookie would count as a
   // failed login.
   const std::string cookie = CookieOf(request);
-  if (!holder.ok() && token->has_value() && logins_.Find(cookie, UnixNowS()) == *token)
+  if (!holder.ok() && token->has_value() && logins_.Find(cookie, priors::UnixNowS()) == *token)
     logins_.End(cookie);
   ordered_json answer = {{"version", options_.version}, {"asksForTokens", asks}};
   answer["loggedIn"] = asks && holder.ok();

@@ -24,6 +24,7 @@
 #include "engine_client/cli/daemon/daemon_client.h"
 #include "engine_client/cli/io/statistics.h"
 #include "engine_client/cli/io/text_table.h"
+#include "engine_client/decider/client_reports.h"
 #include "engine_client/telemetry/daemon_channel.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 
@@ -308,7 +309,7 @@ void LoadStream::Connect() {
 v1::StreamTelemetryRequest LoadStream::HelloRequest() const {
   v1::StreamTelemetryRequest request;
   v1::Hello& hello = *request.mutable_hello();
-  hello.set_protocol_version(1);
+  hello.set_protocol_version(protocol::kVersion);
   hello.set_project(project_);
   hello.set_scene(scene_);
   for (uint32_t arm = 0; arm < kLoadArms; ++arm) {

@@ -263,7 +263,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         BadHello{"NoVersion", [](auto& h) { h.clear_protocol_version(); },
                  absl::StatusCode::kFailedPrecondition},
-        BadHello{"AnotherVersion", [](auto& h) { h.set_protocol_version(kProtocolVersion + 1); },
+        BadHello{"AnotherVersion", [](auto& h) { h.set_protocol_version(protocol::kVersion + 1); },
                  absl::StatusCode::kFailedPrecondition},
         BadHello{"NoProject", [](auto& h) { h.clear_project(); }},
         BadHello{"NoScene", [](auto& h) { h.clear_scene(); }},

@@ -47,7 +47,7 @@ template <typename Condition>
 
 inline v1::Hello HelloMessage() {
   v1::Hello hello;
-  hello.set_protocol_version(kProtocolVersion);
+  hello.set_protocol_version(protocol::kVersion);
   hello.set_project("game");
   hello.set_scene("harbour");
   for (const char* name : {"Grid", "SAP", "KDTree"}) {
