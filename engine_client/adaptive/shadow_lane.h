@@ -118,7 +118,7 @@ class ShadowLane {
   // warm-up.
   static constexpr uint32_t kMinFrames = 1 + kShadowWarmUpFrames + 1;
 
-  struct Counters {
+  struct LaneCounters {
     std::atomic<uint64_t> sweep_count{0};
     std::atomic<uint64_t> visit_count{0};
     std::atomic<uint64_t> capped_visit_count{0};
@@ -194,7 +194,7 @@ class ShadowLane {
   BoxTap tap_;
   SwitchHandover handover_;
   LaneCost cost_;
-  Counters counters_;
+  LaneCounters counters_;
   std::atomic<ShadowState> state_{ShadowState::kRunning};
 
   // Used on the lane's thread only.

@@ -21,15 +21,15 @@ class FailureLimit {
   static constexpr int64_t kIntervalNs = 60'000'000'000;
   static constexpr size_t kMaxAddresses = 10'000;
 
-  enum class Verdict { kBelow, kReached, kBeyond };
+  enum class Level { kBelow, kReached, kBeyond };
   // Counts a failure. The minute of an address begins with its first failure. Returns kReached
   // once, at the last failure that is allowed.
-  Verdict Count(const std::string& address, int64_t now_ns);
+  Level Count(const std::string& address, int64_t now_ns);
 
   size_t size() const;
 
  private:
-  struct Window {
+  struct Minute {
     int64_t start_ns = 0;
     uint32_t count = 0;
   };
@@ -37,8 +37,8 @@ class FailureLimit {
   void Forget(int64_t now_ns);
 
   mutable std::mutex mutex_;  // guards the members below
-  std::unordered_map<std::string, Window> windows_;
-  std::deque<std::pair<int64_t, std::string>> starts_;  // starts of the windows, oldest first
+  std::unordered_map<std::string, Minute> minutes_;
+  std::deque<std::pair<int64_t, std::string>> starts_;  // starts of the minutes, oldest first
 };
 
 }  // namespace sweepstake::auth

@@ -37,7 +37,7 @@ class CountedCall final : public grpc::experimental::Interceptor {
 
  private:
   const std::shared_ptr<ConnectionCalls> calls_;
-  const std::shared_ptr<ConnectionCalls::Peer> peer_;
+  const std::shared_ptr<ConnectionCalls::RemoteEnd> peer_;
   // gRPC orders the constructor before the destructor in a way that ThreadSanitizer cannot see. The
   // store and load of this atomic make the order visible.
   std::atomic<bool> made_{false};
@@ -66,25 +66,25 @@ class CallCounter final : public grpc::experimental::ServerInterceptorFactoryInt
 void ConnectionCalls::Add(int descriptor) {
   const std::string name = net::PeerOf(descriptor);
   const std::lock_guard lock(mutex_);
-  std::shared_ptr<Peer>& slot = by_descriptor_[descriptor];
+  std::shared_ptr<RemoteEnd>& slot = by_descriptor_[descriptor];
   if (slot) {
     slot->descriptors.erase(descriptor);
     const auto former = by_name_.find(slot->name);
     if (slot->descriptors.empty() && former != by_name_.end() && former->second == slot)
       by_name_.erase(former);
   }
-  std::shared_ptr<Peer>& peer = by_name_[name];
-  if (!peer) peer = std::make_shared<Peer>(Peer{.name = name, .descriptors = {}});
+  std::shared_ptr<RemoteEnd>& peer = by_name_[name];
+  if (!peer) peer = std::make_shared<RemoteEnd>(RemoteEnd{.name = name, .descriptors = {}});
   peer->descriptors.insert(descriptor);
   peer->ended = false;
   slot = peer;
 }
 
-std::shared_ptr<ConnectionCalls::Peer> ConnectionCalls::Begin(const std::string& name) {
+std::shared_ptr<ConnectionCalls::RemoteEnd> ConnectionCalls::Begin(const std::string& name) {
   const std::lock_guard lock(mutex_);
   const auto found = by_name_.find(name);
   if (found == by_name_.end()) return nullptr;
-  const std::shared_ptr<Peer> peer = found->second;
+  const std::shared_ptr<RemoteEnd> peer = found->second;
   if (++peer->call_count <= max_calls_ || std::exchange(peer->ended, true)) return peer;
   ++ended_count_;
   for (const int descriptor : peer->descriptors) {
@@ -95,7 +95,7 @@ std::shared_ptr<ConnectionCalls::Peer> ConnectionCalls::Begin(const std::string&
   return peer;
 }
 
-void ConnectionCalls::End(Peer& peer) {
+void ConnectionCalls::End(RemoteEnd& peer) {
   const std::lock_guard lock(mutex_);
   --peer.call_count;
 }

@@ -33,7 +33,7 @@ class ConnectionCalls {
   void Add(int descriptor);
 
   // The remote end of one or more connections. mutex_ guards all fields except the name.
-  struct Peer {
+  struct RemoteEnd {
     const std::string name;
     std::set<int> descriptors;
     uint32_t call_count = 0;
@@ -41,16 +41,16 @@ class ConnectionCalls {
   };
   // Counts a new call of a peer, and returns the peer; null if it is unknown. Pass the peer to End
   // when the call has ended. `name` has the format of grpc::ServerContext::peer.
-  std::shared_ptr<Peer> Begin(const std::string& name);
-  void End(Peer& peer);
+  std::shared_ptr<RemoteEnd> Begin(const std::string& name);
+  void End(RemoteEnd& peer);
 
  private:
   const uint32_t max_calls_;
   std::atomic<uint64_t>& ended_count_;
   std::mutex mutex_;
   // mutex_ guards both maps. A connection stays in them until its descriptor is reused.
-  std::unordered_map<int, std::shared_ptr<Peer>> by_descriptor_;
-  std::unordered_map<std::string, std::shared_ptr<Peer>> by_name_;
+  std::unordered_map<int, std::shared_ptr<RemoteEnd>> by_descriptor_;
+  std::unordered_map<std::string, std::shared_ptr<RemoteEnd>> by_name_;
 };
 
 // Returns an interceptor factory that counts every call of a server, including calls of gRPC's own

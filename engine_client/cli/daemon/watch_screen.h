@@ -33,9 +33,9 @@ class WatchScreen {
   std::ostream& out_;
   const bool redraws_;
   // Project, scene, machine class and reward version.
-  using SceneKey = std::tuple<std::string, std::string, std::string, uint32_t>;
-  std::map<SceneKey, v1::ScenePosterior> scenes_;
-  std::map<SceneKey, v1::DecisionEvent> latest_;  // latest decision of each scene
+  using SceneName = std::tuple<std::string, std::string, std::string, uint32_t>;
+  std::map<SceneName, v1::ScenePosterior> scenes_;
+  std::map<SceneName, v1::DecisionEvent> latest_;  // latest decision of each scene
   std::deque<std::string> decisions_;
   std::chrono::steady_clock::time_point drawn_at_;
 };

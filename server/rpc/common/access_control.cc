@@ -71,14 +71,14 @@ absl::Status AccessControl::CheckRole(const auth::Principal& caller, const std::
 
 absl::Status AccessControl::Unauthenticated(const std::string& peer, bool has_token) {
   const std::string address = net::AddressOf(peer);
-  const auto verdict = failures_.Count(address, clock_.NowNs());
+  const auto level = failures_.Count(address, clock_.NowNs());
   const absl::Status beyond = Refused(
       v1::ERROR_REASON_TOO_MANY_FAILURES,
       absl::StrCat(
           "more than ", auth::FailureLimit::kMaxFailures,
           " calls from this address had no valid token within a minute; use a valid one, or wait"));
-  if (verdict == auth::FailureLimit::Verdict::kReached) refusals_.Tell(address, beyond);
-  if (verdict == auth::FailureLimit::Verdict::kBeyond) return beyond;
+  if (level == auth::FailureLimit::Level::kReached) refusals_.Tell(address, beyond);
+  if (level == auth::FailureLimit::Level::kBeyond) return beyond;
   if (has_token) {
     return Refused(v1::ERROR_REASON_TOKEN_REFUSED,
                    "this token is unknown, was revoked or has expired; use another one");

@@ -15,8 +15,8 @@ namespace {
 using priors::AuditFilter;
 using priors::AuditSegment;
 
-absl::StatusOr<Page> LoadSegments(priors::PriorReader& store, const AuditFilter& filter,
-                                  uint64_t& after) {
+absl::StatusOr<StreamPage> LoadSegments(priors::PriorReader& store, const AuditFilter& filter,
+                                        uint64_t& after) {
   const auto segments = store.ListAudit(filter, after, kAuditSegmentsPerMessage);
   if (!segments.ok()) return segments.status();
   const auto response = std::make_shared<v1::ListAuditSegmentsResponse>();
@@ -24,7 +24,7 @@ absl::StatusOr<Page> LoadSegments(priors::PriorReader& store, const AuditFilter&
     ToProto(segment, *response->add_segments());
     after = segment.id;
   }
-  return Page{.response = response, .last = segments->size() < kAuditSegmentsPerMessage};
+  return StreamPage{.response = response, .last = segments->size() < kAuditSegmentsPerMessage};
 }
 
 // The last row that the client already has. The export begins after it; 0: with the first row.
@@ -82,13 +82,13 @@ size_t AddRows(const std::vector<priors::StoredAuditRow>& rows, RowPlace& place,
   return bytes;
 }
 
-absl::StatusOr<Page> LoadRows(priors::PriorReader& store, const AuditFilter& filter,
-                              const LastRead& last_read, RowPlace& place) {
+absl::StatusOr<StreamPage> LoadRows(priors::PriorReader& store, const AuditFilter& filter,
+                                    const LastRead& last_read, RowPlace& place) {
   const auto response = std::make_shared<v1::ExportDecisionsResponse>();
   for (size_t bytes = 0; bytes < kAuditBytesPerMessage;) {
     const auto entered = EnterSegment(store, filter, last_read, place);
     if (!entered.ok()) return entered.status();
-    if (!*entered) return Page{.response = response, .last = true};
+    if (!*entered) return StreamPage{.response = response, .last = true};
     auto rows = store.LoadAudit(place.segment->id, place.next_row, kAuditRowsPerPage,
                                 kAuditBytesPerMessage - bytes);
     if (!rows.ok()) return rows.status();
@@ -98,7 +98,7 @@ absl::StatusOr<Page> LoadRows(priors::PriorReader& store, const AuditFilter& fil
       bytes += AddRows(*rows, place, *response);
     }
   }
-  return Page{.response = response};
+  return StreamPage{.response = response};
 }
 
 // Returns the filter of the request, restricted to the projects that the caller may see.

@@ -27,7 +27,7 @@ class HttpPages final : public PageSink, public std::enable_shared_from_this<Htt
   }
 
   void Write(const std::shared_ptr<const Message>& response) override {
-    const HttpCall::Taken taken(new bool(false), [self = self_](bool* value) {
+    const std::shared_ptr<bool> taken(new bool(false), [self = self_](bool* value) {
       self->context_.loop.Post([self, ok = *value] { self->stream_->OnWritten(ok); });
       delete value;
     });
@@ -54,11 +54,12 @@ class HttpPages final : public PageSink, public std::enable_shared_from_this<Htt
 
 // Serves a call. The last argument is the authorized caller, or the error of the authorization.
 using Handler = std::function<void(ServiceContext&, HttpCall, const absl::StatusOr<Caller>&)>;
-struct Method {
+struct ServedMethod {
   Rpc rpc;
   Handler handle;
 };
-using Methods = std::map<const google::protobuf::Descriptor*, Method>;  // by type of the request
+using ServedMethods =
+    std::map<const google::protobuf::Descriptor*, ServedMethod>;  // by type of the request
 
 void End(ServiceContext& context, const HttpCall& call, const absl::Status& status) {
   CountError(status, context.counters);
@@ -66,7 +67,7 @@ void End(ServiceContext& context, const HttpCall& call, const absl::Status& stat
 }
 
 template <typename Request, typename Response>
-Methods::value_type Unary(Rpc rpc) {
+ServedMethods::value_type Unary(Rpc rpc) {
   const auto handle = [](ServiceContext& context, HttpCall call,
                          const absl::StatusOr<Caller>& caller) {
     if (!caller.ok()) return End(context, call, caller.status());
@@ -83,7 +84,7 @@ Methods::value_type Unary(Rpc rpc) {
 }
 
 template <typename Request>
-Methods::value_type Pages(Rpc rpc) {
+ServedMethods::value_type Pages(Rpc rpc) {
   const auto handle = [](ServiceContext& context, HttpCall call,
                          const absl::StatusOr<Caller>& caller) {
     auto load = PagesFor(context, caller, static_cast<const Request&>(*call.request));
@@ -93,8 +94,8 @@ Methods::value_type Pages(Rpc rpc) {
   return {Request::descriptor(), {rpc, handle}};
 }
 
-const Methods& AllMethods() {
-  static const auto& methods = *new Methods{
+const ServedMethods& AllMethods() {
+  static const auto& methods = *new ServedMethods{
       Unary<v1::ListPosteriorsRequest, v1::ListPosteriorsResponse>(
           RpcOf("PosteriorsService/ListPosteriors")),
       Unary<v1::GetPosteriorRequest, v1::GetPosteriorResponse>(

@@ -22,8 +22,9 @@ struct HttpCall {
   // - with the value true (the client has taken this response), the next response follows;
   // - with the value false, the stream ends.
   // For a call with one response, `taken` is null.
-  using Taken = std::shared_ptr<bool>;
-  std::function<void(const std::shared_ptr<const google::protobuf::Message>&, Taken)> on_response;
+  std::function<void(const std::shared_ptr<const google::protobuf::Message>&,
+                     std::shared_ptr<bool> taken)>
+      on_response;
   // Called once, after the last response. on_response and on_end are called on any thread, and must
   // not block.
   std::function<void(const absl::Status&)> on_end;

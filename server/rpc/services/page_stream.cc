@@ -19,7 +19,7 @@ void PageStream::LoadNext() {
   if (!submitted) OnPage(StoreBusy());
 }
 
-void PageStream::OnPage(absl::StatusOr<Page> page) {
+void PageStream::OnPage(absl::StatusOr<StreamPage> page) {
   ahead_ = std::move(page);
   if (!writes_ && !ended_) WriteNext();
 }

@@ -23,14 +23,14 @@
 
 namespace sweepstake::rpc {
 
-struct Page {
+struct StreamPage {
   // Null: nothing is sent, and the stream ends.
   std::shared_ptr<const google::protobuf::Message> response;
   bool last = false;  // the stream ends after this response
 };
 // Reads the next page. The function object keeps the position between calls. It runs on the store's
 // reading thread.
-using LoadPage = std::function<absl::StatusOr<Page>(priors::PriorReader&)>;
+using LoadPage = std::function<absl::StatusOr<StreamPage>(priors::PriorReader&)>;
 
 // The transport of a stream: a gRPC call, or an HTTP request. Used on the decision loop.
 class PageSink {
@@ -61,14 +61,15 @@ class PageStream final : public Transfer, public std::enable_shared_from_this<Pa
  private:
   // Reads the next page. At most one page is being read, or waits to be written.
   void LoadNext();
-  void OnPage(absl::StatusOr<Page> page);
+  void OnPage(absl::StatusOr<StreamPage> page);
   void WriteNext();
   void End(const absl::Status& status);
 
   const std::shared_ptr<const LoadPage> load_;
   PageSink& sink_;
-  Page page_;                                  // the page that is written, or was written last
-  std::optional<absl::StatusOr<Page>> ahead_;  // the page after page_; absent until it was read
+  StreamPage page_;  // the page that is written, or was written last
+  std::optional<absl::StatusOr<StreamPage>>
+      ahead_;  // the page after page_; absent until it was read
   bool writes_ = false;
   bool ended_ = false;
 };

@@ -33,8 +33,9 @@ struct TransferPlace {
   priors::ExportPlace after = {};
 };
 
-absl::StatusOr<Page> LoadRecords(priors::PriorReader& store, const priors::SceneFilter& filter,
-                                 TransferPlace& place, bool with_weights) {
+absl::StatusOr<StreamPage> LoadRecords(priors::PriorReader& store,
+                                       const priors::SceneFilter& filter, TransferPlace& place,
+                                       bool with_weights) {
   const auto stored = place.in_quarantine
                           ? store.ExportQuarantined(filter, place.after, kRecordsPerMessage)
                           : store.Export(filter, place.after, kRecordsPerMessage);
@@ -44,7 +45,7 @@ absl::StatusOr<Page> LoadRecords(priors::PriorReader& store, const priors::Scene
   place = ends ? TransferPlace{.in_quarantine = true}
                : TransferPlace{place.in_quarantine, stored->next};
   if (stored->records.empty())
-    return last ? Page{} : LoadRecords(store, filter, place, with_weights);
+    return last ? StreamPage{} : LoadRecords(store, filter, place, with_weights);
   const auto response = std::make_shared<v1::ExportPriorsResponse>();
   sessions::SourceWeights weights(store);
   for (const PriorRecord& record : stored->records) {
@@ -55,7 +56,7 @@ absl::StatusOr<Page> LoadRecords(priors::PriorReader& store, const priors::Scene
     if (!weight.ok()) return weight.status();
     message.set_weight(*weight);
   }
-  return Page{.response = response, .last = last};
+  return StreamPage{.response = response, .last = last};
 }
 
 bool IsChosen(const v1::BuildChoice& choice, const std::string& build) {
@@ -125,8 +126,9 @@ class BuildComparison {
   EvidenceKey scene_;
 };
 
-absl::StatusOr<Page> LoadComparison(priors::PriorReader& store, const priors::SceneFilter& filter,
-                                    priors::ExportPlace& place, BuildComparison& comparison) {
+absl::StatusOr<StreamPage> LoadComparison(priors::PriorReader& store,
+                                          const priors::SceneFilter& filter,
+                                          priors::ExportPlace& place, BuildComparison& comparison) {
   auto stored = store.Export(filter, place, kRecordsPerMessage);
   if (!stored.ok()) return stored.status();
   place = stored->next;
@@ -134,7 +136,7 @@ absl::StatusOr<Page> LoadComparison(priors::PriorReader& store, const priors::Sc
   const auto response = std::make_shared<v1::CompareBuildsResponse>();
   for (PriorRecord& record : stored->records) comparison.Add(std::move(record), *response);
   if (last) comparison.EndScene(*response);
-  return Page{.response = response, .last = last};
+  return StreamPage{.response = response, .last = last};
 }
 
 // Called with the result of an import, a promotion or a revocation.

@@ -5,21 +5,21 @@
 namespace sweepstake::auth {
 namespace {
 
-using Verdict = FailureLimit::Verdict;
+using Level = FailureLimit::Level;
 
 TEST(FailureLimitTest, TheEleventhFailureOfAnAddressWithinAMinuteIsOverTheLimit) {
   FailureLimit limit;
-  for (int i = 1; i < 10; ++i) EXPECT_EQ(limit.Count("a", 100 + i), Verdict::kBelow) << i;
-  EXPECT_EQ(limit.Count("a", 200), Verdict::kReached);
-  for (int i = 0; i < 100; ++i) EXPECT_EQ(limit.Count("a", 300), Verdict::kBeyond);
-  EXPECT_EQ(limit.Count("b", 300), Verdict::kBelow) << "another address";
+  for (int i = 1; i < 10; ++i) EXPECT_EQ(limit.Count("a", 100 + i), Level::kBelow) << i;
+  EXPECT_EQ(limit.Count("a", 200), Level::kReached);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(limit.Count("a", 300), Level::kBeyond);
+  EXPECT_EQ(limit.Count("b", 300), Level::kBelow) << "another address";
 }
 
 TEST(FailureLimitTest, TheCountRestartsAMinuteAfterTheFirstFailure) {
   FailureLimit limit;
   for (int i = 0; i < 20; ++i) limit.Count("a", 100);
-  EXPECT_EQ(limit.Count("a", 99 + FailureLimit::kIntervalNs), Verdict::kBeyond);
-  EXPECT_EQ(limit.Count("a", 100 + FailureLimit::kIntervalNs), Verdict::kBelow);
+  EXPECT_EQ(limit.Count("a", 99 + FailureLimit::kIntervalNs), Level::kBeyond);
+  EXPECT_EQ(limit.Count("a", 100 + FailureLimit::kIntervalNs), Level::kBelow);
 }
 
 TEST(FailureLimitTest, MemoryStaysBoundedWithAMillionAddresses) {

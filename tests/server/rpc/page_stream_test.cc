@@ -56,7 +56,7 @@ TEST(PageStreamTest, AFinishedStreamIsNotEndedAgainBeforeTheLoopProcessesItsEnd)
   Services services;
   grpc::CallbackServerContext call;
   auto* const stream = new PageCall<v1::ExportPriorsResponse>(
-      services.context, call, {}, [](priors::PriorReader&) { return Page{}; });
+      services.context, call, {}, [](priors::PriorReader&) { return StreamPage{}; });
   services.Settle();
   services.clock.Advance(2 * services.options.watcher_patience_ns);
   services.Settle();
