@@ -96,10 +96,6 @@ absl::Status TokenRegistry::Read() {
   auto tokens = store_->Load();
   if (!tokens.ok()) return tokens.status();
   if (tokens->empty() && (store_->WereMade() || !empty())) return store_->Lost();
-  // Older versions did not store the note that tokens were created (NoteMade). Adds it.
-  if (!tokens->empty()) {
-    if (absl::Status status = store_->NoteMade(); !status.ok()) return status;
-  }
   const auto before = Current();
   Entries after;
   for (StoredToken& token : *tokens) {

@@ -88,12 +88,12 @@ class TokenStore {
 
   // Returns whether tokens were ever created, according to the file tokens-made.
   bool WereMade() const;
-  // Creates the file tokens-made if it is missing; it is on disk on return. Error: UNAVAILABLE.
-  absl::Status NoteMade() const;
   // Returns the error for a file whose tokens were lost.
   absl::Status Lost() const;
 
  private:
+  // Creates the file tokens-made if it is missing; it is on disk on return. Error: UNAVAILABLE.
+  absl::Status NoteMade() const;
   // Runs in the caller's transaction.
   absl::Status Insert(const TokenRequest& request, const std::string& token, int64_t unix_s);
   TokenStore(std::filesystem::path path, storage::FileId file, storage::SqliteDatabase database)

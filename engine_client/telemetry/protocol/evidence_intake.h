@@ -81,7 +81,6 @@ class EvidenceIntake {
   bool Pump(uint64_t now_ns);
   // Ends the current batch and passes it to the session. REQUIRES: the session is not full.
   void Flush();
-  bool batch_empty() const { return batcher_.empty(); }
 
  private:
   void TakeShadows();

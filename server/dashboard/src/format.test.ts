@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { bytes, compact, grouped, percent, share, significant, spread } from './format';
+import { bytes, compact, grouped, percent, share, significant } from './format';
 
 describe('numbers', () => {
   it('show significant digits without an exponent', () => {
@@ -22,10 +22,5 @@ describe('numbers', () => {
   it('of ratios have a sign unless they round to zero', () => {
     expect([0.0123, -0.0123, 0.5, 12, 0.00001, -0.00001].map(percent)).toEqual(['+1.23 %', '−1.23 %', '+50.0 %', '+1,200 %', '0 %', '0 %']);
     expect(share(0.99996)).toBe('100 %');
-  });
-
-  it('have no deviation if there is one value only', () => {
-    expect(spread(12.25, 2, 1, 1)).toBe('12.3');
-    expect(spread(12.2, 2.81, 5, 1)).toBe('12.2±2.8');
   });
 });

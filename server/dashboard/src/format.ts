@@ -38,7 +38,6 @@ export function bytes(value: number): string {
 
 export const times = (ratio: number) => (isNumber(ratio) ? `${significant(ratio)}×` : NONE);
 export const milliseconds = (ms: number) => significant(ms);
-export const microseconds = (ns: number) => `${significant(ns * 1e-3)} µs`;
 
 // Returns a ratio as a percentage: with two decimals below 10 %, one below 100 %, none above. REQUIRES: ratio >= 0.
 export function share(ratio: number): string {
@@ -58,14 +57,9 @@ export function percent(ratio: number | null): string {
 
 export type Interval = [number, number];
 export const interval = ([low, high]: Interval) => `${percent(low)} to ${percent(high)}`;
-export const shareInterval = ([low, high]: Interval) => `${share(Math.max(low, 0))} to ${share(Math.max(high, 0))}`;
 export const probability = (p: number) => (p < 0.0001 ? '< 0.0001' : significant(p, 2));
 export const counted = (count: number, one: string, many: string) => `${grouped(count)} ${count === 1 ? one : many}`;
 
 export function mean(values: number[]): number {
   return values.reduce((sum, value) => sum + value, 0) / values.length;
 }
-
-// Returns "12.2±2.8", both with `decimals` decimals; for a single value only "12.2".
-export const spread = (value: number, deviation: number, count: number, decimals: number) =>
-  (isNumber(value) ? value.toFixed(decimals) + (count > 1 && isNumber(deviation) ? `±${deviation.toFixed(decimals)}` : '') : NONE);

@@ -201,13 +201,6 @@ TEST_F(TokenRegistryTest, AnEmptyFileThatReplacedOneWithTokensIsRefused) {
   EXPECT_TRUE(absl::IsFailedPrecondition(refused.status())) << refused.status();
 }
 
-TEST_F(TokenRegistryTest, AFileOfAnOlderVersionGetsTheNote) {
-  Make("game");
-  std::filesystem::remove(directory_.path() / "tokens-made");
-  Open();
-  EXPECT_TRUE(writer_.WereMade());
-}
-
 TEST_F(TokenRegistryTest, FindsEachOfManyTokens) {
   std::vector<std::string> tokens;
   for (int i = 0; i < 100; ++i) tokens.push_back(Make("game " + std::to_string(i)));

@@ -1,7 +1,7 @@
 // Parts that all charts share: the figure element around a picture, and its legend. The browser shows a mark's title as
 // a tooltip.
 import { h } from '../dom';
-import { textColourOn } from '../../../../../server/dashboard/src/palette';
+import { textColourOn } from '../palette';
 
 export const LETTER = 7.6; // mean width of a bold letter at 13 px, rounded up
 export const widest = (texts: string[]) => LETTER * Math.max(0, ...texts.map((text) => text.length)) + 20;

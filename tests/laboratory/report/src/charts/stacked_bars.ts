@@ -1,7 +1,7 @@
 // One bar per row, divided into the shares of its values.
 import * as Plot from '@observablehq/plot';
 import { share } from '../../../../../server/dashboard/src/format';
-import { textColourOn } from '../../../../../server/dashboard/src/palette';
+import { textColourOn } from '../palette';
 import { chips, figure, LETTER, widest } from './figure';
 
 export interface Kind { name: string; colour: string }

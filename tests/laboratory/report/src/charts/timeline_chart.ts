@@ -1,6 +1,6 @@
 // One lane per run: a bar that shows which algorithm was active when. Strokes below the bar and crosses on it mark moments.
 import * as Plot from '@observablehq/plot';
-import { textColourOn } from '../../../../../server/dashboard/src/palette';
+import { textColourOn } from '../palette';
 import { figure, LETTER, widest } from './figure';
 
 export interface Stretch { from: number; to: number; name: string; colour: string; faint: boolean; text: string }

@@ -2,7 +2,7 @@
 import { bold, h, small, type Child } from '../dom';
 import { bytes, compact, grouped, milliseconds, significant, times } from '../../../../../server/dashboard/src/format';
 import { contestantTitle, hasGoal, largeIsGood, sceneTitle, type BenchIndex, type BenchRow, type Contestant, type Ratio, type RatioKind } from '../model/bench';
-import { familyTitle } from '../../../../../server/dashboard/src/palette';
+import { familyTitle } from '../palette';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell, type HeadCell } from '../table';
 
 export function cellHead(index: BenchIndex, corner: string): HeadCell[][] {

@@ -2,9 +2,11 @@
 import { chip } from '../charts/figure';
 import { stackedBars } from '../charts/stacked_bars';
 import { h, small, type Child } from '../dom';
-import { grouped, microseconds, share, significant, spread } from '../../../../../server/dashboard/src/format';
+import { grouped, share, significant } from '../../../../../server/dashboard/src/format';
+import { microseconds, spread } from '../format';
 import { activeShares, FRAME_PARTS, frameTime, runsOf, TIME_PARTS, timeParts, truthOf, VERDICTS, verdictCounts, type ExperimentDocument, type ExperimentRow, type PaperCell } from '../model/experiment';
-import { colourOf, kindColour } from '../../../../../server/dashboard/src/palette';
+import { colourOf } from '../../../../../server/dashboard/src/palette';
+import { kindColour } from '../palette';
 import { cell, columns, drawTable, text, textCell, type Cell, type Group } from '../table';
 import { sceneName, type Words } from './experiment_words';
 

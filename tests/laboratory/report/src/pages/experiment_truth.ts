@@ -2,7 +2,8 @@
 // regret.
 import { byValue, rangeChart, type RangeRow } from '../charts/range_chart';
 import { details, small, verdict, type Child } from '../dom';
-import { interval, mean, microseconds, percent, probability, share, shareInterval, significant, times } from '../../../../../server/dashboard/src/format';
+import { interval, mean, percent, probability, share, significant, times } from '../../../../../server/dashboard/src/format';
+import { microseconds, shareInterval } from '../format';
 import { regretsByPlayer, replayed, type Agreement, type Comparison, type ExperimentDocument, type Truth } from '../model/experiment';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell, type Group } from '../table';
 import { armChip } from './experiment_cells';

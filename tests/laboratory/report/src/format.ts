@@ -1,0 +1,9 @@
+// Formats the numbers that only the report has.
+import { type Interval, share, significant } from '../../../../server/dashboard/src/format';
+
+export const microseconds = (ns: number) => `${significant(ns * 1e-3)} µs`;
+export const shareInterval = ([low, high]: Interval) => `${share(Math.max(low, 0))} to ${share(Math.max(high, 0))}`;
+
+// Returns "12.2±2.8", both with `decimals` decimals; for a single value only "12.2".
+export const spread = (value: number, deviation: number, count: number, decimals: number) =>
+  (Number.isFinite(value) ? value.toFixed(decimals) + (count > 1 && Number.isFinite(deviation) ? `±${deviation.toFixed(decimals)}` : '') : significant(value));
