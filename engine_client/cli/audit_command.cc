@@ -11,8 +11,6 @@
 namespace sweepstake::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct AuditOptions {
   DaemonOptions daemon;
   AuditSelection selection;

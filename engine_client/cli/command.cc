@@ -126,9 +126,7 @@ void AddJsonFlag(CLI::App& command, bool& json) {
 }
 
 void AddSeedOption(CLI::App& command, uint64_t& seed, const std::string& purpose) {
-  command.add_option("--seed", seed, "Seed of " + purpose)
-      ->check(NotNegative())
-      ->capture_default_str();
+  command.add_option("--seed", seed, "Seed of " + purpose)->check(NotNegative());
 }
 
 CommandContext AddGroup(const CommandContext& context, const std::string& name,

@@ -63,6 +63,7 @@ CLI::App* AddCommand(const CommandContext& context, const std::string& name,
                      const std::function<int(const Options&, Terminal&)>& run) {
   CLI::App* command = context.app.add_subcommand(name, description);
   command->footer("Examples:\n" + examples);
+  command->option_defaults()->always_capture_default();
   // The parser keeps pointers to the options as long as the command exists.
   auto options = std::make_shared<Options>();
   declare(*command, *options);

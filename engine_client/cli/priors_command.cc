@@ -18,8 +18,6 @@
 namespace sweepstake::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct PriorsOptions {
   DaemonOptions daemon;
   std::string project;

@@ -28,7 +28,6 @@
 namespace sweepstake::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Records = std::vector<PriorRecord>;
 
 struct PriorsFileOptions {
@@ -231,10 +230,8 @@ void DeclareFile(CLI::App& command, PriorsFileOptions& options) {
 }
 
 void DeclareMachineClass(CLI::App& command, PriorsFileOptions& options) {
-  command
-      .add_option("--machine-class", options.machine_class,
-                  "Class of the machines that will use the file (default: this machine's)")
-      ->capture_default_str();
+  command.add_option("--machine-class", options.machine_class,
+                     "Class of the machines that will use the file (default: this machine's)");
 }
 
 // Declares two files as positional arguments, and --json.

@@ -328,58 +328,47 @@ void DeclareFlightRecorder(CLI::App& command, FlightRecorderOptions& options) {
       .add_option("--flight-recorder", options.memory_mb,
                   "Memory in MiB for the boxes of the last 5 s, which are written to a file after "
                   "a frame over --frame-budget, for `sweepstake-lab replay --recording`; 0: off")
-      ->check(WholeUpTo(1024))
-      ->capture_default_str();
+      ->check(WholeUpTo(1024));
   command
       .add_option("--frame-budget", options.frame_budget_ms,
                   "Frame time in ms above which the flight recorder writes a file")
-      ->check(RealFrom(0.001, 60'000.0))
-      ->capture_default_str();
+      ->check(RealFrom(0.001, 60'000.0));
   command
       .add_option("--flight-folder", options.directory,
                   "Folder for the files of the flight recorder")
-      ->check(CLI::ExistingDirectory)
-      ->capture_default_str();
+      ->check(CLI::ExistingDirectory);
 }
 
 void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--scene", options.scene.name, "Scene or .aabbs file")->required();
-  command.add_option("--objects", options.scene.object_count, "Object count")
-      ->capture_default_str();
+  command.add_option("--objects", options.scene.object_count, "Object count");
   AddSeedOption(command, options.scene.seed, "the scene and of the decisions");
   command
       .add_option("--mode", options.mode,
                   "ai: the decider chooses the arm; manual: --arm stays active")
-      ->check(OneOf(kModes))
-      ->capture_default_str();
+      ->check(OneOf(kModes));
   command.add_option("--arm", options.arm, "Arm to start with (default: KDTree)");
   AddDaemonOptions(command, options.daemon)->required(false);
   command.add_flag("--embedded", options.embedded, "Decide in this process, without a daemon");
   command.add_option("--priors", options.priors, "Priors file for --embedded");
-  command
-      .add_option("--duration", options.duration, "Duration of the run, such as 500ms, 60s or 15m")
-      ->capture_default_str();
+  command.add_option("--duration", options.duration,
+                     "Duration of the run, such as 500ms, 60s or 15m");
   command
       .add_option("--fps", options.fps,
                   "Maximum frames per second, as with vertical sync; 0: unlimited")
-      ->check(WholeUpTo(1000))
-      ->capture_default_str();
+      ->check(WholeUpTo(1000));
   command.add_option("--policy", options.session.policy, "Policy (default: the decider's)");
   command
       .add_option("--time-scale", options.session.time_scale,
                   "Divides every interval of the decider except the bail-out limit; a daemon must "
                   "allow it with --max-time-scale")
-      ->check(RealFrom(1.0, 1000.0))
-      ->capture_default_str();
-  command.add_option("--project", options.session.project, "Project the priors belong to")
-      ->capture_default_str();
+      ->check(RealFrom(1.0, 1000.0));
+  command.add_option("--project", options.session.project, "Project the priors belong to");
   command.add_option("--scene-name", options.session.scene,
                      "Scene the priors belong to (default: SCENE-OBJECTS)");
   command.add_option("--build", options.session.build, "Build of the game (default: unknown)");
-  command
-      .add_option("--machine-class", options.session.machine_class,
-                  "Class of machines with comparable timings")
-      ->capture_default_str();
+  command.add_option("--machine-class", options.session.machine_class,
+                     "Class of machines with comparable timings");
   command.add_flag("--ignore-priors", options.session.ignore_priors,
                    "Start without priors, from Beta(1,1)");
   command.add_flag("--allow-orders", options.session.allow_operator_orders,
@@ -391,8 +380,7 @@ void Declare(CLI::App& command, RunOptions& options) {
       .add_option("--shadow", options.shadow,
                   "Shadow lane, which measures inactive arms; auto: in mode ai, if a core is free; "
                   "on: in mode manual too")
-      ->check(OneOf(kShadowModes))
-      ->capture_default_str();
+      ->check(OneOf(kShadowModes));
   command.add_option(
       "--csv", options.csv,
       "Folder for frames.csv, switches.csv, posteriors.csv and, with --embedded, decisions.csv");

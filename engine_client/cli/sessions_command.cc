@@ -14,8 +14,6 @@
 namespace sweepstake::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct SessionsOptions {
   DaemonOptions daemon;
   std::string project;

@@ -20,18 +20,15 @@ void Declare(CLI::App& command, BenchOptions& options) {
   AddSceneOptions(command, options.scenes, options.object_counts)->required();
   AddArmsOption(command, options.arms);
   command.add_option("--frames", options.frames, "Measured frames")
-      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}))
-      ->capture_default_str();
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}));
   command.add_option("--warmup", options.warmup, "Frames that run before the measured ones")
-      ->check(WholeUpTo(1'000'000))
-      ->capture_default_str();
+      ->check(WholeUpTo(1'000'000));
   AddSeedOption(command, options.seed, "the scenes");
   command
       .add_option("--threads", options.thread_counts,
                   "Thread counts; every arm is timed with each of them")
       ->delimiter(',')
-      ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
-      ->capture_default_str();
+      ->check(CLI::Range(uint32_t{1}, uint32_t{256}));
   command.add_flag("--cold", options.cold,
                    "Evict the caches before each frame by reading and writing 32 MiB");
   command
@@ -46,8 +43,7 @@ void Declare(CLI::App& command, BenchOptions& options) {
   command
       .add_option("--peer-cap", options.peer_cap_s,
                   "Seconds after which a peer is stopped, per scene and object count")
-      ->check(RealFrom(0.001, 86'400.0))
-      ->capture_default_str();
+      ->check(RealFrom(0.001, 86'400.0));
   AddJsonFlag(command, options.json);
 }
 

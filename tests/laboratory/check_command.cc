@@ -11,8 +11,6 @@
 namespace sweepstake::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr size_t kShownPairs = 4;
 
 struct CheckOptions {
@@ -145,8 +143,7 @@ void AddCheckCommand(const CommandContext& context) {
         AddSceneOptions(command, options.scenes, options.object_counts)->required();
         AddArmsOption(command, options.arms);
         command.add_option("--frames", options.frames, "Frames to check after the first one")
-            ->check(WholeUpTo(1'000'000))
-            ->capture_default_str();
+            ->check(WholeUpTo(1'000'000));
         AddSeedOption(command, options.seed, "the scenes");
         AddJsonFlag(command, options.json);
       },

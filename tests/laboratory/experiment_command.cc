@@ -117,8 +117,7 @@ void Declare(CLI::App& command, CommandOptions& options) {
       .add_option(
           "--time-scale", experiment.time_scale,
           "Divisor of the window and of all intervals of the decider except the bail-out limit")
-      ->check(RealFrom(1.0, 1000.0))
-      ->capture_default_str();
+      ->check(RealFrom(1.0, 1000.0));
   command.add_option("--runs", experiment.run_count, "Runs of each cell and policy (default: 5)")
       ->check(CLI::Range(uint32_t{1}, uint32_t{1000}));
   command
@@ -147,8 +146,7 @@ void Declare(CLI::App& command, CommandOptions& options) {
                   "Games of each policy on each trace (default: 30)")
       ->check(CLI::Range(uint32_t{2}, uint32_t{10'000}));
   command.add_option("--seed", experiment.seed, "Seed from which all other seeds are derived")
-      ->check(NotNegative())
-      ->capture_default_str();
+      ->check(NotNegative());
   command.add_flag("--quick", experiment.quick,
                    "Run only six cells (1000 and 3000 objects) once each, as a quick test");
   AddJsonFlag(command, options.json);

@@ -31,8 +31,7 @@ CLI::Option* AddSceneOptions(CLI::App& command, std::vector<std::string>& scenes
                              std::vector<uint32_t>& object_counts) {
   command.add_option("--objects", object_counts, "Object counts")
       ->delimiter(',')
-      ->check(WholeUpTo(kMaxSceneObjectCount))
-      ->capture_default_str();
+      ->check(WholeUpTo(kMaxSceneObjectCount));
   return command
       .add_option("--scene", scenes,
                   "Scenes, .aabbs files, or groups: all, changing, degenerate, mixtures")
@@ -40,17 +39,13 @@ CLI::Option* AddSceneOptions(CLI::App& command, std::vector<std::string>& scenes
 }
 
 void AddArmsOption(CLI::App& command, std::vector<std::string>& arms) {
-  command.add_option("--arms", arms, "Names of backends, or all")
-      ->delimiter(',')
-      ->capture_default_str();
+  command.add_option("--arms", arms, "Names of backends, or all")->delimiter(',');
 }
 
 void AddSceneChoice(CLI::App& command, SceneChoice& scene) {
   command.add_option("--scene", scene.name, "Scene or .aabbs file")->required();
-  command
-      .add_option("--objects", scene.object_count,
-                  "Object count; ignored for a file, which has its own")
-      ->capture_default_str();
+  command.add_option("--objects", scene.object_count,
+                     "Object count; ignored for a file, which has its own");
   AddSeedOption(command, scene.seed, "spawn and motion");
 }
 

@@ -38,29 +38,22 @@ void Declare(CLI::App& command, LoadOptions& options) {
   LoadPlan& plan = options.plan;
   AddDaemonOptions(command, plan.daemon);
   command.add_option("--streams", plan.stream_count, "Games that play at the same time")
-      ->check(WholeFrom(1, 100'000))
-      ->capture_default_str();
+      ->check(WholeFrom(1, 100'000));
   command
       .add_option("--rate", plan.batches_per_second,
                   "Batches per second of each game; a daemon ends a game that exceeds its "
                   "--max-messages-per-s")
-      ->check(RealFrom(0.01, 1000))
-      ->capture_default_str();
+      ->check(RealFrom(0.01, 1000));
   command.add_option("--frames-per-batch", plan.batch_frames, "Frames in a batch")
-      ->check(WholeFrom(1, 240))
-      ->capture_default_str();
-  command.add_option("--duration", options.duration, "Measured time after all games have begun")
-      ->capture_default_str();
-  command.add_option("--project", plan.project, "Project name that the games send")
-      ->capture_default_str();
+      ->check(WholeFrom(1, 240));
+  command.add_option("--duration", options.duration, "Measured time after all games have begun");
+  command.add_option("--project", plan.project, "Project name that the games send");
   command.add_option("--scenes", plan.scene_count, "Number of scenes; the games use them in turn")
-      ->check(WholeFrom(1, 100'000))
-      ->capture_default_str();
+      ->check(WholeFrom(1, 100'000));
   command
       .add_option("--bail-out-share", plan.bail_out_share,
                   "Share of the batches that are followed by a bail-out, from 0 to 1")
-      ->check(RealFrom(0, 1))
-      ->capture_default_str();
+      ->check(RealFrom(0, 1));
   command
       .add_option("--server-pid", plan.server_pid,
                   "Process id of a daemon on this machine, to measure its CPU time")

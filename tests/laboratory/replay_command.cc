@@ -83,13 +83,10 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
           "--policy", request.policies,
           "Policies, or all of them; fixed (each arm without switches), fixed:ARM, oracle (the "
           "best sequence of arms)")
-      ->delimiter(',')
-      ->capture_default_str();
+      ->delimiter(',');
   command.add_option("--seeds", study.seed_count, "Games of each policy on each trace")
-      ->check(CLI::Range(uint32_t{1}, uint32_t{100'000}))
-      ->capture_default_str();
-  command.add_option("--run", request.run, "Virtual time of a game if it uses the best fixed arm")
-      ->capture_default_str();
+      ->check(CLI::Range(uint32_t{1}, uint32_t{100'000}));
+  command.add_option("--run", request.run, "Virtual time of a game if it uses the best fixed arm");
   command
       .add_option("--pass", request.passes,
                   "Virtual time of one pass through the trace (default: the run), for all traces "
@@ -105,34 +102,28 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command
       .add_option("--lane-bias", errors.bias_deviation,
                   "Standard deviation of that ratio's logarithm between arms; random in each game")
-      ->check(CLI::Range(0.0, 2.0))
-      ->capture_default_str();
+      ->check(CLI::Range(0.0, 2.0));
   command
       .add_option("--lane-noise", errors.noise_deviation,
                   "Standard deviation of the logarithm of the times of one arm's visits")
-      ->check(CLI::Range(0.0, 2.0))
-      ->capture_default_str();
+      ->check(CLI::Range(0.0, 2.0));
   command
       .add_option("--lane-spikes", errors.spike_ratio,
                   "Share of visits that are interrupted (Pareto, shape 1.5)")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+      ->check(CLI::Range(0.0, 1.0));
   command
       .add_option("--lane-contention", errors.contention_ratio,
                   "Frame time during a visit of the lane ÷ frame time without one")
-      ->check(CLI::Range(1.0, 10.0))
-      ->capture_default_str();
+      ->check(CLI::Range(1.0, 10.0));
   command
       .add_option("--frame-load", study.frame_load.ratio,
                   "Frame time with other work on the frame thread's core ÷ without it; not counted "
                   "in the regret")
-      ->check(CLI::Range(1.0, 100.0))
-      ->capture_default_str();
+      ->check(CLI::Range(1.0, 100.0));
   command
       .add_option("--frame-load-share", study.frame_load.share,
                   "Share of the time with that work, in stretches of 10 s on average")
-      ->check(CLI::Range(0.001, 0.999))
-      ->capture_default_str();
+      ->check(CLI::Range(0.001, 0.999));
   command
       .add_option(
           "--priors", request.priors,
@@ -140,11 +131,9 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
           "reversed "
           "(wrong), on another class of machines (class), or of all other traces (scenes; none if "
           "there is only one trace)")
-      ->check(OneOf(kReplayPriorsNames))
-      ->capture_default_str();
+      ->check(OneOf(kReplayPriorsNames));
   command.add_option("--threads", study.thread_count, "Games played in parallel")
-      ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
-      ->capture_default_str();
+      ->check(CLI::Range(uint32_t{1}, uint32_t{256}));
   AddJsonFlag(command, options.json);
 }
 

@@ -12,8 +12,6 @@ namespace sweepstake::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr uint32_t kMaxFrames = 200'000;
 
 struct TraceCommandOptions {
@@ -124,15 +122,13 @@ void Declare(CLI::App& command, TraceCommandOptions& options) {
   AddSceneOptions(command, options.scenes, options.object_counts);
   AddArmsOption(command, options.arms);
   command.add_option("--frames", options.frames, "Frames of the trace")
-      ->check(CLI::Range(kBurstFrames, kMaxFrames))
-      ->capture_default_str();
+      ->check(CLI::Range(kBurstFrames, kMaxFrames));
   AddSeedOption(command, options.seed, "the scenes");
   command
       .add_option("--repeats", options.repeats,
                   "Runs of the scene; the trace contains the lower quartiles over the runs, to "
                   "exclude disturbances")
-      ->check(CLI::Range(uint32_t{1}, uint32_t{99}))
-      ->capture_default_str();
+      ->check(CLI::Range(uint32_t{1}, uint32_t{99}));
   command.add_option("--out", options.out,
                      "File to write, or a folder if there are several scenes or object counts");
   command.add_option("--costs", options.costs, "Show these traces instead of making one")

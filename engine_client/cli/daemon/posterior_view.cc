@@ -17,8 +17,6 @@
 namespace sweepstake::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr int kBarWidth = 30;
 constexpr double kMsPerNs = 1e-6;
 constexpr std::array kShares = {0.5, 0.95, 0.99};

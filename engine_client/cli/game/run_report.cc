@@ -14,8 +14,6 @@
 namespace sweepstake::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::array kReasons = {SwitchReason::kPolicy, SwitchReason::kExploration,
                                  SwitchReason::kBailOut, SwitchReason::kManual};
 

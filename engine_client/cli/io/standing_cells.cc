@@ -30,8 +30,7 @@ std::string StandingLegend() {
          "the evidence\n";
 }
 
-void AddStanding(const std::optional<ArmStanding>& standing, nlohmann::ordered_json& document) {
-  using Json = nlohmann::ordered_json;
+void AddStanding(const std::optional<ArmStanding>& standing, Json& document) {
   const bool has_ratio = standing && standing->cost_ratio;
   document["cost_ratio"] = has_ratio ? Json(standing->cost_ratio->median) : Json();
   document["cost_ratio_95"] =

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/priors/priors_text.h"
 #include "engine_client/decider/pooling/source_prior.h"
@@ -13,7 +14,6 @@ namespace {
 using decision::PriorsGroup;
 using decision::PriorsGroupKey;
 using decision::PriorsGroups;
-using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kDayS = 86'400;
 constexpr uint64_t kOldDays = 180;

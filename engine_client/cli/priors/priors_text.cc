@@ -12,8 +12,6 @@ using decision::ArmComparison;
 using decision::PriorsArm;
 using decision::PriorsGroups;
 using decision::SceneComparison;
-using Json = nlohmann::ordered_json;
-
 std::string RatioText(const std::optional<PriorsArm>& arm) {
   const std::optional<double> ratio = RatioOf(arm);
   return ratio ? Fixed(*ratio, 2) : "-";

@@ -184,8 +184,6 @@ void AddSimd(const BenchReport& report, const BenchRow& ours, std::vector<BenchR
   }
 }
 
-using Json = nlohmann::ordered_json;
-
 Json NameOrNull(const std::string& name) { return name.empty() ? Json() : Json(name); }
 
 const char* KindName(ContestantKind kind) { return kind == ContestantKind::kArm ? "arm" : "peer"; }

@@ -14,8 +14,6 @@
 namespace sweepstake::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr int kPasses = 3;
 
 // One frame in the recorder's notes, as engine_client/telemetry/common/flight_notes.cc writes it.

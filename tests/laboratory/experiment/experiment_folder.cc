@@ -1,9 +1,9 @@
 #include "tests/laboratory/experiment/experiment_folder.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "engine_client/cli/io/json_output.h"
 #include "engine_client/decider/options.h"
 #include "sweepstake/machine_class.h"
 #include "tests/laboratory/game/machine.h"
@@ -29,8 +29,6 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord, cell, policy, run, seed, initial_a
                                    warm_switch_count, dropped_frame_count)
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kManifestName = "manifest.json";
 constexpr DocumentFormat kFormat{.name = "sweepstake-experiment",

@@ -19,8 +19,6 @@ namespace sweepstake::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 // A chart of a run's posteriors is about 200 pixels wide, so more points would not be visible.
 constexpr size_t kMaxPosteriorPoints = 50;
 

@@ -15,7 +15,6 @@
 namespace sweepstake::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using decision::AuditDifference;
 using decision::AuditReport;
 

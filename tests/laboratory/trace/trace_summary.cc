@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <utility>
 
+#include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/statistics.h"
 #include "engine_client/cli/io/text_table.h"
 
 namespace sweepstake::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json ArmJson(const TracedArm& arm, const TracedArmSummary& summary) {
   return {{"arm", arm.name},

@@ -15,7 +15,6 @@
 namespace sweepstake::cli {
 namespace {
 
-using Json = nlohmann::json;
 using test_support::MakeRecord;
 using testing::HasSubstr;
 using testing::Not;
@@ -101,22 +100,22 @@ const ExperimentReport& AssessedReport() {
   return report;
 }
 
-Json TruthDocument(const ExperimentReport& report) {
+nlohmann::json TruthDocument(const ExperimentReport& report) {
   std::ostringstream out;
   PrintExperimentJson(report, "out", out);
-  return Json::parse(out.str());
+  return nlohmann::json::parse(out.str());
 }
 
 TEST(ExperimentJson, HoldsEveryRowAndRun) {
   const ExperimentReport& report = AssessedReport();
-  const Json document = TruthDocument(report);
+  const nlohmann::json document = TruthDocument(report);
   EXPECT_EQ(document["command"], "experiment");
   EXPECT_EQ(document["folder"], "out");
   EXPECT_EQ(document["complete"], false);
   EXPECT_EQ(document["finished_runs"], 5);
   EXPECT_EQ(document["planned_runs"], 8);
   ASSERT_EQ(document["rows"].size(), 3U);
-  const Json& row = document["rows"][0];
+  const nlohmann::json& row = document["rows"][0];
   EXPECT_EQ(row["dominance"], "KDTree 1/2; SAP 1/2");
   EXPECT_EQ(row["truly_fastest"], "KDTree");
   EXPECT_EQ(row["dominant_runs"][1]["runs"], 1);
@@ -125,8 +124,8 @@ TEST(ExperimentJson, HoldsEveryRowAndRun) {
 }
 
 TEST(ExperimentJson, HoldsWhatTheChartsOfARunAreDrawnFrom) {
-  const Json document = TruthDocument(AssessedReport());
-  const Json& run = document["runs"][0];
+  const nlohmann::json document = TruthDocument(AssessedReport());
+  const nlohmann::json& run = document["runs"][0];
   EXPECT_EQ(run["dominant"], "KDTree");
   ASSERT_EQ(run["periods"].size(), 5U);
   EXPECT_EQ(run["periods"][0]["reason"], "");
@@ -134,7 +133,8 @@ TEST(ExperimentJson, HoldsWhatTheChartsOfARunAreDrawnFrom) {
   EXPECT_EQ(run["periods"].back()["to_s"], run["end_s"]);
   ASSERT_EQ(run["bail_outs"].size(), 1U);
   EXPECT_EQ(run["bail_outs"][0]["arm"], 1);
-  EXPECT_EQ(run["held_back_s"], (Json{5.0, 105.0})) << "another arm was the candidate twice";
+  EXPECT_EQ(run["held_back_s"], (nlohmann::json{5.0, 105.0}))
+      << "another arm was the candidate twice";
   ASSERT_EQ(run["posteriors"].size(), 3U);
   EXPECT_NEAR(run["posteriors"][2]["means"][1].get<double>(), 0.9, 1e-12);
   EXPECT_EQ(run["verdicts"]["stable"], 2) << "the exploration's decision is left out";
@@ -150,15 +150,15 @@ TEST(ExperimentJson, ThinsLongPosteriorsAndKeepsTheirEnd) {
     record.decisions.back().time_s += i;
   }
   report.cells = SummarizeCells(report.plan, report.records);
-  const Json points = TruthDocument(report)["runs"][0]["posteriors"];
+  const nlohmann::json points = TruthDocument(report)["runs"][0]["posteriors"];
   EXPECT_LE(points.size(), 51U);
   EXPECT_EQ(points.back()["time_s"], last.time_s + 997);
 }
 
 TEST(ExperimentJson, HoldsTheTruthWhereThereIsOne) {
-  const Json document = TruthDocument(AssessedReport());
+  const nlohmann::json document = TruthDocument(AssessedReport());
   ASSERT_EQ(document["truths"].size(), 1U);
-  const Json& truth = document["truths"][0];
+  const nlohmann::json& truth = document["truths"][0];
   EXPECT_EQ(truth["cell"], "brownian-1000");
   EXPECT_EQ(truth["ranking"][0]["arm"], "KDTree");
   EXPECT_EQ(truth["agreements"].size(), 2U);
