@@ -179,7 +179,8 @@ TEST_F(AutomaticBackupTest, WithoutAnIntactBackupNothingIsChanged) {
   Damage(path_);
   const absl::Status status = OpenStoreOrBackup(path_).status();
   EXPECT_TRUE(absl::IsDataLoss(status)) << status;
-  EXPECT_THAT(std::string(status.message()), HasSubstr("no undamaged backup priors.db.backup-TIME"));
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr("no undamaged backup priors.db.backup-TIME"));
   EXPECT_EQ(CountFiles("quarantine"), 0u);
   EXPECT_EQ(CountFiles("restored"), 0u);
 }
