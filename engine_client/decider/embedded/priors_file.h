@@ -20,9 +20,9 @@
 // An arm is written as NAME/BACKEND_VERSION. A build has three items:
 // - the time when one of its sources learnt last, in seconds since 1970 (0: unknown)
 // - one cell per arm for the frame thread
-// - one cell per arm for the lane A cell has the increments of alpha and beta (five digits), the
-//   number of windows or visits, and the number of bail-outs if there are any. It is null without
-//   evidence. The checksum covers the content of "scenes"; white space does not change it.
+// - one cell per arm for the lane
+// A cell has the increments of alpha and beta (five digits), the number of windows or visits, and
+// any bail-outs; null: no evidence. The checksum covers "scenes" apart from white space.
 //
 // Limits: 128 MiB, 200,000 records, 1,000,000 sums, 128 bytes per name. An error is one line. It
 // names the record, or the scene of sums, by its index from 0. Its code is kNotFound (no such file)

@@ -116,8 +116,8 @@ Choice ChoiceOf(uint32_t arm);
 // - at the first tick after each whole cooldown since the last switch; before the first switch,
 //   cooldowns count from the session's start
 // - at the session's first tick
-// - after a bail-out If the session holds a choice back because of settling or missing frames, the
-//   next choice still comes a whole cooldown later.
+// - after a bail-out
+// If settling or missing frames hold a choice back, the next one comes a whole cooldown later.
 bool IsTimeToChoose(const ChoiceInput& input, int64_t cooldown_ns);
 
 }  // namespace sweepstake::decision

@@ -81,18 +81,18 @@ class DecisionSession {
   // - frames of another switch epoch or arm than the active one
   // - settling frames
   // - paused or loading frames
-  // - frames over the bail-out limit Frames of a later epoch than the active one begin that epoch's
-  //   settling (see the first comment).
+  // - frames over the bail-out limit
+  // Frames of a later epoch than the active one begin its settling (see the first comment).
   void ObserveFrames(std::span<const FrameSample> frames);
 
   // Processes a frame over the bail-out limit at once (paper §6.3). The arm is blamed if all of
   // this holds:
   // - the mode is AI and the arm is known
   // - the frame is longer than options.bail_out_ns or has kFrameBailOut
-  // - detection takes at least half of the frame, which is neither paused nor loading; the policy
-  //   `paper` does not require this If the arm is not blamed, the frame is recorded without an
-  //   increment and without a command. The frame may also be passed to ObserveFrames. REQUIRES:
-  //   called at most once per frame index.
+  // - detection takes at least half of the frame, which is neither paused nor loading (the policy
+  //   `paper` does not require this)
+  // Otherwise the frame is recorded without an increment and a command. It may also be passed to
+  // ObserveFrames. REQUIRES: called at most once per frame index.
   Decision ObserveBailOut(const FrameSample& frame, int64_t now_ns);
   // Returns whether ObserveBailOut would store evidence for this frame at this time. A frame with
   // kFrameNoEvidence is never stored; this function does not check that flag.

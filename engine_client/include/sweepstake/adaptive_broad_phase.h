@@ -23,10 +23,10 @@
 // A decider may command a trial. A trial ends early if the new arm is too expensive. There are two
 // cases:
 // - two searches in a row exceed the longest recent search of the previous arm by too much
-// - all searches together exceed the previous arm's mean by too much (SwitchCommand) The next frame
-//   then runs the previous arm again, without a command, and the outcome reports that. A trial
-//   lasts for twice the settling time. Its first frames, and paused and loading frames, do not
-//   count towards that time and do not end it. Frames that rebuild count, but do not end it.
+// - all searches together exceed the previous arm's mean by too much (SwitchCommand)
+// The next frame then runs the previous arm again, without a command, and the outcome reports that.
+// A trial lasts for twice the settling time. Its first frames, and paused and loading frames, do
+// not count towards that time and do not end it. Frames that rebuild count, but do not end it.
 #pragma once
 
 #include <atomic>

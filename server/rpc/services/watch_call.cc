@@ -129,9 +129,10 @@ Rpc RpcOf(events::Kind kind) {
       return RpcOf("PosteriorsService/WatchPosteriors");
     case events::Kind::kSessions:
       return RpcOf("SessionsService/WatchSessions");
-    default:
-      return RpcOf("SessionsService/WatchBoxes");
+    case events::Kind::kBoxes:
+      break;
   }
+  return RpcOf("SessionsService/WatchBoxes");
 }
 
 void BeginWatch(ServiceContext& context, events::Wish wish, const Caller& caller,
