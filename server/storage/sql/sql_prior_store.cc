@@ -316,6 +316,10 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
   Ids begun;
   for (const SourceUpdate& update : updates) {
     Source& source = sources->at(update.progress.source_id);
+    if (source.revoked) {  // its evidence does not count, but its decisions are logged
+      if (!update.audit.rows.empty()) audited.push_back(&update);
+      continue;
+    }
     const auto is_new = Advance(source, update);
     if (!is_new.ok()) return is_new.status();
     if (!*is_new) continue;
@@ -346,7 +350,6 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
 }
 
 absl::StatusOr<bool> SqlPriorStore::Advance(Source& source, const SourceUpdate& update) const {
-  if (source.revoked) return false;
   const auto& [writer, resumed_sequence] = update.writer;
   if (database_->shared() && writer != source.writer && writer != 0 &&
       resumed_sequence != source.commit_sequence) {

@@ -89,6 +89,14 @@ TEST_P(AuditConformance, RowsThatAreAlreadyStoredAreIgnored) {
   EXPECT_EQ(store_->lost_audit_row_count(), 0u);
 }
 
+TEST_P(AuditConformance, RowsOfARevokedSourceAreStored) {
+  ASSERT_TRUE(Append("a", Rows(1, 1, 2)).ok());
+  ASSERT_TRUE(store_->Revoke({.id = "a"}, false).ok());
+  ASSERT_TRUE(Append("a", Rows(1, 3, 1)).ok());
+  ASSERT_TRUE(Append("a", Rows(1, 3, 1)).ok()) << "sent again";
+  EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/2", "1/3"}));
+}
+
 TEST_P(AuditConformance, ASegmentContinuesAfterLostRows) {
   ASSERT_TRUE(Append("a", Rows(1, 1, 2)).ok());
   ASSERT_TRUE(Append("a", Rows(1, 6, 1)).ok());
