@@ -195,6 +195,10 @@ absl::Status AccessControl::CheckStill(const auth::Principal& caller) const {
 
 absl::Status CheckProject(const auth::Principal& caller, std::string_view project) {
   if (caller.MayUse(project)) return absl::OkStatus();
+  if (project.empty()) {
+    return Refused(v1::ERROR_REASON_NOT_ALLOWED,
+                   "this token is valid for certain projects only; name one of them (--project)");
+  }
   return Refused(
       v1::ERROR_REASON_NOT_ALLOWED,
       absl::StrCat("this token is not valid for the project ", text::PrintableLine(project),
