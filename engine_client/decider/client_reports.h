@@ -1,6 +1,5 @@
-// Reports of a client to a decider over a connection, beside those of frame_sample.h, and their
-// limits.
-// telemetry.proto describes their fields.
+// Reports of a client to a decider over a connection, beside those of frame_sample.h, and limits of
+// the protocol. telemetry.proto describes the fields.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +13,7 @@ namespace sweepstake::protocol {
 inline constexpr uint32_t kVersion = 1;  // daemons refuse clients with another version
 inline constexpr uint32_t kMaxBatchFrames = 240;
 inline constexpr uint32_t kMaxMessageBytes = 256 * 1024;  // a longer message is RESOURCE_EXHAUSTED
+inline constexpr uint32_t kRecordsPerMessage = 200;       // of evidence, in an import or an export
 
 // Consecutive frames. Their index and pair count are not sent.
 struct FrameBatch {

@@ -8,6 +8,7 @@
 #include "engine_client/cli/daemon/daemon_client.h"
 #include "engine_client/cli/io/whole_file.h"
 #include "engine_client/decider/audit/audit_csv.h"
+#include "engine_client/decider/client_reports.h"
 #include "engine_client/telemetry/conversion/audit_conversion.h"
 #include "engine_client/telemetry/conversion/proto_conversion.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
@@ -17,9 +18,6 @@
 
 namespace sweepstake::cli {
 namespace {
-
-// Maximum number of records in one message of the protocol.
-constexpr size_t kRecordsPerMessage = 200;
 
 template <typename Request>
 Request RequestOf(const std::string& project, const std::string& scene) {
@@ -164,7 +162,7 @@ Result<ImportCounts> ImportPriors(const DaemonOptions& daemon,
   std::span<const PriorRecord> records = all_records;
   const auto writer = stub->ImportPriors(&context, &response);
   while (!records.empty()) {
-    const auto part = records.first(std::min(kRecordsPerMessage, records.size()));
+    const auto part = records.first(std::min<size_t>(protocol::kRecordsPerMessage, records.size()));
     records = records.subspan(part.size());
     v1::ImportPriorsRequest request;
     request.set_promote(promote);

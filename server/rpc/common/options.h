@@ -28,7 +28,7 @@ inline constexpr double kMaxTimeScale = 1000;
 using protocol::kMaxMessageBytes;
 // Number of evidence records per message of an export. An import message with more records is
 // INVALID_ARGUMENT.
-inline constexpr uint32_t kRecordsPerMessage = 200;
+using protocol::kRecordsPerMessage;
 // Maximum number of records of one import. All imports under way may together have twice this
 // number. More records are RESOURCE_EXHAUSTED.
 inline constexpr uint32_t kMaxImportRecords = 200'000;
