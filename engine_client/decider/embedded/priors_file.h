@@ -8,8 +8,8 @@
 // sweepstake.v1.PriorRecord in snake_case. These fields may be absent:
 // - measured_by, machine_class and build: empty
 // - counts: 0
-// - is_quarantined: false Every other field is required. An unknown field is an error, because a
-//   misspelt optional field would otherwise silently change the key.
+// - is_quarantined: false
+// Every other field is required. An unknown one is an error: a misspelt field would change the key.
 //
 // "scenes" has the sums of builds (priors_sums.h), which games ship. It is small enough for a
 // repository. It has one line per scene and machine class, followed by one line per build of the

@@ -10,16 +10,19 @@ PooledScene PoolScene(std::span<const VersionEvidence> versions) {
   double window_count = 0;
   for (const VersionEvidence& version : versions) {
     scene.arms.push_back({version.arm, version.backend_version, {}});
-    scene.pooled.push_back(PoolEvidence({&version.evidence, 1}).front());
     if (version.evidence.bail_out_count > 0) continue;
     evidence += version.evidence.live.evidence();
     window_count += static_cast<double>(version.evidence.window_count);
   }
   if (window_count > 0) scene.window_evidence = evidence / window_count;
+  scene.pooled.resize(versions.size());
   for (size_t i = 0; i < versions.size(); ++i) {
-    if (IsOutdated(scene.arms[i], scene.arms)) continue;
-    places.push_back(i);
-    newest.push_back(versions[i].evidence);
+    if (IsOutdated(scene.arms[i], scene.arms)) {
+      scene.pooled[i] = PoolEvidence({&versions[i].evidence, 1}).front();
+    } else {
+      places.push_back(i);
+      newest.push_back(versions[i].evidence);
+    }
   }
   const std::vector<EvidenceSum> together = PoolEvidence(newest);
   for (size_t i = 0; i < places.size(); ++i) scene.pooled[places[i]] = together[i];

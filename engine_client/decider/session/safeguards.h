@@ -64,7 +64,7 @@ class SwitchGate {
   // - the client refuses the command
   // - the command counts as lost: at the second or a later tick after it, when kCommandPatienceNs
   //   have passed, and the latest interval brought frames of the old epoch but none of a later one
-  //   After a loss, the next candidate other than the active arm is commanded.
+  // After a loss, the next candidate other than the active arm is commanded.
   void OnCommand(int64_t now_ns);
   void OnExecuted(int64_t executed_ns);
   void OnRefused() { ticks_since_command_.reset(); }
