@@ -191,10 +191,10 @@ void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
       << report.options.seed_count
       << " seeds and its 95 % interval. after_start leaves out the first minute and the "
          "exploration. vs_oracle compares\nwith the oracle, the best sequence of arms including "
-         "its switches. Headroom is the gain of the oracle over\nthe best fixed arm, and captured "
-         "the "
-         "policy's share of it. share is the time on the dominant arm. The noise\nfloor is the "
-         "difference of two measurements of one arm.\n";
+         "its switches. Headroom is the oracle's gain over the\nbest fixed arm. Column captured is "
+         "the policy's gain over the best fixed arm, in percent of the\nheadroom. share is the "
+         "time on the dominant arm. The noise floor is the difference of two measurements\nof one "
+         "arm.\n";
 }
 
 void PrintReplayJson(const ReplayReport& report, std::ostream& out) {

@@ -26,7 +26,7 @@ Result<ReplayPlayer> FixedPlayer(const std::string& word, std::span<const std::s
   const auto found = std::find(arms.begin(), arms.end(), name);
   if (found == arms.end()) {
     const std::vector<std::string_view> valid(arms.begin(), arms.end());
-    return Invalid(text::UnknownName("arm of the traces", name, valid));
+    return Invalid(text::UnknownName("traced arm", name, valid));
   }
   return ReplayPlayer{.name = word,
                       .kind = ReplayPlayer::Kind::kFixed,
@@ -106,7 +106,7 @@ Result<std::vector<double>> LaneRatios(const ReplayRequest& request,
     const auto arm = std::find(arms.begin(), arms.end(), name);
     if (arm == arms.end()) {
       const std::vector<std::string_view> valid(arms.begin(), arms.end());
-      return Invalid(text::UnknownName("arm of the traces", name, valid));
+      return Invalid(text::UnknownName("traced arm", name, valid));
     }
     double ratio = 0;
     const auto read = std::from_chars(text.data(), text.data() + text.size(), ratio);

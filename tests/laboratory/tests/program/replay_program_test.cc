@@ -1,4 +1,4 @@
-// `sweepstake-lab replay` as scripts use it, on a trace that `sweepstake-lab trace` made.
+// Tests `sweepstake-lab replay` as scripts use it, on a trace from `sweepstake-lab trace`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -102,7 +102,7 @@ TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"--costs " + Costs() + " --pass 1m,2m,3m", "--pass has 3 durations for 1 traces"},
       {"--costs " + Costs() + " --pass soon", "'soon' is not a duration"},
       {"--costs " + Costs() + " --policy pape", "must be one of paper, default, "},
-      {"--costs " + Costs() + " --policy fixed:KDTree", "unknown arm of the traces 'KDTree'"},
+      {"--costs " + Costs() + " --policy fixed:KDTree", "unknown traced arm 'KDTree'"},
       {"--costs " + Costs() + " --run 1", "'1' is not a duration"},
       {"--costs " + Costs() + " --priors wright",
        "--priors: unknown value 'wright', must be one of right, none"},

@@ -1,4 +1,4 @@
-// The plan that `sweepstake-lab replay` makes from its options.
+// Tests the plan that `sweepstake-lab replay` makes from its options.
 #include "tests/laboratory/replay/replay_study.h"
 
 #include <gmock/gmock.h>
@@ -133,8 +133,7 @@ TEST(ReplayPlayers, SayWhatIsValid) {
   };
   EXPECT_THAT(message({"pape"}), HasSubstr("must be one of paper, default, "));
   EXPECT_THAT(message({"pape"}), HasSubstr("all, fixed, fixed:ARM, oracle"));
-  EXPECT_THAT(message({"fixed:Octree"}),
-              HasSubstr("unknown arm of the traces 'Octree', must be one of "));
+  EXPECT_THAT(message({"fixed:Octree"}), HasSubstr("unknown traced arm 'Octree', must be one of "));
   EXPECT_THAT(message({"fixed:Sap"}), testing::EndsWith("'Sap', must be one of SAP, Grid"));
   const auto players = ReplayPlayers(std::vector<std::string>{"fixed", "oracle", "paper"}, arms);
   ASSERT_EQ(players->size(), 4U);
