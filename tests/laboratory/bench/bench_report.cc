@@ -45,8 +45,8 @@ struct Speedup {
   double mean;
 };
 
-// Compares two contestants on the frames that the one with fewer measured frames has measured.
-// Returns nothing if the two have no frame in common.
+// Compares two contestants on the measured frames of the contestant that has fewer of them. Returns
+// nothing if the two have no frame in common.
 std::optional<Speedup> SpeedupOver(const BenchRow& ours, const BenchRow& other) {
   const bool ours_is_shorter = ours.frame_count < other.frame_count;
   const Steps measured = MeasuredBy(ours_is_shorter ? ours : other);
@@ -145,7 +145,7 @@ bool IsNearLinear(std::string_view family) {
   return family == "Grid" || family == "DBVT" || family == "Tracy" || family == "KDTree";
 }
 
-// Compares the time per object at 1,000,000 objects to that at 10,000 objects of the same scene.
+// Compares the times per object at 1,000,000 and at 10,000 objects of the same scene.
 void AddGrowth(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
   constexpr uint32_t kFrom = 10'000;
   constexpr uint32_t kTo = 1'000'000;

@@ -31,7 +31,7 @@ struct BenchOptions {
   std::vector<uint32_t> thread_counts{1};
   bool cold = false;  // caches are evicted before each frame (scene_timing.h)
   // Instruction sets to measure each arm with: `all` or some of SimdTargets() (simd.h), or empty
-  // for SimdTarget(). In a report: those that were measured, the best first.
+  // for SimdTarget(). In a report: the measured instruction sets, the best first.
   std::vector<std::string> simd;
   bool peers = false;
   double peer_cap_s = 5;  // maximum total time of one peer in one cell
@@ -63,19 +63,19 @@ struct BenchRow : TimeSummary {
   // The first frame with wrong pairs and what is wrong; empty if all are right.
   std::string difference;
   std::string note;             // why fewer frames were measured; else empty
-  uint64_t first_step = 0;      // the scene's step of step_ms[0]
+  uint64_t first_step = 0;      // number of the scene's step in step_ms[0]
   std::vector<double> step_ms;  // time per step, warm-up included
 };
 
 enum class RatioKind {
-  kFamily,   // an arm and the best peer of its family
-  kOverall,  // the best arm and the best of all peers
-  kGrowth,   // time per object at the largest count and at 10,000 objects
-  kThreads,  // one thread and several
-  kSpike,    // the 99th percentile frame and the median
-  kSimd,     // an instruction set and the next better one that was measured
+  kFamily,   // compares an arm with the best peer of its family
+  kOverall,  // compares the best arm with the best of all peers
+  kGrowth,   // compares the times per object at 1,000,000 and 10,000 objects
+  kThreads,  // compares several threads with one thread
+  kSpike,    // compares the 99th percentile of the frame times with the median
+  kSimd,     // compares an instruction set with the next better measured set
 };
-// The names in JSON, by RatioKind.
+// The names of the kinds in JSON, indexed by RatioKind.
 inline constexpr const char* kRatioKindNames[] = {"family",  "overall", "growth",
                                                   "threads", "spike",   "simd"};
 
@@ -91,7 +91,7 @@ struct BenchRatio {
   std::string family;  // the family of `ours`
   std::string ours;    // the arm
   std::string simd;    // the arm's instruction set
-  std::string other;   // the peer, or the other side in words
+  std::string other;   // name of the peer, or words such as "1 thread"
   uint32_t thread_count = 1;
   double value = 0;
   std::optional<double> value_mean;  // computed from means instead of medians
@@ -117,8 +117,8 @@ struct BenchReport {
   std::vector<BenchSpeedup> speedups;  // one per arm and peer of a cell
 };
 
-// Returns the comparisons of the report's rows. Rows with a difference are left out. Both functions
-// are pure and safe from any thread.
+// Returns the comparisons of the report's rows. Leaves out rows with a `difference`. RatiosOf and
+// SpeedupsOf are pure and safe from any thread.
 std::vector<BenchRatio> RatiosOf(const BenchReport& report);
 
 // Returns how many times faster each arm is than each peer of its cell, with one thread each.

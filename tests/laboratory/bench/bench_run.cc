@@ -127,8 +127,8 @@ class CellRun {
     }
   }
 
-  // Compares the pairs of a contestant with those of the first row, which belongs to an arm.
-  // `sweepstake-lab check` tests whether the arms themselves are correct.
+  // Returns the first step in which `found` has other pairs than `right`, in words; empty if none.
+  // `right` belongs to an arm; `sweepstake-lab check` tests whether the arms are correct.
   std::string DifferenceFrom(const ContestantTiming& right, const ContestantTiming& found) const {
     for (size_t i = 0; i < found.step_pairs.size(); ++i) {
       if (found.step_pairs[i] == right.step_pairs[i]) continue;
@@ -209,9 +209,9 @@ Status RunCell(const SceneChoice& choice, const std::vector<std::string>& arms,
   return {};
 }
 
-// Returns the instruction sets that `names` lists (or all of them for `all`) without repetitions,
-// the best first, and selects the best one. An empty list means the instruction set in use. Errors:
-// those of UseSimdTarget.
+// Returns the instruction sets in `names` (all sets for `all`) without repetitions, the best first,
+// and selects the best one. For an empty list, returns the instruction set in use. Errors: those of
+// UseSimdTarget.
 Result<std::vector<std::string>> ChooseSimd(const std::vector<std::string>& names) {
   if (names.empty()) return std::vector<std::string>{std::string(SimdTarget())};
   const auto usable = SimdTargets();

@@ -36,7 +36,7 @@ class ShownBoxes {
 
  private:
   std::vector<Aabb> boxes_;
-  std::vector<uint32_t> ids_;  // empty if all boxes are shown
+  std::vector<uint32_t> ids_;  // indices of the passed boxes; empty if all are passed
 };
 
 // Evicts all other data from the caches by reading and writing its own memory.
@@ -55,7 +55,7 @@ double MillisecondsSince(steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
 }
 
-// Wakes all threads of the executor: returns once each of them has begun a part.
+// Wakes all threads of the executor. Returns when each of them has begun a part of a job.
 void Wake(Executor* executor) {
   if (executor == nullptr) return;
   struct Barrier {

@@ -3,11 +3,11 @@
 //
 // All broad phases see the same frames in the same run. They take turns in blocks of up to 20
 // frames, and the order rotates from block to block. A disturbance of the machine therefore affects
-// all of them alike, and each still runs with the warm caches that it would have alone. Before each
-// measured call, the boxes are written to memory and the threads of the executor are woken, as in a
-// game that has just moved its objects in parallel jobs. In a cold run, 32 MiB of other memory are
-// read and written before that, as the rest of a game's frame might do. This evicts the data of the
-// broad phase from the caches of one core.
+// all of them alike. Each broad phase still has warm caches within its block, as if it ran alone.
+// Before each measured call, the boxes are written to memory and the threads of the executor are
+// woken, as in a game that has just moved its objects in parallel jobs. In a cold run, 32 MiB of
+// other memory are read and written before that, as the rest of a game's frame might do. This
+// evicts the data of the broad phase from the caches of one core.
 //
 // Not thread-safe. Times in milliseconds of the steady clock. Memory: up to 32 MiB of boxes, and
 // 32 bytes per frame and broad phase.
@@ -39,8 +39,8 @@ struct Contestant {
   // If true, only valid boxes (aabb.h) are passed to the contestant, and the ids of its pairs are
   // mapped back afterwards.
   bool valid_boxes_only = false;
-  // The instruction set of this contestant for the whole run: one of SimdTargets(). Empty: the one
-  // that is chosen when the run begins.
+  // The instruction set of this contestant for the whole run: one of SimdTargets(). Empty: the set
+  // in use when the run begins.
   std::string simd{};
 };
 
@@ -48,10 +48,10 @@ struct Contestant {
 struct ContestantTiming {
   std::vector<double> step_ms;              // one per step
   std::vector<PairFingerprint> step_pairs;  // one per step
-  uint64_t measured_count = 0;              // number of measured steps, the last ones
+  uint64_t measured_count = 0;              // number of measured steps; they are the last steps
   bool capped = false;
   double aabb_checks_mean = 0;    // per measured frame
-  uint64_t bytes = 0;             // of the broad phase, maximum over the measured frames
+  uint64_t bytes = 0;             // memory of the broad phase, maximum over the measured frames
   uint64_t bytes_with_pairs = 0;  // `bytes` plus the pair buffer
 };
 

@@ -11,8 +11,8 @@
 
 namespace sweepstake::cli {
 
-// The JSON library finds these functions by the structs' namespace. The field names are those of
-// the file.
+// Defines the JSON conversions, in the namespace of the structs because the JSON library searches
+// there. The names of the fields are also their names in the file.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentCell, scene, object_count, scene_seed)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RecordedSwitch, time_s, frame, from, to, reason, rebuild_ns,
                                    settling_ns)

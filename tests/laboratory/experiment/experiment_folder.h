@@ -20,9 +20,9 @@
 
 namespace sweepstake::cli {
 
-// The record of one live run, from which the tables, the CSV files and the report are made: plain
-// data, stored as a JSON file. Times are seconds or nanoseconds of real time since the run began
-// (not multiplied by the time scale). Arms are indices in `arms`. Enumerations have the numbers of
+// The record of one live run, stored as a JSON file. The tables, the CSV files and the report are
+// made from these records. Times are seconds or nanoseconds of real time since the run began (not
+// multiplied by the time scale). Arms are indices in `arms`. Enumerations have the numbers of
 // engine_client/decider/types.h.
 
 struct RecordedSwitch {
@@ -117,8 +117,8 @@ struct ExperimentSession {
   std::string end_utc;  // empty if the program was killed
 };
 
-// The JSON library finds these functions by the structs' namespace. The field names are those of
-// the manifest.
+// Defines the JSON conversions, in the namespace of the structs because the JSON library searches
+// there. The names of the fields are also their names in JSON.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentOptions, scenes, object_counts, policies, run_count,
                                    window, time_scale, seed, trace_frame_count, replay_seed_count,
                                    quick)

@@ -84,7 +84,7 @@ Json PaperJson(const PaperCell& cell) {
           {"n_sd", cell.evidence.deviation}};
 }
 
-// Returns whether the policy wanted another arm but was not allowed to switch.
+// Returns whether the policy chose another arm but was not allowed to switch.
 bool IsHeldBack(const RecordedDecision& decision) {
   const auto outcome = static_cast<DecisionOutcome>(decision.outcome);
   return decision.candidate >= 0 && decision.candidate != decision.active_arm &&

@@ -42,8 +42,8 @@ void PrintExperiment(const ExperimentReport& report, const std::filesystem::path
 // - truth: ranking.csv, regret.csv, live_regret.csv, agreement.csv, comparisons.csv
 Status WriteExperimentCsv(const ExperimentReport& report, const std::filesystem::path& folder);
 
-// Prints the document of `--json`: a row per cell and policy, then the runs and the truths from
-// which the report draws its charts.
+// Prints the document of `--json`: a row per cell and policy, then the runs and the figures of
+// experiment_truth.h, from which the report draws its charts.
 void PrintExperimentJson(const ExperimentReport& report, const std::filesystem::path& folder,
                          std::ostream& out);
 

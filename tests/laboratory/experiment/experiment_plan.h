@@ -30,7 +30,7 @@ struct ExperimentCell {
   uint32_t object_count = 0;
   uint64_t scene_seed = 0;
 
-  // Returns "brownian-1000", or for a recording the file's name without folder and extension.
+  // Returns e.g. "brownian-1000"; for a recording the file's name without folder and extension.
   std::string label() const;
   friend bool operator==(const ExperimentCell&, const ExperimentCell&) = default;
 };
@@ -40,7 +40,7 @@ struct PlannedRun {
   std::string policy;
   uint32_t run = 0;          // from 1
   uint64_t seed = 0;         // for the decider; the same for all policies of a run
-  uint32_t initial_arm = 0;  // rotates over the runs
+  uint32_t initial_arm = 0;  // index of the first active arm; differs from run to run
 
   // Returns "brownian-1000-paper-1".
   std::string label() const;

@@ -29,8 +29,8 @@ constexpr uint32_t kQueueFrames = 16'384;
 
 // A control run shows the frame time of each arm without decisions. The arms take turns in
 // kControlRounds rounds of one block per arm. A block lasts for 1/kBlocksPerWindow of the window.
-// If a block then has fewer than kBlockFrames frames (two turns of rotating gravity), it lasts
-// longer, but at most kBlockPatience times as long. The first fifth of each block is warm-up.
+// If a block then has fewer than kBlockFrames frames (two turns of rotating gravity), it is
+// extended to at most kBlockPatience times this length. The first fifth of each block is warm-up.
 constexpr uint64_t kControlRounds = 2;
 constexpr uint64_t kBlocksPerWindow = 210;  // 7 arms × 2 rounds take a fifteenth of the window
 constexpr uint64_t kBlockFrames = 360;
@@ -71,7 +71,7 @@ class DecisionRecorder {
     decisions_.push_back(event);
   }
 
-  // When the observation window began, on the clock of the decisions; 0 if it began with the run.
+  // Time at which the observation window began, on the decisions' clock; 0: at the run's start.
   uint64_t observed_from_ns() const { return observed_from_ns_.load(std::memory_order_relaxed); }
   const std::vector<DecisionEvent>& decisions() const { return decisions_; }
 
@@ -186,7 +186,7 @@ bool LiveRun::MayGoOn(uint64_t now_ns) {
 
 uint64_t LiveRun::MaxExplorationNs() const {
   constexpr uint64_t kPatience = 10;
-  constexpr uint64_t kMinNs = 60'000'000'000;  // at a large time scale, slow arms need this long
+  constexpr uint64_t kMinNs = 60'000'000'000;  // slow arms need it at a large time scale
   const auto slot_ns =
       static_cast<uint64_t>(decisions_.exploration_warm_up_ns + decisions_.exploration_measure_ns);
   return std::max(kMinNs, kPatience * slot_ns * record_.arms.size());
@@ -194,7 +194,7 @@ uint64_t LiveRun::MaxExplorationNs() const {
 
 // Runs frames until the observation window has passed. Returns false if it was stopped.
 Result<bool> LiveRun::Observe() {
-  std::optional<uint64_t> end_ns;  // since the run began; absent until it is known
+  std::optional<uint64_t> end_ns;  // the window's end, since the run began; absent if not yet known
   for (uint64_t now_ns = 0; !end_ns || now_ns < *end_ns;) {
     run_->Frame();
     now_ns = run_->elapsed_ns();

@@ -54,16 +54,16 @@ struct CellSummary {
   ExperimentCell cell;
   std::string policy;
   std::vector<PlayedRun> runs;                              // by run number
-  std::vector<std::pair<std::string, uint32_t>> dominance;  // arm and run count, descending
-  // Over all runs.
+  std::vector<std::pair<std::string, uint32_t>> dominance;  // arms with run counts, descending
+  // Taken over all runs.
   Spread switches;
-  // Over the runs in which dominance.front() dominated.
+  // The next three are taken over the runs in which dominance.front() is the dominant arm.
   Spread active_percent;
   Spread posterior_mean;
   Spread evidence;
-  Verdict verdict = Verdict::kUnknown;  // the most frequent one of the runs
+  Verdict verdict = Verdict::kUnknown;  // the most frequent verdict of the runs
 
-  // Returns "KDTree 3/5; AxisSweep 2/5".
+  // Returns the dominance as text, such as "KDTree 3/5; AxisSweep 2/5".
   std::string DominanceText() const;
   // Returns Table 3's interpretation, derived from dominance, shares and verdicts.
   std::string Interpretation() const;

@@ -49,8 +49,8 @@ std::vector<PairedComparison> CompareInCell(const std::vector<ReplayedPlayer>& p
   return comparisons;
 }
 
-// The time scale of the live runs of one cell and policy. The virtual game of the replay uses the
-// same values.
+// The frame times and the length of the live runs of one cell and policy. The virtual game of the
+// replay uses the same values.
 struct LiveScale {
   uint64_t frame_ns = 1;       // mean frame time of the best arm, all work included
   uint64_t other_work_ns = 0;  // the part of frame_ns that is not detection

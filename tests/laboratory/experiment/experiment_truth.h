@@ -1,9 +1,9 @@
 // Computes figures that live runs alone cannot give. A trace of a cell's scene gives the true cost
-// of each arm. Replay on that trace gives the regret of each policy against the best fixed arm.
-// Both are compared with the regret of the live runs.
+// of each arm. Replay on that trace gives the regret of each policy against the best fixed arm, for
+// comparison with the regret of the live runs.
 //
-// Regret is frame time ÷ that of the best fixed arm, minus 1. The functions are pure: the same
-// traces and records give the same figures.
+// Regret is frame time ÷ frame time of the best fixed arm, minus 1. The functions are pure: the
+// same traces and records give the same figures.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +23,10 @@ namespace sweepstake::cli {
 struct ArmCost {
   std::string arm;
   double mean_ns = 0;  // update and search, over the trace's frames
-  double ratio = 1;    // mean_ns ÷ that of the fastest arm
+  double ratio = 1;    // mean_ns ÷ mean_ns of the fastest arm
 };
 
-// The result of one player in replay: a policy, a fixed arm, or the oracle.
+// The result of one player in replay. A player is a policy, a fixed arm, or the oracle.
 struct ReplayedPlayer {
   std::string name;
   bool is_policy = false;
@@ -93,7 +93,7 @@ Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> ce
                   CellTruth& truth);
 
 // Compares AI Decides with every other policy by paired tests over the cells. The two values of a
-// pair are the mean regrets of both policies in one cell.
+// pair are the mean regrets of the two policies in the same cell.
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths);
 
 // Returns the name of the policy. For "default", returns the name of the policy that is the

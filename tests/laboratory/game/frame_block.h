@@ -19,8 +19,8 @@ inline constexpr size_t kMaxBlockBytes = size_t{32} << 20;
 
 class FrameBlock {
  public:
-  // Steps the scene `step_count` times, or fewer times if a bound above is reached. REQUIRES:
-  // `step_count` > 0.
+  // Steps the scene `step_count` times, or until kMaxStepsInBlock or kMaxBlockBytes is reached.
+  // REQUIRES: `step_count` > 0.
   void Fill(Scene& scene, uint64_t step_count) {
     using std::chrono::steady_clock;
     boxes_.clear();

@@ -108,7 +108,7 @@ class LoadStream {
   // `with_bail_out`. Returns false without sending if the daemon's welcome has not arrived or
   // kMaxWaiting messages wait.
   bool SendBatch(const v1::FrameBatch& frames, bool with_bail_out);
-  // Messages sent between these two calls are measured (latency and acknowledgement).
+  // Measures messages sent from now until EndMeasuring: their latency and acknowledgement.
   void BeginMeasuring();
   void EndMeasuring();
   // Returns whether measured messages have no acknowledgement yet and the connection can still
@@ -124,7 +124,7 @@ class LoadStream {
   class Call;
 
   v1::StreamTelemetryRequest HelloRequest() const;
-  // The caller of these functions holds mutex_.
+  // REQUIRES, for all functions from Send to IsMeasured: the caller holds mutex_.
   void Send(v1::StreamTelemetryRequest request);
   void WriteNext();
   void OnResponse(const v1::StreamTelemetryResponse& response);
@@ -153,12 +153,12 @@ class LoadStream {
   uint32_t switch_epoch_ = 0;
   uint32_t reconnect_delay_ms_ = 0;
   bool measuring_ = false;
-  uint64_t first_measured_ = 1;   // range of measured sequence numbers
-  uint64_t last_measured_ = 0;    // 0: no message is measured
+  uint64_t first_measured_ = 1;   // first measured sequence number
+  uint64_t last_measured_ = 0;    // last measured sequence number; 0: none
   int64_t begun_ns_ = 0;          // start of the connection
   int64_t bail_out_sent_ns_ = 0;  // when the unanswered bail-out was sent; 0: none
-  uint64_t timed_sequence_ = 0;   // the batch whose commit is timed
-  int64_t timed_sent_ns_ = 0;     // when it was sent; 0: no batch is timed
+  uint64_t timed_sequence_ = 0;   // sequence number of the batch whose commit is timed
+  int64_t timed_sent_ns_ = 0;     // when that batch was sent; 0: no batch is timed
   bool up_ = false;               // the daemon's welcome was received
   bool leaving_ = false;          // the goodbye was sent; no message may follow
 };
@@ -174,15 +174,15 @@ class LoadRun {
 
   Result<LoadResult> Run();
 
-  // The streams call these functions on any thread. `latency_ns` is the time since the start of the
-  // connection.
+  // The streams call OnWelcome to OnSwitch on any thread. `latency_ns` is the time since the start
+  // of the connection.
   void OnWelcome(int64_t latency_ns);
   // The daemon has written `message_count` more of the measured messages to disk. `lag_ns` is the
   // time since one of their batches was sent. It is absent if none of them was timed; at most one
   // batch in flight is timed.
   void OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns);
-  // `delay_ms` is the minimum time before the next connection, as requested by the daemon. `was_up`
-  // is true if the stream had its welcome.
+  // The connection has ended. `delay_ms` is the daemon's minimum time before the next connection.
+  // `was_up` is true if the stream had received its welcome.
   void OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up, uint32_t delay_ms);
   // A switch command was received and its outcome sent. `latency_ns` is the time since the bail-out
   // that it answers, if any.
@@ -191,7 +191,7 @@ class LoadRun {
  private:
   struct Timer {
     size_t stream = 0;
-    uint64_t batch = 0;  // its number within the stream; 0 begins the stream
+    uint64_t batch = 0;  // the batch's number in the stream; 0 starts the stream
   };
 
   Status OpenStreams();
@@ -226,7 +226,7 @@ class LoadRun {
   std::minstd_rand random_{1};  // jitter of reconnections
   int64_t progress_due_ns_ = 0;
   std::atomic<bool> measuring_{false};
-  // False: the wait is over, later acknowledgements do not count.
+  // False after the wait for acknowledgements; later acknowledgements do not count.
   std::atomic<bool> counting_{true};
 
   std::atomic<uint64_t> open_count_{0};  // open connections

@@ -63,8 +63,8 @@ class BulletPeer : public Peer {
     for (const Aabb& box : boxes.subspan(proxies_.size())) Add(box);
   }
 
-  // Drops pairs whose exact boxes do not overlap: Bullet's pair cache also holds outdated pairs and
-  // pairs of padded boxes.
+  // Appends the pairs whose exact boxes overlap. Bullet's pair cache also contains outdated pairs
+  // and pairs of padded boxes.
   void FindPairs(PairBuffer& out) override {
     broadphase_->calculateOverlappingPairs(nullptr);
     const btBroadphasePairArray& pairs =
@@ -115,7 +115,7 @@ class BulletPeer : public Peer {
   std::vector<btBroadphaseProxy*> proxies_;
 };
 
-// The tree as Bullet's world uses it: an object that leaves its padded box is tested against the
+// Bullet's tree as its world uses it: an object that leaves its padded box is tested against the
 // tree at once, and a hash table keeps the pairs. An object at rest costs one comparison of its
 // box.
 class DbvtPeer final : public BulletPeer {
@@ -129,8 +129,8 @@ class DbvtPeer final : public BulletPeer {
   }
 };
 
-// The tree in its deferred mode: it is tested against itself once per frame, which is faster if
-// many objects move.
+// Bullet's tree in its deferred mode: it is tested against itself once per frame, which is faster
+// if many objects move.
 class DeferredDbvtPeer final : public BulletPeer {
  public:
   using BulletPeer::BulletPeer;

@@ -142,10 +142,10 @@ std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
 }  // namespace
 
 void AddFclPeers(PeerLibrary& library) {
-  // SaPCollisionManager is left out: in version 0.7.0 its update does not terminate if boxes
-  // coincide, and otherwise takes longer than Bullet's.
+  // The list below leaves out SaPCollisionManager: in version 0.7.0 its update does not end if
+  // boxes coincide. Otherwise it takes longer than the update of Bullet's sweep.
   using S = double;
-  constexpr uint32_t kMaxInSweep = 30'000;  // more take too long
+  constexpr uint32_t kMaxInSweep = 30'000;  // more objects take too long
   library.version = FCL_VERSION;
   library.kinds = {
       {"FclBruteForce", "BruteForce", 20'000, false,

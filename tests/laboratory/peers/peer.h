@@ -73,7 +73,7 @@ Aabb RoomyBounds(std::span<const Aabb> boxes);
 // from any thread.
 std::vector<PeerLibrary> PeerLibraries();
 
-// Makes a peer of a library that takes no threads.
+// Makes a peer that always uses one thread.
 template <typename T>
 std::unique_ptr<Peer> MakePeer(std::string_view name, uint32_t /*thread_count*/) {
   return std::make_unique<T>(name);

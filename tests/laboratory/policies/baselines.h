@@ -70,8 +70,8 @@ class DiscountedPolicy : public ThompsonPolicy {
   std::vector<BetaPosterior> discounted_;
 };
 
-// The variance of one window's log-cost within an arm, pooled over the arms and inflated for the
-// correlation of successive windows. The memory is bounded by the number of arms.
+// Estimates the variance of one window's log-cost within an arm, pooled over the arms and inflated
+// for the correlation of successive windows. The memory is bounded by the number of arms.
 class PooledVariance {
  public:
   explicit PooledVariance(uint32_t arm_count) : arms_(arm_count) {}
@@ -136,7 +136,7 @@ class LinTsPolicy : public RewardPolicy {
   };
   Belief BeliefOf(const Model& model) const;
 
-  std::vector<Model> models_;  // has one per arm
+  std::vector<Model> models_;  // one per arm
   Features features_;
 };
 

@@ -85,10 +85,10 @@ class EpsilonGreedyPolicy : public RewardPolicy {
 //   otherwise                           KDTree, else DBVT
 //
 // The reasons: testing all pairs of a hundred boxes costs less than maintaining any structure.
-// Sweeping one axis makes some 2 n^(2/3) ρ^(1/3) checks per object (n objects in a cube, ρ the
-// density), so that it is cheap only while n and ρ are small. The paper found the sweep ahead up to
-// 2,000 objects, and the tree ahead at 3,000 and in crowded scenes (Table 3, §7). The authors of
-// the KD-tree found the same (Y. Serpa, M. Rodrigues, CGF 38, 2019). At a density of ½ every object
+// Sweeping one axis makes about 2 n^(2/3) ρ^(1/3) checks per object (n objects in a cube of density
+// ρ), so it is cheap only while n and ρ are small. The paper found the sweep ahead up to 2,000
+// objects, and the tree ahead at 3,000 and in crowded scenes (Table 3, §7). The authors of the
+// KD-tree found the same (Y. Serpa, M. Rodrigues, CGF 38, 2019). At a density of ½ every object
 // touches others wherever it is. The numbers were chosen before any recorded scene was examined and
 // are not tuned to any scene.
 //

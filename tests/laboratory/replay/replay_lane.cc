@@ -9,8 +9,8 @@
 namespace sweepstake::cli {
 namespace {
 
-// The number of frames to prepare the next arm. The real lane (shadow_lane.h) builds the arm on one
-// frame and updates it on three more.
+// The number of frames that the preparation of the next arm takes, as in ShadowLane: the structure
+// is built on one frame and updated on three more.
 constexpr size_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
 
 constexpr double kMeanBusyNs = 10e9;  // mean length of a stretch of other work

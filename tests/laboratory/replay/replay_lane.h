@@ -30,7 +30,7 @@ struct LaneErrors {
   // The share of visits that other work interrupts. Their times are multiplied by a draw from the
   // Pareto distribution with shape 1.5 and minimum 1, capped at 100.
   double spike_ratio = 0;
-  // Time of a frame during a visit ÷ that of a frame without; >= 1.
+  // Time of a frame during a visit ÷ time of a frame without a visit; >= 1.
   double contention_ratio = 1;
   // By arm: time of a visit on the lane ÷ time of the same frames on the frame thread. The errors
   // above multiply this ratio. Empty: 1 for all arms.
@@ -54,8 +54,9 @@ class ReplayLane {
     uint32_t trace_frame = 0;
     uint32_t active_arm = 0;
   };
-  // Begins a sweep if the search time allows it, or ends the current visit. Returns the sample of a
-  // visit that ended. REQUIRES: place.now_ns >= next_event_ns().
+  // Ends the current visit, returns its sample, and begins the sweep's next visit if there is one.
+  // If no visit is in progress, begins a sweep if the schedule allows it (ShadowSchedule::IsDue),
+  // and returns nothing. REQUIRES: place.now_ns >= next_event_ns().
   std::optional<ShadowSample> Advance(const Place& place);
 
   // Builds `arm` and updates it on the game's frames. The visit in progress continues afterwards.
@@ -80,8 +81,7 @@ class ReplayLane {
   const uint64_t seed_;
   ShadowSchedule schedule_;
   int64_t next_event_ns_ = 0;
-  // The place at which the current sweep began. The visits of the sweep use the frames from there
-  // on.
+  // The start of the current sweep, whose visits use the frames from there on.
   Place sweep_;
   std::optional<ShadowVisit> visit_;  // ends at next_event_ns_; absent between sweeps
   std::vector<uint64_t> fresh_ns_;    // the result of FreshFrames
@@ -101,8 +101,8 @@ class ReplayLoad {
  public:
   ReplayLoad(const FrameLoad& load, uint64_t seed) : load_(load), seed_(seed) {}
 
-  // Returns the FrameLoad::ratio of a frame that begins now if other work is running, else 1.
-  // REQUIRES: now_ns is not below that of the last call.
+  // Returns FrameLoad::ratio if other work is running at now_ns, else 1. REQUIRES: now_ns never
+  // decreases from call to call.
   double RatioAt(int64_t now_ns);
 
  private:

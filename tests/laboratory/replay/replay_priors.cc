@@ -102,7 +102,7 @@ std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::
       break;
     case ReplayPriors::kScenes:
       if (!compares) return {};
-      // Hexadecimal names of equal length sort like the indices of the scenes.
+      // The names keep the order of the scenes: hexadecimal names of equal length sort by value.
       for (const ReplayScene* other : others)
         games.push_back({.scene = math::HexOf(games.size()), .arms = teach(*other).taught});
       break;

@@ -1,4 +1,4 @@
-// The priors that a daemon serves to a game after other games: those of decision::PriorFor.
+// Computes the priors that a daemon serves to a game after other games, with decision::PriorFor.
 #pragma once
 
 #include <array>

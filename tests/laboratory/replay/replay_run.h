@@ -79,9 +79,9 @@ class Reliability {
 };
 
 struct ReplayResult {
-  // The sums below leave out the time that FrameLoad adds to frames.
+  // All sums of this struct leave out the time that FrameLoad adds to frames.
   uint64_t total_ns = 0;  // sum over all frames
-  // The start-up lasts until the live exploration ends, but at least kStartUpNs.
+  // Frames of the start-up, which lasts until the live exploration ends, but at least kStartUpNs.
   uint32_t start_up_frame_count = 0;
   uint64_t after_start_up_ns = 0;            // sum over the frames after the start-up
   uint64_t after_start_up_switch_count = 0;  // switches executed after the start-up
@@ -96,9 +96,9 @@ struct ReplayResult {
   // The choice of the first tick: the arm that it commands, or the active arm if it commands no
   // switch. Absent if there was no tick.
   std::optional<uint32_t> first_choice;
-  std::vector<decision::ArmEvidence> taught;  // evidence for the store, per arm
+  std::vector<decision::ArmEvidence> taught;  // evidence that a daemon would store, per arm
   std::array<uint64_t, 5> verdict_counts{};   // number of ticks, by Verdict
-  Reliability reliability;                    // of P(best) at the ticks
+  Reliability reliability;                    // reliability of P(best) at the ticks
   uint64_t shadow_visit_count = 0;
   uint64_t shadow_ns = 0;  // time that the lane worked
 

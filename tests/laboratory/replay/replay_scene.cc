@@ -67,7 +67,7 @@ double RunningNs(const CostTrace& trace, const TraceBurst& burst, uint32_t arm, 
   return Median(std::move(running_ns));
 }
 
-// Returns, for each frame of the burst, the time of a fresh structure of `arm` ÷ that of the
+// Returns, for each frame of the burst, the time of a fresh structure of `arm` ÷ time of the
 // running one. The frames of the warm-up are compared with the median of the frames around them,
 // and the later frames share one ratio of medians, because a single disturbed frame would make its
 // own ratio useless.

@@ -64,7 +64,7 @@ class ReplayScene {
   uint32_t object_count(uint32_t trace_frame) const { return object_count_[trace_frame]; }
   double mean_object_count() const;  // over the trace
 
-  // Returns the latest descriptor up to this frame, or the first one if it is later. Returns null
+  // Returns the latest descriptor up to this frame, or the first one if all are later. Returns null
   // if the trace has none.
   const SceneDescriptor* descriptor(uint32_t trace_frame) const;
 
@@ -141,14 +141,14 @@ class FixedCosts {
   struct OracleCost {
     // Total time with the best arm in each frame, if switches cost nothing.
     double frame_ns = 0;
-    double regime_ns = 0;       // total time of the cheapest sequence of arms and its switches
+    double regime_ns = 0;       // time of the cheapest sequence of arms, including its switches
     uint32_t switch_count = 0;  // number of switches in that sequence
     uint32_t dominant_arm = 0;  // the arm with the largest share of that sequence
     double active_share = 1;    // share of dominant_arm in the time of that sequence
   };
-  // Finds both oracles in O(frames × arms). The sequence may switch once per `interval_ns` of the
-  // best arm's frames, as a policy may at its ticks. If `warm`, each switch has the cost of a
-  // switch that the shadow lane has prepared, else the cost of a cold switch.
+  // Finds the best arm of each frame and the cheapest sequence of arms, in O(frames × arms). The
+  // sequence may switch once per `interval_ns` of the best arm's frames. If `warm`, a switch costs
+  // as much as after a preparation by the shadow lane, else as a cold switch.
   OracleCost Oracle(int64_t interval_ns, bool warm) const;
 
  private:

@@ -157,7 +157,7 @@ class SeedGames {
   const FixedCosts::OracleCost oracle_;
 };
 
-// Returns the values of one figure; games in which it is absent are left out.
+// Returns the values of one figure. Leaves out games in which the figure is absent.
 template <typename Figure>
 std::vector<double> Column(const std::vector<StudyGame>& games, Figure StudyGame::*figure) {
   std::vector<double> values;

@@ -1,6 +1,6 @@
 // Plays many seeds of many players on many traced scenes in parallel, and summarizes the games.
 //
-// The result does not depend on the number of threads. Regret is frame time ÷ that of the best
+// The result does not depend on the number of threads. Regret is frame time ÷ time of the best
 // fixed arm on the same frames, minus 1; it is negative for a player that beats every fixed arm.
 #pragma once
 
@@ -21,7 +21,7 @@
 
 namespace sweepstake::cli {
 
-// The player of a traced scene: a policy, one fixed arm, or the oracle that knows all costs.
+// A player of a traced scene: a policy, one fixed arm, or the oracle that knows all costs.
 struct ReplayPlayer {
   enum class Kind { kPolicy, kFixed, kOracle };
   std::string name;  // "paper", "fixed:SAP", "oracle"
@@ -67,11 +67,11 @@ struct StudyGame {
   double regret_best_fixed = 0;
   double regret_oracle = 0;   // against the oracle that pays for its switches
   double headroom = 0;        // 1 − time of the oracle ÷ time of the best fixed arm
-  double frame_headroom = 0;  // the same for the best arm in every frame and free switches
+  double frame_headroom = 0;  // headroom of an oracle that switches freely in every frame
   double switches = 0;        // number of switches after the exploration
   // Policies only: switches after the exploration and the first minute.
   double after_start_up_switches = 0;
-  double active_share = 1;  // the share of the dominant arm in the time
+  double active_share = 1;  // share of the time on the dominant arm
   double shadow_share = 0;  // share of the time that the shadow lane worked
   // The regret without the first minute and the exploration. Absent for the oracle, and if no
   // frames are left.

@@ -1,5 +1,5 @@
-// The command line of `sweepstake-lab` as scripts use it: exit codes, one JSON document on stdout,
-// and errors that say what is valid.
+// Tests the command line of `sweepstake-lab` as scripts use it: exit codes, one JSON document on
+// stdout, and errors that list the valid values.
 #include "tests/laboratory/laboratory.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-// A command line that must fail, and words of its message.
+// A command line that must fail, and a part of its error message.
 struct BadUsage {
   std::string arguments;
   std::string said;

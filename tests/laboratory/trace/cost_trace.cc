@@ -10,8 +10,8 @@
 
 namespace sweepstake {
 
-// The JSON library finds these functions by the structs' namespace. The field names are those of
-// the file.
+// Defines the JSON conversions, in the namespace of the structs because the JSON library searches
+// there. The names of the fields are also their names in the file.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SceneDescriptor, object_count, density_ratio, size_spread,
                                    speed_mean, speed_spread, clustering_ratio, static_ratio)
 

@@ -2,9 +2,9 @@
 // measures it; `sweepstake-lab replay` judges policies by it.
 //
 // Times are nanoseconds on the measuring machine; trace_run.h says how they are measured.
-// "Frame-major" columns hold frame_count × arm_count values: that of arm a in frame f is at
-// f · arm_count + a. The file is a CBOR document (io/document_file.h) with the fields of CostTrace.
-// A trace that was read is valid. The functions are safe from any thread on different files.
+// "Frame-major" columns hold frame_count × arm_count values: arm a has its value of frame f at
+// index f · arm_count + a. The file is a CBOR document (io/document_file.h) with the fields of
+// CostTrace. A trace that was read is valid. All functions are thread-safe on different files.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ struct TraceBurst {
 };
 
 struct TracedDescriptor {
-  uint32_t frame = 0;  // the descriptor was measured over the frames before it
+  uint32_t frame = 0;  // the descriptor was measured over the frames before this one
   SceneDescriptor descriptor;
 };
 
@@ -54,8 +54,8 @@ struct CostTrace {
   std::vector<uint32_t> object_count;
   std::vector<uint32_t> pair_count;
   std::vector<uint64_t> step_ns;     // time of the scene's own motion
-  std::vector<uint64_t> control_ns;  // A/A control: a second structure of control_arm
-  // These columns are frame-major.
+  std::vector<uint64_t> control_ns;  // times of the A/A control: a second structure of control_arm
+  // The columns from detection_ns to held are frame-major: arm_count values per frame.
   std::vector<uint64_t> detection_ns;
   std::vector<uint64_t> aabb_check_count;
   std::vector<uint64_t> native_bytes;

@@ -2,7 +2,7 @@
 //
 // In every frame the arms take turns in a random order, so that disturbances of the machine and the
 // cache contents left by the previous arm affect all of them alike. The control (a second structure
-// of one arm) never runs directly before or after its twin. Before each measured call the boxes are
+// of one arm) never runs next to its twin (the first one). Before each measured call the boxes are
 // written to memory, as a game has just done. The scene advances in blocks of up to 20 frames whose
 // boxes are kept. In every third block, fresh structures of the arms also run a burst
 // (cost_trace.h) on the block's first frames.
@@ -10,7 +10,8 @@
 // Every time in the trace is the lower quartile over `repeat_count` runs. Work that a backend does
 // at a certain frame (a rebuild, a rebalanced tree) occurs there in every run and is kept. A
 // disturbance only adds time, at a different frame in every run, and disappears unless it affects
-// three runs of four. The control's twin is the arm that is cheapest in the scene's first frames.
+// more than three quarters of the runs. The control's twin is the arm that is cheapest in the
+// scene's first frames.
 //
 // Not thread-safe. Times are in nanoseconds. Cost: per run about 1.2 times the time of the arms'
 // frames. Memory: 26 bytes per frame, arm and run.
@@ -130,9 +131,9 @@ class ArmPace {
   uint64_t total_ns_ = 0;
 };
 
-// Draws a random order of the contestants for each frame. The last contestant, which is the A/A
-// control, and its twin are never neighbours, so that neither finds the caches as the other left
-// them. The seed determines all orders. A draw costs a few nanoseconds per contestant.
+// Draws a random order of the contestants for each frame. The last contestant, the A/A control, and
+// its twin (contestant `twin`) are never neighbours. Otherwise one would find the caches as the
+// other left them. The seed determines all orders. A draw costs a few nanoseconds per contestant.
 class TurnOrder {
  public:
   // REQUIRES: twin < contestant_count - 1.

@@ -87,7 +87,8 @@ double Total(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-// Computes the control's time ÷ its twin's, and the standard error of this ratio by linearization
+// Computes the time of the A/A control (a second structure of control_arm) ÷ the time of
+// control_arm, and the 95 % interval of this ratio. The standard error is computed by linearization
 // (W. Cochran, Sampling Techniques, §6.3).
 void SummarizeControl(const CostTrace& trace, TraceSummary& summary) {
   const auto control =
@@ -108,8 +109,8 @@ void SummarizeControl(const CostTrace& trace, TraceSummary& summary) {
   summary.control_high = ratio + kNormal95 * error;
 }
 
-// Counts for each arm the windows in which it is the cheapest; returns the oracle's time over the
-// windows.
+// Counts for each arm the windows in which it is the cheapest. Returns the total time of the
+// oracle, which runs the cheapest arm of each window.
 double SummarizeWindows(const CostTrace& trace, TraceSummary& summary) {
   std::vector<std::vector<double>> sums;
   for (uint32_t arm = 0; arm < trace.arm_count(); ++arm) {

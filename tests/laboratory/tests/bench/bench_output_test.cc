@@ -1,4 +1,4 @@
-// The JSON document and the tables of a bench.
+// Tests the JSON document and the tables of a bench.
 #include "tests/laboratory/bench/bench_report.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The ratios that a bench run computes from its rows, on synthetic times.
+// Tests the ratios that a bench run computes from its rows, with synthetic times.
 #include "tests/laboratory/bench/bench_report.h"
 
 #include <gtest/gtest.h>

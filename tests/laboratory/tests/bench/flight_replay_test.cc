@@ -1,5 +1,5 @@
-// `sweepstake-lab replay --recording`: prints the notes of a flight recorder's file and times every
-// arm on its boxes.
+// Tests `sweepstake-lab replay --recording`, which prints the notes of a flight recorder's file and
+// times every arm on its boxes.
 #include "tests/laboratory/bench/flight_replay.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// The folder of an interrupted experiment: which records are read, which are rejected, and how it
-// is resumed.
+// Tests the folder of an interrupted experiment: which records are read, which are rejected, and
+// how the experiment is resumed.
 #include "tests/laboratory/experiment/experiment_folder.h"
 
 #include <gmock/gmock.h>
@@ -34,7 +34,7 @@ void WriteFile(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
-// Two cells, two policies, two runs: eight runs.
+// Returns a plan of eight runs: two cells, two policies and two runs of each.
 ExperimentPlan Plan() {
   ExperimentOptions options;
   options.scenes = {"brownian"};
@@ -61,7 +61,7 @@ class InterruptedExperiment : public testing::Test {
   void Finish(const PlannedRun& run) {
     EXPECT_TRUE(WriteRecord(RecordOf(run), folder_.RunFile(run)).ok());
   }
-  // The traces' costs agree with the records: KDTree is the fastest.
+  // Writes a trace for each cell. As in the records, KDTree is the fastest arm.
   void TraceAll() {
     constexpr uint64_t kCostsNs[] = {50'000, 25'000, 50'000};
     SyntheticTrace trace;

@@ -1,4 +1,4 @@
-// The outputs of an experiment with known runs: CSV files, tables 3 and 4, JSON document.
+// Tests the outputs of an experiment with known runs: CSV files, Tables 3 and 4, JSON document.
 #include "tests/laboratory/experiment/experiment_output.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-// Two cells, of which the paper has only the first; two policies with two runs each.
+// Returns a report with two cells and two policies with two runs each. The paper has only the first
+// cell.
 ExperimentReport Report() {
   ExperimentOptions options;
   options.scenes = {"brownian"};
@@ -53,7 +54,7 @@ std::vector<std::string> Cells(const std::string& line) {
   return cells;
 }
 
-// The rows of a CSV file without quotes, the header first.
+// Returns the rows of a CSV file without quotes, the header first.
 std::vector<std::vector<std::string>> ReadCsv(const std::filesystem::path& path) {
   std::vector<std::vector<std::string>> rows;
   std::ifstream file(path, std::ios::binary);

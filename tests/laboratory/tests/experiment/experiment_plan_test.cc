@@ -1,4 +1,4 @@
-// The plan of an experiment: the grid, the seeds and the policies that result from the options.
+// Tests the plan of an experiment: the grid, seeds and policies that result from the options.
 #include "tests/laboratory/experiment/experiment_plan.h"
 
 #include <gmock/gmock.h>
@@ -30,7 +30,7 @@ std::vector<std::string> Labels(const std::vector<Labelled>& items) {
   return labels;
 }
 
-// Two scenes of 60 objects, two policies, two runs.
+// Returns options with two scenes of 60 objects, two policies and two runs.
 ExperimentOptions SmallOptions() {
   ExperimentOptions options;
   options.scenes = {"hurricane", "brownian"};

@@ -1,4 +1,4 @@
-// Experiments without their live runs: the files of records and the outputs made from them.
+// Tests experiments without live runs: the files of records and the outputs made from them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ TEST(PlayedRun, CountsOnlyWhatIsInTheObservationWindow) {
 TEST(PlayedRun, APeriodFromBeforeTheWindowCountsFromItsBeginning) {
   RunRecord record = MakeRecord(kCell, "paper", 1, 2, 25);
   const PlayedRun summary = Summarize(record);
-  // Grid was explored last and stayed for a quarter; the next arm is SAP.
+  // Grid was the last explored arm and stayed active for a quarter of the window. SAP follows.
   EXPECT_NEAR(summary.active_shares[2], 0.25, 1e-12);
   EXPECT_NEAR(summary.active_shares[0], 0.75, 1e-12);
   EXPECT_EQ(summary.switch_count, 1U);

@@ -1,5 +1,5 @@
-// The truth figures of an experiment and its JSON document, from a report in which every field is
-// set.
+// Tests the figures of experiment_truth.h and the JSON document, with a report in which every field
+// is set.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,8 +21,8 @@ using testing::Not;
 
 constexpr uint32_t kFrames = 400;
 
-// A trace in which KDTree takes 20 µs, SAP 30 µs and Grid 60 µs, varied a little from frame to
-// frame.
+// Returns a trace in which KDTree takes 20 µs, SAP 30 µs and Grid 60 µs, varied a little from frame
+// to frame.
 CostTrace Trace() {
   CostTrace trace;
   trace.scene = "brownian";
@@ -63,7 +63,7 @@ ExperimentPlan TruthPlan() {
   return std::move(*plan);
 }
 
-// A report in which the larger cell has one run and no trace.
+// Returns a report in which the larger cell has one run and no trace.
 ExperimentReport TruthReport() {
   ExperimentReport report;
   report.plan = TruthPlan();

@@ -1,5 +1,5 @@
-// The core of `sweepstake-lab check`: its oracle agrees with the definition, and it detects wrong
-// backends.
+// Tests the core of `sweepstake-lab check`: its oracle agrees with the definition of overlap, and
+// it detects wrong backends.
 #include "tests/laboratory/game/pair_oracle.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The errors of a load on a daemon that refuses its games. Each test scripts the daemon.
+// Tests the errors of a load run on a daemon that refuses its games. Each test scripts the daemon.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ TEST(LoadRefusal, TheFirstReasonIsToldAndNotThatThereWereManyOfIt) {
   daemon.SetScript([](auto& script) {
     script.refusal = RefusalOf(grpc::StatusCode::RESOURCE_EXHAUSTED, "TOO_MANY_FAILURES");
   });
-  // Counts the hellos once the first one has arrived. Each later hello comes after a refusal.
+  // Waits until at least one hello has arrived. Each later hello follows a refusal.
   size_t hello_count = 0;
   daemon.WaitUntil([&](const FakeDaemon& now) { return (hello_count = now.hellos.size()) > 0; });
   daemon.WaitUntil([&](const FakeDaemon& now) { return now.hellos.size() >= hello_count + 3; });

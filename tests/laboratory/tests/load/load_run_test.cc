@@ -1,4 +1,4 @@
-// The counts of the load generator equal the counts of the daemon.
+// Tests that the counts of the load generator equal the counts of the daemon.
 #include "tests/laboratory/load/load_run.h"
 #include "server/storage/sqlite_prior_store.h"
 
@@ -177,7 +177,7 @@ TEST_F(LoadRunTest, AKickedGameDoesNotComeBack) {
 }
 
 TEST_F(LoadRunTest, ADaemonsProcessThatIsNotThereIsAnErrorAtOnce) {
-  plan_.server_pid = 1 << 30;  // Linux gives at most 4,194,304
+  plan_.server_pid = 1 << 30;  // above Linux's largest process id, 4,194,304
   const Status status = Run().status();
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), testing::HasSubstr("--server-pid"));

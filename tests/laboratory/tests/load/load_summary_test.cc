@@ -1,4 +1,4 @@
-// The figures of a load run contain the measured values and omit the others.
+// Tests that the figures of a load run contain the measured values and omit the others.
 #include "tests/laboratory/load/load_run.h"
 
 #include <gmock/gmock.h>

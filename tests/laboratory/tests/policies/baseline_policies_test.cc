@@ -1,4 +1,4 @@
-// Each baseline against its own formula, on scripted sessions in which every arm has a fixed cost.
+// Tests each baseline against its formula, on scripted sessions in which each arm has a fixed cost.
 #include <gtest/gtest.h>
 
 #include <algorithm>

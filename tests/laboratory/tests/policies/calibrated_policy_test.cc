@@ -26,7 +26,7 @@ TEST(PooledVariance, IsInflatedWhereWindowsResembleTheOneBefore) {
     state = 0.5 * state + 0.1 * DrawNormal(random);
     variance.Add(0, state);
   }
-  EXPECT_NEAR(variance.value(), 0.04, 0.004);  // of a mean of n windows: 0.1² ÷ (1 − 0.5)² ÷ n
+  EXPECT_NEAR(variance.value(), 0.04, 0.004);  // 0.1² ÷ (1 − 0.5)²
 }
 
 TEST(CalibratedPolicy, SeparatesCloseArmsWithinMinutes) {

@@ -1,4 +1,4 @@
-// `sweepstake-lab bench` as scripts use it.
+// Tests `sweepstake-lab bench` as scripts use it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

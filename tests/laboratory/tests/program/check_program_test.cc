@@ -1,4 +1,4 @@
-// The command line of `sweepstake-lab` as scripts use it: options, exit codes, JSON.
+// Tests the command line of `sweepstake-lab` as scripts use it: options, exit codes, JSON.
 #include "tests/engine_client/cli/program/program.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// `sweepstake-lab experiment` as its users see it, with scenes so small and a scale so large that a
-// run takes a second. No clock is compared.
+// Tests `sweepstake-lab experiment` as users see it. Small scenes and a large time scale let a run
+// take only a second. No times are compared.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>

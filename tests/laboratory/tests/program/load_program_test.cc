@@ -1,4 +1,4 @@
-// `sweepstake-lab load` against a real daemon.
+// Tests `sweepstake-lab load` with a real daemon.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// `sweepstake-lab trace` as scripts use it. No clock is compared.
+// Tests `sweepstake-lab trace` as scripts use it. No times are compared.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -16,9 +16,9 @@ inline ReplayScene SceneOf(const SyntheticTrace& trace, const GameOptions& optio
   return std::move(*scene);
 }
 
-// A trace in which KDTree takes twice as long as AxisSweep, which `thresholds` prefers. The first
-// frame of a new structure takes four times as long as a frame of a running one. The five frames
-// after the warm-up take a tenth longer.
+// Returns a trace in which KDTree takes twice as long as AxisSweep, which `thresholds` prefers. The
+// first frame of a new structure takes four times as long as a frame of a running one. The five
+// frames after the warm-up take a tenth longer.
 inline SyntheticTrace TwiceAsSlow() {
   SyntheticTrace trace;
   trace.arms = {"AxisSweep", "KDTree"};

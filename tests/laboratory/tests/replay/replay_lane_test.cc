@@ -1,4 +1,4 @@
-// The shadow lane of a replayed game, on a trace whose every number is known.
+// Tests the shadow lane of a replayed game, on a trace in which all numbers are known.
 #include "tests/laboratory/replay/replay_lane.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Other work on the core of a replayed game's frame thread.
+// Tests other work on the core of a replayed game's frame thread (ReplayLoad).
 #include "tests/laboratory/replay/replay_run.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// `sweepstake-lab replay --log`: derives the decisions of an audit log again and finds changed
-// rows.
+// Tests `sweepstake-lab replay --log`, which derives the decisions of an audit log again and finds
+// changed rows.
 #include "tests/laboratory/replay/replay_output.h"
 
 #include <gmock/gmock.h>
@@ -45,8 +45,8 @@ std::string CsvOf(const std::vector<decision::AuditRow>& rows) {
   return text;
 }
 
-// A game in virtual time, 100 times as fast as real ones. Frames on the second arm take three times
-// as long as on the first.
+// Returns the log of a game in virtual time at time scale 100. Frames on the second arm take three
+// times as long as on the first.
 Log PlayLog(const std::string& policy, uint32_t frame_count = 300) {
   Log log{.text = EmbeddedDecider::AuditHeader() + "\n"};
   EmbeddedOptions options;

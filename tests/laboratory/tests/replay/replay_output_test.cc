@@ -1,4 +1,4 @@
-// The outputs of `sweepstake-lab replay` for a study with synthetic numbers.
+// Tests the outputs of `sweepstake-lab replay` for a study with synthetic numbers.
 #include "tests/laboratory/replay/replay_output.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The virtual game of replay, on traces with known numbers.
+// Tests the virtual game of replay, on traces with known numbers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,8 +19,8 @@ using testing::HasSubstr;
 
 constexpr double kMs = 1e6;
 
-// In one half of the trace the first arm takes a third of the second arm's time, and in the other
-// half vice versa.
+// Returns a trace in whose first half the first arm takes a third of the second arm's time, and in
+// whose second half vice versa.
 SyntheticTrace TwoRegimes() {
   SyntheticTrace trace;
   trace.frame_count = 6400;

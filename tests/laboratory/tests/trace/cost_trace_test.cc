@@ -19,7 +19,7 @@ namespace {
 using std::filesystem::path;
 using testing::HasSubstr;
 
-// Two arms, ten frames, a burst and a descriptor; all numbers are different.
+// Returns a trace with two arms, ten frames, a burst and a descriptor. All numbers differ.
 CostTrace SmallTrace() {
   CostTrace trace;
   trace.scene = "suite-b";

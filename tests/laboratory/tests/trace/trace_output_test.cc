@@ -1,4 +1,4 @@
-// The outputs of `sweepstake-lab trace` for a trace with known numbers.
+// Tests the outputs of `sweepstake-lab trace` for a trace with known numbers.
 #include "tests/laboratory/trace/trace_summary.h"
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// SAP takes 1 ms, KDTree 2 ms, in each of 40 frames.
+// Returns a trace of 40 frames, in each of which SAP takes 1 ms and KDTree 2 ms.
 CostTrace OneAndTwoMs() {
   SyntheticTrace synthetic;
   synthetic.arms = {"SAP", "KDTree"};

@@ -1,4 +1,4 @@
-// How scenes are traced and summarized. No times are compared; the tests check that all
+// Tests how scenes are traced and summarized. No times are compared. The tests check that all
 // measurements are present and in the right place.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -148,8 +148,8 @@ TEST(Trace, SaysThatAScenesObjectsAreTooMany) {
   EXPECT_THAT(trace.status().message(), HasSubstr("at most 100000 objects"));
 }
 
-// The plan's costs declare BruteForce as very slow. It is measured sparsely until its real time is
-// known.
+// Returns a trace from a plan that declares BruteForce as very slow. BruteForce is measured
+// sparsely until its real time is known.
 CostTrace PassWithASlowArm(uint32_t control_arm) {
   TracePlan plan;
   plan.arms = {"KDTree", "BruteForce"};
@@ -177,8 +177,8 @@ TEST(TracePass, MeasuresTheControlsTwinOnEveryFrame) {
   EXPECT_EQ(ErrorOf(trace), "");
 }
 
-// A trace of two arms with 40 frames and a burst. A frame of the first arm takes 10 ms, later 30
-// ms; a frame of the second arm always takes 20 ms.
+// Returns a trace of two arms with 40 frames and a burst. A frame of the first arm takes 10 ms,
+// later 30 ms; a frame of the second arm always takes 20 ms.
 CostTrace TwoArmTrace() {
   CostTrace trace;
   trace.scene = "made-up";
@@ -241,8 +241,8 @@ TEST(TraceSummary, NamesTheBestFixedArmAndWhatTheOracleWouldSave) {
 TEST(TraceSummary, GivesTheControlsRatioWithAnIntervalFromItsSpread) {
   const TraceSummary summary = SummarizeTrace(TwoArmTrace());
   EXPECT_DOUBLE_EQ(summary.control_ratio, 820.0 / 800);
-  // The control takes 420 ms in the first window and 400 ms in the second one, its twin 400 ms in
-  // each. The residuals are ±10, and the standard error is 20 ÷ 800.
+  // The control takes 420 ms in the first window and 400 ms in the second one; its arm takes 400 ms
+  // in each. The residuals are ±10, and the standard error is 20 ÷ 800.
   EXPECT_NEAR(summary.control_high - summary.control_ratio, 1.96 * 20 / 800, 1e-9);
   EXPECT_FALSE(summary.ControlIsFair());
   CostTrace fair = TwoArmTrace();

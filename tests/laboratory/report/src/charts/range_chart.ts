@@ -1,4 +1,4 @@
-// One row per name: a bar from the low to the high value, a mark between them, and the value as text at the right edge.
+// A chart with one row per name: a bar from the low to the high value, a mark between them, and the value as text at the right edge.
 import * as Plot from '@observablehq/plot';
 import { significant } from '../../../../../server/dashboard/src/format';
 import { figure, widest } from './figure';

@@ -1,4 +1,4 @@
-// One bar per row, divided into the shares of its values.
+// A chart with one bar per row, divided into the shares of the row's values.
 import * as Plot from '@observablehq/plot';
 import { share } from '../../../../../server/dashboard/src/format';
 import { textColourOn } from '../palette';
@@ -28,7 +28,7 @@ export function segmentsOf({ kinds, rows }: Pick<StackedBars, 'kinds' | 'rows'>)
 function picture(chart: StackedBars): SVGElement | HTMLElement {
   const segments = segmentsOf(chart);
   const left = widest(chart.rows.map(({ name }) => name));
-  const fitting = ({ from, to, name, label }: Segment) => // the longest text that the segment has room for
+  const fitting = ({ from, to, name, label }: Segment) => // returns the longest text that fits in the segment
     [`${name} ${label}`, name].find((each) => (to - from) * (WIDTH - left - 28) > LETTER * each.length) ?? '';
   const bar = { x1: 'from', x2: 'to', y: 'row', fill: 'colour' };
   return Plot.plot({

@@ -1,4 +1,4 @@
-// One lane per run: a bar that shows which algorithm was active when. Strokes below the bar and crosses on it mark moments.
+// A chart with one row per run: a bar shows which algorithm was active when. Strokes below the bar and crosses on it mark moments.
 import * as Plot from '@observablehq/plot';
 import { textColourOn } from '../palette';
 import { figure, LETTER, widest } from './figure';

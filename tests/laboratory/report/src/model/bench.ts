@@ -26,8 +26,8 @@ export interface Scene { name: string; cells: Cell[] }
 // A row of the tables and a line of the charts: an arm with an instruction set, or a peer, with the fewest threads it ran with.
 export interface Contestant { name: string; family: string; kind: 'arm' | 'peer'; threads: number; simd: string | null }
 
-// `sets` contains the instruction sets of the arms, the best first. If all arms ran with the same one, it is `[null]`, and the name is only
-// in the machine's description.
+// `sets` contains the instruction sets of the arms, the best first. If all arms ran with the same set, `sets` is `[null]`, and only the
+// machine's description names the set.
 export interface BenchIndex {
   document: BenchDocument; scenes: Scene[]; cells: Cell[]; contestants: Contestant[]; families: string[];
   threadCounts: number[]; sets: (string | null)[]; rows: BenchRow[]; ratios: Ratio[];
@@ -59,7 +59,8 @@ function contestantsOf(rows: BenchRow[]): Contestant[] {
 const keyOf = ({ kind, scene, objects, threads, ours, simd, other, derived_through = '' }: Ratio) =>
   [kind, scene, objects, threads, ours, simd, other, derived_through].join('|');
 
-// Merges the lists of comparisons. A comparison that is in several lists appears once, with its goal if it has one.
+// Merges the lists of comparisons. A comparison that is in several lists appears once in the result, with its goal if one of the lists has
+// a goal for it.
 function ratiosOf({ ratios, published = [], goals = [] }: BenchDocument): Ratio[] {
   const merged = new Map<string, Ratio>();
   for (const ratio of [...ratios, ...published, ...goals]) {
@@ -68,7 +69,7 @@ function ratiosOf({ ratios, published = [], goals = [] }: BenchDocument): Ratio[
   return [...merged.values()];
 }
 
-// Returns the instruction sets of the arms, or `[null]` if all arms ran with the same one.
+// Returns the instruction sets of the arms, or `[null]` if all arms ran with the same set.
 function setsOf(rows: BenchRow[]): (string | null)[] {
   const sets = unique(rows.filter(({ kind }) => kind === 'arm').map(({ simd }) => simd));
   return sets.length > 1 ? sets : [null];
@@ -101,7 +102,8 @@ export const hasGoal = ({ goal }: Ratio) => goal !== undefined && goal !== null;
 export const contestantTitle = (name: string, threads: number, simd: string | null) =>
   (simd ? `${name} ${simd}` : name) + (threads === 1 ? '' : ` (${threads} threads)`);
 
-// Returns the title of a scene. For a recording this is the file's name, unless two recordings have the same one.
+// Returns the title of a scene. For a recording this is the file's name, unless two recordings have the same file name; then it is the
+// path.
 export function sceneTitle({ scenes }: BenchIndex, scene: string): string {
   const fileName = (path: string) => path.split(/[\\/]/).at(-1)!;
   if (!scene.endsWith('.aabbs')) return scene;
@@ -109,8 +111,8 @@ export function sceneTitle({ scenes }: BenchIndex, scene: string): string {
   return same.length > 1 ? scene : fileName(scene);
 }
 
-// Returns the comparisons of our best arm with the best peer in a cell, the smallest speedup first. With published peers there may be
-// several.
+// Returns the comparisons of our best arm with the best peer in a cell, the smallest speedup first. If `published` is true, there may be
+// several comparisons.
 export function overallAt({ ratios }: BenchIndex, cell: Cell, threads: number, simd: string | null, published: boolean): Ratio[] {
   return ratios.filter((ratio) => ratio.kind === 'overall' && isPublished(ratio) === published && ratio.scene === cell.scene &&
     ratio.objects === cell.objects && ratio.threads === threads && ratio.simd === simd).sort((a, b) => a.value - b.value);

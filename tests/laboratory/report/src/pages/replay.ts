@@ -50,7 +50,7 @@ function regretChart(document: ReplayDocument, costs: string, number: number): H
       (scene ? `; noise floor (one algorithm measured twice) ${percent(Math.abs(scene.control_regret))}` : '') });
 }
 
-// For each policy: the mean over the traces, and the range from the best trace to the worst.
+// Shows for each policy the mean over the traces, and the range from the best trace to the worst.
 function overview(document: ReplayDocument): HTMLElement | null {
   if (costsOf(document).length < 2) return null;
   const rows = [...new Set(document.rows.map(({ policy }) => policy))].map((policy) => {
