@@ -38,8 +38,8 @@ namespace Sweepstake.Tests
         }
 
         /// <summary>
-        /// Runs in its own domain. The last of its ends calls no Shutdown, as after an error. The next domain first ends the objects that
-        /// were left.
+        /// Runs in its own domain: begins and ends play ten times. The last time it calls no Shutdown, as after an error. The next domain
+        /// first ends the objects that are left.
         /// </summary>
         public static void PlayAndEnd()
         {

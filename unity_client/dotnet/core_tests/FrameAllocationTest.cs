@@ -3,7 +3,7 @@ using NUnit.Framework;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>A frame allocates nothing on the managed heap, also with a decider, a connection or a CSV file.</summary>
+    /// <summary>Tests that a frame allocates nothing on the managed heap, also with a decider, a connection or a CSV file.</summary>
     public sealed class FrameAllocationTest
     {
         private const ulong FrameNs = 16_666_667;

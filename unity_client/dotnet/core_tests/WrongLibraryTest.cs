@@ -9,7 +9,7 @@ using NUnit.Framework;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>A missing library or one with another ABI gives an error that says what to do.</summary>
+    /// <summary>Tests that a missing library, or a library with another ABI, gives an error that says what to do.</summary>
     public sealed class WrongLibraryTest
     {
         private string folder;

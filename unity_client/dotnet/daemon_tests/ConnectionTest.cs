@@ -11,7 +11,7 @@ using Sweepstake.Protocol.V1;
 
 namespace Sweepstake.Tests
 {
-    /// <summary>Games with a real daemon over real gRPC.</summary>
+    /// <summary>Tests games with a real daemon over real gRPC.</summary>
     public sealed class ConnectionTest
     {
         [Test]

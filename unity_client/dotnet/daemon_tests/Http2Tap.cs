@@ -72,7 +72,7 @@ namespace Sweepstake.Tests
             }
         }
 
-        /// <summary>Whether this payload completes a goodbye message.</summary>
+        /// <summary>Records the messages that this payload completes; returns whether one of them is a goodbye.</summary>
         private bool Take(byte[] payload)
         {
             bool isGoodbye = false;

@@ -8,7 +8,7 @@ namespace Sweepstake.Editor
     internal enum SetupState
     {
         Ok,
-        /// <summary>Missing, but the package works without it, except for the feature that the text names.</summary>
+        /// <summary>A part is missing, and only the feature that the text names does not work.</summary>
         Optional,
         Wrong,
     }
@@ -32,17 +32,17 @@ namespace Sweepstake.Editor
     /// <summary>Properties of the project that the checks read.</summary>
     internal sealed class SetupFacts
     {
-        /// <summary>Null if the native library is present and matches.</summary>
+        /// <summary>Why the native library cannot be used; null if it is present and matches.</summary>
         internal NativeLibraryException? LibraryProblem { get; set; }
         internal bool IsWebGl { get; set; }
         internal bool HasGrpcDefine { get; set; }
-        /// <summary>File names such as Google.Protobuf.dll; a duplicate appears twice.</summary>
+        /// <summary>File names of the project's assemblies, such as Google.Protobuf.dll; a duplicate appears twice.</summary>
         internal IReadOnlyList<string> PrecompiledAssemblies { get; set; } = Array.Empty<string>();
         internal bool HasHttpHandlerPackage { get; set; }
         internal bool HasHttpHandlerOfUnity { get; set; }
     }
 
-    /// <summary>Checks of a project, each with the remedy for what is missing.</summary>
+    /// <summary>Checks a project. Each check contains the remedy for a missing part.</summary>
     internal static class SetupChecks
     {
         internal const string GrpcDefine = "SWEEPSTAKE_GRPC";

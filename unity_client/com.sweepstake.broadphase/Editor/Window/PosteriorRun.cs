@@ -27,7 +27,7 @@ namespace Sweepstake.Editor
         private volatile bool isWatching;
         private volatile bool hasEnded;
 
-        /// <param name="client">The run owns it from now on and disposes of it.</param>
+        /// <param name="client">The client; the run owns it and disposes of it.</param>
         internal PosteriorRun(DaemonClient client, string project)
         {
             this.client = client;

@@ -26,7 +26,7 @@ namespace Sweepstake.Editor
         internal ulong Windows { get; }
         /// <summary>The expected reward, 0 to 1.</summary>
         internal double Mean => Alpha / (Alpha + Beta);
-        /// <summary>The standard deviation of the reward.</summary>
+        /// <summary>The standard deviation of the posterior.</summary>
         internal double Deviation => Math.Sqrt(Alpha * Beta / (Alpha + Beta + 1)) / (Alpha + Beta);
     }
 

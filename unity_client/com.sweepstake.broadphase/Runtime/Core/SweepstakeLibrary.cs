@@ -128,10 +128,10 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// Ends all connections and deciders, then frees every native object of the process with its threads and memory, within about the given
-        /// time. Call it before a domain reload, at the end of play mode and at the end of the game. No frame, job or query may be running.
-        /// Objects created afterwards work; older wrappers throw. It may be called repeatedly, without a matching library, and as the first call
-        /// in a new domain, where it also frees the objects that the former domain left.
+        /// Ends all connections and deciders, then frees every native object of the process with its threads and memory, within about the
+        /// given time. Call it before a domain reload, at the end of play mode and at the end of the game. No frame, job or query may be
+        /// running. Objects created afterwards work; older wrappers throw. It may be called repeatedly, and without a matching library. As
+        /// the first call in a new domain, it also frees the objects that the former domain left.
         /// </summary>
         /// <returns>True if everything has ended. False: a call did not return in time, and a later Shutdown continues.</returns>
         public static bool Shutdown(int timeoutMs = SessionWork.DisposeTimeoutMs)

@@ -8,9 +8,9 @@ using UnityEngine.SceneManagement;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// The one component that a game needs. It owns a session and searches the boxes of its <see cref="Source"/> once a frame. The embedded
-    /// decider (the default), a daemon or only the game selects the backend. It runs after the LateUpdate of the game's scripts. Use all members
-    /// on the main thread; all events are raised on it. A frame never waits and allocates nothing.
+    /// The only component that a game needs. It owns a session and searches the boxes of its <see cref="Source"/> once a frame. The
+    /// embedded decider (the default), a daemon or only the game selects the backend. It runs after the LateUpdate of the game's scripts.
+    /// Use all members on the main thread; all events are raised on it. A frame never waits and allocates nothing.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake Manager")]
     [DisallowMultipleComponent]
@@ -124,7 +124,8 @@ namespace Sweepstake.Unity
         public Decision LastDecision => host == null ? default : host.Session.LastDecision;
 
         /// <summary>
-        /// Connects to the config's daemon, which decides from the next frame on. From then on the game sends what privacy.md lists.
+        /// Connects to the config's daemon, which decides from the next frame on. From then on the game sends the data that privacy.md
+        /// lists.
         /// </summary>
         public void Connect()
         {
@@ -163,8 +164,8 @@ namespace Sweepstake.Unity
         public void StopCsv() => host?.StopCsv();
 
         /// <summary>
-        /// Ends the native objects of every manager and all others in the process, within about half a second. May be called at any time between
-        /// frames.
+        /// Ends the native objects of all managers, and all other native objects of the process, within about half a second. May be called
+        /// at any time between frames.
         /// </summary>
         public static void Shutdown()
         {
@@ -206,7 +207,7 @@ namespace Sweepstake.Unity
                 Destroy(defaults);
         }
 
-        /// <summary>Takes over changes that were made in the inspector during play, in the next frame.</summary>
+        /// <summary>Applies changes that were made in the inspector during play, in the next frame.</summary>
         private void OnValidate()
         {
             if (host == null)

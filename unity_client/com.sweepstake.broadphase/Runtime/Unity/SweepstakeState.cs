@@ -9,7 +9,7 @@ namespace Sweepstake.Unity
         Stopped,
         /// <summary>The manager could not start or had to end; <see cref="SweepstakeManager.Problem"/> says why and what to do.</summary>
         Failed,
-        /// <summary>The manager works without a daemon: the game decides itself, and nothing leaves the machine.</summary>
+        /// <summary>The manager works without a daemon: decisions are made in the game's process, and nothing leaves the machine.</summary>
         Embedded,
         /// <summary>A daemon is configured and has not answered yet.</summary>
         Connecting,

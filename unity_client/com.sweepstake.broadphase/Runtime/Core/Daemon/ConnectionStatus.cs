@@ -21,10 +21,11 @@ namespace Sweepstake
         public string LastError => Texts.LastError;
         /// <summary>Why the daemon refused the latest attempt, for example because of the token or the names; "" if it did not refuse.</summary>
         public string Refusal => Texts.Refusal;
-        /// <summary>Id of the session. Like the next two properties, it is "" before the daemon's first welcome message.</summary>
+        /// <summary>Id of the session; "" before the daemon's first welcome message.</summary>
         public string SessionId => Texts.SessionId;
+        /// <summary>The daemon's version; "" before the daemon's first welcome message.</summary>
         public string DaemonVersion => Texts.DaemonVersion;
-        /// <summary>The name of the policy that decides.</summary>
+        /// <summary>The name of the policy that decides; "" before the daemon's first welcome message.</summary>
         public string Policy => Texts.Policy;
         /// <summary>The daemon's latest posteriors in the order of arms; empty until the first arrive.</summary>
         public ReadOnlyMemory<Belief> Beliefs { get; }

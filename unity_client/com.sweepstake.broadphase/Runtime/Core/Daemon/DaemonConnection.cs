@@ -55,7 +55,7 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// The latest status; a new object whenever something has changed. Callable from any thread and cheap enough for each frame.
+        /// The latest status. Each change creates a new object. Callable from any thread and cheap enough for each frame.
         /// </summary>
         public ConnectionStatus Status => status;
 

@@ -4,8 +4,9 @@ using Sweepstake.LowLevel;
 namespace Sweepstake
 {
     /// <summary>
-    /// How a <see cref="DaemonConnection"/> introduces the game to its daemon and how it sends; a new object holds the library's defaults. Texts
-    /// are names of at most 128 bytes of UTF-8. All of them leave the machine if the daemon runs on another one.
+    /// Options of a <see cref="DaemonConnection"/>: the names that it sends to the daemon, and limits of its batches and delays. A new
+    /// object holds the library's defaults. Texts are names of at most 128 bytes of UTF-8. All of them leave the machine if the daemon runs
+    /// on another one.
     /// </summary>
     public sealed unsafe class LinkOptions
     {
@@ -37,7 +38,8 @@ namespace Sweepstake
         /// <summary>Seed of the daemon's random draws; 0: the daemon chooses.</summary>
         public ulong Seed { get => native.Seed; set => native.Seed = value; }
         /// <summary>
-        /// Divides the decider's intervals, 1 to 1000. A daemon refuses values above 1 unless it is configured to allow them.
+        /// Factor from 1 to 1000 by which the decider's intervals are divided. A daemon refuses values above 1 unless it is configured to
+        /// allow them.
         /// </summary>
         public double TimeScale { get => native.TimeScale; set => native.TimeScale = value; }
         /// <summary>Seed of the random delays between attempts to connect; 0: a different seed for each connection.</summary>
@@ -52,7 +54,10 @@ namespace Sweepstake
         public uint BatchFrames { get => native.BatchFrames; set => native.BatchFrames = value; }
         /// <summary>Maximum size of a batch in bytes, 512 to 262,144.</summary>
         public uint BatchBytes { get => native.BatchBytes; set => native.BatchBytes = value; }
-        /// <summary>Maximum number of unacknowledged messages, 1 to 4,096. At this limit sending pauses, and the session's queue drops its oldest samples.</summary>
+        /// <summary>
+        /// Maximum number of unacknowledged messages, 1 to 4,096. At this limit sending pauses, and the session's queue drops its oldest
+        /// samples.
+        /// </summary>
         public uint UnacknowledgedMessages { get => native.UnacknowledgedMessages; set => native.UnacknowledgedMessages = value; }
         /// <summary>
         /// Upper limit of the first delay before reconnecting, in milliseconds, 1 to 3,600,000. Each delay is random, up to a limit that

@@ -42,13 +42,15 @@ namespace Sweepstake
         public byte[]? PriorsData { get; set; }
         /// <summary>Seed of all random draws: the same seed and the same measurements give the same decisions.</summary>
         public ulong Seed { get => native.Seed; set => native.Seed = value; }
-        /// <summary>1 to 1000: divides every interval except the bail-out limit.</summary>
+        /// <summary>Factor from 1 to 1000 by which all intervals except the bail-out limit are divided.</summary>
         public double TimeScale { get => native.TimeScale; set => native.TimeScale = value; }
         /// <summary>Interval between decisions in nanoseconds.</summary>
         public ulong DecisionIntervalNs { get => native.DecisionIntervalNs; set => native.DecisionIntervalNs = value; }
         /// <summary>Minimum interval between switches that the policy chooses, in nanoseconds.</summary>
         public ulong CooldownNs { get => native.CooldownNs; set => native.CooldownNs = value; }
-        /// <summary>Frames per second below which even the best arm is <see cref="VerdictKind.Degraded"/>, 0 to 1000.</summary>
+        /// <summary>
+        /// Frames per second, 0 to 1000. If even the best arm stays below this rate, the verdict is <see cref="VerdictKind.Degraded"/>.
+        /// </summary>
         public double FpsFloor { get => native.FpsFloor; set => native.FpsFloor = value; }
 
         internal NativeDeciderOptions With(CallMemory memory)

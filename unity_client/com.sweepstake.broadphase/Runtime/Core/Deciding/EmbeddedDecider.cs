@@ -16,7 +16,9 @@ namespace Sweepstake
 
         /// <summary>Number of decisions since the decider was created.</summary>
         public ulong DecisionCount { get; }
-        /// <summary>Number of sources in the loaded priors; 0: the decider started from Beta(1,1).</summary>
+        /// <summary>
+        /// Number of sources (sessions or installations) whose evidence is in the loaded priors; 0: the priors are Beta(1,1).
+        /// </summary>
         public ulong PriorSourceCount { get; }
         /// <summary>The posteriors in the order of arms.</summary>
         public ReadOnlyMemory<Belief> Beliefs { get; }
@@ -50,7 +52,7 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// The state after the latest decision; a new object with each decision. Callable from any thread and in each frame.
+        /// The state after the latest decision. Each decision creates a new object. Callable from any thread and in each frame.
         /// </summary>
         public DeciderStatus Status => status;
 

@@ -53,8 +53,8 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// Ends this object, in an orderly way if the time allows. May be called more than once; later calls do not wait again for a thread that outlived
-        /// the first one. Not during a frame.
+        /// Ends this object, in an orderly way if the time allows. May be called more than once; later calls do not wait again for a thread
+        /// that did not end during the first call. Do not call it during a frame.
         /// </summary>
         /// <returns>Whether its thread has ended. A thread that has not ended makes no more native calls.</returns>
         public bool Stop(int timeoutMs)
@@ -118,9 +118,11 @@ namespace Sweepstake
 
         /// <summary>The body of the thread. If IsClosed is set, it returns soon after the thread is woken.</summary>
         private protected abstract void Serve();
-        /// <summary>Called under the gate: begins an orderly end that is complete at `endNs`.</summary>
+        /// <summary>
+        /// Called under the gate. Begins an orderly end that should be complete by `endNs`. After that time Stop no longer waits for it.
+        /// </summary>
         private protected abstract void BeginNativeStop(ulong endNs);
-        /// <summary>Called under the gate, once, while no frame runs: frees the native parts.</summary>
+        /// <summary>Called once under the gate, while no frame runs. Frees the native parts.</summary>
         private protected abstract void CloseNative();
 
         private protected void Wake()

@@ -48,8 +48,8 @@ namespace Sweepstake
 
         /// <summary>
         /// Passes these boxes to the active backend and searches for pairs. The number of boxes may change as in <see
-        /// cref="BroadPhaseWorld.Update(ReadOnlySpan{Aabb})"/>. If a frame has several fixed updates, call this once for each of them;
-        /// together they give one sample.
+        /// cref="BroadPhaseWorld.Update(ReadOnlySpan{Aabb})"/>. If a frame has several fixed updates, call this once for each of them. All
+        /// searches of the frame give one sample.
         /// </summary>
         public void FindPairs(ReadOnlySpan<Aabb> boxes)
         {
@@ -81,7 +81,9 @@ namespace Sweepstake
             Check(NativeMethods.swp_session_end_frame(Pointer, frameTimeNs, (uint)flags));
         }
 
-        /// <summary>Frees memory that the next frame does not need, for example at the end of a level. Not during a frame.</summary>
+        /// <summary>
+        /// Frees memory that the next frame does not need, for example at the end of a level. Do not call it during a frame.
+        /// </summary>
         public void Trim()
         {
             Check(NativeMethods.swp_session_trim(Pointer));
@@ -139,7 +141,7 @@ namespace Sweepstake
             set => Check(NativeMethods.swp_session_set_mode(Pointer, value));
         }
 
-        /// <summary>Index of the active arm in <see cref="Arms"/>. Use it and the next two properties on the frame thread.</summary>
+        /// <summary>Index of the active arm in <see cref="Arms"/>. Read it on the frame thread.</summary>
         public int ActiveArm
         {
             get
@@ -150,7 +152,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The number of switches executed.</summary>
+        /// <summary>The number of switches executed. Read it on the frame thread.</summary>
         public uint SwitchEpoch
         {
             get
@@ -161,7 +163,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The sample of the latest <see cref="EndFrame"/>; zeros before the first one.</summary>
+        /// <summary>The sample of the latest <see cref="EndFrame"/>; zeros before the first one. Read it on the frame thread.</summary>
         public FrameSample LastSample
         {
             get
@@ -186,8 +188,7 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// The latest decision with its reasons; it stays after the decider has ended. This member and all members below may be called from
-        /// any thread.
+        /// The latest decision with its reasons. It stays available after the decider has ended. Callable from any thread.
         /// </summary>
         public Decision LastDecision
         {
@@ -200,7 +201,8 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// The latest switch that has settled or was refused, whether the game or a decider requested it; zeros before the first.
+        /// The latest switch that has settled or was refused, whether the game or a decider requested it; zeros before the first. Callable
+        /// from any thread.
         /// </summary>
         public SwitchOutcome LastOutcome
         {
@@ -212,7 +214,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Samples dropped because the queue was full, since the session began.</summary>
+        /// <summary>Samples dropped since the session began because the queue was full. Callable from any thread.</summary>
         public ulong DroppedSampleCount
         {
             get
@@ -223,7 +225,9 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Counters of the shadow lane, and its state. If the lane does not run, the state is the reason.</summary>
+        /// <summary>
+        /// Counters of the shadow lane, and its state. If the lane does not run, the state is the reason. Callable from any thread.
+        /// </summary>
         public ShadowStats ShadowStats
         {
             get
@@ -234,7 +238,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>The version of an arm's code; evidence of different versions is not combined.</summary>
+        /// <summary>The version of an arm's code; evidence of different versions is not combined. Callable from any thread.</summary>
         public uint VersionOf(int arm)
         {
             uint version;

@@ -25,7 +25,7 @@ namespace Sweepstake
 
         /// <summary>For each box, finds all proxies that overlap it, by ascending id.</summary>
         /// <param name="found">
-        /// Receives the proxies: those of box k are at ends[k - 1] (0 for the first box) to ends[k].
+        /// Receives the proxies. The proxies of box k begin at index ends[k - 1] (0 for the first box) and end before index ends[k].
         /// </param>
         /// <param name="ends">One entry per box; the last one is the number of proxies found.</param>
         /// <returns>

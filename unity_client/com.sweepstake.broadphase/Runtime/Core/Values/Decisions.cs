@@ -11,9 +11,9 @@ namespace Sweepstake
         Unknown = 0,
         /// <summary>The leader is the best arm with a probability of 0.8 or more.</summary>
         Stable = 1,
-        /// <summary>The probability is below 0.8, but choosing the leader loses 0.5 % or less.</summary>
+        /// <summary>The leader is the best arm with a probability below 0.8, but choosing it loses 0.5 % or less.</summary>
         Tie = 2,
-        /// <summary>The probability is below 0.8, and the leader may lose more than 0.5 %: expect switches.</summary>
+        /// <summary>The leader is the best arm with a probability below 0.8 and may lose more than 0.5 %: expect switches.</summary>
         Ambiguous = 3,
         /// <summary>Even the leader is below the frame-rate floor. No broad phase will help: spawn fewer or smaller objects.</summary>
         Degraded = 4,
@@ -66,7 +66,7 @@ namespace Sweepstake
 
         internal uint StructSize;
         public DecisionOutcome Outcome;
-        /// <summary>Counts from 1; 0 for a decision of a daemon, which sends only its commands.</summary>
+        /// <summary>Number of the decision, from 1; 0 for a decision of a daemon, which sends only its commands.</summary>
         public ulong DecisionId;
         /// <summary>Time of the decision in nanoseconds of <see cref="SteadyClock"/>; the difference to now is its age.</summary>
         public ulong TimeNs;

@@ -36,8 +36,8 @@ namespace Sweepstake
     }
 
     /// <summary>
-    /// The cost of one frame. If the frame has several searches, times and checks are sums, and the counts of bytes, pairs and objects are those
-    /// of the last search.
+    /// The cost of one frame. If the frame has several searches, times and checks are sums over the searches. Bytes, pairs and objects are
+    /// from the last search.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct FrameSample

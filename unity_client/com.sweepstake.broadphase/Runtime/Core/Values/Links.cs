@@ -55,7 +55,7 @@ namespace Sweepstake
         public ulong CommandCount;
         /// <summary>Messages of a newer protocol, which were skipped.</summary>
         public ulong UnknownMessageCount;
-        /// <summary>Number of sources in the loaded priors.</summary>
+        /// <summary>Number of sources (sessions or installations) whose evidence is in the loaded priors.</summary>
         public ulong PriorSourceCount;
         /// <summary>Seed of the daemon's random draws.</summary>
         public ulong Seed;

@@ -48,7 +48,8 @@ namespace Sweepstake
         public uint ThreadCount;
         internal IntPtr Executor;
         /// <summary>
-        /// Distance in world units: the end event of a pair waits until the boxes are farther apart than this on one axis. Pairs stay exact.
+        /// Distance in world units. The end event of a pair waits until the boxes are farther apart than this distance on one axis. The
+        /// list of pairs stays exact.
         /// </summary>
         public float EventMargin;
         internal uint Reserved;
@@ -93,7 +94,7 @@ namespace Sweepstake
         public uint ObjectCount;
         /// <summary>Seed of sizes and spawn positions.</summary>
         public ulong SpawnSeed;
-        /// <summary>Seed of start velocities, directions and kicks.</summary>
+        /// <summary>Seed of start velocities, directions, kicks and random parts of wall hits.</summary>
         public ulong MotionSeed;
         /// <summary>The world extends from minus this value to this value on each axis.</summary>
         public float WorldHalfExtent;

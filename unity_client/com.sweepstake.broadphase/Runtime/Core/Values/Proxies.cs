@@ -55,7 +55,7 @@ namespace Sweepstake
         None = 0,
         /// <summary>The proxy forms pairs with moving and sleeping proxies only.</summary>
         Static = 1,
-        /// <summary>Read-only: see <see cref="ProxySet.SetSleeping"/>.</summary>
+        /// <summary>The proxy sleeps. This flag is read-only; <see cref="ProxySet.SetSleeping"/> sets it.</summary>
         Sleeping = 2,
     }
 
@@ -87,7 +87,7 @@ namespace Sweepstake
     }
 
     /// <summary>
-    /// The points origin + t · direction with t from 0 to MaxDistance (in world units if the direction has length 1). All values are
+    /// A ray: the points origin + t · direction with t from 0 to MaxDistance (in world units if the direction has length 1). All values are
     /// finite.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
@@ -102,7 +102,7 @@ namespace Sweepstake
         public float MaxDistance;
     }
 
-    /// <summary>The ball with a radius from 0 to 1e19 around the center; all values are finite.</summary>
+    /// <summary>A ball around the center, with a radius from 0 to 1e19. All values are finite.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct SphereQuery
     {
@@ -128,8 +128,8 @@ namespace Sweepstake
         /// <summary><see cref="ProxyHandle.None"/> if nothing was hit.</summary>
         public ProxyHandle Proxy;
         /// <summary>
-        /// The t at which the ray enters the box, or the fraction of the translation at which the moving box touches it; 0 if it starts
-        /// inside.
+        /// The value of t at which the ray enters the proxy's box, or the fraction of the translation at which the moving box touches it. 0
+        /// if the ray or moving box starts inside.
         /// </summary>
         public float Distance;
         internal uint Reserved;

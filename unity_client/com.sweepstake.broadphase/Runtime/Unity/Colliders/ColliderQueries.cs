@@ -64,7 +64,7 @@ namespace Sweepstake.Unity
             return !(hit is null);
         }
 
-        /// <summary>Drops a hit that was destroyed since the latest frame, so that it does not hide what is behind it.</summary>
+        /// <summary>Drops a hit that was destroyed since the latest frame, so that it does not hide a collider behind it.</summary>
         private bool HasDropped(Collider? hit) => !(hit is null) && hit == null && colliders.Remove(hit!);
 
         private ProxyQueries Prepared()

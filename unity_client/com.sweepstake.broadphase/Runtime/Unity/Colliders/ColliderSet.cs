@@ -19,9 +19,9 @@ namespace Sweepstake.Unity
     }
 
     /// <summary>
-    /// Colliders as proxies. Those of static game objects are read when they are added, enabled or disabled; the boxes of all others are read
-    /// in each frame. A disabled collider has no box and ends its pairs; a destroyed one is removed automatically. In steady state nothing
-    /// allocates.
+    /// Colliders as proxies. The boxes of colliders of static game objects are read when the colliders are added, enabled or disabled. The
+    /// boxes of all other colliders are read in each frame. A disabled collider has no box, which ends its pairs. A destroyed collider is
+    /// removed automatically. In steady state nothing allocates.
     /// </summary>
     internal sealed class ColliderSet : IDisposable
     {
@@ -48,7 +48,7 @@ namespace Sweepstake.Unity
         private int[] layers = new int[64];
         /// <summary>Index of a collider's box in recordings, fixed while it is tracked.</summary>
         private int[] places = new int[64];
-        /// <summary>The number of searches (searchCount) when the collider was added.</summary>
+        /// <summary>The value of searchCount when the collider was added.</summary>
         private ulong[] births = new ulong[64];
         private int movingCount;
         private int count;
@@ -121,7 +121,8 @@ namespace Sweepstake.Unity
         }
 
         /// <summary>
-        /// Reads the boxes of this frame. It first sends the transforms to PhysX; otherwise boxes would be those of its latest step.
+        /// Reads the boxes of this frame. It first sends the transforms to PhysX; otherwise the boxes would be those of PhysX's latest
+        /// step.
         /// </summary>
         internal void ReadBoxes()
         {
@@ -251,7 +252,10 @@ namespace Sweepstake.Unity
             Array.Resize(ref births, size);
         }
 
-        /// <summary>Unity returns a box of size zero for a collider that is disabled or whose game object is inactive.</summary>
+        /// <summary>
+        /// Returns the collider's box. Returns NoBox if Unity's box has size zero: the collider is disabled, or its game object is
+        /// inactive.
+        /// </summary>
         private static Aabb BoxOf(Collider collider)
         {
             Bounds bounds = collider.bounds;

@@ -83,8 +83,8 @@ namespace Sweepstake.Unity
         public bool IsTracked(Collider collider) => colliders != null && colliders.Contains(collider);
 
         /// <summary>
-        /// Reads a collider's layer, static flag and, if it is static, box again. Changes of the layer are also noticed automatically after some
-        /// frames.
+        /// Reads a collider's layer and static flag again, and the box of a static collider. Changes of the layer are also noticed
+        /// automatically after some frames.
         /// </summary>
         public void Refresh(Collider collider) => colliders?.Refresh(collider);
 

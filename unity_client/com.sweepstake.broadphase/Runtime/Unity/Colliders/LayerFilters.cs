@@ -3,7 +3,9 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Unity's layers as proxy filters: the category of a layer is its bit, its mask the layers that it collides with.</summary>
+    /// <summary>
+    /// Unity's layers as proxy filters: the category of a layer is the layer's bit, and the mask contains the layers that it collides with.
+    /// </summary>
     internal sealed class LayerFilters
     {
         private const int LayerCount = 32;

@@ -6,9 +6,9 @@ using UnityEngine;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// Lets the manager on the same object search a scene of moving boxes: one of the library's, or a recorded .aabbs file. One seed gives the
-    /// same boxes in each step on every machine. Changing a setting while it plays restarts the scene. If a new scene cannot be played, the
-    /// reason is logged and the former scene continues.
+    /// Lets the manager on the same object search a scene of moving boxes: a scene of the library, or a recorded .aabbs file. One seed
+    /// gives the same boxes in each step on every machine. Changing a setting while it plays restarts the scene. If a new scene cannot be
+    /// played, the reason is logged and the former scene continues.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake Scenario Player")]
     [RequireComponent(typeof(SweepstakeManager))]

@@ -29,7 +29,7 @@ namespace Sweepstake.Unity
         internal DaemonConnection? Connection { get; private set; }
         /// <summary>Why no decisions are made; "" while a decider or a connection works.</summary>
         internal string WorkProblem { get; private set; } = "";
-        /// <summary>Why the latest CSV file is incomplete; "" as far as no row is known to be missing.</summary>
+        /// <summary>Why the latest CSV file is incomplete; "" while no row is known to be missing.</summary>
         internal string CsvProblem { get; private set; } = "";
 
         /// <summary>Ends a connection and starts the embedded decider.</summary>
