@@ -73,7 +73,7 @@ class Usable {
   size_t count_ = 0;
 };
 
-// REQUIRES: the first call comes before the first call of UseSimdTarget, which hides targets.
+// The first call reads the targets. It must precede the first UseSimdTarget, which hides targets.
 const Usable& UsableTargets() {
   static const Usable usable;
   return usable;

@@ -1,6 +1,6 @@
-// An array that only grows: 64-byte aligned, uninitialised, for trivially copyable values. All
-// backends store their data in it, so that a steady scene allocates nothing and native_bytes() is a
-// sum of capacity_bytes().
+// An array of trivially copyable values that only grows. It is 64-byte aligned, and its new
+// elements are uninitialised. All backends store their data in it, so that a steady scene allocates
+// nothing and native_bytes() is a sum of capacity_bytes().
 //
 // Not thread-safe. Owns its memory, which comes from the hooks, until destruction; movable. If
 // memory runs out, it calls OutOfMemory (sweepstake/hooks.h).
@@ -51,8 +51,8 @@ class AlignedBuffer {
     capacity_ = grown;
   }
 
-  // Makes room for a count that changes from frame to frame; the content is lost if the array has
-  // to grow. A growing array reserves a quarter more than `count`, so that it seldom allocates.
+  // Makes room for `count` elements; the content is lost if the array has to grow. A growing array
+  // reserves a quarter more, so that a count that changes from frame to frame seldom allocates.
   void EnsureWithSpare(size_t count) {
     if (count > capacity_) EnsureDiscarding(count + count / 4 + 2048);
   }

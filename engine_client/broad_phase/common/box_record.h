@@ -1,4 +1,4 @@
-// The layout of a box for exact overlap tests: two vectors of four floats, half a cache line.
+// BoxRecord stores a box for exact overlap tests: two vectors of four floats, half a cache line.
 #pragma once
 
 #include <cstddef>
@@ -35,9 +35,9 @@ inline BoxRecord RecordOf(const Aabb& box) {
 // Stores boxes[i] in records[i].
 void StoreRecords(std::span<const Aabb> boxes, BoxRecord* records);
 
-// Lists in `moved` the index of each box that differs from its record, with the bit kBecameInvalid
-// set if the box is invalid. Returns the number of these boxes. REQUIRES: `moved` has room for
-// boxes.size() entries.
+// FindMoved lists in `moved` the index of each box that differs from its record, with the bit
+// kBecameInvalid set if the box is invalid. Returns the number of these boxes. REQUIRES: `moved`
+// has room for boxes.size() entries.
 inline constexpr uint32_t kBecameInvalid = 0x80000000;
 size_t FindMoved(std::span<const Aabb> boxes, const BoxRecord* records, uint32_t* moved);
 

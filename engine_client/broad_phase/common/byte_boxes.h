@@ -1,6 +1,6 @@
-// Boxes in the layout for scans, which compare each box with many others. Each coordinate is also
-// stored as a byte, so that one register compares 64 boxes. The exact boxes are kept to test the
-// remaining candidates.
+// ByteBoxes stores boxes for scans, which compare each box with many others. Each coordinate is
+// also stored as a byte, so that one register compares 64 boxes. The exact boxes are kept to test
+// the remaining candidates.
 //
 // A monotone function q maps a coordinate to [0, 255]; it is linear over the range of most boxes
 // and constant outside. a.min <= b.max implies q(a.min) <= q(b.max): boxes that overlap also
@@ -31,7 +31,7 @@ struct SweepAxis {
   float scale = 1;
   float last = 0;
 
-  // REQUIRES: x is not NaN.
+  // Returns the step of the coordinate x. REQUIRES: x is not NaN.
   uint32_t Step(float x) const {
     return static_cast<uint32_t>(std::min(std::max((x - low) * scale, 0.0F), last));
   }
@@ -48,7 +48,7 @@ struct ByteLanes {
   float* begin;
   float* end;
   uint32_t* id;
-  const BoxRecord* record;  // the exact boxes, indexed by slot or by id
+  const BoxRecord* record;  // the exact boxes, indexed by slot, or by id if records_by_id
   bool records_by_id;
   size_t count;
 };

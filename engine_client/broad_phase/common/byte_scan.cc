@@ -25,10 +25,10 @@ struct Candidates {
 // Capacity of the list of candidates that are collected before they are tested exactly.
 constexpr size_t kCandidatesRoom = 256;
 
-// Tests candidates exactly. A box's record is at its slot, or at its id if kById. One loop runs
-// over all bits without a branch on their number or on the results: neither can be predicted, and
-// mispredicted branches would cost more than the tests. REQUIRES: two entries behind the last are
-// readable.
+// Tests candidates exactly and writes the overlapping pairs. A box's record is at its slot, or at
+// its id if kById. The loop over all bits does not branch on their number or on the results: such
+// branches would often be mispredicted, which costs more than the tests. REQUIRES: two entries
+// behind the last one are readable.
 template <bool kById>
 HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, size_t count,
                               PairCursor& cursor) {
@@ -52,7 +52,7 @@ HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, siz
     const uint64_t pair = uint64_t{b ^ swapped} << 32 | (a ^ swapped);
     std::memcpy(out + found, &pair, sizeof(pair));
     found += RecordsOverlap(lanes.record[kById ? a : row], lanes.record[kById ? b : slot]) ? 1 : 0;
-    // Removes the bit; after the last one, goes to the next candidates.
+    // Removes the bit. After the last bit of an entry, goes to the next entry.
     bits &= bits - 1;
     const uint64_t is_last = bits == 0 ? 1 : 0;
     bits |= next_bits & (0 - is_last);
@@ -90,10 +90,10 @@ HWY_INLINE RowBytes RowAt(const ByteLanes& lanes, size_t row) {
           {lanes.high[0][row], lanes.high[1][row], lanes.high[2][row]}};
 }
 
-// Returns, as bits, which slots from `at` on may overlap `row`: those without a gap between the two
-// boxes on any axis. Swept slots are sorted by the first axis, so that no later slot ends before
-// the row begins there, and that test is left out. The gaps are combined in bytes before one
-// comparison, which is faster than six comparisons into masks.
+// Returns, as bits, which slots from `at` on may overlap `row`: their boxes have no gap on any
+// axis. Swept slots are sorted by their begin on axis 0. No later slot then ends before the row
+// begins, so that gap_before(0) is left out. The gaps are combined in bytes before one comparison,
+// which is faster than six comparisons into masks.
 template <bool kSwept>
 HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes, size_t at) {
   const auto gap_before = [&](size_t axis) HWY_ATTR {
@@ -108,7 +108,7 @@ HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes
   return BitsOf(d, hn::Eq(gap, hn::Zero(d)));
 }
 
-// Calls Compare for each register of `step` slots and joins the bits.
+// Calls Compare for each register of the `step` slots from `at` on, and joins the bits.
 template <bool kSwept>
 HWY_INLINE uint64_t CompareStep(Bytes d, const RowBytes& row, const ByteLanes& lanes, size_t at,
                                 size_t step) {

@@ -21,12 +21,12 @@ inline constexpr size_t kRowsPerTile = 4;
 
 // Appends each overlapping pair of a slot in [begin, end) and a later slot; returns the number of
 // AABB checks. `expected_pairs`, the expected number of pairs of all slots, affects only the time.
-// Both functions poll `stop`, which may be null, between tiles.
+// Polls `stop`, which may be null, between tiles.
 uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, size_t expected_pairs,
                         PairBuffer& out, StopRequest* stop);
 // Appends each overlapping pair of a swept slot in [begin, end) and a later slot; returns the
 // number of AABB checks. A tile is not compared with slots whose boxes begin, on the sweep axis,
-// behind the end of all its boxes.
+// behind the end of all boxes of the tile. Polls `stop`, which may be null, between tiles.
 uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out,
                           StopRequest* stop);
 // Returns the approximate time of one check of a sweep in ns, with the instruction set that runs.

@@ -1,9 +1,9 @@
 // Moves the lanes that are set in a mask to the front of a register, for every target of Highway.
 // Include after hwy/foreach_target.h.
 //
-// AVX-512 and SVE have an instruction for it. Other targets use a shuffle with indices from a
-// table. hn::Compress of Highway 1.0 also does so, but gcc 12 copies its table (1 KiB) to the stack
-// in every call. This copying took more than half of the time of a search.
+// AVX-512 and SVE have an instruction for this move. Other targets use a shuffle with indices from
+// a table. hn::Compress of Highway 1.0 also uses a table, but gcc 12 copies that table (1 KiB) to
+// the stack in every call. This copying took more than half of the time of a search.
 #if defined(SWEEPSTAKE_COMPRESS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_COMPRESS_INL_H_
 #undef SWEEPSTAKE_COMPRESS_INL_H_

@@ -11,7 +11,7 @@ namespace sweepstake {
 struct CompressTable {
   // Entry m lists the set bits of m in ascending order, then zeros.
   std::array<std::array<uint8_t, 8>, 256> of8{};
-  // The same for 4 lanes of 32 bits; each lane is given by the indices of its four bytes.
+  // Entry m lists the set bits of m as lanes of 32 bits, each by the indices of its four bytes.
   alignas(16) std::array<std::array<uint8_t, 16>, 16> bytes_of4{};
 };
 

@@ -11,8 +11,8 @@ namespace sweepstake {
 namespace {
 
 constexpr size_t kSampleCount = 128;
-// Fewer boxes than this get the smaller sample, since the full one would cost as much as sorting
-// them.
+// With fewer boxes than this, the sample has kSmallSampleCount boxes, since a sample of
+// kSampleCount would cost as much as sorting the boxes.
 constexpr size_t kFewBoxes = 4096;
 constexpr size_t kSmallSampleCount = 64;
 // The number of values at either end of the sample that are treated as outliers. Otherwise a single

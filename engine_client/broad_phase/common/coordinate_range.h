@@ -11,7 +11,7 @@
 
 namespace sweepstake {
 
-// Sample reads at most 128 boxes, so that its cost does not depend on their number.
+// The range on each axis. Sample estimates it from at most 128 boxes, at a constant cost.
 struct CoordinateRange {
   static constexpr float kMinWidth = 1e-30F;
 

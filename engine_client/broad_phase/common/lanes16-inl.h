@@ -56,7 +56,7 @@ HWY_INLINE uint32_t BitsOfMask([[maybe_unused]] D d, hn::Mask<D> mask) {
 #endif
 }
 
-// Returns the mask with these bits set.
+// Returns the mask in which lane k is set if bit k of `bits` is set.
 template <class D>
 HWY_INLINE hn::Mask<D> MaskOfBits([[maybe_unused]] D d, uint32_t bits) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86

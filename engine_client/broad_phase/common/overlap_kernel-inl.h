@@ -54,8 +54,8 @@ HWY_INLINE hn::Mask<D> Hits(D d, const Aabb& box, const BoxLanes& lanes, size_t 
   return hn::And(begins, ends);
 }
 
-// Returns which of the boxes in registers (one vector per face) overlap another box. The three
-// coordinates at `min`, and those at `max`, are kStride floats apart.
+// Returns the lanes of boxes in registers (one vector per face) that overlap another box. The other
+// box's coordinates begin at `min` and at `max` and are kStride floats apart.
 template <size_t kStride, class D, class V>
 HWY_INLINE hn::Mask<D> HeldHits(D d, V min0, V min1, V min2, V max0, V max1, V max2,
                                 const float* min, const float* max) {

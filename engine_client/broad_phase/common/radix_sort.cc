@@ -48,7 +48,7 @@ void RadixSort::Sort(AlignedBuffer<uint64_t>& items, size_t count, StopRequest* 
   }
 }
 
-// Returns false if `stop` ended the sort. Scatter returns false in the same case.
+// Counts all digits of the items. Like Scatter, returns false if `stop` ended the sort.
 bool RadixSort::CountDigits(const uint64_t* items, size_t count, StopRequest* stop) {
   starts_.EnsureDiscarding(kPasses * kBuckets);
   std::fill_n(starts_.data(), kPasses * kBuckets, 0U);

@@ -39,8 +39,8 @@ class RadixSort {
   // is valid until the next call of Items or Sort. Polls `stop`, which may be null; after a stop
   // the items are undefined.
   std::span<const uint64_t> Sort(StopRequest* stop = nullptr);
-  // Sorts the first `count` elements of `items`. May exchange the storage of `items` for that of a
-  // buffer of this sorter, to avoid copying the result.
+  // Sorts the first `count` elements of `items`. May swap the storage of `items` with a buffer of
+  // this sorter, to avoid copying the result.
   void Sort(AlignedBuffer<uint64_t>& items, size_t count, StopRequest* stop = nullptr);
 
   size_t native_bytes() const {

@@ -1,8 +1,8 @@
 // Decides when a structure that motion has degraded is worth rebuilding, and over how many frames
 // to spread the rebuild.
 //
-// The older a structure is, the more checks a search in it makes. Its debt is the sum, over the
-// searches since the latest rebuild, of the checks above those of the cheapest search. A rebuild is
+// The older a structure is, the more checks a search in it makes. Its debt is the number of checks
+// in excess of the cheapest search, summed over the searches since the latest rebuild. A rebuild is
 // due when the debt exceeds the cost of the rebuild. Searches and rebuilds together then cost at
 // most twice as much as with the best possible times for the rebuilds.
 //

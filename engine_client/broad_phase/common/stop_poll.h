@@ -35,7 +35,7 @@ class StopPoll {
     if (stop_ != nullptr) stop_->WantsStop(NewBytes());
   }
 
-  // Returns whether the search must end; it has made `check_count` checks so far.
+  // Returns whether the search, which has made `check_count` checks so far, must end.
   bool Ends(uint64_t check_count) { return check_count >= next_ && Ask(check_count); }
   // Returns the number of checks at which to call Ends next, or the maximum value without a
   // request.
@@ -67,9 +67,9 @@ class StopPoll {
 inline bool IsStopped(StopRequest* stop) { return stop != nullptr && stop->WantsStop(0); }
 
 // The number of boxes that are processed between two polls while boxes are loaded or sorted. In a
-// sort, each pass over a box counts. Processing that many boxes takes 1 ms or less, even if each
-// access misses the caches. It is a power of two and thus a multiple of the block sizes by which
-// loops are divided (ByteBoxes::kGranule and similar constants).
+// sort, each pass over a box counts. Processing this number of boxes takes 1 ms or less, even if
+// each access misses the caches. It is a power of two and thus a multiple of the block sizes by
+// which loops are divided (ByteBoxes::kGranule and similar constants).
 inline constexpr size_t kBoxesPerQuestion = size_t{1} << 15;
 
 // Calls fn(from, to) for consecutive blocks of the items [begin, end), and polls `stop` before each

@@ -156,7 +156,7 @@ void Dbvt::Update(std::span<const Aabb> boxes) {
   Refit(boxes);
 }
 
-// Adds objects with the highest indices, or removes them. REQUIRES: is_at_rest_ is false.
+// Adds objects to outside_, or removes the last objects. REQUIRES: is_at_rest_ is false.
 void Dbvt::Resize(size_t count) {
   const size_t old_count = tree_.object_count();
   if (count == old_count) return;

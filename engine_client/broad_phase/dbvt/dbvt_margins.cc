@@ -110,7 +110,7 @@ constexpr float kLargest = std::numeric_limits<float>::max();
 // The bounds of a margin, as multiples of the typical side (dbvt_margins.h).
 constexpr float kMinMargin = 0.02F;
 constexpr float kMaxMargin = 0.1F;
-// A margin is this multiple of the object's motion per frame: it should hold for that many frames.
+// A margin is the motion of its object in this number of frames, clamped to the bounds above.
 constexpr float kMarginFrames = 8;
 // Margins are dropped if more than 1 in 20 objects leaves its margin in a frame. One refit and one
 // search for all objects then cost less than new margins and candidates for these objects.
@@ -264,8 +264,8 @@ void DbvtMargins::CollectObjectsOutside(std::span<const Aabb> boxes, Executor* e
   }
 }
 
-// Lists in left_, from left_[begin] on, those of the objects [begin, end) that have left their
-// margins. Gives each of them a new enlarged box. Returns their number.
+// Lists in left_, from left_[begin] on, the objects of [begin, end) that have left their margins.
+// Gives each of them a new enlarged box. Returns the number of listed objects.
 size_t DbvtMargins::UpdatePart(std::span<const Aabb> boxes, size_t begin, size_t end) {
   uint32_t* const left = left_.data() + begin;
   const size_t outside =
@@ -283,8 +283,8 @@ size_t DbvtMargins::UpdatePart(std::span<const Aabb> boxes, size_t begin, size_t
   return count;
 }
 
-// Moves an object that has left its margin to its new place in the tree, or removes it if it is
-// invalid.
+// Moves an object that has left its margin to its new place in the tree, or removes it if its box
+// is invalid.
 void DbvtMargins::Replace(uint32_t object, DbvtTree& tree) {
   has_left_[object] = 1;
   if (IsInvalid(fat_[object])) {

@@ -31,10 +31,10 @@ namespace sweepstake {
 
 class DbvtMargins {
  public:
-  // Measures the typical side of these boxes (see above). Step and all margins depend on it until
-  // the next call.
+  // Measures the typical side of these boxes (defined at the top of this file). Step and all
+  // margins depend on it until the next call.
   void MeasureSide(std::span<const Aabb> boxes);
-  // Returns the motion per frame at which an object stays in the largest margin for 8 frames.
+  // Returns the motion per frame that uses up the largest margin in 8 frames.
   float Step() const;
 
   // Enlarges all boxes, also those in the tree, and finds all candidates. `motion` is the mean
@@ -75,7 +75,7 @@ class DbvtMargins {
   PairBuffer candidates_;
   size_t count_ = 0;
   size_t left_count_ = 0;
-  float side_ = 0;  // the typical side (see above)
+  float side_ = 0;  // the typical side, defined at the top of this file
 };
 
 }  // namespace sweepstake

@@ -25,7 +25,7 @@ HWY_INLINE BoxLanes LanesOf(const DbvtNode& node) {
 }
 
 // Lists in `found` the children from lane `first` on that overlap `box`, and returns their number.
-// May write up to one register behind the last one.
+// May write up to one register behind the last entry.
 HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_t first,
                                   uint32_t* found) {
   const Lanes16 d;
@@ -42,7 +42,7 @@ HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_
 }
 
 // Lists in `found` the slots (leaf · kWidth + lane) of the leaf's boxes that overlap `box`, and
-// returns their number. May write up to one register behind the last one.
+// returns their number. May write up to one register behind the last entry.
 HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t leaf,
                                uint32_t* found) {
   const Lanes16 d;
@@ -58,10 +58,10 @@ HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t 
   return count;
 }
 
-// Tests the leaf's boxes, a register at a time, against those in `slots`. With kSelf it tests them
-// against one another instead, each against the lanes behind it. With 128-bit registers, copying
-// the other box's faces to all lanes costs more than comparing them. The copies are therefore
-// reused for all registers of the leaf. With wider registers, the leaf's faces stay loaded instead.
+// Tests the leaf's boxes, a register at a time, against the boxes in `slots`. With kSelf it tests
+// each of the leaf's boxes against the lanes behind it instead. With 128-bit registers, copying the
+// other box's faces to all lanes costs more than comparing them. The copies are therefore reused
+// for all registers of the leaf. With wider registers, the leaf's faces stay loaded instead.
 template <bool kSelf>
 HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& leaf,
                           size_t leaf_size, const uint32_t* slots, size_t slot_count,
@@ -106,9 +106,9 @@ HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& le
 // The maximum number of pending nodes in a depth-first walk: all siblings on each level.
 constexpr size_t kStackSize = DbvtTree::kMaxLevels * kWidth + kWidth;
 
-// The search for the pairs of one leaf with the leaves after it. Leaves found are collected in one
-// list, and slots of boxes found in them in another one. A list is processed when it is full: the
-// processor predicts the branches of a long loop better than those of many short ones.
+// The search for the pairs of one leaf with the leaves after it. One list collects the leaves
+// found, another the slots of the boxes found in them. A list is processed when it is full: the
+// branches of one long loop are predicted better than the branches of many short loops.
 struct DbvtSearch {
   DbvtSearch(const DbvtTree& tree, PairCursor& pairs)
       : nodes(tree.nodes()), links(tree.links()), cursor(pairs) {}

@@ -15,9 +15,9 @@
 
 namespace sweepstake {
 
-// Finds the pairs of the objects below each of these lowest inner nodes: pairs with one another,
-// and pairs with objects that follow in depth-first order. Called for all of tree.Groups(), it
-// finds every overlapping pair once.
+// Finds the pairs of the objects below the lowest inner nodes `groups`: pairs with one another, and
+// pairs with objects that follow in depth-first order. A call for all of tree.Groups() finds every
+// overlapping pair once.
 uint64_t FindGroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out,
                         StopRequest* stop);
 

@@ -10,15 +10,15 @@
 
 namespace sweepstake {
 
-// Returns the bounds of all lanes. REQUIRES: the node has an entry.
+// Returns the bounds of the boxes in all lanes. REQUIRES: the node has an entry.
 Aabb NodeBounds(const DbvtNode& node);
 
 // Returns, as bits, the lanes of this inner node whose children have grown beyond their reach, the
 // size limit that dbvt_tree.h defines. Reduces the reach of children that have shrunk.
 uint16_t StretchedLanes(DbvtNode& node);
 
-// Copies the new boxes of the objects to the leaves of a group (DbvtGroupNote), and the bounds of
-// the leaves to the group's inner node. Samples the motion of each leaf's first object.
+// Copies the objects' new boxes to the leaves of a group (defined at DbvtGroupNote), and the bounds
+// of these leaves to the group's inner node. Samples the motion of each leaf's first object.
 DbvtGroupNote RefitGroup(DbvtNode* nodes, const DbvtLink* links, uint32_t group, const Aabb* boxes,
                          float step);
 

@@ -44,12 +44,12 @@ float SumOfSides(const Aabb& box) {
   return (box.max[0] - box.min[0]) + (box.max[1] - box.min[1]) + (box.max[2] - box.min[2]);
 }
 
-// The result is a double, since the sum of two floats may overflow.
+// Returns twice the box's center, as a double, since the sum of two floats may overflow.
 double DoubledCenter(const Aabb& box, int axis) {
   return static_cast<double>(box.min[axis]) + box.max[axis];
 }
 
-// Returns the axis with the widest spread of the centers of these entries' boxes.
+// Returns the axis with the widest spread of the centers of the entries' boxes.
 template <class Entries>
 int WidestAxis(const Entries& entries) {
   int widest = 0;
@@ -334,8 +334,8 @@ void DbvtTree::Split(uint32_t node, const Entry& entry) {
 
 void DbvtTree::Settle(StopRequest* stop) {
   constexpr size_t kEntriesPerQuestion = 2048;
-  // Inserts subtrees before smaller subtrees and objects, because these may be inserted into the
-  // larger ones.
+  // Inserts large subtrees first, because smaller subtrees and objects may be inserted into these
+  // subtrees.
   for (uint32_t level = links_[root_].level + 1; level-- > 0 && !waiting_.empty();) {
     const auto attach = [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {

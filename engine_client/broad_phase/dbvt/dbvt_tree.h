@@ -1,5 +1,5 @@
-// A dynamic bounding volume tree, sixteen wide. The entries of a leaf are up to sixteen objects,
-// those of an inner node up to sixteen nodes. Each lane of a node holds one entry and its box.
+// A dynamic bounding volume tree, sixteen wide. A leaf holds up to sixteen objects, an inner node
+// up to sixteen nodes. Each lane of a node holds one of these entries and its box.
 //
 // All leaves have the same depth. The size of a box is the sum of its sides, which works for flat
 // and thin boxes too. An object is inserted where it enlarges the tree least. A node that overflows
@@ -29,7 +29,7 @@
 
 namespace sweepstake {
 
-// Lanes without an entry hold sentinels, which overlap nothing (min = +inf, max = -inf).
+// A node. Lanes without an entry hold sentinels, which overlap nothing (min = +inf, max = -inf).
 struct alignas(64) DbvtNode {
   static constexpr uint32_t kWidth = 16;
 

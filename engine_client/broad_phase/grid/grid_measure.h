@@ -1,7 +1,7 @@
 // The measurements that a grid is planned from: the bounds of the boxes' min corners, and for each
 // shape class the number of boxes and their maximum sides.
 //
-// Plain values. Cost: O(n); several times as long if the boxes are of several classes.
+// Plain values. Cost: O(n); it is several times as high with boxes of several classes.
 #pragma once
 
 #include <array>
@@ -33,13 +33,13 @@ struct GridMeasure {
   std::array<GroupShape, ShapeClasses::kCount> shapes{};
 
   GridMeasure();
-  // Merges the measurements of two sets of boxes.
+  // Adds the measurement of another set of boxes to this one.
   void Join(const GridMeasure& other);
   uint32_t count() const;
 };
 
-// Ignores invalid boxes (aabb.h). Polls `stop`, which may be null; after a stop the remaining boxes
-// are left out.
+// Measures the valid boxes (aabb.h). Polls `stop`, which may be null; after a stop the remaining
+// boxes are left out.
 GridMeasure MeasureBoxes(std::span<const Aabb> boxes, const ShapeClasses& classes,
                          StopRequest* stop = nullptr);
 

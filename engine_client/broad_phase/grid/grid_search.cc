@@ -16,7 +16,7 @@
 #define SWEEPSTAKE_GRID_SEARCH_
 namespace sweepstake {
 
-// A list of ranges: the box in `slot` is tested against those in the slots [begin, end).
+// A list of ranges: the box in `slot` is tested against the boxes in the slots [begin, end).
 struct RangeList {
   // Room for five ranges per box of a batch, and for one empty range, which is written but not
   // counted.
@@ -164,10 +164,10 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
   return hn::AllFalse(di, hn::Gt(max_reach, one));
 }
 
-// Stores the pairs of `id` with the ids of the lanes that it hits and returns their number, like
-// StoreHits (overlap_kernel-inl.h). It stores the second half of the pairs only if needed, which is
-// rare. With StorePairs this search takes a quarter longer, since StorePairs needs a mask register
-// and AVX-512 has none free in this loop.
+// Stores the pairs of `id` with the ids of the hit lanes and returns their number, like StoreHits
+// (overlap_kernel-inl.h). Stores the second half of the pairs only if needed, which is rare. With
+// StorePairs this search would take a quarter longer: StorePairs needs a mask register, and AVX-512
+// has none free in this loop.
 template <class D>
 HWY_INLINE size_t StoreFewHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* ids,
                                OverlapPair* out) {
@@ -216,8 +216,8 @@ HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, Pai
                                StopPoll& poll, uint64_t checks_before) {
   const HWY_FULL(float) d;
   const size_t step = hn::Lanes(d);
-  // The corners of all slots lie in six columns with one stride between them.
   constexpr size_t kChunk = 1024;
+  // The corners of all slots lie in six columns with one stride between them.
   const float* const columns = lanes.min[0];
   const auto stride = static_cast<size_t>(lanes.min[1] - lanes.min[0]);
   const uint32_t* const ids = lanes.id;

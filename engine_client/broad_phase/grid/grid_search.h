@@ -3,7 +3,7 @@
 // Each box is tested against later boxes of its own group and against boxes of the groups that its
 // group searches (GridView::searches). The search reads rows of cells; the boxes of a row are in
 // consecutive slots. For a batch of boxes, it first lists the ranges of slots to test, and then
-// tests them. Testing each range at once would cost a mispredicted branch per row.
+// tests them. Testing each range when it is found would cost a mispredicted branch per row.
 //
 // Not thread-safe. Borrows everything for the call. Memory: 34 KiB on the stack.
 #pragma once
@@ -32,8 +32,8 @@ struct GridView {
 
 // Searches for the boxes in the slots [begin, end): appends their pairs and returns the number of
 // AABB checks. Each pair is found by one of its two boxes. If `begin` is a multiple of kBatch, the
-// order is that of a search over all slots. Polls `stop`, which may be null, between batches and
-// after many pairs have been written.
+// pairs are in the same order as in a search over all slots. Polls `stop`, which may be null,
+// between batches and after many pairs have been written.
 uint64_t SearchGrids(const GridView& view, size_t begin, size_t end, PairBuffer& out,
                      StopRequest* stop);
 

@@ -57,7 +57,7 @@ HWY_EXPORT(CountKeys);
 
 namespace {
 
-// The prefetch distance in boxes: large enough to hide the latency of main memory.
+// The prefetch distance in boxes. It is large enough to hide the latency of main memory.
 constexpr size_t kAhead = 24;
 
 // Returns `count` rounded up, with padding for kernels that read a register behind the last slot.

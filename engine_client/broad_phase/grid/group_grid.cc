@@ -8,7 +8,7 @@ namespace {
 
 // The factor by which a cell is longer than a box, so that rounding does not push a box out of it.
 constexpr double kCellSlack = 1.0001;
-// The minimum side of a cell, in world units; keeps the scale finite.
+// The minimum side of a cell, in world units. It keeps the scale finite.
 constexpr double kMinCellSide = 1e-36;
 // Cells are this many times shorter along the rows. A row is searched as one range of slots, so
 // that more cells in it do not cost more searches.

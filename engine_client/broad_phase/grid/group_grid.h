@@ -22,7 +22,7 @@ struct GroupGrid {
   float reach[3] = {};             // half the maximum side of the group, rounded up
   uint32_t cells[3] = {1, 1, 1};   // the number of cells along x, y and z
   uint32_t stride[3] = {1, 1, 1};  // the step between neighbouring cells; 1 along the rows
-  uint32_t first_cell = 0;         // number of its first cell; numbers continue from grid to grid
+  uint32_t first_cell = 0;         // the first cell's number; numbers continue from grid to grid
   int row_axis = 0;
 
   // Returns the axis along the rows for index 0, and the other axes for 1 and 2.

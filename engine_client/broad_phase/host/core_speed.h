@@ -5,8 +5,8 @@
 
 namespace sweepstake {
 
-// Returns the performance of the calling thread's core divided by that of the machine's fastest
-// core, in (0, 1]. Returns 1 if the system does not report it. Linux reports cpu_capacity or ACPI's
+// Returns the performance of the calling thread's core relative to the machine's fastest core, in
+// (0, 1]. Returns 1 if the system does not report it. Linux reports cpu_capacity or ACPI's
 // highest_perf. Thread-safe. The first call reads files; on most machines, later calls make no
 // system call.
 double CoreSpeed() noexcept;

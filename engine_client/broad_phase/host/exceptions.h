@@ -1,6 +1,6 @@
-// Everything in the library that depends on whether it was built with exceptions. Without
-// exceptions, the functions here only call the body, and running out of memory ends the program
-// (OutOfMemory in sweepstake/hooks.h).
+// Contains everything in the library that depends on whether it was built with exceptions. Without
+// exceptions, these functions only call their argument `body`, and running out of memory ends the
+// program (OutOfMemory in sweepstake/hooks.h).
 #pragma once
 
 #include <atomic>
@@ -56,7 +56,7 @@ class FirstException {
       if (!has_failed_.exchange(true)) error_ = std::current_exception();
     }
   }
-  // REQUIRES: no thread is in Run.
+  // Rethrows the stored exception, if there is one. REQUIRES: no thread is in Run.
   void Rethrow() const {
     if (has_failed_) std::rethrow_exception(error_);
   }

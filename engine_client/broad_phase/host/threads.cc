@@ -51,8 +51,8 @@ void LowerThisThreadsPriority() noexcept { pthread_set_qos_class_self_np(QOS_CLA
 
 void NameThisThread(const char* name) noexcept { pthread_setname_np(pthread_self(), name); }
 
-// Ten steps of niceness reduce the thread's weight to a tenth of that of another thread on the same
-// core. With a lower weight, a caller that waits for the thread's end would wait too long on a
+// Ten steps of niceness reduce the thread's weight to a tenth of another thread's weight on the
+// same core. With a lower weight, a caller that waits for the thread's end would wait too long on a
 // machine without an idle core.
 void LowerThisThreadsPriority() noexcept {
   constexpr int kSteps = 10;

@@ -15,7 +15,7 @@
 namespace sweepstake {
 
 // Writes the centers and ids of the valid boxes to `centers` and their extents to `extents`, in the
-// order of the leaves. Returns their number. May write up to one register behind the last one.
+// order of the leaves. Returns their number. May write up to one register behind the last slot.
 size_t CollectCenters(std::span<const LeafBlock> leaves, const KdColumns& centers,
                       const KdColumns& extents);
 
@@ -26,7 +26,7 @@ struct AxisSpread {
   float max_extent;
   double extent_sum;
 };
-// REQUIRES: count > 0.
+// Returns the spread of `count` boxes. REQUIRES: count > 0.
 AxisSpread SpreadOf(const float* centers, const float* extents, size_t count);
 
 // Divides boxes into classes by size. The width of an ordinary leaf is estimated as the cube root

@@ -41,8 +41,8 @@ class BlockSearch {
     return {{-kMax, -kMax, -kMax}, {kMax, kMax, kMax}};
   }
 
-  // Adds leaves below `node` to the near list: those that overlap the bounds of the block and
-  // belong to it or to a later block. The 16 children of `node` are on `level`.
+  // Adds leaves below `node` to the near list if they overlap the bounds of the block and belong to
+  // this block or a later one. The 16 children of `node` are on `level`.
   void Descend(size_t level, uint32_t node) {
     const size_t base = size_t{node} * LeafTree::kWidth;
     leaves_.AddChecks(LeafTree::kWidth);

@@ -187,7 +187,7 @@ void Scatter(const KdColumns& from, const KdColumns& to, size_t source, size_t c
         hn::And(hn::FirstN(d, end - at), hn::Lt(hn::LoadU(d, from.center[axis] + at), low));
     below += AppendChosen(d, is_below, from, at, to, below, limit);
   }
-  // Second pass: copies the slots above the bracket, and moves those in between to the front.
+  // Second pass: copies the slots above the bracket, and moves the slots in between to the front.
   size_t above = target + bracket.below_high;
   size_t between = source;
   for (size_t at = source; at < end; at += hn::Lanes(d)) {

@@ -2,8 +2,8 @@
 //
 // A split finds two values on the axis that enclose the median, from a sample and a count. It moves
 // the centers below the lower value and above the upper value to their sides in a second set of
-// columns, a register at a time. It repeats this with the few in between. The centers of one side
-// keep their order, so that the result does not depend on the width of a register.
+// columns, a register at a time. It repeats this with the few centers in between. The centers of
+// one side keep their order, so that the result does not depend on the width of a register.
 //
 // Thread-safe for ranges that share no slot. Cost: O(centers) per split.
 #pragma once
@@ -41,9 +41,9 @@ struct KdRange {
 // used. Aligned runs of these sizes then stay undivided.
 size_t KdSplitPoint(const KdRange& range);
 
-// Moves the centers of the range from `from` to `to`, so that those before the split point are
-// below the others on one axis. The content of `from` is then undefined. REQUIRES: more than kPart
-// slots.
+// Moves the centers of the range from `from` to `to`, so that the centers before the split point
+// are below the others on one axis. The content of `from` is then undefined. REQUIRES: more than
+// kPart slots.
 void SplitOnce(const KdColumns& from, const KdColumns& to, const KdRange& range);
 
 // Splits recursively until no part is larger than kPart, moving centers back and forth between

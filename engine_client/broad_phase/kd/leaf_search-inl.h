@@ -34,7 +34,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// Finds the pairs of the boxes of `own` with those of `others`. With kWithinOne both are the same
+// Finds the pairs of the boxes of `own` with the boxes of `others`. With kWithinOne both are one
 // tree, and a pair is found at its earlier leaf. Otherwise the pairs hold ids of `others` with
 // `other_bit` set. The lists are on the stack: about 28 KiB, or 51 KiB with 128-bit registers.
 template <bool kWithinOne>
@@ -60,8 +60,8 @@ class LeafSearch {
     own_pairs_pending_ = true;
   }
 
-  // Adds to the near list those of the 16 leaves of `others` from `first` on that overlap the
-  // bounds of the block.
+  // Tests the 16 leaves of `others` from `first` on. Adds each leaf that overlaps the bounds of the
+  // block to the near list.
   void AddNear(const Aabb& bounds, size_t first) {
     if (near_count_ + kWidth > kNearCapacity) TestNear();
     const Lanes16 d;
@@ -109,7 +109,7 @@ class LeafSearch {
   }
 
   // Finds the pairs of one box of `own` with the boxes of a leaf of `others`, without the four
-  // stages above.
+  // stages described at the top of this file.
   void TestBox(const Aabb& box, uint32_t id, size_t leaf) {
     const Lanes16 d;
     const LeafBlock& others = others_[leaf];
@@ -140,7 +140,7 @@ class LeafSearch {
   static constexpr size_t kFoundCapacity = kNearCapacity * kWidth;
   // The number of found boxes that a leaf is tested against at a time.
   static constexpr size_t kTestedTogether = 512;
-  // The number of notes (see below) for whose pairs room is reserved in the pair buffer at a time.
+  // The number of notes (see Notes) for which room in the pair buffer is reserved at a time.
   static constexpr size_t kNotesPerRoom = 32;
 
   // A note records that a box of `others` overlaps boxes in a register of the leaf: the place of
@@ -151,7 +151,7 @@ class LeafSearch {
     uint16_t lanes[kTestedTogether + kWidth + 1];
   };
 
-  // Stage 2: lists the near leaves that overlap the bounds; within one tree, only the later leaves.
+  // Stage 2: lists near leaves that overlap the bounds. With kWithinOne it lists only later leaves.
   size_t FindLeaves(const Aabb& bounds, size_t leaf) {
     const Lanes16 d;
     const hn::RebindToUnsigned<Lanes16> du;

@@ -127,8 +127,8 @@ void BoxTree::RefitChanged(std::span<const Aabb> boxes) {
   changed_blocks_.clear();
 }
 
-// Removes moved members from their blocks and adds them again as new members. Does the same with
-// all members of a block that has few left (kMinMembers).
+// Removes moved members from their blocks and adds them again as new members. If a changed block
+// has at most kMinMembers members, does the same with all of them.
 void BoxTree::TakeOut(std::span<uint32_t> slots) {
   EnsureRoomFor(moved_count_ + changed_blocks_.size() * kMinMembers);
   for (const size_t block : changed_blocks_) {

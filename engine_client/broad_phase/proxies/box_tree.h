@@ -23,7 +23,7 @@
 //   (RebuildDebt).
 //
 // Thread safety: const calls may run at the same time, but not during other calls. Owns its memory.
-// Units: those of the boxes. Cost: Add, Remove and Move O(1) amortized, Remove and Move without an
+// Units: the boxes' units. Cost: Add, Remove and Move O(1) amortized, Remove and Move without an
 // allocation. Update O(changes · block · log block) amortized; without a sort of all members at
 // worst O(branch) per change. With a refit of the tree O(n), with a new order O(n log n). Memory: 4
 // bytes per slot, and 30 more from the first Update on. There are 16 slots for 15 members after a
@@ -52,7 +52,7 @@ class BoxTree {
   // Adds box `id`. `slots` is indexed by id, here and in Update; the tree writes the slots of its
   // members to it. REQUIRES: the box is not a member.
   void Add(uint32_t id, std::span<uint32_t> slots);
-  // REQUIRES, here and in Move: `slot` is the slot of a member.
+  // Removes the member in `slot`. REQUIRES, here and in Move: `slot` is the slot of a member.
   void Remove(uint32_t slot);
   size_t count() const { return count_; }
 
@@ -60,16 +60,16 @@ class BoxTree {
   // called with any_moved.
   void Move(uint32_t slot);
 
-  // Brings the tree up to date with the members' boxes, boxes[id]. Searches never find invalid
-  // boxes.
+  // Updates the tree to the members' boxes, boxes[id]. With `any_moved`, any box may have changed
+  // without a call of Move. Searches never find invalid boxes.
   void Update(std::span<const Aabb> boxes, bool any_moved, KdOrder& splitter,
               std::span<uint32_t> slots);
 
   const LeafTree::View& view() const { return tree_.view(); }
   const LeafTree& leaves() const { return tree_; }
 
-  // Records the AABB checks of a search with all boxes. They decide when the members are sorted
-  // again. REQUIRES: at most one call per Update.
+  // Records the AABB checks of a search with all boxes. These checks decide when the members are
+  // sorted again. REQUIRES: at most one call per Update.
   void NoteSearch(uint64_t checks) { debt_.AddSearch(checks); }
 
   // Passes the fields of a snapshot to `archive` (snapshot.h). After a restore, Refit must be

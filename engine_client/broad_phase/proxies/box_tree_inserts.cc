@@ -37,9 +37,9 @@ Growth GrowthOf(const BoxLanes& nodes, size_t node, const Aabb& box) {
   return growth;
 }
 
-// Finds the block whose bounds grow least if they must cover a box; among equal ones, the block
+// Finds the block whose bounds grow least if they must cover a box; of several such blocks, the one
 // with the smallest bounds afterwards. It visits at most kMaxVisited blocks. If very many blocks do
-// not grow at all, for example for boxes in one place, the result is the best of those visited.
+// not grow at all, for example for boxes in one place, it finds the best visited block.
 class BlockChoice {
  public:
   static constexpr uint32_t kMaxVisited = 64;
@@ -213,7 +213,7 @@ bool BoxTree::InsertIntoBlocks(std::span<const uint64_t> placed, std::span<const
   return true;
 }
 
-// Sorts the members of the branch and those in `placed` into one or more free branches. Skips
+// Sorts the members of the branch and the members in `placed` into one or more free branches. Skips
 // entries of `placed` that InsertIntoBlocks has already inserted.
 void BoxTree::SortBranch(size_t branch, std::span<const uint64_t> placed,
                          std::span<const Aabb> boxes, KdOrder& splitter,
@@ -254,8 +254,8 @@ void BoxTree::AppendMembers(size_t block) {
   }
 }
 
-// Replaces the members of the block by those in `ids`. REQUIRES: ReserveSlots has made room for the
-// slots of the block.
+// Replaces the members of the block by the members in `ids`. REQUIRES: ReserveSlots has made room
+// for the slots of the block.
 void BoxTree::WriteBlock(size_t block, std::span<const uint32_t> ids, std::span<uint32_t> slots) {
   const size_t first = block * kBlock;
   if (order_.size() < first + kBlock) {

@@ -26,8 +26,8 @@ class Owners {
     return {{pair.a, TableOf(pair.a).seen_generation(PlaceOf(pair.a))},
             {pair.b, TableOf(pair.b).seen_generation(PlaceOf(pair.b))}};
   }
-  // Returns whether one of the ids has another owner than in the last frame. Such a pair is a new
-  // one.
+  // Returns whether one of the ids has another owner than in the last frame. Such a pair counts as
+  // new.
   bool Changed(const OverlapPair& pair) const {
     return any_new_ && (TableOf(pair.a).HasNewOwner(PlaceOf(pair.a)) ||
                         TableOf(pair.b).HasNewOwner(PlaceOf(pair.b)));

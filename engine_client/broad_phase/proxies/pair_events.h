@@ -31,9 +31,9 @@ class PairEvents {
     removed_.clear();
   }
 
-  // Appends to `out` the pairs `now` and those `before` that have not ended. A pair has not ended
-  // if its ids still belong to the same proxies, these may form a pair, and they are at most
-  // `margin` apart on each axis. All lists are sorted by PairKey. Cost: O(pairs).
+  // Appends to `out` the pairs of `now` and the pairs of `before` that have not ended. A pair goes
+  // on if its ids still belong to the same proxies, these two may form a pair, and their boxes are
+  // at most `margin` apart on each axis. All lists are sorted by PairKey. Cost: O(pairs).
   static void Hold(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
                    float margin, const ProxyTable& moving, const ProxyTable& resting,
                    PairBuffer& out);

@@ -79,8 +79,8 @@ class PopulationJoins {
   ProxyKind& resting_;
   Executor* executor_;
   HookedVector<Population> populations_;
-  HookedVector<Join> of_moving_;   // at least one of the two populations moves
-  HookedVector<Join> of_resting_;  // neither population moves
+  HookedVector<Join> of_moving_;   // joins with at least one moving population
+  HookedVector<Join> of_resting_;  // joins of two resting populations
   PairBuffer kept_;                // the pairs of `of_resting_`
   PairParts parts_;
 };

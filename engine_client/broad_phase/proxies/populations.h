@@ -21,8 +21,8 @@ namespace sweepstake {
 
 class FilterGroups {
  public:
-  // Group 0 holds all proxies that fit no other group, and therefore those that may form pairs with
-  // one another.
+  // The number of groups. Group 0 holds all proxies that fit no other group; proxies of group 0 may
+  // form pairs with one another.
   static constexpr uint32_t kCount = 8;
 
   // Returns the group that a proxy with this filter may join.
@@ -47,8 +47,8 @@ class FilterGroups {
   }
 
  private:
-  // Returns the filter that is compared with those of a group. A filter that never passes becomes
-  // {0, 0}, which fits every group.
+  // Returns the filter as it counts for a group. A filter without category or mask forms no pairs;
+  // it counts as {0, 0}, which fits every group.
   static CollisionFilter Counted(const CollisionFilter& filter) {
     const bool passes_never = filter.category == 0 || filter.mask == 0;
     return passes_never ? CollisionFilter{0, 0} : filter;

@@ -41,7 +41,7 @@ class ProxyKind {
   // Allocates the memory that Add and ChangePopulation need for `newcomers` proxies to enter this
   // population.
   void EnsureRoomIn(uint8_t population, size_t newcomers = 1);
-  // Returns the new proxy's place in the table.
+  // Adds a proxy and returns its place in the table.
   uint32_t Add(const Aabb& box, const CollisionFilter& filter, uint64_t user, uint8_t population);
   void Remove(uint32_t place);
   void SetBox(uint32_t place, const Aabb& box) {
@@ -75,7 +75,7 @@ class ProxyKind {
   // if memory runs out.
   void Compact(size_t min_places);
   bool trees_are_fresh() const { return changed_ == 0; }
-  // REQUIRES, here and below: count(population) > 0.
+  // Returns the tree of a population. REQUIRES, here and in NoteSearch: count(population) > 0.
   const LeafTree& tree(uint32_t population) const { return trees_[population]->leaves(); }
   void NoteSearch(uint32_t population, uint64_t checks) { trees_[population]->NoteSearch(checks); }
 

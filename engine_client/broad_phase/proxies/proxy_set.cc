@@ -93,7 +93,7 @@ void ProxySet::Impl::Move(ProxyKind& kind, uint32_t place, const Aabb& box) {
 // change. If this fails, no proxy has moved yet.
 void ProxySet::Impl::EnsureRoomToWake(std::span<const ProxyHandle> handles,
                                       std::span<const Aabb> boxes) {
-  std::array<std::array<size_t, kSleepingPopulation>, 2> waking{};  // by kind and group
+  std::array<std::array<size_t, kSleepingPopulation>, 2> waking{};  // counts by kind and group
   for (size_t k = 0; k < handles.size(); ++k) {
     const ProxyKind& kind = KindOf(handles[k].index);
     const uint32_t place = PlaceOf(handles[k].index);

@@ -35,7 +35,7 @@ class ProxySet::Impl {
   const ProxyKind& KindOf(uint32_t id) const {
     return (id & kStaticProxyBit) != 0 ? resting_ : moving_;
   }
-  // Returns null for a handle without a proxy.
+  // Returns the kind of the handle's proxy, or null if there is no such proxy.
   const ProxyKind* Find(ProxyHandle handle) const {
     const ProxyKind& kind = KindOf(handle.index);
     return kind.table().Holds(PlaceOf(handle.index), handle.generation) ? &kind : nullptr;
@@ -106,8 +106,8 @@ class ProxySet::Impl {
   PopulationJoins joins_{moving_, resting_, options_.executor};
   PairBuffer pairs_;  // the pairs of the latest Resolve
   PairBuffer next_;   // the pairs of the Resolve in progress
-  // Used if the option event_margin is set: the pairs that have begun and not ended. begun_ are
-  // those after the latest Resolve, next_begun_ those of the Resolve in progress.
+  // The pairs that have begun and not ended, after the latest Resolve (begun_) and in the Resolve
+  // in progress (next_begun_). Used only with the option event_margin.
   PairBuffer begun_;
   PairBuffer next_begun_;
   PairSorter sorter_;

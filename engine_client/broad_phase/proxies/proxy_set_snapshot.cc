@@ -68,7 +68,7 @@ void ProxySet::Impl::Visit(Self& self, Archive& archive) {
   archive.Value(self.groups_);
   PopulationJoins::Visit(self.joins_, archive);
   PairEvents::Visit(self.events_, archive);
-  // Without the option pair_events, the next Resolve does not read these lists.
+  // Without the option pair_events, the next Resolve reads neither pairs_ nor begun_.
   if (!self.options_.pair_events) return;
   PairList pairs(self.pairs_);
   PairList begun(self.begun_);

@@ -1,4 +1,4 @@
-// The proxies of one kind: those added as moving, or those added as static.
+// Holds the proxies of one kind: all proxies added as moving, or all proxies added as static.
 //
 // Each proxy has a place, an index that stays the same until the proxy is removed. The place may
 // then pass to another proxy, its new owner. A place's generation counts adds and removes, and so
@@ -23,11 +23,11 @@ class ProxyTable {
  public:
   static constexpr size_t kMaxPlaces = 0x7fffffff;
 
-  // With `notes_owners` it records which places have got new owners since the last MarkSeen.
+  // With `notes_owners` the table records which places have got new owners since the last MarkSeen.
   // Without it, the functions about new owners must not be called.
   explicit ProxyTable(bool notes_owners) : notes_owners_(notes_owners) {}
 
-  // Returns the place of the new proxy: the place freed last, or else a new one at the end.
+  // Adds a proxy and returns its place: the place freed last, or else a new one at the end.
   uint32_t Add(const Aabb& box, const CollisionFilter& filter, uint64_t user);
 
   bool Holds(uint32_t place, uint32_t generation) const {
@@ -44,7 +44,7 @@ class ProxyTable {
   void SetFilter(uint32_t place, const CollisionFilter& filter);
   void SetUser(uint32_t place, uint64_t user) { users_[place] = user; }
   uint64_t user(uint32_t place) const { return users_[place]; }
-  // Returns 0 if the place is free or does not exist.
+  // Returns the place's generation, or 0 if the place is free or does not exist.
   uint32_t generation(uint32_t place) const {
     return place < generations_.size() && IsOdd(generations_[place]) ? generations_[place] : 0;
   }
@@ -137,8 +137,8 @@ class ProxyTable {
   uint32_t freed_last_ = kNoPlace;
   size_t free_count_ = 0;
   size_t filtered_count_ = 0;
-  // The generation at which new places begin. It is at least that of every place that Compact has
-  // removed.
+  // The generation at which new places begin. It is at least the generation of every place that
+  // Compact has removed.
   uint32_t first_generation_ = 0;
 };
 

@@ -16,8 +16,8 @@
 
 namespace sweepstake {
 
-// The box [min, max] moved by t · direction, t from 0 to max_distance. For a ray, min and max are
-// its origin.
+// A box [min, max] that moves by t · direction, with t from 0 to max_distance. For a ray, both min
+// and max are its origin.
 struct Slabs {
   float min[3];
   float max[3];
@@ -73,8 +73,8 @@ inline std::optional<float> EnterDistance(const Slabs& slabs, const Aabb& box) {
   return enter + 0.0F;  // −0 + 0 = +0
 }
 
-// Returns the square of the distance from the point to the box; 0 if the point is inside. It rounds
-// monotonically too. REQUIRES: the point is finite, the box is valid.
+// Returns the square of the distance from the point to the box; 0 if the point is inside. Every
+// step rounds monotonically. REQUIRES: the point is finite, the box is valid.
 inline float SquaredDistance(const float point[3], const Aabb& box) {
   float sum = 0;
   for (int axis = 0; axis < 3; ++axis) {

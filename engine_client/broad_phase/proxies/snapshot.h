@@ -1,8 +1,8 @@
 // Writes the state of a ProxySet to bytes and restores it.
 //
-// A class lists its fields once, in a function `Visit(self, archive)`, which works with the three
-// archives below: archive.Value(field) for plain values, archive.Array(list) for lists of them. The
-// bytes are those in memory, without padding between fields, for machines of the same byte order.
+// A class lists its fields once, in a function `Visit(self, archive)` for the three archives below:
+// archive.Value(field) for plain values, archive.Array(list) for lists of plain values. The bytes
+// are those in memory, without padding between fields, for machines of the same byte order.
 //
 // Not thread-safe. Borrows the bytes. Errors: SnapshotReader::failed().
 #pragma once

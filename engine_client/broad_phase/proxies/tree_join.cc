@@ -72,8 +72,8 @@ class TreeJoin {
     return true;
   }
 
-  // Lists the nodes that overlap the bounds, of those directly above the leaves. Ends early, with a
-  // count above `max_nodes`, if there are more.
+  // Lists the nodes directly above the leaves that overlap the bounds. Ends early, with a count
+  // above `max_nodes`, if there are more.
   size_t FindNodes(const Aabb& bounds, size_t max_nodes, uint32_t* nodes) {
     size_t count = 0;
     const uint64_t groups = Descend(

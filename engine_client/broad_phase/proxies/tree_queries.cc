@@ -58,9 +58,9 @@ void WalkNear(const LeafTree::View& tree, const float* center, float squared_rad
       [&](const FoundGroup& found) { TakeIds(tree, found, sink); });
 }
 
-// Computes EnterDistance (query_shapes.h) for the lanes from slot `at` on. Returns the distances at
-// which the ray enters their boxes, and in `hits` the lanes that it enters within `limit`. For a
-// sentinel it computes +inf for entering and −inf for leaving, which is not a hit.
+// Computes EnterDistance (query_shapes.h) for the lanes from slot `at` on: returns the distances,
+// and sets in `hits` the lanes whose box is entered at a distance of at most `limit`. The distances
+// of other lanes mean nothing. A sentinel (min = +inf, max = −inf) is never a hit.
 template <class D>
 HWY_INLINE hn::Vec<D> EnterLanes(D d, const Slabs& slabs, float limit, const BoxLanes& lanes,
                                  size_t at, hn::Mask<D>& hits) {

@@ -39,8 +39,8 @@ struct IdPredicate {
   bool (*accepts)(void* context, uint32_t id);
   void* context;
 };
-// Finds the accepted box with the smallest distance, at equal distances the one with the smallest
-// id. Returns false and leaves `hit` unchanged if there is none up to max_distance.
+// Finds the nearest accepted box; if several are equally near, the box with the smallest id.
+// Returns false and leaves `hit` unchanged if there is none up to max_distance.
 bool FindNearestHit(const LeafTree::View& tree, const Slabs& slabs, const IdPredicate& predicate,
                     NearestHit& hit);
 

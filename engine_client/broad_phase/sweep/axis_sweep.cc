@@ -82,7 +82,7 @@ class AxisSweep final : public BroadPhase {
   PairParts parts_;
   SortedPairs pairs_;
   MovedBoxes moved_;
-  AlignedBuffer<uint32_t> moved_ids_;  // the boxes that FindMoved has listed
+  AlignedBuffer<uint32_t> moved_ids_;  // the ids that FindMoved lists, with its bit kBecameInvalid
   size_t count_ = 0;
   bool pairs_known_ = false;  // whether pairs_ holds the pairs of the latest boxes
   bool calm_ = false;         // whether the pairs of the next sweep will be kept

@@ -7,7 +7,7 @@
 // - If few swaps are expected, insertion repairs the three orders at the moved boxes. Each swap of
 //   a lower and an upper face marks a pair to be tested again.
 // - Otherwise the three orders are sorted again and a sweep finds the pairs as in SAP: O(n + c +
-//   pairs), c = pairs that overlap on that axis.
+//   pairs), c = pairs that overlap on the sweep axis.
 //
 // The pairs of a sweep are kept once there is little motion, unless there are more than 32 per box.
 // With more, writing the pairs takes most of the time either way. The faces of new boxes are

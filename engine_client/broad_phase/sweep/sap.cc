@@ -49,7 +49,7 @@ class Sap final : public BroadPhase {
   SweepAxis sweep_;
   size_t part_count_ = 1;           // the number of parts of a sort
   AlignedBuffer<uint32_t> steps_;   // the step of each box
-  AlignedBuffer<uint32_t> starts_;  // each part's and step's box count, later its next free slot
+  AlignedBuffer<uint32_t> starts_;  // per part and step: the box count, later the next free slot
   RadixSort sort_;
   ByteBoxes boxes_;
   PairParts parts_;

@@ -46,7 +46,7 @@ bool SortedEndpoints::CountSteps(std::span<const BoxRecord> records, const Sweep
   return neighbours <= kMaxFacesSharingStep * count_;
 }
 
-// REQUIRES: room.starts holds the counts of CountSteps.
+// Sorts the faces by step. REQUIRES: room.starts holds the counts of CountSteps.
 void SortedEndpoints::SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps,
                                   EndpointRoom& room, StopRequest* stop) {
   const SweepAxis step = steps;  // a copy that no store can alias

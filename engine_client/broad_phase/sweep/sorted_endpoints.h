@@ -117,8 +117,8 @@ class SortedEndpoints {
 
   // Restores the exact order by insertion, after some boxes have moved or after a Sort by steps. If
   // a lower face of one box and an upper face of another have changed their order, calls on_swap(a,
-  // b) for these boxes. O(n + swaps). Subtracts the swaps from `allowance`. Returns false when none
-  // are left; the order is then incomplete and needs a Sort.
+  // b) for these boxes. O(n + swaps). Subtracts the swaps from `allowance`. Returns false if too
+  // few are left or if stopped; the order is then incomplete and needs a Sort.
   template <typename OnSwap>
   bool Repair(std::span<const BoxRecord> records, const MovedBoxes& moved, EndpointRoom& room,
               SwapAllowance& allowance, OnSwap&& on_swap);

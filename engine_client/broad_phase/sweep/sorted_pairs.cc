@@ -63,8 +63,8 @@ size_t SortedPairs::UniqueTouched(StopRequest* stop) {
   return static_cast<size_t>(end - touched_.data());
 }
 
-// Drop and Insert move whole blocks of the pairs that lie between the given pairs. REQUIRES: the
-// given pairs are in ascending order.
+// Removes these pairs. Like Insert, moves the pairs between them in whole blocks. REQUIRES, also in
+// Insert: the given pairs are in ascending order.
 void SortedPairs::Drop(std::span<const OverlapPair> dropped) {
   OverlapPair* const end = pairs_.data() + count_;
   OverlapPair* to = nullptr;

@@ -62,7 +62,7 @@ template <typename Overlaps>
 void SortedPairs::Settle(Overlaps&& overlaps, StopRequest* stop) {
   const size_t count = UniqueTouched(stop);
   if (IsStopped(stop)) return;
-  // Collects the pairs to insert at the front of `touched_` and those to remove in `spare_`.
+  // Collects the pairs to insert at the front of `touched_` and the pairs to remove in `spare_`.
   OverlapPair* const touched = touched_.data();
   const OverlapPair* from = pairs_.data();
   size_t inserted = 0;

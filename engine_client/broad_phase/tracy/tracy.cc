@@ -18,8 +18,8 @@ namespace {
 // Zen 4, `sweepstake-lab bench`).
 constexpr uint64_t kChecksPerLayout = 256;
 // If a search takes more checks than expected from its numbers of boxes and pairs, another layout
-// is tried every kFramesPerTrial frames. It helps if the scene has spread since the last layout,
-// but not if the scene is just dense.
+// is tried every kFramesPerTrial frames. A new layout helps if the scene has spread since the last
+// one, but not if the scene is just dense.
 constexpr uint64_t kExpectedChecksPerBox = 128;
 constexpr uint64_t kExpectedChecksPerPair = 16;
 constexpr uint32_t kFramesPerTrial = 64;
@@ -109,9 +109,9 @@ void Tracy::Update(std::span<const Aabb> boxes) {
   }
 }
 
-// Updates `rest_` from the boxes of this frame. If too many boxes have left their margins, there
-// are two cases. If the margins have held for kMinRestFrames frames, it sets new ones and returns
-// true. Otherwise it returns false, and the lists need an Update without margins.
+// Updates `rest_` from the boxes of this frame. If that fails (TracyRest::Step) and the margins
+// have held for kMinRestFrames frames, sets new margins. If they have held for fewer frames,
+// returns false: the lists then need an Update without margins.
 bool Tracy::UpdateAtRest(std::span<const Aabb> boxes) {
   ++rest_frames_;
   if (rest_.Step(executor_, boxes, lists_, checks_, stop())) return true;

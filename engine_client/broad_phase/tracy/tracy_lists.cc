@@ -18,7 +18,7 @@ constexpr size_t kMinBoxesPerPart = 2048;
 constexpr size_t kBatch = 512;
 // If an insertion sort takes more than this number of shifts per item, std::sort replaces it.
 constexpr size_t kShiftsPerItem = 8;
-// The prefetch distance in items: large enough to hide the latency of main memory.
+// The prefetch distance in items. It is large enough to hide the latency of main memory.
 constexpr size_t kPrefetchDistance = 16;
 
 // Sorts by insertion, which is fast for a list that was sorted in the last frame. Uses std::sort
@@ -276,8 +276,8 @@ void TracyLists::SweepRow(std::span<const Aabb> boxes, uint32_t row, const Group
   MarkCells(grid, grid.first_cell + grid_row * row_cells, begin, end, part);
 }
 
-// Collects the boxes of a row as sort items: first those that have stayed, in the order of the old
-// list, then those that have arrived. Returns the number of boxes that have stayed.
+// Collects the boxes of a row as sort items: first the boxes that have stayed, in the order of the
+// old list, then the arrived boxes. Returns the number of boxes that have stayed.
 size_t TracyLists::CollectItems(std::span<const Aabb> boxes, uint32_t row, size_t axis,
                                 Part& part) {
   const size_t begin = first_slots_[row];

@@ -51,7 +51,7 @@ class TracyRest {
   AlignedBuffer<uint8_t> is_outside_;
   size_t count_ = 0;
   AlignedBuffer<uint32_t> listed_;   // the boxes that left their margins in the latest Step
-  AlignedBuffer<uint32_t> outside_;  // the boxes that left them since the latest Start
+  AlignedBuffer<uint32_t> outside_;  // the boxes that left their margins since the latest Start
   size_t outside_count_ = 0;
   PairBuffer kept_;
   AlignedBuffer<uint8_t> overlaps_;  // whether each kept pair overlaps

@@ -24,7 +24,7 @@ struct RowGrids {
   std::array<GroupGrid, kMaxGroups> grids;  // the grids; the last is one cell for the long boxes
   std::array<GroupGrid, kMaxGroups> row_grids;  // `grids` with each row as one cell
   std::array<uint32_t, kMaxGroups> searches;
-  size_t group_count = 0;  // the number of groups, including that of the long boxes
+  size_t group_count = 0;  // the number of groups, including the group of the long boxes
   GroupChoice choice;
 
   RowGrids() = default;
@@ -41,8 +41,8 @@ struct RowGrids {
 // The row of a box that is not in a list, since it is invalid or new.
 constexpr uint32_t kNoRow = 0xFFFFFFFF;
 
-// Lists in `moved` the boxes (relative to the first) whose row differs from that in `rows`, in
-// order. Writes their new rows to `new_rows` and returns their number. REQUIRES: `moved` and
+// Lists in `moved`, in ascending order, the indices of the boxes whose row differs from their row
+// in `rows`. Writes their new rows to `new_rows` and returns their number. REQUIRES: `moved` and
 // `new_rows` have room for one register more than there are boxes, and `rows` can be read up to the
 // same length.
 size_t FindMovedRows(std::span<const Aabb> boxes, const RowGrids& grids, const uint32_t* rows,
