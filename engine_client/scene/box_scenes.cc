@@ -321,8 +321,8 @@ size_t KindIndex(std::string_view name) {
   return 0;
 }
 
-// A scene with boxes of another kind, under a name of its own and, if given, with a fixed object
-// count.
+// A scene whose name differs from the kind of its boxes. `object_count`, if given, is the fixed
+// number of objects.
 struct Special {
   std::string_view name;
   std::string_view kind;

@@ -38,7 +38,7 @@ class BoxScene {
 // Makes a BoxScene as a Scene. `name` is a kind, or one of these:
 // - empty, one, two: the scene has 0, 1 or 2 objects, whatever object_count is
 // - count-changing: a mixture with another number of objects in every frame, in some frames none
-// - spawning: brownian; the number of objects changes by a 64th per frame, between half and all
+// - spawning: brownian; the count falls to half of object_count and rises again, by 1/64 per frame
 //
 // `name` must outlive the scene. `object_count` is the maximum of a frame. REQUIRES: a known name.
 std::unique_ptr<Scene> MakeDegenerateScene(std::string_view name, uint32_t object_count,

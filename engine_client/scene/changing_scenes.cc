@@ -15,8 +15,8 @@ namespace {
 
 enum class Motion {
   kJitter,    // every axis moves by up to ±reach
-  kMoveFew,   // about one object in 100 jitters, others in each frame
-  kTeleport,  // one object in three jumps anywhere
+  kMoveFew,   // in each frame, about one object in 100, drawn again, jitters
+  kTeleport,  // in each frame, about one object in three jumps to a random place
   kFlow,      // each object moves straight on by up to reach per axis; walls reflect it
   kRotate,    // each object turns around the vertical axis at its own pace of up to reach radians
 };

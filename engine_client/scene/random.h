@@ -1,5 +1,5 @@
-// Random numbers of scenes. Unlike those of the standard library's distributions, they are the same
-// on every platform.
+// Random numbers of scenes. They are the same on every platform, unlike the numbers of the standard
+// library's distributions.
 //
 // CounterRandom computes a number from (seed, stream, object, counter). Numbers are not drawn in
 // order, so another draw, object or frame changes no other number. SequentialRandom draws in order;
@@ -21,7 +21,7 @@ inline float UnitFloat(uint64_t bits) {
   return static_cast<float>(bits >> 40U) * (1.0F / 16777216.0F);
 }
 
-// What a number is for. The values are part of every seed: append new ones, and never reorder them.
+// The purpose of a number. The values are part of every seed: append new ones, never reorder them.
 enum class SceneDraw : uint64_t { kSize = 1, kPosition, kVelocity, kDirection, kKick, kPhase };
 
 // Immutable.

@@ -26,16 +26,16 @@ class RecordedScene final : public Scene {
   // has more than kMaxSceneObjectCount objects.
   static Result<std::unique_ptr<Scene>> Open(const std::filesystem::path& path);
 
-  // Returns the file's notes, empty if it has none. Errors: those of Open.
+  // Returns the file's notes, empty if it has none. Errors: as for Open.
   static Result<std::string> NotesOf(const std::filesystem::path& path);
 
-  // Returns the name in the header, or "recorded" if that is empty.
+  // Returns the name in the header, or "recorded" if the header has no name.
   std::string_view name() const override { return header_.scene_name; }
   Aabb world() const override { return header_.world; }
   uint64_t frame_index() const override { return frame_index_; }
   std::span<const Aabb> aabbs() const override { return {boxes_.data(), shown_count_}; }
-  // Reads the next frame. If the file has become unreadable, the boxes stay those of the last
-  // readable frame.
+  // Reads the next frame. If the file has become unreadable, the boxes of the last readable frame
+  // stay.
   void Step() override;
 
  private:

@@ -11,7 +11,7 @@
 
 namespace sweepstake {
 
-// Returns nothing if the text is not UTF-8 or contains a control character.
+// Returns the path, or nothing if the text is not UTF-8 or contains a control character.
 inline std::optional<std::filesystem::path> PathOfUtf8(std::string_view text) {
   if (!text::IsLine(text)) return std::nullopt;
   return std::filesystem::path(std::u8string(text.begin(), text.end()));
