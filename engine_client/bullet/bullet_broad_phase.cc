@@ -87,7 +87,7 @@ void BulletBroadPhase::setAabb(btBroadphaseProxy* proxy, const btVector3& min, c
   Move(own, box);
 }
 
-// Sets the proxy's box. A static proxy that moves, such as that of a kinematic body, becomes a
+// Sets the proxy's box. A static proxy that moves, such as the proxy of a kinematic body, becomes a
 // moving one. Otherwise the tree of all static proxies would have to be refitted in each step.
 void BulletBroadPhase::Move(Proxy& proxy, const Aabb& box) {
   proxies_.Move(proxy.handle, box);  // also wakes it
@@ -147,8 +147,8 @@ BulletBroadPhase::Proxy* BulletBroadPhase::Find(ProxyHandle handle) const {
   return options ? reinterpret_cast<Proxy*>(static_cast<uintptr_t>(options->user)) : nullptr;
 }
 
-// The events are sorted by handle, so that the order of pairs in the cache does not depend on the
-// arm (the broad phase in use).
+// ProxySet sorts the added and the removed pairs by handle, so that the order of pairs in the cache
+// does not depend on the arm (the broad phase in use).
 void BulletBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   TakeFilterCallback();
   const auto pairs = proxies_.Resolve(search_.FindPairs(proxies_.moving_boxes()));
@@ -166,7 +166,7 @@ void BulletBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
 
 // Lets the cache decide again about all pairs of proxies whose filters have changed. The change
 // causes no event if the boxes overlap before and after it and the wide filters pass both times. A
-// pair that stays keeps its contacts. The pairs are sorted like the events.
+// pair that stays keeps its contacts. ProxySet has sorted `pairs`, like the events.
 void BulletBroadPhase::Refilter(std::span<const OverlapPair> pairs, btDispatcher* dispatcher) {
   for (const auto& [first, second] : pairs) {
     Proxy* const a = Find(proxies_.handle(first));

@@ -31,12 +31,12 @@ BetaPosterior Mirrored(const BetaPosterior& posterior);
 double LogGamma(double x);
 
 // The density of the reward's logit, ln(x / (1 − x)), is x^α (1 − x)^β / B(α, β). It has one peak,
-// at LogitMode, where x is the mean. Its logarithm is LogitLogPeak + LogitLogShape(posterior, logit
-// − LogitMode).
+// at LogitMode, where x is the mean. The logarithm of the density is LogitLogPeak +
+// LogitLogShape(posterior, logit − LogitMode).
 double LogitMode(const BetaPosterior& posterior);
 double LogitLogPeak(const BetaPosterior& posterior);
-// The result is <= 0, concave in `offset`, and 0 at offset 0. Error: 1e-13 relative, and some 1e-16
-// × √(α + β) absolute.
+// Returns ln(density at LogitMode + offset) − LogitLogPeak. It is <= 0, concave in `offset`, and 0
+// at offset 0. Error: 1e-13 relative, and some 1e-16 × √(α + β) absolute.
 double LogitLogShape(const BetaPosterior& posterior, double offset);
 
 // Returns P(reward <= x), the regularised incomplete beta function. Error: 1e-10, up to 1e-9
@@ -44,7 +44,7 @@ double LogitLogShape(const BetaPosterior& posterior, double offset);
 // REQUIRES: 0 <= x <= 1.
 double BetaDistribution(const BetaPosterior& posterior, double x);
 
-// Returns the x with P(reward <= x) = p, or 0 if x is too small for a double. Error: that of
+// Returns the x with P(reward <= x) = p, or 0 if x is too small for a double. Error: as for
 // BetaDistribution. Cost: some ten calls of BetaDistribution. REQUIRES: 0 <= p <= 1.
 double BetaQuantile(const BetaPosterior& posterior, double p);
 

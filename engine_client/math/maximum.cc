@@ -68,11 +68,11 @@ class MaximumIntegral {
 
   IndependentVariables& source_;
   std::vector<Variable> variables_;  // sorted, the highest end first
-  size_t joined_ = 0;                // how many have their high end at t or above
+  size_t joined_ = 0;                // the number of variables whose high end is at t or above
   double t_;
   double end_;              // the highest low end: some variable is certainly above it
   double all_below_ = 1;    // P(all are below t)
-  Jet shortfall_;           // P(some is above) · dv/dt
+  Jet shortfall_;           // P(some variable is above t) · dv/dt
   double value_above_ = 0;  // integral of shortfall_ from t upwards
 };
 

@@ -11,7 +11,7 @@
 
 namespace sweepstake::decision {
 
-// The limit, relative to the logarithm of its peak, below which a density is negligible.
+// A density is negligible if its logarithm minus the logarithm of its peak is below this limit.
 inline constexpr double kNegligibleLogDensity = -28;
 
 // The logarithm of a density at a point, with its derivatives. The logarithm must be concave.
@@ -21,7 +21,7 @@ struct LogDensity {
   double curvature = 0;  // < 0
 };
 
-// The variables are integrated over a parameter t. This is their value v at a point t, with its
+// The value v of the variables as a function of the integration parameter t: v at a point, with its
 // derivatives by t.
 struct ValueScale {
   double value = 0;

@@ -13,7 +13,7 @@ double NormalDensity(double z);
 double NormalCdf(double z);
 
 // Returns E[max(x, 0)] for a normal x with this mean and standard deviation: the expected gain of
-// "expected improvement" (J. Mockus, 1978). >= 0. REQUIRES: deviation >= 0.
+// "expected improvement" (J. Mockus, 1978). The result is >= 0. REQUIRES: deviation >= 0.
 double ExpectedGain(double mean, double deviation);
 
 }  // namespace sweepstake::decision

@@ -1,4 +1,4 @@
-// Elementary functions that give the same bits on every platform. Those of the C library differ
+// Elementary functions that give the same bits on every platform. The C library's functions differ
 // between systems in the last place.
 //
 // They use only IEEE-754 operations that are exactly rounded (+, −, ×, ÷) and moves of bits, so
@@ -8,8 +8,8 @@
 
 namespace sweepstake::math {
 
-// Special values as in C: Exp(NaN) and Log(NaN) are NaN, Log(0) is −inf, Log of a negative number
-// is NaN.
+// Exp and Log return the special values of C: Exp(NaN) and Log(NaN) are NaN, Log(0) is −inf, and
+// Log of a negative number is NaN.
 double Exp(double x);
 double Log(double x);
 

@@ -25,7 +25,7 @@ PhiloxBlock Round(const PhiloxBlock& c, const PhiloxKey& k) {
 
 constexpr double kMinGammaShape = 1e-300;
 
-// REQUIRES: shape >= 1.
+// Returns the logarithm of a Gamma(shape, 1) draw. REQUIRES: shape >= 1.
 double DrawLogGammaFromOne(double shape, RandomStream& stream) {
   const double d = shape - 1.0 / 3.0;
   const double c = 1 / std::sqrt(9 * d);

@@ -15,7 +15,7 @@ inline constexpr size_t kMaxNameBytes = 128;
 // Returns whether the text is valid as a name in messages, files and stores: 1 to kMaxNameBytes
 // bytes of UTF-8 without control characters.
 bool IsName(std::string_view text);
-// Returns whether the text is empty or a name.
+// Returns whether the text is empty or valid as a name (IsName).
 bool IsOptionalName(std::string_view text);
 
 // Returns whether the text is UTF-8 without control characters, of any length.
@@ -25,8 +25,8 @@ bool IsLine(std::string_view text);
 // and only the first 200 bytes are kept.
 std::string PrintableLine(std::string_view text);
 
-// Returns the valid name with the smallest edit distance (Levenshtein) to `name`, the first one of
-// equals; empty if there is no valid name. Cost: the product of both lengths, for each valid name.
+// Returns the valid name nearest to `name` by edit distance (Levenshtein), the first if several are
+// equally near; empty if there is no valid name. Cost: the product of both lengths per valid name.
 std::string_view NearestName(std::string_view name, std::span<const std::string_view> valid);
 
 // Returns "unknown KIND 'NAME', must be one of A, B, C": A is the nearest name, and the others
@@ -34,8 +34,8 @@ std::string_view NearestName(std::string_view name, std::span<const std::string_
 std::string UnknownName(std::string_view kind, std::string_view name,
                         std::span<const std::string_view> valid);
 
-// Returns the same for a list that is too long to be read: "unknown KIND 'NAME', the nearest is A;
-// --help lists all". It lists up to three names that are equally near, in the order of `valid`.
+// Returns the error text for a list that is too long to read: "unknown KIND 'NAME', the nearest is
+// A; --help lists all". It lists up to three names that are equally near, in the order of `valid`.
 std::string UnknownNameOfMany(std::string_view kind, std::string_view name,
                               std::span<const std::string_view> valid);
 
