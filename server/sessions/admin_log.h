@@ -27,7 +27,7 @@ namespace sweepstake::sessions {
 
 class AdminLog {
  public:
-  // Maximum number of rows that wait while the store cannot be read. Further rows are lost and
+  // Maximum number of rows that wait because the store cannot be read. Further rows are lost and
   // counted.
   static constexpr size_t kMaxWaiting = 1'000;
 
@@ -35,7 +35,7 @@ class AdminLog {
            SessionCounters& counters)
       : options_(options), loop_(loop), store_(store), counters_(counters) {}
 
-  // Adds a row. `who` and `action` are the subject and the rest of a sentence without its full
+  // Adds a row. `who` is the subject of a sentence and `action` is the rest of it, without the full
   // stop.
   void Record(std::string who, std::string action);
 

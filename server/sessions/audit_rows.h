@@ -26,13 +26,13 @@ struct AuditRows {
   std::vector<StoredAuditRow> rows;  // ascending by number; numbers may be missing
 };
 
-// Limits of a store's audit log, over all sessions except kAdminSession, which has the actions of
-// administrators (engine_client/decider/audit/audit_log.h). Above the limits the oldest rows are
+// Limits of a store's audit log, over all sessions except kAdminSession, whose rows are the actions
+// of administrators (engine_client/decider/audit/audit_log.h). Above the limits the oldest rows are
 // removed, 1/32 of the log at a time.
 struct AuditLimits {
-  // Maximum size of all rows; 0: none are stored. A row of a session with 7 arms has about 0.8 kB.
+  // Maximum size of all rows; 0: stores none. A row of a session with 7 arms has about 0.8 kB.
   uint64_t bytes = 256ull << 20;
-  uint64_t age_s = 30ull * 86'400;  // maximum age since a row's commit, by the wall clock
+  uint64_t age_s = 30ull * 86'400;  // maximum time since a row's commit, by the wall clock
   // Number of the latest rows of kAdminSession that are kept, about 200 bytes each. The other
   // limits do not apply to them, because rows of games would push them out.
   uint64_t admin_row_count = 50'000;
@@ -49,7 +49,7 @@ struct AuditSegment {
   int64_t unix_start_ms = 0;
   uint64_t first_row = 1;       // number of the first stored row; earlier rows were removed
   uint64_t row_count = 0;       // stored rows
-  uint64_t lost_row_count = 0;  // rows after the first stored one that could not be written
+  uint64_t lost_row_count = 0;  // rows after first_row that could not be written
 
   friend bool operator==(const AuditSegment&, const AuditSegment&) = default;
 };
@@ -59,7 +59,7 @@ struct AuditFilter {
   std::string session_id;
   std::string project;
   std::string scene;
-  // The project must be one of these, and also match `project`.
+  // The project must be in this list, and also match `project`.
   std::vector<std::string> projects = {};
 };
 

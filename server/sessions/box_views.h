@@ -40,7 +40,7 @@ class BoxViews {
   BoxViews(const BoxViews&) = delete;
   BoxViews& operator=(const BoxViews&) = delete;
 
-  // Called when the game has connected. `link` must live until Disconnect. `shows` says whether the
+  // Called when the game has connected. `link` must live until Disconnect. `shows` is true if the
   // game was built to show boxes.
   void Connect(ClientStream& link, bool shows);
   void Disconnect();

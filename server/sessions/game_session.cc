@@ -308,8 +308,8 @@ void GameSession::KeepOpenEvidence() {
 void GameSession::OnCommitted(const absl::Status& status,
                               std::span<const priors::KeyedEvidence> increments) {
   if (superseded()) return LeaveToOther();
-  // A commit has succeeded after a failed one. The failed one may have reached the disk after all.
-  // The observer's sums may then contain these increments already, so it must read them again.
+  // This commit has succeeded after a failed one. The failed commit may have reached the disk after
+  // all. The observer's sums may then contain these increments already, so it must read them again.
   if (std::exchange(commit_failed_, !status.ok()) && status.ok())
     context_.observer.Forget(identity_.scene);
   if (!increments.empty()) {

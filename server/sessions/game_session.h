@@ -162,7 +162,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   const SessionIdentity& identity() const { return identity_; }
   const decision::DecisionSession& decisions() const { return decisions_; }
   uint64_t durable_sequence() const { return ledger_->durable_sequence(); }
-  // Time of the last message by the clock of the loop; absent before the first message.
+  // Time of the last message by the clock of the decision loop; absent before the first message.
   std::optional<int64_t> last_message_ns() const { return last_message_ns_; }
   uint64_t dropped_frame_count() const { return dropped_frame_count_; }
   std::optional<uint64_t> prior_source_count() const { return prior_source_count_; }
@@ -220,7 +220,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   uint64_t applied_sequence_;
   uint64_t frame_count_;            // frames in the messages up to applied_sequence_
   uint64_t acknowledged_sequence_;  // latest number sent to the client
-  uint32_t switch_epoch_;           // latest one in a Hello or a switch answer
+  uint32_t switch_epoch_;           // the latest in a Hello or switch answer
   bool has_stored_evidence_;
   std::optional<uint64_t> last_bail_out_frame_;
   // Switch command without an answer; sent again to a client that reconnects.

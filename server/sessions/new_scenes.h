@@ -16,10 +16,10 @@
 
 namespace sweepstake::sessions {
 
-// How many scenes and projects are stored, for the quota check of a scene that is not. The counts
-// are read on the store's writing thread and posted to the loop with PostLater. By then
-// NewScenes::Forget has run for every scene that they include. No scene is therefore counted both
-// in them and in NewScenes.
+// The numbers of stored scenes and projects, for the quota check of a scene that is not stored.
+// They are read on the store's writing thread and posted to the loop with PostLater. Before the
+// loop uses them, NewScenes::Forget has run for every scene that they include. No scene is
+// therefore counted both here and in NewScenes.
 struct UnstoredScene {
   priors::SceneCount stored = {};  // stored scenes of the project
   // Whether no scene of this name is stored, for any machine class or reward version.
@@ -65,7 +65,7 @@ class NewScenes {
 
  private:
   struct Project {
-    bool stored = false;  // whether the store has other scenes of the project
+    bool stored = false;  // whether other scenes of the project are stored
     // The number of sessions that hold each scene.
     std::map<std::string, uint32_t> names;
     std::map<priors::SceneKey, uint32_t> keys;

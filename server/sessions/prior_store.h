@@ -192,7 +192,7 @@ struct SceneSource {
 struct SceneFilter {
   std::string project;
   std::string scene;
-  // The project must be one of these, and also match `project`.
+  // The project must be in this list, and also match `project`.
   std::vector<std::string> projects = {};
 
   // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
@@ -224,7 +224,7 @@ struct ExportPage {
 
 struct ImportResult {
   uint64_t applied_count = 0;  // records that were new, or newer than the stored ones
-  // Records that were known, that belong to a session of this store, or whose source is revoked.
+  // Records that were stored, that belong to a session of this store, or whose source is revoked.
   uint64_t unchanged_count = 0;
 };
 
@@ -242,7 +242,7 @@ struct SourceFilter {
   std::string project = {};
   std::string build = {};
   int64_t token_id = 0;
-  // Sources that began at this time or later; an imported source began at 0.
+  // Sources that began at this time or later; for an imported source, 0 counts as its start.
   uint64_t from_unix_s = 0;
   uint64_t until_unix_s = (1ull << 63) - 1;  // sources that began at this time or before
 
@@ -251,7 +251,7 @@ struct SourceFilter {
 
 // What a revocation or a promotion has changed.
 struct ChangeResult {
-  // Changed sources: those that were not revoked before, or that had records in quarantine.
+  // Changed sources: newly revoked sources, or promoted ones that had records in quarantine.
   uint64_t source_count = 0;
   uint64_t record_count = 0;
   uint64_t window_count = 0;  // including lane visits

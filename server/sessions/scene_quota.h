@@ -37,9 +37,9 @@ class SceneQuota {
   SceneQuota(priors::PriorReader& store, const HostedSessionOptions& options, bool counts = true)
       : store_(store), options_(options), counts_(counts) {}
 
-  // Checks whether the quotas allow this scene and arm, in addition to those that are stored or
-  // were added before. Error: RESOURCE_EXHAUSTED, whose message names the limit. If the store
-  // cannot be read, everything is allowed: such a store does not accept writes either.
+  // Checks whether the quotas allow this scene and arm in addition to the stored ones and those
+  // added before. Error: RESOURCE_EXHAUSTED, whose message names the limit. If the store cannot be
+  // read, everything is allowed, because the store does not accept writes then either.
   absl::Status Add(const priors::SceneKey& scene, const std::string& arm, uint32_t backend_version);
   absl::Status Add(const priors::EvidenceKey& key) {
     return Add({key.project, key.scene, key.machine_class, key.reward_version}, key.arm,

@@ -68,7 +68,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
     uint64_t decision_count = 0;
     uint64_t frame_count = 0;
   };
-  // Declares that the evidence so far is exactly that of the messages up to
+  // Declares that the evidence so far comes from exactly the messages up to
   // position.message_sequence, and offers it to the store.
   void Checkpoint(const Position& position);
   // Offers a failed update to the store again.
@@ -105,11 +105,11 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   priors::SourceOrigin origin_;
   const priors::SourceWriter writer_;
   uint64_t durable_sequence_;
-  std::map<priors::EvidenceKey, priors::Evidence> open_;  // since the latest checkpoint
+  std::map<priors::EvidenceKey, priors::Evidence> open_;  // evidence since the latest checkpoint
   std::map<priors::EvidenceKey, priors::Evidence>
-      waiting_;  // up to the latest checkpoint, without the evidence in `offered_`
-  std::vector<priors::StoredAuditRow> open_rows_;  // since the latest checkpoint
-  priors::AuditRows audit_;       // up to the latest checkpoint, without the rows in `offered_`
+      waiting_;  // evidence up to the latest checkpoint that is not in `offered_`
+  std::vector<priors::StoredAuditRow> open_rows_;  // rows since the latest checkpoint
+  priors::AuditRows audit_;       // rows up to the latest checkpoint that are not in `offered_`
   uint64_t audit_row_count_ = 0;  // rows of the segment, lost ones included
   size_t audit_bytes_ = 0;        // size of all rows held here
   bool checkpointed_ = false;     // whether `waiting_` may be offered

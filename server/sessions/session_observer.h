@@ -43,7 +43,7 @@ class SessionObserver {
   // Returns whether anybody watches this scene. If not, OnDecision need not be called.
   virtual bool Watches(const priors::SceneKey& scene) const = 0;
   virtual void OnDecision(const SessionDecision& event) = 0;
-  // Called when increments of the scene have reached the disk. `new_source` says that they are the
+  // Called when increments of the scene have reached the disk. `new_source` is true if they are the
   // first ones of their session.
   virtual void OnEvidence(const priors::SceneKey& scene,
                           std::span<const priors::KeyedEvidence> increments, bool new_source) = 0;

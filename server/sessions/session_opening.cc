@@ -98,8 +98,8 @@ bool SessionOpening::SubmitRead() {
 }
 
 void SessionOpening::OnRead(const StoredStart& start) {
-  // The first of two results has already been used: the store's answer, or the end of the time
-  // limit.
+  // This is the second of two results: the store's answer, or the end of the time limit. The first
+  // one has already been used.
   if (!done_) return;
   // During the read, an operator may have kicked the session, or another connection may have
   // resumed it.

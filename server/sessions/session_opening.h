@@ -46,7 +46,7 @@ class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
  public:
   using Done = std::function<void(absl::StatusOr<OpenedSession>)>;
 
-  // The table outlives it. `token_id` is the id of the client's token, 0 for none.
+  // `table` must outlive this object. `token_id` is the id of the client's token, 0 for none.
   SessionOpening(SessionTable& table, SessionRequest hello, int64_t token_id, Done done)
       : table_(table), hello_(std::move(hello)), token_id_(token_id), done_(std::move(done)) {}
 

@@ -40,8 +40,8 @@ struct StoredStart {
 StoredStart LoadStart(priors::PriorReader& store, const SessionRequest& hello,
                       const HostedSessionOptions& options, bool is_writing_thread);
 
-// Counts the Hello's scene against the quotas, if `start` says that it is not stored. REQUIRES: the
-// caller is the store's writing thread, so that the count is exact.
+// Counts the Hello's scene against the quotas, if `start` shows that it is not stored. REQUIRES:
+// the caller is the store's writing thread, so that the count is exact.
 void CountScene(priors::PriorReader& store, const SessionRequest& hello,
                 const HostedSessionOptions& options, StoredStart& start);
 

@@ -42,7 +42,7 @@ struct SessionClient {
 // until its evidence is on disk.
 enum class SessionState : uint8_t { kConnected = 1, kLost = 2, kEnding = 3 };
 
-// The present state of a session, for lists that people read.
+// The present state of a session, for SessionsService.
 struct SessionView {
   std::string id;
   priors::SceneKey scene;
@@ -63,7 +63,7 @@ struct HeldEvidence {
 
 class SessionTable {
  public:
-  // Maximum number of kicked ids in memory, 32 bytes each.
+  // Maximum number of ids of kicked sessions that are remembered. An id has 32 characters.
   static constexpr size_t kMaxKicked = 10'000;
 
   explicit SessionTable(const SessionContext& context)
@@ -71,8 +71,8 @@ class SessionTable {
 
   // Returns null if the session is not in memory.
   std::shared_ptr<GameSession> Find(const std::string& id) const;
-  // Error: RESOURCE_EXHAUSTED (the daemon or the session's token has the maximum number of
-  // sessions, and no lost session can be removed). REQUIRES: the session's id is not in the table.
+  // Adds the session. Error: RESOURCE_EXHAUSTED (the daemon or the session's token has the maximum
+  // number of sessions, and no lost one can be removed). REQUIRES: its id is not in the table.
   absl::Status Add(std::shared_ptr<GameSession> session);
 
   void Attach(GameSession& session, ClientStream& link, SessionClient client);
@@ -88,9 +88,9 @@ class SessionTable {
   // Ends the session's stream, and also the session unless its client may return. REQUIRES: it is
   // in memory.
   void Kick(GameSession& session, bool may_return);
-  // Error: SESSION_KICKED (the session is one of the latest kMaxKicked kicked ones since the daemon
-  // started). The check is needed because the store does not record kicks: a kicked session could
-  // be resumed from it.
+  // Error: SESSION_KICKED (the session is among the latest kMaxKicked that were kicked since the
+  // daemon started). The check is needed because the store does not record kicks: a kicked session
+  // could be resumed from it.
   absl::Status CheckKicked(const std::string& id) const;
 
   // Removes a session that another daemon continues. REQUIRES: it is in memory, and superseded.

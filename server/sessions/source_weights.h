@@ -10,7 +10,7 @@
 
 namespace sweepstake::sessions {
 
-// Computes the weights for lists that people read. Each scene is read from the store only once.
+// Computes the weights in an export with `with_weights`. One object reads each scene only once.
 class SourceWeights {
  public:
   // `store` is borrowed.

@@ -41,7 +41,7 @@ void GiveToOwner(int file, const fs::path& path) {
   struct stat parent {};
   if (geteuid() != 0 || stat(ParentOf(path).c_str(), &parent) != 0) return;
   // A file with several hard links may belong to another user: the directory's owner could have
-  // linked it here to get it. Root must not give it away.
+  // linked it here to become its owner. Root must not change its owner then.
   if (fstat(file, &made) != 0 || made.st_nlink != 1) return;
   [[maybe_unused]] const int given = fchown(file, parent.st_uid, parent.st_gid);
 }

@@ -4,9 +4,9 @@
 // - A read is one job, and sees one state of the store. Long answers are read page by page, with a
 //   job for each.
 // - SQLite's write-ahead log grows while reads run, because SQLite restarts the log only at a
-//   commit during which no read runs. After `max_crowded_commits` commits in a row with a read
-//   since the commit before, the next read waits. It begins after a commit without a read, or after
-//   `pause`. Commits never wait.
+//   commit during which no read runs. After `max_crowded_commits` commits in a row that each had a
+//   read since the previous commit, the next read waits. It begins after a commit without a read,
+//   or after `pause`. Commits never wait.
 // - A read that does not end blocks the reads behind it, and nothing else. stuck() detects it.
 //
 // Thread-safe. Owns the connection. The destructor runs the queued jobs, ends the thread, and
@@ -32,7 +32,7 @@ class ReadConnection {
  public:
   virtual ~ReadConnection() = default;
 
-  // All reads until End see one state of the store, that of the first read.
+  // All reads until End see one state of the store: the state at the first read.
   virtual priors::PriorReader& Begin() = 0;
   virtual void End() = 0;
 };
@@ -92,7 +92,7 @@ class ReadThread {
   bool closing_ = false;              // guarded by mutex_
   std::optional<TimePoint> reading_;  // guarded by mutex_; start of the running read
   bool read_since_commit_ = false;    // guarded by mutex_
-  // Guarded by mutex_; commits in a row with a read since the one before.
+  // Guarded by mutex_. Number of latest commits in a row with a read since the previous commit.
   uint32_t crowded_commit_count_ = 0;
   std::thread thread_;  // the last member, because it uses the others
 };

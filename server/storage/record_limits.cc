@@ -16,7 +16,7 @@ using priors::EvidenceKey;
 using text::IsName;
 using text::IsOptionalName;
 
-// Returns an empty text if the evidence is valid. NaN fails these comparisons.
+// Returns a description of the invalid number, or an empty text. NaN fails these comparisons.
 absl::string_view WrongEvidence(const Evidence& evidence) {
   if (!(evidence.alpha >= 0 && evidence.alpha < kMaxEvidence))
     return "alpha must be finite, 0 to 1e15";

@@ -39,8 +39,8 @@ struct AuditChunk {
 // Returns whether the chunk is full: it has 1/32 of the log's maximum bytes, or is older than 1/32
 // of the log's maximum age.
 bool IsFull(const AuditChunk& chunk, const priors::AuditLimits& limits, uint64_t unix_now_s);
-// Returns whether the oldest chunk must be removed, because the log's `log_bytes` are too many or
-// the chunk is too old.
+// Returns whether the oldest chunk must be removed, because the log's size `log_bytes` is above the
+// limit or the chunk is too old.
 bool IsBeyond(const AuditChunk& oldest, uint64_t log_bytes, const priors::AuditLimits& limits,
               uint64_t unix_now_s);
 

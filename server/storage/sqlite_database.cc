@@ -51,7 +51,7 @@ uint64_t HashOf(uint64_t hash, sqlite3_value* value) {
   hash = math::Fnv1a(hash, static_cast<uint8_t>(type));
   if (type == SQLITE_INTEGER)
     return HashOf(hash, static_cast<uint64_t>(sqlite3_value_int64(value)));
-  // SQLite stores -0.0 as 0. Adding 0.0 gives both the same hash.
+  // SQLite stores -0.0 as 0. Adding 0.0 gives both numbers the same hash.
   if (type == SQLITE_FLOAT)
     return HashOf(hash, std::bit_cast<uint64_t>(sqlite3_value_double(value) + 0.0));
   const auto* text = static_cast<const char*>(sqlite3_value_blob(value));

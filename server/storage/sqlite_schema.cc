@@ -44,7 +44,7 @@ absl::Status WriteId(const fs::path& path, const std::string& id) {
   return PublishFile(unfinished, StoreIdFile(path));
 }
 
-// Returns an error if the id of the database is not the one in the file store-id, so that another
+// Returns an error if the id of the database differs from the id in the file store-id: then another
 // database was here at the last start. Writes the file if it is missing.
 absl::Status CheckId(SqliteDatabase& database, const fs::path& path) {
   const std::string expected = ReadId(path);
@@ -131,8 +131,8 @@ absl::Status Judge(const absl::StatusOr<std::string>& verdict, const fs::path& p
 absl::Status CheckPages(SqliteDatabase& database, const fs::path& path) {
   absl::Status status = Judge(database.QueryText("PRAGMA quick_check(1)"), path);
   // quick_check does not compare indices with their tables, and a scene that is missing from its
-  // index would be created a second time. So integrity_check runs for all tables except those of
-  // the audit log, which are most of the file.
+  // index would be created a second time. Therefore integrity_check runs for all tables except the
+  // tables of the audit log, which are most of the file.
   auto tables = database.QueryText(
       "SELECT group_concat(name) FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE "
       "'audit%'");
@@ -155,8 +155,8 @@ absl::Status SyncLogIfAny(SqliteDatabase& database) {
   return *mode == "wal" ? database.SyncLog() : absl::OkStatus();
 }
 
-// Syncs the write-ahead log before reading the database. The daemon acknowledges to its clients
-// what it reads here, so these commits must be on the disk.
+// Syncs the write-ahead log before reading the database. The daemon acknowledges the commits that
+// it reads here, so they must be on the disk.
 absl::Status PrepareExisting(SqliteDatabase& database, const fs::path& path) {
   absl::Status status = CheckPriorDatabase(database, path);
   if (!status.ok()) return status;

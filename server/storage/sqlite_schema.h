@@ -42,7 +42,7 @@ absl::StatusOr<int64_t> CountDamagedRows(SqliteDatabase& database);
 // in the write-ahead log, then checks the whole file (CheckPages). Errors: UNAVAILABLE (cannot
 // create, open or write), DATA_LOSS (the file was there and is missing, is empty or corrupt, or
 // belongs to another program), FAILED_PRECONDITION (another schema version, or another database
-// than at the last start; the message says what to do).
+// than at the last start; the message gives advice).
 absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const std::filesystem::path& path);
 
 // Returns a connection to a new database in memory, which is lost when the connection ends.

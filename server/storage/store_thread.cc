@@ -198,14 +198,14 @@ void StoreThread::TellHealth() {
   const absl::Status& status = place_.ok() ? disk_ : place_;
   if (status.ok() == told_.ok() && absl::IsNotFound(status) == absl::IsNotFound(told_)) return;
   told_ = status;
-  // Before can_write_ changes, so that observers of healthy() find the cause.
+  // on_health is called before can_write_ changes, so that observers of healthy() find the cause.
   options_.on_health(status);
   can_write_ = status.ok();
 }
 
 void StoreThread::CheckPlace(bool last) {
   const absl::Status status = store_->CheckPlace();
-  // The next commit shows whether the disk works.
+  // After another error, the next commit shows whether the disk works.
   if (!status.ok() && !absl::IsNotFound(status)) return;
   place_ = status;
   TellHealth();

@@ -14,7 +14,7 @@
 //   takes no longer than one commit.
 //
 // PriorStore::CheckPlace is called every `check_interval`, after a commit that fails, and when the
-// thread ends. So it finds a removed file even if nothing is committed.
+// thread ends. A removed file is therefore found even if nothing is committed.
 //
 // Reads that must see every commit before them (exact reads) run as jobs. A decision loop receives
 // a job's result after the results of all commits that the job has seen, and before the results of
@@ -66,8 +66,8 @@ struct StoreThreadOptions {
   std::function<void(priors::PriorStore&)> on_check = {};
   // Called on the store's thread with the cause when commits begin to fail, and with OK when they
   // succeed again. NOT_FOUND means that the file was removed or replaced (PriorStore::CheckPlace).
-  // It is reported even if commits fail already. If the file is back and the disk still fails, the
-  // disk error is reported again.
+  // NOT_FOUND is reported even if commits already fail. If the file is back and the disk still
+  // fails, the disk error is reported again.
   std::function<void(const absl::Status&)> on_health = [](const absl::Status&) {};
   // Called on the store's thread after `on_health`, at each check that returns NOT_FOUND. It can
   // save the store elsewhere. `last` is true in the last call, when the thread ends. May be empty.

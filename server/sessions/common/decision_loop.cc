@@ -9,7 +9,7 @@ namespace sweepstake::sessions {
 namespace {
 
 // Maximum number of PostLater tasks, and of due PostAt tasks, that run in one turn of the loop. A
-// Post task waits at most for these.
+// Post task waits at most for this number of each.
 constexpr size_t kLaterTasksPerTurn = 8;
 
 }  // namespace

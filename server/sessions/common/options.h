@@ -1,4 +1,4 @@
-// The limits and counters of sessions. Each field says what happens at its limit.
+// The limits and counters of sessions. Each comment describes what happens at the limit.
 #pragma once
 
 #include <array>
@@ -95,7 +95,7 @@ struct SessionCounters {
   // Messages whose sequence number had already been applied.
   std::atomic<uint64_t> replayed_message_count{0};
   std::atomic<uint64_t> applied_message_count{0};
-  // Frames and shadow visits. Rejected ones are counted by RejectionReason.
+  // Accepted and rejected frames and shadow visits, the rejected ones by RejectionReason.
   std::atomic<uint64_t> accepted_frame_count{0};
   RejectionCounts rejected_frame_counts{};
   std::atomic<uint64_t> accepted_shadow_count{0};

@@ -12,8 +12,8 @@ namespace sweepstake::sessions {
 // per second) to an hour. Its detection time is at most its frame time plus 1 % and 1 ms, which
 // allow for clock error. It has fewer than 2^60 AABB checks and fewer than 2^46 native bytes.
 std::optional<RejectionReason> RejectionOf(const FrameSample& frame);
-// Returns why the shadow sample is impossible, or nothing. Its detection time and its build time
-// are at most an hour. Its AABB checks and native bytes have the same limits as those of a frame.
+// Returns why the shadow sample is impossible, or nothing. A possible sample took at most an hour
+// to detect and to build. Its AABB checks and native bytes are limited as in a frame.
 std::optional<RejectionReason> RejectionOf(const ShadowSample& sample);
 
 }  // namespace sweepstake::sessions

@@ -131,7 +131,7 @@ std::string DescribeDamagedRows(const fs::path& path) {
                       "Check the disk, and restore a backup");
 }
 
-// Says what an operator can do if there is no usable database.
+// Adds to the error what an operator can do if there is no usable database.
 absl::Status WithAdvice(const absl::Status& problem, const fs::path& path, bool damaged) {
   const std::string name = path.filename().string();
   std::string text(problem.message());

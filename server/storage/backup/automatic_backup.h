@@ -44,7 +44,7 @@ absl::StatusOr<OpenedStore> OpenStoreOrBackup(const std::filesystem::path& path,
 // Returns the modification time of the newest backup file, or nothing if there is no backup.
 std::optional<std::filesystem::file_time_type> LastBackupTime(const std::filesystem::path& path);
 
-// Writes the content of the open store to a new backup beside `path`. For a store whose file was
+// Writes the content of the open store to a new backup beside `path`. Used if the store's file was
 // removed from `path`, or replaced, while the daemon used it. Makes the directory if it is missing.
 // Keeps the copy without a check, because it is the only one. Leaves out damaged rows, because
 // `restore` would refuse them. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES: OpenStoreOrBackup returned

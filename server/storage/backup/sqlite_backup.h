@@ -1,5 +1,6 @@
-// Copies the SQLite prior store while a daemon runs, verifies copies, and restores them. Copies
-// leave out damaged rows: those whose stored hash does not match their content (sqlite_schema.h).
+// Copies the SQLite prior store while a daemon runs, verifies copies, and restores them.
+// Copies leave out damaged rows, whose stored hash does not match their content
+// (sqlite_schema.h).
 #pragma once
 
 #include <atomic>
@@ -27,9 +28,9 @@ absl::StatusOr<StoreContents> VerifyStore(const std::filesystem::path& file,
                                           const std::atomic<bool>* stop = nullptr);
 
 // Removes damaged evidence from a copy, and damaged sources with all of their evidence. Computes
-// the affected sums and source counts again, and those of damaged keys and scenes. Returns the
-// number of damaged rows. Changes nothing and returns 0 if there are none, or if SQLite's integrity
-// check finds a fault.
+// the affected sums and source counts again, and also the sums of damaged keys and scenes. Returns
+// the number of damaged rows. Changes nothing and returns 0 if there are none, or if SQLite's
+// integrity check finds a fault.
 int64_t LeaveOutDamagedRows(SqliteDatabase& copy);
 
 // Copies the database of a data directory to a new file without damaged rows, and verifies the

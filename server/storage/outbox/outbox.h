@@ -1,10 +1,10 @@
 // The updates that a daemon could not commit to the store that it shares with others. They are kept
 // in a file of its data directory, so that they outlive the daemon.
 //
-// The clients have got no acknowledgement of these updates. If a session continues at another
+// The clients have received no acknowledgement of these updates. If a session continues at another
 // daemon, its client sends the updates again there, and the store refuses those in the outbox
-// (SourceWriter). The store also ignores an update whose sequence number it already has. So each
-// message counts once.
+// (SourceWriter). The store also ignores an update whose sequence number it already has. Each
+// message therefore counts once.
 //
 // The file is an SQLite database of one table, with a row per update in the order of commits. Used
 // by one thread at a time.
@@ -31,12 +31,12 @@ class Outbox {
 
   // Replaces the content by these updates. Error: UNAVAILABLE; then the content is unchanged.
   absl::Status Replace(std::span<const priors::SourceUpdate> updates);
-  // Error: DATA_LOSS (a row is damaged).
+  // Returns the updates in commit order. Errors: UNAVAILABLE (cannot be read), DATA_LOSS (damaged).
   absl::StatusOr<std::vector<priors::SourceUpdate>> Load();
 
   struct Delivery {
     size_t committed_count = 0;  // committed by this call, or already in the store
-    size_t refused_count = 0;    // their sessions continued elsewhere, or were revoked
+    size_t refused_count = 0;    // of sessions that continued elsewhere or were revoked
   };
   // Commits all updates in order and empties the outbox. Updates that the store refuses are counted
   // and dropped. After an error the outbox is unchanged. Errors: those of Load, and of

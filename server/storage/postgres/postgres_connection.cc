@@ -35,7 +35,7 @@ absl::StatusCode CodeOf(std::string_view sql_state) {
   return absl::StatusCode::kUnavailable;
 }
 
-// libpq ends its messages with line ends.
+// Removes the line end with which libpq ends its messages.
 std::string Line(const char* message) {
   return std::string(absl::StripTrailingAsciiWhitespace(message));
 }

@@ -55,7 +55,7 @@ class PostgresConnection final : public SqlDatabase {
   };
 
   absl::Status Open();
-  // Returns an error if the database is not the one given to Expect.
+  // Returns an error if the id of the database is not the id that was passed to Expect.
   absl::Status CheckStoreId();
   absl::StatusOr<uint64_t> RunRows(const char* sql, std::span<const SqlValue> values,
                                    size_t columns, OnRow on_row) override;

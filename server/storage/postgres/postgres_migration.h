@@ -19,14 +19,14 @@ namespace sweepstake::storage {
 // and after the last one.
 using OnMigrated = std::function<void(const std::string& table, uint64_t rows, uint64_t of)>;
 
-// Errors: those of BackUpStore, DataDirectory::Open, CheckDelivered and OpenPostgresPriorStore,
-// ALREADY_EXISTS (the store in PostgreSQL has sources).
+// Copies the directory's store to PostgreSQL. Errors: those of BackUpStore, DataDirectory::Open,
+// CheckDelivered and OpenPostgresPriorStore, ALREADY_EXISTS (PostgreSQL's store has sources).
 absl::StatusOr<StoreContents> MigrateToPostgres(const std::filesystem::path& directory,
                                                 const std::string& url,
                                                 const OnMigrated& on_migrated);
 
-// Errors: those of RestoreStore, CheckDelivered and OpenPostgresPriorStore, ALREADY_EXISTS (the
-// directory has a database).
+// Copies the store from PostgreSQL to the directory. Errors: those of RestoreStore, CheckDelivered
+// and OpenPostgresPriorStore, ALREADY_EXISTS (the directory has a database).
 absl::StatusOr<StoreContents> MigrateFromPostgres(const std::string& url,
                                                   const std::filesystem::path& directory,
                                                   const OnMigrated& on_migrated);

@@ -45,7 +45,7 @@ class SqlAuditLog {
   absl::StatusOr<Segment> Find(const std::string& session_id, uint32_t segment);
   // Adds `bytes` to the size of the latest chunk. Begins a new chunk if the latest one is full.
   absl::Status GrowChunk(uint64_t bytes, uint64_t unix_now_s);
-  // Runs a statement that removes rows and returns their segments. Then removes those segments that
+  // Runs a statement that removes rows and returns their segments. Then removes the segments that
   // have no rows left.
   template <typename... Args>
   absl::Status RemoveRows(const char* sql, const Args&... args);

@@ -7,8 +7,8 @@
 namespace sweepstake::storage {
 namespace {
 
-// Removes the text between the two marks in `removed`, such as "{}", and these marks. Removes the
-// marks in `unwrapped`, but not the text between them.
+// Removes each part between the two marks in `removed`, such as "{}", together with the marks. Of
+// the marks in `unwrapped`, removes only the marks and keeps the text between them.
 std::string WithoutParts(std::string_view sql, std::string_view removed,
                          std::string_view unwrapped) {
   std::string text;

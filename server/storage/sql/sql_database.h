@@ -108,7 +108,7 @@ class SqlDatabase {
   // Begins a transaction that writes. Fails if the file was removed or replaced, because the
   // changes would be lost (CheckPlace).
   virtual absl::Status Begin() = 0;
-  // Begins a transaction whose reads all see one state, that of the first read.
+  // Begins a transaction whose reads all see one state: the state at the first read.
   virtual absl::Status BeginRead() = 0;
   virtual absl::Status Commit() = 0;
   // Ends the transaction, if any.

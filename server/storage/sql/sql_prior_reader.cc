@@ -80,7 +80,7 @@ constexpr const char* kSceneAges = R"sql(
 constexpr const char* kCountScenes =
     "SELECT count(DISTINCT scene), count(*) FROM scene WHERE project = ?1 AND source_count > 0";
 // Finds each next project by one lookup in the index, so that the cost does not depend on the
-// number of scenes.
+// number of scenes of a project.
 constexpr const char* kCountProjects = R"sql(
     WITH RECURSIVE known(project) AS (
       SELECT min(project) FROM scene
@@ -318,8 +318,8 @@ absl::StatusOr<std::vector<SceneEvidence>> SqlPriorReader::List(
     const SceneFilter& filter, const std::optional<SceneKey>& after, uint32_t limit) {
   const SqlSnapshot snapshot(database_);
   if (!snapshot.status().ok()) return snapshot.status();
-  // Without `after`, starts before all wanted scenes: an empty name sorts before every name, and
-  // reward version 0 before every version.
+  // Without `after`, starts before all scenes of the filter: an empty name sorts before every name,
+  // and reward version 0 before every version.
   const SceneKey start = after.value_or(SceneKey{filter.project, filter.scene, "", 0});
   std::vector<SceneEvidence> scenes;
   std::vector<int64_t> ids;
@@ -433,7 +433,7 @@ absl::StatusOr<priors::ExportPage> SqlPriorReader::ExportAll(const SceneFilter& 
   if (!snapshot.status().ok()) return snapshot.status();
   priors::ExportPage page{.records = {}, .next = after};
   EvidenceKey first = after.key;
-  // Skips the projects before the one in the filter.
+  // Skips the projects that sort before the project in the filter.
   if (first.project < filter.project) {
     first = EvidenceKey{};
     first.project = filter.project;
@@ -446,8 +446,8 @@ absl::StatusOr<priors::ExportPage> SqlPriorReader::ExportAll(const SceneFilter& 
     if (key->id == 0) break;
     if (absl::Status status = AppendEvidence(*key, limit, quarantined, page); !status.ok())
       return status;
-    // The reward version is the last part of the order of keys. So the next key is the first one
-    // from this key on with its reward version + 1.
+    // The reward version is the last part of the order of keys. The next key is therefore the first
+    // key from this one on with the reward version + 1.
     first = key->key;
     first_reward_version = int64_t{first.reward_version} + 1;
   }

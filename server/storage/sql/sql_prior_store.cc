@@ -80,8 +80,8 @@ constexpr const char* kAddScenes = R"sql(
     INSERT INTO scene (project, scene, machine_class, reward_version[, source_count, hash])
     [VALUES (?1, ?2, ?3, ?4, 0, row_hash(?1, ?2, ?3, ?4, 0))]
     {SELECT ?1, ?2, ?3, ?4 FROM @given} ON CONFLICT DO NOTHING)sql";
-// ON CONFLICT DO NOTHING, because another daemon may have added a key after kFindKeys did not find
-// it.
+// ON CONFLICT DO NOTHING, because another daemon may have added a key after kFindKeys found
+// none.
 constexpr const char* kAddKeys = R"sql(
     INSERT INTO evidence_key (project, scene, measured_by, arm, backend_version, machine_class,
                               reward_version, scene_id[, hash])
@@ -162,7 +162,7 @@ constexpr const char* kLeaveScenes = R"sql(
     RETURNING scene_id)sql";
 constexpr const char* kLockScenes =
     "{SELECT 1 FROM scene, @given WHERE id = ?1 ORDER BY id FOR NO KEY UPDATE OF scene}";
-// In SQLite the third column of the result says whether the scene had no sources before.
+// In SQLite the third column of the result is true if the scene had no sources before.
 constexpr const char* kChangeScenes = R"sql(
     UPDATE scene
     SET source_count = source_count + ?2
@@ -226,7 +226,7 @@ void SqlPriorStore::CheckIncarnation() {
   if (incarnation_ == database_->incarnation()) return;
   incarnation_ = database_->incarnation();
   known_keys_.clear();  // a server restored from a backup may lack some of these keys
-  changes_since_ = kFirstTransaction;  // its transaction ids may be lower
+  changes_since_ = kFirstTransaction;  // the server may have lower transaction ids
 }
 
 template <typename Body>
@@ -281,7 +281,7 @@ absl::StatusOr<priors::SceneCount> SqlPriorStore::CountScenes(const std::string&
   if (const auto known = scene_counts_.find(project); known != scene_counts_.end())
     return known->second;
   auto count = SqlPriorReader::CountScenes(project);
-  // Projects without scenes are not cached, because clients can ask for any number of names.
+  // Projects without scenes are not cached, because clients can send any number of names.
   if (count.ok() && count->keys > 0 && !database_->shared()) scene_counts_[project] = *count;
   return count;
 }
@@ -588,7 +588,7 @@ absl::StatusOr<ImportResult> SqlPriorStore::ImportAll(std::span<const PriorRecor
   const auto stored = LoadSequences(PlacesOf(*rows), /*quarantined=*/false);
   if (!stored.ok()) return stored.status();
   absl::Status status = Replace(*stored, *rows, /*quarantined=*/false, result);
-  // Drops rows in quarantine that are not newer than a given record, applied or not.
+  // Drops rows in quarantine that are not newer than a given record of the same key and source.
   SqlBatch given;
   for (const auto& [place, row] : *rows) given.Add(place.first, place.second, row.sequence);
   if (status.ok()) status = database_->Run(kDropWaiting, given);

@@ -104,8 +104,8 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   absl::Status InTransaction(Body body);
   template <typename Body>
   absl::Status TryTransaction(Body& body);
-  // Runs `change` in a transaction and returns its result. With a preview, shows it the changed
-  // state and then rolls back.
+  // Runs `change` in a transaction and returns its result. With a preview, passes the changed state
+  // to the preview and then rolls back.
   template <typename Result, typename Change>
   absl::StatusOr<Result> ChangeUnless(const priors::Preview& preview, Change change);
   // Clears known_keys_ and changes_since_ if the connection was opened again, because the server
@@ -129,16 +129,17 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   absl::Status AddSources(std::span<const NewSource* const> sources, Sources& found);
   // Writes the progress of the applied updates to the table of sources.
   absl::Status UpdateSources(const Sources& sources);
-  // Locks the matching sources and returns their ids: those that are not revoked or, if
-  // `quarantined`, those with evidence in quarantine. The latter may be revoked, because a
-  // revocation for one project keeps the quarantined evidence about other projects.
+  // Locks the matching sources and returns their ids. If `quarantined`, matches sources with
+  // evidence in quarantine, even revoked ones (a revocation for one project keeps the
+  // quarantined evidence about other projects); otherwise matches sources that are not
+  // revoked.
   absl::StatusOr<Ids> LockMatching(const priors::SourceFilter& filter, bool quarantined);
   absl::Status Bar(const Ids& sources);
 
   // Returns the stored keys in the order of `keys`. Adds the missing ones.
   absl::StatusOr<std::vector<StoredKey>> FindOrAddKeys(
       std::span<const priors::EvidenceKey* const> keys);
-  // Looks the keys up in the database. Moves those that are found from `unknown` to `new_keys_`.
+  // Looks the keys up in the database. Moves the keys that it finds from `unknown` to `new_keys_`.
   absl::Status FindKeys(std::set<priors::EvidenceKey>& unknown);
 
   // Converts the records to rows. Omits records of sessions and of revoked sources, which accept no

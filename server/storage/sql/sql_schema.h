@@ -1,9 +1,9 @@
 // The tables of the prior store in SQLite and PostgreSQL.
 //
 // evidence_key holds the sums of its rows of evidence, and scene the number of its sources, so that
-// readers need not visit the sources. A row of scene_source says that the source has evidence about
-// the scene. Names are compared byte by byte. Every CHECK of an amount has a lower and an upper
-// bound, because `alpha >= 0` alone would accept +Inf in SQLite, and NaN in PostgreSQL.
+// readers need not visit the sources. A row of scene_source means that the source has evidence
+// about the scene. Names are compared byte by byte. Every CHECK of an amount has a lower and an
+// upper bound, because `alpha >= 0` alone would accept +Inf in SQLite, and NaN in PostgreSQL.
 //
 // In SQLite each row of the evidence has a hash of its values (row_hash of sqlite_database.h),
 // because SQLite's own checks miss a value that was changed on the disk. `content_hash` is computed
