@@ -43,8 +43,8 @@ class Problems {
   std::vector<std::string> lines_;
 };
 
-// Returns whether Kubernetes sets such a variable in containers next to a service whose name begins
-// with "sweepstake".
+// Returns whether the variable has the form of those that Kubernetes sets in containers for
+// services whose names begin with "sweepstake".
 bool IsFromKubernetes(const std::string& variable) {
   static const std::regex shape(
       "SWEEPSTAKE(_[A-Z0-9_]+)?_(SERVICE_HOST|SERVICE_PORT(_[A-Z0-9_]+)?|PORT|"

@@ -79,8 +79,8 @@ class Settings {
 };
 
 // Checks the rules that concern several settings: addresses other than loopback need TLS or
-// `insecure`, each listener has its own address, and the weights sum to 1. Does not read files.
-// Reports all problems, one per line, as do the next two functions.
+// `insecure`, each listener has its own address, and the weights sum to 1. Does not read files. All
+// problems are reported, one per line, also by the next two functions.
 absl::Status Validate(const Config& config);
 // Checks the files that the configuration names, and creates none: the TLS files must be readable
 // and belong together, the parents of `data` and `port_file` must exist, `data` must not be a file,
@@ -98,7 +98,7 @@ bool NeedsToken(const Config& config);
 // those of http_hosts and the host of `http`.
 std::set<std::string, std::less<>> HttpHosts(const Config& config);
 
-// The keys of settings that differ.
+// The keys of settings that differ between two configurations.
 struct ChangedKeys {
   std::vector<std::string> live;   // a running daemon applies them
   std::vector<std::string> fixed;  // need a restart

@@ -16,7 +16,7 @@ namespace sweepstake::server {
 // missing. Errors: UNAVAILABLE (cannot be created), DATA_LOSS (cannot be read, or is damaged).
 absl::StatusOr<std::string> ReadResumeKey(const std::filesystem::path& path);
 
-// The file of Config::port_file; if the path is empty, both functions do nothing. Errors:
+// The file of Config::port_file. If its path is empty, Remove and Write do nothing. Errors:
 // UNAVAILABLE.
 class PortFile {
  public:

@@ -60,7 +60,7 @@ constexpr std::string_view kNoWatchdog =
 struct CommandLine {
   CommandLine(int count, char** words) : argc(count), argv(words) {}
 
-  // Parses the words. Flags override the values that are in `config` already. Throws CLI::Error.
+  // Parses the command line. Flags override values already in `config`. Throws CLI::Error.
   void Parse() { app.parse(argc, argv); }
 
   const int argc;

@@ -1,5 +1,5 @@
-// Limits the rate of events: a number per second, with a burst of ten seconds of that rate. Times
-// are of a steady clock.
+// Limits the rate of events to a number per second. A burst may have as many events as ten seconds
+// of that rate. Times are those of a steady clock.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +27,8 @@ class RateBucket {
   int64_t due_ns_ = std::numeric_limits<int64_t>::min();
 };
 
-// A bucket per name. Thread-safe. The memory is bounded by kMaxBuckets; above it the least recently
-// used bucket is removed. If its name is used again, it gets a full bucket.
+// A bucket per name. Thread-safe. Memory is bounded by kMaxBuckets: above it the least recently
+// used bucket is removed. If a removed name is used again, it gets a full bucket.
 class RateLimit {
  public:
   static constexpr size_t kMaxBuckets = 10'000;

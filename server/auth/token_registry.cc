@@ -25,7 +25,7 @@ std::string MadeText(const StoredToken& token) {
 }
 
 // Returns whether the list has the token at this index. Tokens are only appended to the file, so a
-// token keeps its index. A file that replaces it may have another token there.
+// token keeps its index. A file that has replaced it may have another token at this index.
 template <typename Entry>
 bool HasAt(const std::vector<Entry>& list, size_t place, const StoredToken& token) {
   return place < list.size() && list[place].token.id == token.id &&

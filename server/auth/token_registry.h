@@ -56,8 +56,8 @@ class TokenRegistry final : public TokenDirectory {
   };
   struct Entries {
     std::vector<Entry> list;  // ordered by id
-    // Indices in the list, by the first digits of the digest. These need no constant-time lookup:
-    // an attacker who guesses tokens cannot choose their digests.
+    // Indices in the list, by the first digits of the digest. The lookup need not take constant
+    // time: an attacker who guesses tokens cannot choose their digests.
     std::unordered_multimap<std::string, size_t> by_digest;
   };
 
@@ -77,7 +77,7 @@ class TokenRegistry final : public TokenDirectory {
 
   const TokenRegistryOptions options_;
   const std::filesystem::path path_;
-  // Open uses these members first, then only the thread does.
+  // Open uses these members first. After that, only the thread uses them.
   std::optional<TokenStore> store_;
   int64_t version_ = 0;  // version of the data that was read
   bool readable_ = true;

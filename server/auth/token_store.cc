@@ -278,8 +278,8 @@ absl::Status TokenStore::Insert(const TokenRequest& request, const std::string& 
                                                  text::PrintableLine(request.name),
                                                  "; choose another name"));
   }
-  // The note (the file tokens-made) is written before the commit, so that no token exists without
-  // it, and after all other steps that can fail, so that it does not exist without a token.
+  // Writes the note (the file tokens-made) before the commit, so that no token exists without a
+  // note, and after all other steps that can fail, so that no note exists without a token.
   return NoteMade();
 }
 

@@ -16,9 +16,9 @@ namespace sweepstake::server {
 
 class ExitGuard {
  public:
-  // After `patience` writes `message` to stderr and exits with `code`, without running destructors;
-  // waits for `patience` again while `must_wait` returns true. Calls `must_wait` on the guard's
-  // thread.
+  // After `patience`, writes `message` to stderr and exits with `code`, without running
+  // destructors. While `must_wait` returns true, waits for `patience` again instead. Calls
+  // `must_wait` on the guard's thread.
   ExitGuard(std::chrono::milliseconds patience, int code, std::string message,
             std::function<bool()> must_wait);
   ~ExitGuard();

@@ -16,8 +16,8 @@ void NotifyStopping();
 // Extends the service manager's stop timeout to `time` from now.
 void NotifyStoppingTakes(std::chrono::microseconds time);
 
-// Returns the interval of watchdog notifications: a quarter of WATCHDOG_USEC, after which the
-// service manager restarts a silent daemon. Returns nothing if the service manager has no watchdog.
+// Returns the interval of watchdog notifications: a quarter of WATCHDOG_USEC. After WATCHDOG_USEC
+// without a notification, the service manager restarts the daemon. Nothing if there is no watchdog.
 std::optional<std::chrono::milliseconds> WatchdogInterval();
 
 // Notifies the service manager at each interval if the daemon is alive. Owns one thread if there is

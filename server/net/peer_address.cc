@@ -24,7 +24,7 @@ std::string NameFrom(NameOfSocket name_of, int descriptor) {
   socklen_t size = sizeof address;
   if (name_of(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
   std::array<char, INET6_ADDRSTRLEN> text{};
-  const uint16_t port = ntohs(address.sin6_port);  // at the same offset for IPv4 and IPv6
+  const uint16_t port = ntohs(address.sin6_port);  // IPv4 and IPv6 have it at the same offset
   if (address.sin6_family == AF_INET) {
     const auto& ipv4 = reinterpret_cast<const sockaddr_in&>(address).sin_addr;
     inet_ntop(AF_INET, &ipv4, text.data(), text.size());

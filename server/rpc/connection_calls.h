@@ -23,7 +23,7 @@ namespace sweepstake::rpc {
 class ConnectionCalls {
  public:
   // A connection that begins more than `max_calls` unfinished calls is ended, and counted in
-  // `ended_count`. gRPC does not say on which connection a call came. If two connections to two
+  // `ended_count`. gRPC does not report the connection of a call. If two connections to two
   // addresses of the daemon have the same peer address and port, they are counted together and
   // ended together.
   ConnectionCalls(uint32_t max_calls, std::atomic<uint64_t>& ended_count)

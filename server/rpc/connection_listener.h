@@ -1,7 +1,7 @@
 // Accepts the connections of the gRPC server, on a thread of its own.
 //
 // The listener of gRPC 1.51 stops permanently after one failed accept, for instance if there are no
-// free descriptors. This one tries again.
+// free descriptors. This listener tries again.
 #pragma once
 
 #include <grpcpp/server_builder.h>

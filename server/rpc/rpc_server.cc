@@ -36,7 +36,7 @@ constexpr int kSecond = 1'000;
 constexpr uint32_t kCallsPerStream = 3;
 constexpr int64_t kHealthIntervalNs = 1'000'000'000;
 constexpr int64_t kLossReportIntervalNs = 60'000'000'000;
-// longer than a session waits before it repeats a commit
+// longer than the time after which a session repeats a commit
 constexpr int64_t kKeepIntervalNs = 5 * kHealthIntervalNs;
 constexpr int64_t kMaxSilenceNs =
     10 * kHealthIntervalNs;  // after this the loop counts as unresponsive

@@ -43,7 +43,7 @@ class ConnectionListener;
 class RpcServer {
  public:
   // `listen` is HOST:PORT; port 0 means any free port. The server uses plain text unless the
-  // options name a certificate; the caller has checked that plain text is wanted. Errors:
+  // options name a certificate; the caller has checked that plain text is allowed. Errors:
   // UNAVAILABLE (cannot listen there), INVALID_ARGUMENT (the TLS files cannot be used).
   static absl::StatusOr<std::unique_ptr<RpcServer>> Start(const std::string& listen,
                                                           RpcOptions options,

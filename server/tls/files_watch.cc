@@ -57,7 +57,7 @@ void FilesWatch::OnRead(const Texts& texts) {
 void FilesWatch::TellExpiry() {
   const int64_t now_s = options_.unix_now_s();
   if (!certificates_ || expires_unix_s_ - now_s > kSoonS) return;
-  // The absolute value, because the wall clock may jump back.
+  // Uses the absolute value, because the wall clock may jump back.
   if (expiry_told_unix_s_ && std::abs(now_s - *expiry_told_unix_s_) < kDayS) return;
   expiry_told_unix_s_ = now_s;
   options_.on_expiry(expires_unix_s_);

@@ -25,10 +25,10 @@ struct FilesWatchOptions {
   std::chrono::milliseconds interval{1'000};
   bool own_thread = true;               // if false, the owner calls Look
   std::function<int64_t()> unix_now_s;  // the wall clock
-  // Called at the first check and when the files have changed. The status is OK, or says why the
-  // files cannot be used; `expires_unix_s` is the expiry of the certificate in use. A problem is
-  // reported once, at the second check in a row that finds it. A single check may happen between
-  // the replacement of a certificate and that of its key.
+  // Called at the first check and when the files have changed. The status is OK, or the reason why
+  // the files cannot be used; `expires_unix_s` is the expiry of the certificate in use. A problem
+  // is reported once, at the second check in a row that finds it. A single check may happen between
+  // the replacement of a certificate and the replacement of its key.
   std::function<void(const absl::Status&, int64_t expires_unix_s)> on_change;
   // Called when the certificate in use has expired or expires within a week; repeated daily.
   std::function<void(int64_t expires_unix_s)> on_expiry;
@@ -52,8 +52,8 @@ class FilesWatch {
 
   const Files files_;
   const FilesWatchOptions options_;
-  // These are used by one thread at a time.
-  // Text of the certificate file and the authority file, as read last.
+  // The members up to expiry_told_unix_s_ are used by one thread at a time. certificates_ is the
+  // text of the certificate file and the authority file, as read last.
   std::optional<std::string> certificates_;
   std::string met_;   // problem found by the latest check; empty if none
   std::string told_;  // problem reported last; empty if none

@@ -19,7 +19,7 @@
 
 namespace sweepstake::web {
 
-// What the connections of a server share.
+// The limits, the handler and the counter that all connections of a server share.
 struct ConnectionShared {
   const HttpLimits limits;
   Handler handler;
@@ -62,7 +62,7 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   // client could lose the answer.
   void Linger();
 
-  // These send a stream. A client that closes its sending side counts as disconnected.
+  // The next four send a stream. A client that closes its sending side counts as disconnected.
   void WriteStreamHead(std::string content_type);
   void AwaitEnd();
   void WriteParts();
@@ -72,7 +72,7 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   const std::function<void(HttpConnection&)> on_closed_;
   boost::beast::tcp_stream stream_;
   boost::beast::flat_buffer buffer_;
-  // These are made again for each request.
+  // The four members below are made again for each request.
   std::optional<Parser> parser_;
   Request request_;
   size_t reserved_bytes_ = 0;

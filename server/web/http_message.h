@@ -32,7 +32,7 @@ struct Page {
   std::string body = {};
   std::string content_type = "text/plain; charset=utf-8";
   std::vector<std::pair<std::string, std::string>> headers =
-      {};  // in addition to those of every answer
+      {};  // in addition to the headers of every answer
 };
 
 // The parts of an answer. The connection owns it, and destroys it when the client has disconnected

@@ -18,7 +18,7 @@ namespace sweepstake::rpc {
 absl::Status Refused(v1::ErrorReason reason, absl::string_view message);
 // Returns the reason of a status; ERROR_REASON_UNSPECIFIED if it has none.
 v1::ErrorReason ReasonOfRefusal(const absl::Status& status);
-// Adds a reason to an error of the store. The status code stays, because it says whether trying
+// Adds a reason to an error of the store. The status code stays, because it shows whether trying
 // again can help.
 absl::Status StoreFailed(const absl::Status& status);
 

@@ -61,7 +61,7 @@ absl::StatusOr<v1::LeaderChanges> LeaderPreview::Changes() const {
   }
   v1::LeaderChanges changes;
   for (const auto& [scene, arms] : scenes) {
-    if (std::ranges::equal(arms.first, arms.second)) continue;  // saves the time of comparing arms
+    if (std::ranges::equal(arms.first, arms.second)) continue;  // then the leader is the same
     const std::string before = LeaderOf(scene, arms.first);
     const std::string after = LeaderOf(scene, arms.second);
     if (before == after) continue;

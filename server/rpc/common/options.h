@@ -1,5 +1,5 @@
-// The limits, intervals and counters of the gRPC services. server/sessions/common/options.h has
-// those of the sessions. Each field says what happens at its limit.
+// The limits, intervals and counters of the gRPC services. The options of sessions are in
+// server/sessions/common/options.h. Each comment describes what happens at the limit.
 #pragma once
 
 #include <array>
@@ -44,8 +44,8 @@ inline constexpr uint32_t kAuditRowsPerPage = 500;
 inline constexpr size_t kAuditBytesPerMessage = 128 * 1024;
 // Limits the rate of bail-outs that count as evidence. The limit holds for all sessions of a token,
 // and for all sessions from an address that is not on the daemon's own machine.
-// - Rate: that of kBailingOutGames games with one bail-out per DecisionOptions::bail_out_ns, but at
-//   least kMinBailOutsPerS per second.
+// - Rate: the rate of kBailingOutGames games with one bail-out per DecisionOptions::bail_out_ns,
+//   but at least kMinBailOutsPerS per second.
 // - Burst: ten seconds of that rate, which exceeds the limit of one session
 //   (decision::BailOutBudget).
 // - Bail-outs above the limit are answered, but are not evidence.
@@ -137,7 +137,7 @@ struct RpcOptions : sessions::HostedSessionOptions {
   // The maximum memory of all connections' buffers; above it reads are slowed down.
   uint64_t memory_quota_bytes = 64ull << 20;
   // A draining daemon requests its clients to reconnect after this delay. Each client gets a longer
-  // delay than the one before, so that the next daemon receives at most `reconnects_per_s`
+  // delay than the previous client, so that the next daemon receives at most `reconnects_per_s`
   // connections per second. The clients add their own jitter.
   uint32_t reconnect_delay_ms = 500;
   uint32_t reconnects_per_s = 500;

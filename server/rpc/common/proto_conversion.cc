@@ -16,7 +16,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Masks of the flags of frames and of shadow samples that this version knows. Bits of later
+// Masks of the flags that this version has, for frames and for shadow samples. Bits of later
 // protocol versions are dropped.
 constexpr uint32_t kKnownFlags = 15;
 constexpr uint32_t kKnownShadowFlags = 3;

@@ -27,7 +27,7 @@ absl::StatusOr<StreamPage> LoadSegments(priors::PriorReader& store, const AuditF
   return StreamPage{.response = response, .last = segments->size() < kAuditSegmentsPerMessage};
 }
 
-// The last row that the client already has. The export begins after it; 0: with the first row.
+// The last row that the client already has; 0: none. The export begins with the row after it.
 struct LastRead {
   uint32_t segment = 0;
   uint64_t row = 0;

@@ -30,9 +30,9 @@ struct HttpCall {
   std::function<void(const absl::Status&)> on_end;
 };
 
-// Begins the call. Returns false for requests of other methods: those with several requests
-// (StreamTelemetry, ImportPriors) and those without a finite answer (Watch methods). Any thread may
-// call it.
+// Begins the call. Returns false for methods with several requests (StreamTelemetry,
+// ImportPriors) and for methods without a finite answer (Watch methods). Any thread may call
+// it.
 bool BeginHttpCall(ServiceContext& context, HttpCall call);
 
 }  // namespace sweepstake::rpc

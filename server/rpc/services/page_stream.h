@@ -67,7 +67,7 @@ class PageStream final : public Transfer, public std::enable_shared_from_this<Pa
 
   const std::shared_ptr<const LoadPage> load_;
   PageSink& sink_;
-  StreamPage page_;  // the page that is written, or was written last
+  StreamPage page_;  // the page that is being written, or was written last
   std::optional<absl::StatusOr<StreamPage>>
       ahead_;  // the page after page_; absent until it was read
   bool writes_ = false;

@@ -145,8 +145,8 @@ void OnEvidence(ServiceContext& context, const absl::Status& status,
   // If the result is UNAVAILABLE, the store may have applied the change nevertheless.
   if (status.ok() || absl::IsUnavailable(status)) context.events.Reset();
   if (!status.ok()) return;
-  // These scenes are in the store now. If sessions hold them, NewScenes would count them a second
-  // time.
+  // The scenes are in the store now. If sessions hold them, NewScenes would count them
+  // again.
   for (const priors::SceneKey& scene : new_scenes) context.sessions.new_scenes().Forget(scene);
 }
 
@@ -196,7 +196,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   }
 
   void OnHalfClose() {
-    // A lost connection must not count as the end of the records.
+    // A lost connection must not count as the orderly end of the import.
     if (call_.IsCancelled())
       return End(
           absl::CancelledError("the stream ended before its last record; nothing was imported"));
@@ -208,7 +208,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
         return context_.loop.Post([this, allowed] { End(allowed); });
       const auto result =
           promotes_ ? store.Import(records_) : store.Quarantine(records_, kMaxQuarantinedRecords);
-      // PostLater, because results of commits are posted with it too: earlier ones must run first.
+      // PostLater, as for the results of commits, so that earlier results are applied first.
       context_.loop.PostLater([this, result] { OnImported(result); });
     });
     if (!submitted) End(StoreBusy());
@@ -393,7 +393,7 @@ void ChangeSources(ServiceContext& context, const Caller& caller, const Request&
     LeaderPreview leaders(store, filter.project, request.preview());
     const auto result = kPromotes ? store.Promote(filter, leaders.preview())
                                   : store.Revoke(filter, leaders.preview());
-    // PostLater, because results of commits are posted with it too: earlier ones must run first.
+    // PostLater, as for the results of commits, so that earlier results are applied first.
     context.loop.PostLater([&context, &request, &response, caller, end, result,
                             changes = leaders.Changes(), new_scenes = quota.new_scenes()] {
       if (!request.preview()) OnEvidence(context, result.status(), new_scenes);

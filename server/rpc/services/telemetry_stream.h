@@ -40,8 +40,8 @@ struct TelemetryStreams {
 uint32_t ReconnectDelayMs(const RpcOptions& options, uint64_t rank);
 
 // Returns how long (ms) a client collects frames before it sends them as a batch: an eighth of the
-// decision interval, 250 ms at most. Many streams make it longer, up to half of the decision
-// interval, so that all streams together send at most 10,000 batches per second.
+// decision interval, 250 ms at most. If there are many streams, it is longer, up to half of the
+// decision interval, so that all streams together send at most 10,000 batches per second.
 uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count);
 
 // The transport of a stream. It owns the stream and calls its functions OnMessage, OnWritten and so
@@ -88,7 +88,7 @@ class TelemetryStream final : public sessions::ClientStream,
   void OnMessage(v1::StreamTelemetryRequest* request);
   // Called when the client has half-closed the stream.
   void OnHalfClose();
-  // Called when a write has ended; `ok` says whether it succeeded.
+  // Called when a write has ended. `ok` is true if it succeeded.
   void OnWritten(bool ok);
   // Called when the connection is lost. Pending reads and writes fail.
   void OnCancelled();
@@ -142,7 +142,7 @@ class TelemetryStream final : public sessions::ClientStream,
   TelemetryStreams& streams_;
   TelemetryTransport& transport_;
   const auth::Principal caller_;
-  uint64_t number_ = 0;  // its key in streams_
+  uint64_t number_ = 0;  // key of this stream in streams_
   std::string address_;  // streams_ counts it under this address; empty: not counted
   std::shared_ptr<sessions::GameSession> session_;
   std::shared_ptr<sessions::SessionOpening> opening_;  // from Hello until the session exists

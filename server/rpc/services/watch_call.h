@@ -16,7 +16,7 @@
 
 namespace sweepstake::rpc {
 
-// Converts the request of a Watch method to a Wish; absent if it is not such a request.
+// Converts the request of a Watch method to a Wish; absent for a request of another method.
 std::optional<events::Wish> WishOf(const google::protobuf::Message& request);
 
 // Returns the Watch method that streams events of this kind.

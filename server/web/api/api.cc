@@ -38,8 +38,8 @@ bool LooksLikeToken(std::string_view text) {
 }
 
 // Returns the name of the daemon's cookie, with its equals sign. It contains the port, because
-// browsers send cookies to all ports of a host, where other daemons may listen. The port is the one
-// in the browser's request, which may be that of a tunnel or a proxy.
+// browsers send cookies to all ports of a host, where other daemons may listen. The port is taken
+// from the browser's request, and may be the port of a tunnel or a proxy.
 std::string CookieName(const Request& request) {
   const std::string_view host = request.Header("Host");
   const std::string_view port = host.substr(host.find_last_not_of("0123456789") + 1);

@@ -29,7 +29,7 @@ class EventTopics {
   // Counts a watcher from this address until the result is destroyed. Returns null if there are too
   // many watchers.
   WatcherShare CountWatcher(const std::string& address);
-  // Removes the topic. Destroys it later, because one of its functions is calling this.
+  // Removes the topic. Destroys it later, because one of its functions calls Remove.
   void Remove(const std::string& key);
   void BeatLater();
 

@@ -1,5 +1,5 @@
 // The logins of browsers: each has a random cookie, which stands for the token that was sent with
-// the login. They are in memory only and end with the process. Not thread-safe.
+// the login. Logins are in memory only and end with the process. Not thread-safe.
 #pragma once
 
 #include <cstddef>

@@ -34,7 +34,7 @@ class Topic::Feed final : public events::Sink, public std::enable_shared_from_th
   explicit Feed(Topic& topic)
       : topic_(&topic), inbox_(topic.context_.inbox), post_to_loop_(topic.context_.post_to_loop) {}
 
-  // These two are called on the server's thread. After Close, the topic is not used any more.
+  // WantSnapshot and Close are called on the server's thread. After Close, topic_ is not used.
   void WantSnapshot() {
     post_to_loop_([self = shared_from_this()] {
       self->snapshot_wanted_ = true;
@@ -74,7 +74,7 @@ class Topic::Feed final : public events::Sink, public std::enable_shared_from_th
   }
 
  private:
-  // Runs `call` on the server's thread unless the feed is closed by then.
+  // Runs `call` on the server's thread, unless the feed has been closed before it runs.
   void Post(std::function<void()> call) {
     inbox_->Post([self = shared_from_this(), call = std::move(call)] {
       if (self->topic_ != nullptr) call();
@@ -84,7 +84,7 @@ class Topic::Feed final : public events::Sink, public std::enable_shared_from_th
   Topic* topic_;  // used on the server's thread; null: closed
   const std::shared_ptr<Inbox> inbox_;
   const PostToLoop post_to_loop_;
-  // These are used on the decision loop's thread.
+  // The members below are used on the decision loop's thread.
   std::unique_ptr<events::Subscriber> subscriber_;
   bool snapshot_wanted_ = false;
   bool under_way_ = false;  // the server has not processed the last batch yet
@@ -112,7 +112,7 @@ class Topic::Watcher final : public PartSource {
   void Beat(const SharedText& comment) {
     if (waiting_.empty()) Push(comment);
   }
-  // Returns whether the client has read all waiting texts and needs a snapshot.
+  // Returns whether the watcher waits for a snapshot, which replaces the texts that it drops.
   bool wants_snapshot() const { return wants_snapshot_; }
   // Drops texts until the next snapshot, because that snapshot replaces the whole state.
   void AwaitSnapshot() {

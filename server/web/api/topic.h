@@ -135,7 +135,7 @@ class Topic : public std::enable_shared_from_this<Topic> {
   void Close();
   const std::string& JsonOf(const events::Event& event);
   void Begin(Exchange& exchange, WatcherShare share, const std::vector<SharedText>& texts);
-  // Returns the messages after the one with this id; null if that message is not kept any more.
+  // Returns the messages after the message `id`; null if that message is not kept any more.
   SharedText MissedSince(std::string_view id) const;
   void WantSnapshot();
   // Drops the old state, because a snapshot that replaces it is about to be made. All watchers will
