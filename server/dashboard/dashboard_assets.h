@@ -19,7 +19,7 @@ struct DashboardAsset {
 // without the dashboard.
 std::span<const DashboardAsset> DashboardAssets();
 
-// Returns a sentence that says why the files are missing and how to build them. Empty if the
+// Returns a sentence with the reason why the files are missing and how to build them. Empty if the
 // program contains them.
 std::string_view DashboardProblem();
 

@@ -1,4 +1,4 @@
-// "Why this arm?": a decision in sentences.
+// Explains a decision in sentences. The view "Why this arm?" (../views/session/why.tsx) shows them.
 import { type AuditDecision, type AuditGate, AuditKind, type AuditRow, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
 import { LOG_COST_REWARD_VERSION, rewardText } from '../numbers/log_cost';
 import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
@@ -16,7 +16,7 @@ export interface Told extends Pick<AuditDecision,
   cooldownMs?: number;
 }
 
-/** REQUIRES: a row with a decision (a tick or a bail-out). */
+/** Converts a row of the audit log. REQUIRES: the row has a decision (a tick or a bail-out). */
 export function toldOfRow({ decision, reason }: AuditRow, setup?: AuditSetup): Told {
   const { gate } = decision!;
   return { ...decision!, reason, ...(setup && { cooldownMs: gate ? gate.cooldownS * 1000 : msOf(setup.cooldownNs) }) };

@@ -6,7 +6,7 @@ import { stream } from '../transport/calls';
 
 export interface Selection { sessionId?: string; project?: string; scene?: string }
 
-/** A row of the audit log, and the setup that the first row of its segment contains; absent if the daemon has removed that row. */
+/** A row of the audit log, and the setup that the first row of its segment contains; absent if the daemon has removed the first row. */
 export interface PlacedRow { row: AuditRow; setup?: AuditSetup }
 
 export const NS_PER_MS = 1e6;
@@ -79,7 +79,7 @@ export async function collectPage(rows: AsyncIterable<PlacedRow>, filter: Filter
   return { rows: kept.slice(Math.max(0, end - PAGE_ROWS), Math.max(0, end)).reverse(), matchCount, rowCount };
 }
 
-/** Returns the row with that id (rowId), and reads no further; null if there is none. */
+/** Returns the row with this id (rowId), and reads no rows after it; null if there is none. */
 export async function findRow(rows: AsyncIterable<PlacedRow>, id: string): Promise<PlacedRow | null> {
   for await (const placed of rows) if (rowId(placed.row) === id) return placed;
   return null;

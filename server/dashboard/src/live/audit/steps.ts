@@ -17,7 +17,7 @@ export interface Step {
   event?: DecisionEvent; // present for steps from the live stream
 }
 
-/** Returns undefined for a row without a time. */
+/** Returns the step of a row; undefined for a row without a time or without the setup of its segment. */
 export function stepOfRow(placed: PlacedRow): Step | undefined {
   const { row, setup } = placed;
   const { kind, timeNs, decision } = row;
@@ -71,7 +71,7 @@ export const windowOf = once((row: AuditRow): WindowMeans | undefined => {
 
 const inMs = (values: Percentiles | undefined) => values?.map((ns) => ns / NS_PER_MS);
 
-/** Returns p50, p95 and p99 of the frames, where they are known. */
+/** Returns p50, p95 and p99 of each cost of the frames; undefined for a cost without measurements. */
 export const percentilesOf = once(({ frameTimeNs, detectionTimeNs, nativeBytes }: FrameMeasurements) => ({
   frameMs: inMs(frameTimeNs && percentiles(bucketsOf(frameTimeNs))),
   detectionMs: inMs(detectionTimeNs && percentiles(bucketsOf(detectionTimeNs))),
@@ -85,7 +85,7 @@ export function forEachVisit(steps: readonly Step[], visit: (arm: string, sample
   }
 }
 
-/** Returns the known arms in the session's order. */
+/** Returns the session's arms in the order of its log; without a log, the arms that the steps contain. */
 export function armsOf(steps: readonly Step[]): string[] {
   const setup: AuditSetup | undefined = steps.filter(({ placed }) => placed?.setup).at(-1)?.placed?.setup;
   if (setup) return setup.arms;

@@ -1,4 +1,4 @@
-// Draws two intervals per arm, such as those of two builds, over an axis of cost ratios.
+// Draws two intervals per arm, for instance of two builds, over an axis of cost ratios.
 import { compact, significant } from '../../format';
 import { colourOf } from '../../palette';
 import type { Ratio } from '../numbers/log_cost';

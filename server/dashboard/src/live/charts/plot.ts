@@ -48,7 +48,7 @@ export const RIGHT = 50; // room for half of the last time's text, and for the l
 // Font of `px` pixels at the page's normal font size of 15 px; scaled with the page in very wide windows.
 const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;
 const MOMENT = 4; // minimum distance of moments in pixels; denser lines would hide the chart
-const TICK = 10; // length of a moment's line in pixels in a chart of stacked areas, which full lines would cut into stripes
+const TICK = 10; // length in pixels of a moment's line in a chart of stacked areas; longer lines would cut the areas into stripes
 const SECOND = 1000;
 const DAY = 86_400 * SECOND;
 
@@ -111,8 +111,8 @@ function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
   }
 }
 
-// Draws a label beside its line: on the right if it fits, else on the left. Skips the label if it would overlap the one before.
-// Returns the x position at which the next label may begin.
+// Draws a label beside its line: on the right if it fits, else on the left. Skips the label if it would overlap the previous label. Returns
+// the x position at which the next label may begin.
 function drawName({ ctx, bbox }: uPlot, name: string, x: number, freeFrom: number): number {
   const gap = 3 * uPlot.pxRatio;
   const width = ctx.measureText(name).width;

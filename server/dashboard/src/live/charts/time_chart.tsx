@@ -16,7 +16,8 @@ interface TimeChartProps extends Omit<Picture, 'hidden'> { title: string; height
 
 const isTold = ({ label, width }: Line) => label !== '' && width !== 0;
 
-// Returns the value at an index as text. At the end of the chart (`isEnd`) it is the line's last value, since a line may end earlier.
+// Returns the value at an index as text. At the end of the chart (`isEnd`) returns the line's last value, because the line may end before
+// the chart.
 function valueText({ told, values }: Line, place: number, isEnd: boolean, format: (value: number) => string): string {
   const all = told ?? values;
   let at = place;

@@ -76,7 +76,7 @@ function Lanes({ arms, geometry: { width, height, x, domain } }: { arms: readonl
 
 const placed = ({ fromMs, arm }: Mark, { x, y }: Geometry) => `M${x(fromMs).toFixed(1)} ${y(arm)}`;
 
-// Returns the path of a bar as long as a run of decisions took; '' if it is too short to draw.
+// Returns the path of a bar for the time of a run of decisions; '' if it is too short to draw.
 function pill({ fromMs, toMs, arm }: Mark, { x, y }: Geometry): string {
   const width = x(toMs) - x(fromMs);
   if (width <= 3) return '';
@@ -102,7 +102,7 @@ function Marks({ marks, arm, arms, geometry, isOn = false }: { marks: readonly M
   );
 }
 
-// Draws all bars as one path, which is many times as fast as one shape per bar.
+// Draws all bars as one path, which is much faster than one shape per bar.
 function Bars({ intervals, geometry: { x, ms, domain }, y, height, ...rest }: { intervals: readonly Range[]; geometry: Geometry; y: number; height: number } & JSX.SVGAttributes<SVGPathElement>) {
   const shown = joined(intervals.filter((each) => overlaps(each, domain)), ms(1) - ms(0));
   const d = shown.map(({ fromMs, toMs }) => `M${x(fromMs).toFixed(1)} ${y}h${Math.max(x(toMs) - x(fromMs), 1.5).toFixed(1)}v${height}H${x(fromMs).toFixed(1)}z`);
@@ -310,7 +310,7 @@ function addSpan({ spans, shades }: Timeline, { timeMs, activeArm, kind }: Step,
   if (settlingMs > 0) shades.push({ kind: 'settling', fromMs: timeMs, toMs: timeMs + settlingMs });
 }
 
-/** Returns the intervals, joining those less than `gapMs` apart. REQUIRES: they are ordered by their beginnings. */
+/** Returns the intervals. Joins intervals less than `gapMs` apart. REQUIRES: they are ordered by their beginnings. */
 export function joined(intervals: readonly Range[], gapMs: number): Range[] {
   const all: Range[] = [];
   for (const { fromMs, toMs } of intervals) {
@@ -321,7 +321,8 @@ export function joined(intervals: readonly Range[], gapMs: number): Range[] {
   return all;
 }
 
-/** Returns the marks without those less than `gapMs` after a mark of the same look and arm, which they would cover. */
+/** Returns the marks without short ones that would overlap: those shorter than `gapMs` that begin less than `gapMs` after a kept mark of
+ * the same look and arm. */
 export function thinned(marks: readonly Mark[], gapMs: number): Mark[] {
   const shownMs = new Map<string, number>();
   return marks.filter(({ arm, isHollow, sign, fromMs, toMs }) => {

@@ -1,4 +1,4 @@
-// The state that the charts of a view share: range of time, pause and hidden arms, which are in the URL, and the crosshair.
+// The state that the charts of a view share: range of time, pause and hidden arms (all three in the URL), and the crosshair.
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { route, setQuery } from '../state/route';

@@ -23,7 +23,7 @@ export interface Boxes {
   readonly high: readonly [number, number, number];
 }
 
-/** Returns no boxes if the message breaks the rules of BoxView. */
+/** Decodes a message. Returns no boxes if it breaks the rules of BoxView. */
 export function boxesOf(view: BoxView): Boxes {
   const { bounds, objectCount, stride, frameIndex } = view;
   const isWhole = bounds.length === 6 && bounds.every(Number.isFinite) && view.boxes.length % BOX_BYTES === 0;

@@ -18,10 +18,8 @@ function extremesWithin(columns: readonly Column[], from: number, to: number, ke
   }
 }
 
-/**
- * Returns the indices of at most `limit` points, ascending: the first, the last, and those where a column is lowest or highest within
- * its range of x. If `limit` is below 2 + 2 × columns, up to that many points are kept. REQUIRES: x ascends.
- */
+/** Returns the indices of at most `limit` points, ascending: the first and the last index, and in each range of x the indices at which a
+ * column is lowest or highest. If `limit` is below 2 + 2 × columns, up to 2 + 2 × columns points are kept. REQUIRES: x ascends. */
 export function keepExtremes(x: ArrayLike<number>, columns: readonly Column[], limit: number): number[] {
   const length = x.length;
   if (length <= limit) return Array.from({ length }, (_, i) => i);

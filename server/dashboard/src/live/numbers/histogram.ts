@@ -8,7 +8,7 @@ export type Buckets = ReadonlyMap<number, number>;
 /** The geometric middle of a bucket: bucket 0 contains the zeros, bucket n the numbers from 2^((n − 1)/8) to 2^(n/8). */
 export const middleOf = (bucket: number) => (bucket === 0 ? 0 : 2 ** ((bucket - 0.5) / 8));
 
-/** Returns no buckets if the message breaks its rules. */
+/** Decodes a message LogHistogram. Returns no buckets if it breaks the rules of the message. */
 export function bucketsOf({ bucketSteps, counts }: LogHistogram): Buckets {
   const buckets = new Map<number, number>();
   if (bucketSteps.length !== counts.length) return buckets;

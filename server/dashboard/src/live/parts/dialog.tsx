@@ -12,7 +12,7 @@ interface Question {
 
 const asked = signal<{ question: Question; answer(yes: boolean): void } | undefined>(undefined);
 
-// Resolves to whether the user confirmed. A question that is still open is cancelled.
+// Opens the dialog. Resolves to true if the user confirms. A question that is still open counts as cancelled.
 export function confirmed(question: Question): Promise<boolean> {
   asked.peek()?.answer(false);
   return new Promise((resolve) => {

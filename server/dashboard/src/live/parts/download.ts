@@ -12,7 +12,7 @@ export const download = (name: string, text: string, type: string) => save(name,
 /** A cell to write; null and undefined give an empty cell. */
 export type CsvValue = string | number | bigint | boolean | null | undefined;
 
-// A spreadsheet reads text with such a first character as a formula. A leading apostrophe prevents that.
+// A spreadsheet reads text as a formula if its first character is one of these. A leading apostrophe prevents that.
 const FORMULA = /^[=+\-@\t\r＝＋－＠]/;
 
 function writtenCell(value: CsvValue): string {

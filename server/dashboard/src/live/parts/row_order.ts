@@ -7,7 +7,7 @@ export interface PlacedRow<Row> {
 
 export interface Placement<Row> {
   placed: readonly PlacedRow<Row>[];
-  isOutdated: boolean;  // the requested order is another one
+  isOutdated: boolean;  // the shown rows differ from the requested ones
 }
 
 // Maximum number of removed rows that are still shown, because a page may stay open with the pointer on a table.

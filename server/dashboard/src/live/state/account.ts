@@ -9,8 +9,8 @@ interface Account {
   name: string;  // name of the token; empty without a token
   role: 'ingest' | 'watch' | 'operator' | 'admin';
   projects: readonly string[];  // the projects that the token allows; empty: all
-  stableProbability: number;  // a scene is stable when the leader's P(best) is at least this
-  tieLossRatio: number;  // a scene that is not stable is a tie when the expected loss is at most this
+  stableProbability: number;  // minimum of the leader's P(best) for the verdict "stable"
+  tieLossRatio: number;  // maximum expected loss for the verdict "tie" of a scene that is not stable
 }
 
 // Undefined until the daemon has answered.

@@ -18,7 +18,7 @@ const ASK_AFTER_MS = 3500;  // silence after which the page requests /livez
 const PATIENCE_MS = 2500;  // timeout of the request
 const BEAT_MS = 500;  // interval of the check
 
-// Worst first: the page's status is that of its worst stream.
+// From worst to best. The status of the page is the status of its worst stream.
 const ORDER: readonly ConnectionStatus[] = ['denied', 'offline', 'connecting', 'stale', 'live'];
 
 const streams = signal<ReadonlyMap<string, Connection>>(new Map());

@@ -3,7 +3,7 @@ import type { PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
 import { once } from '../numbers/beta';
 import { groupedBy } from './scenes';
 
-export const MAX_RECORDS = 200_000;  // the largest file that `sweepstake priors import` accepts
+export const MAX_RECORDS = 200_000;  // maximum number of records that `sweepstake priors import` accepts
 
 // Records that are equal in some fields. `example` is one of the records, from which these fields are read.
 export interface Group { key: string; example: PriorRecord; records: readonly PriorRecord[] }
@@ -12,7 +12,7 @@ export interface Group { key: string; example: PriorRecord; records: readonly Pr
 export const groupsOf = (records: readonly PriorRecord[], ...fields: readonly (keyof PriorRecord)[]): Group[] =>
   [...groupedBy(records, (record) => fields.map((field) => record[field]).join('\n'))].map(([key, own]) => ({ key, example: own[0]!, records: own }));
 
-// These return functions of a group: the sum of a field, its highest value, and its distinct values.
+// sumOf, mostOf and namesOf return functions of a group: the sum of a field, its highest value, and its distinct values.
 export const sumOf = (field: 'windowCount' | 'bailOutCount' | 'alphaIncrement' | 'betaIncrement') =>
   once(({ records }: Group) => records.reduce((sum, record) => sum + Number(record[field]), 0));
 export const mostOf = (field: 'weight' | 'unixLastSeenS') =>

@@ -105,6 +105,6 @@ function repeat(task: () => Promise<void>, intervalMs: number): () => void {
   return () => clearInterval(timer);
 }
 
-// These poll until the returned function is called.
+// followChecks and followFigures poll until the returned function is called.
 export const followChecks = () => repeat(learnChecks, CHECKS_INTERVAL_MS);
 export const followFigures = () => repeat(learnFigures, FIGURES_INTERVAL_MS);

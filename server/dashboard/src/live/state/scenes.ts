@@ -31,7 +31,7 @@ export interface SceneName {
   rewardVersion: number;
 }
 
-/** Only this file changes it. */
+/** All scenes by sceneKey. Only this file changes the map. */
 export const scenes = signal<ReadonlyMap<string, SceneState>>(new Map());
 
 // Key of the scene that a view shows; '': none. This scene keeps MAX_SCENE_DECISIONS decisions even if there are many scenes.
@@ -41,8 +41,8 @@ export const sceneInView = signal('');
 export const sceneKey = ({ project, scene, machineClass, rewardVersion }: SceneName) =>
   [project, scene, machineClass, rewardVersion].join('\n');
 
-// The policies whose reward is the logarithm of the cost, which is version 3. All other policies use version 1. See
-// engine_client/decider/session/policy_registry.cc.
+// The policies with reward version 3, in which the reward depends on the logarithm of the cost (engine_client/decider/policy/log_cost.h). A
+// daemon's other policies have version 1. The version of a policy is `reward_version` of its PolicyKind.
 const LOG_COST_POLICIES = ['adaptive', 'calibrated', 'default'];
 const rewardVersionOf = (policy: string) => (LOG_COST_POLICIES.includes(policy) ? 3 : 1);
 

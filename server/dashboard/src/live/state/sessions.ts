@@ -14,7 +14,7 @@ export interface SessionState {
   decisions: readonly DecisionEvent[];  // oldest first; up to MAX_SESSION_DECISIONS, fewer if there are many sessions
 }
 
-/** Only this file changes it. */
+/** All sessions by id. Only this file changes the map. */
 export const sessions = signal<ReadonlyMap<string, SessionState>>(new Map());
 
 // Id of the session that a view shows; '': none. This session keeps MAX_SESSION_DECISIONS decisions even if there are many sessions.
@@ -24,8 +24,8 @@ export const isConnected = ({ info, ended }: SessionState) => !ended && info.sta
 export const connectedSessions = computed(() => [...sessions.value.values()].filter(isConnected));
 
 // Returns when the daemon last received a message from the session's game, as far as the page knows, by the daemon's clock; 0: unknown.
-// `info` may be old, since the daemon sends it only when another field changes. Decisions arrive at once, so the last decision with
-// frames gives a newer time.
+// `info` may be old, since the daemon sends it only when another field changes. Decisions arrive at once, so the time of the last decision
+// with frames may be later.
 export function lastMessageMs({ info, decisions }: SessionState): number {
   const last = decisions.findLast(({ outcome }) => outcome !== DecisionOutcome.NO_FRAMES);
   return Math.max(Number(info.unixLastMessageMs), Number(last?.unixMs ?? 0n));
@@ -58,7 +58,7 @@ export function takeChanges(infos: readonly SessionInfo[], ended: readonly Sessi
   for (const end of ended) {
     const session = next.get(end.sessionId);
     if (!session) continue;
-    next.delete(end.sessionId);  // and insert it again as the last one: ended sessions are ordered by their end
+    next.delete(end.sessionId);  // inserted again below as the last one: ended sessions are ordered by their end
     next.set(end.sessionId, { ...session, ended: end });
   }
   sessions.value = forgetEnded(next);

@@ -14,7 +14,7 @@ export interface SceneSummary {
   uncertainty: number;  // sort key: degraded scenes are highest, then uncertain ones
 }
 
-/** Only this file changes it. */
+/** The summaries of all scenes. Only this file changes the list. */
 export const summaries = signal<readonly SceneSummary[]>([]);
 
 const RANKS: Readonly<Record<Verdict, number>> = {

@@ -7,7 +7,7 @@ import { eventsOf, Watch, type Listener } from './events';
 const textOf = (scene: string) => toJsonString(WatchPosteriorsResponseSchema, create(WatchPosteriorsResponseSchema, { posterior: { scene } }));
 const event = (name: string, id: string, data: string) => `${name && `event: ${name}\n`}id: ${id}\ndata: ${data}\n\n`;
 
-// A daemon to whose answers a test writes part by part.
+// A fake daemon. A test writes its answers part by part.
 class Daemon {
   readonly requests: { url: string; headers: Record<string, string> }[] = [];
   private body: ReadableStreamDefaultController<Uint8Array> | undefined;

@@ -10,7 +10,7 @@ const MAX_SILENCE_MS = 40_000;  // silence after which it reconnects; the daemon
 export type LinkStatus = 'connecting' | 'live' | 'offline' | 'denied';
 
 export interface Listener<Message> {
-  // A snapshot is the complete state: anything known before that it does not contain no longer exists.
+  // A snapshot is the complete state: whatever the page had before and the snapshot lacks does not exist any more.
   messages(messages: readonly Message[], isSnapshot: boolean): void;
   status(status: LinkStatus, error?: ApiError): void;
   // Called for each event and each sign of life.
@@ -64,7 +64,7 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
     void this.run();
   }
 
-  // Ends the wait before the next attempt to connect, if there is one. For instance after a login.
+  // Ends the wait before the next attempt to connect, if there is one, for instance after a login.
   retry(): void {
     this.wake();
   }

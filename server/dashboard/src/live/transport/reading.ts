@@ -4,7 +4,7 @@ import { useEffect, useState } from 'preact/hooks';
 import { type ApiError, asApiError, jsonOf, pathOf, stream } from './calls';
 
 export interface Reading<Value> {
-  value?: Value; // while reading and after an error: what `show` received last
+  value?: Value; // the result; while reading and after an error, the latest value passed to `show`
   error?: ApiError;
   isReading: boolean;
   atMs: number; // time at which the reading was complete, by the browser's clock

@@ -36,7 +36,7 @@ function sideOf(state: SceneState): Side {
   return { state, ridges: ridgeRows(rows), arms, rows: seriesOf(state.history, arms) };
 }
 
-// Orders `rows` as `first`, so that rows of the same arm are side by side.
+// Puts `rows` into the order of `first`, so that rows of the same arm are side by side.
 const inOrderOf = (first: readonly RidgeRow[], rows: readonly RidgeRow[]): RidgeRow[] => {
   const places = new Map(first.map(({ label }, i) => [label, i]));
   const place = ({ label }: RidgeRow) => places.get(label) ?? first.length;

@@ -121,7 +121,7 @@ function processRows(all: readonly Sample[]): Row[] {
   ];
 }
 
-// Refused calls, frames and messages, by reason. Reasons that never occurred are left out.
+// Refusals and failures: calls, frames and lane visits by reason, the rest as totals. Counts of 0 are left out.
 function refusalRows(all: readonly Sample[]): Row[] {
   const { metrics } = all.at(-1)!;
   const byReason = (family: string, what: string) => [...metrics.get(family) ?? []].filter(([, value]) => value > 0)

@@ -211,7 +211,7 @@ function Item({ text, places, isBad, allHref }: Concern) {
   );
 }
 
-// The list has a fixed size, and does not change while the pointer or the focus is in it.
+// The list of problems. It has a fixed size, and does not change while the pointer or the focus is in it.
 export function Attention() {
   useEffect(followChecks, []);
   const { isEntered, handlers } = useEntered();

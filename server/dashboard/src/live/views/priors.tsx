@@ -55,7 +55,7 @@ function Notes({ used, isCut, project }: Evidence & { project: string }) {
   );
 }
 
-// The section of evidence in quarantine. It comes first on the page, because an operator has to act on it.
+// The section of evidence in quarantine. It comes first on the page, because an operator has to promote or revoke it.
 function Quarantine({ waiting, scope }: { waiting: readonly PriorRecord[]; scope: { project?: string } }) {
   return (
     <section>
@@ -115,7 +115,7 @@ export function Priors() {
   );
 }
 
-const LANE = 'lane'; // measured_by of evidence from the shadow lane; it is empty for evidence from the frame thread
+const LANE = 'lane'; // the value of measured_by for evidence from the shadow lane; '' stands for the frame thread
 
 const [sourcesOf, scenesOf, armsOf, classesOf] = [namesOf('sourceId'), namesOf('scene'), namesOf('arm'), namesOf('machineClass')];
 const [alphaOf, betaOf, weightOf, lastSeenS] = [sumOf('alphaIncrement'), sumOf('betaIncrement'), mostOf('weight'), mostOf('unixLastSeenS')];

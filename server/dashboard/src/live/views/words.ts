@@ -1,5 +1,4 @@
-// Names and explanations of the protocol's values, for a game developer who does not know bandit algorithms. All views take them from
-// here.
+// Names and explanations of the protocol's values, for a game developer who does not know bandit algorithms. All views use them.
 import { AuditKind } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEnd, SessionState } from '../../gen/sweepstake/v1/sessions_pb';

@@ -1,4 +1,4 @@
-// The scenes in which two builds differ in what arms cost. The daemon compares them.
+// Shows the scenes in which the cost ratios of arms differ between two builds. The daemon compares them.
 import { useMemo } from 'preact/hooks';
 import { type ArmComparison, PriorsService, type SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
 import { ChartFrame } from '../../charts/frame';
@@ -33,7 +33,8 @@ function changeWord(change: ArmComparison): string {
 
 const leaderWord = ({ knownInBoth, leaderChanged }: SceneComparison) => (!knownInBoth ? 'in one build only' : leaderChanged ? 'another' : 'the same');
 
-/** Orders scenes: first those with another cheapest arm, then those with the largest change, last those of one build. */
+/** Orders scenes: first those with another cheapest arm, then other scenes known in both builds, within each group by the largest
+ * change. */
 export const byWeight = (a: SceneComparison, b: SceneComparison) =>
   Number(b.leaderChanged) - Number(a.leaderChanged) || Number(b.knownInBoth) - Number(a.knownInBoth) || b.largestLogChange - a.largestLogChange || a.scene.localeCompare(b.scene);
 

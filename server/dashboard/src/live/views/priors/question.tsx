@@ -12,7 +12,7 @@ import { account, isOperator } from '../../state/account';
 import { asApiError, call } from '../../transport/calls';
 import { type Reading, useReading } from '../../transport/reading';
 
-/** Selects the sources that match all fields that are set. Times are when a source began, in seconds since 1970. */
+/** Selects the sources that match all fields that are set. unixFromS and unixUntilS limit the start time of a source. */
 export interface Scope { project?: string; sourceId?: string; build?: string; tokenId?: bigint; unixFromS?: bigint; unixUntilS?: bigint }
 
 type Action = 'promote' | 'revoke';

@@ -11,10 +11,10 @@ import { ago, now } from '../../parts/clock';
 import { type Column, Table } from '../../parts/table';
 import { lastSeenMs } from '../../state/scenes';
 
-/** `label` is the arm, with its backend version if there are several. */
+/** `label` is the arm's name, followed by the backend version if the scene has several versions of this arm. */
 export type ArmRow = Omit<ArmPosterior, 'posterior'> & { key: string; label: string; measured: Measured; posterior: Beta };
 
-/** An arm is measured live if it has windows or bail-outs; then it ran in a game. */
+/** Returns how an arm was measured. An arm with windows or bail-outs ran in a game, so it counts as 'live'. */
 function measuredBy({ windowCount, visitCount, bailOutCount }: ArmPosterior): Measured {
   if (windowCount > 0n || bailOutCount > 0n) return 'live';
   return visitCount > 0n ? 'lane' : 'never';

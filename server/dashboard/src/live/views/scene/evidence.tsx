@@ -1,4 +1,4 @@
-// The evidence behind a scene's posteriors, by the thread that measured it and by build. The page reads it on request.
+// The evidence behind a scene's posteriors, separated by the measuring thread and by build. The page reads it on request.
 import { useState } from 'preact/hooks';
 import { type CompareBuildsResponse, PriorsService, type SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
 import { RidgeFigure, type RidgeRow } from '../../charts/ridgeline';

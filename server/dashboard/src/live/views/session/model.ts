@@ -11,7 +11,7 @@ import { beliefOf, type SeriesRow } from '../../state/history';
 
 const MAX_POINTS = 600;
 
-/** The posterior of each arm after a step of the log; empty if the row has none. */
+/** Returns the posterior of each arm after a step of the log; empty if the step's row has none. */
 const posteriorsOf = ({ placed }: Step): readonly Beta[] => placed?.row.decision?.posteriors ?? [];
 
 const bestOf = ({ placed, event }: Step): readonly number[] => event?.bestProbability ?? placed?.row.decision?.bestProbability ?? [];
@@ -69,7 +69,8 @@ export function switchMoments(steps: readonly Step[], arms: readonly string[]): 
   return moments;
 }
 
-/** The costs of a session's frames as columns of charts. If there are many points, has only those where a column is lowest or highest. */
+/** The costs of a session's frames as columns of charts. Above MAX_POINTS points, only the points where a column is lowest or highest are
+ * kept. */
 export interface CostColumns {
   timesMs: number[];
   frame: (number | null)[][]; // window mean, p50, p95, p99 in ms
@@ -130,8 +131,8 @@ export function laneSums(steps: readonly Step[]): LaneSum[] {
 export const stepQuery = ({ decisionId, timeMs }: Pick<Step, 'decisionId' | 'timeMs'>): { decision: string } | { at: string } =>
   (decisionId > 0 ? { decision: String(decisionId) } : { at: String(Math.round(timeMs)) });
 
-/** Returns the decision with this id. Without an id, returns the one that explains the active arm: the latest switch to it, or the last
- * decision if there is none. */
+/** Returns the decision with this id. Without an id, returns the decision that explains the active arm: the latest switch to this arm, or
+ * the last decision if there is no such switch. */
 export function stepFor(steps: readonly Step[], decisionId: number | undefined): Step | undefined {
   const decisions = steps.filter(({ told }) => told);
   if (decisionId !== undefined) return decisions.find((step) => step.decisionId === decisionId);
