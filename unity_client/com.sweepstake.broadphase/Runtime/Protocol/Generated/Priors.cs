@@ -702,7 +702,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PromoteFieldNumber = 2;
     private bool promote_;
     /// <summary>
-    /// True in any message of the stream: all its evidence counts at once, without quarantine. Absent: it must be promoted first.
+    /// True in one message or more: all evidence of the stream counts at once, without quarantine. Absent: it must be promoted first.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1113,7 +1113,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// Selects sources: those that match all fields that are set.
+  /// Selects the sources that match all fields that are set.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class SourceFilter : pb::IMessage<SourceFilter>
@@ -1518,7 +1518,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A scene in which a change makes another arm the leader: the arm that is believed to cost least.
+  /// A scene in which a change makes another arm the leader.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class LeaderChange : pb::IMessage<LeaderChange>
@@ -1634,8 +1634,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int ArmFieldNumber = 5;
     private string arm_ = "";
     /// <summary>
-    /// The present leader: among the arms with evidence, in their newest versions, the one with the best mean. Absent: nothing is
-    /// known.
+    /// The present leader: among the arms with evidence, in their newest versions, the one that is most probably the best. Absent:
+    /// nothing is known.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1989,7 +1989,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SceneCountFieldNumber = 2;
     private ulong sceneCount_;
     /// <summary>
-    /// The number of such scenes among the first 10,000 scenes that were compared. Absent: 0.
+    /// The number of scenes whose leader changes, among the first 10,000 scenes that were compared. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2463,7 +2463,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SourceCountFieldNumber = 1;
     private ulong sourceCount_;
     /// <summary>
-    /// Number of sources, without those that were revoked before. Absent: 0.
+    /// Number of sources that were not revoked before. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

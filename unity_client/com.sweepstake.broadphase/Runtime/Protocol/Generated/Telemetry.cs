@@ -3135,7 +3135,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int FirstFrameIndexFieldNumber = 1;
     private ulong firstFrameIndex_;
     /// <summary>
-    /// Index of the first of these frames. Absent: 0.
+    /// Index of the first frame whose boxes the visit used. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3781,7 +3781,7 @@ namespace Sweepstake.Protocol.V1 {
 
     private float speedSpread_;
     /// <summary>
-    /// Standard deviation of that distance.
+    /// Standard deviation of the distance an object moves per frame.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4316,8 +4316,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialDetectionTimeNsFieldNumber = 8;
     private ulong trialDetectionTimeNs_;
     /// <summary>
-    /// Detection time that ended a trial early (SwitchCommand.trial_limit_percent): that of the shorter of the two frames over the
-    /// limit. If the budget was exceeded, it is at most the mean of the trial. Absent (0): the switch did not end a trial.
+    /// Detection time that ended a trial early (SwitchCommand.trial_limit_percent): the time of the shorter of the two frames over
+    /// the limit. If the budget was exceeded, it is at most the mean of the trial. Absent (0): the switch did not end a trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6944,8 +6944,8 @@ namespace Sweepstake.Protocol.V1 {
     /// <summary>
     /// Makes the switch a trial of twice the settling time, from which the client returns to the previous arm in two cases. First:
     /// two detections in a row exceed the previous arm's longest recent one by (trial_limit_percent − 100) % of its longest recent
-    /// frame, at least 1 ms. Second: all detections together take 1/40 of the trial's time longer than as many average ones of the
-    /// previous arm. The first three frames do not count. Absent (0): no trial.
+    /// frame, at least 1 ms. Second: all detections together exceed their number times the previous arm's mean detection time by
+    /// 1/40 of the trial's time. The first three frames do not count. Absent (0): no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
