@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs missing packages of the build and the tests: with apt on Debian and Ubuntu; on other systems it lists them. If nothing
-# is missing, it does nothing and needs no rights. Arguments: additional packages. The option --programs before them leaves out
-# packages that only tests need.
+# On Debian and Ubuntu, installs the missing packages of the build and the tests with apt. On other systems, lists the packages.
+# Does nothing, and needs no rights, if nothing is missing. Arguments: additional packages. The option --programs before them
+# leaves out packages that only tests need.
 set -euo pipefail
 case ${1:-} in
   -h | --help)

@@ -3,7 +3,7 @@
 # ship it. Does nothing if the library exists.
 #
 #   deploy/static_highway.sh                    build/highway/libhwy.a, where CMake looks, from the source of apt's package
-#   deploy/static_highway.sh FOLDER [SOURCE]    FOLDER/libhwy.a, from a source at hand of the version that is installed
+#   deploy/static_highway.sh FOLDER [SOURCE]    FOLDER/libhwy.a, from the source of the installed version in folder SOURCE
 #
 # For another place, pass -DSWEEPSTAKE_STATIC_HIGHWAY=FOLDER/libhwy.a to CMake. The source stays in FOLDER/source.
 set -euo pipefail

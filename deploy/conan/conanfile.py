@@ -132,7 +132,7 @@ class SweepstakeConan(ConanFile):
             component.requires = requires
             if self.settings.os == "Linux":
                 component.system_libs = ["m", "pthread"]
-        # Header-only and source dependencies, which are compiled into the libraries.
+        # Dependencies without a library of their own: their code is compiled into our libraries.
         self.cpp_info.components["built_with"].requires = [
             "eigen::eigen", "nlohmann_json::nlohmann_json", "protozero::protozero"]
         if self.options.get_safe("daemon"):
