@@ -46,8 +46,8 @@ size_t EngineThreads(const AdaptiveOptions& options) {
   return options.executor == nullptr ? 1 : options.executor->thread_count();
 }
 
-// Gives the lane at most half of the memory budget. The other half is for the frame thread, so the
-// two threads need not negotiate.
+// Gives the lane at most half of the memory budget. The other half is for the frame thread, so
+// neither thread needs the other's memory use.
 ShadowOptions LaneOptions(const AdaptiveOptions& options) {
   ShadowOptions shadow = options.shadow;
   if (options.memory_budget_bytes == 0) return shadow;
@@ -58,7 +58,7 @@ ShadowOptions LaneOptions(const AdaptiveOptions& options) {
 }  // namespace
 
 Clock& SteadyClock() {
-  static ChronoSteadyClock clock;  // Has no state, so one object serves all.
+  static ChronoSteadyClock clock;  // It has no state, so all callers share it.
   return clock;
 }
 
@@ -147,7 +147,7 @@ void AdaptiveBroadPhase::Impl::TakeOrder(const OperatorOrder& order) {
   }
 }
 
-// Ends the mode kManual that an operator ordered. Called before the frame is reported, so the
+// Ends the mode kManual that an operator ordered. It is called before the frame is reported, so the
 // decider treats the frame as one in mode kAi.
 void AdaptiveBroadPhase::Impl::EndOrder() {
   SetMode(Mode::kAi);
@@ -210,9 +210,9 @@ void AdaptiveBroadPhase::Impl::KeepBudget() {
   if (lane_ != nullptr && memory_bytes() > memory_budget_bytes_) lane_->Trim();
 }
 
-// Checks the memory budget if the active arm grew in the last frame. Such a frame allocated memory
-// anyway. So the allocations in FreeInactiveArms never disturb a frame that would otherwise
-// allocate nothing.
+// Checks the memory budget if the active arm grew in the last frame. That frame allocated memory,
+// so further allocations by FreeInactiveArms do little harm. After a frame without growth nothing
+// is checked or allocated.
 void AdaptiveBroadPhase::Impl::KeepBudgetOfGrowing() {
   if (memory_budget_bytes_ != 0 && last_sample.native_bytes > budgeted_bytes_) KeepBudget();
 }
@@ -280,8 +280,8 @@ void AdaptiveBroadPhase::Impl::Search() {
   built_ = true;
 }
 
-// Passes the boxes of a frame's first search to the consumers that need one set of boxes per frame.
-// (A frame may have several searches.) So the motion between two sets is that of one frame.
+// Passes the boxes of a frame's first search to consumers that use one set of boxes per frame. So
+// between two sets, objects make the motion of one frame, even if frames have several searches.
 void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
   descriptors_.Observe(boxes);
   view_tap.OnFrame(boxes, sample_.frame_index);
@@ -310,7 +310,7 @@ void AdaptiveBroadPhase::Impl::Rebuild(std::span<const Aabb> boxes, uint64_t sta
 }
 
 // Adds the search to the frame's sample. Times and AABB checks are summed over the frame's
-// searches. The other counts are those of the latest search.
+// searches. The other counts come from the latest search.
 uint64_t AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes,
                                                     uint64_t start_ns) {
   constexpr size_t kMaxCount = std::numeric_limits<uint32_t>::max();

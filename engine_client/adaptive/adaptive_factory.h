@@ -1,6 +1,6 @@
-// Makes an AdaptiveBroadPhase from given backends instead of those in the registry; tests pass
-// scripted backends. Also defines ArmBackend: a backend whose executor can be detached. Internal to
-// this repository.
+// Makes an AdaptiveBroadPhase from given backends, not from the registry; tests pass scripted
+// backends. Also defines ArmBackend: a backend whose executor can be detached. Internal to this
+// repository.
 #pragma once
 
 #include <functional>
@@ -34,8 +34,8 @@ class DetachableExecutor final : public Executor {
   bool attached_ = false;
 };
 
-// A backend and its executor. The frame path and the shadow lane each own one per arm. A warm
-// switch swaps the two. The lane's backend is detached: it runs on the lane's thread alone. The
+// A backend and its executor. The frame path owns one per arm, and so does the shadow lane; a warm
+// switch swaps these two. The lane's backend is detached: it runs on the lane's thread alone. The
 // frame path's backend uses the engine's threads. Not thread-safe; owned by one thread at a time.
 struct ArmBackend {
   std::unique_ptr<DetachableExecutor> executor;  // may be null; outlives the backend
@@ -49,8 +49,8 @@ struct ArmBackend {
 // Makes another backend of the arm with this index, detached. Throws std::bad_alloc.
 using ArmBackendFactory = std::function<ArmBackend(uint32_t arm)>;
 
-// What a shadow lane needs. If `make` is null, there is no lane, and the memory of inactive arms is
-// never freed.
+// The functions that a shadow lane needs. If `make` is null, there is no lane, and the memory of
+// inactive arms is never freed.
 struct LaneParts {
   ArmBackendFactory make;  // makes the lane's backends, and new ones for freed arms
   // Returns how many cores the lane's thread and the engine's threads may use together.
@@ -65,7 +65,7 @@ class AdaptiveFactory {
                                                           std::vector<ArmBackend> backends,
                                                           const LaneParts& lane, FrameSink* sink,
                                                           Clock& clock);
-  // The same without a lane.
+  // Does the same as the first Make, but without a shadow lane.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Make(
       const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
       FrameSink* sink, Clock& clock);

@@ -35,7 +35,7 @@ class AdaptiveBroadPhase::Impl {
        std::vector<ArmBackend> backends, uint32_t initial_arm, const LaneParts& lane,
        FrameSink* sink, Clock& clock);
 
-  // Starts the shadow lane's thread if the options ask for a lane. Called once, before the first
+  // Starts the shadow lane's thread if the options enable a lane. Called once, before the first
   // frame. Returns kResourceExhausted if the system cannot create a thread.
   Status StartLane();
   void BeginFrame();
@@ -70,7 +70,7 @@ class AdaptiveBroadPhase::Impl {
   SwitchReason last_switch_reason = SwitchReason::kPolicy;
 
  private:
-  // A command from the mailbox, and for how much frame time it has waited for the shadow lane.
+  // A command from the mailbox, and the frame time that it has waited for the shadow lane.
   struct PendingSwitch {
     SwitchCommand command;
     uint64_t waited_ns = 0;
@@ -112,7 +112,7 @@ class AdaptiveBroadPhase::Impl {
   std::atomic<uint64_t> active_;
   std::optional<SwitchCommand> local_command_;  // a command of SelectArm or of a guard
   TrialGuard trial_;
-  std::optional<TrialGuard::End> trial_end_;  // end of the trial that local_command_ will leave
+  std::optional<TrialGuard::End> trial_end_;  // measurements that ended the trial; else absent
   bool keeps_structure_ = false;              // in a trial, the previous arm's structure is kept
   std::optional<PendingSwitch> pending_;
   std::atomic<bool> frozen_ = false;  // written by the frame thread
@@ -125,7 +125,7 @@ class AdaptiveBroadPhase::Impl {
   FrameSample sample_{};
   std::atomic<uint64_t> warm_switch_count_{0};
   std::atomic<uint64_t> cold_switch_count_{0};
-  const ShadowState lane_state_;      // kRunning if there is a lane
+  const ShadowState lane_state_;      // kRunning if there is a lane, otherwise why there is none
   std::unique_ptr<ShadowLane> lane_;  // destroyed first: its thread uses the members above
 };
 

@@ -22,7 +22,7 @@
 
 namespace sweepstake {
 
-// What the frame thread passes with a frame's boxes.
+// The data that the frame thread passes with a frame's boxes.
 struct FrameNote {
   uint64_t frame_index = 0;
   uint64_t frame_time_ns = 0;  // of the previous frame, because this one has not ended

@@ -16,7 +16,7 @@
 // - speed_mean ±13 % × speed_spread ÷ speed_mean
 // - static_ratio ±0.06
 // - density_ratio ±6 % × relative spread of the volumes. Its bias is about +2 %, because the bounds
-//   of the sample lie inside those of the scene.
+//   of the sample lie inside the bounds of the scene.
 // - clustering_ratio ±0.18 · n ÷ sample. It is measured on the sample and scaled to the whole scene
 //   by D = 1 + (D_sample − 1) · n ÷ sample, which is exact for independent thinning. It
 //   distinguishes uniform from clustered scenes, but not two similar degrees of clustering.

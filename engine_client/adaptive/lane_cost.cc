@@ -20,11 +20,11 @@ void LaneCost::BeginWork() {
   work_.store(work_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
-// A search that overlaps the start or the end of the lane's work counts as a search during the
-// work, so all of its extra time is included. The expected time without the lane is at most the
-// work's own wall time. A stretch is compared only if there were at least as many searches before
-// it as during it. The reason is the first sweep: the few searches before it run on structures that
-// still grow.
+// Compares the searches during the stretch with the searches before it. A search that overlaps the
+// start or the end of the stretch counts as during it, so all of its extra time is included. The
+// time that the searches would take without the lane is limited to the stretch's wall time. If
+// fewer searches ran before the stretch than during it, nothing is compared: the few searches
+// before the first sweep run on structures that still grow.
 double LaneCost::EndWork(uint64_t wall_ns) {
   work_.store(work_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   const Searches beside = beside_.sum() - beside_before_;

@@ -21,7 +21,7 @@ class LaneCost {
   // The slowdown assumed before anything is measured. Measured values are 0 to 0.07, on 2 cores of
   // AMD Zen 4 with 1,000 to 10,000 objects.
   static constexpr double kPriorSlowdown = 0.1;
-  // Weight of kPriorSlowdown: it counts like this much search time during lane work, in ns.
+  // Weight of kPriorSlowdown: the search time during lane work, in ns, that it counts as.
   static constexpr double kPriorNs = 2e6;
   // Each new stretch multiplies the weight of all earlier ones by this factor.
   static constexpr double kKept = 0.9;

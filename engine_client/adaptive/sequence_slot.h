@@ -1,5 +1,5 @@
-// Passes values from one thread to others. Neither the writer nor a reader waits. It uses sequence
-// locks made of atomics.
+// Passes values from one thread to others. Neither the writer nor a reader waits. The slots are
+// sequence locks made of atomics.
 //
 // A slot's version is 2i + 1 while the writer writes value i, and 2i + 2 when value i is complete.
 // A reader compares the version before and after reading. If it changed, the slot was overwritten

@@ -17,8 +17,8 @@ using State = SwitchHandover::State;
 // shorter than a 16 ms frame.
 constexpr std::chrono::microseconds kBusyPoll{1'000};
 constexpr std::chrono::microseconds kIdlePoll{4'000};
-// Maximum number of yields while a preparation waits for a frame. They last long enough for the
-// next frame of a game with 5,000 frames/s.
+// Maximum number of yields while a preparation waits for a frame. Together they last longer than a
+// frame of a game with 5,000 frames/s.
 constexpr int kMaxYields = 200;
 constexpr uint64_t kRetryNs = 1'000'000'000;
 constexpr std::chrono::seconds kCorePoll{1};
@@ -38,9 +38,9 @@ class ShadowLane::Watch final : public StopRequest {
  public:
   enum class End { kNone, kInterrupted, kTime, kMemory };
 
-  // Watches a call that prepares a switch for the order `followed`, or a call of a visit if that is
-  // null. The call may take `time_ns` from Begin on. `held_bytes` is the memory of the backend and
-  // the pairs before the call.
+  // Watches a call that prepares a switch for the order `followed`, or a call of a visit if
+  // `followed` is null. The call may take `time_ns` from Begin on. `held_bytes` is the memory of
+  // the backend and the pairs before the call.
   Watch(const ShadowLane& lane, const SwitchHandover::Order* followed, uint64_t time_ns,
         uint64_t held_bytes)
       : lane_(lane), followed_(followed), time_ns_(time_ns), held_bytes_(held_bytes) {}
@@ -162,7 +162,7 @@ bool ShadowLane::sweep_is_due() const {
 
 // Returns whether the current work must end early. `followed` is the order that the work is for, or
 // null for a visit. The work ends if the lane is stopping, if the order changed, or if a visit
-// would delay a wanted switch.
+// would delay an ordered switch.
 bool ShadowLane::interrupted(const SwitchHandover::Order* followed) const {
   if (stopping_.load(std::memory_order_relaxed)) return true;
   const SwitchHandover::Order present = handover_.order();
@@ -311,7 +311,7 @@ void ShadowLane::Report(const ShadowVisit& visit) {
                          .flags = flags});
 }
 
-// Does one step of the preparation that the frame thread wants. Returns false if it wants none.
+// Does one step of the preparation that the frame thread ordered. Returns false without an order.
 bool ShadowLane::PrepareSwitch() {
   const SwitchHandover::Order order = handover_.order();
   if (order.state == State::kReady || order.state == State::kTaken) return true;
@@ -422,7 +422,7 @@ uint64_t ShadowLane::structure_bytes() const {
                          });
 }
 
-// If all structures together exceed the cap, frees that of the arm just visited.
+// If all structures together exceed the cap, frees the structure of the arm just visited.
 void ShadowLane::TrimMemory(uint32_t arm) {
   if (structure_bytes() > structure_cap_bytes()) {
     backends_[arm] = {};
@@ -431,8 +431,8 @@ void ShadowLane::TrimMemory(uint32_t arm) {
   CountMemory();
 }
 
-// If all structures together exceed the cap, frees all except that of `arm`, which is being
-// prepared for a switch. The switch has priority. The other structures are not needed later,
+// If all structures together exceed the cap, keeps only the structure of `arm`, which is being
+// prepared for a switch. The switch has priority. The freed structures are not needed later,
 // because a visit builds a new one.
 void ShadowLane::FreeOthers(uint32_t arm) {
   if (structure_bytes() <= structure_cap_bytes()) return;
@@ -441,8 +441,8 @@ void ShadowLane::FreeOthers(uint32_t arm) {
   CountMemory();
 }
 
-// Called on the lane's thread. TakeOver also calls it, on the frame thread; the lane does not use
-// its backends at that time.
+// Updates the number of bytes that the lane holds. Called on the lane's thread, and by TakeOver on
+// the frame thread, while the lane does not use its backends.
 void ShadowLane::CountMemory() {
   counters_.memory_bytes.store(structure_bytes() + tap_.memory_bytes(), std::memory_order_relaxed);
 }

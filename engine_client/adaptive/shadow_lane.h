@@ -10,7 +10,7 @@
 // and counts only the second run.
 //
 // The frame thread runs on one of the fastest cores. If the lane's thread ran on a slower kind of
-// core, its times are converted to those of the fastest kind, by the speeds that the system reports
+// core, its times are converted to times of the fastest kind, by the speeds that the system reports
 // (core_speed.h).
 //
 // Sweeps are spaced such that copying takes at most kCopyRatio of the frame time on average, and
@@ -28,8 +28,8 @@
 // - Step runs on the lane's thread. It is public for tests, which call it instead of Start.
 //
 // Ownership: sink, clock, mode and frozen are borrowed. The destructor, Ask, Cancel and the caps of
-// time and memory interrupt the lane's backend, even during a search; StopRequest says how soon. If
-// memory runs out, the lane frees its own memory and tries again a second later.
+// time and memory interrupt the lane's backend, even during a search (StopRequest states how soon).
+// If memory runs out, the lane frees its own memory and tries again a second later.
 #pragma once
 
 #include <algorithm>
@@ -98,8 +98,8 @@ class ShadowLane {
   Preparation Ask(uint32_t arm);
   void Cancel() { handover_.Cancel(); }
   // Swaps `own` with the backend prepared for `arm`, whose boxes are a few frames old. Returns
-  // false if none is ready. If the lane's pair buffer is larger than `pairs`, the two are swapped,
-  // and `pairs` loses its content.
+  // false if none is ready. If the lane's pair buffer is larger than `pairs`, the two buffers are
+  // swapped, and `pairs` loses its content.
   bool TakeOver(uint32_t arm, ArmBackend& own, PairBuffer& pairs);
   // Makes the lane free its structures and copied boxes as soon as no preparation is under way.
   void Trim() { trim_is_wanted_.store(true, std::memory_order_relaxed); }
@@ -132,7 +132,7 @@ class ShadowLane {
     uint32_t ticket = 0;
     uint32_t frame_count = 0;  // frames that the structure has processed
     uint64_t frame_index = 0;  // index of the latest of these frames
-    bool caught_up = false;    // got one more update because it was far behind
+    bool caught_up = false;    // the structure was updated once more because it was far behind
   };
 
   class Watch;
@@ -164,8 +164,8 @@ class ShadowLane {
   bool Follow(const SwitchHandover::Order& order);
 
   uint64_t WorkNs() const;
-  // Converts a time to that of the fastest core. If the thread changed cores during the frame, the
-  // speed of the last one is used.
+  // Converts a time to the time on the fastest core. If the thread changed cores during the frame,
+  // uses the speed of its last core.
   uint64_t OnFastestCoreNs(uint64_t time_ns) const {
     if (setup_.core_speed == nullptr) return time_ns;
     return static_cast<uint64_t>(setup_.core_speed() * static_cast<double>(time_ns));

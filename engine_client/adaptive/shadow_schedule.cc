@@ -7,7 +7,7 @@
 namespace sweepstake {
 namespace {
 
-// The search time that is worth kWorkAheadNs of the lane's work.
+// The search time that permits kWorkAheadNs of the lane's work.
 constexpr auto kSearchAheadNs = static_cast<uint64_t>(
     static_cast<double>(ShadowSchedule::kWorkAheadNs) / ShadowSchedule::kMaxWorkRatio);
 
@@ -140,7 +140,7 @@ uint64_t ShadowSchedule::BestCost() const {
   return best_ns;
 }
 
-// Returns every how many sweeps the arm is visited. REQUIRES: the arm has a cost.
+// Returns the period of the arm's visits, in sweeps. REQUIRES: the arm has a cost.
 uint64_t ShadowSchedule::Period(uint32_t index, uint64_t best_ns) const {
   const Arm& arm = arms_[index];
   const double ratio = static_cast<double>(arm.cost_ns) / static_cast<double>(best_ns);

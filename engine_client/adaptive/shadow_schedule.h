@@ -18,20 +18,20 @@
 // - Arms over a cap. If a visit ends at the time cap, the arm is visited half as often. Each
 //   further such visit halves the frequency again, down to every kMaxPeriod-th sweep. This ends
 //   when a visit stays below the cap or the object count changes. It does not apply to the active
-//   arm and to arms within kContenderRatio. The same holds for an arm whose structure exceeds the
-//   memory cap; then there are no exceptions.
+//   arm and to arms within kContenderRatio. An arm whose structure exceeds the memory cap is
+//   visited less often by the same rule, without exceptions.
 // - Spacing by the lane's time. From the start of one sweep to the start of the next, the lane
 //   works at most duty_ratio of the time.
 // - Spacing by the frame thread's time. In the long run, sweeps cost the frame thread at most
-//   kMaxCostRatio of its time (lane_cost.h). Cost that was not used in the last kSavingsNs may be
-//   used at once. When the scene becomes a different one, that allowance is granted again, at most
-//   once per kSavingsNs.
+//   kMaxCostRatio of its time (lane_cost.h). An allowance that was not used in the last kSavingsNs
+//   may be used at once. When the scene becomes a different one, this allowance is granted again,
+//   at most once per kSavingsNs.
 // - Spacing by search time. A better arm saves only a part of the search time. So the lane's total
 //   work may be at most kMaxWorkRatio of the frame thread's total search time, plus kWorkAheadNs.
 //   This rule delays a sweep by at most kMaxSpacingNs. The lane can be ahead or behind by at most
-//   kWorkAheadNs of work: long play in manual mode does not build up a large allowance, and a scene
-//   that keeps changing does not build up a large debt. All times are wall-clock times; the time
-//   scale does not apply.
+//   kWorkAheadNs of work. So long play in manual mode builds up no large allowance, and a scene
+//   that keeps changing builds up no large debt. All times are wall-clock times; the time scale
+//   does not apply.
 //
 // Deterministic and without side effects: time and costs are arguments. Not thread-safe. Times are
 // ns of one clock that never goes back; its zero point does not matter.
@@ -77,7 +77,7 @@ struct ShadowVisit {
   bool is_measured = true;
 };
 
-// Computes a visit from the times of its frames. Ignores frames that begin after the first ones
+// Computes a visit from the times of its frames. Ignores frames that begin after the earlier ones
 // have taken `cap_ns`. The caller sets arm, native_bytes and aabb_check_count. REQUIRES: 1 to
 // kShadowBurstFrames frames.
 ShadowVisit SummarizeVisit(std::span<const uint64_t> frame_ns, uint64_t cap_ns);
@@ -116,7 +116,7 @@ class ShadowSchedule {
     busy_ns_ += busy_ns;
     matched_ns_ += static_cast<uint64_t>(static_cast<double>(busy_ns) / kMaxWorkRatio);
   }
-  // Adds what the lane's work up to `now_ns` has cost the frame thread, in ns.
+  // Adds `cost_ns`, the time that the lane's work up to `now_ns` has cost the frame thread.
   void Charge(uint64_t now_ns, double cost_ns);
 
  private:

@@ -4,9 +4,9 @@
 //   frame: Want(arm) → wanted → lane: Offer → ready → frame: Take → taken → frame: Done → none
 //                             → lane: Decline → declined
 //
-// From Take to Done, the lane's backend of the arm belongs to the frame thread; otherwise to the
-// lane. A new Want or a Cancel makes every earlier order void: if the lane offers or declines an
-// earlier order after that, nothing happens.
+// From Take to Done, the lane's backend of the arm belongs to the frame thread; at all other times
+// it belongs to the lane. A new Want or a Cancel makes every earlier order void. If the lane then
+// offers or declines an earlier order, nothing happens.
 //
 // Thread safety: Want, Cancel, Take and Done on the frame thread, Offer and Decline on the lane's
 // thread, order() on both. Lock-free.

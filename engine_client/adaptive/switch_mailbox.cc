@@ -6,8 +6,8 @@ namespace sweepstake {
 namespace {
 
 constexpr uint64_t kCommandIdMask = (uint64_t{1} << 40) - 1;
-// An arm index above 254 is stored as 255. No client has that many arms (the maximum is 32), so
-// such a command is refused and cannot select a wrong arm.
+// An arm index above 254 is stored as 255. No client has so large an arm index (the maximum is 31),
+// so such a command is refused and cannot select a wrong arm.
 constexpr uint32_t kMaxCommandArm = 255;
 constexpr uint32_t kMaxTrialLimit = 255;
 

@@ -46,12 +46,12 @@ class TrialGuard {
   struct End {
     uint32_t arm_before = 0;
     uint32_t tried_arm = 0;
-    uint64_t detection_time_ns = 0;  // the time that broke a rule; see SwitchOutcome
+    uint64_t detection_time_ns = 0;  // the time that broke a rule (SwitchOutcome)
     uint64_t frame_count = 0;        // frames of the trial that had a search
   };
 
   // Call when a switch from `arm_before` is executed. Begins a trial of `duration_ns` of frame time
-  // if the command asks for one and at least one frame of the previous arm was recorded.
+  // if the command requires a trial and at least one frame of the previous arm was recorded.
   void Begin(uint32_t arm_before, const SwitchCommand& command, uint64_t duration_ns) {
     trial_.reset();
     const Frames late = Frames::Of(block_, earlier_block_);
@@ -83,7 +83,7 @@ class TrialGuard {
   }
 
  private:
-  // Sums and maxima over those frames of one arm that are compared.
+  // Sums and maxima over the compared frames of one arm.
   struct Frames {
     uint64_t count = 0;
     uint64_t detection_ns = 0;  // total of all searches

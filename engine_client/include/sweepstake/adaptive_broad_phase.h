@@ -6,7 +6,7 @@
 //   ... narrow phase, solver, rendering ...
 //   adaptive.EndFrame({.frame_time_ns = dt});  // completes the sample, passes it to the sink
 //
-// All functions are called on one thread, the frame thread, except SwitchMailbox::Post and those
+// Functions are called on one thread, the frame thread, except SwitchMailbox::Post and functions
 // marked "any thread". No function waits or locks. Between switches, and while the object count is
 // steady, none allocates; the only system call is the clock. With an executor the frame thread also
 // waits for the parts of its own search. Ownership: the sink and the clock must outlive the object.
@@ -93,15 +93,15 @@ Clock& SteadyClock();
 struct AdaptiveOptions {
   // Unique names from BroadPhaseNames(), at most 32. Empty: all.
   std::vector<std::string> arms = {};
-  // Empty: the first of `arms`, or KDTree if `arms` is empty, because KDTree is seldom much slower
-  // than the best arm.
+  // The arm at the start. Empty: the first of `arms`; if `arms` is empty, KDTree, because it is
+  // seldom much slower than the best arm.
   std::string initial_arm = {};
   Mode mode = Mode::kAi;
   // A longer frame is flagged with kFrameBailOut (paper §4). The decider judges whether a flagged
   // frame is a bail-out. Without a decider, and when deciding whether to end an operator's order, a
   // flagged frame is a bail-out if its arm is to blame: detection took at least half of the frame,
-  // and the game was neither paused nor loading. > 0. A daemon's welcome message replaces the
-  // value.
+  // and the game was neither paused nor loading. Must be > 0. A daemon's welcome message replaces
+  // the value.
   uint64_t bail_out_ns = kBailOutNs;
   // Time after a switch during which its settling cost is measured. A trial lasts for twice this
   // time. The embedded decider, or a daemon's welcome message, replaces the value permanently.
@@ -117,8 +117,8 @@ struct AdaptiveOptions {
   // Limits the total memory of all arms, of pairs and their sorting, and of the shadow lane; 0: no
   // limit. The lane may use at most half of it. The limit is checked at each switch, and after a
   // frame in which the active arm has grown. If it is exceeded, the memory of the inactive arms is
-  // freed, and then that of the lane if necessary, as by Trim. That frame and later switches to
-  // those arms then allocate. The memory of the active arm and of the pairs is never freed.
+  // freed, and then the memory of the lane if necessary, as by Trim. That frame and later switches
+  // to those arms then allocate. The memory of the active arm and of the pairs is never freed.
   uint64_t memory_budget_bytes = 0;
 };
 
@@ -140,25 +140,25 @@ class AdaptiveBroadPhase {
 
   // Executes a pending switch. A switch by SelectArm or the bail-out guard is executed at once; a
   // command that waits in the mailbox is refused then. A command from the mailbox waits for the
-  // shadow lane if there is one, unless its reason is a bail-out. A later command replaces it.
+  // shadow lane if there is one, unless its reason is a bail-out. A newer command replaces it.
   void BeginFrame();
   // Returns the pairs of these boxes, valid until the next call. Their order depends on the arm
   // unless AdaptiveOptions::sorted_pairs is set. The number of boxes may change as in
   // BroadPhase::Update.
   //
   // It may be called any number of times between BeginFrame and EndFrame, for substeps or several
-  // fixed updates. Together these searches are one sample: times and checks are summed, counts are
-  // those of the latest search (frame_sample.h). Scene descriptors and the shadow lane use only the
+  // fixed updates. Together these searches are one sample: times and checks are summed, counts come
+  // from the latest search (frame_sample.h). Scene descriptors and the shadow lane use only the
   // first search of each frame. A frame without a search (a paused game) has detection time 0.
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
   // Completes the sample and passes it to the sink.
   void EndFrame(const FrameEnd& frame);
 
-  // Frees buffers that the next frame does not need: those of inactive arms, and those for pairs
-  // and their sorting. The shadow lane frees its memory soon after, on its own thread. Call it
-  // between EndFrame and BeginFrame, for example when a level ends or memory is low. It invalidates
-  // the result of FindPairs. The next frame, later switches and the lane's next sweep allocate
-  // again. Cost: that of freeing the memory.
+  // Frees buffers that the next frame does not need: the buffers of inactive arms, of pairs, and of
+  // sorting. The shadow lane frees its memory soon after, on its own thread. Call it between
+  // EndFrame and BeginFrame, for example when a level ends or memory is low. It invalidates the
+  // result of FindPairs. The next frame, later switches and the lane's next sweep allocate again.
+  // Cost: the time to free the memory.
   void Trim();
   // Returns the number of bytes in use that memory_budget_bytes limits.
   uint64_t memory_bytes() const;
@@ -188,16 +188,16 @@ class AdaptiveBroadPhase {
   // there are none, to the next arm in order. Any thread.
   void SetDeciderPresent(bool present);
   // Sets the posterior mean of each arm, in the order of arms. Any thread; each call replaces the
-  // values of the one before.
+  // values of the previous call.
   void SetPosteriorMeans(std::span<const double> means);
-  // Sets the settling time, for example to that of a daemon's welcome message. Any thread.
+  // Sets the settling time, for example from a daemon's welcome message. Any thread.
   void SetSettling(uint64_t settling_ns);
-  // Sets the bail-out limit, for example to that of a daemon's welcome message. 0 is ignored. Any
+  // Sets the bail-out limit, for example from a daemon's welcome message. 0 is ignored. Any
   // thread.
   void SetBailOutLimit(uint64_t limit_ns);
 
-  // Sets the decider's verdict about the scene. Any thread; each call replaces the verdict of the
-  // one before.
+  // Sets the decider's verdict about the scene. Any thread; each call replaces the previous
+  // verdict.
   void SetVerdict(const SceneVerdict& verdict);
   // Returns the latest verdict; kUnknown before the first. Any thread; lock-free.
   SceneVerdict verdict() const;
@@ -218,7 +218,7 @@ class AdaptiveBroadPhase {
   uint32_t switch_epoch() const;
   // Returns the reason of the latest executed switch; kPolicy before the first. Frame thread only.
   SwitchReason last_switch_reason() const;
-  // Never changes after Create.
+  // Returns the names of the arms, which never change after Create.
   std::span<const std::string> arms() const;
   // Returns the version of each arm's backend, in the order of arms.
   std::span<const uint32_t> arm_versions() const;

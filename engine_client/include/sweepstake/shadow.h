@@ -29,8 +29,8 @@ struct ShadowOptions {
   // Up to 512 MiB and 1,000,000 objects, a stop takes at most 50 ms. Beyond that, copying a pair
   // buffer that doubles takes longer (58 ms with 1 GiB).
   uint64_t memory_cap_bytes = 64 * 1024 * 1024;
-  // The time cap of a visit, which stops even a search; > 0. In a game with long frames it is twice
-  // the time of eight frames, if that is longer.
+  // The time cap of a visit, which stops even a search. Must be > 0. In a game with long frames it
+  // is twice the time of eight frames, if that is longer.
   uint64_t visit_cap_ns = 250'000'000;
   // Minimum time between sweeps.
   uint64_t sweep_interval_min_ns = 250'000'000;
