@@ -56,7 +56,7 @@ inline swp_result TooFewPlaces() noexcept {
 
 inline constexpr swp_result kOk = SWP_OK;
 
-// Writes the address and the number of the pairs, which stay in the library's memory.
+// Writes the pairs' address and number. The pairs stay in the library's memory.
 template <typename From, typename To>
 swp_result GivePairs(std::span<From> pairs, const To** first, uint64_t* count) noexcept {
   static_assert(sizeof(From) == sizeof(To));

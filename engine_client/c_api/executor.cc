@@ -7,7 +7,7 @@ namespace {
 
 constexpr uint32_t kMaxThreads = 256;
 
-// The function and the argument of a part, for the caller's executor.
+// The function of the parts and its argument, passed through the caller's executor.
 struct Job {
   Executor::RunPart run_part;
   void* context;

@@ -1,5 +1,5 @@
-// Makes the executor of a world, a session or a set of proxies: the caller's own, or a pool of the
-// library.
+// Makes the executor of a world, a session or a set of proxies: the caller's own executor, or a
+// thread pool of the library.
 //
 // Thread safety: as Executor (sweepstake/executor.h).
 #pragma once

@@ -65,7 +65,7 @@ swp_result swp_set_hooks(const swp_hooks* hooks) {
     const swp_result wrong = TakeOptions("swp_hooks", hooks, known);
     if (wrong != SWP_OK) return wrong;
     if (known.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
-    if (swp_live_count(SWP_KIND_ANY) > 0) {  // the threads of objects read the hooks
+    if (swp_live_count(SWP_KIND_ANY) > 0) {  // their threads read the hooks
       return Fail(SWP_FAILED_PRECONDITION,
                   "objects exist: set the hooks before you create the first one or after you "
                   "destroy the last one");

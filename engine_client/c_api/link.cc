@@ -45,7 +45,7 @@ struct Link : LinkedSession {
     owner->content->adaptive->SetDeciderPresent(false);
     owner->content->adaptive->SetSettling(owner->content->settling_ns);
     owner->content->adaptive->SetBailOutLimit(owner->content->bail_out_ns);
-    owner->content->link = nullptr;  // last, because a decider may be attached after it
+    owner->content->link = nullptr;  // last: from now on a decider may be attached
   }
 
   std::mutex mutex;  // guards the members below
@@ -154,7 +154,7 @@ swp_result TakeMessage(Link& live, uint64_t now_ns, void* buffer, uint64_t capac
   if (next == LinkAction::kFinish) live.protocol.Take(now_ns);
   if (next != LinkAction::kSend) return SWP_OK;
   *size = live.protocol.next_message_bytes();
-  if (capacity == 0) return SWP_RESOURCE_EXHAUSTED;  // the caller has a write in progress
+  if (capacity == 0) return SWP_RESOURCE_EXHAUSTED;  // no buffer, as during a write
   if (*size > capacity) {
     return Fail(
         SWP_RESOURCE_EXHAUSTED,

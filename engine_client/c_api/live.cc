@@ -77,7 +77,7 @@ class Registry {
 
  private:
   std::mutex mutex_;
-  LiveObject* first_ = nullptr;  // newest first, so that objects end before those they depend on
+  LiveObject* first_ = nullptr;  // newest first: an object is freed before those that it uses
 };
 
 namespace {

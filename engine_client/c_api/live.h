@@ -33,7 +33,7 @@ class LiveObject {
   bool has_ended() const noexcept { return ended_; }
 
   // Begins a call. Returns true if the content exists; it is not freed before Leave. Returns false
-  // if the content was freed or will be.
+  // if the content was freed or is about to be freed.
   bool Enter() noexcept {
     ++call_count_;
     if (!ended_) return true;

@@ -168,8 +168,8 @@ struct swp_proxies final : Handle<Proxies> {
 
 namespace {
 
-// For each shape, finds the proxies that touch it. `names` is what errors call the required
-// arguments.
+// For each shape, finds the proxies that touch it. Errors call the required arguments
+// `names`.
 template <typename Shape, typename Given>
 swp_result QueryShapes(const swp_proxies* proxies,
                        Status (ProxySet::*query)(std::span<const Shape>, const CollisionFilter&,

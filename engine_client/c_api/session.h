@@ -35,7 +35,7 @@ struct LiveSession {
   std::unique_ptr<Executor> executor;
   // Destroyed before the queue and the executor, because it uses both.
   std::unique_ptr<AdaptiveBroadPhase> adaptive;
-  // The session's own limits. While a link is attached, the daemon's welcome message replaces them.
+  // The caller's limits. `adaptive` gets them again when a link ends (its daemon sets others).
   uint64_t settling_ns = 0;
   uint64_t bail_out_ns = 0;
 
@@ -48,8 +48,8 @@ struct LiveSession {
   std::atomic<LinkedSession*> link = nullptr;  // null: no link is attached
 };
 
-// Copies the beliefs to the caller's array, which has `capacity` elements. Sets `count` in any
-// case.
+// Copies the beliefs to the caller's array, which has `capacity` elements. Sets `count` even if the
+// array is too small.
 inline swp_result GiveBeliefs(std::span<const ArmBelief> known, swp_belief* beliefs,
                               uint32_t capacity, uint32_t* count) noexcept {
   *count = static_cast<uint32_t>(known.size());

@@ -7,7 +7,7 @@
 
 namespace {
 
-// This file compares the layouts of the C structs with those of the C++ structs.
+// This file compares the layouts of the C structs and the C++ structs.
 using namespace sweepstake;  // NOLINT(google-build-using-namespace)
 
 // The C structs and the C++ structs have the same layout, because pointers to one are cast to the
@@ -20,7 +20,7 @@ static_assert(offsetof(swp_frame_sample, pair_count) == offsetof(FrameSample, pa
 static_assert(offsetof(swp_frame_sample, arm) == offsetof(FrameSample, arm));
 static_assert(offsetof(swp_frame_sample, flags) == offsetof(FrameSample, flags));
 static_assert(sizeof(swp_switch_command) == 16);
-static_assert(sizeof(swp_switch_outcome) == 40);  // lacks the members about trials
+static_assert(sizeof(swp_switch_outcome) == 40);  // it has no members about trials
 static_assert(offsetof(swp_switch_outcome, settling_cost_ns) ==
               offsetof(SwitchOutcome, settling_cost_ns));
 static_assert(offsetof(swp_switch_outcome, executed) == offsetof(SwitchOutcome, executed));

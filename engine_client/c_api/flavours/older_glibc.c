@@ -1,6 +1,6 @@
-/* Defines functions of newer glibc versions in terms of glibc 2.30, so that a plug-in linked on
- * a newer system loads on an older one. The static C++ runtime, the compiler's unwinder and our
- * threads use these functions. The linker prefers these definitions to those of libc. The list
+/* Defines functions of newer glibc versions in terms of glibc 2.30, so that a plug-in linked on a
+ * newer system loads on an older one. The static C++ runtime, the compiler's unwinder and our
+ * threads use these functions. The linker prefers these definitions to the ones in libc. The list
  * of exports keeps them local to the plug-in. plugin_test.cmake checks which glibc versions the
  * plug-in needs, and so detects a missing function. */
 #define _GNU_SOURCE
@@ -53,8 +53,8 @@ int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, cl
   return older_pthread_cond_clockwait(condition, mutex, clock, until);
 }
 
-/* The runtime uses only the address of this function, to find out whether the program has
- * threads. */
+/* The runtime only tests whether this address is null, to detect whether the program has threads.
+ * */
 extern int __pthread_key_create(pthread_key_t* key, void (*destroy)(void*));
 int __pthread_key_create(pthread_key_t* key, void (*destroy)(void*)) {
   (void)key;
@@ -62,12 +62,12 @@ int __pthread_key_create(pthread_key_t* key, void (*destroy)(void*)) {
   return -1;
 }
 
-/* ---- glibc 2.32 has a flag for single-threaded processes: an engine never is one ---- */
+/* ---- glibc 2.32 has a flag for single-threaded processes: an engine has threads ---- */
 
 extern char __libc_single_threaded;
 char __libc_single_threaded = 0;
 
-/* ---- glibc 2.33 made stat and fstat functions; statx came with 2.28 ---- */
+/* ---- glibc 2.33 exports stat and fstat as functions; statx exists since 2.28 ---- */
 
 static int StatAt(int folder, const char* path, int flags, struct stat* out) {
   struct statx found;
@@ -97,7 +97,7 @@ int fstat64(int file, struct stat64* out) {
   return StatAt(file, "", AT_EMPTY_PATH, (struct stat*)out);
 }
 
-/* ---- glibc 2.36 has random numbers of its own; the kernel's came with 2.25 ---- */
+/* ---- glibc 2.36 added arc4random; getrandom exists since 2.25 ---- */
 
 uint32_t arc4random(void) {
   uint32_t number = 0;
@@ -105,7 +105,7 @@ uint32_t arc4random(void) {
   return number;
 }
 
-/* ---- glibc 2.35 looks up the unwinder's tables itself; dl_iterate_phdr is older ---- */
+/* ---- glibc 2.35 added _dl_find_object; dl_iterate_phdr is older ---- */
 
 struct search {
   ElfW(Addr) address;

@@ -1,12 +1,12 @@
 /* The C ABI of Sweepstake, which Unity and other engines load from the shared library `sweepstake`.
- * This header has the rules for all of it, and includes one header per topic: c_hooks.h,
+ * This header has the rules for the whole ABI, and includes one header per topic: c_hooks.h,
  * c_worlds.h, c_sessions.h, c_deciders.h, c_link.h, c_proxies.h and c_scenes.h.
  *
  * Threads: distinct objects are independent. An object has one caller at a time. A call may begin
- * only after the object's previous call has returned, on whichever thread that ran. "The frame
- * thread" of a session means one caller at a time, not one thread of the operating system. A job
- * may make a call on any worker, and the next job on another. Comments state where two calls may
- * run at the same time. The library calls back only into a caller's executor, to run parts of a
+ * only after the object's previous call has returned; the two may be on different threads. "The
+ * frame thread" of a session means one caller at a time, not one thread of the operating system. A
+ * job may make a call on any worker, and the next job on another. Comments state where two calls
+ * may run at the same time. The library calls back only into a caller's executor, to run parts of a
  * search, and into hooks that were set (c_hooks.h).
  *
  * Ownership: the object that a _create function returns is ended by the matching _destroy, which
@@ -86,10 +86,10 @@ enum {
 SWP_API const char* swp_last_error(void);
 
 /* Writes one line about the latest failed call of one object, on whichever thread it ran: jobs
- * migrate between threads. It is "" if no call has failed, and is cut to 255 bytes and to
- * `capacity` with its NUL. Any thread, any time; it takes a lock that no frame takes. SWP_NOT_FOUND
- * if the object does not exist. If two calls of the object fail at the same moment, one of the two
- * messages is returned.
+ * migrate between threads. It is "" if no call has failed. It is cut to 255 bytes and to
+ * `capacity`, including its NUL. Any thread, any time; it takes a lock that no frame takes.
+ * SWP_NOT_FOUND if the object does not exist. If two calls of the object fail at the same moment,
+ * one of the two messages is returned.
  */
 SWP_API swp_result swp_last_error_of(const void* object, char* text, uint32_t capacity);
 

@@ -1,7 +1,7 @@
 /* The part of the C ABI for hooks. With hooks a game replaces or observes the library's memory,
  * profiling zones and threads. They apply to the whole process. c_api.h includes this header. It
- * mirrors sweepstake/hooks.h, which lists the zones and threads and says which memory goes
- * through the hooks.
+ * mirrors sweepstake/hooks.h, which lists the zones, the threads, and the memory that goes through
+ * the hooks.
  *
  * Cost: reading the hooks takes no lock. A zone without hooks costs one load. */
 #ifndef SWEEPSTAKE_C_HOOKS_H_

@@ -136,8 +136,8 @@ SWP_API void swp_link_destroy(swp_link* link);
 SWP_API swp_result swp_link_connected(swp_link* link, uint64_t now_ns);
 /* Reads the session's samples and returns the caller's next action. With SWP_LINK_SEND the next
  * message is in `buffer` and counts as sent; with any other action `size` is 0. SWP_LINK_FINISH is
- * returned once. Call it every few milliseconds, with and without a stream, until the action is
- * another one than SWP_LINK_SEND.
+ * returned once. Every few milliseconds, with and without a stream, call it until the action is not
+ * SWP_LINK_SEND.
  *
  * If `capacity` is too small for the message, the result is SWP_RESOURCE_EXHAUSTED, `size` is the
  * size that it needs, and the message stays the next one. `action` is written too, and no last
@@ -152,7 +152,7 @@ SWP_API swp_result swp_link_next_message(swp_link* link, uint64_t now_ns, void* 
 SWP_API swp_result swp_link_on_message(swp_link* link, const void* bytes, uint64_t size,
                                        uint64_t now_ns);
 /* Reports that the stream has ended, after its last message was passed to swp_link_on_message.
- * `message` and the code are those of gRPC's status. `details` are the bytes of the trailer
+ * `message` and the code come from gRPC's status. `details` are the bytes of the trailer
  * grpc-status-details-bin, decoded from base64. `message` and `details` may be NULL. The first 256
  * bytes of the message are kept, and shown as one line of UTF-8. `delay_ms` is the time to wait
  * before the next stream, or SWP_LINK_NEVER. Without a previous swp_link_connected, the call
@@ -164,8 +164,8 @@ SWP_API swp_result swp_link_disconnected(swp_link* link, uint32_t grpc_status_co
 /* Starts to end the session: the remaining evidence is sent, then a goodbye, and the state becomes
  * SWP_LINK_CLOSED. At the deadline at the latest, SWP_LINK_CANCEL ends the stream. No further
  * stream follows. If no stream is open, or it breaks before the end, the state becomes
- * SWP_LINK_CLOSED at once and unsent evidence is dropped. An offline caller that wants to keep the
- * evidence waits for its next stream before it calls this. A later call can only bring the deadline
+ * SWP_LINK_CLOSED at once and unsent evidence is dropped. To keep the evidence, an offline caller
+ * waits for its next stream before it calls this function. A later call can only bring the deadline
  * forward. */
 SWP_API swp_result swp_link_goodbye(swp_link* link, uint64_t deadline_ns);
 

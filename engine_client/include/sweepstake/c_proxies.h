@@ -60,7 +60,7 @@ typedef struct swp_proxy_options {
   uint64_t user;     /* any value of the caller */
 } swp_proxy_options;
 
-/* Two proxies; the id of a is below that of b. */
+/* Two proxies; the id of a is below the id of b. */
 typedef struct swp_proxy_pair {
   swp_proxy a;
   swp_proxy b;
@@ -132,13 +132,13 @@ SWP_API swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy,
 /* Sets the user value, which swp_proxies_get returns. */
 SWP_API swp_result swp_proxies_set_user(swp_proxies* proxies, swp_proxy proxy, uint64_t user);
 /* 1 makes a moving proxy static; 0 makes a static one moving and awake. Handle and id stay the
- * same. Cost: that of an add. */
+ * same. Cost: as an add. */
 SWP_API swp_result swp_proxies_set_static(swp_proxies* proxies, swp_proxy proxy,
                                           uint32_t is_static);
-/* 1 marks a proxy that will not move. Its pairs with other resting (static or sleeping) proxies
- * are kept, and no search starts from it. Setting a different box wakes it. Pairs, events and
- * queries are the same as without the mark. Does nothing for a static proxy. Cost: that of an
- * add; the next resolve searches once among all resting proxies. */
+/* 1 marks a proxy that will not move. Its pairs with other resting (static or sleeping) proxies are
+ * kept, and no search starts from it. Setting a different box wakes it. Pairs, events and queries
+ * are the same as without the mark. Does nothing for a static proxy. Cost: as an add; the next
+ * resolve searches once among all resting proxies. */
 SWP_API swp_result swp_proxies_set_sleeping(swp_proxies* proxies, swp_proxy proxy,
                                             uint32_t is_sleeping);
 /* Subtracts offset[0..2] from all coordinates. No pair ends. Boxes whose gap is below the rounding
@@ -156,9 +156,9 @@ SWP_API swp_result swp_proxies_snapshot_bytes(const swp_proxies* proxies, uint64
 /* Writes the whole state to the caller's memory, without pointers, for a game that rolls back.
  * SWP_INVALID_ARGUMENT if `capacity` is below swp_proxies_snapshot_bytes. */
 SWP_API swp_result swp_proxies_save(const swp_proxies* proxies, void* snapshot, uint64_t capacity);
-/* Restores the state: handles, pairs, events and queries are again those of the save. Handles made
- * since the save are given out again. `bytes` may exceed the size of the snapshot. Invalidates
- * pointers to pairs and boxes.
+/* Restores the state: handles, pairs, events and queries are again as they were at the save.
+ * Handles made since the save are given out again. `bytes` may exceed the size of the snapshot.
+ * Invalidates pointers to pairs and boxes.
  *
  * The set is unchanged if the snapshot is refused. The result is SWP_DATA_LOSS if it is cut off or
  * damaged, SWP_INVALID_ARGUMENT if it is of another version of the library or of a set with other
@@ -181,20 +181,20 @@ SWP_API swp_result swp_proxies_counts(const swp_proxies* proxies, uint32_t* movi
  * invalid box, which overlaps nothing. */
 SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const swp_aabb** boxes,
                                             uint32_t* count);
-/* Call it once per frame with all pairs found in those boxes, with no change of the set since they
- * were read. Keeps the pairs of ids that pass the filters, and adds those with static proxies.
- * SWP_INVALID_ARGUMENT for a pair that is not of those boxes. After SWP_RESOURCE_EXHAUSTED (memory)
- * there are no pairs and no events; the next resolve has the events since the latest successful
- * one. */
+/* Call it once per frame with all pairs found in the boxes of swp_proxies_moving_boxes; the set
+ * must be unchanged since they were read. Keeps the pairs whose filters pass, and adds the pairs of
+ * moving and static proxies. SWP_INVALID_ARGUMENT unless each pair has a < b and both are indices
+ * of these boxes. After SWP_RESOURCE_EXHAUSTED (memory) there are no pairs and no events. The next
+ * successful resolve reports all events since the latest successful one. */
 SWP_API swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pairs,
                                        uint64_t moving_pair_count);
 /* The pairs of the latest resolve, valid until the next one. They may share memory with
- * moving_pairs, and are then valid only as long as that. SWP_FAILED_PRECONDITION before the first
- * resolve. */
+ * moving_pairs, and are then valid only while that memory is. SWP_FAILED_PRECONDITION before the
+ * first resolve, and after compact, restore, or a resolve that ran out of memory. */
 SWP_API swp_result swp_proxies_pairs(const swp_proxies* proxies, const swp_pair** pairs,
                                      uint64_t* count);
-/* The pairs that began and ended between the latest two resolves, in ascending order; empty without
- * pair_events. Pairs of a removed proxy have ended. Valid until the next resolve. */
+/* The pairs that began (added) and ended (removed) between the latest two resolves, ascending;
+ * empty without pair_events. Pairs of a removed proxy have ended. Valid until the next resolve. */
 SWP_API swp_result swp_proxies_added(const swp_proxies* proxies, const swp_proxy_pair** added,
                                      uint64_t* count);
 SWP_API swp_result swp_proxies_removed(const swp_proxies* proxies, const swp_proxy_pair** removed,
@@ -206,7 +206,7 @@ SWP_API swp_result swp_proxies_removed(const swp_proxies* proxies, const swp_pro
  * swp_proxies_prepare_queries. */
 
 /* Prepares the queries, as ProxySet::PrepareQueries. Cost: O(1) if nothing has changed, O(moving
- * proxies) if one of those has, otherwise O(changes). */
+ * proxies) if a moving proxy has changed, otherwise O(changes). */
 SWP_API swp_result swp_proxies_prepare_queries(swp_proxies* proxies);
 /* Finds all proxies that overlap each box, by ascending id. The proxies of box k are in `found`
  * from index ends[k - 1] (0 for the first box) up to, but not including, ends[k]. If the

@@ -67,7 +67,7 @@ typedef struct swp_session_options {
   swp_mode mode;
   const char* arms;        /* names of backends, each once, at most 32, for example "SAP,DBVT"; NULL
                               or "": all */
-  const char* initial_arm; /* NULL or "": the first of `arms`, or KDTree if those are NULL or "" */
+  const char* initial_arm; /* NULL or "": the first of `arms`, or KDTree if `arms` is NULL or "" */
   uint64_t bail_out_ns;    /* a longer frame is flagged, and the decider judges whether it is a
                               bail-out. Without a decider, and to end an operator's order, it is one
                               if its arm is to blame: detection took at least half of it, and it was
@@ -96,7 +96,7 @@ typedef struct swp_session_options {
 } swp_session_options;
 
 /* The cost of one frame. If it had several searches, times and checks are summed; the counts of
- * bytes, pairs and objects are those of the latest search. */
+ * bytes, pairs and objects come from the latest search. */
 typedef struct swp_frame_sample {
   uint64_t frame_index;
   uint64_t frame_time_ns;
@@ -163,7 +163,7 @@ enum {
 };
 
 typedef struct swp_verdict {
-  swp_verdict_kind kind;     /* a later library may have more kinds: treat those as unknown */
+  swp_verdict_kind kind;     /* a later library may have more kinds: treat them as unknown */
   uint32_t leader_arm;       /* most probably the best arm; 0 while nothing is known */
   double leader_probability; /* the probability that it is the best, 0 to 1 */
 } swp_verdict;
@@ -210,7 +210,7 @@ SWP_API swp_result swp_session_options_init(swp_session_options* options);
 /* Makes a session. `options` NULL uses the defaults. SWP_NOT_FOUND for an unknown arm; the
  * message lists the backends. SWP_RESOURCE_EXHAUSTED if the system cannot create a thread. */
 SWP_API swp_result swp_session_create(const swp_session_options* options, swp_session** session);
-/* Destroys the session. No other call of it may be in progress. */
+/* Destroys the session. No other call of the session may be in progress. */
 SWP_API void swp_session_destroy(swp_session* session);
 
 /* The frame thread calls these functions in this order. begin_frame and end_frame are called once
@@ -237,15 +237,15 @@ SWP_API swp_result swp_session_end_frame(swp_session* session, uint64_t frame_ti
 
 /* Functions of the frame thread. */
 
-/* Frees the buffers that the next frame does not need: those of inactive arms and of the pairs. The
- * shadow lane frees its memory soon after, on its own thread. Call it at the end of a level, or
- * when memory is low. SWP_FAILED_PRECONDITION between begin_frame and end_frame. The pairs of the
- * latest search become invalid; the next frame and later switches allocate again. Cost: that of
- * freeing the memory. */
+/* Frees the buffers that the next frame does not need: the buffers of inactive arms and of the
+ * pairs. The shadow lane frees its memory soon after, on its own thread. Call it at the end of a
+ * level, or when memory is low. SWP_FAILED_PRECONDITION between begin_frame and end_frame. The
+ * pairs of the latest search become invalid; the next frame and later switches allocate again.
+ * Cost: the time to free it. */
 SWP_API swp_result swp_session_trim(swp_session* session);
 
-/* Chooses an arm manually, from the next begin_frame on; the mode does not change. SWP_NOT_FOUND
- * lists the arms. */
+/* Chooses an arm manually, from the next begin_frame on; the mode does not change. The message of
+ * SWP_NOT_FOUND lists the arms. */
 SWP_API swp_result swp_session_select_arm(swp_session* session, const char* arm);
 /* Sets the mode. In SWP_MODE_MANUAL posted commands are refused unless their reason is
  * SWP_SWITCH_MANUAL. */
@@ -261,7 +261,7 @@ SWP_API swp_result swp_session_last_sample(const swp_session* session, swp_frame
 
 /* The session's arms, which never change. */
 SWP_API swp_result swp_session_arm_count(const swp_session* session, uint32_t* count);
-/* The name is valid until the session is destroyed. */
+/* The name of an arm, valid until the session is destroyed. */
 SWP_API swp_result swp_session_arm_name(const swp_session* session, uint32_t arm,
                                         const char** name);
 SWP_API swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,

@@ -56,8 +56,8 @@ SWP_API const char* swp_backend_name(uint32_t index);
 
 /* Sets the defaults: only the calling thread, and pairs in the order of the backend. */
 SWP_API swp_result swp_world_options_init(swp_world_options* options);
-/* Makes a world without boxes. `options` NULL uses the defaults. SWP_NOT_FOUND lists the backends.
- * SWP_RESOURCE_EXHAUSTED if the system has no more threads. */
+/* Makes a world without boxes. `options` NULL uses the defaults. The message of SWP_NOT_FOUND lists
+ * the backends. SWP_RESOURCE_EXHAUSTED if the system has no more threads. */
 SWP_API swp_result swp_world_create(const char* backend, const swp_world_options* options,
                                     swp_world** world);
 SWP_API void swp_world_destroy(swp_world* world);
