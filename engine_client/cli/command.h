@@ -50,7 +50,7 @@ struct CommandContext {
   CLI::App& app;  // the commands are added to it
   Terminal& terminal;
   int& exit_code;                   // set by the command that the user chose
-  const std::string& command_line;  // what the user typed; reports contain it
+  const std::string& command_line;  // as typed by the user; reports contain it
 };
 
 // Adds the subcommand `name`. Its help ends with `examples` (whole lines). `declare` connects the

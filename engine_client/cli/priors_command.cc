@@ -1,5 +1,5 @@
-// `sweepstake priors list|export|import|promote|revoke` works on the evidence of a daemon: shows
-// it, exports it for games and other daemons, imports it into quarantine, promotes it from
+// `sweepstake priors list|export|import|promote|revoke` works on the evidence of a daemon. It lists
+// evidence, exports it for games and other daemons, imports it into quarantine, promotes it from
 // quarantine, and revokes it.
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -162,7 +162,7 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
   return kDone;
 }
 
-// Describes what was revoked or promoted, or would be with --yes.
+// Returns text about the evidence that was revoked or promoted, or would be with --yes.
 template <typename Result>
 std::string CountsText(const Result& result) {
   return std::to_string(result.source_count()) + " sources with " +

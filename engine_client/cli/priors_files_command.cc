@@ -1,6 +1,6 @@
-// `sweepstake priors show|doctor|diff|merge|arm` works on priors files: shows one, checks which
-// part of it counts on this machine, compares or merges two, and prints the arm that a file would
-// choose.
+// `sweepstake priors show|doctor|diff|merge|arm` works on priors files. It shows a file, checks
+// which part counts on this machine, compares or merges two files, and prints the arm that a file
+// would choose.
 #include <algorithm>
 #include <chrono>
 #include <filesystem>

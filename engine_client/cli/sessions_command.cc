@@ -68,7 +68,7 @@ std::string SessionsText(const SessionsOptions& options,
   return table.Text();
 }
 
-// Returns the JSON of an event: its id, its time, and the change of a session.
+// Returns the JSON of an event: the event's id, its time, and the change of a session.
 Json ChangeJson(const v1::EventStamp& stamp, const std::string& what, Json change) {
   // The event's id is BOOT:SEQUENCE. It is a string, because a JSON number cannot represent all 64
   // bits of a boot's number.

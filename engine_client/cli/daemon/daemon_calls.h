@@ -1,7 +1,7 @@
 // The calls that the commands make to a daemon's services. Thread-safe.
 //
-// An empty project or scene selects all. Errors: kUnavailable if no daemon answers, and those that
-// the daemon returns.
+// An empty project or scene selects all. Errors: kUnavailable if no daemon answers, and the errors
+// that the daemon returns.
 #pragma once
 
 #include <cstdint>
@@ -57,15 +57,15 @@ Status WatchPosteriors(const DaemonOptions& daemon, const std::string& project,
 
 // ---- PriorsService ----
 
-// What to export: all records including those in quarantine, or only those in quarantine.
+// The records to export: all (also in quarantine), or only the records in quarantine.
 enum class Exported : uint8_t { kAll, kQuarantined };
 
 // Returns the selected records of a daemon.
 Result<std::vector<PriorRecord>> ExportPriors(const DaemonOptions& daemon,
                                               const std::string& project, const std::string& scene,
                                               Exported what = Exported::kAll);
-// Calls `on_record` with each record as it arrives. Records come scene by scene, those in
-// quarantine after all others.
+// Calls `on_record` with each record as it arrives. Records come scene by scene; records in
+// quarantine come after all others.
 Status StreamPriors(const DaemonOptions& daemon, const std::string& project,
                     const std::string& scene, Exported what,
                     const std::function<void(PriorRecord)>& on_record);
@@ -104,12 +104,12 @@ Status WatchSessions(const DaemonOptions& daemon, const std::string& project,
                      const std::function<void(const Status&)>& on_connection);
 
 // Ends the stream of a session's game. Unless `may_return`, also ends the session, so that the game
-// cannot resume it. Error: kNotFound.
+// cannot resume it. Error: kNotFound if there is no such session.
 Status KickSession(const DaemonOptions& daemon, const std::string& session_id, bool may_return);
 
 // Orders a session's game to change its mode and, if `arm` is not empty, its arm. Returns mode and
-// arm after the game has executed the order. Errors: kNotFound, and kFailedPrecondition if the game
-// does not accept orders.
+// arm after the game has executed the order. Errors: kNotFound (no such session),
+// kFailedPrecondition (the game does not accept orders).
 Result<v1::OrderSessionResponse> OrderSession(const DaemonOptions& daemon,
                                               const std::string& session_id, v1::Mode mode,
                                               const std::string& arm);

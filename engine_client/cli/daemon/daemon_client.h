@@ -17,7 +17,7 @@
 
 namespace sweepstake::cli {
 
-// Returns what error messages call the TLS options: the command-line options of AddDaemonOptions.
+// Returns the names of the TLS options in error messages: the options of AddDaemonOptions.
 TlsNames TlsOptionNames();
 
 // Returns a channel to the daemon, which connects at its first call. Error kInvalidArgument: the
@@ -100,8 +100,8 @@ using Watch = std::function<Status(const std::shared_ptr<grpc::Channel>& channel
 Status KeepWatching(const DaemonOptions& daemon, const std::function<bool()>& is_stopped,
                     const std::function<void(const Status&)>& on_connection, const Watch& watch);
 
-// Does the same for a call with a stream of responses, and calls `on_event` with each response.
-// Another thread calls `is_stopped` every 50 ms.
+// Works like KeepWatching above, but watches a call with a stream of responses and passes each
+// response to `on_event`. Another thread calls `is_stopped` every 50 ms.
 template <typename Stub, typename Request, typename Event>
 Status KeepWatching(const DaemonOptions& daemon, const Request& request,
                     std::unique_ptr<grpc::ClientReader<Event>> (Stub::*method)(grpc::ClientContext*,

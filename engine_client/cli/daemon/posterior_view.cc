@@ -26,8 +26,8 @@ double Mean(const v1::ArmPosterior& arm) {
   return evidence > 0 ? arm.posterior().alpha() / evidence : 0;
 }
 
-// Returns the value's name with spaces instead of hyphens, such as "held cooldown". The protocol's
-// enumerations have the same values as those of decider/types.h.
+// Returns the value's name with spaces instead of hyphens, such as "held cooldown". The
+// enumerations of the protocol and of decider/types.h have the same values.
 template <typename Enum>
 std::string Words(std::span<const std::string_view> names, Enum value) {
   std::string name = decision::NameOf(names, value);

@@ -1,5 +1,5 @@
 // A game without rendering. Each frame steps a scene and finds its pairs on the frame path. The run
-// records what happened, for the report.
+// records its events for the report.
 //
 // The frame time is the measured time of the frame's work: step, detection and end of frame. If
 // frames are paced, it also includes the wait for the next frame, as with vertical sync. If they

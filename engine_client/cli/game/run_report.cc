@@ -59,7 +59,7 @@ bool IsNothingKnown(std::span<const ArmRow> arms) {
 }
 
 // Returns whether the connection to the daemon was lost and is still lost. A new connection clears
-// last_error, so an error after the first connection means that.
+// last_error, so an error after the first connection means that the connection is lost now.
 bool IsLost(const SessionStats& session) {
   return session.connection_count > 0 && !session.last_error.empty();
 }
@@ -139,8 +139,8 @@ Json VerdictChangeJson(const VerdictChangeRow& row) {
   return document;
 }
 
-// Returns what the run's JSON says about the daemon, or null if there was none. The seed is a
-// string, because a JSON number cannot represent all 64 bits.
+// Returns the part of the run's JSON about the daemon, or null if there was no daemon. The seed is
+// a string, because a JSON number cannot represent all 64 bits.
 Json DaemonJson(const SessionStats& session) {
   if (session.daemon_version.empty()) return nullptr;
   return {{"version", session.daemon_version},

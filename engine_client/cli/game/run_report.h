@@ -1,5 +1,5 @@
 // The output of `sweepstake run` during a run and at its end, as text, JSON and CSV files. All
-// functions are pure except those that write files.
+// functions are pure except the ones that write files.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@
 
 namespace sweepstake::cli {
 
-// Returns, for example, "starts from priors of 3 earlier sessions". Without priors it says why
-// there are none.
+// Returns, for example, "starts from priors of 3 earlier sessions". Without priors, the text gives
+// the reason.
 std::string PriorsText(const RunSetup& setup, const SessionStats& session);
 // Returns, for example, "12.3 s  frame 4567: SAP → KDTree (policy)".
 std::string SwitchText(const SwitchRow& row);
@@ -26,13 +26,13 @@ std::string VerdictChangeText(const VerdictChangeRow& row);
 // live windows: "KDTree ×1.00 (n 24.2) · Grid ×1.31 (6.0)". If the costs are unknown, returns the
 // posterior means: "KDTree 0.81 (n 24.2)". Empty if there are no beliefs yet.
 std::string BeliefsText(std::span<const ArmBelief> beliefs);
-// Returns how much the shadow lane worked and what it cost, or why there is no lane.
+// Returns the work and the cost of the shadow lane as text, or the reason why there is no lane.
 std::string ShadowText(const RunSummary& summary);
-// Returns the detection time per frame, how much less that is than with the median arm, and the
-// shadow lane's time per frame.
+// Returns the detection time per frame, the saving compared with the median arm, and the shadow
+// lane's time per frame.
 std::string FrameCostText(const RunSummary& summary);
 // Returns a warning: how many frames the full queue dropped, why (according to the final state of
-// the session), and what follows from that.
+// the session), and the consequences.
 std::string DroppedText(const SessionStats& session, uint64_t frame_count);
 
 // Returns the report at the end of a run: a table of the arms and some lines.

@@ -47,7 +47,7 @@ struct SwitchRow {
   uint64_t trial_detection_time_ns = 0;
 };
 
-// The decider's verdict about the scene; "unknown" until there is one.
+// The decider's verdict about the scene; "unknown" before the first verdict.
 struct VerdictRow {
   std::string name = "unknown";
   std::string leader_arm;  // empty: unknown

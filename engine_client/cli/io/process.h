@@ -12,8 +12,8 @@ namespace sweepstake::cli {
 int RunMain(int argc, char** argv, int (*run)(std::span<char* const> words, Terminal& terminal));
 
 // Catches Ctrl-C and SIGTERM, so that a loop can poll StopRequested. The flag is a static variable,
-// the only mutable one of the program, because a signal handler can access nothing else. Call it
-// once.
+// the only mutable one of the program, because a signal handler can access nothing else. Call this
+// function once.
 void InstallStopSignal();
 // Returns whether a signal has arrived since InstallStopSignal. A second signal ends the program at
 // once.

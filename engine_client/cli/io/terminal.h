@@ -28,7 +28,7 @@ struct Terminal {
 // Prints "PROGRAM: MESSAGE". Returns the exit code: kUnreachable for kUnavailable, kCheckFailed for
 // kInternal, kBadUsage for all other errors.
 int Fail(Terminal& terminal, const Status& status);
-// The same for the status of a call to a daemon. Returns
+// Does the same as Fail, for the status of a call to a daemon. Returns
 // - kUnreachable for kUnavailable, and for kResourceExhausted, because a full daemon may serve the
 //   call later
 // - kBadUsage for kInvalidArgument
@@ -58,8 +58,8 @@ class Progress {
 
   // Draws if an update is due. Otherwise it only reads the clock.
   void Show(uint64_t done, const std::string& text = {});
-  // Returns a callback that shows the progress as a fraction, 0 to 1. It is for code that must not
-  // depend on Terminal. REQUIRES: this object outlives the callback.
+  // Returns a callback that shows the progress as a fraction, 0 to 1. The callback is for code that
+  // must not depend on Terminal. REQUIRES: this object outlives the callback.
   std::function<void(double share, const std::string& text)> OnShare() {
     return [this](double share, const std::string& text) {
       Show(static_cast<uint64_t>(share * static_cast<double>(total_)), text);

@@ -10,8 +10,8 @@
 
 namespace sweepstake::cli {
 
-// Returns "project/scene" and, as far as they apply, " on MACHINE_CLASS", " in build BUILD" and "
-// (in quarantine)".
+// Returns "project/scene" followed, if the key has them, by " on MACHINE_CLASS", " in build BUILD"
+// and " (in quarantine)".
 std::string NameOf(const decision::PriorsGroupKey& key);
 // Returns a JSON object with the members of the key.
 nlohmann::ordered_json KeyJson(const decision::PriorsGroupKey& key);
