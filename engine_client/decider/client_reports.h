@@ -1,5 +1,5 @@
-// Reports of a client to a decider over a connection, beside those of frame_sample.h, and limits of
-// the protocol. telemetry.proto describes the fields.
+// The reports that a client sends to a decider, in addition to the structs of frame_sample.h, and
+// limits of the protocol. telemetry.proto describes the fields.
 #pragma once
 
 #include <cstdint>

@@ -26,12 +26,12 @@ struct DecisionOptions {
   int64_t cooldown_ns = 40'000'000'000;
   // Frame time after the first frame on the new arm during which nothing is learnt, >= 0.
   int64_t settling_ns = 2'000'000'000;
-  // A frame longer than this is a bail-out, > 0. Scaled() leaves it unchanged.
+  // A frame longer than this is a bail-out. Must be > 0. Scaled() leaves it unchanged.
   int64_t bail_out_ns = kBailOutNs;
   int64_t exploration_warm_up_ns = 2'000'000'000;  // time per arm, >= 0
   int64_t exploration_measure_ns = 4'000'000'000;  // time per arm, > 0
   bool explore = true;                             // false: no initial exploration
-  double bail_out_penalty = 10;                    // observations of reward 0, >= 0
+  double bail_out_penalty = 10;                    // number of observations of reward 0, >= 0
   double fps_floor = 30;  // a scene whose best arm is slower is degraded, >= 0
 
   // Returns the options with every interval except bail_out_ns divided by `time_scale`. An interval
@@ -44,8 +44,8 @@ inline constexpr int64_t kMaxIntervalNs = 8'640'000'000'000'000;  // 100 days
 inline constexpr double kMaxPenalty = 1e6;
 inline constexpr double kLargestFpsFloor = 1000;
 
-// Returns one line per invalid number, which says how to correct it. Empty if all are valid. The
-// policy's name is checked in session/session_setup.h.
+// Returns one line per invalid number, with the correction. Empty if all are valid. The policy's
+// name is checked in session/session_setup.h.
 std::vector<std::string> NumberProblems(const DecisionOptions& options);
 
 }  // namespace sweepstake::decision

@@ -1,5 +1,5 @@
-// The plain values of a decision session, in addition to those in sweepstake/frame_sample.h. This
-// code reads no clock, does no I/O and starts no thread.
+// The plain values of a decision session, besides the ones in sweepstake/frame_sample.h. This code
+// reads no clock, does no I/O and starts no thread.
 //
 // Times are int64_t nanoseconds of the caller's steady clock, whose zero point does not matter.
 // They are passed in as `now_ns`. Arms are indices into the session's list of names.
@@ -39,7 +39,7 @@ struct TrialEnd {
 // The cost of an executed switch, measured by the client.
 struct SwitchCost {
   uint64_t rebuild_time_ns = 0;   // build time on the frame thread; 0 if built before the switch
-  uint64_t settling_cost_ns = 0;  // settling frames: sum of their time above the settled mean
+  uint64_t settling_cost_ns = 0;  // settling frames: sum of frame time above the settled mean
   // Present if the client ended a trial and switched back by itself. Such a switch has no measured
   // cost.
   std::optional<TrialEnd> ended_trial = {};
@@ -81,22 +81,22 @@ struct Diagnosis {
   std::vector<double> best_probability;  // one per arm, sum 1; empty before anything is learnt
   uint32_t leader = 0;                   // the arm with the highest best_probability
   double expected_loss_ratio = 0;        // loss of choosing the leader ÷ the best arm's cost
-  // The gain, as a share of the best arm's cost, of knowing all costs exactly instead of choosing
-  // the arm with the best mean.
+  // The expected loss of choosing the arm with the best mean instead of the arm that is truly the
+  // best, as a share of the cost of the best arm.
   double value_remaining_ratio = 0;
   double entropy = 0;  // entropy of best_probability, in nats
   Verdict verdict = Verdict::kUnknown;
 };
 
 // The terms of the switch-cost gate for one candidate. The gate passes if horizon_s · gain −
-// cooldown_s · loss − cost_s > 0. The difference d is the log-cost of the active arm minus that of
-// the candidate.
+// cooldown_s · loss − cost_s > 0. The difference d is the log-cost of the active arm minus the
+// log-cost of the candidate.
 struct GateTerms {
   double gain = 0;  // E⁺ = E[max(d, 0)]
   double loss = 0;  // E⁻ = E[max(−d, 0)]; for a trial, at most the trial's budget
   double horizon_s = 0;
   double cooldown_s = 0;
-  double cost_s = 0;  // measured cost of the switch
+  double cost_s = 0;  // cost of a switch, as measured for earlier ones
 };
 
 // The evidence about one arm that a tick or a bail-out adds to the prior store.
@@ -113,7 +113,7 @@ struct DecisionRecord {
   uint64_t decision_id = 0;  // counts from 1 within the session
   int64_t time_ns = 0;
   uint32_t active_arm = 0;
-  std::optional<uint32_t> candidate;  // absent if the policy was not asked
+  std::optional<uint32_t> candidate;  // absent if the policy made no choice
   DecisionOutcome outcome = DecisionOutcome::kKept;
   std::optional<SwitchReason> reason;     // reason of the commanded switch
   std::optional<double> reward;           // absent if there was no window to learn from

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kTypicalStep = 1.02;  // relative step of the typical time per frame
 constexpr double kMaxCalmRatio = 2;
-// Up to 1 in kFramesPerInterruption long frames counts as an interruption of the frame thread. More
-// of them are the arm's own cost.
+// If at most one in kFramesPerInterruption frames is long, the long frames count as interruptions
+// of the frame thread. More long frames are the arm's own cost.
 constexpr uint64_t kFramesPerInterruption = 5;
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 namespace sweepstake::decision {
 
-// What a reward is computed from.
+// The metrics from which a reward is computed.
 struct WindowMetrics {
   double fps = 0;           // frames ÷ unscaled time; infinite if the frames took no time
   double detection_ms = 0;  // mean of update and search per frame
@@ -20,7 +20,7 @@ struct WindowMetrics {
   // frames exceed it. Frames without a search are left out, so that the mean does not depend on how
   // often a game searches.
   double calm_detection_ms = 0;
-  double native_mib = 0;  // largest value of the frames
+  double native_mib = 0;  // maximum over the frames
   // Checks ÷ n(n−1)/2, both summed over the frames. If the frames had no pairs, it is 0 without
   // checks and 1 with checks.
   double check_ratio = 0;

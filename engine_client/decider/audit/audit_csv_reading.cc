@@ -1,4 +1,4 @@
-// AuditCsvReader of audit_csv.h. Its writing half is in audit_csv.cc.
+// The reading half of audit_csv.h: AuditCsvReader. The writing half is in audit_csv.cc.
 #include <algorithm>
 #include <optional>
 #include <utility>

@@ -10,7 +10,7 @@ namespace sweepstake::decision {
 namespace {
 
 // Hashes fields: a number as the eight bytes of its value, a text or list after its length, an
-// optional after one number that says whether it is present.
+// optional after one number that is 1 if it is present.
 class FieldHash {
  public:
   explicit FieldHash(uint64_t before) : hash_(before) {}

@@ -30,8 +30,8 @@ class AdminRows {
  public:
   explicit AdminRows(uint32_t segment) : segment_(segment) {}
 
-  // `now_ns` is on the decider's steady clock, `unix_ms` on the wall clock. `operator_name` and
-  // `action` are the subject and the rest of a sentence without its full stop.
+  // `now_ns` is on the decider's steady clock, `unix_ms` on the wall clock. `operator_name` is the
+  // subject of a sentence; `action` is the rest of it, without the full stop.
   AuditRow Next(int64_t now_ns, int64_t unix_ms, std::string operator_name, std::string action);
 
  private:

@@ -9,7 +9,7 @@
 // arms' runs (decider/session/arm_runs.h).
 //
 // A log may end early, without its last rows. If a daemon removed the oldest rows, or failed to
-// write some, a `missing` row stands in their place. Decisions after it cannot be derived.
+// write some, a `missing` row replaces them. Later decisions of the segment cannot be derived.
 //
 // VisitFields(row, visit) calls visit(name, member) for every field, in an order that never
 // changes. The member is a number, an enumeration, a string, a struct with fields of its own, or a
@@ -77,7 +77,7 @@ struct AuditDecision {
   std::string active_arm;
   std::string candidate;  // empty: none
   DecisionOutcome outcome{};
-  std::optional<double> reward;  // absent: nothing was learnt from a window
+  std::optional<double> reward;  // absent: no window was learnt from
   std::optional<Increment> increment;
   std::vector<BetaPosterior> posteriors;  // after the update
   std::vector<double> draws;
@@ -104,7 +104,7 @@ struct AuditRow {
   std::optional<FrameSample> frame = {};      // bail-out
   std::vector<ShadowSample> shadow = {};      // tick
   std::optional<SceneDescriptor> scene = {};  // tick
-  std::optional<uint64_t> command_id = {};    // refusal: the refused one; decision: the one issued
+  std::optional<uint64_t> command_id = {};    // refusal: the refused command; decision: its command
   // switch, mode: the arm that is active from now on; order: the ordered arm; decision: the
   // commanded arm
   std::string arm = {};
@@ -173,8 +173,8 @@ void VisitFields(T& logged, Visit&& visit) {
   visit("decision_count", decision_count);
 }
 
-// For classes with private members (Window, ArmRun, ArmRuns), which provide VisitFields as a static
-// member function.
+// Handles classes with private members (Window, ArmRun, ArmRuns): they provide VisitFields as a
+// static member function.
 template <typename T, typename Visit>
 requires requires(T& fields, Visit& visit) { T::VisitFields(fields, visit); }
 void VisitFields(T& fields, Visit&& visit) { T::VisitFields(fields, visit); }
@@ -316,7 +316,7 @@ void VisitFields(T& row, Visit&& visit) {
   visit("log_hash", row.log_hash);
 }
 
-// Tell visitors whether a member is a struct with fields, a std::optional or a std::vector.
+// Let visitors detect a struct with fields, a std::optional and a std::vector.
 template <typename T>
 concept AuditStruct = requires(T& fields) {
   decision::VisitFields(fields, [](std::string_view, auto&) {});

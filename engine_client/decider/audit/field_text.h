@@ -37,7 +37,7 @@ std::string FieldText(const T& value) {
   }
 }
 
-// Returns false if the text is not a value of this type. Empty text leaves `value` unchanged.
+// Parses the text into `value`. Returns false if it is invalid. Empty text changes nothing.
 template <typename T>
 bool ReadField(std::string_view text, T& value) {
   if (text.empty()) return true;

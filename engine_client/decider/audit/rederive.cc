@@ -85,8 +85,8 @@ class Segment final : public AuditSink {
   Result ApplySwitch(const AuditRow& row);
   Result ApplyOrder(const AuditRow& row);
   Result ReadTime(const AuditRow& row);
-  // Restores the arms' runs from the row. The log has them instead of the frames since the previous
-  // row.
+  // Restores the arms' runs from the row. The log contains the runs instead of the frames since the
+  // previous row.
   Result RestoreRuns(const AuditRow& row);
   Result ReadArm(const AuditRow& row, uint32_t& arm) const;
 
@@ -172,7 +172,7 @@ Result Segment::ApplyOrder(const AuditRow& row) {
 }
 
 Result Segment::ReadTime(const AuditRow& row) {
-  constexpr int64_t kLatestNs = int64_t{1} << 62;  // 146 years; no difference overflows
+  constexpr int64_t kLatestNs = int64_t{1} << 62;  // 146 years; differences cannot overflow
   now_ns_ = row.time_ns.value_or(kLatestNs + 1);
   if (now_ns_ >= -kLatestNs && now_ns_ <= kLatestNs) return std::nullopt;
   return Problem{"time_ns", "is empty or not from -2^62 to 2^62"};
@@ -277,7 +277,7 @@ class Rederivation {
   std::unique_ptr<Segment> segment_;  // null after missing rows, and for rows of administrators
   uint64_t row_in_segment_ = 0;       // number of the latest row
   bool after_missing_ = false;        // the latest row was a `missing` row
-  std::optional<uint64_t> hash_;      // present only if the previous row cannot be derived
+  std::optional<uint64_t> hash_;      // log_hash of the previous row if it cannot be derived
 };
 
 }  // namespace

@@ -23,11 +23,11 @@ namespace sweepstake::decision {
 
 struct AuditDifference {
   uint64_t line = 0;    // line of the file, from 1; 0: the log is not a file
-  std::string session;  // empty if there is no row
+  std::string session;  // empty if the error concerns no row
   uint32_t segment = 0;
   uint64_t row = 0;
   std::string column;   // column of the CSV file; empty if the whole row is wrong
-  std::string message;  // says what is wrong
+  std::string message;  // describes the error
 
   // Returns one line with all members.
   std::string Text() const;
@@ -48,7 +48,7 @@ struct AuditReport {
 // segment's rows must be consecutive and begin with its setup row or a `missing` row; the last ones
 // may be missing. Policies are looked up by name in `policies`.
 AuditReport Rederive(std::span<const AuditRow> rows, PolicyRegistry policies = ShippedPolicies());
-// The same for a CSV file (audit_csv.h).
+// Works like Rederive, for a log in a CSV file (audit_csv.h).
 AuditReport RederiveCsv(std::string_view csv, PolicyRegistry policies = ShippedPolicies());
 
 }  // namespace sweepstake::decision

@@ -211,7 +211,7 @@ class EmbeddedDecider::Impl final : public decision::AuditSink {
   EvidenceLedger ledger;
   const std::function<void(const DecisionEvent&)> on_decision;
   const std::function<void(std::string_view)> on_audit_row;  // null: no log
-  uint32_t latest_epoch = 0;                                 // highest of all frames and outcomes
+  uint32_t latest_epoch = 0;                                 // highest epoch of frames and outcomes
   std::optional<SwitchCommand> pending_command;
   std::optional<DecisionEvent> last_decision;
 };

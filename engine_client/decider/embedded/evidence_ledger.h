@@ -18,8 +18,8 @@
 
 namespace sweepstake {
 
-// Returns all records of both. If both have a record with the same KeyOf, the one with the higher
-// sequence number is kept.
+// Returns the records of both lists. If both have a record with the same KeyOf, keeps the record
+// with the higher sequence number.
 std::vector<PriorRecord> Unite(std::vector<PriorRecord> records, std::vector<PriorRecord> others);
 
 class EvidenceLedger {

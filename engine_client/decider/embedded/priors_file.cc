@@ -31,8 +31,8 @@ constexpr int kVersion = 1;
 constexpr uintmax_t kMaxFileBytes = uintmax_t{128} << 20;
 constexpr size_t kMaxRecords = 200'000;
 constexpr size_t kMaxSums = 1'000'000;
-// Equals the store's maximum. It leaves room below UINT64_MAX, so the ledger's next sequence number
-// cannot wrap to 0.
+// The highest sequence number, as in the store. It leaves room below UINT64_MAX, so the ledger's
+// next sequence number cannot wrap to 0.
 constexpr uint64_t kMaxSequence = std::numeric_limits<int64_t>::max();
 constexpr char kVersionMark = '/';
 
@@ -90,8 +90,8 @@ class FieldReader {
     if (!IsIncrement(value)) SetError(key, "must be from 0 to 1e15");
   }
 
-  // Returns the field, which must be an array or an object as `array` says. Returns null and sets
-  // the error if it is not.
+  // Returns the field. It must be an array if `array` is true, else an object; otherwise returns
+  // null and sets the error.
   const nlohmann::json* Structured(const char* key, bool array) {
     const nlohmann::json* field = Find(key, true);
     if (field == nullptr) return nullptr;
@@ -357,7 +357,8 @@ class SceneReader {
 
   void ReadBuild(const std::string& build, const Json& line) {
     if (!text::IsOptionalName(build))
-      return SetError("the name of a build must be text of at most 128 bytes");
+      return SetError(
+          "the name of a build must have at most 128 bytes of UTF-8 and no control characters");
     const bool whole = line.is_array() && line.size() == 3 && line[0].is_number_unsigned() &&
                        line[1].is_array() && line[2].is_array() &&
                        line[0].get<uint64_t>() <= kMaxSequence && line[1].size() == arms_.size() &&

@@ -37,9 +37,9 @@ constexpr uint32_t kTrialLimitPercent = 120;
 // An arm that was live before is chosen again only if its expected log-cost is lower than the
 // active arm's by this number of standard deviations of the difference.
 constexpr double kReturnDeviations = 0.25;
-// An arm is tried only if the probability that it costs more than twice as much as the active arm
-// is below 10 %: kTrialDeviations is the 90 % quantile of a normal distribution, kMaxTrialLogRatio
-// is ln 2.
+// An arm is tried only if it costs more than twice as much as the active arm with a probability
+// below 10 %. kTrialDeviations is the 90 % quantile of a normal distribution, kMaxTrialLogRatio is
+// ln 2.
 constexpr double kTrialDeviations = 1.282;
 constexpr double kMaxTrialLogRatio = 0.693;
 constexpr uint64_t kShareWindows = 10;  // number of windows over which detection_share_ is averaged
@@ -77,7 +77,7 @@ AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponent
   UpdatePosteriors();
 }
 
-// Uses the priors with enough evidence. Each of the other arms starts at the mean of those.
+// Uses the priors with enough evidence. Each of the other arms starts at the mean of these priors.
 void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
   double sum = 0;
   double count = 0;
@@ -135,8 +135,8 @@ void AdaptivePolicy::Observe(uint32_t arm, const Visit& visit) {
 }
 
 // Returns the evidence to store for a visit. The visit's log-cost is corrected by the lane's
-// estimated bias: that of this arm if it was live, otherwise the mean bias of the arms that were
-// live. For an arm that was never live the filter derives the bias from earlier beliefs, so
+// estimated bias: the bias of this arm if it was live, otherwise the mean bias of the arms that
+// were live. For an arm that was never live the filter derives the bias from earlier beliefs, so
 // correcting by it would count those beliefs twice.
 Increment AdaptivePolicy::VisitIncrement(uint32_t arm, double log_cost) const {
   double bias = 0;
@@ -266,7 +266,7 @@ std::optional<int64_t> AdaptivePolicy::cooldown_ns() const {
   return std::min(std::max(min_ns, earned_ns), options_.cooldown_ns);
 }
 
-// The time over which the gate sums up the gain of a switch: kHorizonCooldowns cooldowns. A
+// Returns the time over which the gate sums up the gain of a switch: kHorizonCooldowns cooldowns. A
 // cooldown shorter than settling plus one window counts as that long.
 double AdaptivePolicy::HorizonSeconds() const {
   const int64_t shortest_ns = options_.settling_ns + options_.decision_interval_ns;
@@ -320,7 +320,7 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
     terms.gain += share * (flat - terms.gain);
     terms.loss += share * (flat - terms.loss);
   }
-  // The gate: gain over the horizon against loss over the cooldown and the cost of the switch.
+  // The gate compares the gain over the horizon with the loss over the cooldown plus the cost.
   terms.cooldown_s = Seconds(cooldown_ns().value_or(options_.cooldown_ns));
   terms.cost_s = switch_cost_s_ / detection_share_;
   result.advantage = terms.gain - terms.loss;

@@ -6,7 +6,7 @@
 //   work on the frame thread's core from the cost of an arm. Watchers see the beliefs as one Beta
 //   distribution per arm. The difference of each arm to the leader has the filter's variance.
 // - A switch must pass the gate of GateTerms: horizon · E⁺ − cooldown · E⁻ − cost > 0, where the
-//   cost is that of earlier switches as measured. E⁺ must also exceed 0.5 %; a smaller gain is a
+//   cost is the measured cost of earlier switches. E⁺ must also exceed 0.5 %; a smaller gain is a
 //   tie. The cooldown is long enough to pay for the switches. It is at least settling plus one
 //   window, and at most the cooldown of the options.
 // - An arm is not chosen if its frames exceed 3 s (three fifths of the bail-out limit) with a
@@ -15,22 +15,22 @@
 //   above the active arm's.
 // - While the shadow lane reports, only arms that were measured or have priors are chosen. An arm
 //   that is believed to be worse may be tried live once, because the lane's bias for it is unknown
-//   until then. The gate decides whether that is worth its cost. An arm that costs twice as much as
-//   the active arm with a probability above 10 % is not tried. An arm that was live must be better
-//   by a quarter of the standard deviation of the difference, so that the policy does not switch
-//   back and forth.
+//   until then. The gate decides whether the trial is worth its cost. An arm that costs twice as
+//   much as the active arm with a probability above 10 % is not tried. An arm that was live must be
+//   better by a quarter of the standard deviation of the difference, so that the policy does not
+//   switch back and forth.
 // - Without the lane, the expected gain E⁺ of an arm never seen is large, because its cost is
 //   uncertain. So every arm is tried live.
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
 //   the belief ignores the prior. All priors are dropped if the lane's first visits contradict
-//   them: another arm is 1.35 times cheaper than the one that the priors expect to be the cheapest.
+//   them: another arm is 1.35 times cheaper than the arm that the priors expect to be the cheapest.
 // - An arm's first live window is a trial (SwitchCommand). The client switches back at once in two
 //   cases. Either the searches of two frames in a row exceed the longest search before the switch
 //   by a fifth of a frame, or the trial exceeds its time budget. For an arm that the lane observed,
 //   the gate therefore limits the loss to that budget.
 // - The first early end of a trial may have another cause than the arm and is not evidence. A later
-//   one is a lower bound of the arm's cost. So is a visit that the lane cut off at its time limit.
-//   After an early end, another trial needs an E⁺ of 5 %.
+//   early end gives a lower bound of the arm's cost. A visit that the lane cut off at its time
+//   limit does too. After an early end, another trial needs an E⁺ of 5 %.
 // - Each regime of the scene has separate beliefs, which are used again when the regime returns. If
 //   regimes change faster than choices take effect, choices use a mixture of them
 //   (regime_beliefs.h).
@@ -69,7 +69,7 @@ class AdaptivePolicy : public Policy {
                                        .starts_from_priors = true,
                                        .uses_shadow = true};
   // The ban after an arm's first bail-out, in decision intervals. Each later ban of the arm is four
-  // times as long as the one before.
+  // times as long as the previous one.
   static constexpr double kFirstBan = 200;
   // The client ends a trial whose searches took too much extra time (SwitchCommand). This is the
   // limit of that extra time, as a share of the trial's length.
@@ -93,9 +93,9 @@ class AdaptivePolicy : public Policy {
   Diagnosis Diagnose() const override;
 
  private:
-  // The state of an arm that bailed out. Its cost is assumed to be that of a bail-out. With a lane,
-  // this holds until the lane measures the arm again. Without a lane, it holds for the length of
-  // the ban, and then the arm gets its earlier cost back.
+  // The state of an arm that bailed out. Its cost is assumed to be the cost of a bail-out. With a
+  // lane, this holds until the lane measures the arm again. Without a lane, it holds for the length
+  // of the ban, and then the arm gets its earlier cost back.
   struct Ban {
     double intervals_left = 0;  // rest of the ban, in decision intervals; 0: not banned
     double next_intervals = kFirstBan;
@@ -111,7 +111,7 @@ class AdaptivePolicy : public Policy {
     GateTerms terms{};
     double advantage = 0;  // gain − loss, without a trial's limit on the loss
     double worth_s = 0;    // the gate passes if this is above 0
-    bool matters = true;   // the gain is above that of a tie
+    bool matters = true;   // the gain is not so small that it is a tie
     // Sort key: switches that pass the gate come first.
     std::pair<bool, double> rank() const { return {matters && worth_s > 0, worth_s}; }
   };

@@ -50,7 +50,7 @@ class BetaRewards final : public IndependentVariables {
     double low = 0;
     double high = 0;
     double log_peak = 0;
-    double at_origin = 0;  // log density at the origin ÷ density at the peak
+    double at_origin = 0;  // ln(density at the origin ÷ density at the peak)
   };
 
   std::vector<Reward> rewards_;

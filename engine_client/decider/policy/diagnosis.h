@@ -26,7 +26,7 @@ Verdict VerdictOf(double leader_probability, double expected_loss_ratio);
 // scale.
 // - Expected loss: E[best reward − leader's reward] ÷ E[best reward], the share of the achievable
 //   reward that is lost by choosing the leader.
-// - Value remaining: the same for the arm with the highest mean, whose expected loss is the
+// - Value remaining: the expected loss of choosing the arm with the highest mean, which is the
 //   smallest. It is the expected value of perfect information.
 // - Verdict: kUnknown if there is no posterior, or if all are Beta(1,1), which means that nothing
 //   was learnt. REQUIRES: parameters finite and > 0.
@@ -38,11 +38,11 @@ Diagnosis Diagnose(std::span<const BetaPosterior> posteriors);
 // finite, variances >= 0.
 Diagnosis DiagnoseLogCosts(std::span<const double> means, std::span<const double> variances);
 
-// As DiagnoseLogCosts, for log-costs with this symmetric covariance matrix (row by row). Only the
-// variances of differences matter. They are approximated by independent variances
-// (math/difference_variances.h). The error of the probabilities is about 0.01 if all arms share a
-// common part with equal weights (up to a tenth). For random covariances of 7 arms it is 0.04 on
-// average and at most 0.09. REQUIRES: `covariance` has means.size()² finite numbers.
+// Works like DiagnoseLogCosts, with a symmetric covariance matrix (row by row). Only the variances
+// of differences between arms matter; independent variances (math/difference_variances.h)
+// approximate them. The probabilities are wrong by about 0.01 if one disturbance moves all
+// log-costs by the same amount, within 10 %; by 0.04 on average (at times over 0.1) for random
+// covariances of 7 arms. REQUIRES: `covariance` has means.size()² finite numbers.
 Diagnosis DiagnoseCorrelatedLogCosts(std::span<const double> means,
                                      std::span<const double> covariance);
 

@@ -46,7 +46,7 @@ struct ChoiceInput {
 struct Choice {
   uint32_t candidate = 0;
   std::vector<double> draws;            // the values that were compared, one per arm; may be empty
-  std::optional<DecisionOutcome> hold;  // why the policy does not want this switch now
+  std::optional<DecisionOutcome> hold;  // why the policy holds this switch back
   std::optional<GateTerms> gate;
   double propensity = 1;
   uint32_t trial_limit_percent = 0;  // trial limit of the switch (SwitchCommand)
@@ -80,8 +80,8 @@ class Policy {
   virtual const std::vector<BetaPosterior>& posteriors() const = 0;
   // Returns by how much one live window of the arm raises α + β.
   virtual double WindowEvidence(uint32_t /*arm*/) const { return 1; }
-  // Returns how certain the policy is. By default computed from the posteriors (diagnosis.h). The
-  // session adds the verdict kDegraded, which depends on the frame rate.
+  // Returns how certain the policy is. The default is computed from the posteriors (diagnosis.h).
+  // The session adds the verdict kDegraded, which depends on the frame rate.
   virtual Diagnosis Diagnose() const;
 };
 

@@ -69,8 +69,8 @@ RegimeMemory::Recognition RegimeMemory::Observe(const SceneDescriptor& descripto
   return {.regime = current_};
 }
 
-// Begins a regime and returns its number. It uses the first possible place of these: that of a
-// mixture, a free place, that of the regime whose latest descriptor is the oldest.
+// Begins a regime and returns its number. It takes the place of a mixture, else a free place, else
+// the place of the regime whose latest descriptor is the oldest.
 RegimeMemory::Recognition RegimeMemory::Begin(const Features& features) {
   const auto oldest =
       std::min_element(regimes_.begin(), regimes_.end(),

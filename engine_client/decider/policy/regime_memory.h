@@ -1,15 +1,15 @@
 // Assigns each scene descriptor to a regime, and recognises a regime when it returns.
 //
-// A descriptor belongs to a regime if, compared with the regime's mean, its object count differs by
-// a factor below two, its mean speed by a factor below e, and its static ratio by less than 0.3. A
-// feature that was not measured matches only a feature that was not measured.
+// A descriptor is compared with the mean of a regime. It belongs to the regime if its object count
+// differs by a factor below two, its mean speed by a factor below e, and its static ratio by less
+// than 0.3. A feature that was not measured matches only a feature that was not measured.
 //
 // A descriptor that belongs to no known regime begins a new one. It may be a mixture of the regimes
 // before and after a change. So a regime with a single descriptor is replaced when the next new
 // regime begins.
 //
-// At most kMaxRegimes are kept. If all places are taken, a new regime replaces the one whose latest
-// descriptor is the oldest. Not thread-safe. Deterministic.
+// At most kMaxRegimes are kept. If all places are taken, a new regime replaces the regime whose
+// latest descriptor is the oldest. Not thread-safe. Deterministic.
 #pragma once
 
 #include <array>

@@ -13,7 +13,7 @@ constexpr double Square(double x) { return x * x; }
 
 // Each variance is written as the square of a standard deviation of a log-cost: Square(0.01) stands
 // for 1 %. The values were chosen on the traces of tests/bench/data/tuning_scenes.txt. Halving or
-// doubling any one of them changes the results there little.
+// doubling any one value changes the results on these traces little.
 constexpr double kFirstLevel = 7.6;               // mean log-cost before any observation: 2 ms
 constexpr double kLevelVariance = Square(2);      // of the level that all arms share
 constexpr double kUnknownVariance = Square(0.8);  // of one arm relative to the others
@@ -123,7 +123,7 @@ void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
 }
 
 void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_would_show) {
-  // Learn the drift from this innovation and the one before.
+  // Learn the drift from this innovation and the previous one.
   const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
   const std::optional<uint32_t> last_arm = std::exchange(live_arm_, arm);
@@ -293,7 +293,7 @@ double RelativeCostFilter::NoiseOfVisit(uint32_t arm, double innovation, double 
 }
 
 // The Kalman update. `column` holds the covariances of the observed quantity with every state,
-// `variance` is that of the innovation.
+// `variance` is the variance of the innovation.
 void RelativeCostFilter::Update(const Eigen::VectorXd& column, double innovation, double variance) {
   const Eigen::VectorXd gain = column / variance;
   mean_ += gain * innovation;

@@ -109,7 +109,7 @@ class RelativeCostFilter {
   uint32_t arm_count_;
   FilterComponents components_;
   // Mean and covariance of all states. Until the lane's first visit they hold only the costs and
-  // the load, because nothing correlates the other states with those. That saves four fifths of the
+  // the load, because nothing correlates the other states with them. That saves four fifths of the
   // memory and of the time of an observation.
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;

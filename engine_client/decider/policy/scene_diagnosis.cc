@@ -9,7 +9,7 @@ namespace sweepstake::decision {
 namespace {
 
 struct Contenders {
-  std::vector<size_t> places;  // of each contender in the scene's arms
+  std::vector<size_t> places;  // index of each contender in the scene's arms
   std::vector<BetaPosterior> posteriors;
 
   explicit Contenders(std::span<const SceneArm> arms) {

@@ -1,7 +1,7 @@
 // Compares the posteriors of a scene's arms. Computes the verdict and, for each arm, the
 // probability of being the best and the cost relative to the leader's. The evidence of all sessions
-// counts as if its windows were independent. The daemon computes these figures for all its readers,
-// so dashboard and command line show the same.
+// counts as if its windows were independent. The daemon computes these figures, so the dashboard
+// and the command line show the same values.
 //
 // Only contenders are compared: each arm with evidence, in its newest backend version. With fewer
 // than two contenders the verdict is unknown.

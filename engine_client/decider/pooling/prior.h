@@ -42,7 +42,7 @@ struct PriorKey {
   std::string source = {};
   std::vector<std::string> arms;
   std::vector<uint32_t> backend_versions;  // one per arm
-  // true: compares sources with each other, and other scenes of the project, which needs reward
+  // true: compares sources with each other, and compares other scenes of the project; needs reward
   // version 3. false: the prior is the sum over the sources of the scene and machine class.
   bool compares_sources = false;
 };
@@ -71,7 +71,7 @@ struct Prior {
 };
 
 // Returns the backend version whose evidence is preferred: the session's own version `own` if it is
-// one of the two, else the later one. Versions count from 1; 0 stands for none.
+// `a` or `b`, else the later of them. Versions count from 1; 0 stands for none.
 constexpr uint32_t BestVersion(uint32_t a, uint32_t b, uint32_t own) {
   return own != 0 && (a == own || b == own) ? own : (a > b ? a : b);
 }

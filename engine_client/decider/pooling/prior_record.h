@@ -9,8 +9,8 @@
 
 namespace sweepstake {
 
-// What a piece of evidence is about. Evidence with different keys is never merged. Names have 1 to
-// 128 bytes unless a comment says otherwise.
+// Identifies the subject of evidence. Evidence with different keys is never merged. Names have 1 to
+// 128 bytes, with the exceptions stated below.
 struct EvidenceKey {
   std::string project;
   std::string scene;

@@ -1,5 +1,5 @@
-// Compares the arms' costs according to two sets of evidence, such as those of two builds of a
-// game. Pure functions.
+// Compares the arms' costs according to two sets of evidence, for example of two builds of a game.
+// Pure functions.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ struct ArmComparison {
   std::optional<PriorsArm> before;
   std::optional<PriorsArm> after;
 
-  // Returns ln(cost ratio after ÷ cost ratio before); 0 if one of them is unknown.
+  // Returns ln(cost ratio after ÷ cost ratio before); 0 if one of the ratios is unknown.
   double log_change() const;
   // Returns whether the cost ratio changes by more than 5 %, or is known only before or after.
   bool changed() const;
@@ -30,7 +30,7 @@ struct SceneComparison {
   std::vector<ArmComparison> arms;  // ordered by name
 
   bool changed() const;  // at least one arm changed()
-  bool in_both() const;  // both sets have cost ratios
+  bool in_both() const;  // each set has the cost ratio of at least one arm
   // Returns whether the leaders differ between the two sets. False unless in_both().
   bool leader_changed() const;
 };

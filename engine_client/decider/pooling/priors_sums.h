@@ -21,7 +21,7 @@ class BuildSums {
   void Add(PriorRecord record);
 
   // Returns the sums, ordered by KeyOf. Call it once. A sum's sequence number is its number of
-  // windows or visits, so when two sums of a build are merged, the one with more evidence is kept.
+  // windows or visits, so when two sums of a build are merged, the sum with more evidence is kept.
   std::vector<PriorRecord> Take();
 
  private:

@@ -4,7 +4,7 @@ namespace sweepstake::decision {
 
 PooledScene PoolScene(std::span<const VersionEvidence> versions) {
   PooledScene scene;
-  std::vector<size_t> places;  // of the newest versions
+  std::vector<size_t> places;  // indices of the newest versions
   std::vector<ArmEvidence> newest;
   double evidence = 0;
   double window_count = 0;

@@ -50,7 +50,7 @@ EvidenceSum Pool(const ArmEvidence& arm, double level) {
   return SumOf(mean, of_visits + arm.live.evidence());
 }
 
-// What the scenes with evidence about several arms have in common.
+// Means over the scenes that have evidence about several arms.
 struct CommonRewards {
   Moments level;              // each scene's mean reward over its arms
   std::vector<Moments> arms;  // per arm: its reward relative to its scene's level
@@ -72,9 +72,9 @@ CommonRewards CommonOf(std::span<const std::vector<EvidenceSum>> scenes, size_t 
   return common;
 }
 
-// Returns the level of the scene's own sums: the mean, over its arms, of the arm's mean reward
-// minus the common reward of that arm relative to its scenes. Without own sums, returns the mean
-// level of the other scenes.
+// Returns the level of the scene's own sums `own`. For each arm, it is the arm's mean reward minus
+// its common relative reward (CommonRewards::arms); the result is the mean over the arms. Without
+// own sums, returns the mean level of the other scenes.
 double LevelOf(std::span<const EvidenceSum> own, const CommonRewards& common) {
   Moments level;
   for (size_t arm = 0; arm < own.size(); ++arm) {

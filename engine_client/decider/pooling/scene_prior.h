@@ -58,17 +58,17 @@ bool IsAnythingKnown(std::span<const EvidenceSum> arms);
 
 // Returns one sum per arm. Beta(1,1) plus the sum is the arm's prior.
 // - Without visits the sum is `live`.
-// - With visits, the mean is that of the visits plus the mean difference between windows and
-//   visits, over the arms that have both.
-// - If the arm bailed out, its mean is never better than that of its windows.
+// - With visits, the mean is the mean of the visits plus the difference between windows and visits,
+//   averaged over the arms that have both.
+// - If the arm bailed out, its mean is never better than the mean of its windows.
 // - The weight of visits is limited, however many there are, because the bias of the lane is
 //   unknown.
 std::vector<EvidenceSum> PoolEvidence(std::span<const ArmEvidence> arms);
 
 // Fills in the arms for which a scene has no evidence, from the project's other scenes. Such an arm
-// gets its mean cost relative to the other arms, at the level of the arms that the scene does know.
-// The standard deviation is that between the scenes, and at least a factor of 1.35. REQUIRES:
-// reward version 3, and the same arms in each scene.
+// gets its mean cost relative to the other arms, at the level of the scene's own arms. The standard
+// deviation is the one between the scenes, but at least a factor of 1.35. REQUIRES: reward version
+// 3, and the same arms in each scene.
 std::vector<EvidenceSum> WithOtherScenes(std::vector<EvidenceSum> own,
                                          std::span<const std::vector<EvidenceSum>> others);
 

@@ -87,8 +87,8 @@ class MedianPolish {
     Polish();
   }
 
-  // Returns the belief about the arm's log-cost for a session at that level. Nothing if no source
-  // has evidence of the arm.
+  // Returns the belief about the arm's log-cost for a session at that level. Returns nothing if no
+  // source has evidence of the arm.
   std::optional<NormalBelief> BeliefAt(double level, size_t arm) const {
     const auto count =
         std::count_if(cells_.begin(), cells_.end(), [&](auto& cell) { return cell.arm == arm; });

@@ -85,14 +85,14 @@ class ArmRuns {
   explicit ArmRuns(uint32_t arm_count = 0, ArmRun active = ArmRun())
       : arm_count_(arm_count), active_(active) {}
 
-  // Returns the run that this frame belongs to. If the frame's epoch is later than all before, it
-  // begins a later run with a settling time of `settling_ns`. Returns null if the frame's epoch is
-  // earlier than the active one, or if its arm does not run in its epoch.
+  // Returns the active or the later run, whichever has the frame's epoch and arm. If its epoch is
+  // later than every epoch so far, starts a new later run, which settles for `settling_ns`. Returns
+  // null if neither run has the frame's epoch and arm, or if there is no such arm.
   ArmRun* Find(const FrameSample& frame, uint64_t settling_ns);
 
   ArmRun& active() { return active_; }
   const ArmRun& active() const { return active_; }
-  // The run of a later epoch of which frames have arrived, but which is not active yet.
+  // Returns the run of a later epoch: some of its frames have arrived, but it is not active yet.
   const std::optional<ArmRun>& later() const { return later_; }
   bool IsActive(const FrameSample& frame) const;
 

@@ -205,7 +205,7 @@ void DecisionSession::LearnScene(Decision& decision) {
   if (descriptor_) policy_->LearnDescriptor(*descriptor_, now_ns);
   if (shadow_samples_.empty()) return;
   std::vector<Increment> increments = policy_->LearnShadow(shadow_samples_, now_ns);
-  // Drops visits beyond those that a lane can make in one interval.
+  // Drop visits beyond the number that a lane can make in one interval.
   std::vector<uint32_t> counts(setup_.arms.size());
   std::erase_if(increments,
                 [&](const Increment& visit) { return ++counts[visit.arm] > kMaxVisitsPerTick; });
@@ -288,8 +288,8 @@ std::optional<DecisionOutcome> DecisionSession::Learn(Decision& decision) {
   return std::nullopt;
 }
 
-// Asks the policy for a candidate and records its choice. Returns the reason if the policy itself
-// does not want the switch now.
+// Gets a candidate from the policy and records its choice. Returns the reason if the policy itself
+// holds the switch back.
 std::optional<DecisionOutcome> DecisionSession::Choose(DecisionRecord& record,
                                                        bool bailed_out) const {
   Choice choice = policy_->Choose({.active_arm = run().arm(),
@@ -358,8 +358,8 @@ void DecisionSession::TickExploration(Decision& decision) {
   }
 }
 
-// Commands a switch to the arm whose turn it is. Skips an arm after kMaxCommands commands without
-// effect.
+// Commands a switch to the next arm of the exploration. Skips an arm after kMaxCommands commands
+// without effect.
 void DecisionSession::CommandNextSlot(Decision& decision, SwitchReason reason) {
   while (exploring() && run().arm() != exploration_.slot_arm()) {
     if (exploration_.CountCommand()) {

@@ -17,12 +17,12 @@
 //   The time of the switch is now_ns minus the frame time of these frames, but not before the
 //   previous event. The cooldown and active time count from then.
 // - A command without an answer. While a command is under way, no other one is issued, except after
-//   a bail-out. SwitchGate (safeguards.h) says when a command counts as lost. Then the next
+//   a bail-out. SwitchGate (safeguards.h) defines when a command counts as lost. Then the next
 //   candidate, or the exploration's arm, may be commanded. A refused command ends at once. The
 //   exploration skips an arm after three commands without effect.
 // - The first command. Before the first executed switch no cooldown runs. A session that continues
-//   after a restart (decision_count > 0) does not know the time of its last switch. Its cooldown
-//   starts at start_ns.
+//   after a restart (decision_count > 0) lacks the time of its last switch. Its cooldown starts at
+//   start_ns.
 // - Draws. Every tick in AI mode after the exploration draws a candidate and logs it. That includes
 //   ticks at which settling frames, missing frames or a rejected window hold the candidate back.
 // - Exploration. A slot of an arm is its warm-up, which replaces settling, and the measured time
@@ -37,9 +37,9 @@
 //   charged with the penalty, or not charged because the arm is not to blame. A bail-out beyond
 //   BailOutBudget (safeguards.h), or with kFrameNoEvidence, changes the session like any other but
 //   has no increment to store.
-// - Policies differ in what they learn, how they choose and which cooldown they ask for (policy.h).
-//   All rules above hold for each of them. A policy that does not explore begins with an ordinary
-//   tick. A policy that starts from priors takes its first decision at start_ns.
+// - Policies differ in what they learn, how they choose and which cooldown they use (policy.h). All
+//   rules above hold for each of them. A policy that does not explore begins with an ordinary tick.
+//   A policy that starts from priors takes its first decision at start_ns.
 // - Rebuilds. A rebuild because of a changed object count starts another settling, except within
 //   exploration slots (ArmRun::Observe in arm_runs.h).
 #pragma once
@@ -82,12 +82,12 @@ class DecisionSession {
   // - settling frames
   // - paused or loading frames
   // - frames over the bail-out limit
-  // Frames of a later epoch than the active one begin its settling (see the first comment).
+  // Frames of a later epoch than the active one begin its settling (see the comment at the top).
   void ObserveFrames(std::span<const FrameSample> frames);
 
   // Processes a frame over the bail-out limit at once (paper §6.3). The arm is blamed if all of
   // this holds:
-  // - the mode is AI and the arm is known
+  // - the mode is AI, and the session has this arm
   // - the frame is longer than options.bail_out_ns or has kFrameBailOut
   // - detection takes at least half of the frame, which is neither paused nor loading (the policy
   //   `paper` does not require this)
@@ -117,8 +117,8 @@ class DecisionSession {
   void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns,
                      const SwitchCost& cost = {});
 
-  // Records that the client refused a command. If it was the latest one, the next tick may issue
-  // another.
+  // Records that the client refused a command. If it was the latest command, the next tick may
+  // issue another.
   void ObserveRefusal(uint64_t command_id);
 
   // Sets the mode and begins a new window. The exploration continues where it was. REQUIRES:
@@ -132,13 +132,13 @@ class DecisionSession {
   }
 
   // Time at which the next tick is due: one decision interval after the last tick was due. If that
-  // has passed already, one interval after the last tick was made.
+  // time had passed when the last tick was made, it is one interval after that tick.
   int64_t next_tick_ns() const { return next_tick_ns_; }
   // Returns whether the session has decided nothing yet and needs frames for its first decision,
   // because it has no priors.
   bool waits_for_frames() const;
-  // Updates, samples and gates. After a delay of several intervals, one call is enough. REQUIRES:
-  // now_ns >= next_tick_ns().
+  // Updates the posterior, then samples and gates a candidate. After a delay of several intervals,
+  // one call is enough. REQUIRES: now_ns >= next_tick_ns().
   Decision Tick(int64_t now_ns);
 
   std::span<const BetaPosterior> posteriors() const { return policy_->posteriors(); }

@@ -1,5 +1,5 @@
 // The rules that limit switching (paper §4, §6.3):
-// - which long frames are blamed on the arm (BlamesArm), and which of those become evidence
+// - which long frames are blamed on the arm (BlamesArm), and which of these frames become evidence
 //   (BailOutBudget)
 // - the cooldown, and at most one command at a time (SwitchGate)
 // - when the scene as a whole is too slow (FrameRateFloor), and when its verdict changes
@@ -24,9 +24,9 @@ bool IsOverBailOutLimit(const FrameSample& frame, int64_t bail_out_ns);
 bool BlamesArm(const FrameSample& frame, int64_t bail_out_ns);
 
 // Decides which bail-outs become evidence for other sessions. Each of them takes longer than the
-// limit bail_out_ns, so an honest game has at most one per bail_out_ns. A client that reports more
-// is wrong or cheats. Up to kBurst may arrive at once, because a client that reconnects reports
-// what happened while it was disconnected.
+// limit bail_out_ns, so a game can have at most one per bail_out_ns. A client that reports more
+// sends false data. Up to kBurst may arrive at once, because a client that reconnects reports what
+// happened while it was disconnected.
 class BailOutBudget {
  public:
   static constexpr int64_t kBurst = 16;

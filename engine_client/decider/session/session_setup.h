@@ -26,15 +26,15 @@ struct SessionSetup {
   uint32_t active_arm = 0;
   uint32_t switch_epoch = 0;
   int64_t start_ns = 0;
-  // For a session that continues after a restart: the counts that it had reached before.
+  // The counts before a restart, if the session continues after one; otherwise 0.
   uint32_t explored_arm_count = 0;
   uint64_t decision_count = 0;
 };
 
-// Returns one line per invalid option, which says how to correct it. Looks up the policy's name in
+// Returns one line per invalid option, with the correction. Looks up the policy's name in
 // `policies`.
 std::vector<std::string> Problems(const DecisionOptions& options, PolicyRegistry policies);
-// Returns one line about the first invalid value, which says how to correct it. Nothing if all are
+// Returns one line about the first invalid value, with the correction. Returns nothing if all are
 // valid. Looks up policy names in `policies`.
 std::optional<std::string> Validate(const DecisionOptions& options, PolicyRegistry policies);
 std::optional<std::string> Validate(const SessionSetup& setup, PolicyRegistry policies);
