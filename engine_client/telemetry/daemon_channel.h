@@ -26,7 +26,7 @@ Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& addr
                                                          const TlsNames& names,
                                                          grpc::ChannelArguments arguments);
 
-// Returns advice for the user about a failed connection; empty if `reason` already says everything.
+// Returns advice for the user about a failed connection; empty if `reason` needs no addition.
 // `reason` is gRPC's message. The advice refers to the options by `names`.
 std::string ConnectionAdvice(const std::string& reason, bool with_tls, const TlsNames& names);
 

@@ -51,7 +51,7 @@ class DaemonConnection final : public grpc::ClientBidiReactor<grpc::ByteBuffer, 
   bool writable();
   // Starts to write a message. REQUIRES: writable(), and HalfClose was not called.
   void Write(const std::string& message);
-  // Tells the daemon that no more messages follow. REQUIRES: writable().
+  // Announces to the daemon that no more messages follow. REQUIRES: writable().
   void HalfClose();
   // Ends the stream at once. closed() has a value soon after.
   void Cancel();

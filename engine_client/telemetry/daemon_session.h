@@ -10,7 +10,7 @@
 
 namespace sweepstake {
 
-// Works like MakeDaemonSession of session.h, but error messages call the TLS options by `names`.
+// Works like MakeDaemonSession of session.h, but error messages use `names` for the TLS options.
 Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
                                                    const SessionOptions& options,
                                                    const TlsNames& names);

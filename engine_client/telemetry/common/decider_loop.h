@@ -49,8 +49,8 @@ class DeciderLoop {
   uint64_t published_decision_count_ = ~uint64_t{0};
 };
 
-// Stores the means of the posteriors in the broad phase. It uses them to choose an arm after a
-// bail-out while no decider is present.
+// Stores the means of the posteriors in the broad phase. The broad phase uses them to choose an arm
+// after a bail-out if no decider is present.
 void SetPosteriorMeans(const std::vector<ArmBelief>& beliefs, AdaptiveBroadPhase& adaptive);
 
 }  // namespace sweepstake

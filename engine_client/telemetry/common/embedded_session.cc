@@ -26,7 +26,7 @@ class EmbeddedSession final : public SessionBase {
  private:
   Status Prepare(AdaptiveBroadPhase& adaptive) override;
   bool Step(bool stopping) override;
-  // A tenth of the scaled decision interval, but 1 to 5 ms. Short enough to make decisions on time.
+  // A tenth of the scaled decision interval, but 1 to 5 ms, so that decisions are made on time.
   std::chrono::milliseconds poll_interval() const override {
     const auto interval_ns = static_cast<double>(embedded_.decision_interval_ns);
     const double tenth_ms = interval_ns * 1e-6 / embedded_.time_scale / 10;

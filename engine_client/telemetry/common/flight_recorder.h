@@ -6,8 +6,8 @@
 // and never another file.
 //
 // Thread safety: Step on the sender thread, the ring's OnBoxes and OnFrame on the frame thread,
-// recordings() and error() on any thread. Memory: that of the ring; during a write also one
-// frame and the notes, at most about 400 kB.
+// recordings() and error() on any thread. Memory: the ring; during a write also one frame and the
+// notes, at most about 400 kB.
 #pragma once
 
 #include <cstdint>

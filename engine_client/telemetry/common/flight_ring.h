@@ -3,7 +3,7 @@
 //
 // The frame thread writes into the ring. A frame over the budget freezes the ring. From then on the
 // sender thread owns it, until Release empties it and returns it to the frame thread. One atomic
-// flag says who owns it.
+// flag stores which thread owns it.
 //
 // The boxes of a frame are copied completely, because the ring cannot detect which boxes have
 // moved. Between two copies enough time passes that the copies of five seconds fit into the memory.
@@ -42,7 +42,7 @@ class FlightRing {
  public:
   static constexpr uint64_t kSpanNs = 5'000'000'000;
   // Minimum frame time between two recordings (kCooldownNs) and before the first one (kWarmUpNs),
-  // in ns. The first frames of a game are long anyway and not worth a recording.
+  // in ns. The first frames of a game are usually long, so they are not recorded.
   static constexpr uint64_t kCooldownNs = 30'000'000'000;
   static constexpr uint64_t kWarmUpNs = 1'000'000'000;
   // Maximum number of frames in the ring. Above about 800 frames/s they cover less than five
@@ -52,7 +52,7 @@ class FlightRing {
   // Keeps at most `max_boxes` boxes. REQUIRES: max_boxes > 0, budget_ns > 0.
   FlightRing(size_t max_boxes, uint64_t budget_ns) : budget_ns_(budget_ns) {
     assert(max_boxes > 0 && budget_ns > 0);
-    // Both write to the memory, so that the frame thread causes no page fault.
+    // Both calls write to the memory, so that the frame thread causes no page fault.
     boxes_.resize(max_boxes);
     frames_.resize(kFrames);
   }

@@ -61,8 +61,8 @@ class LossyRing {
   // Returns the number of elements popped or lost so far, which is also the index of the next
   // element to pop.
   uint64_t passed_count() const noexcept { return tail_.load(std::memory_order_relaxed); }
-  // Returns the number of elements that were overwritten before they were popped. It includes those
-  // that the next Pop will skip.
+  // Returns the number of elements that were overwritten before they were popped. It includes the
+  // elements that the next Pop will skip.
   uint64_t lost_count() const noexcept {
     const uint64_t tail = passed_count();
     const uint64_t head = pushed_count();
@@ -82,7 +82,7 @@ class LossyRing {
 
   const uint64_t mask_;
   const std::unique_ptr<SequenceSlot<T>[]> slots_;
-  // On separate cache lines, so that the consumer's writes do not slow the producer down.
+  // head_ and tail_ are on separate cache lines, so that the consumer does not slow the producer.
   alignas(64) std::atomic<uint64_t> head_{0};
   alignas(64) std::atomic<uint64_t> tail_{0};
   std::atomic<uint64_t> lost_{0};

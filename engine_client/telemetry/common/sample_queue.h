@@ -32,8 +32,8 @@ class SampleQueue final : public FrameSink {
   // descriptor per 256 frames and few switches.
   static constexpr uint32_t kNoteCapacity = 256;
   static constexpr uint32_t kMaxFrameCapacity = 1 << 20;
-  // Maximum number of visits: eight sweeps over 32 arms. Sweeps are at least 250 ms apart, so it
-  // holds at least two seconds.
+  // Maximum number of visits: eight sweeps over 32 arms. Sweeps are at least 250 ms apart, so the
+  // ring holds the visits of two seconds or more.
   static constexpr uint32_t kShadowCapacity = 256;
 
   // Borrows `flight`, the flight recorder's ring, which may be null. REQUIRES: frame_capacity is a

@@ -11,12 +11,12 @@
 namespace sweepstake {
 
 // Checks that an address has the form HOST:PORT. HOST is a host name, an IPv4 address or an [IPv6
-// address]; PORT is 1 to 65535. Otherwise returns kInvalidArgument with a message that says what is
-// wrong.
+// address]; PORT is 1 to 65535. For another form, returns kInvalidArgument with a message that
+// describes the error.
 Status ValidateDaemonAddress(std::string_view address);
 
-// What error messages call the TLS options. The defaults are the names of the fields of TlsOptions.
-// The command line passes the names of its own options.
+// The names of the TLS options in error messages. The defaults are the names of the fields of
+// TlsOptions. The command line passes the names of its own options.
 struct TlsNames {
   std::string tls = "tls";
   std::string ca = "ca_file";
@@ -25,11 +25,11 @@ struct TlsNames {
   std::string server_name = "server_name";
 };
 
-// Checks the options but not the files that they name. Otherwise returns kInvalidArgument with the
-// option and its bounds.
+// Checks the options but not the files that they name. If an option is invalid, returns
+// kInvalidArgument with its name and bounds.
 Status ValidateTlsOptions(const TlsOptions& options, const TlsNames& names = {});
 
-// Checks the options. Otherwise returns kInvalidArgument with the option and its bounds.
+// Checks the options. If one is invalid, returns kInvalidArgument with its name and bounds.
 Status ValidateSessionOptions(const SessionOptions& options, const TlsNames& names = {});
 
 }  // namespace sweepstake

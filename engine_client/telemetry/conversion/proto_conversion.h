@@ -1,5 +1,5 @@
 // Converts between the library's structs and protobuf messages of sweepstake.v1. ToProto makes a
-// message, FromProto reads one. For the command line and the daemon. (A session encodes its
+// message, FromProto reads one. The command line and the daemon use it. (A session encodes its
 // messages without protobuf: telemetry/protocol/wire.h.) Pure functions.
 #pragma once
 

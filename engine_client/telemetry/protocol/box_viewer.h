@@ -1,5 +1,5 @@
 // Sends a game's boxes to a daemon on request, so that an operator can view them. While a request
-// is valid, this class regularly asks the frame thread for some of a frame's boxes
+// is valid, this class regularly requests some of a frame's boxes from the frame thread
 // (engine_client/adaptive/view_tap.h) and encodes them as a message, called a view. Views are not
 // evidence: at most one waits to be sent, and it is dropped if the connection is lost.
 //

@@ -58,7 +58,7 @@ class FrameBatcher {
   uint32_t batch_bytes_ = 0;
   uint32_t shadow_bytes_ = 0;      // part of batch_bytes_ that visits take
   uint64_t begun_ns_ = 0;          // arrival time of the batch's first frame
-  uint64_t next_frame_index_ = 0;  // index that follows that of the latest frame
+  uint64_t next_frame_index_ = 0;  // index of the latest frame + 1
 };
 
 // Takes the items of the queue in order and encodes them as messages.

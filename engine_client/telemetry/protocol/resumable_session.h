@@ -4,8 +4,8 @@
 //
 //   disconnected → Connect (Hello) → connecting → OnWelcome → online → Disconnect → …
 //
-// Resuming: the daemon's Welcome says which messages are on disk. All later messages are sent again
-// under the same numbers, in order.
+// Resuming: the daemon's Welcome has the number of the latest message on disk. All later messages
+// are sent again under the same numbers, in order.
 //
 // If Welcome does not resume the session, the daemon no longer has it, and a new session begins.
 // The messages still in the buffer were never stored. They are renumbered from 1 and count for the
@@ -117,8 +117,8 @@ class ResumableSession {
   // Marks the message returned by Next as sent. REQUIRES: Next() != nullptr.
   void MarkSent();
 
-  // Records that the connection has ended. `unknown_session`: with the status NOT_FOUND. `refused`:
-  // with the status INVALID_ARGUMENT; one of the sent messages, or Hello, would be refused again.
+  // Records that the connection has ended. `unknown_session`: its status was NOT_FOUND. `refused`:
+  // it was INVALID_ARGUMENT; the daemon would refuse Hello or a sent message again.
   void Disconnect(bool unknown_session, bool refused);
   // Ends the session's identity; the next connection begins a new session. Discards the sent
   // messages: the store may contain them under the old session, and they must not count twice.

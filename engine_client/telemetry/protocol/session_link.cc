@@ -280,8 +280,8 @@ void SessionLink::OnAcknowledgement(const protocol::Acknowledgement& message) {
 }
 
 void SessionLink::OnCommand(const SwitchCommand& command, uint64_t now_ns) {
-  // A reason that is not known here comes from a newer protocol. The SwitchOutcome would have to
-  // repeat that reason, so the command is ignored.
+  // An unknown reason comes from a newer protocol. The SwitchOutcome would have to repeat that
+  // reason, so the command is ignored.
   if (!IsKnown(command.reason)) {
     ++unknown_message_count_;
     return;

@@ -95,7 +95,7 @@ class SessionLink {
   Status OnMessage(std::string_view bytes, uint64_t now_ns);
   // Records how the stream ended; call it after the stream's last message. Returns the delay before
   // the next connection in ms, or nullopt if the session has ended. If no stream could be opened,
-  // call it without Connected; `end` then says why.
+  // call it without Connected; `end` then has the reason.
   std::optional<uint32_t> Disconnected(const StreamEnd& end, uint64_t now_ns);
 
   // Starts to end the session: the content of the queue is sent, then a goodbye. Later frames are

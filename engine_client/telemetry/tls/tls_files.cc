@@ -80,8 +80,8 @@ absl::Status NoCertificate(const std::filesystem::path& path) {
       absl::StrCat(path.string(), " contains no complete certificate in PEM format"));
 }
 
-// Makes OpenSSL fail on an encrypted key. Without it OpenSSL asks for the passphrase on the
-// terminal, which would block a service.
+// Makes OpenSSL fail on an encrypted key. Without this callback OpenSSL would read the passphrase
+// from the terminal and block a service.
 int NoPassphrase(char* /*buffer*/, int /*size*/, int /*writing*/, void* /*data*/) { return -1; }
 
 absl::Status CheckPair(const Files& files, const Texts& texts) {

@@ -16,7 +16,7 @@ namespace sweepstake::tls {
 
 // The paths of the files. An empty path means that the file is not used.
 struct Files {
-  // The certificate of this endpoint, optionally followed by those of its issuers.
+  // The certificate of this endpoint, optionally followed by the certificates of its issuers.
   std::filesystem::path cert;
   std::filesystem::path key;  // the private key of `cert`, without a passphrase
   // The certificates of the authorities that must have signed the other side's certificate.
@@ -31,7 +31,7 @@ struct Texts {
 };
 
 // Reads the files. Returns INVALID_ARGUMENT if a file cannot be read, if it contains nothing in PEM
-// format, or if key and certificate do not match. The message names the file and says what to do.
+// format, or if key and certificate do not match. The message names the file and the correction.
 // REQUIRES: `cert` and `key` are both set or both empty.
 absl::StatusOr<Texts> Read(const Files& files);
 
