@@ -11,12 +11,12 @@
 //
 // A search with a single arm runs only that backend, without adaptation.
 //
-// A switch of arms does not change the simulation. The pairs of a step are exactly those whose
+// A switch of arms does not change the simulation. The pairs of a step are exactly the pairs whose
 // boxes overlap (aabb.h). They enter and leave the pair cache in an order that depends only on the
 // game's calls, not on the arm or the number of threads. The same calls therefore give the same
 // simulation bit for bit. Bullet's own broad phases also keep pairs whose boxes are merely near or
 // no longer overlap. Bullet builds islands from those pairs too, so bodies fall asleep at other
-// times than with this one.
+// times than with Sweepstake.
 //
 // Filters: a pair passes if each group is in the mask of the other. If the pair cache has an
 // overlap filter callback, its result counts instead. The callback is called when the boxes begin
@@ -35,13 +35,13 @@
 // Thread safety: one thread at a time. Any number of threads may query at the same time between
 // proxies().PrepareQueries() and the next change; worlds with threads of their own need this.
 // Ownership: the search and the executor are borrowed and must outlive the broad phase, which must
-// outlive the world. Units: those of the world. Memory: that of ProxySet, Bullet's pair cache, and
-// 80 bytes per proxy. Errors: an invalid box overlaps nothing; std::bad_alloc. Bullet in double
-// precision fails to compile.
+// outlive the world. Units: the world's. Memory: a ProxySet, Bullet's pair cache, and 80 bytes per
+// proxy. Errors: an invalid box overlaps nothing; std::bad_alloc. Bullet in double precision fails
+// to compile.
 //
 // Cost: setAabb is O(1), and free if the box is the same. calculateOverlappingPairs is one search
 // and O(pairs). destroyProxy is O(pairs), because it removes its pairs at once. proxy_set.h states
-// the cost of queries; one that finds more than 64 proxies allocates.
+// the cost of queries; a query that finds more than 64 proxies allocates.
 #pragma once
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
@@ -100,7 +100,7 @@ class BulletBroadPhase final : public btBroadphaseInterface {
   // Resets the ids, so that a world that is emptied and refilled gets the same ids as the first
   // time. Does nothing while any proxy exists.
   void resetPool(btDispatcher* dispatcher) override;
-  // Does nothing: the search's last_sample has the figures.
+  // Does nothing: AdaptiveBroadPhase::last_sample() has the measurements.
   void printStats() override {}
 
   // Returns the proxies, for their queries. The user value of each is its btBroadphaseProxy*.

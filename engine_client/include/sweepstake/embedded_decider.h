@@ -59,7 +59,7 @@ struct DecisionEvent {
 };
 
 struct EmbeddedOptions {
-  std::string policy = "default";  // name of the policy; the default is that of AI Decides
+  std::string policy = "default";  // name of the policy; "default": the policy of AI Decides
   // The priors are stored by project, scene, machine class and backend version.
   std::string project = "default";
   std::string scene = "default";

@@ -4,7 +4,7 @@
 // An engine derives from Executor and runs the parts in its jobs. MakeThreadPool makes a small pool
 // for programs without a job system. A backend calls RunParts on the thread that called the
 // backend, never from inside a part. Ownership: an object that is given an Executor borrows it.
-// Cost: a backend uses a few parts per thread. In a small scene it does everything on the calling
+// Cost: a backend runs a few parts per thread. In a small scene it does everything on the calling
 // thread. The calling thread runs parts too, and then waits for parts that other threads have
 // begun.
 #pragma once

@@ -20,7 +20,7 @@ enum FrameFlag : uint32_t {
 inline constexpr uint64_t kBailOutNs = 5'000'000'000;  // the default bail-out limit
 
 // The cost of one frame. A frame may search several times, once per substep. Times and checks are
-// then summed; bytes, pairs and objects are those of the latest search.
+// then summed; bytes, pairs and objects come from the latest search.
 struct FrameSample {
   uint64_t frame_index = 0;        // counts from the start of the session
   uint64_t frame_time_ns = 0;      // unscaled time of the whole frame
@@ -51,7 +51,7 @@ struct SceneDescriptor {
 // Bits of ShadowSample::flags; the same values as sweepstake.v1.ShadowFlag.
 enum ShadowFlag : uint32_t {
   kShadowActive = 1,  // the arm that was active on the frame thread
-  kShadowCapped = 2,  // a cap of the lane ended the visit; the times are those until then
+  kShadowCapped = 2,  // a cap of the lane ended the visit; times cover the part before
 };
 
 // One visit of the shadow lane: the cost of an arm, measured on the lane's thread with copies of
@@ -110,19 +110,19 @@ enum class Verdict : uint32_t {
   kUnknown = 0,    // nothing decided yet
   kStable = 1,     // one arm is the best with a probability of at least 0.8
   kTie = 2,        // several arms are nearly equal: choosing the leader loses 0.5 % or less
-  kAmbiguous = 3,  // the best arm is not known, and the choice matters
+  kAmbiguous = 3,  // the best arm is uncertain, and the choice matters
   kDegraded = 4,   // even the best arm misses the frame-rate floor
 };
 
-// The verdict with the leading arm.
+// The verdict, and the arm that leads with its probability.
 struct SceneVerdict {
   Verdict verdict = Verdict::kUnknown;
   uint32_t leader_arm = 0;        // most probably the best arm; 0 while nothing is known
   double leader_probability = 0;  // the probability that it is the best, 0–1, to seven digits
 };
 
-// An arm's cost ÷ that of the leader, the arm most probably the best. The true ratio is below the
-// median with a probability of 50 %, and between low and high with 95 %.
+// An arm's cost ÷ the cost of the leader (the arm that is most probably the best). The true ratio
+// is below the median with a probability of 50 %, and between low and high with 95 %.
 struct CostRatio {
   double median = 1;
   double low = 1;
@@ -157,12 +157,12 @@ enum class DecisionOutcome : uint32_t {
 };
 
 // The latest decision and its reasons, for a game that shows or logs them
-// (AdaptiveBroadPhase::last_decision). A daemon sends only its commands: the fields then hold the
-// latest command and the latest verdict received.
+// (AdaptiveBroadPhase::last_decision). A daemon does not send its decisions: the fields then
+// describe its latest command, and `verdict` is the latest one received.
 struct LastDecision {
   static constexpr size_t kMaxArms = 32;
 
-  uint64_t decision_id = 0;  // counts from 1; 0 if a daemon decides, which does not send it
+  uint64_t decision_id = 0;  // counts from 1; 0 with a daemon, which does not send it
   // Time of the decision, or of receiving it from the daemon. The clock is SteadyClock() with a
   // Session, otherwise the clock of `now_ns`.
   uint64_t time_ns = 0;

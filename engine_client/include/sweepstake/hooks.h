@@ -11,7 +11,7 @@
 // the decider, scenes and files. Results written to a caller's std::vector use that vector's
 // allocator.
 //
-// Zones, in the order of a frame, then those of other threads:
+// The zones of a frame in their order, then the zones of other threads:
 //
 //   sweepstake: begin frame       AdaptiveBroadPhase::BeginFrame, with a switch if one is pending
 //   sweepstake: update            the active backend builds or takes the boxes
@@ -65,9 +65,9 @@ struct Hooks {
 // from the present hooks. REQUIRES: no other thread uses the library.
 Status SetHooks(const Hooks& hooks);
 
-// Allocates memory as the library itself does, for code that wants its memory in the same place.
-// Never returns null; if memory runs out, it ends as described at OutOfMemory(). `bytes` 0 counts
-// as 1. Any thread.
+// Allocates memory as the library itself does, for code that must use the same memory. Never
+// returns null; if memory runs out, it ends as described at OutOfMemory(). `bytes` 0 counts as 1.
+// Any thread.
 void* AllocateMemory(size_t bytes, size_t alignment);
 // Frees memory of AllocateMemory, with the same `bytes` and `alignment`. `pointer` may be null. Any
 // thread.

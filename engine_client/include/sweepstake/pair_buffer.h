@@ -21,7 +21,7 @@ class PairBuffer {
 
   PairBuffer() = default;
   ~PairBuffer() { Release(); }
-  // A move swaps the two buffers. So the moved-from buffer stays usable; it is empty if this one
+  // A move swaps the two buffers. So the moved-from buffer stays usable; it is empty if the target
   // was new.
   PairBuffer(PairBuffer&& other) noexcept { *this = std::move(other); }
   PairBuffer& operator=(PairBuffer&& other) noexcept {

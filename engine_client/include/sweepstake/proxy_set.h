@@ -30,7 +30,7 @@
 //
 // Memory:
 // - 57 bytes per place, and 4 more with events;
-// - 24 more per place of a moving proxy, once one of these is kept outside the array;
+// - 24 more per place of a moving proxy, once a moving proxy is kept outside the array;
 // - 32 more per proxy in a tree that was searched, or 36 if the tree has more than 60,000 proxies;
 //   up to four times that after many removals. The first query searches all trees;
 // - 36 per proxy of the largest such tree, to sort it;
@@ -40,9 +40,9 @@
 // moving boxes of suite-b and 14,500 pairs. The measurement is without sleeping proxies and without
 // groups that ignore their own kind. Move takes 5 ns. Resolve takes 13 µs with filters and nothing
 // without, 70 µs with sorted pairs and 120 µs with events. With 100,000 static boxes and their
-// 29,400 pairs it takes 0.28 ms, and 0.19 ms on two threads. A query among all of these takes
-// 0.33 µs for a box that finds five, 0.33 µs for the first hit of a ray and 1.1 µs for all twelve.
-// The first query after a change takes 20 µs more for the moving proxies.
+// 29,400 pairs it takes 0.28 ms, and 0.19 ms on two threads. A query among all of these takes 0.33
+// µs for a box that finds five, 0.33 µs for the first of a ray's twelve hits and 1.1 µs for all of
+// them. The first query after a change takes 20 µs more for the moving proxies.
 //
 // Resting proxies cost a frame only for their changes (tests/bench/programs/proxy_ratios_bench.cc,
 // AMD EPYC). Replacing one static proxy takes 12 µs among 20,000, and 33 µs among 2,000,000. Adding
@@ -74,9 +74,9 @@
 namespace sweepstake {
 
 // A handle identifies a proxy. `index` is the proxy's id in pairs while it lives: its place in
-// moving_boxes(), or kStaticProxyBit and its place among those added as static. Ids are reused;
-// `generation` distinguishes successive owners (a place has 2^31 of them). The null handle is all
-// zero and belongs to no proxy.
+// moving_boxes(), or kStaticProxyBit and its place among the proxies added as static. Ids are
+// reused; `generation` distinguishes successive owners (a place has 2^31 of them). The null handle
+// is all zero and belongs to no proxy.
 struct ProxyHandle {
   uint32_t index = 0;
   uint32_t generation = 0;
@@ -91,7 +91,7 @@ static_assert(sizeof(ProxyHandle) == 8);
 // An id has this bit if and only if its proxy was added as static.
 inline constexpr uint32_t kStaticProxyBit = 0x80000000U;
 
-// The kinds that a proxy belongs to (category) and those that it collides with (mask), as bit sets.
+// The kinds that a proxy belongs to (category) and collides with (mask), as bit sets.
 struct CollisionFilter {
   uint32_t category = 1;
   uint32_t mask = ~0U;
@@ -148,9 +148,9 @@ struct Sphere {
 
 struct RayHit {
   ProxyHandle proxy;
-  // The point at which the ray enters the box, in multiples of the direction's length. For a sweep:
-  // the fraction of the translation after which the boxes touch. 0 if it starts inside or on a
-  // face.
+  // The distance at which the ray enters the box, in multiples of the direction's length. For a
+  // sweep: the fraction of the translation after which the boxes touch. 0 if it starts inside or on
+  // a face.
   float distance = 0;
 
   friend bool operator==(const RayHit&, const RayHit&) = default;
@@ -200,15 +200,15 @@ class ProxySet {
   bool Move(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes);
   bool SetFilter(ProxyHandle handle, const CollisionFilter& filter);
   bool SetUser(ProxyHandle handle, uint64_t user);
-  // Makes a moving proxy static, or a static one moving and awake. Cost: that of an Add. Handle and
-  // id stay the same. A proxy that was added as static and is moving now is searched by the set
+  // Makes a moving proxy static, or a static one moving and awake. Cost: as an Add. Handle and id
+  // stay the same. A proxy that was added as static and is moving now is searched by the set
   // itself, not by the broad phase, which costs more. So add proxies that move most of the time as
   // moving.
   bool SetStatic(ProxyHandle handle, bool is_static);
   // Marks a proxy that will not move. Its pairs with other resting (static or sleeping) proxies are
   // kept, and no search starts from it. Setting a different box wakes it. Pairs, events and queries
-  // are the same as without the mark. Does nothing for a static proxy. Cost: that of an Add; the
-  // next Resolve searches once among all resting proxies.
+  // are the same as without the mark. Does nothing for a static proxy. Cost: as an Add; the next
+  // Resolve searches once among all resting proxies.
   bool SetSleeping(ProxyHandle handle, bool is_sleeping);
   bool is_sleeping(ProxyHandle handle) const;
 

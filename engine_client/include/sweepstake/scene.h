@@ -26,7 +26,7 @@ inline constexpr uint32_t kMaxSceneObjectCount = 16'777'216;
 struct SceneOptions {
   uint32_t object_count = 1000;       // 0 to kMaxSceneObjectCount
   uint64_t spawn_seed = 1;            // seed of sizes and spawn positions
-  uint64_t motion_seed = 1;           // seed of start velocities, directions and kicks
+  uint64_t motion_seed = 1;           // seed of start velocities, directions, kicks and wall hits
   float world_half_extent = 50;       // the world is ±this on each axis; 1e-3 to 1e6
   float fixed_step_s = 1.0F / 60.0F;  // duration of one Step; 1e-6 to 1
   // Object half extents are log-uniform in [min, max] per axis; 1e-6 <= min <= max <=
@@ -54,8 +54,8 @@ class Scene {
   virtual std::span<const Aabb> aabbs() const = 0;
   // Advances the scene by one fixed step; does not allocate and does not fail. A recorded file
   // starts again after its last frame, while frame_index() goes on. If the file has become
-  // unreadable, the boxes stay unchanged. Cost: O(objects); for a recorded file, that of reading
-  // the frame.
+  // unreadable, the boxes stay unchanged. Cost: O(objects); for a recorded file, reading the
+  // frame.
   virtual void Step() = 0;
 };
 
@@ -72,7 +72,7 @@ struct SceneDescription {
   std::string_view summary;  // a few words
 };
 
-// Returns every scene that MakeScene knows by name, by group. The names end with NUL.
+// Returns every scene that MakeScene finds by name, by group. The names end with NUL.
 std::span<const SceneDescription> SceneDescriptions();
 std::span<const std::string_view> SceneNames();
 std::span<const std::string_view> SceneNames(SceneGroup group);
@@ -89,11 +89,11 @@ Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOpti
 // Steps `scene` `frame_count` times and writes it as Broadmark's .aabbs (1 + frame_count frames,
 // its present state first) to `path`, in UTF-8. The file is written completely or not at all, and
 // replaces an existing one. The file contains `notes`, any text of at most 16 MiB, unchanged.
-// Memory: 4 bytes per frame besides one frame.
+// Memory: one frame, and 4 bytes for each frame.
 //
 // Errors: kInvalidArgument: a coordinate is not finite, no frame has an object, frame_count is over
 // 2^31 - 1, or `path` is not a file name; kNotFound: no such directory; kUnavailable: the system's
-// reason. Windows does not replace an open file, such as the one that a scene is replayed from.
+// reason. Windows does not replace an open file, such as the file that a scene is replayed from.
 Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path,
                    std::string_view notes = {});
 

@@ -76,7 +76,7 @@ struct SessionStats {
   // Existing files of the flight recorder, the oldest first; at most 8.
   std::vector<FlightRecording> recordings;
   std::string recording_error;  // why the latest file was not written, and what to do; empty: none
-  // The verdict of the same snapshot. The frame thread uses AdaptiveBroadPhase::verdict() instead.
+  // The verdict with `beliefs`. The frame thread uses AdaptiveBroadPhase::verdict() instead.
   SceneVerdict verdict;
 };
 
@@ -87,11 +87,11 @@ struct TlsOptions {
   std::string ca_file;      // authorities of the daemon's certificate; empty: the system's
   std::string cert_file;    // the client's certificate, if the daemon requires one
   std::string key_file;     // its private key, without a passphrase; with cert_file only
-  std::string server_name;  // the host in the daemon's certificate; empty: that of the address
+  std::string server_name;  // the host in the daemon's certificate; empty: the host of the address
 };
 
 // The token that a daemon may require. It is sent only with TLS, or to a daemon on this machine,
-// and never displayed. At most one of the two is set. The file is read for every connection.
+// and never displayed. At most one of both is set. The file is read for every connection.
 struct ClientToken {
   std::string file;  // path, at most 4096 bytes, of a file with only the token
   std::string text;  // the token itself, instead of a file
@@ -99,13 +99,13 @@ struct ClientToken {
 
 // Keeps the latest five seconds in memory and writes them to a file after a frame that took too
 // long: the boxes, the measurements of all frames, and the decisions. `sweepstake-lab replay
-// --recording` replays the file on any machine. At most one file in 30 s of frame time, none in the
-// first second; the newest 8 files of a session are kept. Cost: README.md, Flight recorder.
+// --recording` replays the file on any machine. Writes at most one file in 30 s of frame time, none
+// in the first second, and keeps a session's newest 8 files. Cost: README.md, Flight recorder.
 struct FlightRecorderOptions {
-  // Memory for boxes (24 bytes each), at most 1024; 0: off. If five seconds of boxes need more, the
-  // boxes of fewer frames are kept, at equal intervals.
+  // MiB of memory for boxes (24 bytes each), at most 1024; 0: off. If five seconds of boxes need
+  // more, the boxes of fewer frames are kept, at equal intervals.
   uint32_t memory_mb = 0;
-  // A longer frame triggers a recording, unless it was paused or loading; over 0.
+  // A longer frame triggers a recording, unless the game was paused or loading. > 0, <= 60,000.
   double frame_budget_ms = 50;
   // An existing folder; its path is UTF-8. A file has at most memory_mb × 4/3 MiB.
   std::string directory = {};
@@ -131,11 +131,11 @@ struct SessionOptions {
 
   uint32_t queue_frames = 4096;  // power of two, 2 to 1,048,576; 80 bytes each
   // A batch is sent when the first of these three limits is reached. The daemon's welcome replaces
-  // the interval and may lower the other two.
+  // the interval and may lower the other two limits.
   uint32_t batch_interval_ms = 250;  // 1–10,000
   uint32_t batch_frames = 240;       // 1–240
   uint32_t batch_bytes = 16 * 1024;  // 512–262,144
-  // 1–4096. At this bound sending pauses, and the queue drops its oldest samples. A daemon
+  // 1–4096. With as many, sending pauses, and the queue drops its oldest samples. A daemon
   // acknowledges every two seconds, so 1024 full batches of about 1.5 kB allow 15,000 frames/s.
   uint32_t unacknowledged_messages = 1024;
   uint32_t backoff_min_ms = 100;  // doubles with each attempt up to the maximum, with full jitter
@@ -155,9 +155,9 @@ class Session {
   // Reports a mode change made with AdaptiveBroadPhase::SetMode to the decider. Called on the frame
   // thread; it does not wait.
   virtual void OnModeChange() = 0;
-  // Sends the content of the queue and a goodbye within `deadline_ms`, then ends the thread. If the
-  // daemon did not confirm in time that the last evidence is on disk, stats().last_error says so.
-  // May be called more than once.
+  // Sends the content of the queue and a goodbye within `deadline_ms`, then ends the thread.
+  // stats().last_error is set if the daemon did not confirm in time that the last evidence is on
+  // disk. May be called more than once.
   virtual void Stop(uint32_t deadline_ms = 500) = 0;
   virtual SessionStats stats() const = 0;
   // Returns EmbeddedDecider::ExportPriors(), from Start on and after Stop. Any thread except the
