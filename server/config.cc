@@ -147,8 +147,8 @@ absl::Status Settings::Assign(std::string Setting::*name_of, const std::string& 
     found->option->add_result(value);
     found->option->run_callback();
   } catch (const CLI::Error& error) {
-    // CLI11's message begins with the name of the flag. Replaces it by the name in the file or the
-    // environment.
+    // CLI11's message begins with the name of the flag, which is replaced by the name in the file
+    // or the environment.
     const std::string message = error.what();
     status = absl::InvalidArgumentError(name + message.substr(message.find(':')));
   }

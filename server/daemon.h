@@ -98,7 +98,7 @@ class Daemon {
 
   const Config config_;
   Config in_force_;    // the configuration read last; only its live settings are applied
-  const bool shared_;  // several daemons share the store; this daemon then makes no backups of it
+  const bool shared_;  // whether several daemons share the store; then this one does not back it up
   const std::shared_ptr<spdlog::logger> log_;
   storage::DataDirectory directory_;  // locked until the store is closed
   DaemonMetrics metrics_;

@@ -180,7 +180,7 @@ absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out,
     const auto token = store->Create(request, now_s);
     if (!token.ok()) return token.status();
     out << *token << '\n' << std::flush;
-    std::error_code unknown;  // prints the path as given if it cannot be made absolute
+    std::error_code unknown;  // the path is printed as given if it cannot be made absolute
     fs::path whole = fs::absolute(data, unknown);
     if (unknown) whole = data;
     notes << "token " << text::PrintableLine(name_) << " is in "

@@ -31,7 +31,7 @@ struct Principal {
   int64_t token_id = 0;  // from 1; never reused for another token
   std::string name;      // name of the token
   Role role = Role::kAdmin;
-  std::vector<std::string> projects;  // projects that it may read and write; empty: all
+  std::vector<std::string> projects;  // projects that the caller may read and write; empty: all
   // SHA-256 of the token. Distinguishes the token from one with the same id in a token file that
   // has replaced the first file.
   std::string digest = {};

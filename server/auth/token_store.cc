@@ -181,7 +181,7 @@ std::vector<std::string> ProjectsOf(const std::string& text) {
   return absl::StrSplit(text, '\n');
 }
 
-// REQUIRES: `name` is the name of a role. The CHECK of the column ensures it.
+// Returns the role called `name`. REQUIRES: it exists, as the CHECK of the column ensures.
 Role RoleOf(const std::string& name) {
   const auto* const found = std::find(kRoleNames.begin(), kRoleNames.end(), name);
   return static_cast<Role>(found - kRoleNames.begin());

@@ -98,7 +98,7 @@ constexpr CounterRow kCounters[] = {
      "Audit rows that were lost because the disk was too slow or failed."},
 };
 
-// The labels are the reasons in errors.proto, so their number is bounded.
+// Returns the counts of errors by reason (errors.proto), so the number of labels is bounded.
 prometheus::MetricFamily ErrorsOf(const Counters& counters) {
   prometheus::MetricFamily family;
   family.name = "sweepstake_errors_total";
@@ -114,7 +114,7 @@ prometheus::MetricFamily ErrorsOf(const Counters& counters) {
   return family;
 }
 
-// The labels are the invalid fields.
+// Returns the counts of rejections, labelled by the invalid fields.
 prometheus::MetricFamily RejectionsOf(const char* name, const char* help,
                                       const sessions::RejectionCounts& counts) {
   prometheus::MetricFamily family;

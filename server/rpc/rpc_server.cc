@@ -39,7 +39,7 @@ constexpr int64_t kLossReportIntervalNs = 60'000'000'000;
 // longer than the time after which a session repeats a commit
 constexpr int64_t kKeepIntervalNs = 5 * kHealthIntervalNs;
 constexpr int64_t kMaxSilenceNs =
-    10 * kHealthIntervalNs;  // after this the loop counts as unresponsive
+    10 * kHealthIntervalNs;  // without a beat for this time, the loop counts as unresponsive
 constexpr std::chrono::milliseconds kCommitPollInterval{5};
 constexpr unsigned kCertificateIntervalS = 1;  // between two checks of the TLS files
 

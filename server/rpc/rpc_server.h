@@ -98,7 +98,7 @@ class RpcServer {
   void WatchStore();
   // Ends the telemetry streams and watches of callers whose tokens were revoked or have expired.
   void EndRefused();
-  // If other daemons write to the same store: reloads the watched scenes that they have changed.
+  // If other daemons write to the same store, reloads the watched scenes that they have changed.
   void FollowOthers();
   // Reports NOT_SERVING while the store cannot be written or read.
   void UpdateHealth();

@@ -84,9 +84,9 @@ struct SessionContext {
 // The part of a new session that was read from the store.
 struct StoredSession {
   priors::SourceProgress progress;
-  // Whether evidence of this session is stored; it can have stored progress without evidence.
+  // Whether evidence is stored. A session can have stored progress without evidence.
   bool has_evidence = false;
-  // Number of sources of its prior; absent if the store could not be read.
+  // Number of sources of the session's prior; absent if the store could not be read.
   std::optional<uint64_t> prior_source_count;
 };
 
@@ -180,7 +180,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
     ledger_->AddAuditRow(context_.options.encode_audit_row(row));
   }
 
-  // These functions apply one kind of message each. They may modify the frames of the message.
+  // Each ApplyMessage applies one kind of message. It may modify the frames of the message.
   void ApplyMessage(UnknownMessage& /*unknown*/) {}
   void ApplyMessage(protocol::FrameBatch& batch);
   void ApplyMessage(SwitchAnswer& outcome);
@@ -239,7 +239,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   std::optional<int64_t> last_message_ns_;
   uint64_t dropped_frame_count_ = 0;  // reported by the client
   bool draining_ = false;
-  // The cost of frames since it was last published; absent while nobody watches the scene.
+  // The cost of frames since the last publication; absent while nobody watches the scene.
   std::optional<FrameHistograms> measured_;
   int64_t next_measurements_ns_ = 0;  // the earliest time at which `measured_` is published
 };

@@ -16,7 +16,7 @@ namespace sweepstake::sessions {
 enum class LostState : uint8_t {
   kSettled,    // all evidence is on disk
   kUnsettled,  // some evidence is not on disk; the client will resend it
-  // Some evidence is not on disk, and no client will resend it: the session stays until it is.
+  // Not all evidence is on disk, and no client will resend it: the session stays until all is.
   kEnding,
 };
 

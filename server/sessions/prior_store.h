@@ -298,8 +298,8 @@ class PriorReader {
   // stored sources.
   virtual absl::StatusOr<std::vector<SceneSource>> LoadSources(const SceneKey& scene) = 0;
 
-  // Returns nothing if the source was never committed here (an imported source is not a session of
-  // this store) or is revoked.
+  // Returns the state of a source, or nothing if the source was never committed here (an imported
+  // source is not a session of this store) or is revoked.
   virtual absl::StatusOr<std::optional<SourceState>> LoadSource(const std::string& source_id) = 0;
 
   // Returns up to `limit` scenes after `after` (exclusive), in the order of SceneKey. REQUIRES:
@@ -308,7 +308,7 @@ class PriorReader {
                                                           const std::optional<SceneKey>& after,
                                                           uint32_t limit) = 0;
 
-  // Returns nothing if there is no evidence of that scene.
+  // Returns the scene's evidence, or nothing if there is none.
   virtual absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) = 0;
 
   virtual absl::StatusOr<SceneCount> CountScenes(const std::string& project) = 0;

@@ -59,7 +59,7 @@ class SceneQuota {
 
   struct Project {
     priors::SceneCount count;               // scenes stored, plus scenes added here
-    std::optional<uint64_t> project_count;  // stored projects; absent if this one is stored
+    std::optional<uint64_t> project_count;  // stored projects; absent if this project is stored
   };
 
   absl::Status AddScene(const priors::SceneKey& scene);

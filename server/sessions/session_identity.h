@@ -12,7 +12,7 @@ namespace sweepstake::sessions {
 
 struct SessionIdentity {
   std::string id;
-  int64_t token_id = 0;  // id of the token with which it began; only this token may resume it
+  int64_t token_id = 0;  // id of the token that began the session; no other token may resume it
   std::string build;     // build of the game; empty if unknown
   priors::SceneKey scene;
   std::vector<std::string> arms;

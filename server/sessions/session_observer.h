@@ -30,7 +30,7 @@ struct SessionDecision {
       nullptr;  // cost of frames since the previous measurements; null if none are due
 };
 
-// Its functions are called on the decision loop. They must not call functions of sessions.
+// The functions are called on the decision loop. They must not call functions of sessions.
 class SessionObserver {
  public:
   // Minimum interval between two measurements in the decisions of a session.

@@ -40,8 +40,8 @@ struct OpenedSession {
   absl::Status missing;  // the error that made stored evidence missing; OK if none is missing
 };
 
-// Used on the decision loop only. The client's stream owns it: if the stream ends, no session
-// begins.
+// Used on the decision loop only. The client's stream owns this object: if the stream ends, no
+// session begins.
 class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
  public:
   using Done = std::function<void(absl::StatusOr<OpenedSession>)>;
@@ -63,7 +63,7 @@ class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
   const SessionContext& context() const { return table_.context(); }
   absl::Status CheckResumption();
   // Returns the session in memory that the Hello resumes, or null. If the Hello may not resume that
-  // session, its session id is cleared.
+  // session, the Hello's session id is cleared.
   std::shared_ptr<GameSession> FindInMemory();
   void ReadStore();
   // Offers the store a read. Returns false if it is overloaded.

@@ -25,7 +25,7 @@ class SourceWeights {
 
  private:
   struct Scene {
-    std::map<std::string, priors::SceneSource> sources;  // sources of its machine class, by id
+    std::map<std::string, priors::SceneSource> sources;  // of the scene's machine class, by id
     std::map<std::string, uint32_t> newest_versions;     // by arm
     std::string newest_build;
   };

@@ -110,7 +110,7 @@ class SqliteDatabase final : public SqlDatabase {
   absl::StatusOr<uint64_t> RunRows(const char* sql, std::span<const SqlValue> values,
                                    size_t columns, OnRow on_row) override;
   absl::Status Error(int code) const;
-  // Overwrites the copy's file with the pages of this one.
+  // Overwrites the file of `copy` with the pages of this database.
   absl::Status CopyPagesTo(SqliteDatabase& copy);
   // Returns the open file of the write-ahead log.
   absl::StatusOr<sqlite3_file*> LogFile();

@@ -95,7 +95,7 @@ std::vector<StoreThread::PendingCommit> StoreThread::TakeGroup() {
 }
 
 void StoreThread::Loop() {
-  setpriority(PRIO_PROCESS, 0, kNiceness);  // on Linux this changes this thread only
+  setpriority(PRIO_PROCESS, 0, kNiceness);  // on Linux, changes only this thread
   std::unique_lock lock(mutex_);
   TimePoint next_check = std::chrono::steady_clock::now() + options_.check_interval;
   while (true) {

@@ -117,7 +117,7 @@ class StoreThread final : public priors::AsyncPriorStore {
   };
   struct PendingJob {
     Job run;
-    uint64_t commits_before = 0;  // commits that were offered before it
+    uint64_t commits_before = 0;  // number of commits that were offered before this job
   };
   using TimePoint = std::chrono::steady_clock::time_point;
 

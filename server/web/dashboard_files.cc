@@ -17,8 +17,8 @@ namespace sweepstake::web {
 namespace {
 
 constexpr std::string_view kIndex = "/index.html";
-// The first parts of the paths of the dashboard's pages. Its program in the browser chooses the
-// page.
+// The first parts of the paths of the dashboard's pages. The dashboard's program in the browser
+// chooses the page.
 constexpr std::array<std::string_view, 6> kPages = {"scenes", "sessions", "decisions",
                                                     "priors", "health",   "login"};
 

@@ -40,8 +40,8 @@ struct Page {
 class PartSource {
  public:
   virtual ~PartSource() = default;
-  // Called once, before Next. Call `wake` when there may be a new part. It does nothing once this
-  // object is destroyed.
+  // Called once, before Next. Call `wake` when there may be a new part. `wake` does nothing once
+  // this object is destroyed.
   virtual void Start(std::function<void()> wake) = 0;
   // Returns the next part; null if there is none now. Connections may share parts.
   virtual std::shared_ptr<const std::string> Next() = 0;

@@ -20,7 +20,7 @@ namespace sweepstake::web {
 struct HttpLimits {
   // The maximum number of open connections; the next one waits until one ends.
   size_t max_connections = 2'048;
-  // A longer request line with its headers is answered with 431.
+  // A request whose request line and headers are longer is answered with 431.
   uint32_t max_header_bytes = 8 * 1024;
   // A longer body is answered with 413. A request is answered with 503 if its body would make all
   // bodies that are being read or answered exceed the total.

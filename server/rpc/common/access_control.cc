@@ -166,8 +166,8 @@ absl::StatusOr<AccessControl::Share> AccessControl::BeginWatch(const auth::Princ
                                                                const std::string& address) {
   std::vector<std::string> holders;
   if (caller.token_id != 0) holders.push_back(HolderOf(caller.token_id));
-  // Loopback addresses are not limited, because all watchers behind a proxy on this machine share
-  // one.
+  // Loopback addresses are not limited, because all watchers behind a proxy on this machine have
+  // the same address.
   if (!address.empty() && !net::IsLoopbackAddress(address)) holders.push_back(address);
   const uint32_t most = (options_.max_watchers + 1) / 2;
   const std::lock_guard lock(watchers_->mutex);

@@ -19,7 +19,7 @@ class LeaderPreview {
   // kMaxScenes scenes are read.
   LeaderPreview(priors::PriorReader& store, std::string project, bool is_preview);
 
-  // Returns the `preview` argument for the store's method; it must not outlive this object.
+  // Returns the `preview` argument for the store's method, which must not outlive this object.
   priors::Preview preview();
   // Returns the scenes whose leading arm changes; none if this is not a preview. Errors: those of
   // PriorReader::List.

@@ -15,7 +15,7 @@ namespace {
 
 using google::protobuf::Message;
 
-// A response stream over HTTP. It owns itself, by self_, until Finish.
+// A response stream over HTTP. self_ keeps the object alive until Finish.
 class HttpPages final : public PageSink, public std::enable_shared_from_this<HttpPages> {
  public:
   HttpPages(ServiceContext& context, HttpCall call) : context_(context), call_(std::move(call)) {}

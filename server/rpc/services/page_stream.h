@@ -44,8 +44,8 @@ class PageSink {
   virtual void Cancel(const absl::Status& status) = 0;
 };
 
-// Used on the decision loop. Its sink owns it until the last call of the stream; results of the
-// store reach it through a weak pointer.
+// Used on the decision loop. The sink owns the stream until the stream's last call. Results of the
+// store refer to the stream by a weak pointer.
 class PageStream final : public Transfer, public std::enable_shared_from_this<PageStream> {
  public:
   PageStream(ServiceContext& context, Caller caller, LoadPage load, PageSink& sink)

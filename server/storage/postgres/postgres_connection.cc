@@ -133,8 +133,8 @@ absl::Status PostgresConnection::Connect() {
 }
 
 absl::Status PostgresConnection::Open() {
-  // libpq expands a URL that is given as `dbname`. It overrides the parameters before it in the
-  // list.
+  // libpq expands a URL that is given as `dbname`. The URL overrides the parameters before it in
+  // the list.
   std::vector<const char*> names;
   std::vector<const char*> values;
   for (const auto& [name, value] : kDefaults) {

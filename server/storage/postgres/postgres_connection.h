@@ -63,7 +63,7 @@ class PostgresConnection final : public SqlDatabase {
   // parameters.
   absl::StatusOr<Statement> Prepare(const char* sql, std::span<const SqlValue> row);
   absl::StatusOr<Result> Query(const std::string& sql);
-  // Owns the result from now on. Returns it, or the error that it contains.
+  // Takes ownership of the result. Returns the result, or the error that it contains.
   absl::StatusOr<Result> Check(PGresult* result) const;
 
   const std::string url_;

@@ -60,7 +60,7 @@ std::string PostgresText(std::string_view sql, std::span<const char* const> type
   std::string text = absl::StrReplaceAll(WithoutParts(sql, "[]", "{}"),
                                          {{"instr(", "strpos("}, {"char(10)", "chr(10)"}});
   const bool is_batch = absl::StrContains(text, "@given");
-  for (size_t i = types.size(); i > 0; --i) {  // replaces ?10 before ?1, which it begins with
+  for (size_t i = types.size(); i > 0; --i) {  // replaces ?10 before ?1, because ?10 begins with ?1
     const std::string parameter =
         is_batch ? absl::StrCat("g.p", i) : absl::StrCat("$", i, "::", types[i - 1]);
     text = absl::StrReplaceAll(text, {{absl::StrCat("?", i), parameter}});

@@ -176,7 +176,7 @@ class SqlDatabase {
 absl::Status InTransaction(SqlDatabase& database, absl::FunctionRef<absl::Status()> body);
 
 // Makes all reads in its scope see one state of the database. A nested scope, or one in a
-// transaction, uses the state of the outer one.
+// transaction, uses the outer state.
 class SqlSnapshot {
  public:
   explicit SqlSnapshot(SqlDatabase& database);

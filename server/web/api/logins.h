@@ -41,7 +41,7 @@ class Logins {
   void MakeRoom(const std::string& token, int64_t unix_now_s);
 
   std::list<Login> logins_;  // ordered by the last use; the newest use is at the end
-  // By digest, so that the time of a lookup reveals nothing about the cookies.
+  // Logins by digest of the cookie, so that the time of a lookup reveals nothing about cookies.
   std::unordered_map<std::string, Place> by_cookie_digest_;
   std::unordered_map<std::string, size_t> counts_;  // by token
 };
