@@ -11,7 +11,7 @@ struct DashboardAsset {
   std::string_view path;          // as in a request: "/index.html", "/assets/main-1f2e3d4c.js"
   std::string_view content_type;  // "text/html; charset=utf-8"
   std::string_view gzip_bytes;    // one gzip member whose header has no optional fields
-  std::string_view etag;          // of the content, with its quotation marks
+  std::string_view etag;          // entity tag of the content, with its quotation marks
   bool is_immutable = false;      // the path contains a hash of the content
 };
 

@@ -95,7 +95,7 @@ function Header() {
   );
 }
 
-// Without a connection the page still shows the last data that it received, in grey.
+// Whether the shown data is old: without a connection the page shows the last data that it received, in grey.
 const isOld = () => !['live', 'connecting'].includes(connection.value.status);
 
 function App() {

@@ -3,7 +3,7 @@ import { signal, type ReadonlySignal } from '@preact/signals';
 import { colourOf, FAMILIES, familyRank } from '../../palette';
 
 const version = signal(0);
-/** Changes its value whenever the colours change. */
+/** A number that changes whenever the colours change. */
 export const theme: ReadonlySignal<number> = version;
 
 const known = new Map<string, string>();

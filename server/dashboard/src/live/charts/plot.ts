@@ -13,8 +13,8 @@ export interface Line {
   dash?: readonly number[];
   width?: number; // 0: only the edge of a band
   stepped?: boolean;
-  isAside?: boolean; // the range of the axis ignores it
-  arm?: string; // hiding this arm hides the line, in all charts
+  isAside?: boolean; // the range of the axis ignores this line
+  arm?: string; // the arm that the line shows; hiding this arm hides the line in all charts
 }
 /** The area between two lines, given by their indices. */
 export interface Band { upper: number; lower: number; fill: (context: CanvasRenderingContext2D) => CanvasPattern | string }
@@ -22,7 +22,7 @@ export interface Band { upper: number; lower: number; fill: (context: CanvasRend
 export interface Level {
   value: number;
   label: string; // drawn to the right of the chart, where one word fits
-  isAside?: boolean; // the range of the axis ignores it: the level is drawn only if values come near it
+  isAside?: boolean; // the range of the axis ignores this level, which is drawn only if values come near it
 }
 /** A vertical line at a time, optionally with a label. */
 export interface Moment { timeMs: number; colour: string; label?: string }

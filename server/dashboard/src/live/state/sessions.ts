@@ -10,7 +10,7 @@ export const MAX_ENDED_SESSIONS = 50;
 
 export interface SessionState {
   info: SessionInfo;
-  ended?: SessionEnded;  // without a reason: it ended while the page was disconnected
+  ended?: SessionEnded;  // set when the session has ended; without a reason if it ended while the page was disconnected
   decisions: readonly DecisionEvent[];  // oldest first; up to MAX_SESSION_DECISIONS, fewer if there are many sessions
 }
 

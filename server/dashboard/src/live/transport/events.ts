@@ -5,7 +5,7 @@ import { type ApiError, asApiError, HEADERS, errorOfResponse, jsonOf, linesOf, m
 
 const FIRST_DELAY_MS = 500;
 const MAX_DELAY_MS = 30_000;
-const MAX_SILENCE_MS = 40_000;  // silence after which it reconnects; the daemon sends a comment or an event at least every 15 s
+const MAX_SILENCE_MS = 40_000;  // silence after which the page reconnects; the daemon sends a comment or an event at least every 15 s
 
 export type LinkStatus = 'connecting' | 'live' | 'offline' | 'denied';
 
@@ -50,7 +50,7 @@ export const delayAfter = (failures: number, random: number) =>
 export class Watch<Input extends DescMessage, Output extends DescMessage> {
   private lastId = '';  // id of the last event; empty: request a snapshot
   private isWhole = false;  // a complete snapshot was received
-  private snapshot: MessageShape<Output>[] | undefined;  // messages so far of a snapshot that is being received
+  private snapshot: MessageShape<Output>[] | undefined;  // the messages received so far of a snapshot that is not complete yet
   private failures = 0;
   private attempt: AbortController | undefined;
   private isClosed = false;

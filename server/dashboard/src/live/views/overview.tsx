@@ -166,7 +166,7 @@ interface Concern {
   text: string;
   places: readonly { href: string; name: string }[];
   isBad: boolean;
-  allHref?: string; // a view that lists all of them
+  allHref?: string; // URL of a view that lists all places
 }
 
 const MAX_PLACES = 3; // links per problem
