@@ -71,7 +71,7 @@ typedef struct swp_link_options {
 /* The action that the caller must perform on its stream. */
 typedef uint32_t swp_link_action;
 enum {
-  SWP_LINK_NONE = 0,   /* nothing now */
+  SWP_LINK_NONE = 0,   /* there is nothing to do now */
   SWP_LINK_SEND = 1,   /* write the message */
   SWP_LINK_FINISH = 2, /* there are no more messages: end writing, and read until the end */
   SWP_LINK_CANCEL = 3  /* end the stream at once; repeated until swp_link_disconnected */
@@ -91,7 +91,7 @@ typedef struct swp_link_stats {
   uint32_t struct_size;
   swp_link_state state;
   uint64_t sent_frame_count;
-  uint64_t discarded_frame_count; /* refused by the daemon */
+  uint64_t discarded_frame_count; /* frames that the daemon refused */
   uint64_t sent_sequence;
   uint64_t acknowledged_sequence; /* messages up to this one are on the daemon's disk */
   uint64_t connection_count;      /* welcome messages received */
@@ -99,7 +99,7 @@ typedef struct swp_link_stats {
   uint64_t resent_message_count;
   uint64_t command_count;          /* switches that the daemon commanded */
   uint64_t unknown_message_count;  /* messages of a newer protocol, ignored */
-  uint64_t prior_source_count;     /* sources in the priors it started from */
+  uint64_t prior_source_count;     /* sources in the priors that the session started from */
   uint64_t seed;                   /* seed of the daemon's random draws */
   uint32_t priors_unavailable;     /* 1: the daemon could not read all of its priors */
   uint32_t awaits_acknowledgement; /* 1: sending pauses until the daemon acknowledges */
@@ -108,7 +108,7 @@ typedef struct swp_link_stats {
 /* Selects a text of a link. */
 typedef uint32_t swp_link_text;
 enum {
-  SWP_LINK_LAST_ERROR = 0, /* what went wrong most recently and what to do; "": nothing */
+  SWP_LINK_LAST_ERROR = 0, /* the latest error and its remedy; "": none */
   SWP_LINK_REFUSAL = 1, /* why the daemon refused the token, the names or the protocol of the latest
                            attempt; "": it did not (LAST_ERROR has other failures) */
   SWP_LINK_SESSION_ID = 2,     /* "" before the first welcome, like the next two */

@@ -49,7 +49,7 @@ enum {
   SWP_FRAME_REBUILD = 1, /* the backend's structure was rebuilt */
   SWP_FRAME_PAUSED = 2,  /* the game was paused or in the background */
   SWP_FRAME_LOADING = 4, /* a scene was loading */
-  SWP_FRAME_BAIL_OUT = 8 /* over the bail-out limit */
+  SWP_FRAME_BAIL_OUT = 8 /* the frame was over the bail-out limit */
 };
 
 /* The shadow lane is a thread that measures the inactive arms. It also prepares the next arm
@@ -82,7 +82,7 @@ typedef struct swp_session_options {
   uint32_t thread_count;        /* as in swp_world_options */
   uint32_t queue_frames;  /* samples kept for a decider or a link, a power of two, 2 to 2^20; if
                              full, the oldest is dropped */
-  swp_shadow_mode shadow; /* SWP_SHADOW_OFF unless set */
+  swp_shadow_mode shadow; /* default: SWP_SHADOW_OFF */
   uint32_t sorted_pairs;  /* 1: pairs ascend by a and then b whatever the arm, so that a switch does
                              not change a lockstep game; not part of a sample's detection time */
   double shadow_duty_ratio;     /* the lane's maximum share of one core, over 0 to 1; default:
@@ -112,7 +112,7 @@ typedef struct swp_frame_sample {
 } swp_frame_sample;
 
 typedef struct swp_switch_command {
-  uint64_t command_id; /* id of the decider's command, below 2^48; 0: not from a decider */
+  uint64_t command_id; /* id of the decider's command, below 2^40; 0: not from a decider */
   uint32_t arm;
   swp_switch_reason reason;
 } swp_switch_command;
@@ -129,7 +129,7 @@ typedef struct swp_switch_outcome {
 
 typedef uint32_t swp_shadow_state;
 enum {
-  SWP_SHADOW_STATE_OFF = 0,           /* set by the options */
+  SWP_SHADOW_STATE_OFF = 0,           /* the options disable the lane */
   SWP_SHADOW_STATE_ONE_ARM = 1,       /* off: there is only one arm */
   SWP_SHADOW_STATE_NO_SPARE_CORE = 2, /* resting: the game's threads use all cores */
   SWP_SHADOW_STATE_PAUSED = 3,        /* SWP_SHADOW_AUTO, and the mode was never SWP_MODE_AI */
@@ -145,7 +145,7 @@ typedef struct swp_shadow_stats {
   uint64_t visit_count; /* visits: measurements of one arm each */
   uint64_t capped_visit_count;
   uint64_t busy_time_ns; /* busy time of the lane's thread */
-  uint64_t memory_bytes; /* now */
+  uint64_t memory_bytes; /* memory of the lane now */
   uint64_t copied_frame_count;
   uint64_t copy_time_ns;      /* time of copying boxes on the frame thread */
   uint64_t warm_switch_count; /* switches whose arm the lane had prepared */
@@ -157,8 +157,8 @@ typedef uint32_t swp_verdict_kind;
 enum {
   SWP_VERDICT_UNKNOWN = 0,   /* nothing decided yet */
   SWP_VERDICT_STABLE = 1,    /* the leader is the best arm with a probability of 0.8 or more */
-  SWP_VERDICT_TIE = 2,       /* its probability is below 0.8, but choosing it loses at most 0.5 % */
-  SWP_VERDICT_AMBIGUOUS = 3, /* its probability is below 0.8, with a larger loss: expect switches */
+  SWP_VERDICT_TIE = 2,       /* the leader has less than 0.8, but choosing it loses at most 0.5 % */
+  SWP_VERDICT_AMBIGUOUS = 3, /* the leader has less than 0.8, with a larger loss: expect switches */
   SWP_VERDICT_DEGRADED = 4   /* even the leader misses the frame-rate floor: simplify the scene */
 };
 
@@ -177,7 +177,7 @@ enum {
   SWP_DECISION_HELD_COOLDOWN = 3, /* the cooldown after the latest switch has not passed */
   SWP_DECISION_HELD_SETTLING = 4, /* all frames were settling, or a switch is in progress */
   SWP_DECISION_NO_FRAMES = 5,     /* no frame to learn from since the previous decision */
-  SWP_DECISION_MANUAL = 6,        /* SWP_MODE_MANUAL */
+  SWP_DECISION_MANUAL = 6,        /* the mode is SWP_MODE_MANUAL */
   SWP_DECISION_EXPLORING = 7,     /* no candidate; the command goes to the next arm to try */
   SWP_DECISION_REJECTED = 8,      /* a metric is not finite */
   SWP_DECISION_HELD_GATE = 9,     /* the expected gain is less than the cost of the switch */

@@ -42,7 +42,7 @@ typedef struct swp_counters {
   uint32_t struct_size;
   uint32_t object_count;
   uint64_t aabb_check_count;  /* checks of the latest build or update, and search */
-  uint64_t native_bytes;      /* held by the backend's own buffers */
+  uint64_t native_bytes;      /* bytes of the backend's own buffers */
   uint64_t detection_time_ns; /* time of the latest build or update, plus the search */
   uint64_t pair_count;        /* pairs of the latest search; 0 before it */
   uint32_t backend_version;   /* incremented by each change that could alter its cost */

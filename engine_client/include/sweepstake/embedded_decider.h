@@ -32,7 +32,7 @@ struct ArmBelief {
   std::string arm;
   double alpha = 1;
   double beta = 1;
-  // Absent while nothing has been learnt.
+  // The arm's standing; absent while nothing has been learnt.
   std::optional<ArmStanding> standing{};
 };
 
@@ -82,9 +82,9 @@ struct EmbeddedOptions {
   std::string source_id;
   uint64_t seed = 1;
   double time_scale = 1;  // 1–1000: divides every interval except the bail-out limit
-  // Time between decisions, 1 ns to 100 days. A decision learns from the mean over this time. Half
-  // the time doubles the variance of the mean and the cost of deciding, but a change is detected
-  // twice as fast.
+  // Time between decisions, 1 ns to 100 days. A decision learns from the mean over this time. With
+  // half the time, the variance of the mean and the cost of deciding double, but a change is
+  // detected twice as fast.
   uint64_t decision_interval_ns = 2'000'000'000;
   // Minimum time from an executed switch to the next one that the policy chooses, at most 100 days.
   // Some policies wait less after a cheap switch. Bail-outs do not wait.
@@ -93,7 +93,7 @@ struct EmbeddedOptions {
   // twice this time; with 0 no trials are made.
   uint64_t settling_ns = 2'000'000'000;
   // The frame-rate floor in frames/s, 0–1000. A scene whose best arm is slower gets the verdict
-  // kDegraded. With 0, no scene does.
+  // kDegraded. With 0, no scene gets it.
   double fps_floor = 30;
   Mode mode = Mode::kAi;
   // Called with every decision, on the thread that drives the decider. It must not call the

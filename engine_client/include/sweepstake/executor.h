@@ -5,7 +5,7 @@
 // for programs without a job system. A backend calls RunParts on the thread that called the
 // backend, never from inside a part. Ownership: an object that is given an Executor borrows it.
 // Cost: a backend runs a few parts per thread. In a small scene it does everything on the calling
-// thread. The calling thread runs parts too, and then waits for parts that other threads have
+// thread. The calling thread also runs parts, and then waits for the parts that other threads have
 // begun.
 #pragma once
 

@@ -14,7 +14,7 @@ enum FrameFlag : uint32_t {
   kFrameRebuild = 1,  // the backend's structure was rebuilt
   kFramePaused = 2,   // the game was paused or in the background
   kFrameLoading = 4,  // a scene was loading
-  kFrameBailOut = 8,  // over the bail-out limit
+  kFrameBailOut = 8,  // the frame was over the bail-out limit
 };
 
 inline constexpr uint64_t kBailOutNs = 5'000'000'000;  // the default bail-out limit
@@ -138,7 +138,7 @@ struct ArmStanding {
   // would give the same width. Priors and evidence of the lane are included.
   double effective_window_count = 0;
   double best_probability = 0;  // the probability that this arm is the best
-  // Absent while nothing is known, and if the policy's reward does not depend on the cost alone.
+  // Absent before any measurement, and if the policy's reward does not depend on the cost alone.
   std::optional<CostRatio> cost_ratio;
 };
 

@@ -42,7 +42,7 @@ struct FlightRecording {
 // The statistics of a session since it began. All fields are from the same moment.
 struct SessionStats {
   ConnectionState state = ConnectionState::kOffline;
-  std::string last_error;  // what went wrong most recently and what to do; empty: nothing
+  std::string last_error;  // the latest error and its remedy; empty: none
   // The daemon's reason for refusing the latest attempt, for example an unknown policy or a revoked
   // token. Trying again does not help, but is done at long intervals. Empty: the daemon did not
   // refuse.
@@ -75,7 +75,7 @@ struct SessionStats {
   std::vector<ArmBelief> beliefs;  // the latest posterior snapshot; empty: none yet
   // Existing files of the flight recorder, the oldest first; at most 8.
   std::vector<FlightRecording> recordings;
-  std::string recording_error;  // why the latest file was not written, and what to do; empty: none
+  std::string recording_error;  // why the latest file was not written, and the remedy; empty: none
   // The verdict with `beliefs`. The frame thread uses AdaptiveBroadPhase::verdict() instead.
   SceneVerdict verdict;
 };

@@ -38,7 +38,7 @@ struct ShadowOptions {
 
 // The lane's state and its reason. Values are stable: the C ABI has the same ones.
 enum class ShadowState : uint32_t {
-  kOff = 0,          // set by the options
+  kOff = 0,          // the options disable the lane
   kOneArm = 1,       // off: there is only one arm
   kNoSpareCore = 2,  // resting: the game uses all cores; checked again every second
   kPaused = 3,       // kAuto in a game that has always been manual

@@ -1,7 +1,7 @@
-// The outcome of an operation that can fail for a reason outside the program: a code for the
-// program and a message for people that states what to do. Both types are values, safe to copy
-// between threads; constructing an OK status does not allocate. X11/Xlib.h has a macro named
-// Status: see names/begin.h.
+// The outcome of an operation that can fail for a reason outside the program: a code for programs,
+// and a message for people that gives the remedy. Both types are values, safe to copy between
+// threads; constructing an OK status does not allocate. X11/Xlib.h has a macro named Status: see
+// names/begin.h.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ enum class StatusCode : int32_t {
   kNotFound = 2,            // No such file or name.
   kDataLoss = 3,            // A file exists and its content is broken.
   kUnavailable = 4,         // Something cannot be reached; trying again may help.
-  kResourceExhausted = 5,   // A documented bound was hit.
+  kResourceExhausted = 5,   // A documented bound was reached.
   kFailedPrecondition = 6,  // Calls in the wrong order.
   kInternal = 7,            // A bug in this library.
 };
