@@ -17,7 +17,7 @@ bool HasMoved(uint64_t now, uint64_t reference) {
   return std::max(change, -change) > ShadowSchedule::kChangeRatio * before;
 }
 
-// Returns the median. For an even number of values, returns the lower of the two middle ones.
+// Returns the median. For an even number of values, this is the lower one of the two middle values.
 uint64_t LowerMedian(std::span<const uint64_t> values) {
   std::array<uint64_t, kShadowBurstFrames> sorted;
   std::copy(values.begin(), values.end(), sorted.begin());

@@ -1,5 +1,5 @@
-// Copies some of a frame's boxes from the frame thread to another thread, which shows them to an
-// operator.
+// Copies some of a frame's boxes from the frame thread to another thread, so that an operator can
+// view them.
 //
 // The other thread requests boxes. The frame thread then copies every stride-th box of the next
 // frame. Without a request it copies nothing. Memory: 24 bytes per requested box, until Release.

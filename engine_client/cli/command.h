@@ -1,4 +1,4 @@
-// What the *_command.cc files share: functions that declare a subcommand and check its numbers, and
+// Used by all *_command.cc files: functions that declare a subcommand and check its numbers, and
 // options that several commands have.
 #pragma once
 

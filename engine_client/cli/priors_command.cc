@@ -221,7 +221,7 @@ Status CheckNamesAny(const v1::SourceFilter& sources) {
           "select the sessions to revoke with --source, --build, --token-id, --since or --until"};
 }
 
-// Explains why a revocation removes nothing.
+// Returns text that explains why a revocation removes nothing.
 std::string NothingText(const PriorsOptions& options) {
   std::string text = "no session matches, or all that match are revoked already";
   v1::SourceFilter rest = options.sources;

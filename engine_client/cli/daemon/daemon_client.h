@@ -1,4 +1,4 @@
-// What all calls to a daemon share: opening a channel, setting a deadline and translating statuses.
+// Functions that all calls to a daemon use: open a channel, set a deadline, translate statuses.
 // Thread-safe.
 #pragma once
 

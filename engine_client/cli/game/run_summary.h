@@ -40,7 +40,7 @@ struct SwitchRow {
   std::string from;
   std::string to;
   SwitchReason reason = SwitchReason::kPolicy;
-  // Both are 0 if the run ended before the switch had settled.
+  // The next two values are 0 if the run ended before the switch had settled.
   uint64_t rebuild_time_ns = 0;
   uint64_t settling_cost_ns = 0;
   // If the switch ended a trial: the search time that ended it. Otherwise 0.

@@ -9,8 +9,8 @@
 
 namespace sweepstake::cli {
 
-// Returns nanoseconds: above 0, at most 30 days. Otherwise returns kInvalidArgument with a message
-// that describes the format.
+// Returns the nanoseconds, from 1 ns to 30 days. For other text returns kInvalidArgument with a
+// message that describes the format.
 Result<uint64_t> ParseDuration(std::string_view text);
 
 inline double Seconds(uint64_t ns) { return static_cast<double>(ns) * 1e-9; }

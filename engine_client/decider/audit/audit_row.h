@@ -50,7 +50,7 @@ enum class AuditKind : uint32_t {
 inline constexpr std::array<std::string_view, 10> kAuditKindNames = {
     "", "setup", "tick", "bail-out", "switch", "refusal", "mode", "order", "missing", "admin"};
 
-// Describes where a segment comes from, for people who read the log. Decisions do not depend on it.
+// Describes the origin of a segment, for readers of the log. Decisions do not depend on it.
 struct AuditOrigin {
   std::string session_id;
   uint32_t segment = 1;  // a session that continues after a restart has a new segment

@@ -1,9 +1,9 @@
 // The evidence of an embedded decider: the records that it started with, and records of its own
 // source, to which it adds what its session learns.
 //
-// If the given records already contain the session's own source, that source is continued: its
-// records grow and their sequence numbers rise. A store therefore replaces an earlier export with a
-// later one. Not thread-safe. Memory: the given records plus two records per arm.
+// If the given records already contain the session's own source, the ledger continues that source:
+// its records grow and their sequence numbers rise. A store therefore replaces an earlier export
+// with a later one. Not thread-safe. Memory: the given records plus two records per arm.
 #pragma once
 
 #include <cstddef>

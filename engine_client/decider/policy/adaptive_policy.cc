@@ -13,7 +13,7 @@ namespace {
 
 constexpr double SquareOf(double x) { return x * x; }
 
-// Constants that concern priors.
+// Constants of the use of priors.
 constexpr double kFlatEvidence = 2.5;  // a prior with α + β below this is ignored; Beta(1,1) has 2
 constexpr double kPriorVariance = SquareOf(0.15);  // minimum variance of a prior's log-cost
 constexpr double kUnknownDeviation = 0.8;  // standard deviation of an unknown arm's log-cost

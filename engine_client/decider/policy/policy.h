@@ -108,7 +108,7 @@ struct PolicySetup {
 // not empty, no NaN.
 Choice HighestOf(std::vector<double> draws);
 
-// Returns the choice of this arm without any draw.
+// Returns a choice of this arm that contains no draws.
 Choice ChoiceOf(uint32_t arm);
 
 // For policies that choose once per cooldown. (The paper's policy draws at every tick.) Returns

@@ -7,7 +7,7 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kNewVariance = 0.3 * 0.3;  // widens the beliefs of a new regime
+constexpr double kNewVariance = 0.3 * 0.3;  // added to the beliefs of a new regime
 constexpr double kTickWeight = 1.0 / 12;    // weight of a tick in shares and rates
 constexpr double kMaxChangeRate = 0.4;
 

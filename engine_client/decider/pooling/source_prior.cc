@@ -149,7 +149,7 @@ class MedianPolish {
       cell.log_cost.variance = std::max(cell.log_cost.variance, medians[cell.arm]);
   }
 
-  // Removes outliers. However far away an outlier is, it would move a median a little to its side.
+  // Removes outliers, because even in a median each outlier moves the result a little to its side.
   void DropOutliers() {
     std::vector<double> reaches;
     for (size_t arm = 0; arm < arms_.size(); ++arm)

@@ -31,7 +31,7 @@ struct OrderReport {
   int64_t now_ns = 0;
 };
 
-// The inputs of a tick, except for the runs.
+// The inputs of a tick, except the arms' runs (arm_runs.h).
 struct TickInput {
   int64_t now_ns = 0;
   std::span<const ShadowSample> shadow_samples;

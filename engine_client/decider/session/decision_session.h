@@ -37,9 +37,9 @@
 //   charged with the penalty, or not charged because the arm is not to blame. A bail-out beyond
 //   BailOutBudget (safeguards.h), or with kFrameNoEvidence, changes the session like any other but
 //   has no increment to store.
-// - Policies differ in what they learn, how they choose and which cooldown they use (policy.h). All
-//   rules above hold for each of them. A policy that does not explore begins with an ordinary tick.
-//   A policy that starts from priors takes its first decision at start_ns.
+// - Policies differ in learning, in the choice of arms, and in the cooldown (policy.h). All rules
+//   above hold for each of them. A policy that does not explore begins with an ordinary tick. A
+//   policy that starts from priors takes its first decision at start_ns.
 // - Rebuilds. A rebuild because of a changed object count starts another settling, except within
 //   exploration slots (ArmRun::Observe in arm_runs.h).
 #pragma once

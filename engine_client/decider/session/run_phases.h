@@ -18,7 +18,7 @@ namespace sweepstake::decision {
 // seed on every platform.
 std::vector<uint32_t> ExplorationOrder(uint64_t seed, uint32_t arm_count);
 
-// The order in which the exploration runs the arms, and the arm whose turn it is.
+// The order in which the exploration runs the arms, and the arm that is explored now.
 class Exploration {
  public:
   // The slot of an arm is skipped after this many commands that the client did not execute. The
@@ -31,7 +31,7 @@ class Exploration {
 
   bool done() const { return explored_ == order_.size(); }
   uint32_t explored_arm_count() const { return explored_; }
-  // The arm whose turn it is. REQUIRES: !done().
+  // Returns the arm that is explored now. REQUIRES: !done().
   uint32_t slot_arm() const { return order_[explored_]; }
 
   // REQUIRES: !done().

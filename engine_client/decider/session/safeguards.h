@@ -80,8 +80,8 @@ class SwitchGate {
 // Decides whether a scene is degraded: even the leader, the arm that is most probably the best, is
 // below the frame-rate floor (paper §7.1).
 //
-// To avoid flicker, the state changes only after kWindowCount windows in a row (6 s at the paper's
-// interval).
+// So that the state does not alternate, it changes only after kWindowCount windows in a row (6 s at
+// the paper's interval).
 // - A window under the floor, of any arm, counts towards entering the state if the leader's own
 //   latest window was under the floor too. Otherwise the leader was fast or has not run, so the
 //   slow window of another arm shows nothing.

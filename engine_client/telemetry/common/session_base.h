@@ -77,7 +77,7 @@ class SessionBase : public Session {
   virtual bool Step(bool stopping) = 0;
   virtual std::chrono::milliseconds poll_interval() const = 0;
 
-  // For the sender thread only, from Prepare until the end of Stop.
+  // Only for the sender thread, and valid from Prepare until the end of Stop.
   AdaptiveBroadPhase& adaptive() const { return *adaptive_.load(std::memory_order_relaxed); }
   uint64_t stop_deadline_ns() const { return stop_deadline_ns_.load(); }
 

@@ -121,8 +121,8 @@ void BoxViewer::Begin() {
   asked_ = waits_ = true;
 }
 
-// Ends the viewing and frees the tap's memory. If the frame thread is just copying, Release fails,
-// and the next Advance tries again.
+// Ends the viewing and frees the tap's memory. If the frame thread is copying at this moment,
+// Release fails, and the next Advance tries again.
 void BoxViewer::End() {
   message_.clear();
   if (!asked_ || !tap_.Release()) return;

@@ -1,4 +1,4 @@
-// Turns the content of a session's queue into messages. Runs on the sender thread.
+// Converts the content of a session's queue to messages. Runs on the sender thread.
 #pragma once
 
 #include <cstddef>

@@ -33,7 +33,7 @@
 
 namespace sweepstake {
 
-// What the owner of the stream must do next.
+// The next action of the stream's owner.
 enum class LinkAction : uint32_t {
   kNone = 0,    // nothing now
   kSend = 1,    // write the next message
@@ -53,7 +53,7 @@ struct StreamEnd {
 struct LinkStream {
   uint64_t deadline_ns = 0;  // time by which the daemon must have answered
   std::optional<uint64_t> online_since_ns;
-  std::string fault;  // what the daemon did wrong; empty if nothing
+  std::string fault;  // the daemon's protocol error; empty if none
   // The delay before the next connection, as requested by the daemon.
   std::optional<uint32_t> reconnect_delay_ms;
   bool hello_sent = false;
