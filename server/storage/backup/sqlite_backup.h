@@ -1,6 +1,5 @@
-// Copies the SQLite prior store while a daemon runs, verifies copies, and restores them.
-// Copies leave out damaged rows, whose stored hash does not match their content
-// (sqlite_schema.h).
+// Copies the SQLite prior store while a daemon runs, verifies copies, and restores them. Copies
+// leave out damaged rows, whose stored hash does not match their content (sqlite_schema.h).
 #pragma once
 
 #include <atomic>

@@ -130,9 +130,8 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   // Writes the progress of the applied updates to the table of sources.
   absl::Status UpdateSources(const Sources& sources);
   // Locks the matching sources and returns their ids. If `quarantined`, matches sources with
-  // evidence in quarantine, even revoked ones (a revocation for one project keeps the
-  // quarantined evidence about other projects); otherwise matches sources that are not
-  // revoked.
+  // evidence in quarantine, even revoked ones (a revocation for one project keeps the quarantined
+  // evidence about other projects); otherwise matches sources that are not revoked.
   absl::StatusOr<Ids> LockMatching(const priors::SourceFilter& filter, bool quarantined);
   absl::Status Bar(const Ids& sources);
 
