@@ -21,11 +21,11 @@ import sys
 import live
 from judging.common import or_dash, table
 
-# The frames of a visit: first the unmeasured ones (the build and the warm-up), then the measured ones
+# A visit of the lane has VISIT_FRAMES frames. The first UNMEASURED_FRAMES of them, the build and the warm-up, are not measured
 # (engine_client/adaptive/shadow_schedule.h).
 UNMEASURED_FRAMES = 3
 VISIT_FRAMES = 8
-# With a smaller quota (in processors) the lane does not run, so that the game has all the time.
+# With a quota of fewer processors the lane does not run, so that the game gets all of their time.
 MIN_QUOTA = 2
 CONDITIONS = [condition for condition in live.CONDITIONS if condition != "one-cpu"]
 ACTIVE, CAPPED = 1, 2

@@ -126,7 +126,7 @@ class Game:
                 raise Failure(f"sweepstake run ended with {done.returncode}: {done.stderr.strip()[:800]}")
             self.summary = json.loads(done.stdout)
             self.read(pathlib.Path(folder))
-        # A game of a few hundredths of a second may end without a frame because of other load.
+        # Because of other load, a game of a few hundredths of a second may end without a frame. It is then played for twice the time.
         if not self.frame_ns and seconds < LONGEST_AGAIN_S:
             return self.play(*words, seconds=2 * seconds)
         return self.frame_ns

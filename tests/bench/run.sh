@@ -63,7 +63,7 @@ bench() {
   return "$measured"
 }
 
-# Adds the goals. A missed goal is shown in the table but is not an error, because ratios depend on the machine and on other programs.
+# Compares the measurements with the goals. A missed goal is shown in the table but is not an error, because ratios depend on the machine and on other programs.
 judge() {
   local judged=0 document=$documents/$part-${#pages[@]}.json
   "$here/judge.py" bench --json "$documents/measured.json" >"$document" || judged=$?

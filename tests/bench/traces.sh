@@ -15,7 +15,7 @@ Existing traces are kept, so that an interrupted run can be continued.
   --repeats N     runs of each scene; with 1 the traces contain every disturbed frame (default: that of \`sweepstake-lab trace\`)
   --quick         at most 120 frames of 300 objects, as a smoke test
   --program PATH  the program \`sweepstake-lab\` (default: build/release/bin/sweepstake-lab)
-Takes 5 to 20 minutes per list on two cores; the machine should be otherwise idle.
+Takes 5 to 20 minutes per list on one core; the machine should be otherwise idle.
 END
 }
 

@@ -22,7 +22,7 @@ SCENES = ("brownian,rotating-gravity,hurricane,free-fall,random-gravity,suite-b,
           "gather-and-scatter,day-and-night,arrivals,count-changing,spawning,nearly-resting,few-moving,falling,one-huge,"
           "teleporting,beams,clusters,planar,sizes-1-to-1000,mixture")
 ALWAYS = "KDTree"
-# Minimum share of other work in a frame for measuring the speed of the machine.
+# The work besides detection shows the speed of the machine only if it takes at least this share of the frame time.
 LEAST_REST = 0.1
 
 

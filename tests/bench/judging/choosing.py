@@ -9,7 +9,7 @@ from judging.common import InputError, limit_of, meets, or_dash, percent, read_g
 from judging.decisions import goals_text, limit_text
 
 GOALS = pathlib.Path(__file__).resolve().parents[1] / "data/goals.toml"
-# Keys of a goal that a cell must match.
+# If a goal has one of these keys, it judges only the cells with the same value.
 SELECTING = ("condition", "category", "flip_s")
 # Columns of the cells' table that are printed as percent.
 PERCENT = ("headroom", "captured", "regret", "excess", "half_width")
@@ -50,7 +50,7 @@ def worst(goal, values):
 
 OVER = {"each": lambda goal, cells: worst(goal, [cell[goal["figure"]] for cell in cells]), "mean": mean, "weighted": weighted,
         "share": share, "times": times, "group": worst_group}
-# Goals that are judged over all cells together; the value of a single cell is not compared with them.
+# A goal with one of these values of `over` is judged only over all cells together, and not for each cell.
 WITHOUT_CELLS = ("share", "times")
 
 

@@ -21,7 +21,7 @@ def pooled_trials(rows):
     return worst_of_trials(ratios, controls) if len(ratios) >= MIN_TRIALS else None
 
 
-# The column of each figure, and how the scenes' rows are combined.
+# For each figure of a goal: the column of the rows, and the function that combines the rows of the scenes.
 FIGURES = {
     "mean_regret": ("regret", lambda rows: statistics.fmean(row["regret"] for row in rows)),
     "largest_regret": ("regret", lambda rows: max(row["regret"] for row in rows)),

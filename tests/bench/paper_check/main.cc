@@ -1,5 +1,5 @@
-// The program `paper_check` compares the policy `paper` with the paper: its Tables 3 and 4 beside
-// the predictions of the real decision core.
+// The program `paper_check` compares Tables 3 and 4 of the paper with predictions, which the real
+// decision core makes with the policy `paper`.
 
 #include <unistd.h>
 

@@ -26,7 +26,7 @@ std::vector<PaperGame> Play(const PaperRules& rules, const PaperCell& cell, cons
   return games;
 }
 
-// `deviation` is the standard deviation of a run.
+// `deviation` is the standard deviation of the figure between runs.
 PaperResidual Compare(std::string_view name, const PaperFigure& paper, const PaperFigure& ours,
                       double deviation, uint32_t run_count) {
   const double error = deviation / std::sqrt(static_cast<double>(run_count));
@@ -172,7 +172,7 @@ double SecondsPerObservation(const PaperCell& cell) {
   constexpr double kSettlingS = 2;
   constexpr double kNotLearnt = 2 + 2;  // part of n* from the prior and the exploration's windows
   const double active_s = cell.active_percent.mean / 100 * kObservationS;
-  // Every second switch leads to the dominant arm.
+  // Assumes that every second switch leads to the dominant arm, which must then settle.
   const double settling_s = cell.switches.mean / 2 * kSettlingS;
   return (active_s - settling_s) / (cell.evidence.mean - kNotLearnt);
 }

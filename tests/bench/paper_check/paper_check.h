@@ -1,14 +1,14 @@
-// Compares the policy `paper` with the paper. For each cell of its Table 4, μ* and the active share
-// are fitted with the two costs of paper_game.h. The switches, n* and the dominance of Table 3 are
-// then predictions of the policy, which are compared with the paper's.
+// Compares the policy `paper` with the paper. For each cell of the paper's Table 4, the two costs
+// of paper_game.h are fitted to μ* and the active share. With these costs the policy predicts the
+// switches, n* and the dominance of Table 3. The predictions are compared with the paper's figures.
 //
-// The same is done with the policy `random`, and with minimum numbers of samples per window, the
-// same for all cells.
+// The same is done with the policy `random`, and with the policy `paper` and a minimum number of
+// samples per window that is the same for all cells.
 //
-// Our runs are aggregated like the paper's five runs: switches over all of them; active share, μ*
-// and n* over those in which the cell's dominant arm dominates. A difference is measured in
-// standard errors of the mean of five runs (or of as many as the paper's mean has), from the mean
-// of the paper's and our variance.
+// Our runs are averaged like the paper's five runs: the switches over all runs; the active share,
+// μ* and n* over the runs in which the cell's dominant arm dominates. Differences are measured in
+// standard errors of the paper's mean, a mean of at most five runs. The variance of a run is
+// assumed to be the mean of the paper's and our variance.
 //
 // Deterministic; the result does not depend on the number of threads.
 #pragma once
@@ -57,29 +57,29 @@ inline constexpr std::array<uint32_t, 4> kMinSampleCounts = {20, 40, 80, 160};
 // Returns `paper` as shipped, `random`, and `paper` with each of kMinSampleCounts.
 std::vector<PaperRules> PaperRulesToCheck();
 
-// Returns one prediction per rules and cell; the cells of the first rules come first. `on_done` is
-// called on the calling thread with the number of finished predictions. REQUIRES: at least one
-// seed.
+// Returns one prediction for each pair of rules and cell, with all cells of the first rules first.
+// `on_done` is called on the calling thread with the number of finished predictions. REQUIRES: at
+// least one seed.
 std::vector<PaperPrediction> CheckPaper(std::span<const PaperRules> rules,
                                         std::span<const PaperCell> cells,
                                         const PaperCheckOptions& options,
                                         const std::function<void(uint64_t done)>& on_done);
 
-// Finds the costs that give a cell's μ* and active share, or come closest to them. It increases or
-// decreases one cost at a time by a factor, and shrinks the factor if neither helps. It uses 8 runs
-// first, and then all.
+// Finds the costs that give a cell's μ* and active share, or come closest to them. Increases or
+// decreases one cost at a time by a factor, and reduces the factor if neither helps. A trial of two
+// costs has at most 8 runs at first, and later `seed_count` runs.
 PaperCosts FitPaperCosts(const PaperRules& rules, const PaperCell& cell, uint32_t seed_count);
 
-// Compares the figures of some runs with those of the cell. REQUIRES: not empty.
+// Compares our runs `games` with the paper's figures of the cell. REQUIRES: `games` is not empty.
 std::array<PaperResidual, 5> CompareWithPaper(const PaperCell& cell,
                                               std::span<const PaperGame> games);
 
-// Returns the seconds of active time (without settling) per observation in the paper's n*: 2 if
-// every tick was an observation.
+// Returns the seconds of active time (without settling) per observation in the paper's n*. The
+// result is 2 if every tick was an observation.
 double SecondsPerObservation(const PaperCell& cell);
 
-// The number of predicted figures that are close, and their root mean square distance in standard
-// errors, with each distance limited to 10.
+// The number of predicted figures that are close (is_close), and the root mean square distance of
+// all predicted figures in standard errors. Each distance is limited to 10.
 struct PaperScore {
   uint32_t close_count = 0;
   uint32_t figure_count = 0;

@@ -8,15 +8,15 @@
 
 namespace sweepstake::cli {
 
-// The predictions, each list in the order of CheckPaper. best_min_samples are those of
-// with_min_samples that come closest to the paper over all cells.
+// The predictions by rules, each list in the order of CheckPaper. best_min_samples is the list of
+// with_min_samples that comes closest to the paper over all cells.
 struct PaperReport {
   std::span<const PaperPrediction> paper;
   std::span<const PaperPrediction> random;
   std::vector<std::span<const PaperPrediction>> with_min_samples;
   std::span<const PaperPrediction> best_min_samples;
 };
-// REQUIRES: `predictions` are those of PaperRulesToCheck.
+// REQUIRES: `predictions` is a result of CheckPaper for PaperRulesToCheck().
 PaperReport ReportOf(std::span<const PaperPrediction> predictions);
 
 void PrintPaperCheckTable(const PaperReport& report, const PaperCheckOptions& options,

@@ -60,7 +60,8 @@ TEST(PaperGame, ContinuesAWindowUntilItHasEnoughSamples) {
 }
 
 TEST(PaperGame, AFrameOverTheLimitIsABailOut) {
-  // All other arms exceed the limit. After the first frame of the fast arm, no other arm is chosen.
+  // All other arms exceed the bail-out limit. After the first frame of the fast arm, no other arm
+  // is chosen.
   const PaperGame game = PlayPaperGame({}, {.detection_ms = 1, .gap_ms = 5'500}, kAxisSweep, 1);
   EXPECT_EQ(game.dominant_arm, kAxisSweep);
   EXPECT_GT(game.active_percent, 90);

@@ -101,7 +101,7 @@ class Game {
     samples_.clear();
   }
 
-  // The session notices the switch by the epoch of the frames.
+  // Executes the decision's command. The session detects the switch by the epoch of the frames.
   void Execute(const decision::Decision& decision) {
     if (!decision.command) return;
     arm_ = decision.command->arm;
@@ -125,7 +125,7 @@ class Game {
     return frame;
   }
 
-  // Returns a standard normal value, one for each second and arm.
+  // Returns a standard normal value, but at least −3. It is constant for each second and arm.
   double Wobble() {
     const int64_t second = now_ns_ / kWobbleNs;
     if (second != wobble_second_ || arm_ != wobble_arm_) {

@@ -38,10 +38,10 @@ struct PaperRules {
 
 struct PaperGame {
   uint64_t switch_count = 0;  // executed in the 15 minutes after the exploration
-  uint32_t dominant_arm = 0;  // the arm with the longest active time in them
-  double active_percent = 0;  // its share of the active time
-  double posterior_mean = 0;  // μ* = α ÷ (α + β) of that arm
-  double evidence = 0;        // n* = α + β of that arm
+  uint32_t dominant_arm = 0;  // the arm with the longest active time in this period
+  double active_percent = 0;  // share of dominant_arm in the active time
+  double posterior_mean = 0;  // μ* = α ÷ (α + β) of dominant_arm
+  double evidence = 0;        // n* = α + β of dominant_arm
 };
 
 // REQUIRES: the policy is `paper` or `random`, fast_arm is one of kPaperArms, the costs are >= 0.

@@ -54,7 +54,8 @@ BulletGameOptions Visitors(int bodies) {
   return options;
 }
 
-// Every kind of body, rays and box queries, and blows that wake the heap every five seconds.
+// Returns options for every kind of body, for rays and box queries, and for blows that wake the
+// heap every five seconds.
 BulletGameOptions Mixed(int bodies) {
   BulletGameOptions options = PileOf(bodies);
   options.stack_height = 10;
@@ -141,7 +142,7 @@ std::unique_ptr<Session> MakeSession() {
   return std::move(*MakeEmbeddedSession(options, {}));
 }
 
-// Uses AI Decides in the process at twenty times its speed, because a run lasts seconds.
+// Uses AI Decides in the process with time scale 20, because a run lasts only seconds.
 class AllOfOurs final : public Contestant {
  public:
   AllOfOurs(std::string name, const BulletGameOptions& options)
@@ -222,8 +223,8 @@ void Measure(const NamedWorld& world, int bodies, int steps) {
   for (const auto& one : contestants) Print(world, *one, *contestants.front());
 }
 
-// The boxes of a world, including the ground and walls, in the order of the world. In this order
-// the last body replaces one that is removed.
+// The boxes of a world, including the ground and walls, in the order of the world. If a body is
+// removed, the last body takes its place in this order.
 class WorldScene final : public Scene {
  public:
   WorldScene(const NamedWorld& world, const BulletGameOptions& options)

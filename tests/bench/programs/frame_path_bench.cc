@@ -1,14 +1,14 @@
 // Measures the cost of adaptation and telemetry on the frame thread without the backend: the frame
-// path with a backend that does nothing. Its samples are discarded, go into a queue that is never
-// read, or into a queue that is read like a session does.
+// path with a backend that does nothing. Its samples are discarded, or go into a queue that is
+// never read, or into a queue that a thread empties as a session does.
 //
 // Prints nanoseconds per frame (goal: below 100). Counted separately per frame: calls of operator
 // new and malloc, calls that could block the thread (see wait_counter.h), and all system calls
 // including those of the clock (system_call_counter.h). Exits with 1 if any of these is not zero.
 //
 // BM_Descriptors: the cost of describing the scene, also as a share of the detection time of the
-// cheapest arm in this scene (goal: below 1 %). BM_CopyForTheLane: a frame whose boxes the shadow
-// lane requested, which is rare.
+// cheapest arm in this scene (goal: below 1 %). BM_CopyForTheLane: the cost of a frame whose
+// boxes the shadow lane requested, which is rare.
 #include <benchmark/benchmark.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -215,7 +215,7 @@ void BM_CopyForTheLane(benchmark::State& state) {
 }
 BENCHMARK(BM_CopyForTheLane)->Arg(1000)->Arg(10'000);
 
-// Measures the part of a frame's cost that reading the clock takes: two readings per frame.
+// Measures how much of a frame's cost the clock causes: a frame reads it twice.
 void BM_TwoReadingsOfTheClock(benchmark::State& state) {
   Clock& clock = SteadyClock();
   while (state.KeepRunning()) {

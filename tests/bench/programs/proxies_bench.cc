@@ -162,8 +162,8 @@ void SortPairs(benchmark::State& state) {
 }
 BENCHMARK(SortPairs)->UseManualTime()->Iterations(kFrames)->Unit(benchmark::kMicrosecond);
 
-// Returns a box among 10,000 moving and 100,000 static ones, anywhere in the world of the static
-// ones.
+// Returns a box at a random place in the world of the 100,000 static boxes, which contains the
+// 10,000 moving boxes.
 Aabb Anywhere(SequentialRandom& random, float half_extent) {
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {

@@ -105,7 +105,7 @@ float EnterAt(const float* origin, const float* direction, const float* min, con
 
 btVector3 Vector(const float* v) { return {v[0], v[1], v[2]}; }
 
-// Bullet calls `process` for each box along the ray.
+// Finds the distance of the nearest hit. Bullet calls `process` for each box along the ray.
 struct NearestOfBullet final : btBroadphaseRayCallback {
   const Ray* ray = nullptr;
   float nearest = std::numeric_limits<float>::infinity();
@@ -269,8 +269,8 @@ void Print(const std::vector<std::unique_ptr<Contestant>>& contestants) {
               slowest_arm / contestants[kEmbree]->fastest_ms);
 }
 
-// Returns whether all have done the complete work. The peers' trees round differently along a ray:
-// in a thousand rays the hits may differ by one.
+// Returns whether all contestants found as many pairs and hits as necessary. The peers' trees round
+// differently along a ray, so their number of hits may differ by one in a thousand.
 bool Agree(const std::vector<std::unique_ptr<Contestant>>& contestants) {
   const Contestant& arm = *contestants[kFirstArm];
   const size_t tolerated = arm.hit_count / 1000;
