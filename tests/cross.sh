@@ -3,7 +3,7 @@
 # pairs on all of them. Exit status: 0 all tests passed, 1 a test failed or results differ, 2 bad usage.
 #
 #   tests/cross.sh                  Linux aarch64 (run by qemu) and Windows x86-64 (run by wine)
-#   tests/cross.sh windows          only that one; the other name is aarch64
+#   tests/cross.sh windows          only Windows; `aarch64` selects only Linux aarch64
 #   tests/cross.sh --quick          without the exhaustive tests of the broad phases; only the first shard of programs that are
 #                                   slow under qemu; sources are compiled together, which hides missing includes
 #   tests/cross.sh --jobs 4         number of parallel compilers and tests (default: one per processor)
@@ -19,7 +19,7 @@ source tests/passed.sh
 # shellcheck source=deploy/private_apt.sh
 source deploy/private_apt.sh
 readonly root=$PWD packages=$PWD/build/cross-packages
-# The packages from the archive; if the list has changed since the last run, they are downloaded again.
+# The packages that are downloaded from the archive, again if this list has changed since the last run.
 readonly libraries="libeigen3-dev nlohmann-json3-dev libprotozero-dev googletest"
 
 platforms=()
@@ -47,7 +47,7 @@ while (($# > 0)); do
 done
 ((${#platforms[@]} > 0)) || platforms=(aarch64 windows)
 
-# A separate wine folder, and no graphical output.
+# Use a separate wine folder, and no graphical output.
 export WINEPREFIX=$root/build/cross-wine WINEARCH=win64 WINEDEBUG=-all
 unset DISPLAY
 trap 'if [[ -d $WINEPREFIX ]]; then wineserver -k || true; fi' EXIT

@@ -25,7 +25,7 @@ DECISION = {"engine_client/decider", "engine_client/decider/policy", "engine_cli
 DECIDER = DECISION | {"engine_client/decider/pooling", "engine_client/decider/audit"}
 ENGINE = {"engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive"}
 
-# A folder may include itself and these.
+# For each folder: the folders that it may include in addition to itself.
 ALLOWED = {
     "engine_client/text": set(),
     "engine_client/math": set(),
@@ -137,7 +137,7 @@ DECISION_HEADERS = re.compile(
 # everywhere.)
 INEXACT = r"(?:exp2?|expm1|log(?:2|10|1p)?|pow|sin|cos|tan|asin|acos|atan2?|sinh|cosh|tanh|cbrt|hypot|[lt]gamma|erfc?)f?"
 INEXACT_CALL = re.compile(r"(?:\bstd::%s\b|(?<![\w:.>])%s\s*\(|\.%s\(\))" % (INEXACT, INEXACT, INEXACT))
-# The results of these differ, too, because standard libraries use different algorithms for them.
+# The results of these classes differ, too, because standard libraries use different algorithms for them.
 DISTRIBUTION = re.compile(r"\bstd::\w+_distribution\b|\b(?:mt19937\w*|random_device|random_shuffle)\b")
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)

@@ -15,7 +15,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tests/passed.sh
 
 readonly quick_tests='^(install_consumer|subproject|check_mixtures|c_api(_static)?[.].*|plugin[.].*|readme_program|decider[.].*)$'
-# The targets that these tests need.
+# The targets that the quick tests need.
 readonly quick_targets=(proto/all server/all engine_client/all tests/engine_client/c_api/all tests/laboratory/all decider_test)
 
 presets=()

@@ -1,6 +1,6 @@
-// Writes data that must be equal on every platform: a line per scene, backend and frame with hashes
-// of the boxes' bits and of the sorted pairs, and for each scene a line with a hash of its
-// recording. tests/cross.sh compares the output of the platforms byte by byte.
+// Writes data that must be equal on every platform: a line per scene, object count, backend, number
+// of threads and frame, with hashes of the boxes' bits and of the sorted pairs, and a line per
+// reference scene with a hash of its recording. tests/cross.sh compares the outputs byte by byte.
 //
 //   fingerprint OUT
 //
@@ -149,7 +149,7 @@ void AddAll(Fingerprint& fingerprint, const std::filesystem::path& scratch) {
     fingerprint.AddScene(*NamedScene(name, 1000), 20);
     fingerprint.AddRecording(*NamedScene(name, 100), 20, scratch);
   }
-  // Enough objects that the work is divided among several threads.
+  // With 10,000 objects the work is divided among several threads.
   for (const std::string_view name : {"suite-b", "suite-g"}) {
     fingerprint.AddScene(*NamedScene(name, 10'000), 3);
   }

@@ -1,4 +1,4 @@
-// Attacks of unknown clients on the listeners of a real daemon, which games must not notice.
+// Tests that attacks of unknown clients on a daemon's listeners do not disturb games.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>

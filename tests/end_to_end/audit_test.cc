@@ -1,5 +1,5 @@
-// The audit log of a real game with a real daemon: every decision must be derivable from the data
-// on disk, also after the daemon was killed.
+// Tests the audit log of a real game with a real daemon: every decision must be derivable from the
+// data on disk, also after the daemon was killed.
 #include <gtest/gtest.h>
 
 #include <functional>

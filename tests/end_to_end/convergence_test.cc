@@ -1,4 +1,4 @@
-// The whole system over the real stream: a daemon process and a game with scripted arm costs.
+// Tests the whole system over the real stream: a daemon process and a game with scripted arm costs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

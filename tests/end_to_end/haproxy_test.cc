@@ -1,4 +1,5 @@
-// Games and the real daemon with a real HAProxy between them, configured as in deploy/haproxy/.
+// Tests games and the real daemon with a real HAProxy between them, configured as in
+// deploy/haproxy/.
 #include <arpa/inet.h>
 #include <errno.h>
 #include <grpcpp/grpcpp.h>
@@ -52,7 +53,7 @@ class Haproxy {
 
   int port() const { return port_; }
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
-  // Reloads its files in a new process; the former process keeps its connections.
+  // Starts a new process that reads HAProxy's files; the former process keeps its connections.
   void Reload() {
     process_.Signal(SIGUSR2);
     AwaitStart(2);
@@ -120,12 +121,12 @@ class RawClient {
     SSL_free(ssl_);
     SSL_CTX_free(context_);
     close(socket_);
-    ERR_clear_error();  // gRPC uses the same queue
+    ERR_clear_error();  // gRPC uses the same error queue
   }
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;
 
-  // Starts TLS; returns whether the other side does, too.
+  // Starts TLS; returns whether the handshake succeeded.
   bool Handshake() {
     context_ = SSL_CTX_new(TLS_client_method());
     ssl_ = SSL_new(context_);
@@ -163,7 +164,7 @@ class RawClient {
   SSL* ssl_ = nullptr;
 };
 
-// Returns a request for telemetry that is reset before its answer.
+// Returns the HTTP/2 frames that begin a telemetry call and reset it at once.
 std::string RequestAndReset(uint32_t stream) {
   return Http2Call(stream, "/sweepstake.v1.TelemetryService/StreamTelemetry") + Http2Reset(stream);
 }
@@ -280,7 +281,7 @@ TEST_F(HaproxyTest, ARapidResetAttackIsDisconnectedAndGamesPlayOn) {
   ASSERT_TRUE(attacker.Handshake() && attacker.Send(Http2Preface()));
   for (uint32_t stream = 1; stream < 1'000; stream += 2)
     ASSERT_TRUE(attacker.Send(RequestAndReset(stream)));
-  // HAProxy answers a ping after it has read everything before it.
+  // HAProxy answers a ping after it has read everything sent before the ping.
   const std::string_view payload = "12345678";
   ASSERT_TRUE(attacker.Send(Http2Frame(Http2Type::kPing, 0, 0, payload)));
   ASSERT_TRUE(attacker.AwaitBytes(Http2Frame(Http2Type::kPing, 1, 0, payload)));

@@ -27,7 +27,7 @@ using ::testing::Ge;
 
 constexpr size_t kGameCount = 3;  // concurrent games of each daemon
 // A "life" is the time between two kills of a daemon. A daemon counts at most 16 bail-outs of a
-// session at once. So at most two bail-outs happen per life, and at least every fourth life lasts
+// session at once. Therefore a life has at most two bail-outs, and at least every fourth life lasts
 // until the daemon has all evidence.
 constexpr uint64_t kLivesUntilAllIsHeard = 4;
 constexpr uint64_t kMaxBailOutsInLife = 2;
@@ -117,7 +117,7 @@ void Household::BailOut(Player& player) {
 }
 
 void Household::SayGoodbye(Player& player) {
-  // A game without a connection would end without a goodbye.
+  // Without a connection, the game would end without a goodbye. So wait for an acknowledgement.
   PlayUntil([&] { return IsHeard(player); });
   player.game->Stop(/*deadline_ms=*/60'000);
   gone_.push_back({.stats = player.game->stats(), .bail_out_count = player.bail_out_count});
@@ -149,8 +149,8 @@ void Household::Kill() {
   std::vector<SessionStats> before;
   for (const Player& player : players_) before.push_back(player.game->stats());
   daemon_->Kill();
-  // Reading also compacts the store's log. In half of the cases the next daemon must do this
-  // instead.
+  // Reading the store also compacts its log. In half of the cases, leave this to the next
+  // daemon.
   const bool look = Draw(1) == 0;
   for (size_t i = 0; i < kGameCount; ++i) {
     Player& player = players_[i];

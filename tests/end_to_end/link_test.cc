@@ -1,5 +1,5 @@
-// A game on the C ABI with its own transport: a gRPC stream moves the bytes of a link to and from
-// the real daemon without parsing them.
+// Tests a game on the C ABI with its own transport: a gRPC stream moves the bytes of a link to and
+// from the real daemon without parsing them.
 #include <gtest/gtest.h>
 
 #include <chrono>

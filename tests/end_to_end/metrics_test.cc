@@ -1,4 +1,4 @@
-// The HTTP pages for operators of a running daemon, and how Prometheus reads them.
+// Tests the HTTP pages for operators of a running daemon, and that Prometheus can read them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -185,7 +185,7 @@ class Prometheus {
       : folder_(folder), process_(CommandLine(target_port), folder / "said") {}
 
   std::string log() const { return process_.log(); }
-  // Returns every sample of a series that it has stored, as text.
+  // Returns all samples of a series that Prometheus has stored, as text.
   std::string Samples(const std::string& series) const {
     const std::string samples = folder_ / "samples";
     RunShell("promtool tsdb dump --match='" + series + "' '" + database() + "' >'" + samples +

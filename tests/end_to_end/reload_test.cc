@@ -1,4 +1,4 @@
-// A configuration that is read again while the daemon runs.
+// Tests that a running daemon reads its configuration again.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-// Games and their evidence while the daemon is absent, killed or stopped.
+// Tests games and their evidence while the daemon is absent, killed or stopped.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -114,7 +114,8 @@ TEST(RestartTest, ADaemonWithAnotherPolicyStartsANewSessionThatLearns) {
   EXPECT_EQ(daemon->Terminate(), 0);
   daemon = std::make_unique<DaemonProcess>(
       data.path(), address, std::vector<std::string>{"--decision-policy", "adaptive"});
-  double least = std::numeric_limits<double>::infinity();  // evidence at the start of the session
+  // The smallest evidence of the new session, from its start.
+  double least = std::numeric_limits<double>::infinity();
   ASSERT_TRUE(game.RunUntil([&](const SessionStats& stats) {
     if (stats.session_id == first || stats.beliefs.empty()) return false;
     least = std::min(least, LearntEvidence(stats));

@@ -23,7 +23,7 @@ using ArmCostsMs = std::vector<double>;
 inline const ArmCostsMs kScriptedCosts = {40, 25, 2, 30, 20, 35, 8};
 inline constexpr uint32_t kScriptedBest = 2;
 
-// A time scale of 200: a decision every 10 ms, a cooldown of 200 ms. Reconnects quickly.
+// Returns options with time scale 200 (decisions every 10 ms, cooldown 200 ms) and fast reconnects.
 SessionOptions FastOptions();
 
 class ScriptedGame {
@@ -37,7 +37,7 @@ class ScriptedGame {
   // nothing while the daemon runs.
   bool RunUntil(const std::function<bool(const SessionStats&)>& done,
                 uint64_t frame_limit = 5'000'000);
-  // Runs a few frames unless the sender is far behind; returns whether it did.
+  // Runs a few frames unless the sender is far behind; returns whether it ran them.
   bool RunSomeFrames();
   // Runs `count` frames without checking the session.
   void RunFrames(uint64_t count);

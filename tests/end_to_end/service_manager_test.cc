@@ -1,4 +1,4 @@
-// The daemon under a service manager, and its program as a health probe.
+// Tests the daemon under a service manager, and its program as a health probe.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -25,7 +25,7 @@ TEST(ServiceManagerTest, ReceivesNotificationsFromStartToEnd) {
   const TemporaryDirectory folder;
   NotifySocket manager(folder.path(), std::chrono::seconds(60));
   DaemonProcess daemon(data.path());
-  // The watchdog's thread and the main thread send independently.
+  // The watchdog's thread and the main thread send independently, so either may be first.
   std::string first = manager.Receive();
   const bool watchdog_came = first == "WATCHDOG=1";
   if (watchdog_came) first = manager.Receive();

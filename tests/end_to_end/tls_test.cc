@@ -1,5 +1,5 @@
-// Games and the real daemon with TLS: who may connect, the errors of the others, and certificates
-// that are replaced while both run.
+// Tests games and the real daemon with TLS: who may connect, which errors others get, and
+// certificates that are replaced while both run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <openssl/err.h>
@@ -85,7 +85,7 @@ bool AcceptsVersion(const std::string& address, int version) {
   const bool accepted = BIO_do_handshake(connection) == 1;
   BIO_free_all(connection);
   SSL_CTX_free(context);
-  ERR_clear_error();  // gRPC uses the same queue
+  ERR_clear_error();  // gRPC uses the same error queue
   return accepted;
 }
 

@@ -1,5 +1,5 @@
-// Games and the real daemon with tokens: who may connect, the errors of the others, and that no
-// token appears in anything that the daemon writes or sends.
+// Tests games and the real daemon with tokens: who may connect, which errors others get, and that
+// no token appears in anything that the daemon writes or sends.
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// The verdict about its scene that a game receives over the real stream: a clear choice, or even
-// the best arm is too slow. A tie is tested without a stream, in diagnosis_test.cc.
+// Tests the verdict about its scene that a game receives over the real stream: one arm is clearly
+// the best, or even the best arm is too slow. diagnosis_test.cc tests a tie, without a stream.
 #include <gtest/gtest.h>
 
 #include "tests/end_to_end/scripted_game.h"

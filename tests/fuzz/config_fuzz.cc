@@ -1,4 +1,5 @@
-// The daemon's settings from each source. An accepted configuration can be printed and read again.
+// Fuzzes the daemon's settings from each source. An accepted configuration can be printed and read
+// again.
 #include <sys/mman.h>
 #include <unistd.h>
 

@@ -87,7 +87,7 @@ std::string Changed(std::string bytes, Input input) {
   return bytes;
 }
 
-// Reads everything in a store. The results are valid, or it reports an error.
+// Reads everything in a store. The results must be valid, or the store must report an error.
 void Read(PriorStore& store) {
   if (const auto records = store.Export({}, {}, kPage); records.ok())
     Require(CheckRecords(records->records).ok(), "evidence that was read is valid");

@@ -1,5 +1,5 @@
-// Imports, promotions, commits and revocations: the messages of a client, their checks, and a
-// store, whose sums must be those of its records.
+// Fuzzes imports, promotions, commits and revocations: the messages of a client, their checks, and
+// a store, whose sums must equal the sums of its records.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -91,7 +91,7 @@ class Subject {
   absl::StatusOr<priors::ImportResult> Take(const std::vector<PriorRecord>& records, bool waits) {
     return waits ? store_->Quarantine(records, kMaxWaiting) : store_->Import(records);
   }
-  // SQLite adds in another order, and counts beyond 2^53 as floating-point numbers.
+  // SQLite adds in another order, and sums counts beyond 2^53 as floating-point numbers.
   static bool IsNear(double a, double b) {
     return std::isfinite(a) && a >= 0 && std::abs(a - b) <= 1e-9 * (1 + std::abs(b));
   }

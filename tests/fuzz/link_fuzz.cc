@@ -16,7 +16,8 @@ namespace {
 using fuzz::Input;
 using fuzz::Require;
 
-// Returns an AdaptiveBroadPhase that runs no frames, so that its state does not change.
+// Returns an AdaptiveBroadPhase that all inputs share. It runs no frames, so its arm, switch epoch
+// and mode never change.
 AdaptiveBroadPhase& Adaptive() {
   static const std::unique_ptr<AdaptiveBroadPhase> kMade = std::move(*AdaptiveBroadPhase::Create(
       {.arms = {"BruteForce", "Grid"}, .shadow = {.enabled = ShadowMode::kOff}}, nullptr));

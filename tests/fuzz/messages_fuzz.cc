@@ -1,6 +1,6 @@
-// Fuzzes what a game sends, from its bytes to its session, decisions, evidence and audit log,
-// through the daemon's own stream. Every decision must be derivable from its log, and stored data
-// must be valid.
+// Fuzzes the bytes that a game sends through the daemon's own stream to its session, decisions,
+// evidence and audit log. Every decision must be derivable from its log, and stored data must be
+// valid.
 #include <memory>
 #include <string>
 #include <utility>

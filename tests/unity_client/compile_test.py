@@ -40,7 +40,7 @@ def unity(*versions):
 U2022, U6, U65 = unity("2022.3"), unity("2022.3", "6000.0"), unity("2022.3", "6000.0", "6000.5")
 EDITOR, TESTS = ["UNITY_EDITOR"], ["UNITY_INCLUDE_TESTS"]
 
-# Name, platform, defines, packages.
+# Each row has a name, a platform, defines and packages.
 ROWS = [
     ("editor 2022.3, nothing else", "Editor", U2022 + EDITOR + OLD_INPUT, []),
     ("editor 2022.3, tests", "Editor", U2022 + EDITOR + OLD_INPUT + TESTS, []),

@@ -41,7 +41,7 @@ std::shared_ptr<grpc::Channel> To(const DaemonProcess& daemon) {
   return grpc::CreateChannel(daemon.address(), grpc::InsecureChannelCredentials());
 }
 
-// Returns the posteriors of the one scene after its sessions have ended.
+// Returns the posteriors of the only scene after its sessions have ended.
 std::string PosteriorsOf(const DaemonProcess& daemon) {
   const auto stub = v1::PosteriorsService::NewStub(To(daemon));
   v1::ListPosteriorsResponse response;
@@ -57,7 +57,8 @@ class MigrationProgram : public ::testing::Test {
  protected:
   MigrationProgram() { hello_.set_time_scale(200); }
 
-  // Sends messages until `until` is acknowledged. Says goodbye unless `from` is 0.
+  // Sends the messages from + 1 to `until` and waits until they are acknowledged. Then says
+  // goodbye, unless `from` is 0.
   void Play(const DaemonProcess& daemon, uint64_t from, uint64_t until) {
     rpc::TelemetryClient game(To(daemon));
     const v1::Welcome welcome = game.Open(hello_);

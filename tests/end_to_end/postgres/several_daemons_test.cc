@@ -1,4 +1,4 @@
-// Three daemons on one PostgreSQL, games that move between them, and daemons and servers that are
+// Tests three daemons on one PostgreSQL, with games that move between them. Daemons and servers are
 // killed at seeded moments. In the end each message of each game must count once.
 //
 // TEST_KILLS and TEST_SEED set the number of kills and the seed. A seed does not repeat a failure
@@ -99,9 +99,9 @@ void Game::MoveTo(const std::string& address) {
     EXPECT_EQ(welcome.session_id(), hello_.session_id()) << "the session is lost";
   }
   rpc::Resume(hello_, welcome);
-  // If another daemon has stored messages since this daemon read the session, this one reports a
-  // smaller number. The game does not resend acknowledged messages. The daemon must detect that its
-  // copy of the session is outdated.
+  // The daemon may have read the session before another daemon stored messages. It then reports a
+  // smaller number, but the game does not resend acknowledged messages. The daemon must detect that
+  // its copy of the session is outdated.
   acknowledged_ = std::max(acknowledged_, welcome.acknowledged_sequence());
   for (uint64_t next = acknowledged_; next < sent_.size(); ++next) stream_->Send(sent_[next]);
 }
@@ -242,7 +242,7 @@ void Cluster::End() {
   for (const auto& daemon : daemons_) EXPECT_EQ(daemon->Terminate(), 0);
 }
 
-// The sums equal those of the sources' own evidence to the bit, and every daemon serves them.
+// Expects that stored sums equal the sums of the sources' evidence to the bit, on every daemon.
 void Cluster::ExpectTheSameEverywhere(priors::PriorStore& store) {
   std::map<priors::EvidenceKey, priors::Evidence> sums;
   for (const Game& game : games_) {
