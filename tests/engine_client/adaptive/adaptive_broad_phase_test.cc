@@ -410,8 +410,8 @@ TEST_F(AdaptiveBroadPhaseTest, BailsOutIfTheSumOfSearchesIsTooLong) {
   EXPECT_EQ(Frame().arm, 1U);
 }
 
-// Each frame has two searches, the second with moved objects. A descriptor that saw the second
-// search would measure motion and appear twice as often.
+// Each frame has two searches, the second with moved objects. If the second search were described,
+// too, there would be twice as many descriptors, and they would show motion.
 TEST_F(AdaptiveBroadPhaseTest, DescribesTheFirstSearchOfEachFrame) {
   const std::vector<Aabb> first(4, Aabb{{0, 0, 0}, {1, 1, 1}});
   const std::vector<Aabb> second(4, Aabb{{5, 0, 0}, {6, 1, 1}});

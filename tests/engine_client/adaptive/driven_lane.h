@@ -63,7 +63,7 @@ class LaneBackend final : public BroadPhase {
   ScriptedClock& clock_;
 };
 
-// Bytes of a sweep's copies of 20 objects. The lane reserves room for 20 / 10 + 64 more objects.
+// Bytes of a sweep's copies of 20 objects. The lane reserves room for 20 / 8 + 64 more objects.
 inline constexpr uint64_t kCopiesBytes = kShadowBurstFrames * (20 + 2 + 64) * sizeof(Aabb);
 
 // A clock of thread time that advances by 3 ms with each reading, independent of the real time.
@@ -119,12 +119,12 @@ class DrivenLane : public ::testing::Test {
   void Frames(int count) {
     for (int i = 0; i < count; ++i) Frame();
   }
-  // The lane first requests memory for the copies, then records its frames.
+  // Runs the first sweep: the lane first requests memory for copies, and then records its frames.
   void FirstSweep() {
     lane_->Step();
     Frames(1 + static_cast<int>(kShadowBurstFrames));
   }
-  // Runs frames until the switch is ready.
+  // Runs frames until the lane has prepared the arm, at most 100. Returns their number.
   int FramesUntilReady(uint32_t arm) {
     int frames = 0;
     while (lane_->Ask(arm) == ShadowLane::Preparation::kUnderWay && frames < 100) {
@@ -144,7 +144,7 @@ class DrivenLane : public ::testing::Test {
   uint64_t frame_index_ = 0;
   size_t object_count_ = 20;
   uint64_t frame_ns_ = 10 * kMs;
-  uint64_t search_ns_ = 100'000 * kMs;   // total time of the searches in MakeItCost
+  uint64_t search_ns_ = 100'000 * kMs;   // time of the first search in MakeItCost
   uint64_t frames_per_search_time_ = 1;  // a frame's time ÷ that of its searches
   int made_count_ = 0;
 };

@@ -15,7 +15,8 @@ class LaneCostTest : public ::testing::Test {
   void Searches(int count, uint64_t ns, uint32_t epoch = 0) {
     for (int k = 0; k < count; ++k) Search(ns, epoch);
   }
-  // Runs `count` searches without the lane's work, then `count` searches beside it.
+  // Runs `count` searches alone, then `count` searches during the lane's work. Returns the extra
+  // time that the latter are estimated to take.
   double Work(int count, uint64_t alone_ns, uint64_t beside_ns, uint32_t epoch = 0) {
     Searches(count, alone_ns, epoch);
     cost_.BeginWork();
@@ -32,7 +33,7 @@ TEST_F(LaneCostTest, IsThePriorBeforeAnyMeasurement) {
   EXPECT_DOUBLE_EQ(cost_.EndWork(10 * kMs), 1e6);
   Searches(100, kMs);
   cost_.BeginWork();
-  EXPECT_DOUBLE_EQ(cost_.EndWork(10 * kMs), 1e6);  // there was no search beside the work
+  EXPECT_DOUBLE_EQ(cost_.EndWork(10 * kMs), 1e6);  // there was no search during the work
   Searches(3, kMs);
   cost_.BeginWork();
   Searches(4, 5 * kMs);
@@ -80,7 +81,7 @@ TEST_F(LaneCostTest, CountsAPartlyConcurrentSearchAsConcurrent) {
   Searches(100, kMs);
   cost_.BeginWork();
   Search(kMs);
-  cost_.EndWork(kMs);  // compares with searches alone, without the 9 ms
+  cost_.EndWork(kMs);  // the comparison does not use the search of 9 ms
   EXPECT_NEAR(cost_.slowdown(), (0.1 * 2 + 0.45) / (2 + 0.9 + 1), 1e-9);
 }
 

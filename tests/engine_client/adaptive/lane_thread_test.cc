@@ -1,5 +1,5 @@
-// The lane's own thread: it has the lowest priority on a shared core, stops if no core is spare,
-// and measures its thread time.
+// Tests the lane's own thread: it has the lowest priority on a shared core, stops if no core is
+// spare, and measures its thread time.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -64,8 +64,8 @@ TEST_F(ShadowLaneTest, WorksAtMostAShareOfTheSearchesExceptForRareSweeps) {
   frames_per_search_time_ = 100;
   Frames(20'000);
   const uint64_t passed_ns = 20'000 * frame_ns_;
-  // The lane may work kWorkAheadNs in advance, has saved up the same amount, and may use half of
-  // the time that the searches take.
+  // The lane may work kWorkAheadNs in advance, and has saved up the same amount. In addition it may
+  // use half of the time that the searches take.
   const uint64_t allowed_ns = 2 * ShadowSchedule::kWorkAheadNs + passed_ns / 200;
   const uint64_t sweep_ns = 100 * kMs;
   EXPECT_LT(lane_->stats().busy_time_ns,
@@ -73,7 +73,7 @@ TEST_F(ShadowLaneTest, WorksAtMostAShareOfTheSearchesExceptForRareSweeps) {
   EXPECT_GE(lane_->stats().sweep_count, passed_ns / ShadowSchedule::kMaxSpacingNs - 1);
 }
 
-// The first visit of a sweep warms up; its warm-up frames are not reported.
+// The first visit of a sweep begins with a warm-up, whose frames are not reported.
 TEST_F(ShadowLaneTest, WarmsUpWithTheFirstVisitOfASweep) {
   std::vector<int> build_count(3, 0);
   for (uint32_t arm = 0; arm < 3; ++arm)
@@ -411,7 +411,7 @@ TEST_F(ShadowLaneTest, PreparesASwitchAndExchangesTheBackends) {
   EXPECT_EQ(static_cast<LaneBackend&>(*own.backend).shown.size(), ShadowLane::kPreparationFrames);
   EXPECT_FALSE(lane_->TakeOver(2, own, pairs_));
   lane_->Cancel();
-  Frames(200);  // The lane continues with the test's former backend.
+  Frames(200);  // The lane now uses the test's former backend.
   EXPECT_GE(lane_->stats().sweep_count, 2U);
 }
 

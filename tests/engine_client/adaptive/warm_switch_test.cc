@@ -1,4 +1,4 @@
-// Switches prepared by the shadow lane's own thread, on real backends.
+// Tests switches that the shadow lane's own thread prepares, on real backends.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using test_support::ScalarPairs;
 
 using test_support::kMs;
 
-// Runs the parts one after another, and fails if another thread than the creator's calls it.
+// Runs the parts one after another. Fails if a thread other than its creator calls it.
 class LoneExecutor final : public Executor {
  public:
   size_t thread_count() const noexcept override { return 2; }
@@ -95,7 +95,7 @@ class WarmSwitchTest : public ::testing::Test {
   uint32_t arm_count_ = static_cast<uint32_t>(BroadPhaseNames().size());
   size_t object_count_ = 200;
   bool is_sorted_ = false;         // whether the pairs must be sorted, too
-  std::vector<size_t> substeps_;   // object counts of the other searches in each frame
+  std::vector<size_t> substeps_;   // object counts of further searches per frame
   uint64_t frame_time_ns_ = 1000;  // so short that no preparation is late
   uint64_t command_id_ = 0;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
@@ -155,7 +155,7 @@ TEST_F(WarmSwitchTest, SortedPairsAreTheSameBytesWithEveryArm) {
 }
 
 TEST_F(WarmSwitchTest, TheLaneMeasuresTheFirstOfSeveralSearches) {
-  frame_time_ns_ = 16 * kMs;  // this is so long that copying may be frequent
+  frame_time_ns_ = 16 * kMs;  // long enough to copy frames often
   substeps_ = {150, 220};
   Make({.shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
   while (adaptive_->shadow_stats().sweep_count < 2) {
@@ -265,7 +265,9 @@ TEST_F(WarmSwitchTest, HasNoLaneWithoutNeedOrASpareCore) {
 
 TEST_F(WarmSwitchTest, UsesTheExecutorOnlyOnTheFrameThread) {
   LoneExecutor executor;
-  arm_count_ = 2;  // One visit of each is enough; on a busy machine the lane gets little time.
+  // Two arms are enough for this test. More arms would make each sweep longer, and on a busy
+  // machine the lane gets little time.
+  arm_count_ = 2;
   scene_ = BoxScene("brownian", 1500, 3);
   Make({.executor = &executor, .shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
   const auto frame = [this] {
@@ -304,7 +306,7 @@ TEST_F(WarmSwitchTest, CanBeDestroyedWhileTheLaneWorks) {
 }
 
 TEST_F(WarmSwitchTest, TheLaneSendsSamplesOfEveryArm) {
-  frame_time_ns_ = 16 * kMs;  // this is so long that copying may be frequent
+  frame_time_ns_ = 16 * kMs;  // long enough to copy frames often
   Make({.shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
   while (adaptive_->shadow_stats().sweep_count < 3) {
     ASSERT_NO_FATAL_FAILURE(Frame());

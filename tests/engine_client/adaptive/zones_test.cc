@@ -1,4 +1,4 @@
-// The zones and threads that the hooks of a game observe in the frame path and the lane (hooks.h).
+// Tests the zones and threads that a game's hooks (hooks.h) observe in the frame path and the lane.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,4 +1,4 @@
-// Boxes quantized to bytes must overlap wherever the boxes do, for any coordinate range.
+// Tests that quantized boxes overlap wherever the original boxes do, for any coordinate range.
 #include "engine_client/broad_phase/common/byte_boxes.h"
 
 #include <gtest/gtest.h>

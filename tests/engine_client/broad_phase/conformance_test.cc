@@ -1,4 +1,4 @@
-// Compares every backend with the definition of overlap by the identity of pairs, over many frames.
+// Compares every backend's pairs with the definition of overlap, pair by pair, over many frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>

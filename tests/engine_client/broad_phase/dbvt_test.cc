@@ -160,7 +160,7 @@ TEST(DbvtTree, KeepsGapsAndReportsInvalidObjectsAsLost) {
   boxes[7].min[1] = 1e9F;
   std::vector<uint32_t> slots(64, DbvtTree::kNone);
   for (uint32_t object = 0; object < 30; ++object) slots[2 * object] = object;
-  slots[63] = 40;  // removed in the meantime
+  slots[63] = 40;  // an object that has been removed
   HookedVector<uint32_t> lost;
   DbvtTree tree;
   tree.Build(boxes, slots, nullptr, lost);
@@ -316,12 +316,12 @@ TEST(Dbvt, SearchesNoTreeWhileBoxesStayInsideTheirMargins) {
     backend->Update(scene.boxes());
     backend->FindPairs(pairs);
   }
-  // There is one check with each enlarged box and one for each candidate. There are only a few more
-  // candidates than pairs.
+  // Each enlarged box and each candidate is checked once. There are only a few more candidates than
+  // pairs.
   EXPECT_LE(backend->aabb_check_count(), 1000 + 2 * pairs.size());
 }
 
-// Moves every `stride`-th of 2,000 boxes and returns the checks.
+// Moves every `stride`-th of 2,000 boxes and returns the number of checks.
 uint64_t ChecksWhenSomeMove(size_t stride) {
   const auto backend = MakeOrThrow("DBVT");
   SequentialRandom random(3);

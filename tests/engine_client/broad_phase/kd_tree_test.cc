@@ -76,7 +76,7 @@ LeafTree TreeOf(std::span<const Aabb> boxes) {
   return tree;
 }
 
-// Returns the order of these boxes as slots, including empty ones.
+// Returns the order of these boxes as slots, including empty slots.
 template <typename Split>
 std::vector<uint32_t> SlotsOf(std::span<const Aabb> boxes, const Split& split) {
   const LeafTree tree = TreeOf(boxes);
@@ -93,8 +93,8 @@ std::vector<uint32_t> SlotsOf(std::span<const Aabb> boxes) {
 
 float Center(const Aabb& box, int axis) { return box.min[axis] * 0.5F + box.max[axis] * 0.5F; }
 
-// Returns whether there is an axis on which all centers of the first slots are at most those of the
-// others.
+// Returns whether there is an axis on which no center of the first `middle` slots is greater than a
+// center of the other slots.
 bool IsDivided(std::span<const Aabb> boxes, std::span<const uint32_t> slots, size_t middle) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto below = [&](uint32_t a, uint32_t b) {
@@ -198,7 +198,7 @@ TEST(KdOrder, IsTheSameFromLeavesBoxesAndAList) {
   }
 }
 
-// Returns the bounds of the valid boxes among these; those of a sentinel if there are none.
+// Returns the bounds of the valid boxes in `boxes`. Without a valid box, min is +inf and max −inf.
 Aabb BoundsOf(std::span<const Aabb> boxes) {
   Aabb bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (const Aabb& box : boxes) {

@@ -20,7 +20,7 @@ namespace sweepstake::HWY_NAMESPACE {
 using Ids = hn::CappedTag<uint32_t, 16>;
 constexpr uint32_t kFirstId = 100;
 
-// Describes the error of the ids that the mask moved to the front; empty if there is none.
+// Returns the first error in the ids that the mask moved to the front, or "" if there is none.
 std::string CompressError(const uint32_t* compressed, uint32_t bits) {
   for (uint32_t lane = 0; lane < 16; ++lane) {
     if ((bits >> lane & 1) != 0 && *compressed++ != kFirstId + lane)
@@ -46,7 +46,7 @@ std::string CompressErrors() {
   return error;
 }
 
-// Describes the error of the pairs of `self` with partners from kFirstId on; empty if there is
+// Returns the first error in the pairs of `self` with partners from kFirstId on, or "" if there is
 // none.
 template <bool kAlways>
 std::string PairsError(uint32_t self) {

@@ -20,12 +20,12 @@ using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 using test_support::OnEachSimdTarget;
 
-// With all boxes in one place, a leaf of KDTree has more near leaves than it tests at a time.
+// If all these boxes are in one place, a leaf of KDTree has more near leaves than it tests at once.
 constexpr uint32_t kBoxes = 611;
 
 class OnEachInstructionSet : public testing::TestWithParam<std::string_view> {
  protected:
-  // Describes the first scene with an error.
+  // Returns the name of the first scene with an error and the error, or "" if there is none.
   std::string Verdict() {
     for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
       const auto scene = MakeDegenerateScene(name, kBoxes, 6);

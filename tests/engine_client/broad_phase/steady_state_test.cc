@@ -1,5 +1,5 @@
-// The costs of a frame other than time: no allocation in steady state, and correct counts of bytes
-// and checks.
+// Tests the costs of a frame other than time: no allocation in steady state, and correct counts of
+// bytes and checks.
 #include <gtest/gtest.h>
 
 #include <algorithm>

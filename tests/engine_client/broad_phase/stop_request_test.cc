@@ -47,7 +47,8 @@ class PartsInARow final : public Executor {
   }
 };
 
-// Upper limit of the checks between two stop tests: a tile, a leaf or a list of near leaves.
+// Upper limit of the checks between two stop tests. A tile, a leaf or a list of near leaves is
+// checked without a stop test.
 constexpr uint64_t kMaxChecksBetween = 3 * StopPoll::kChecksPerQuestion;
 // Upper limit of the stop tests that a call still makes after the stop.
 constexpr uint64_t kQuestionsToLeave = 8;
@@ -206,9 +207,9 @@ TEST_P(EveryBackendInBlocks, TestsForAStopInEachPassOverTheBoxes) {
   EXPECT_GE(stop.question_count, GetParam().with_equal_boxes * kBlocks);
 }
 
-// The passes are: for Grid measure, count, place and gather; for SAP count, place and fill; for
-// AxisSweep load, two for each axis, and fill; for Tracy measure, find rows, place and sort. The
-// trees gather twice. Equal boxes are sorted exactly: SAP then counts, loads, counts digits and
+// The passes: Grid measures, counts, places and gathers. SAP counts, places and fills. AxisSweep
+// loads, makes two passes for each axis, and fills. Tracy measures, finds rows, places and sorts.
+// Trees gather twice. Equal boxes are sorted exactly: SAP then counts, loads, counts digits and
 // fills. AxisSweep counts and loads on each axis, and counts the digits of two faces per box.
 INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendInBlocks,
                          testing::Values(Passes{"BruteForce", 1, 1, 1}, Passes{"Grid", 4, 4, 4},

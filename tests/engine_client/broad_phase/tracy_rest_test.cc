@@ -1,4 +1,4 @@
-// Tracy in scenes with little motion: margins that hold, and boxes that leave them.
+// Tests Tracy in scenes with little motion: margins that hold, and boxes that leave them.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -81,7 +81,10 @@ TEST(RowGrids, ListOnlyBoxesThatChangedTheirRow) {
 class RowLists : public testing::Test {
  protected:
   void Lay() { lists_.Reset(GridsFor(boxes_)); }
-  // Describes the errors of the lists: ids, order along the rows, or cells.
+  // Returns the first error in the lists, or "" if there is none. "ids": an object is missing or
+  // occurs twice. "cells": a cell of the first grid ends before it begins. "order": boxes in such a
+  // cell are not sorted by their start along the row. "end": the last cell does not end at the last
+  // box.
   std::string Fault() const {
     const GridView view = lists_.View();
     const GroupGrid& grid = view.grids[0];
@@ -210,7 +213,7 @@ TEST(Tracy, RebuildsTheGridIfTheSceneOutgrowsIt) {
   std::vector<Aabb> boxes = BrownianBoxes();
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
-  for (Aabb& box : boxes) {  // all boxes in one small place, for which the grid is made
+  for (Aabb& box : boxes) {  // moves all boxes into one small place, for which Build makes the grid
     for (int axis = 0; axis < 3; ++axis) {
       box.max[axis] = (box.max[axis] - box.min[axis]) * 0.01F + box.min[axis] * 0.001F;
       box.min[axis] *= 0.001F;

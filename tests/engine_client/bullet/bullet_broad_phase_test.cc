@@ -30,7 +30,7 @@ class Collector final : public btBroadphaseRayCallback {
   bool process(const btBroadphaseProxy* proxy) override {
     found.push_back(proxy);
     if (on_found) on_found();
-    return false;  // The caller ignores it.
+    return false;  // The caller ignores the result.
   }
 
   Proxies found;

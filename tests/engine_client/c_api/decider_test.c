@@ -1,5 +1,5 @@
-/* The embedded decider on a scripted clock: it explores every arm once, then decides, and bails out
- * after a long frame. */
+/* Tests the embedded decider on a scripted clock: it explores every arm once, then decides, and
+ * bails out after a long frame. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,8 +64,8 @@ static game start_game(void) {
   return played;
 }
 
-/* The exploration gives each arm 6 s (a quarter of it at this time scale) plus the time until the
- * next decision. */
+/* The exploration gives each arm 6 s (1.5 s at this time scale of 4) and the time until the next
+ * decision. */
 static void check_exploration(game* played) {
   uint32_t visited = 0;
   uint32_t epoch = 99;

@@ -1,4 +1,4 @@
-// The costs of the C ABI per frame other than time: no call allocates, locks or blocks.
+// Tests the costs of the C ABI per frame other than time: no call allocates, locks or blocks.
 #include <gtest/gtest.h>
 
 #include <vector>

@@ -1,4 +1,4 @@
-/* Memory, zones and threads of the game over the life of a session. */
+/* Tests the memory, zones and threads of the game over the life of a session. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* A link with a daemon whose messages each test writes byte by byte. */
+/* Tests a link with a daemon. Each test writes the daemon's messages byte by byte. */
 #include <string.h>
 
 #include "tests/engine_client/c_api/check.h"
@@ -141,8 +141,8 @@ static uint64_t take_varint(const bytes* in, uint64_t* at) {
   return value;
 }
 
-/* Returns the kind and the sequence number of the next message, and checks that it ends at its
- * size; 0 if none is due. */
+/* Returns the kind of the next message, or 0 if none is due, and sets its sequence number. Checks
+ * the size of the message. */
 static unsigned next_kind(const game* played, unsigned* sequence) {
   bytes message;
   uint64_t at = 0;
@@ -295,7 +295,7 @@ static void check_limit(void) {
   swp_session_destroy(played.session);
 }
 
-/* Connecting fails without a stream and without an error message. */
+/* The host reports that there is no stream, without an error message. */
 static void check_no_stream(void) {
   game played = make_game();
   uint32_t delay_ms = 0;
@@ -411,7 +411,7 @@ static void check_null(void) {
   end_game(&played);
 }
 
-/* Finalizers run in any order. */
+/* A host's finalizers run in any order, so the session may end before its link. */
 static void check_session_ends_first(void) {
   game played = make_game();
   bytes message;

@@ -1,4 +1,4 @@
-// A link that runs on another thread than the frame thread.
+// Tests a link that runs on another thread than the frame thread.
 #include <gtest/gtest.h>
 
 #include <atomic>

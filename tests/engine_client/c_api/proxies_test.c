@@ -1,5 +1,5 @@
-/* Proxies and threads of the C ABI: a small game that is compared with an independent search, the
- * rules of handles and buffers, and executors of the caller. */
+/* Tests proxies and threads of the C ABI: compares a small game with an independent search, and
+ * tests the rules of handles and buffers, and executors of the caller. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

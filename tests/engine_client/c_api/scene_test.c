@@ -1,4 +1,4 @@
-/* Scenes: one seed gives one motion, another seed a different one; errors list the valid values. */
+/* Tests scenes: equal seeds give equal motion, other seeds do not; errors list the valid values. */
 #include <string.h>
 
 #include "tests/engine_client/c_api/check.h"

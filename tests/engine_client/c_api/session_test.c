@@ -1,4 +1,4 @@
-/* Sessions: the frame path, its queue and its shadow lane. */
+/* Tests sessions: the frame path, its queue and its shadow lane. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-// A struct that has grown twice, and callers compiled with each of its revisions.
+// Tests a struct that has grown twice, with callers compiled with each of its revisions.
 #include "engine_client/c_api/sized_struct.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-/* Every struct with a struct_size: sizes that are shorter, longer or invalid. */
+/* Tests every struct with a struct_size: sizes that are shorter, longer or invalid. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 static swp_session* session;
 static swp_world* world;
 
-/* Calls that read such a struct. */
+/* Calls that read a struct with a struct_size. */
 
 static swp_result take_world_options(void* options) {
   swp_world* made = NULL;
@@ -74,7 +74,7 @@ static swp_result take_scene_options(void* options) {
   return result;
 }
 
-/* Calls that fill such a struct. */
+/* Calls that fill a struct with a struct_size. */
 
 static swp_result fill_world_options(void* out) { return swp_world_options_init(out); }
 static swp_result fill_hooks(void* out) { return swp_hooks_init(out); }

@@ -1,4 +1,4 @@
-// A system that starts no more threads. The test replaces the C library's function for the whole
+// Tests a system that starts no more threads. The test replaces pthread_create for the whole
 // program.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 #include "sweepstake/c_api.h"
 
-// ThreadSanitizer intercepts the same function and needs its real caller.
+// ThreadSanitizer intercepts pthread_create, too, and needs its real caller.
 #ifndef __SANITIZE_THREAD__
 
 namespace {

@@ -1,5 +1,5 @@
-/* Worlds: compares every backend with an independent brute-force search, and tests the rules of
- * buffers and call order. */
+/* Tests worlds: compares every backend with an independent brute-force search, and tests the rules
+ * of buffers and call order. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

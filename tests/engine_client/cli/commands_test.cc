@@ -1,5 +1,5 @@
-// The command line as scripts use it: exit codes, one JSON document on stdout, and errors that list
-// the valid values.
+// Tests the command line as scripts use it: exit codes, one JSON document on stdout, and errors
+// that list the valid values.
 #include "engine_client/cli/commands.h"
 
 #include <gmock/gmock.h>

@@ -15,7 +15,7 @@ inline constexpr int64_t kMillisecond = 1'000'000;
 
 // Returns a setup with the arms "arm0", "arm1" …, the policy `paper` and no exploration.
 SessionSetup PlainSetup(uint32_t arm_count);
-// Returns the same for two arms, with priors that make the second one clearly better.
+// Returns PlainSetup(2) with priors that make the second arm clearly better.
 SessionSetup SetupThatWantsArmOne();
 
 class ScriptedClient {
@@ -32,8 +32,8 @@ class ScriptedClient {
 
   // Advances the clock by one frame and passes the frame to the session.
   void RunFrame();
-  // Runs frames until the tick is due, then the tick. Stores a command, and executes it if
-  // `obedient`.
+  // Runs frames until the next tick is due, and then the tick. Stores its command, and executes the
+  // command if `obedient`.
   Decision RunToTick();
   // Runs `count` ticks and returns the last decision.
   Decision RunTicks(int count);

@@ -105,8 +105,8 @@ TEST(Scenario, MoreObjectsDoNotChangeTheFirstOnes) {
   }
 }
 
-// Returns how far centres may lie outside the world: in the reference hurricane a twentieth of its
-// radius.
+// Returns how far centres may lie outside the world. In the reference hurricane this is about a
+// twentieth of the radius.
 double Overhang(const Scene& scene) {
   return scene.name() == "suite-h" ? 0.026 * scene.world().max[0] : 1e-3;
 }

@@ -1,5 +1,5 @@
-// The session over real gRPC on the loopback, with a daemon that each test scripts. Tests wait for
-// conditions, not for fixed times; a wait that fails ends with the test's time limit.
+// Tests the session over real gRPC on the loopback, with a daemon that each test scripts. Tests
+// wait for conditions, not for fixed times; a wait that fails ends with the test's time limit.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

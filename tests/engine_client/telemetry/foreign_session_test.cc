@@ -1,4 +1,4 @@
-// The daemon refuses to resume a session that belongs to another client; real gRPC on the loopback.
+// Tests a client whose session the daemon refuses to resume, because it belongs to another client.
 #include <gtest/gtest.h>
 
 #include <chrono>

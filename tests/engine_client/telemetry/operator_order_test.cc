@@ -1,4 +1,4 @@
-// How a game reacts to an operator's orders, over real gRPC on the loopback.
+// Tests how a game reacts to an operator's orders, over real gRPC on the loopback.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Trials: if an arm takes too long, the client itself leaves it in the next frame.
+// Tests trials: if an arm takes too long, the client itself leaves it in the next frame.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -218,7 +218,7 @@ TEST_F(TrialTest, ATrialAfterACompletedOneIsComparedWithItsArm) {
   Frames(kTrialFrames);
   adaptive_->mailbox().Post({.command_id = 8, .arm = 0, .trial_limit_percent = 120});
   Frame();
-  arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 20;  // over a limit from A's own frames
+  arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 20;  // over A's limit, below B's limit
   Frames(kShadowWarmUpFrames + 3);
   EXPECT_EQ(adaptive_->active_arm(), 0U);
   arms_[0]->script().find_ns = kGrantedNs + kGrantedNs / 5;

@@ -166,7 +166,8 @@ TEST(HooksTest, AFailedCompactChangesNothing) {
   EXPECT_TRUE(proxies.RemoveMany(handles));
 }
 
-// Static proxies for which one allocation of their tree fails, while later ones succeed.
+// A set of static proxies. PrepareWith lets one allocation of their tree fail. Allocations after
+// that call succeed again.
 class StaticProxiesWithoutMemory {
  public:
   void Add(size_t count, float from) {
@@ -273,7 +274,7 @@ TEST(HooksTest, AFailedRestoreCanBeRepeated) {
     } catch (const std::bad_alloc&) {
     }
     memory.blocks_left = GameMemory::kPlenty;
-    if (block_count % 2 == 0) continue;  // destroys the set in its current state
+    if (block_count % 2 == 0) continue;  // destroys the set as Restore left it
     ASSERT_TRUE(few.Restore(snapshot).ok());
     ASSERT_EQ(all_of(few), all_of(many));
     few.PrepareQueries();

@@ -152,7 +152,7 @@ class ProxyGame {
   ProxySet proxies;
   std::vector<ListedProxy> listed;
   std::vector<ProxyHandle> gone;
-  bool failed = false;  // a call refused a valid handle
+  bool failed = false;  // whether a call refused a valid handle
 
  private:
   Aabb BrokenBox() {
@@ -191,7 +191,7 @@ class ProxyGame {
   float world_;
 };
 
-// Returns the pairs of Resolve as handles; `doubled` is set if a pair occurs twice or not as a < b.
+// Returns the pairs of Resolve as handles. Sets `doubled` if a pair occurs twice or has a >= b.
 inline ProxyPairs AsHandles(const ProxySet& proxies, std::span<const OverlapPair> pairs,
                             bool& doubled) {
   ProxyPairs handles;

@@ -45,7 +45,7 @@ std::vector<ProxyHandle> ScanForSphere(const ProxyGame& game, const Sphere& sphe
   return found;
 }
 
-// Handles rays and swept boxes.
+// Returns the hits of a ray or swept box, sorted by distance.
 template <typename Shape>
 std::vector<RayHit> ScanForHits(const ProxyGame& game, const Shape& shape,
                                 const CollisionFilter& filter) {

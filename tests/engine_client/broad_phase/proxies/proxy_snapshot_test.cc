@@ -1,4 +1,4 @@
-// A restored set equals the saved one in everything that a game can observe.
+// Tests that a restored set equals the saved set in everything that a game can observe.
 #include <gtest/gtest.h>
 
 #include <algorithm>

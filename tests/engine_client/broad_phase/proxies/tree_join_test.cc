@@ -1,5 +1,5 @@
-// The search between two trees: its results for boxes that are close together, apart or large, and
-// how many checks it takes.
+// Tests the search between two trees: its results for boxes that are close together, apart or
+// large, and how many checks it takes.
 #include <gtest/gtest.h>
 
 #include <algorithm>

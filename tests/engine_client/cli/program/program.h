@@ -15,14 +15,14 @@ struct ProgramRun {
 // Runs `sweepstake`; `arguments` is a line for the shell.
 ProgramRun RunProgram(const std::string& arguments);
 
-// Runs `sweepstake-lab` in the same way.
+// Runs `sweepstake-lab`; `arguments` is a line for the shell.
 ProgramRun RunLab(const std::string& arguments);
 
 // Runs the program that has the command: `sweepstake-lab` for `load` and `replay`, else
 // `sweepstake`.
 ProgramRun RunEither(const std::string& arguments);
 
-// Runs `sweepstaked` in the same way.
+// Runs `sweepstaked`; `arguments` is a line for the shell.
 ProgramRun RunDaemonProgram(const std::string& arguments);
 
 // Returns a path that only this test process uses.

@@ -1,4 +1,4 @@
-// The command line of `sweepstake` as scripts use it: messages and exit codes.
+// Tests the command line of `sweepstake` as scripts use it: messages and exit codes.
 #include "tests/engine_client/cli/program/program.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// `sweepstake run` as scripts use it. The tests check that the numbers of a run are consistent, and
-// compare no times, because the runs are short.
+// Tests `sweepstake run` as scripts use it: the numbers of a run must be consistent. Times are not
+// compared, because the runs are short.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

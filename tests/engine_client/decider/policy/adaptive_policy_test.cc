@@ -1,5 +1,5 @@
-// The policy of "AI Decides" in complete sessions of a scripted game, with and without the shadow
-// lane.
+// Tests the policy of "AI Decides" in complete sessions of a scripted game, with and without the
+// shadow lane.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -205,7 +205,7 @@ TEST(AdaptivePolicy, StaysWhileOtherWorkMakesEveryArmSlower) {
   EXPECT_EQ(game.client.commands.size(), switch_count);
 }
 
-// The verdict shows a game in manual mode when mode ai would be worthwhile.
+// In manual mode, the diagnosis shows whether mode ai would be worthwhile.
 TEST(AdaptivePolicy, LearnsFromTheLaneInManualModeAndCommandsNothing) {
   SessionSetup setup = AdaptiveSetup(3);
   setup.mode = Mode::kManual;
@@ -343,7 +343,7 @@ TEST(AdaptivePolicy, WithoutALaneLeavesASlowArmHoweverSlowItIs) {
   }
 }
 
-// The arm did not cause the bail-out.
+// Something other than the arm caused the bail-outs.
 TEST(AdaptivePolicy, WithoutALaneOneBailOutExcludesAnArmOnlyForMinutes) {
   Game game({10'000, 12'000}, /*lane=*/false);
   game.RunTicks(20);
@@ -422,7 +422,7 @@ TEST(AdaptivePolicy, ATimeScaleChangesNoDecision) {
 TEST(AdaptivePolicy, TheCooldownGrowsWithTheCostOfSwitches) {
   const auto cooldown_s = [](uint64_t cost_ns) {
     Game game({20'000, 10'000, 10'500}, /*lane=*/false);
-    game.RunTicks(40);  // all trials are over, which have their own budget
+    game.RunTicks(40);  // ends after all trials, which have their own budget
     const SwitchCost cost{.rebuild_time_ns = cost_ns};
     for (int i = 0; i < 20; ++i) {
       game.client.session.ObserveSwitch(game.client.arm, game.client.epoch, SwitchReason::kPolicy,
@@ -479,7 +479,8 @@ TEST(Standings, CountLiveWindowsAndVisitsAndWeighBoth) {
   EXPECT_EQ(standings[0].live_window_count, 19u) << "the first window has only settling frames";
   EXPECT_EQ(standings[1].live_window_count, 0u);
   for (const ArmStanding& standing : standings) EXPECT_GE(standing.lane_visit_count, 20u);
-  // The lane's bias is unknown, so many visits of an arm have the information of about one window.
+  // The lane's bias is unknown. Therefore even many visits of an arm have only the information of
+  // about one window.
   EXPECT_GT(standings[2].effective_window_count, 0.001);
   EXPECT_LT(standings[2].effective_window_count, 2);
   ASSERT_EQ(game.client.session.diagnosis().leader, 1u);

@@ -1,5 +1,5 @@
-// The trials of "AI Decides", in a game whose lane misjudges an arm. As all clients, the game
-// itself ends trials that are too slow.
+// Tests the trials of "AI Decides" in a game whose lane misjudges an arm. Like all clients, the
+// game itself ends trials that are too slow.
 #include <gtest/gtest.h>
 
 #include <algorithm>

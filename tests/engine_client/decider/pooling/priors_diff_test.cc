@@ -74,7 +74,8 @@ TEST(PriorsDiff, FindsTheScenesInWhichAnArmsCostChanges) {
   std::vector<std::string> names;
   for (const ArmComparison& arm : arena.arms) names.push_back(arm.arm);
   ASSERT_THAT(names, ElementsAre("DBVT", "Grid", "KDTree", "SAP")) << "Octree has no evidence";
-  // The newest version of an arm counts, and bail-outs limit what visits say of it.
+  // Only the newest version of an arm counts. After a bail-out, its visits count at most the reward
+  // of its windows.
   EXPECT_FALSE(arena.arms[0].before);
   EXPECT_NEAR(MedianOf(arena.arms[0].after), 146117.26256036034, 1e-6);
   EXPECT_NEAR(MedianOf(arena.arms[1].before), 4.774500028878618, 1e-8);

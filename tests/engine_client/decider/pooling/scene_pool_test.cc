@@ -24,9 +24,10 @@ TEST(PoolScene, PoolsTheNewestVersionsTogetherAndOthersAlone) {
   EXPECT_EQ(scene.window_evidence, 204.0 / 50) << "(4 + 100 + 100) without the bail-out";
 }
 
-// The preview of a change names LeaderOf, the groups give the leader a cost ratio of 1, and the
-// dashboard shows the leader of DiagnoseScene. An arm with little evidence would lead by its mean
-// reward (0.65) in the first case, and would not lead by its posterior's mean (0.55) in the second.
+// Three readers must name the same leader: LeaderOf for the preview of a change, GroupPriors with a
+// cost ratio of 1, and DiagnoseScene for the dashboard. In the first case, an arm with little
+// evidence has the highest mean reward (0.65) but does not lead. In the second case, the leader's
+// posterior mean is only 0.55.
 TEST(PoolScene, AllReadersNameTheSameLeader) {
   const auto leader_is = [](const std::string& expected, const std::vector<PriorRecord>& records) {
     std::vector<VersionEvidence> versions;

@@ -42,7 +42,7 @@ TEST(ScenePrior, ComparesWindowsOfDifferentTimesByTheVisits) {
 TEST(ScenePrior, MovesVisitsToTheLevelOfTheWindows) {
   const ArmEvidence arms[] = {{.live = SumOf(100, 50), .lane = SumOf(130, 10)},
                               {.lane = SumOf(260, 10)},
-                              {.live = SumOf(70, 5)}};  // the lane had too little memory for it
+                              {.live = SumOf(70, 5)}};  // too little memory in the lane
   const auto pooled = PoolEvidence(arms);
   EXPECT_NEAR(CostUs(pooled[0]), 100, 0.1);
   EXPECT_NEAR(CostUs(pooled[1]), 200, 0.3);

@@ -1,6 +1,6 @@
-// The rules of a decision on a scripted clock: window, update, choice, cooldown, settling, modes.
-// exploration_test.cc and bail_out_test.cc test exploration and bail-outs, reward_test.cc scores
-// and weights.
+// Tests the rules of a decision on a scripted clock: window, update, choice, cooldown, settling,
+// modes. exploration_test.cc and bail_out_test.cc test exploration and bail-outs; reward_test.cc
+// tests scores and weights.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,6 @@
 namespace sweepstake::decision {
 namespace {
 
-// The priors make arm 1 almost certain to have the highest draw.
 TEST(Arms, AreTheNamesTheClientAnnounced) {
   SessionSetup setup = PlainSetup(3);
   setup.arms = {"KDTree", "a game's own arm", "SAP"};

@@ -1,4 +1,4 @@
-// The verdict `degraded`: even the leading arm misses the floor of the frame rate.
+// Tests the verdict `degraded`: even the leading arm misses the floor of the frame rate.
 #include <gtest/gtest.h>
 
 #include "engine_client/decider/session/safeguards.h"

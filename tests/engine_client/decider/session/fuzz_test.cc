@@ -161,7 +161,7 @@ class Fuzzer {
     }
   }
 
-  // If the active arm has changed, the switch was executed after the previous event.
+  // Notes a switch if the active arm has changed since the previous event, at that event's time.
   void NoteSwitch() {
     if (session_.active_arm() != active_arm_) last_switch_ns_ = last_event_ns_;
     active_arm_ = session_.active_arm();

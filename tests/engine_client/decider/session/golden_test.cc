@@ -222,8 +222,8 @@ TEST(GoldenLog, OfAWholeRunReplaysBitForBit) {
   ExpectGolden("whole_run.log", ScriptedGame().Run());
 }
 
-// The log has one line per policy: the number of decisions of the same run, and the hash of their
-// lines.
+// The file has one line per policy: the number of decisions of the same run, and a hash of the
+// run's log.
 TEST(GoldenLog, OfEveryBaselineReplaysBitForBit) {
   std::ostringstream lines;
   for (const char* policy : {"paper-one-draw", "random", "thresholds", "ucb1", "epsilon-greedy",

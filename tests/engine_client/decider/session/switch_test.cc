@@ -1,4 +1,4 @@
-// How switches are reported, lost and counted, and the effect of a changed object count.
+// Tests how switches are reported, lost and counted, and the effect of a changed object count.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -25,7 +25,7 @@ TEST(Switch, IsDetectedInTheFramesBeforeItIsReported) {
   EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kHeldSettling);
   EXPECT_EQ(client.session.active_arm(), 1u);
   client.session.ObserveSwitch(1, client.epoch, SwitchReason::kPolicy, client.now_ns);
-  EXPECT_TRUE(client.RunToTick().increment);  // the report did not make it settle twice
+  EXPECT_TRUE(client.RunToTick().increment);  // the report did not restart the settling
   EXPECT_EQ(client.session.observation(client.now_ns).switch_count(SwitchReason::kPolicy), 1u);
 }
 

@@ -1,4 +1,4 @@
-// When a session sends boxes to its daemon, and how they are ordered among its other messages.
+// Tests when a session sends boxes to its daemon, and their order among its other messages.
 #include <gtest/gtest.h>
 
 #include <memory>

@@ -1,4 +1,4 @@
-// Which boxes a game sends, when, and for how long. The daemon's side uses protobuf.
+// Tests which boxes a game sends, when, and for how long. The daemon's side uses protobuf.
 #include "engine_client/telemetry/protocol/box_viewer.h"
 
 #include <gtest/gtest.h>

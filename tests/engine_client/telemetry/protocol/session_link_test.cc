@@ -1,5 +1,5 @@
-// The complete protocol of a session, message by message and in scripted time. The daemon's side
-// uses protobuf.
+// Tests the complete protocol of a session, message by message and in scripted time. The daemon's
+// side uses protobuf.
 #include "engine_client/telemetry/protocol/session_link.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// TLS files: the content of valid files, and the errors for invalid ones.
+// Tests TLS files: the content of valid files, and the errors for invalid files.
 #include "engine_client/telemetry/tls/tls_files.h"
 
 #include <gmock/gmock.h>
