@@ -1,4 +1,4 @@
-// The configuration: its sources, their precedence, and the errors about wrong values.
+// Tests the configuration: its sources, their precedence, and the errors about wrong values.
 #include "server/config.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The daemon's pages for operators, in each of their states.
+// Tests the daemon's pages for operators, in each of their states.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The daemon's flag `saving`, which is set while the daemon copies a database whose file was
+// Tests the daemon's flag `saving`, which is set while the daemon copies a database whose file was
 // removed.
 #include <gtest/gtest.h>
 #include <sqlite3.h>

@@ -1,4 +1,4 @@
-// The daemon as the program runs it: files, health, drain.
+// Tests the daemon as the program runs it: files, health, drain.
 #include "server/daemon.h"
 
 #include <gmock/gmock.h>

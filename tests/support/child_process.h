@@ -19,18 +19,18 @@ class ChildProcess {
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   pid_t pid() const { return pid_; }
-  // Returns its output so far.
+  // Returns the content of the log file so far.
   std::string log() const;
-  // Returns whether it has ended by itself.
+  // Returns whether the process has ended by itself.
   bool ended();
   void Signal(int signal) const;
   // Sends SIGKILL and waits for the end.
   void Kill();
-  // Sends SIGTERM; returns the exit code, or -1 if it had ended or a signal ended it.
+  // Sends SIGTERM; returns the exit code, or -1 if the process had ended or a signal ended it.
   int Terminate();
 
  private:
-  // Returns the exit code, or -1.
+  // Waits for the end; returns the exit code, or -1 if there is none.
   int Await();
 
   std::filesystem::path log_;

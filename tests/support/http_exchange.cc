@@ -37,7 +37,7 @@ HttpSocket::HttpSocket(int port, int receive_bytes)
 
 HttpSocket::~HttpSocket() { close(socket_); }
 
-// The server may have closed the connection already; its answer then says why.
+// Ignores errors: the server may have closed the connection already, and its answer has the reason.
 void HttpSocket::Send(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t sent = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);

@@ -1,4 +1,4 @@
-// Counts calls of malloc, calloc, realloc and aligned_alloc by our own code, and those of operator
+// Counts calls of malloc, calloc, realloc and aligned_alloc by our own code, and calls of operator
 // new if allocation_counter.cc is among the sources. A program needs malloc_counter.cc among its
 // sources and -Wl,--wrap= for each of the four functions, which wraps the calls in everything that
 // is linked statically.

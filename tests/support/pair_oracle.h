@@ -1,6 +1,6 @@
-// The pairs that a broad phase must find, by the definition in aabb.h alone, and a readable
-// comparison. It tests all pairs and shares no code with the faster oracle of `sweepstake-lab
-// check`, so that neither can hide an error of the other.
+// Finds the pairs that a broad phase must find, by the definition in aabb.h alone, and describes
+// how other pairs differ. Tests all pairs and shares no code with the faster oracle of
+// `sweepstake-lab check`, so that neither can hide an error of the other.
 #pragma once
 
 #include <span>

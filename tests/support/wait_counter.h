@@ -7,8 +7,8 @@
 //   ... one frame ...
 //   EXPECT_EQ(waits.count(), 0) << waits.last_call();
 //
-// Thread safety: each counter counts the calls of the thread that created it, while it exists; at
-// most one per thread.
+// Thread safety: each counter counts the calls of the thread that created it, while it exists. A
+// thread may have only one counter at a time.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The bus against a store in memory, on a loop that the test runs.
+// Tests the bus with a store in memory, on a loop that the test runs.
 #include "server/events/event_bus.h"
 
 #include <gmock/gmock.h>

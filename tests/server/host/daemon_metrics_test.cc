@@ -1,4 +1,4 @@
-// The metrics of the daemon.
+// Tests the metrics of the daemon.
 #include "server/host/daemon_metrics.h"
 
 #include <gmock/gmock.h>
@@ -44,7 +44,7 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
   const auto reasons = static_cast<size_t>(counters_.error_counts.data() - counters);
   std::multiset<double> expected;
   for (size_t i = 0; i < sizeof(counters_) / sizeof(*counters); ++i) {
-    // Some numbers between the reasons are not used.
+    // Some numbers between two reasons are not used by any reason.
     if (i >= reasons && !v1::ErrorReason_IsValid(static_cast<int>(i - reasons))) continue;
     counters[i] = (i + 1) * 1'000'003;
     expected.insert(static_cast<double>((i + 1) * 1'000'003));

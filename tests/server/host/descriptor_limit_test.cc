@@ -1,4 +1,4 @@
-// The limit of open files.
+// Tests the limit of open files.
 #include "server/host/descriptor_limit.h"
 
 #include <gmock/gmock.h>

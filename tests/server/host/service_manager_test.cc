@@ -1,4 +1,4 @@
-// Notifications to the service manager.
+// Tests notifications to the service manager.
 #include "server/host/service_manager.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The warning about a database that is nearly full.
+// Tests the warning about a database that is nearly full.
 #include "server/host/space_warning.h"
 
 #include <gmock/gmock.h>

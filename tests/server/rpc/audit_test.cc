@@ -1,4 +1,5 @@
-// The audit log of sessions over the stream: every exported decision can be replayed bit by bit.
+// Tests the audit log of sessions over the stream: every exported decision can be replayed bit by
+// bit.
 #include <spdlog/sinks/ringbuffer_sink.h>
 
 #include <limits>

@@ -1,5 +1,5 @@
-// Input that breaks the contract: it ends the stream with the right code, is counted, and is not
-// evidence.
+// Tests input that breaks the contract: it ends the stream with the right code, is counted, and is
+// not evidence.
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 #include <grpcpp/impl/codegen/client_context.h>

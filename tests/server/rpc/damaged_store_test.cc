@@ -1,5 +1,6 @@
-// Sessions of games while the prior store cannot be read: a session begins anyway, and the welcome
-// message reports the missing priors. A session whose messages could count twice never begins.
+// Tests sessions of games while the prior store cannot be read: a session begins anyway, and the
+// welcome message reports the missing priors. A session whose messages could count twice never
+// begins.
 #include <spdlog/sinks/ringbuffer_sink.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// The end of a daemon: the messages to clients, and the times at which they reconnect.
+// Tests the end of a daemon: the messages to clients, and the times at which they reconnect.
 #include <map>
 #include <memory>
 #include <set>

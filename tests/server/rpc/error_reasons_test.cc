@@ -1,5 +1,5 @@
-// The reasons of statuses: each has a code, and is sent as the google.rpc.ErrorInfo that other
-// programs read.
+// Tests the reasons of statuses: each has a code, and is sent as the google.rpc.ErrorInfo that
+// other programs read.
 #include "server/rpc/common/error_reasons.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Evidence that is not on disk yet when its client leaves: after a goodbye, a half-close, a lost
-// connection, a drain, and with a full table.
+// Tests evidence that is not on disk yet when its client leaves: after a goodbye, a half-close, a
+// lost connection, a drain, and with a full table.
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {

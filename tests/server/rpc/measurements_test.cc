@@ -1,4 +1,4 @@
-// The measurements of frame costs that watchers receive.
+// Tests the measurements of frame costs that watchers receive.
 #include <cmath>
 #include <vector>
 

@@ -1,4 +1,4 @@
-// The conditions under which a stream of pages may be ended from outside.
+// Tests when a stream of pages may be ended from outside.
 #include "server/rpc/services/page_stream.h"
 #include "sweepstake/v1/priors.pb.h"
 

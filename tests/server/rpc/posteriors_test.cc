@@ -387,7 +387,7 @@ TEST_F(PosteriorsTest, ASlowWatcherMissesDecisionsButNoScenesAndReadsTheStoreOnc
   for (int i = 0; i < 30; ++i) {
     v1::Hello hello = ManyArmsHello();
     hello.set_scene(i == 0 ? "harbour" : "elsewhere");
-    if (i == 0) hello.mutable_arms()->RemoveLast();  // the scene already has one, and may have 32
+    if (i == 0) hello.mutable_arms()->RemoveLast();  // the scene has an arm, and may have 32
     clients.push_back(std::make_unique<TelemetryClient>(channel_));
     clients.back()->Open(hello);
   }

@@ -1,4 +1,4 @@
-// The intervals of batches, and messages that the daemon does not know.
+// Tests the intervals of batches, and messages of a newer protocol.
 #include "server/sessions/session_start.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 

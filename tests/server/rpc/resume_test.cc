@@ -1,5 +1,5 @@
-// The session that a Hello with a session id gets: the named one, or a new one that reveals nothing
-// about it.
+// Tests which session a Hello with a session id gets: the named session, or a new one that reveals
+// nothing about the named session.
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {

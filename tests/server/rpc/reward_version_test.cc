@@ -1,5 +1,5 @@
-// Evidence of two reward versions side by side, and of the shadow lane: over the stream, in SQLite,
-// and read back.
+// Tests evidence of two reward versions side by side, and evidence of the shadow lane: over the
+// stream, in SQLite, and read back.
 #include <functional>
 #include <utility>
 #include <vector>

@@ -1,4 +1,4 @@
-// SessionsService: connected clients, the ends of sessions, and how a session is kicked.
+// Tests SessionsService: connected clients, the ends of sessions, and how a session is kicked.
 #include <map>
 
 #include "sweepstake/v1/sessions.grpc.pb.h"

@@ -1,5 +1,5 @@
-// Reads concurrent with commits: only the resumption of a session waits for a commit, and no older
-// state replaces a newer one.
+// Tests reads concurrent with commits: only the resumption of a session waits for a commit, and no
+// older state replaces a newer one.
 #include "server/storage/backup/automatic_backup.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
@@ -225,7 +225,7 @@ TEST_F(PageAheadTest, APageThatArrivesAfterItsClientLeftIsDropped) {
   context_.TryCancel();
   EXPECT_EQ(records->Finish().error_code(), grpc::StatusCode::CANCELLED);
   reader_.release.set_value();
-  // The welcome shows that the page was dropped: the Hello is handled after it, on the same thread.
+  // The welcome shows that the page was dropped: the same thread handles the Hello after the page.
   EXPECT_FALSE(TelemetryClient(channel_).Open(HelloMessage()).session_id().empty());
 }
 

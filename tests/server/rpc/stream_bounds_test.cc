@@ -1,5 +1,5 @@
-// The cost of streams without a session: those that never send Hello, and those whose client gave
-// up while the store was busy.
+// Tests the cost of streams without a session: streams that never send Hello, and streams whose
+// client gave up while the store was busy.
 #include <vector>
 
 #include "server/auth/failure_limit.h"

@@ -1,4 +1,4 @@
-// The telemetry stream: sessions, evidence, acknowledgements.
+// Tests the telemetry stream: sessions, evidence, acknowledgements.
 #include "server/rpc/health_probe.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 

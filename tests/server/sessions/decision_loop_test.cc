@@ -1,4 +1,4 @@
-// The decision loop: the lateness of its timers, and the thread that runs it.
+// Tests the decision loop: the lateness of its timers, and the thread that runs it.
 #include "server/sessions/common/decision_loop.h"
 
 #include <gmock/gmock.h>

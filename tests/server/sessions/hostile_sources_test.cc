@@ -36,8 +36,8 @@ class HostileSourcesTest : public RpcTest {
     hello.set_build("1.1");
     return hello;
   }
-  // Stores evidence of a new session with this token about the Hello's arms, with `visits` visits
-  // per arm.
+  // Stores the evidence of a new session with this token: `visits` visits of each arm of Hello() at
+  // these costs.
   void Teach(const std::string& scene, int64_t token_id, const std::vector<double>& costs_us,
              double visits) {
     const v1::Hello hello = Hello(scene);

@@ -1,5 +1,5 @@
-// The bail-out of a game that dies before the next tick. It reaches the store when the session
-// leaves memory, and counts once if the game was only away.
+// Tests the bail-out of a game that dies before the next tick. The bail-out reaches the store when
+// the session leaves memory, and counts once if the game was only away.
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {

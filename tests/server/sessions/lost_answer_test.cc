@@ -37,9 +37,9 @@ TEST_F(LostCommitResultTest, AWatcherStillReceivesTheCommit) {
   }
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 0; }));
   TelemetryClient next(channel_);
-  next.Open(OneArmHello());  // the first session makes room for it
-  // These calls pass the store and the loop behind the read of the event bus, so the bus has its
-  // result afterwards.
+  next.Open(OneArmHello());  // displaces the first session from memory
+  // These calls pass the store and the loop after the event bus's read. When they have returned,
+  // the bus has the result of the read.
   for (int i = 0; i < 2; ++i) {
     grpc::ClientContext call;
     v1::ListPosteriorsResponse response;

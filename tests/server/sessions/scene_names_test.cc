@@ -1,5 +1,5 @@
-// A client that names a new scene in every session. The environment variable TEST_NAMES sets the
-// number of names. The suite uses 20,000; tests/README.md has the command for a million.
+// Tests a client that names a new scene in every session. The environment variable TEST_NAMES sets
+// the number of names. The suite uses 20,000; tests/README.md has the command for a million.
 #include <unistd.h>
 
 #include <fstream>

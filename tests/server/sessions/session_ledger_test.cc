@@ -1,5 +1,5 @@
-// The updates that a session's ledger offers to a slow store. Every update contains exactly the
-// evidence up to its sequence number.
+// Tests the updates that a session's ledger offers to a slow store. Every update contains exactly
+// the evidence up to its sequence number.
 #include "server/sessions/session_ledger.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// The path from a Hello to a session, without a stream: each test runs the loop and the store by
-// hand.
+// Tests the path from a Hello to a session without a stream: each test runs the loop and the store
+// by hand.
 #include "server/sessions/session_opening.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ class QueuedStore final : public priors::AsyncPriorStore {
   }
   bool healthy() const override { return true; }
   uint64_t lost_audit_row_count() const override { return 0; }
-  // Both return whether there was a job.
+  // RunRead and RunJob return whether there was a job to run.
   bool RunRead() { return Run(reads); }
   bool RunJob() { return Run(jobs); }
   priors::PriorStore& store() { return *store_; }

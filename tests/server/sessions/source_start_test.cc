@@ -1,4 +1,4 @@
-// The prior of a session whose scene has many sources.
+// Tests the prior of a session whose scene has many sources.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -50,8 +50,8 @@ class SourceStartTest : public RpcTest {
     }
     Put(records);
   }
-  // The prior in the welcome message: the cost of SAP ÷ that of Grid, and the standard deviation of
-  // SAP.
+  // The prior in the welcome message: the cost of SAP ÷ the cost of Grid, and the standard
+  // deviation of SAP.
   struct Start {
     double ratio = 1;
     double deviation = 0;
@@ -185,7 +185,7 @@ TEST_F(SamePriorTest, ForSourcesThatDifferInBuildMachineClassAndVersion) {
   for (const char* build : {"1.1", "1.0", ""}) {
     for (const char* machine_class : {"desktop", "laptop"}) {
       for (const uint32_t version : {1u, 2u, 3u}) {
-        // There are few sources of another machine class, because a store returns only a few of
+        // Add only a few sources of another machine class, because a store returns only a few of
         // them.
         if (machine_class == std::string("laptop") && version != 2) continue;
         const std::string source = "z" + std::to_string(97 * ++n % 31);

@@ -1,4 +1,4 @@
-// The weight shown for a source equals the weight that a new session gives it.
+// Tests that the weight shown for a source equals the weight that a new session gives it.
 #include "server/sessions/source_weights.h"
 
 #include <gtest/gtest.h>

@@ -34,14 +34,14 @@ class StoreOutageTest : public RpcTest {
     const std::lock_guard lock(mutex_);
     return kept_;
   }
-  // Advances one second, and waits until the server has run the timers that are due. They run after
-  // the tasks of the same turn, so only the second answer comes after them.
+  // Advances one second, and waits until the server has run the timers that are due. Timers run
+  // after the tasks of the same turn. Therefore only the second call returns after them.
   void PassSecond() {
     clock_.Advance(kSecondNs);
     server_->CountHeld();
     server_->CountHeld();
   }
-  // Advances until the server has passed on its waiting updates once.
+  // Advances the clock until the server has passed on its waiting updates once.
   void Keep() {
     const uint64_t before = kept_count();
     for (int second = 0; second < 20 && kept_count() == before; ++second) PassSecond();

@@ -18,7 +18,7 @@ class ConnectionUser {
  public:
   virtual ~ConnectionUser() = default;
   virtual void OnResponse(const v1::StreamTelemetryResponse& response) = 0;
-  // The connection has ended; no more calls follow.
+  // Called when the connection has ended. No more calls follow.
   virtual void OnClosed(const absl::Status& status) = 0;
 };
 
@@ -65,7 +65,7 @@ class Connection final : public rpc::TelemetryTransport,
   void Close(const absl::Status& status);
 
   World& world_;
-  ConnectionUser* user_;  // null after it was notified of the end, or has left
+  ConnectionUser* user_;  // null after the game was notified of the end, or has left
   int64_t last_to_daemon_ns_ = 0;
   int64_t last_to_game_ns_ = 0;
 

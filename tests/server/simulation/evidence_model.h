@@ -38,7 +38,7 @@ class EvidenceModel {
   struct Session {
     priors::SourceProgress progress;
     ByKey evidence;
-    std::vector<priors::SourceUpdate> failed;  // offered after `progress`
+    std::vector<priors::SourceUpdate> failed;  // failed commits since `progress`
   };
   struct Scene {
     priors::SceneEvidence evidence;

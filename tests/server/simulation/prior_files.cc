@@ -11,7 +11,7 @@ namespace sweepstake::simulation {
 namespace {
 
 using priors::PriorRecord;
-// Two records of the same key and source replace one another.
+// The key and the source of a record. A store keeps only the newest record for both together.
 using Place = std::pair<priors::EvidenceKey, std::string>;
 
 constexpr absl::string_view kSourcePrefix = "import-";
@@ -28,7 +28,7 @@ size_t PriorFiles::Choose() {
   return static_cast<size_t>(world_.Draw(0, static_cast<int64_t>(files_.size()) - 1));
 }
 
-// The number of a file is the sequence of its records.
+// Makes a file. Its number, from 1, is the source_sequence of its records.
 void PriorFiles::Make() {
   const uint64_t number = files_.size() + 1;
   std::vector<PriorRecord> records;

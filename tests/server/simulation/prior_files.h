@@ -1,7 +1,7 @@
-// Overlapping files of priors, which are imported repeatedly and in any order, and what the store
-// must contain of them. If the import of a file was acknowledged, each of its records must be
-// there, or a newer record in its place. Other files are there completely or not at all. Each
-// record is there once.
+// Overlapping files of priors, which are imported repeatedly and in any order, and a check of the
+// store's records. If the import of a file was acknowledged, the store must have each record of the
+// file, or a newer record of the same key and source. Either all records of any other file are
+// there, or none. No record may occur twice.
 #pragma once
 
 #include <cstdint>

@@ -35,7 +35,7 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   // Imports like PriorsService. `done` is not called if the daemon dies before.
   void Import(std::vector<priors::PriorRecord> records,
               std::function<void(const absl::Status&)> done);
-  // Runs what is ready, and schedules the next run with the world.
+  // Runs all work that is due, and schedules the next run in the world.
   void Run();
   // Requests the games to reconnect later, as after SIGTERM.
   void Drain();
@@ -73,7 +73,7 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   int64_t max_store_delay_ns_ = 60 * kMsNs;
   bool store_busy_ = false;
   bool reads_busy_ = false;
-  // The latest time at which the world runs the daemon again.
+  // The world runs the daemon again at this time or earlier.
   int64_t wake_ns_ = sessions::LoopClock::kNever;
 };
 

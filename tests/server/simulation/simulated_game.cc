@@ -238,7 +238,7 @@ void SimulatedGame::OnClosed(const absl::Status& status) {
     if (status.ok()) session.promised_sequence = session.messages.size();
     return;
   }
-  // Does what DaemonSession does if the session belongs to another token than the current one.
+  // Like DaemonSession, forget a session that belongs to another token than the current one.
   if (absl::IsPermissionDenied(status)) state_.ForgetSession();
   state_.Disconnect(absl::IsNotFound(status), absl::IsInvalidArgument(status));
   next_attempt_ns_ =

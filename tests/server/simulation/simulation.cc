@@ -319,7 +319,7 @@ void Simulation::Steal() {
 }
 
 void Simulation::JumpWallClock() {
-  if (lost_answer_ratio_ > 0) return;  // so that most logs keep all of their rows
+  if (lost_answer_ratio_ > 0) return;  // a jump would remove old audit rows
   ++tally_.clock_jumps;
   constexpr int64_t kTenYearsS = 10 * 365 * 86'400;
   unix_s_ += world_.Happens(0.5) ? kTenYearsS : -kTenYearsS;

@@ -1,4 +1,4 @@
-// The invariants of the store of a simulation.
+// Checks the invariants of the store of a simulation.
 #include <algorithm>
 #include <cmath>
 

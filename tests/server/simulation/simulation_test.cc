@@ -1,5 +1,5 @@
-// The environment variables TEST_SEEDS and TEST_SEED set the number of runs and the first seed:
-// TEST_SEED=7 TEST_SEEDS=1 repeats the run of seed 7.
+// Runs simulations (simulation.h). The environment variables TEST_SEEDS and TEST_SEED set the
+// number of runs and the first seed: TEST_SEED=7 TEST_SEEDS=1 repeats the run of seed 7.
 #include <gtest/gtest.h>
 
 #include <iostream>

@@ -35,7 +35,7 @@ class World final : public sessions::LoopClock {
     next.mapped()();
   }
 
-  // These draw from a uniform distribution.
+  // Draw, Happens and Bits use uniform random numbers.
   int64_t Draw(int64_t min, int64_t max) {
     return min + static_cast<int64_t>(random_() % static_cast<uint64_t>(max - min + 1));
   }

@@ -1,4 +1,4 @@
-// Backups that the daemon makes automatically, and the start from one of them.
+// Tests backups that the daemon makes automatically, and the start from one of them.
 #include "server/storage/backup/automatic_backup.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Backups of a database with damaged rows: they are intact, without those rows.
+// Tests backups of a database with damaged rows: a backup is intact and lacks only these rows.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ class DamagedBackupTest : public ::testing::Test {
   static std::string HarbourGrid() {
     return "key_id IN (SELECT id FROM evidence_key WHERE scene = 'harbour' AND arm = 'Grid')";
   }
-  // Backs up, and opens the copy as the database of another directory.
+  // Backs up the database, restores the backup into another directory, and opens the result.
   std::unique_ptr<PriorStore> RestoredBackup(int64_t damaged_row_count) {
     const auto made = BackUpStore(data_, file_);
     EXPECT_TRUE(made.ok()) << made.status();
@@ -138,7 +138,7 @@ TEST_F(DamagedBackupTest, TheDaemonMakesBackupsAndReportsHowManyRowsTheyLack) {
     EXPECT_EQ(backup->damaged_row_count, 1);
     EXPECT_EQ(VerifyStore(backup->file)->record_count, 3);
   }
-  // The rest of the file is lost.
+  // Truncate the file, so that the daemon must use the backup.
   store_.reset();
   std::filesystem::resize_file(path_, 5'000);
   const auto opened = OpenStoreOrBackup(path_);

@@ -1,4 +1,4 @@
-// Rows that were changed on the disk: they are detected, and do not count as evidence.
+// Tests rows that were changed on the disk: they are detected, and do not count as evidence.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

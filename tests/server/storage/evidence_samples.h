@@ -68,7 +68,7 @@ struct KeySum {
 };
 struct KeySums {
   std::vector<KeySum> sums;  // in the order of the given keys
-  // Number of sources of the keys' scenes that have evidence about one of the keys.
+  // Number of sources of all scenes that have evidence about one of the keys.
   uint64_t source_count = 0;
 };
 

@@ -22,7 +22,7 @@ std::string ContentOf(sqlite3_file* file) {
 
 }  // namespace
 
-// An open file. SQLite allocates the memory; the real file follows in it.
+// An open file. In the memory that SQLite allocates, the real file follows this struct.
 struct FailingDisk::File {
   sqlite3_file base{&kMethods};
   FailingDisk* disk = nullptr;
@@ -181,7 +181,7 @@ void FailingDisk::ApplyPerhaps(const Change& change, std::string& content) {
     if (Happens(0.5)) Apply(change, content);
     return;
   }
-  // The sectors of a write reach the disk in any order.
+  // The sectors of a write reach the disk in any order, so all, none or any part may be there.
   const double ratio = Happens(0.25) ? 0.5 : (Happens(0.5) ? 1 : 0);
   for (size_t begin = 0; begin < change.bytes.size();) {
     const size_t in_sector = kSectorBytes - (change.offset + begin) % kSectorBytes;

@@ -25,7 +25,7 @@ namespace sweepstake::storage {
 
 class FailingDisk {
  public:
-  // The fraction of the calls that fail, from 0 to 1.
+  // Which calls fail. The first three values are the fraction of the calls that fail, from 0 to 1.
   struct Faults {
     double read_error = 0;
     double write_error = 0;
@@ -40,12 +40,12 @@ class FailingDisk {
   FailingDisk& operator=(const FailingDisk&) = delete;
 
   void Set(const Faults& faults);
-  // The process dies after `changes` more writes, truncations and syncs. Its connections stay open,
-  // but every call fails and changes nothing.
+  // Simulates the death of the process after `changes` more writes, truncations and syncs. SQLite's
+  // connections stay open, but every call of this disk then fails and changes nothing.
   void KillAfter(uint64_t changes);
   void Kill() { KillAfter(0); }
   bool killed() const;
-  // Starts the next process, which finds all written data, or what a power cut left of them. Resets
+  // Start the next process, with all written data or with the data that survive a power cut. Reset
   // KillAfter and the faults. REQUIRES: all connections are closed.
   void Restart();
   void RestartAfterPowerCut();
@@ -83,7 +83,7 @@ class FailingDisk {
 
   // REQUIRES, for the functions below: the caller holds the lock.
   bool Happens(double ratio);
-  // Returns the error of the next change, or SQLITE_OK.
+  // Counts a change and returns its error, or SQLITE_OK.
   int BeginChange(double error_ratio, int error);
   static int WritePart(File& file, std::string_view bytes, size_t offset);
   static void Apply(const Change& change, std::string& content);

@@ -1,4 +1,4 @@
-// The store on a failing disk: acknowledged commits survive, and failures are reported.
+// Tests the store on a failing disk: acknowledged commits survive, and failures are reported.
 #include "tests/server/storage/failing_disk.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Updates that wait for a shared store survive the daemon, and are committed once.
+// Tests updates that wait for a shared store: they survive the daemon, and are committed once.
 #include "server/storage/outbox/outbox.h"
 
 #include <gmock/gmock.h>

@@ -16,7 +16,7 @@ class QuarantineConformance : public PriorStoreConformance {
  protected:
   static constexpr uint64_t kAnyNumber = 1'000'000;
 
-  // The results of the reads of sessions, watchers and exports, compared bit by bit.
+  // The data that sessions, watchers and exports read from a store, compared bit by bit.
   struct Seen {
     std::vector<PriorRecord> exported;
     std::vector<std::pair<SceneKey, std::vector<priors::Evidence>>> scenes;

@@ -1,5 +1,5 @@
-// Reads concurrent with the commits of a store: neither waits for the other, and each read sees one
-// state.
+// Tests reads concurrent with the commits of a store: neither waits for the other, and each read
+// sees one state.
 #include "server/storage/read_thread.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// The counts of scenes that the store keeps: they always match its rows, and reading them visits no
-// rows.
+// Tests the counts of scenes that the store keeps: they always match its rows, and reading them
+// visits no rows.
 #include <gtest/gtest.h>
 
 #include <cstdint>

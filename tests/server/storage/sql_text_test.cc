@@ -1,4 +1,4 @@
-// The text of a statement for each database.
+// Tests the text of a statement for each database.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,4 +1,4 @@
-// Backups: made while the store is written, verified, restored.
+// Tests backups: they are made while the store is written, verified and restored.
 #include "server/storage/backup/sqlite_backup.h"
 
 #include <gmock/gmock.h>

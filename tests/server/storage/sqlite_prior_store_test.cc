@@ -1,4 +1,4 @@
-// The properties of the SQLite store that concern its file.
+// Tests the properties of the SQLite store that concern its file.
 #include "server/storage/sqlite_prior_store.h"
 
 #include <gmock/gmock.h>
@@ -53,7 +53,7 @@ TEST_F(SqlitePriorStoreTest, ACommitIsOneTimedFsync) {
   std::vector<std::chrono::nanoseconds> durations;
   auto store = *OpenSqlitePriorStore(path_, {}, 0, [&](auto taken) { durations.push_back(taken); });
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
-  durations.clear();  // A new log also has its header synced.
+  durations.clear();  // The first commit also syncs the header of a new log.
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 2, {Key("Grid")})}).ok());
   ASSERT_EQ(durations.size(), 1u);
   EXPECT_GT(durations[0].count(), 0);

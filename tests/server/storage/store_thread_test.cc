@@ -1,4 +1,4 @@
-// Group commits: which callbacks run, and when.
+// Tests group commits: which callbacks run, and when.
 #include "server/storage/store_thread.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The reports about the TLS files of a running daemon.
+// Tests the reports about the TLS files of a running daemon.
 #include "server/tls/files_watch.h"
 
 #include <gmock/gmock.h>

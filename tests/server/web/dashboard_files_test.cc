@@ -1,4 +1,4 @@
-// The files of the dashboard as browsers receive them.
+// Tests the files of the dashboard as browsers receive them.
 #include "server/web/dashboard_files.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The pages /livez and /readyz.
+// Tests the pages /livez and /readyz.
 #include "server/web/health_page.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The HTTP listener over real sockets: answers, invalid requests and limits.
+// Tests the HTTP listener over real sockets: answers, invalid requests and limits.
 #include "server/web/http_server.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The text of /metrics.
+// Tests the text of /metrics.
 #include "server/web/metrics_page.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Decodes the query of a request.
+// Tests the decoding of a request's query.
 #include "server/web/query.h"
 
 #include <gmock/gmock.h>

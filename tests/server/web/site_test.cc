@@ -1,4 +1,4 @@
-// The paths of the HTTP side, and the requests that may use them.
+// Tests the paths of the HTTP side, and which requests may use them.
 #include "server/web/site.h"
 
 #include <gmock/gmock.h>

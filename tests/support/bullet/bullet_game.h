@@ -24,7 +24,7 @@ struct BulletGameOptions {
   int pile_count = 0;    // boxes, spheres and capsules that fall on a heap
   int chain_count = 0;   // chains of eight capsules, joined at their ends
   int lift_count = 0;    // kinematic boxes that go up and down
-  // Steps between two bodies that enter; if there are `visitor_limit`, the oldest leaves. 0: none.
+  // Steps between two visitors; with more than `visitor_limit`, the oldest leaves. 0: no visitors.
   int visitor_interval = 0;
   int visitor_limit = 20;
   int blow_interval = 0;  // steps between blows, which wake bodies; 0: none

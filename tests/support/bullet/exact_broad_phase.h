@@ -54,7 +54,7 @@ class ExactBroadPhase final : public Base {
   const btOverlappingPairCache* getOverlappingPairCache() const override { return &exact_; }
 
  private:
-  // Bullet's other broad phases reuse ids, beginning with the one that was freed last.
+  // btDbvtBroadphase never reuses ids. Bullet's other broad phases reuse the last freed id first.
   static constexpr bool kIdsGrow = std::is_same_v<Base, btDbvtBroadphase>;
 
   static bool Overlap(const btBroadphasePair& pair) {

@@ -21,7 +21,7 @@ constexpr uid_t kNobody = 65534;
 constexpr int kStartAttempts = 12'000;
 constexpr auto kPause = std::chrono::milliseconds(5);
 
-// Returns the command. As root, it runs as another user, because PostgreSQL refuses to run as root.
+// Returns the command. For root, it changes the user, because PostgreSQL refuses to run as root.
 std::vector<std::string> Command(const char* program, std::initializer_list<std::string> rest) {
   std::vector<std::string> command;
   if (geteuid() == 0)

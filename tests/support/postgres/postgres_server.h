@@ -24,9 +24,9 @@ class PostgresServer {
 
   // Creates an empty database and returns its URL.
   std::string NewDatabase();
-  // Sends SIGKILL to its main process; the processes of connections notice that and end.
+  // Sends SIGKILL to the server's main process and to its children, which serve connections.
   void Kill();
-  // Starts it again after Kill, and waits until it answers.
+  // Starts the server again after Kill, and waits until it answers.
   void Start();
 
  private:

@@ -1,12 +1,12 @@
 // Informs ThreadSanitizer of the order that gRPC guarantees. ThreadSanitizer cannot see it, because
-// the libraries of gRPC and Abseil are built without it. An operation starts before its reaction
-// runs. What was written before StartRead, StartWrite or Finish is therefore visible in OnReadDone,
+// the libraries of gRPC and Abseil are built without it. An operation starts before its callback
+// runs. Data written before StartRead, StartWrite or Finish are therefore visible in OnReadDone,
 // OnWriteDone and OnDone. Nothing else is ordered: accesses that our own locks must guard are still
 // checked.
 //
 // This file replaces functions of the C library underneath gRPC's headers, in programs that have it
 // among their sources: the functions that start a batch of operations, and those that release the
-// call just before the reaction.
+// call just before the callback.
 #include <dlfcn.h>
 #include <grpc/grpc.h>
 

@@ -1,4 +1,4 @@
-// Tokens: which calls are allowed, which projects a token shows, and which token may resume a
+// Tests tokens: which calls are allowed, which projects a token shows, and which token may resume a
 // session.
 #include <functional>
 

@@ -1,4 +1,4 @@
-// Limits on the rate of listings, exports and new watchers, and on the number of concurrent
+// Tests limits on the rate of listings, exports and new watchers, and on the number of concurrent
 // exports, imports and watchers.
 #include "engine_client/telemetry/daemon_channel.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"

@@ -24,7 +24,7 @@ class RefusalLogTest : public ::testing::Test {
   void Refuse(v1::ErrorReason reason, int count) {
     for (int i = 0; i < count; ++i) refusals_.Tell("ipv4:192.0.2.7:1", Refused(reason, "no"));
   }
-  // Returns the text logged since the last call.
+  // Returns the text that was logged since the last call.
   std::string Said() {
     std::string said = text_.str();
     text_.str("");

@@ -1,4 +1,4 @@
-// Every RPC of proto/ has a role, and its handler checks it.
+// Tests that every RPC of proto/ has a role, and that its handler checks it.
 #include "server/rpc/common/role_table.h"
 
 #include <gmock/gmock.h>

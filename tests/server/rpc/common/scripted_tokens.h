@@ -43,7 +43,7 @@ class ScriptedTokens final : public auth::TokenDirectory {
     }
     return false;
   }
-  // How often a call under way has checked that the token of `name` is still valid.
+  // Returns how often calls under way have checked that the token of `name` is still valid.
   size_t CheckCount(const std::string& name) const {
     const std::lock_guard lock(mutex_);
     const auto found = checks_.find(name);

@@ -1,4 +1,4 @@
-// Connections with invalid or incomplete HTTP/2, over real sockets.
+// Tests connections with invalid or incomplete HTTP/2, over real sockets.
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -98,8 +98,8 @@ TEST_F(ConnectionTest, AFloodOfPingsIsAnsweredWithGoAway) {
   TelemetryClient(channel_).Open(HelloMessage());
 }
 
-// A socket that listens on all IPv4 addresses, or one that connects from its own port to one of
-// these addresses.
+// A socket that listens on all IPv4 addresses, or connects from its own port to one of these
+// addresses.
 class TcpSocket {
  public:
   explicit TcpSocket(int descriptor = socket(AF_INET, SOCK_STREAM, 0)) : descriptor_(descriptor) {

@@ -1,4 +1,4 @@
-// The limit of open connections per address.
+// Tests the limit of open connections per address.
 #include "server/rpc/open_connections.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// The limit of bail-outs per token and address that count as evidence, over any number of sessions.
+// Tests the limit of bail-outs per token and address that count as evidence, over any number of
+// sessions.
 #include <string>
 
 #include "engine_client/decider/audit/rederive.h"

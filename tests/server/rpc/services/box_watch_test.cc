@@ -1,5 +1,5 @@
-// Operators watch the boxes of a session: who may do so, which request the game receives, and that
-// nothing is stored.
+// Tests operators who watch the boxes of a session: who may do so, which request the game receives,
+// and that nothing is stored.
 #include <atomic>
 #include <cmath>
 #include <functional>
@@ -152,8 +152,8 @@ TEST_F(BoxWatchTest, AViewIsNeitherEvidenceNorLogged) {
   EXPECT_EQ(server_->counters().replayed_message_count, 0u);
   grpc::ClientContext context;
   context.AddMetadata("authorization", "Bearer all-token");
-  // Rows come from the session's start, its decisions and its events; here at most the first one
-  // exists.
+  // Rows come from the session's start, its decisions and its events. Here at most the row of the
+  // start exists.
   v1::ListAuditSegmentsResponse listed;
   const auto reader = v1::AuditService::NewStub(channel_)->ListAuditSegments(&context, {});
   uint64_t rows = 0;

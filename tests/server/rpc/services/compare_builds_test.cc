@@ -1,4 +1,4 @@
-// The daemon's comparison of the measurements of two builds.
+// Tests the daemon's comparison of the measurements of two builds.
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 

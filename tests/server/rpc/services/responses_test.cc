@@ -1,4 +1,4 @@
-// Responses to a game: their content, the time at which they are sent, and what one response
+// Tests responses to a game: their content, the time at which they are sent, and what one response
 // combines.
 #include <memory>
 #include <optional>

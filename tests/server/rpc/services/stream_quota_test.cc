@@ -1,4 +1,4 @@
-// Limits on the streams per address and their rate, on the messages of a stream, and on its
+// Tests limits on the streams per address and their rate, on the messages of a stream, and on its
 // read-ahead.
 #include <spdlog/sinks/ostream_sink.h>
 

@@ -59,7 +59,7 @@ void Fill(const fs::path& directory) {
   ASSERT_TRUE((*store)->Revoke({.id = "barred"}, false).ok());
 }
 
-// Everything that readers see of a store.
+// All results that readers get from a store.
 struct Seen {
   std::vector<PriorRecord> records;
   std::vector<PriorRecord> waiting;

@@ -154,8 +154,8 @@ TEST(PostgresWriters, AMissingServerIsUnavailable) {
   EXPECT_TRUE(absl::IsUnavailable(store.status())) << store.status();
 }
 
-// The work of one writer: commits of its own sources about keys that all writers share, in an order
-// that depends on the seed. Each commit is repeated until it succeeds.
+// Does the work of one writer: commits updates of its own sources about keys that all writers
+// share, in an order that depends on the seed. Repeats each commit until it succeeds.
 void Write(const std::string& url, uint64_t seed, std::vector<SourceUpdate>& written) {
   auto store = OpenPostgresPriorStore(url);
   while (!store.ok()) store = OpenPostgresPriorStore(url);

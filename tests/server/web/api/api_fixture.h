@@ -79,8 +79,8 @@ class ApiTest : public rpc::RpcTest {
 
   Config config_;
   web::HttpLimits limits_{.patience = std::chrono::minutes(10)};
-  // No heartbeats are sent, because their comments between the events would change the expected
-  // text.
+  // The interval is so long that no heartbeats are sent. Their comments between the events would
+  // change the expected text.
   web::EventLimits event_limits_{.heartbeat = std::chrono::minutes(10)};
   const std::shared_ptr<web::EventCounters> events_ = std::make_shared<web::EventCounters>();
   std::unique_ptr<web::HttpServer> http_;
@@ -88,8 +88,8 @@ class ApiTest : public rpc::RpcTest {
   uint64_t learnt_ = 0;
 };
 
-// With tokens NAME-token: game (ingest), ann (watch), mine (operator of the projects game and
-// mine), root (admin).
+// Adds tokens NAME-token with these names and roles: game (ingest), ann (watch), mine (operator of
+// the projects game and mine), root (admin).
 class ApiTokensTest : public ApiTest {
  protected:
   ApiTokensTest() {

@@ -1,4 +1,4 @@
-// The methods of the services over HTTP: the same numbers and errors as over gRPC.
+// Tests the methods of the services over HTTP: numbers and errors are the same as over gRPC.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -145,7 +145,7 @@ TEST_F(ApiTest, EveryMethodOfTheRoleTableIsCalledOrWatched) {
 TEST_F(ApiTest, AClientThatLeavesEndsItsExport) {
   options_.max_transfers = 1;
   server_->Adjust(options_);
-  // More records than the buffers of a connection take.
+  // These are more records than the buffers of a connection can hold.
   for (int i = 0; i < 200; ++i) PutScene("scene " + std::to_string(i), 100);
   const std::string small = R"({"scene":"scene 7"})";
   {

@@ -1,4 +1,4 @@
-// The events of the daemon as server-sent events, for one watcher and for many.
+// Tests the daemon's events as server-sent events, for one watcher and for many.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

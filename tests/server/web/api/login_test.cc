@@ -1,4 +1,4 @@
-// Logins: cookies, roles, and the places that store a token.
+// Tests logins: cookies, roles, and the places that store a token.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The cookies of logins, and how long they are valid.
+// Tests the cookies of logins, and how long they are valid.
 #include "server/web/api/logins.h"
 
 #include <gmock/gmock.h>
