@@ -114,7 +114,7 @@ TEST(PaperCheck, UsesTheStandardErrorOfThePapersNumberOfRuns) {
   const double error = std::sqrt((52.0 + 1.7 * 1.7) / 2 / 5);
   EXPECT_NEAR(all[kSwitches].standard_errors, (10 - 6.6) / error, 1e-12);
   EXPECT_TRUE(all[kSwitches].is_close());
-  // KDTree dominated 3 of 5 runs in the paper, and one of these two.
+  // KDTree dominated 3 of 5 runs in the paper, and dominates one of the two runs in `two`.
   const std::vector<PaperGame> two = {{.dominant_arm = 6, .evidence = 190},
                                       {.dominant_arm = 6, .evidence = 210}};
   const auto some = CompareWithPaper(Cell("brownian", 3000), two);

@@ -9,7 +9,7 @@
 // median of the new arm's later frames, as the median over the repeats. Each repeat starts with new
 // backends, so that a cold switch goes to an arm that was never active. Frames are not paced and
 // only the broad phase runs, which is the worst case: in a game the rest of the frame evicts
-// everything from the cache in every frame, not only in the switching one.
+// everything from the cache in every frame, not only in the switching frame.
 //
 // The lane's cost: blocks of frames alternate between a working lane (kAi) and a paused one
 // (kManual). The figure is the ratio of the mean frame times of neighbouring blocks; the control is
