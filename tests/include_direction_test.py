@@ -100,7 +100,7 @@ PUBLIC_HEADERS = {
 }
 PUBLIC_FOLDER = "engine_client/include/sweepstake"
 
-# The order of the subfolders ("rooms") of a folder: each may include itself and those before it; "" is the folder itself.
+# The order of the subfolders ("rooms") of a folder. A room may include itself and the rooms before it. "" is the folder itself.
 ROOM_ORDER = {
     "engine_client/broad_phase": ("host", "common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
     "engine_client/cli": ("io", "game", "daemon", "priors", ""),

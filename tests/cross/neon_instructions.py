@@ -31,7 +31,7 @@ EMULATORS = {
     "neon": ["qemu-aarch64-static", "-cpu", "neoverse-n1", "-L", "/usr/aarch64-linux-gnu"],
     "sse4": ["qemu-x86_64-static", "-cpu", "Westmere"],
 }
-# An instruction's address, bytes and name; a long one continues in a line with bytes only.
+# An instruction's address, bytes and name. A long instruction continues in a line that has only bytes.
 INSTRUCTION = re.compile(rb"0x\w+:  [0-9a-f ]+  [a-z]")
 
 

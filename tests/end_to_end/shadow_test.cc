@@ -18,7 +18,7 @@ class ShadowTest : public rpc::RpcTest {
     options.batch_interval_ms = 1;
     session_ =
         std::move(*MakeDaemonSession("127.0.0.1:" + std::to_string(server_->port()), options));
-    auto made = AdaptiveBroadPhase::Create({.initial_arm = "BruteForce",  // the slowest one
+    auto made = AdaptiveBroadPhase::Create({.initial_arm = "BruteForce",  // the slowest arm
                                             .shadow = {.sweep_interval_min_ns = 1'000'000}},
                                            &session_->sink());
     ASSERT_TRUE(made.ok()) << made.status().message();

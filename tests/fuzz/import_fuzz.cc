@@ -56,7 +56,7 @@ class Subject {
     Require(expected.ok() == revoked.ok(), "a preview fails if the revocation fails");
     Require(!revoked.ok() || *expected == *revoked, "a preview equals the revocation");
   }
-  // Compares the sums of the scenes with those of the records.
+  // Compares the sums of the scenes with the sums of the records.
   void Check() {
     const auto exported = store_->Export({}, {}, kAll);
     Require(exported.ok() && CheckRecords(exported->records).ok(), "stored evidence is valid");

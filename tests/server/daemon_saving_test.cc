@@ -15,8 +15,8 @@
 namespace sweepstake::server {
 namespace {
 
-// Counts the SQLite connections that are opened while this object lives, as the copy does: those
-// opened while the flag is set, and all others.
+// Counts the SQLite connections that are opened while this object lives, as the copy does. Counts
+// separately the connections opened while the flag is set, and all others.
 class ConnectionsWhileSaving {
  public:
   explicit ConnectionsWhileSaving(std::shared_ptr<const std::atomic<bool>> saving) {

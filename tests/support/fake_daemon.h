@@ -58,7 +58,7 @@ class FakeDaemon final : public v1::TelemetryService::Service {
   // Everything received so far, in order, over all connections. Read it only inside WaitUntil's
   // condition or after Stop.
   std::vector<v1::Hello> hellos;
-  std::vector<v1::StreamTelemetryRequest> evidence;  // all messages, including those sent again
+  std::vector<v1::StreamTelemetryRequest> evidence;  // all messages, including resent messages
   std::vector<v1::Goodbye> goodbyes;
   int open_stream_count = 0;
 

@@ -145,7 +145,7 @@ class DrivenLane : public ::testing::Test {
   size_t object_count_ = 20;
   uint64_t frame_ns_ = 10 * kMs;
   uint64_t search_ns_ = 100'000 * kMs;   // time of the first search in MakeItCost
-  uint64_t frames_per_search_time_ = 1;  // a frame's time ÷ that of its searches
+  uint64_t frames_per_search_time_ = 1;  // a frame's time ÷ its searches' time
   int made_count_ = 0;
 };
 

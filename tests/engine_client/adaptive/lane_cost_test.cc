@@ -15,8 +15,8 @@ class LaneCostTest : public ::testing::Test {
   void Searches(int count, uint64_t ns, uint32_t epoch = 0) {
     for (int k = 0; k < count; ++k) Search(ns, epoch);
   }
-  // Runs `count` searches alone, then `count` searches during the lane's work. Returns the extra
-  // time that the latter are estimated to take.
+  // Runs `count` searches alone, then `count` searches during the lane's work. Returns the
+  // estimated extra time of the searches during the work.
   double Work(int count, uint64_t alone_ns, uint64_t beside_ns, uint32_t epoch = 0) {
     Searches(count, alone_ns, epoch);
     cost_.BeginWork();

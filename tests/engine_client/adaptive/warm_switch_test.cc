@@ -283,7 +283,7 @@ TEST_F(WarmSwitchTest, UsesTheExecutorOnlyOnTheFrameThread) {
     adaptive_->mailbox().Post({.command_id = arm, .arm = arm});
     while (adaptive_->active_arm() != arm) frame();
     // Run frames until the lane has visited the backend that it received in exchange for the
-    // prepared one.
+    // prepared backend.
     const uint64_t sweep_count = adaptive_->shadow_stats().sweep_count;
     while (adaptive_->shadow_stats().sweep_count < sweep_count + 2) frame();
   }

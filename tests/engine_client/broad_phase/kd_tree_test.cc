@@ -305,7 +305,7 @@ TEST(KdTree, KeepsTheOrderForSeveralFrames) {
   BoxScene scene("brownian", 3000, 5);
   backend->Build(scene.boxes());
   const std::vector<uint64_t> checks = Checks(*backend, scene, 100);
-  // A frame with clearly fewer checks than the one before indicates a split.
+  // A frame with clearly fewer checks than the previous frame indicates a split.
   int splits = 0;
   for (size_t i = 1; i < checks.size(); ++i) splits += checks[i] * 100 < checks[i - 1] * 95 ? 1 : 0;
   EXPECT_GE(splits, 2);

@@ -28,7 +28,7 @@ constexpr BulletGameOptions kLargeWorld{
 
 int StepCount() { return static_cast<int>(FromEnvironment("TEST_STEPS", 900)); }
 
-// A game with all arms that now and then selects another one at random. It selects either by hand,
+// A game with all arms that now and then selects another arm at random. It selects either by hand,
 // which takes effect in the next frame, or by a command. A command waits until the shadow lane has
 // prepared the arm, if there is a lane.
 class SwitchingGame {

@@ -128,7 +128,7 @@ class WithReader {
   Reader reader_;
 };
 
-// Reads come from `reader_`, which is another store than the one for commits.
+// Reads come from `reader_`, which is another store than the store for commits.
 template <typename Reader>
 class OtherReaderTest : public WithReader<Reader>, public RpcTest {
  protected:

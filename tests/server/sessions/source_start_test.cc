@@ -97,7 +97,7 @@ TEST_F(SourceStartTest, AnotherBuildClassOrVersionCountsLess) {
   EXPECT_LT(machine_class, version);
 }
 
-// A change of the scene changes which arm is cheapest. The latest sources are used, and those of
+// A change of the scene changes which arm is cheapest. The latest sources are used, and sources of
 // the new build have more weight.
 TEST_F(SourceStartTest, EvidenceFromBeforeAChangeOfTheSceneFades) {
   for (int i = 0; i < 100; ++i) {

@@ -50,7 +50,7 @@ class EvidenceModel {
   };
 
   static void Apply(const priors::SourceUpdate& update, Session& session);
-  // Returns all scenes, including those of files.
+  // Returns all scenes, including the scenes of imported files.
   std::map<priors::SceneKey, Scene> Scenes(std::span<const priors::PriorRecord> exported) const;
   // Compares the records of sessions with the commits of the sessions.
   void CheckRecords(std::span<const priors::PriorRecord> records, const Complain& complain) const;

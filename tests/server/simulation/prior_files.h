@@ -28,7 +28,7 @@ class PriorFiles {
   // Called when the daemon has acknowledged the import of the file.
   void MarkPromised(size_t file) { promised_[file] = true; }
 
-  // Checks all records of a store, including those of sessions. Calls `complain` for each error.
+  // Checks all records of a store, also records of sessions. Calls `complain` for each error.
   void Check(std::span<const priors::PriorRecord> stored,
              const std::function<void(const std::string&)>& complain) const;
 

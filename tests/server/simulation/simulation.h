@@ -1,6 +1,6 @@
-// Simulates a daemon on a failing disk and games on a failing network, in virtual time. A seed
-// determines a run. Games have tokens, which are revoked. Thieves try to resume the games' sessions.
-// A watcher watches a project. Files of priors are imported. The wall clock jumps.
+// Simulates a daemon on a failing disk and games on a failing network in virtual time, one run per
+// seed. Games have tokens, which are revoked. Thieves try to resume the games' sessions. A watcher
+// watches a project. Files of priors are imported. The wall clock jumps.
 //
 // The invariants are checked at every start of the daemon and at the end. No acknowledged evidence
 // is missing, and none counts twice. No caller sees another project. A file is imported completely

@@ -5,7 +5,7 @@
 // checked.
 //
 // This file replaces functions of the C library underneath gRPC's headers, in programs that have it
-// among their sources: the functions that start a batch of operations, and those that release the
+// among their sources: functions that start a batch of operations, and functions that release the
 // call just before the callback.
 #include <dlfcn.h>
 #include <grpc/grpc.h>

@@ -153,7 +153,7 @@ TEST(ProxiesInALargeScene, HaveTheSamePairSequenceWithAnyNumberOfThreads) {
     ProxyGame game({.executor = executor}, 5, 22);
     Frames frames("KDTree", executor);
     game.AddSome(3000, 6000);
-    game.Add({{0, 0, 0}, {22, 22, 22}}, {});  // more static leaves near it than fit in one list
+    game.Add({{0, 0, 0}, {22, 22, 22}}, {});  // near more static leaves than fit in a list
     for (int frame = 0; frame < 3; ++frame, game.Step()) {
       const auto pairs = game.proxies.Resolve(frames.Find(game.proxies.moving_boxes()));
       if (outcomes.size() < 3) {

@@ -71,7 +71,7 @@ class ProxyGame {
   }
 
   // Puts some proxies to sleep, wakes some, and may make one static or moving. Static proxies and
-  // those that move do not sleep.
+  // proxies that move do not sleep.
   void Rest() {
     for (size_t k = random_.Below(12); k > 0; --k) {
       failed |= !proxies.SetSleeping(Any().handle, random_.Below(4) != 0);

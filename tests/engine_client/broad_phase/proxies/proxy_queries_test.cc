@@ -92,7 +92,7 @@ Sphere RandomSphere(ProxyGame& game) {
   return sphere;
 }
 
-// Calls the const query of a shape, which fills a buffer, and the one that fills a vector.
+// Calls the const query for the shape, which fills a buffer. `count` is the number of all results.
 Status Ask(const ProxySet& proxies, const Aabb& box, const CollisionFilter& filter,
            std::span<ProxyHandle> found, size_t& count) {
   return proxies.QueryBox(box, filter, found, count);
@@ -110,7 +110,7 @@ Status Ask(const ProxySet& proxies, const BoxSweep& sweep, const CollisionFilter
   return proxies.SweepBox(sweep, filter, hits, count);
 }
 
-// REQUIRES: prepared.
+// Checks the const query. REQUIRES: the queries of `proxies` are prepared.
 template <typename Shape, typename T>
 void ExpectConstAnswer(const ProxySet& proxies, const Shape& shape, const CollisionFilter& filter,
                        const std::vector<T>& expected) {

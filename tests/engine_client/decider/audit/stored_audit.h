@@ -13,7 +13,7 @@
 namespace sweepstake::test_support {
 
 // Returns the rows of all sessions, up to 10,000 segments. As the audit service does it, a
-// `missing` row replaces rows that are not on disk. Errors: those of the store.
+// `missing` row replaces rows that are not on disk. Returns errors of the store.
 inline absl::StatusOr<std::vector<decision::AuditRow>> StoredAudit(priors::PriorReader& store) {
   const auto segments = store.ListAudit({}, 0, 10'000);
   if (!segments.ok()) return segments.status();

@@ -30,8 +30,8 @@ TEST(ScenePrior, IncludesArmsThatWereNeverLive) {
   EXPECT_NEAR(CostUs(pooled[2]), 80, 0.1);
 }
 
-// The first arm ran while the scene was empty, the second one while it was full. In the lane's
-// visits, which compare both at the same time, the second one costs half as much.
+// The first arm ran while the scene was empty, the second arm while the scene was full. In the
+// lane's visits, which compare both at the same time, the second arm costs half as much.
 TEST(ScenePrior, ComparesWindowsOfDifferentTimesByTheVisits) {
   const ArmEvidence arms[] = {{.live = SumOf(20, 50), .lane = SumOf(200, 10)},
                               {.live = SumOf(500, 50), .lane = SumOf(100, 10)}};

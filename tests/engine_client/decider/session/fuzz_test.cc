@@ -241,7 +241,7 @@ class Fuzzer {
     pending_ = decision.command->arm;
   }
 
-  // Returns whether the policy uses a cooldown of its own instead of that of the options.
+  // Returns whether the policy uses its own cooldown instead of the options' cooldown.
   bool OwnCooldown() const {
     PolicySetup setup{.options = setup_.options, .arms = setup_.arms, .priors = {}};
     setup.priors.resize(setup.arms.size());

@@ -85,7 +85,7 @@ TEST_F(FlightRingTest, KeepsBoxesAtEqualIntervalsIfFiveSecondsDoNotFit) {
   Frames(ring, 1008);  // keeps ten copies of boxes in five seconds, the last one in frame 1000
   Frame(ring, 51, 0);
   EXPECT_FALSE(ring.frozen());
-  Frame(ring, 10);  // The frame over the budget has no boxes, this one has.
+  Frame(ring, 10);  // The frame over the budget has no boxes, this frame has.
   ASSERT_TRUE(ring.frozen());
   const std::vector<FlightFrame> frames = ring.Frames();
   EXPECT_EQ(frames.back().box_count, 4U);

@@ -15,7 +15,7 @@ const std::vector<std::string> kPriorArms = {"SAP", "DBVT", "KDTree"};
 const std::vector<uint32_t> kPriorVersions = {1, 1, 2};
 
 // Returns priors of the lane's visits of the arms from `first_arm` on; each arm costs less than the
-// one before it.
+// previous arm.
 std::string Visits(size_t first_arm = 0, const std::string& machine_class = MachineClass()) {
   std::vector<PriorRecord> records;
   for (size_t arm = first_arm; arm < kPriorArms.size(); ++arm) {

@@ -104,7 +104,7 @@ class LateSink final : public events::Sink {
   void Begin(std::unique_ptr<events::Subscriber> subscriber) override {
     subscriber_ = std::move(subscriber);
   }
-  // The first call is made when the subscription begins, the second one for the view.
+  // The first call is made when the subscription begins, the second call for the view.
   void Wake() override {
     if (++wake_count_ != 2) return;
     snapshot_count = subscriber_->TakeSnapshot()->events.size();

@@ -28,7 +28,7 @@ TEST_F(InitialStateTest, HasEveryScene) {
     }
     context.TryCancel();
     // The next records are written without the server. The next watcher must therefore not receive
-    // the state that was read for this one.
+    // the state that was read for this watcher.
     ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 0; }));
   }
 }
@@ -52,7 +52,7 @@ TEST_F(InitialStateTest, HasEverySession) {
       EXPECT_LE(received, count);
     }
     context.TryCancel();
-    // A watcher that joins this one would not read the sessions again.
+    // A watcher that joins this watcher would not read the sessions again.
     ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 0; }));
   }
 }
