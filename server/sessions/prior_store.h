@@ -291,11 +291,11 @@ class PriorReader {
  public:
   virtual ~PriorReader() = default;
 
-  // Returns the evidence of sources about the scene on any machine class, with this reward version.
-  // For each arm these are the latest kSourcesOfScene sources of the scene's class, and
-  // kSourcesOfOtherClass sources of each of kOtherClasses other classes. decision::ChooseSources
-  // chooses them so that no token outnumbers the others. The cost does not depend on the number of
-  // stored sources.
+  // Returns evidence about the scene, with the key's reward version. For each arm it is that of at
+  // most kSourcesOfScene sources of the scene's class and kSourcesOfOtherClass sources of each of
+  // kOtherClasses other classes. decision::ChooseSources chooses them among the latest sources, and
+  // divides the places evenly among the tokens that started the sources. The cost does not depend
+  // on the number of stored sources.
   virtual absl::StatusOr<std::vector<SceneSource>> LoadSources(const SceneKey& scene) = 0;
 
   // Returns the state of a source, or nothing if the source was never committed here (an imported
@@ -413,9 +413,9 @@ class AsyncPriorStore {
 
   virtual ~AsyncPriorStore() = default;
 
-  // Puts the update into the next group commit. `done` is called once: with OK when the update is
-  // durable, or with RESOURCE_EXHAUSTED at once, on the caller's thread, if the queue is full.
-  // After an error the caller may offer the same update again.
+  // Queues the update for a group commit. `done` is called once: with OK when it is durable, with
+  // the error of a failed commit, or, on the caller's thread, with RESOURCE_EXHAUSTED if the queue
+  // is full or closed. After an error the caller may offer the same update again.
   virtual void Commit(SourceUpdate update, CommitCallback done) = 0;
 
   // Runs `job` on the writing thread, after the commits that were offered before it. Use it to

@@ -166,7 +166,7 @@ void StoreThread::CommitOrHalve(std::span<PendingCommit> group,
     CommitOrHalve(group.first(half), updates.first(half));
     return CommitOrHalve(group.subspan(half), updates.subspan(half));
   }
-  // Checks the file first, so that the callbacks of the failed commits find the cause.
+  // Checks first whether the file was removed or replaced. Finish then reports no disk error.
   if (absl::IsUnavailable(status)) CheckPlace(/*last=*/false);
   for (PendingCommit& commit : group) Finish(commit, status);
 }

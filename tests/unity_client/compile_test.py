@@ -19,7 +19,8 @@ import document_code
 
 PACKAGE = "unity_client/com.sweepstake.broadphase"
 STUBS = "unity_client/dotnet/stubs"
-# Unity disables these too: fields that only the inspector sets look unused. 1701 and 1702 concern versions of references.
+# Warnings that Unity disables too. 0169 and 0649 report fields without a use or a value, so also those that only the inspector sets.
+# 1701 and 1702 concern the versions of referenced assemblies.
 NO_WARNING = "0169,0649,1701,1702"
 DOCUMENTS = "Sweepstake.Documents"
 DIRECTIVE = re.compile(r"^\s*#(?:if|elif)\s+(.*)$", re.MULTILINE)

@@ -11,7 +11,7 @@ FILE_NAME = re.compile(r"(?:deploy|dotnet|tests|unity_client|Runtime|Samples~|Te
 LITERAL = re.compile(r'"([^"\\\n]+)"')
 FIELD = re.compile(r"^\s+(?:\[[^\n]*\] )?(?:public|private|internal) [\w.<>\[\]?]+ (\w+)(?: = [^;]*)?;", re.MULTILINE)
 HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
-# package_test.py checks names of tests.
+# Names of tests. They are not names of the API; package_test.py checks the tests that proven.md names.
 TEST = re.compile(r"\w+Test\b")
 API_WORD = re.compile(r"\b[A-Z]\w*[a-z]\w*")
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)

@@ -1,4 +1,5 @@
-// Estimates the cost of a search over groups of boxes, and chooses the groups that minimise it.
+// Estimates the cost of a search over groups of boxes, and joins shape classes into
+// groups while that lowers it.
 //
 // Pure functions. The time depends on the number of shape classes, not on the number of boxes.
 #pragma once

@@ -52,8 +52,8 @@ bool AreWithin(const Aabb& a, const Aabb& b, float margin) {
   return true;
 }
 
-// Returns whether a pair of the last frame continues: both ids have the same owners, their filters
-// pass, not both proxies are static, and the boxes are at most `margin` apart on each axis.
+// Returns whether a pair of the last frame continues: each id still belongs to the same proxy, the
+// filters pass, not both are static, and the boxes are at most `margin` apart on each axis.
 bool GoesOn(const OverlapPair& pair, float margin, const ProxyTable& moving,
             const ProxyTable& resting) {
   const ProxyTable* tables[2];

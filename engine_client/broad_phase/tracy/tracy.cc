@@ -73,7 +73,7 @@ class Tracy final : public BroadPhase {
   uint32_t last_wait_ = 1;
   size_t pair_count_ = 0;     // the number of pairs of the latest search
   uint32_t frames_ = 0;       // the frames since the grids were laid out
-  bool inefficient_ = false;  // whether the latest search took more checks than expected
+  bool inefficient_ = false;  // whether the latest grid search took more checks than expected
   RebuildDebt debt_;          // extra checks since the grids were laid out
   uint64_t checks_ = 0;
 };

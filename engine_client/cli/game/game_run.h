@@ -41,7 +41,7 @@ struct ArmActivity {
   uint64_t detection_ns = 0;  // the part of active_ns spent in the broad phase
 };
 
-// The time of all frames of the run, divided into stages.
+// The work of all frames of the run, divided into stages. Waiting between frames is left out.
 struct FrameProfile {
   uint64_t step_ns = 0;       // moving the scene's objects
   uint64_t detection_ns = 0;  // update and search; frames that rebuilt are excluded

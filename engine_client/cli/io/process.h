@@ -15,8 +15,8 @@ int RunMain(int argc, char** argv, int (*run)(std::span<char* const> words, Term
 // the only mutable one of the program, because a signal handler can access nothing else. Call this
 // function once.
 void InstallStopSignal();
-// Returns whether a signal has arrived since InstallStopSignal. A second signal ends the program at
-// once.
+// Returns whether a signal has arrived since InstallStopSignal. A second signal of the same kind
+// ends the program at once.
 bool StopRequested();
 
 }  // namespace sweepstake::cli

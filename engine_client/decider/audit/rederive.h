@@ -26,7 +26,7 @@ struct AuditDifference {
   std::string session;  // empty if the error concerns no row
   uint32_t segment = 0;
   uint64_t row = 0;
-  std::string column;   // column of the CSV file; empty if the whole row is wrong
+  std::string column;   // column of the CSV file; empty if no single one is wrong
   std::string message;  // describes the error
 
   // Returns one line with all members.

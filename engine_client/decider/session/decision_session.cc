@@ -308,8 +308,8 @@ std::optional<DecisionOutcome> DecisionSession::Choose(DecisionRecord& record,
   return choice.hold;
 }
 
-// Samples a candidate and gates it. `hold` is a reason of the session that holds back any
-// candidate.
+// Gets a candidate from the policy, and commands a switch if the gate lets it pass. `hold`, if set,
+// is the session's reason not to switch to any candidate.
 void DecisionSession::SampleAndGate(Decision& decision, std::optional<DecisionOutcome> hold) {
   const std::optional<DecisionOutcome> own_hold = Choose(decision.record, false);
   decision.record.outcome = Gate(decision.record, hold, own_hold);

@@ -138,9 +138,9 @@ class AdaptiveBroadPhase {
                                                             Clock& clock = SteadyClock());
   ~AdaptiveBroadPhase();
 
-  // Executes a pending switch. A switch by SelectArm or the bail-out guard is executed at once; a
-  // command that waits in the mailbox is refused then. A command from the mailbox waits for the
-  // shadow lane if there is one, unless its reason is a bail-out. A newer command replaces it.
+  // Executes at most one pending switch. One by SelectArm or a guard is executed at once; a waiting
+  // command is then refused. A command waits for the shadow lane, if there is one, to prepare its
+  // arm, at most 500 ms; a bail-out does not wait. A newer command replaces one that still waits.
   void BeginFrame();
   // Returns the pairs of these boxes, valid until the next call. Their order depends on the arm
   // unless AdaptiveOptions::sorted_pairs is set. The number of boxes may change as in

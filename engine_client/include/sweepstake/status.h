@@ -1,7 +1,7 @@
-// The outcome of an operation that can fail for a reason outside the program: a code for programs,
-// and a message for people that gives the remedy. Both types are values, safe to copy between
-// threads; constructing an OK status does not allocate. X11/Xlib.h has a macro named Status: see
-// names/begin.h.
+// `Status` is the outcome of an operation that can fail: a code for programs, and a message for
+// people. `Result<T>` is a value, or the status that explains why there is none. Both may be copied
+// between threads. Constructing an OK status does not allocate. X11/Xlib.h has a macro named
+// Status: see names/begin.h.
 #pragma once
 
 #include <cstdint>

@@ -1,13 +1,13 @@
 // The tables of the prior store in SQLite and PostgreSQL.
 //
-// evidence_key holds the sums of its rows of evidence, and scene the number of its sources, so that
-// readers need not visit the sources. A row of scene_source means that the source has evidence
-// about the scene. Names are compared byte by byte. Every CHECK of an amount has a lower and an
-// upper bound, because `alpha >= 0` alone would accept +Inf in SQLite, and NaN in PostgreSQL.
+// A row of `evidence_key` holds the sums of its rows of `evidence`, a row of `scene` the number of
+// its sources. Readers therefore need not visit the sources. A row of `scene_source` means that the
+// source has evidence about the scene. Names are compared byte by byte. Every CHECK of an amount
+// has two bounds, because `alpha >= 0` alone would accept +Inf in SQLite, and NaN in PostgreSQL.
 //
-// In SQLite each row of the evidence has a hash of its values (row_hash of sqlite_database.h),
-// because SQLite's own checks miss a value that was changed on the disk. `content_hash` is computed
-// from the values at each use. A row whose `hash` differs is damaged.
+// In SQLite the rows of evidence, keys, scenes' sources and sources have two columns against
+// changes on the disk, which SQLite's own checks miss. `hash` is stored; `content_hash` is computed
+// (row_hash of sqlite_database.h) at each read. If they differ, the row is damaged.
 //
 // In PostgreSQL:
 // - Amounts and counts of windows are numeric columns, whose sums are exact in any order. Amounts

@@ -1,4 +1,5 @@
-// Plays many seeds of many players on many traced scenes in parallel, and summarizes the games.
+// Replays traced scenes with each player (a policy, a fixed arm or the oracle) and many seeds, in
+// parallel. A game is one replay of one scene by one player with one seed. Summarizes the games.
 //
 // The result does not depend on the number of threads. Regret is frame time ÷ time of the best
 // fixed arm on the same frames, minus 1; it is negative for a player that beats every fixed arm.

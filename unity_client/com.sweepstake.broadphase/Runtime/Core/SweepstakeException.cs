@@ -23,7 +23,7 @@ namespace Sweepstake
         Internal = 7,
     }
 
-    /// <summary>A native call failed; the message says what to do.</summary>
+    /// <summary>An operation failed; the message gives the reason.</summary>
     public class SweepstakeException : Exception
     {
         public SweepstakeException(ResultCode code, string message, Exception? inner = null)

@@ -109,8 +109,8 @@ function Bars({ intervals, geometry: { x, ms, domain }, y, height, ...rest }: { 
   return <path d={d.join('')} {...rest} />;
 }
 
-// The part of the picture that does not depend on the pointer. Bars and marks closer than a pixel or a mark's width are merged, so that
-// long sessions are drawn fast.
+// The part of the picture that does not depend on the pointer. Bars less than a pixel apart are joined. Short marks that would overlap a
+// shown mark of the same arm and look are left out. Long sessions are therefore drawn fast.
 function Still({ timeline: { shades, spans, marks }, arms, geometry, settling }: { timeline: Timeline; arms: readonly string[]; geometry: Geometry; settling: string }) {
   const { y, ms, height, domain } = geometry;
   const shadesOf = (kind: Shade['kind']) => ({ class: kind, intervals: shades.filter((shade) => shade.kind === kind), geometry, y: 0, height: height - AXIS });
