@@ -2,8 +2,9 @@
 import type { ComponentChildren } from 'preact';
 import { useState } from 'preact/hooks';
 import { colourOf } from '../../palette';
-import { type Beta, centralInterval, type Interval, linearTicks, logTicks, mean, ridge, ridgeAxis } from '../numbers/beta';
+import { type Beta, centralInterval, type Interval, mean, ridge, ridgeAxis } from '../numbers/beta';
 import { costNsOf, LOG_COST_REWARD_VERSION, rewardOfNs, rewardText } from '../numbers/log_cost';
+import { linearTicks, logTicks } from '../numbers/ticks';
 import { shapeOf } from '../parts/arm';
 import { visible } from '../parts/name';
 import { ChartFrame, type ChartTable } from './frame';

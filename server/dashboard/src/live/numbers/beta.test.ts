@@ -1,6 +1,6 @@
 // `below` is the value of the distribution function at x, from mpmath 1.3.0 with 50 digits: betainc(alpha, beta, 0, x, regularized=True).
 import { describe, expect, it } from 'vitest';
-import { centralInterval, linearTicks, logitDeviation, logitMode, logTicks, mean, quantiles, rewardAt, ridge, ridgeAxis } from './beta';
+import { centralInterval, logitDeviation, logitMode, mean, quantiles, rewardAt, ridge, ridgeAxis } from './beta';
 
 const VALUES: readonly (readonly [alpha: number, beta: number, x: number, below: number])[] = [
   [2, 5, 0.2058547150892932, 0.359026007096762],
@@ -66,12 +66,4 @@ describe('the axis of several densities', () => {
     expect(high).toBeLessThan(0.61);
   });
   it('is [0, 1] if nothing was measured', () => expect(ridgeAxis([{ posterior: { alpha: 1, beta: 1 }, isMeasured: false }])).toEqual([0, 1]));
-});
-
-describe('ticks', () => {
-  it('are round', () => {
-    expect(linearTicks(0.1, 0.52, 4)).toEqual([0.2, 0.4]);
-    expect(logTicks(900, 120_000, 9)).toEqual([1000, 2000, 5000, 10_000, 20_000, 50_000, 100_000]);
-    expect(logTicks(900, 120_000, 4)).toEqual([1000, 10_000, 100_000]);
-  });
 });

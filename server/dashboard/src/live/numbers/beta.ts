@@ -89,36 +89,3 @@ export function ridgeAxis(posteriors: readonly { posterior: Beta; isMeasured: bo
   const pad = Math.max(0.06 * (high - low), 1e-9);
   return [Math.max(0, low - pad), Math.min(1, high + pad)];
 }
-
-/** Returns about `count` round numbers within [low, high]. */
-export function linearTicks(low: number, high: number, count: number): number[] {
-  const rough = (high - low) / Math.max(count, 1);
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((factor) => factor * power).find((each) => each >= rough) ?? rough;
-  const ticks: number[] = [];
-  for (let k = Math.ceil(low / step); k * step <= high && ticks.length < 100; ++k) ticks.push(k * step);
-  return ticks;
-}
-
-/** Returns ticks of a logarithmic axis: 1, 2 and 5 times powers of ten, or only some powers of ten if there are more than `count`.
- * Returns linear ticks if high ÷ low is below 5. */
-export function logTicks(low: number, high: number, count: number): number[] {
-  if (high / low < 5) return linearTicks(low, high, count);
-  const all: number[] = [];
-  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); ++power) all.push(...[1, 2, 5].map((factor) => factor * 10 ** power));
-  const within = all.filter((value) => value >= low && value <= high);
-  const powersOnly = within.filter((value) => Math.abs(Math.log10(value) % 1) < 1e-9);
-  if (within.length <= count || powersOnly.length < 2) return within;
-  const step = Math.ceil(powersOnly.length / Math.max(count, 1));
-  return powersOnly.filter((_, i) => i % step === 0);
-}
-
-/** Wraps a function so that it computes its result for an object only once. Views request the results of all rows whenever one is added. */
-export function once<Of extends object, Answer>(compute: (of: Of) => Answer): (of: Of) => Answer {
-  const known = new WeakMap<Of, { answer: Answer }>();
-  return (of) => {
-    const before = known.get(of) ?? { answer: compute(of) };
-    known.set(of, before);
-    return before.answer;
-  };
-}
