@@ -38,7 +38,7 @@ class Encoder {
  public:
   virtual ~Encoder() = default;
 
-  // Computes the scene's verdict and credible intervals, which takes 0.3 to 3 ms.
+  // Computes the scene's verdict and credible intervals, which takes 0.6 to 6 ms.
   virtual std::string Scene(const priors::SceneEvidence& scene) const = 0;
   // Encodes the number of connected sessions of a scene. It is the only part of the scene's message
   // that is not in the store.

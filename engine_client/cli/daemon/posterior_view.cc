@@ -91,7 +91,8 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
   TextTable table({"arm", "0" + std::string(kBarWidth - 2, ' ') + "1", "mean", "95_low", "95_high",
                    "cost", "95_low", "95_high", "best", "n", "windows", "visits", "bail-outs"});
   for (const v1::ArmPosterior& arm : scene.arms()) {
-    const decision::CredibleInterval interval = {arm.reward_low_95(), arm.reward_high_95()};
+    const decision::CredibleInterval interval = {arm.posterior().low_95(),
+                                                 arm.posterior().high_95()};
     const bool has_ratio = arm.has_cost_ratio();
     table.AddRow({arm.arm(), IntervalBar(Mean(arm), interval, kBarWidth), Fixed(Mean(arm), 3),
                   Fixed(interval.low, 3), Fixed(interval.high, 3),
@@ -118,7 +119,7 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
                    {"value_remaining_ratio", scene.value_remaining_ratio()},
                    {"arms", Json::array()}};
   for (const v1::ArmPosterior& arm : scene.arms()) {
-    const v1::BetaPosterior& posterior = arm.posterior();
+    const v1::RewardPosterior& posterior = arm.posterior();
     const v1::CostRatio& ratio = arm.cost_ratio();
     document["arms"].push_back(
         {{"arm", arm.arm()},
@@ -126,8 +127,10 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
          {"alpha", posterior.alpha()},
          {"beta", posterior.beta()},
          {"mean", Mean(arm)},
-         {"low_95", arm.reward_low_95()},
-         {"high_95", arm.reward_high_95()},
+         {"low_95", posterior.low_95()},
+         {"low_50", posterior.low_50()},
+         {"high_50", posterior.high_50()},
+         {"high_95", posterior.high_95()},
          {"best_probability", arm.has_best_probability() ? Json(arm.best_probability()) : Json()},
          {"cost_ratio", arm.has_cost_ratio() ? Json(ratio.median()) : Json()},
          {"cost_ratio_95",

@@ -50,10 +50,8 @@ std::optional<size_t> LeaderOf(std::span<const SceneArm> arms, uint32_t reward_v
 SceneDiagnosis DiagnoseScene(std::span<const SceneArm> arms, uint32_t reward_version) {
   SceneDiagnosis scene;
   for (const SceneArm& arm : arms) {
-    scene.arms.push_back({.reward_95 = CentralInterval(arm.posterior, 0.95),
-                          .is_outdated = IsOutdated(arm, arms),
-                          .best_probability = {},
-                          .cost_ratio = {}});
+    scene.arms.push_back(
+        {.is_outdated = IsOutdated(arm, arms), .best_probability = {}, .cost_ratio = {}});
   }
   const Contenders contenders(arms);
   const std::vector<BetaPosterior>& posteriors = contenders.posteriors;

@@ -26,7 +26,6 @@ struct SceneArm {
 };
 
 struct ArmDiagnosis {
-  CredibleInterval reward_95;              // the central 95 % of the posterior
   bool is_outdated = false;                // a newer backend version of the arm exists
   std::optional<double> best_probability;  // absent: not a contender, or verdict unknown
   // The arm's cost ÷ the leader's cost. Absent if best_probability is absent, or if rewards of this

@@ -104,6 +104,19 @@ void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message) {
 
 namespace {
 
+void ToProto(const decision::BetaPosterior& posterior, bool with_intervals,
+             v1::RewardPosterior& message) {
+  message.set_alpha(posterior.alpha);
+  message.set_beta(posterior.beta);
+  if (!with_intervals) return;
+  const decision::CredibleInterval of_95 = decision::CentralInterval(posterior, 0.95);
+  const decision::CredibleInterval of_50 = decision::CentralInterval(posterior, 0.5);
+  message.set_low_95(of_95.low);
+  message.set_low_50(of_50.low);
+  message.set_high_50(of_50.high);
+  message.set_high_95(of_95.high);
+}
+
 void SetDiagnosis(std::span<const decision::SceneArm> arms, v1::ScenePosterior& message) {
   const decision::SceneDiagnosis scene = decision::DiagnoseScene(arms, message.reward_version());
   message.set_verdict(static_cast<v1::Verdict>(scene.verdict));
@@ -113,8 +126,6 @@ void SetDiagnosis(std::span<const decision::SceneArm> arms, v1::ScenePosterior& 
   for (size_t i = 0; i < arms.size(); ++i) {
     const decision::ArmDiagnosis& arm = scene.arms[i];
     v1::ArmPosterior& filled = *message.mutable_arms(static_cast<int>(i));
-    filled.set_reward_low_95(arm.reward_95.low);
-    filled.set_reward_high_95(arm.reward_95.high);
     filled.set_is_outdated(arm.is_outdated);
     if (arm.best_probability) filled.set_best_probability(*arm.best_probability);
     if (arm.cost_ratio) ToProto(*arm.cost_ratio, *filled.mutable_cost_ratio());
@@ -132,7 +143,7 @@ void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
     v1::ArmPosterior& filled = *message.add_arms();
     filled.set_arm(arm.name);
     filled.set_backend_version(arm.backend_version);
-    ToProto(pooled.arms[i].posterior, *filled.mutable_posterior());
+    ToProto(pooled.arms[i].posterior, /*with_intervals=*/true, *filled.mutable_posterior());
     filled.set_window_count(arm.live.window_count);
     filled.set_visit_count(arm.lane.window_count);
     filled.set_bail_out_count(arm.live.bail_out_count);
@@ -224,21 +235,23 @@ void ToProto(const events::EventStamp& stamp, v1::EventStamp& message) {
 namespace {
 
 // Fills in Beta(1,1) plus the sum.
-void ToProto(const decision::EvidenceSum& sum, v1::BetaPosterior& message) {
-  message.set_alpha(1 + sum.alpha);
-  message.set_beta(1 + sum.beta);
+void ToProto(const decision::EvidenceSum& sum, bool with_intervals, v1::RewardPosterior& message) {
+  ToProto(decision::BetaPosterior{1 + sum.alpha, 1 + sum.beta}, with_intervals, message);
 }
 
-void ToProto(const decision::PriorsArm& arm, v1::ArmEvidence& message) {
-  ToProto(arm.pooled, *message.mutable_posterior());
-  if (arm.evidence.live.evidence() > 0) ToProto(arm.evidence.live, *message.mutable_live());
-  if (arm.evidence.lane.evidence() > 0) ToProto(arm.evidence.lane, *message.mutable_lane());
+void ToProto(const decision::PriorsArm& arm, bool with_intervals, v1::ArmEvidence& message) {
+  const decision::EvidenceSum& live = arm.evidence.live;
+  const decision::EvidenceSum& lane = arm.evidence.lane;
+  ToProto(arm.pooled, with_intervals, *message.mutable_posterior());
+  if (live.evidence() > 0) ToProto(live, with_intervals, *message.mutable_live());
+  if (lane.evidence() > 0) ToProto(lane, with_intervals, *message.mutable_lane());
   if (arm.cost_ratio) ToProto(*arm.cost_ratio, *message.mutable_cost_ratio());
 }
 
 }  // namespace
 
-void ToProto(const decision::SceneComparison& scene, v1::SceneComparison& message) {
+void ToProto(const decision::SceneComparison& scene, bool with_intervals,
+             v1::SceneComparison& message) {
   message.set_project(scene.key.project);
   message.set_scene(scene.key.scene);
   message.set_machine_class(scene.key.machine_class);
@@ -248,8 +261,8 @@ void ToProto(const decision::SceneComparison& scene, v1::SceneComparison& messag
   for (const decision::ArmComparison& arm : scene.arms) {
     v1::ArmComparison& filled = *message.add_arms();
     filled.set_arm(arm.arm);
-    if (arm.before) ToProto(*arm.before, *filled.mutable_before());
-    if (arm.after) ToProto(*arm.after, *filled.mutable_after());
+    if (arm.before) ToProto(*arm.before, with_intervals, *filled.mutable_before());
+    if (arm.after) ToProto(*arm.after, with_intervals, *filled.mutable_after());
     filled.set_changed(arm.changed());
     message.set_largest_log_change(
         std::max(message.largest_log_change(), std::abs(arm.log_change())));

@@ -115,7 +115,7 @@ class BuildComparison {
     for (const decision::SceneComparison& scene : decision::ComparePriors(before, after)) {
       if (request_.changes_only() && !scene.changed()) continue;
       v1::SceneComparison& message = *response.add_scenes();
-      ToProto(scene, message);
+      ToProto(scene, /*with_intervals=*/!request_.scene().empty(), message);
       AddBuilds(sums, message);
     }
   }

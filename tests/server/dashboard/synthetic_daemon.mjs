@@ -61,8 +61,10 @@ export class SyntheticDaemon {
       arms: ARMS.map((arm, j) => {
         const mean = best - 0.004 * this.random() * j;
         const reach = 2 * Math.sqrt(mean * (1 - mean) / evidence);
-        return { arm, backendVersion: 1, posterior: { alpha: mean * evidence, beta: (1 - mean) * evidence }, windowCount: String(Math.floor(evidence / 9)), visitCount: String(j * 3),
-          effectiveWindowCount: evidence / 9, rewardLow95: mean - reach, rewardHigh95: mean + reach, bestProbability: j === 0 ? 0.4 : 0.6 / (ARMS.length - 1),
+        return { arm, backendVersion: 1,
+          posterior: { alpha: mean * evidence, beta: (1 - mean) * evidence, low95: mean - reach, low50: mean - reach / 3, high50: mean + reach / 3, high95: mean + reach },
+          windowCount: String(Math.floor(evidence / 9)), visitCount: String(j * 3),
+          effectiveWindowCount: evidence / 9, bestProbability: j === 0 ? 0.4 : 0.6 / (ARMS.length - 1),
           costRatio: { median: 1 + 0.1 * j, low: 1, high: 1 + 0.2 * j } };
       }) };
   }

@@ -223,8 +223,12 @@ TEST_F(PosteriorsTest, TheFiguresOfASceneEqualThoseOfTheDeciderBitByBit) {
       SCOPED_TRACE(i);
       const v1::ArmPosterior& arm = scene.arms(i);
       const decision::ArmDiagnosis& wanted = expected.arms[static_cast<size_t>(i)];
-      EXPECT_EQ(arm.reward_low_95(), wanted.reward_95.low);
-      EXPECT_EQ(arm.reward_high_95(), wanted.reward_95.high);
+      const v1::RewardPosterior& reward = arm.posterior();
+      const decision::BetaPosterior posterior = {reward.alpha(), reward.beta()};
+      EXPECT_EQ(reward.low_95(), decision::BetaQuantile(posterior, 0.025));
+      EXPECT_EQ(reward.low_50(), decision::BetaQuantile(posterior, 0.25));
+      EXPECT_EQ(reward.high_50(), decision::BetaQuantile(posterior, 0.75));
+      EXPECT_EQ(reward.high_95(), decision::BetaQuantile(posterior, 0.975));
       EXPECT_EQ(arm.is_outdated(), i == 0);
       ASSERT_EQ(arm.has_best_probability(), wanted.best_probability.has_value());
       EXPECT_EQ(arm.best_probability(), wanted.best_probability.value_or(0));

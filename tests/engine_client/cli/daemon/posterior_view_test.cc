@@ -58,8 +58,11 @@ TEST(PosteriorText, ShowsTheValuesThatTheDaemonSent) {
   scene.set_leader_arm("SAP");
   scene.set_expected_loss_ratio(0.0025);
   v1::ArmPosterior& leader = *scene.mutable_arms(0);
-  leader.set_reward_low_95(0.607);
-  leader.set_reward_high_95(0.870);
+  v1::RewardPosterior& reward = *leader.mutable_posterior();
+  reward.set_low_95(0.607);
+  reward.set_low_50(0.706);
+  reward.set_high_50(0.799);
+  reward.set_high_95(0.870);
   leader.set_best_probability(0.875);
   v1::ArmPosterior& other = *scene.mutable_arms(1);
   other.set_best_probability(0.125);
@@ -77,6 +80,9 @@ TEST(PosteriorText, ShowsTheValuesThatTheDaemonSent) {
   EXPECT_EQ(document["leader_arm"], "SAP");
   EXPECT_EQ(document["expected_loss_ratio"], 0.0025);
   EXPECT_EQ(document["arms"][0]["low_95"], 0.607);
+  EXPECT_EQ(document["arms"][0]["low_50"], 0.706);
+  EXPECT_EQ(document["arms"][0]["high_50"], 0.799);
+  EXPECT_EQ(document["arms"][0]["high_95"], 0.870);
   EXPECT_TRUE(document["arms"][0]["cost_ratio"].is_null());
   EXPECT_EQ(document["arms"][1]["best_probability"], 0.125);
   EXPECT_EQ(document["arms"][1]["cost_ratio_95"], (nlohmann::json{1.25, 1.75}));

@@ -23,9 +23,6 @@ TEST(SceneDiagnosis, ComparesRewardsWithDiagnose) {
     EXPECT_EQ(scene.arms[i].best_probability, expected.best_probability[i]);
     EXPECT_FALSE(scene.arms[i].cost_ratio) << "these rewards do not measure costs";
   }
-  // The 2.5 % and 97.5 % quantiles of Beta(30, 10).
-  EXPECT_NEAR(scene.arms[0].reward_95.low, 0.607, 5e-4);
-  EXPECT_NEAR(scene.arms[0].reward_95.high, 0.870, 5e-4);
 }
 
 // Rewards of version 3 are logarithms of costs. The range from 0 to 1 corresponds to ln(5e9), about
@@ -56,7 +53,6 @@ TEST(SceneDiagnosis, ComparesTheNewestVersionOfEachArm) {
   EXPECT_EQ(scene.leader, 2u);
   EXPECT_TRUE(scene.arms[0].is_outdated);
   EXPECT_FALSE(scene.arms[0].best_probability);
-  EXPECT_LT(scene.arms[0].reward_95.high, 1) << "it has an interval";
   EXPECT_FALSE(scene.arms[1].is_outdated);
   EXPECT_NEAR(*scene.arms[1].best_probability + *scene.arms[2].best_probability, 1, 1e-9);
 }

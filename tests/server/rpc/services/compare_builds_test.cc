@@ -90,9 +90,16 @@ TEST_F(CompareBuildsTest, TheScenesInWhichAnArmChangesAreNamed) {
   EXPECT_NEAR(cave.largest_log_change(), std::log(cave.arms(0).after().cost_ratio().median()),
               1e-9);
   request.clear_changes_only();
-  EXPECT_THAT(Compare(request), SizeIs(4));
+  const std::vector<v1::SceneComparison> all = Compare(request);
+  ASSERT_THAT(all, SizeIs(4));
+  EXPECT_EQ(all[0].arms(0).after().posterior().high_95(), 0) << "intervals are only for one scene";
   request.set_scene("cave");
-  EXPECT_THAT(Compare(request), SizeIs(1));
+  const std::vector<v1::SceneComparison> one = Compare(request);
+  ASSERT_THAT(one, SizeIs(1));
+  const v1::RewardPosterior& live = one[0].arms(0).after().live();
+  EXPECT_LT(live.low_95(), live.low_50());
+  EXPECT_LT(live.low_50(), live.high_50());
+  EXPECT_LT(live.high_50(), live.high_95());
   request.set_project("another");
   EXPECT_THAT(Compare(request), IsEmpty());
 }

@@ -4,7 +4,7 @@ import { DecisionOutcome, type DecisionEvent, type FrameMeasurements } from '../
 import { type ShadowSample, SwitchReason } from '../../gen/sweepstake/v1/telemetry_pb';
 import { bucketsOf, type Percentiles, percentiles } from '../numbers/histogram';
 import { type Told, toldOfEvent, toldOfRow } from './explain';
-import { once } from '../numbers/beta';
+import { once } from '../state/once';
 import { NS_PER_MS, type PlacedRow, unixMsOf } from './log';
 
 export interface Step {

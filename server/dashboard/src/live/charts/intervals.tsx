@@ -2,7 +2,7 @@
 import { compact, significant } from '../../format';
 import { colourOf } from '../../palette';
 import type { Ratio } from '../numbers/log_cost';
-import { logTicks } from '../numbers/beta';
+import { logTicks } from '../numbers/ticks';
 import { shapeOf } from '../parts/arm';
 import { AXIS, shortened, SIDE, tickCount, Ticks } from './ridgeline';
 import { useWidth } from './width';

@@ -1,8 +1,10 @@
-// The posteriors of a scene or session over time: means with credible bands, probabilities of being the best arm, and expected loss.
+// The posteriors of a scene or session over time: means, credible bands if the rows have intervals, probabilities of being the best
+// arm, and expected loss.
 import { useMemo } from 'preact/hooks';
 import { share, significant } from '../../format';
+import { mean, type Posterior } from '../numbers/beta';
 import { costNsOf, LOG_COST_REWARD_VERSION, nsText } from '../numbers/log_cost';
-import type { Belief, SeriesRow } from '../state/history';
+import type { SeriesRow } from '../state/history';
 import { thresholds } from '../state/account';
 import { armStyle, hatched } from './colours';
 import { type Band, fillOf, type Line, type Moment } from './plot';
@@ -24,26 +26,32 @@ export interface PosteriorChartsProps {
 const NOT_YET = 'Nothing has changed since the page was opened. Each change adds a point.';
 const NONE: ReadonlySet<string> = new Set();
 const PARTS = ['mean', 'low50', 'high50', 'low95', 'high95'] as const;
+type Part = typeof PARTS[number];
 
 // Costs fall as rewards rise, so the ends of an interval are exchanged.
-const COST_PART: Readonly<Record<keyof Belief, keyof Belief>> = { mean: 'mean', low50: 'high50', high50: 'low50', low95: 'high95', high95: 'low95' };
+const COST_PART: Readonly<Record<Part, Part>> = { mean: 'mean', low50: 'high50', high50: 'low50', low95: 'high95', high95: 'low95' };
 
-function valueOf(belief: Belief | undefined, part: keyof Belief, tellsCosts: boolean): number | null {
-  if (!belief) return null;
-  return tellsCosts ? costNsOf(belief[COST_PART[part]]) : belief[part];
+function valueOf(posterior: Posterior | undefined, part: Part, tellsCosts: boolean): number | null {
+  if (!posterior) return null;
+  const own = tellsCosts ? COST_PART[part] : part;
+  const reward = own === 'mean' ? mean(posterior) : posterior[own];
+  return reward === undefined ? null : tellsCosts ? costNsOf(reward) : reward;
 }
+
+const hasIntervals = (rows: readonly SeriesRow[]) => rows.some(({ beliefs }) => beliefs.some((each) => each?.high95 !== undefined));
 
 function bandLines(arms: readonly string[], rows: readonly SeriesRow[], tellsCosts: boolean, assumed: ReadonlySet<string>): { lines: Line[]; bands: Band[] } {
   const lines: Line[] = [];
   const bands: Band[] = [];
+  const isBanded = hasIntervals(rows);
   arms.forEach((arm, i) => {
     const { colour, dash } = armStyle(arm, arms);
     const first = lines.length;
-    for (const part of PARTS) {
+    for (const part of isBanded ? PARTS : PARTS.slice(0, 1)) {
       const values = rows.map(({ beliefs }) => valueOf(beliefs[i], part, tellsCosts));
       lines.push({ label: part === 'mean' ? arm : `${arm} ${part}`, values, colour, dash, arm, stepped: true, width: part === 'mean' ? 2 : 0, isAside: assumed.has(arm) });
     }
-    bands.push({ upper: first + 4, lower: first + 3, fill: fillOf(colour, 0.1) }, { upper: first + 2, lower: first + 1, fill: fillOf(colour, 0.2) });
+    if (isBanded) bands.push({ upper: first + 4, lower: first + 3, fill: fillOf(colour, 0.1) }, { upper: first + 2, lower: first + 1, fill: fillOf(colour, 0.2) });
   });
   return { lines, bands };
 }
@@ -56,7 +64,7 @@ export function BandsChart({ arms, rows, rewardVersion, domain, notYet, assumed 
   const drawn = useMemo(() => bandLines(arms, rows, tellsCosts, assumed), [arms, rows, tellsCosts, assumed]);
   return (
     <TimeFigure {...rest} {...drawn} id="bands" title={tellsCosts ? 'Estimated detection time of each arm' : 'Estimated reward of each arm'} timesMs={timesMs}
-      note="Lines show means, and areas show 50 % and 95 % credible intervals." empty={noteOf(rows, notYet)} unit={tellsCosts ? 'ns' : ''} scale={tellsCosts ? 'log' : 'unit'}
+      note={hasIntervals(rows) ? 'Lines show means, and areas show 50 % and 95 % credible intervals.' : 'Lines show means.'} empty={noteOf(rows, notYet)} unit={tellsCosts ? 'ns' : ''} scale={tellsCosts ? 'log' : 'unit'}
       domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={tellsCosts ? nsText : (value) => significant(value)} height={260} />
   );
 }
@@ -64,10 +72,10 @@ export function BandsChart({ arms, rows, rewardVersion, domain, notYet, assumed 
 /** Returns the lowest and highest value of the bands, for an axis that several charts share. */
 export function bandRange(rows: readonly SeriesRow[], rewardVersion: number): [number, number] {
   const tellsCosts = rewardVersion === LOG_COST_REWARD_VERSION;
-  const known = rows.flatMap(({ beliefs }) => beliefs).filter((belief) => belief !== undefined);
+  const known = rows.flatMap(({ beliefs }) => beliefs).filter((posterior) => posterior !== undefined);
   return [
-    Math.min(...known.map((belief) => valueOf(belief, 'low95', tellsCosts)!)),
-    Math.max(...known.map((belief) => valueOf(belief, 'high95', tellsCosts)!)),
+    Math.min(...known.map((posterior) => valueOf(posterior, 'low95', tellsCosts)!)),
+    Math.max(...known.map((posterior) => valueOf(posterior, 'high95', tellsCosts)!)),
   ];
 }
 

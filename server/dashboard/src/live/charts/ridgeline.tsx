@@ -2,8 +2,9 @@
 import type { ComponentChildren } from 'preact';
 import { useState } from 'preact/hooks';
 import { colourOf } from '../../palette';
-import { type Beta, centralInterval, type Interval, linearTicks, logTicks, mean, ridge, ridgeAxis } from '../numbers/beta';
+import { type Beta, mean, type Posterior, ridge, ridgeAxis } from '../numbers/beta';
 import { costNsOf, LOG_COST_REWARD_VERSION, rewardOfNs, rewardText } from '../numbers/log_cost';
+import { linearTicks, logTicks } from '../numbers/ticks';
 import { shapeOf } from '../parts/arm';
 import { visible } from '../parts/name';
 import { ChartFrame, type ChartTable } from './frame';
@@ -15,8 +16,7 @@ export type Measured = 'live' | 'lane' | 'never';
 export interface RidgeRow {
   arm: string;
   label: string; // the arm, with its backend version if there are several
-  posterior: Beta;
-  reward95?: Interval; // as the daemon computed it; absent: computed here for drawing
+  posterior: Posterior;
   before?: Beta; // a prior, drawn behind the posterior
   measured: Measured;
   isPart?: true; // the row has only live or only lane evidence; another row may have the rest
@@ -66,22 +66,22 @@ const PAINT: Readonly<Record<Measured, { fill: number; dash?: string }>> = {
 };
 
 function Row({ row, base, axis, width }: { row: RidgeRow; base: number; axis: Axis; width: number }) {
-  const { posterior, reward95, before, measured, arm, label, isPart } = row;
+  const { posterior, before, measured, arm, label, isPart } = row;
   const colour = colourOf(arm);
-  const [low, high] = reward95 ?? centralInterval(posterior, 0.95);
-  const [innerLow, innerHigh] = centralInterval(posterior, 0.5);
   const { fill, dash } = PAINT[measured];
   const text = (reward: number) => rewardText(reward, axis.tellsCosts);
-  const [left, right] = axis.tellsCosts ? [high, low] : [low, high];
   const told = (interval: string) => (measured === 'never' ? 'never measured' : `${text(mean(posterior))}${interval}${measured === 'lane' && !isPart ? ', lane only' : ''}`);
-  const value = told(` (${text(left)} to ${text(right)})`);
+  const { low95, low50, high50, high95 } = posterior;
+  const line = (low = 0, high = 0, thickness: number) =>
+    <line x1={axis.x(low)} x2={axis.x(high)} y1={base + 5} y2={base + 5} stroke={colour} stroke-width={thickness} />;
+  const [left, right] = axis.tellsCosts ? [high95, low95] : [low95, high95];
+  const value = told(left === undefined || right === undefined ? '' : ` (${text(left)} to ${text(right)})`);
   return (
     <g>
       <title>{`${visible(label)}: ${value}. ${isPart ? '' : MEASURED_WORDS[measured]}`}</title>
       {before && <path d={outline(before, axis, base, width)} fill="none" stroke="var(--soft)" stroke-dasharray="3 3" />}
       <path d={outline(posterior, axis, base, width)} fill={colour} fill-opacity={fill} stroke={colour} stroke-width="1.5" stroke-dasharray={dash ?? 'none'} />
-      <line x1={axis.x(low)} x2={axis.x(high)} y1={base + 5} y2={base + 5} stroke={colour} stroke-width="1.5" />
-      <line x1={axis.x(innerLow)} x2={axis.x(innerHigh)} y1={base + 5} y2={base + 5} stroke={colour} stroke-width="5" />
+      {high95 !== undefined && <>{line(low95, high95, 1.5)}{line(low50, high50, 5)}</>}
       <path d={shapeOf(arm)} transform={`translate(${axis.x(mean(posterior)).toFixed(2)} ${base + 5})`} fill={measured === 'live' ? colour : 'var(--card)'}
         stroke={colour} stroke-width="1.5" />
       <text class="halo" x={SIDE} y={base - CREST - 4} font-size=".8rem" font-weight="600" fill="var(--text)">{shortened(label, width)}</text>
@@ -174,8 +174,8 @@ export function RidgeFigure({ id, names, note, notYet, table, children, ...chart
   const { title, rows } = chart;
   const values = () => ({
     header: ['arm', 'measured', 'alpha', 'beta', 'mean reward', '95 % from', 'to', 'prior alpha', 'prior beta'],
-    rows: rows.map(({ label, measured, posterior, reward95, before }) =>
-      [label, measured, posterior.alpha, posterior.beta, mean(posterior), reward95?.[0], reward95?.[1], before?.alpha, before?.beta]),
+    rows: rows.map(({ label, measured, posterior, before }) =>
+      [label, measured, posterior.alpha, posterior.beta, mean(posterior), posterior.low95, posterior.high95, before?.alpha, before?.beta]),
   });
   return (
     <ChartFrame id={id} title={title} names={names} note={note} table={table ?? values} empty={rows.length === 0 && notYet}>

@@ -7,7 +7,7 @@ import { shapeOf } from '../parts/arm';
 import { visible } from '../parts/name';
 import { armStyle } from './colours';
 import { axisTime, LEFT, RIGHT, TIME_STEPS } from './plot';
-import { linearTicks } from '../numbers/beta';
+import { linearTicks } from '../numbers/ticks';
 import { crosshairMs, type Range, setRange, zoomAction } from './view_state';
 import { useWidth } from './width';
 import type { Step } from '../audit/steps';

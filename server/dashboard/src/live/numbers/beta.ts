@@ -1,14 +1,13 @@
-// The shape of a Beta density, for drawing. The figures of a scene come from the daemon; the values computed here are accurate to a
-// pixel. Pure functions. Parameters are from 1 to 1e15, which covers Beta(1, 1) plus evidence; others are clamped to that range.
+// The shape of a Beta density, for drawing. The daemon computes intervals and all other figures. Pure functions. Parameters are from 1
+// to 1e15, which covers Beta(1, 1) plus evidence; others are clamped to that range.
 
 export interface Beta { readonly alpha: number; readonly beta: number }
-/** The lower and the upper end. */
-export type Interval = readonly [number, number];
+/** A posterior with the ends of its central 50 % and 95 % intervals, as the daemon computed them. Absent: posteriors of the audit log. */
+export interface Posterior extends Beta { readonly low95?: number; readonly low50?: number; readonly high50?: number; readonly high95?: number }
 
 const MIN_SHAPE = 1;
 const MAX_SHAPE = 1e15;
-const REACH = 10; // range of the grid on each side of the mode, in standard deviations; less than 3e-4 of the mass is outside
-const STEPS = 240; // number of intervals of the grid
+const REACH = 3.1; // range of an axis on each side of a density's peak, in standard deviations
 
 const bound = (shape: number) => Math.min(Math.max(shape, MIN_SHAPE), MAX_SHAPE);
 export const mean = ({ alpha, beta }: Beta) => alpha / (alpha + beta);
@@ -16,10 +15,10 @@ export const mean = ({ alpha, beta }: Beta) => alpha / (alpha + beta);
 // On the scale of logits, t = ln(x / (1 − x)), the density has one peak, at the logit of the mean.
 export const logitMode = ({ alpha, beta }: Beta) => Math.log(bound(alpha)) - Math.log(bound(beta));
 /** Returns the standard deviation of the normal distribution on the scale of logits that has the same curvature at the peak. */
-export const logitDeviation = ({ alpha, beta }: Beta) => Math.sqrt(1 / bound(alpha) + 1 / bound(beta));
+const logitDeviation = ({ alpha, beta }: Beta) => Math.sqrt(1 / bound(alpha) + 1 / bound(beta));
 
 /** Returns ln(density of logits ÷ its peak), `offset` from the mode. Computed relative to the mode, since α ln x and β ln(1 − x) would cancel. */
-export function logitLogShape(posterior: Beta, offset: number): number {
+function logitLogShape(posterior: Beta, offset: number): number {
   const [alpha, beta] = [bound(posterior.alpha), bound(posterior.beta)];
   const [small, large, along] = alpha <= beta ? [alpha, beta, offset] : [beta, alpha, -offset];
   const ratio = small / (small + large);
@@ -31,26 +30,6 @@ export function logitLogShape(posterior: Beta, offset: number): number {
 export function rewardAt(logit: number): number {
   const e = Math.exp(-Math.abs(logit));
   return logit < 0 ? e / (1 + e) : 1 / (1 + e);
-}
-
-/** Returns the quantiles of the reward at these probabilities, from a sum over a grid of logits. REQUIRES: `shares` ascend. */
-export function quantiles(posterior: Beta, shares: readonly number[]): number[] {
-  const step = (2 * REACH * logitDeviation(posterior)) / STEPS;
-  const offsets = Array.from({ length: STEPS + 1 }, (_, i) => (i - STEPS / 2) * step);
-  const heights = offsets.map((offset) => Math.exp(logitLogShape(posterior, offset)));
-  const total = heights.reduce((sum, height) => sum + height, 0);
-  let i = 0;
-  let below = 0; // the sum of the heights before index i
-  return shares.map((share) => {
-    while (i < STEPS && below + heights[i]! < share * total) below += heights[i++]!;
-    return rewardAt(logitMode(posterior) + offsets[i]! + step * ((share * total - below) / heights[i]! - 0.5));
-  });
-}
-
-/** Returns the central interval that contains the reward with this probability, such as 0.95. */
-export function centralInterval(posterior: Beta, mass: number): Interval {
-  const [low, high] = quantiles(posterior, [(1 - mass) / 2, (1 + mass) / 2]);
-  return [low!, high!];
 }
 
 /** The density at a reward ÷ the highest density, from 0 to 1. */
@@ -78,47 +57,13 @@ export function ridge(posterior: Beta, low: number, high: number, count: number)
   return rewards.map((reward, i) => ({ reward, height: Math.exp(logs[i]! - highest) })).filter(({ reward }) => reward >= low && reward <= high);
 }
 
-/** Returns an axis that contains 99.8 % of each measured posterior. Posteriors that were never measured are ignored. */
+/** Returns an axis that contains the visible part of each measured density. Posteriors that were never measured are ignored. */
 export function ridgeAxis(posteriors: readonly { posterior: Beta; isMeasured: boolean }[]): [low: number, high: number] {
-  const measured = posteriors.filter(({ isMeasured }) => isMeasured);
+  const measured = posteriors.filter(({ isMeasured }) => isMeasured).map(({ posterior }) => posterior);
   if (measured.length === 0) return [0, 1];
-  const ends = measured.map(({ posterior }) => centralInterval(posterior, 0.998));
-  const means = measured.map(({ posterior }) => mean(posterior));
-  const low = Math.min(...ends.map((end) => end[0]), ...means);
-  const high = Math.max(...ends.map((end) => end[1]), ...means);
+  const end = (posterior: Beta, deviations: number) => rewardAt(logitMode(posterior) + deviations * logitDeviation(posterior));
+  const low = Math.min(...measured.map((posterior) => end(posterior, -REACH)));
+  const high = Math.max(...measured.map((posterior) => end(posterior, REACH)));
   const pad = Math.max(0.06 * (high - low), 1e-9);
   return [Math.max(0, low - pad), Math.min(1, high + pad)];
-}
-
-/** Returns about `count` round numbers within [low, high]. */
-export function linearTicks(low: number, high: number, count: number): number[] {
-  const rough = (high - low) / Math.max(count, 1);
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((factor) => factor * power).find((each) => each >= rough) ?? rough;
-  const ticks: number[] = [];
-  for (let k = Math.ceil(low / step); k * step <= high && ticks.length < 100; ++k) ticks.push(k * step);
-  return ticks;
-}
-
-/** Returns ticks of a logarithmic axis: 1, 2 and 5 times powers of ten, or only some powers of ten if there are more than `count`.
- * Returns linear ticks if high ÷ low is below 5. */
-export function logTicks(low: number, high: number, count: number): number[] {
-  if (high / low < 5) return linearTicks(low, high, count);
-  const all: number[] = [];
-  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); ++power) all.push(...[1, 2, 5].map((factor) => factor * 10 ** power));
-  const within = all.filter((value) => value >= low && value <= high);
-  const powersOnly = within.filter((value) => Math.abs(Math.log10(value) % 1) < 1e-9);
-  if (within.length <= count || powersOnly.length < 2) return within;
-  const step = Math.ceil(powersOnly.length / Math.max(count, 1));
-  return powersOnly.filter((_, i) => i % step === 0);
-}
-
-/** Wraps a function so that it computes its result for an object only once. Views request the results of all rows whenever one is added. */
-export function once<Of extends object, Answer>(compute: (of: Of) => Answer): (of: Of) => Answer {
-  const known = new WeakMap<Of, { answer: Answer }>();
-  return (of) => {
-    const before = known.get(of) ?? { answer: compute(of) };
-    known.set(of, before);
-    return before.answer;
-  };
 }

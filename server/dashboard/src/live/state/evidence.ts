@@ -1,6 +1,6 @@
 // The daemon's evidence, while the view of the priors is open. The tables show it in groups: by scene and arm, by source, by build.
 import type { PriorRecord } from '../../gen/sweepstake/v1/priors_pb';
-import { once } from '../numbers/beta';
+import { once } from './once';
 import { groupedBy } from './scenes';
 
 export const MAX_RECORDS = 200_000;  // maximum number of records that `sweepstake priors import` accepts

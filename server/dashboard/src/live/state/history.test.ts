@@ -1,4 +1,5 @@
 import { describe, expect, it } from 'vitest';
+import { mean } from '../numbers/beta';
 import { seriesOf } from '../state/history';
 
 describe('a series of posteriors', () => {
@@ -10,7 +11,7 @@ describe('a series of posteriors', () => {
 
   it('has the arms in the requested order, and undefined for an arm before its first evidence', () => {
     expect(rows.map(({ timeMs }) => timeMs)).toEqual([10, 20]);
-    expect(rows.map(({ beliefs }) => beliefs.map((belief) => belief?.mean))).toEqual([[undefined, 0.25], [20 / 30, 0.25]]);
+    expect(rows.map(({ beliefs }) => beliefs.map((belief) => belief && mean(belief)))).toEqual([[undefined, 0.25], [20 / 30, 0.25]]);
   });
 
   it('has the probabilities and the loss that the daemon sent', () => {

@@ -2,11 +2,11 @@
 // extreme. So no peak is lost, and memory does not grow with the time that the page is open.
 import type { ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { keepExtremes } from '../numbers/downsample';
-import { type Beta, mean, quantiles } from '../numbers/beta';
+import { mean, type Posterior } from '../numbers/beta';
 
 export const MAX_POINTS = 256;
 
-export interface ArmPoint extends Beta { readonly best?: number } // P(best); absent: unknown
+export interface ArmPoint extends Posterior { readonly best?: number } // P(best); absent: unknown
 
 export interface HistoryRow {
   readonly timeMs: number; // since 1970, by the daemon's clock
@@ -40,7 +40,7 @@ function thinned(rows: readonly HistoryRow[], armCount: number): readonly Histor
 export function addToHistory({ arms: known, rows }: SceneHistory, scene: ScenePosterior, timeMs: number): SceneHistory {
   const points = new Map<string, ArmPoint>();
   for (const { arm, posterior, isOutdated, bestProbability: best } of scene.arms) {
-    if (posterior && !isOutdated) points.set(arm, { alpha: posterior.alpha, beta: posterior.beta, ...(best !== undefined && { best }) });
+    if (posterior && !isOutdated) points.set(arm, { ...posterior, ...(best !== undefined && { best }) });
   }
   const arms = [...known, ...[...points.keys()].filter((arm) => !known.includes(arm))];
   const row = { timeMs, expectedLossRatio: scene.expectedLossRatio, arms: arms.map((arm) => points.get(arm)) };
@@ -48,29 +48,11 @@ export function addToHistory({ arms: known, rows }: SceneHistory, scene: ScenePo
   return { arms, rows: thinned([...rows, row], arms.length) };
 }
 
-/** An arm's reward: mean, and 50 % and 95 % credible intervals. */
-export interface Belief { mean: number; low50: number; high50: number; low95: number; high95: number }
-
 export interface SeriesRow {
   timeMs: number;
-  beliefs: readonly (Belief | undefined)[]; // in the order of the arms; undefined before an arm's first evidence
+  beliefs: readonly (Posterior | undefined)[]; // in the order of the arms; undefined before an arm's first evidence
   best: readonly (number | undefined)[];
   expectedLossRatio: number | undefined;
-}
-
-const MAX_BELIEFS = 20_000; // entries of the cache
-const beliefs = new Map<string, Belief>();
-
-// Most arms of a decision have the same posterior as in the decision before, in another object. So the cache has values as keys.
-export function beliefOf(posterior: Beta): Belief {
-  const key = `${posterior.alpha} ${posterior.beta}`;
-  const known = beliefs.get(key);
-  if (known) return known;
-  const [low95, low50, high50, high95] = quantiles(posterior, [0.025, 0.25, 0.75, 0.975]) as [number, number, number, number];
-  const belief = { mean: mean(posterior), low50, high50, low95, high95 };
-  if (beliefs.size >= MAX_BELIEFS) beliefs.clear();
-  beliefs.set(key, belief);
-  return belief;
 }
 
 /** Returns a row for each row of the history, oldest first. */
@@ -80,6 +62,6 @@ export function seriesOf({ arms: known, rows }: SceneHistory, arms: readonly str
     const own = places.map((place) => told[place]);
     const best = own.map((arm) => arm?.best);
     const isLearnt = best.some((each) => each !== undefined);
-    return { timeMs, beliefs: own.map((arm) => arm && beliefOf(arm)), best, expectedLossRatio: isLearnt ? expectedLossRatio : undefined };
+    return { timeMs, beliefs: own, best, expectedLossRatio: isLearnt ? expectedLossRatio : undefined };
   });
 }

@@ -120,11 +120,12 @@ describe('history', () => {
     expect(trendOf(later)).toEqual([0.5]);
   });
 
-  it('has the newest version of a backend only', () => {
+  it('has the newest version of a backend only, with the intervals that the daemon sent', () => {
     const scene = posteriorOf('a');
     scene.arms[1]!.arm = 'SAP';
     scene.arms[0]!.isOutdated = true;
-    expect(addToHistory(NO_HISTORY, scene, 1)).toMatchObject({ arms: ['SAP'], rows: [{ arms: [{ alpha: 5 }] }] });
+    scene.arms[1]!.posterior!.low50 = 0.4375;
+    expect(addToHistory(NO_HISTORY, scene, 1)).toMatchObject({ arms: ['SAP'], rows: [{ arms: [{ alpha: 5, low50: 0.4375 }] }] });
   });
 });
 

@@ -61,7 +61,7 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   const table = () => ({
     header: ['arm', 'backend version', 'measured', 'alpha', 'beta', 'mean reward', 'reward 95 % from', 'to', 'P(best)', 'cost ratio', 'windows', 'lane visits', 'equivalent windows', 'bail-outs'],
     rows: rows.map(({ arm, backendVersion, measured, posterior: beta, costRatio, ...row }) => [arm, backendVersion, measured, beta.alpha, beta.beta, mean(beta),
-      row.rewardLow95, row.rewardHigh95, row.bestProbability, costRatio?.median, row.windowCount, row.visitCount, row.effectiveWindowCount, row.bailOutCount]),
+      beta.low95, beta.high95, row.bestProbability, costRatio?.median, row.windowCount, row.visitCount, row.effectiveWindowCount, row.bailOutCount]),
   });
   return (
     <RidgeFigure id="beliefs" title="Posterior of each arm" names={[posterior.project, posterior.scene]} table={table} rows={ridges}

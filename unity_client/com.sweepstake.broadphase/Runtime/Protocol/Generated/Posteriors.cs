@@ -46,48 +46,50 @@ namespace Sweepstake.Protocol.V1 {
             "EhQKDHNvdXJjZV9jb3VudBgHIAEoBBInCgd2ZXJkaWN0GAggASgOMhYuc3dl",
             "ZXBzdGFrZS52MS5WZXJkaWN0EhIKCmxlYWRlcl9hcm0YCSABKAkSGwoTZXhw",
             "ZWN0ZWRfbG9zc19yYXRpbxgKIAEoARIdChV2YWx1ZV9yZW1haW5pbmdfcmF0",
-            "aW8YCyABKAEiiAMKDEFybVBvc3RlcmlvchILCgNhcm0YASABKAkSFwoPYmFj",
-            "a2VuZF92ZXJzaW9uGAIgASgNEi8KCXBvc3RlcmlvchgDIAEoCzIcLnN3ZWVw",
-            "c3Rha2UudjEuQmV0YVBvc3RlcmlvchIUCgx3aW5kb3dfY291bnQYBCABKAQS",
-            "FgoOYmFpbF9vdXRfY291bnQYBSABKAQSEwoLdmlzaXRfY291bnQYBiABKAQS",
-            "HgoWZWZmZWN0aXZlX3dpbmRvd19jb3VudBgHIAEoARIYChB1bml4X2xhc3Rf",
-            "c2Vlbl9zGAggASgDEhUKDXJld2FyZF9sb3dfOTUYCSABKAESFgoOcmV3YXJk",
-            "X2hpZ2hfOTUYCiABKAESEwoLaXNfb3V0ZGF0ZWQYCyABKAgSHQoQYmVzdF9w",
-            "cm9iYWJpbGl0eRgMIAEoAUgAiAEBEiwKCmNvc3RfcmF0aW8YDSABKAsyGC5z",
-            "d2VlcHN0YWtlLnYxLkNvc3RSYXRpb0ITChFfYmVzdF9wcm9iYWJpbGl0eSKO",
-            "BAoNRGVjaXNpb25FdmVudBISCgpzZXNzaW9uX2lkGAEgASgJEg8KB3Byb2pl",
-            "Y3QYAiABKAkSDQoFc2NlbmUYAyABKAkSEwoLZGVjaXNpb25faWQYBCABKAQS",
-            "EgoKYWN0aXZlX2FybRgFIAEoCRIVCg1jYW5kaWRhdGVfYXJtGAYgASgJEi8K",
-            "B291dGNvbWUYByABKA4yHi5zd2VlcHN0YWtlLnYxLkRlY2lzaW9uT3V0Y29t",
-            "ZRIrCgZyZWFzb24YCCABKA4yGy5zd2VlcHN0YWtlLnYxLlN3aXRjaFJlYXNv",
-            "bhITCgZyZXdhcmQYCSABKAFIAIgBARIVCg1tYWNoaW5lX2NsYXNzGAogASgJ",
-            "EhgKEGJlc3RfcHJvYmFiaWxpdHkYCyADKAESGwoTZXhwZWN0ZWRfbG9zc19y",
-            "YXRpbxgMIAEoARInCgd2ZXJkaWN0GA0gASgOMhYuc3dlZXBzdGFrZS52MS5W",
-            "ZXJkaWN0Eg4KBnBvbGljeRgOIAEoCRI2CgxtZWFzdXJlbWVudHMYDyABKAsy",
-            "IC5zd2VlcHN0YWtlLnYxLkZyYW1lTWVhc3VyZW1lbnRzEgwKBGFybXMYECAD",
-            "KAkSLQoJc3RhbmRpbmdzGBEgAygLMhouc3dlZXBzdGFrZS52MS5Bcm1TdGFu",
-            "ZGluZxIPCgd1bml4X21zGBIgASgDQgkKB19yZXdhcmQisgEKEUZyYW1lTWVh",
-            "c3VyZW1lbnRzEjIKDWZyYW1lX3RpbWVfbnMYASABKAsyGy5zd2VlcHN0YWtl",
-            "LnYxLkxvZ0hpc3RvZ3JhbRI2ChFkZXRlY3Rpb25fdGltZV9ucxgCIAEoCzIb",
-            "LnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtEjEKDG5hdGl2ZV9ieXRlcxgD",
-            "IAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtIjQKDExvZ0hpc3Rv",
-            "Z3JhbRIUCgxidWNrZXRfc3RlcHMYASADKA0SDgoGY291bnRzGAIgAygNKvAC",
-            "Cg9EZWNpc2lvbk91dGNvbWUSIAocREVDSVNJT05fT1VUQ09NRV9VTlNQRUNJ",
-            "RklFRBAAEhkKFURFQ0lTSU9OX09VVENPTUVfS0VQVBABEh0KGURFQ0lTSU9O",
-            "X09VVENPTUVfU1dJVENIRUQQAhIiCh5ERUNJU0lPTl9PVVRDT01FX0hFTERf",
-            "Q09PTERPV04QAxIiCh5ERUNJU0lPTl9PVVRDT01FX0hFTERfU0VUVExJTkcQ",
-            "BBIeChpERUNJU0lPTl9PVVRDT01FX05PX0ZSQU1FUxAFEhsKF0RFQ0lTSU9O",
-            "X09VVENPTUVfTUFOVUFMEAYSHgoaREVDSVNJT05fT1VUQ09NRV9FWFBMT1JJ",
-            "TkcQBxIdChlERUNJU0lPTl9PVVRDT01FX1JFSkVDVEVEEAgSHgoaREVDSVNJ",
-            "T05fT1VUQ09NRV9IRUxEX0dBVEUQCRIdChlERUNJU0lPTl9PVVRDT01FX0hF",
-            "TERfVElFEAoyrwIKEVBvc3RlcmlvcnNTZXJ2aWNlEl0KDkxpc3RQb3N0ZXJp",
-            "b3JzEiQuc3dlZXBzdGFrZS52MS5MaXN0UG9zdGVyaW9yc1JlcXVlc3QaJS5z",
-            "d2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVzcG9uc2USVwoMR2V0UG9z",
-            "dGVyaW9yEiIuc3dlZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0GiMu",
-            "c3dlZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXNwb25zZRJiCg9XYXRjaFBv",
-            "c3RlcmlvcnMSJS5zd2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1JlcXVl",
-            "c3QaJi5zd2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1Jlc3BvbnNlMAFC",
-            "GaoCFlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
+            "aW8YCyABKAEicAoPUmV3YXJkUG9zdGVyaW9yEg0KBWFscGhhGAEgASgBEgwK",
+            "BGJldGEYAiABKAESDgoGbG93Xzk1GAMgASgBEg4KBmxvd181MBgEIAEoARIP",
+            "CgdoaWdoXzUwGAUgASgBEg8KB2hpZ2hfOTUYBiABKAEi2wIKDEFybVBvc3Rl",
+            "cmlvchILCgNhcm0YASABKAkSFwoPYmFja2VuZF92ZXJzaW9uGAIgASgNEjEK",
+            "CXBvc3RlcmlvchgDIAEoCzIeLnN3ZWVwc3Rha2UudjEuUmV3YXJkUG9zdGVy",
+            "aW9yEhQKDHdpbmRvd19jb3VudBgEIAEoBBIWCg5iYWlsX291dF9jb3VudBgF",
+            "IAEoBBITCgt2aXNpdF9jb3VudBgGIAEoBBIeChZlZmZlY3RpdmVfd2luZG93",
+            "X2NvdW50GAcgASgBEhgKEHVuaXhfbGFzdF9zZWVuX3MYCCABKAMSEwoLaXNf",
+            "b3V0ZGF0ZWQYCSABKAgSHQoQYmVzdF9wcm9iYWJpbGl0eRgKIAEoAUgAiAEB",
+            "EiwKCmNvc3RfcmF0aW8YCyABKAsyGC5zd2VlcHN0YWtlLnYxLkNvc3RSYXRp",
+            "b0ITChFfYmVzdF9wcm9iYWJpbGl0eSKOBAoNRGVjaXNpb25FdmVudBISCgpz",
+            "ZXNzaW9uX2lkGAEgASgJEg8KB3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyAB",
+            "KAkSEwoLZGVjaXNpb25faWQYBCABKAQSEgoKYWN0aXZlX2FybRgFIAEoCRIV",
+            "Cg1jYW5kaWRhdGVfYXJtGAYgASgJEi8KB291dGNvbWUYByABKA4yHi5zd2Vl",
+            "cHN0YWtlLnYxLkRlY2lzaW9uT3V0Y29tZRIrCgZyZWFzb24YCCABKA4yGy5z",
+            "d2VlcHN0YWtlLnYxLlN3aXRjaFJlYXNvbhITCgZyZXdhcmQYCSABKAFIAIgB",
+            "ARIVCg1tYWNoaW5lX2NsYXNzGAogASgJEhgKEGJlc3RfcHJvYmFiaWxpdHkY",
+            "CyADKAESGwoTZXhwZWN0ZWRfbG9zc19yYXRpbxgMIAEoARInCgd2ZXJkaWN0",
+            "GA0gASgOMhYuc3dlZXBzdGFrZS52MS5WZXJkaWN0Eg4KBnBvbGljeRgOIAEo",
+            "CRI2CgxtZWFzdXJlbWVudHMYDyABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1l",
+            "TWVhc3VyZW1lbnRzEgwKBGFybXMYECADKAkSLQoJc3RhbmRpbmdzGBEgAygL",
+            "Mhouc3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZxIPCgd1bml4X21zGBIgASgD",
+            "QgkKB19yZXdhcmQisgEKEUZyYW1lTWVhc3VyZW1lbnRzEjIKDWZyYW1lX3Rp",
+            "bWVfbnMYASABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbRI2ChFk",
+            "ZXRlY3Rpb25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlz",
+            "dG9ncmFtEjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVwc3Rha2UudjEu",
+            "TG9nSGlzdG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNrZXRfc3RlcHMY",
+            "ASADKA0SDgoGY291bnRzGAIgAygNKvACCg9EZWNpc2lvbk91dGNvbWUSIAoc",
+            "REVDSVNJT05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURFQ0lTSU9OX09V",
+            "VENPTUVfS0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJVENIRUQQAhIi",
+            "Ch5ERUNJU0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIiCh5ERUNJU0lP",
+            "Tl9PVVRDT01FX0hFTERfU0VUVExJTkcQBBIeChpERUNJU0lPTl9PVVRDT01F",
+            "X05PX0ZSQU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFOVUFMEAYSHgoa",
+            "REVDSVNJT05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJU0lPTl9PVVRD",
+            "T01FX1JFSkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9IRUxEX0dBVEUQ",
+            "CRIdChlERUNJU0lPTl9PVVRDT01FX0hFTERfVElFEAoyrwIKEVBvc3Rlcmlv",
+            "cnNTZXJ2aWNlEl0KDkxpc3RQb3N0ZXJpb3JzEiQuc3dlZXBzdGFrZS52MS5M",
+            "aXN0UG9zdGVyaW9yc1JlcXVlc3QaJS5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0",
+            "ZXJpb3JzUmVzcG9uc2USVwoMR2V0UG9zdGVyaW9yEiIuc3dlZXBzdGFrZS52",
+            "MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5HZXRQb3N0",
+            "ZXJpb3JSZXNwb25zZRJiCg9XYXRjaFBvc3RlcmlvcnMSJS5zd2VlcHN0YWtl",
+            "LnYxLldhdGNoUG9zdGVyaW9yc1JlcXVlc3QaJi5zd2VlcHN0YWtlLnYxLldh",
+            "dGNoUG9zdGVyaW9yc1Jlc3BvbnNlMAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9j",
+            "b2wuVjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -98,7 +100,8 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount", "Verdict", "LeaderArm", "ExpectedLossRatio", "ValueRemainingRatio" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount", "UnixLastSeenS", "RewardLow95", "RewardHigh95", "IsOutdated", "BestProbability", "CostRatio" }, new[]{ "BestProbability" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RewardPosterior), global::Sweepstake.Protocol.V1.RewardPosterior.Parser, new[]{ "Alpha", "Beta", "Low95", "Low50", "High50", "High95" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount", "UnixLastSeenS", "IsOutdated", "BestProbability", "CostRatio" }, new[]{ "BestProbability" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings", "UnixMs" }, new[]{ "Reward" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameMeasurements), global::Sweepstake.Protocol.V1.FrameMeasurements.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "NativeBytes" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.LogHistogram), global::Sweepstake.Protocol.V1.LogHistogram.Parser, new[]{ "BucketSteps", "Counts" }, null, null, null, null)
@@ -2347,6 +2350,410 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
+  /// A Beta distribution of an arm's reward, with two central intervals; 0 &lt;= low_95 &lt;= low_50 &lt;= high_50 &lt;= high_95 &lt;= 1.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class RewardPosterior : pb::IMessage<RewardPosterior>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<RewardPosterior> _parser = new pb::MessageParser<RewardPosterior>(() => new RewardPosterior());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<RewardPosterior> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[7]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RewardPosterior() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RewardPosterior(RewardPosterior other) : this() {
+      alpha_ = other.alpha_;
+      beta_ = other.beta_;
+      low95_ = other.low95_;
+      low50_ = other.low50_;
+      high50_ = other.high50_;
+      high95_ = other.high95_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RewardPosterior Clone() {
+      return new RewardPosterior(this);
+    }
+
+    /// <summary>Field number for the "alpha" field.</summary>
+    public const int AlphaFieldNumber = 1;
+    private double alpha_;
+    /// <summary>
+    /// The parameter α; finite, > 0. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double Alpha {
+      get { return alpha_; }
+      set {
+        alpha_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "beta" field.</summary>
+    public const int BetaFieldNumber = 2;
+    private double beta_;
+    /// <summary>
+    /// The parameter β; finite, > 0. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double Beta {
+      get { return beta_; }
+      set {
+        beta_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "low_95" field.</summary>
+    public const int Low95FieldNumber = 3;
+    private double low95_;
+    /// <summary>
+    /// The reward is between low_95 and high_95 with a probability of 95 %. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double Low95 {
+      get { return low95_; }
+      set {
+        low95_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "low_50" field.</summary>
+    public const int Low50FieldNumber = 4;
+    private double low50_;
+    /// <summary>
+    /// The reward is between low_50 and high_50 with a probability of 50 %. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double Low50 {
+      get { return low50_; }
+      set {
+        low50_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "high_50" field.</summary>
+    public const int High50FieldNumber = 5;
+    private double high50_;
+    /// <summary>
+    /// The upper bound of the interval of 50 %. Absent (0): this message has no intervals.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double High50 {
+      get { return high50_; }
+      set {
+        high50_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "high_95" field.</summary>
+    public const int High95FieldNumber = 6;
+    private double high95_;
+    /// <summary>
+    /// The upper bound of the interval of 95 %. Absent (0): this message has no intervals.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double High95 {
+      get { return high95_; }
+      set {
+        high95_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as RewardPosterior);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(RewardPosterior other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Alpha, other.Alpha)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Beta, other.Beta)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Low95, other.Low95)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Low50, other.Low50)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(High50, other.High50)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(High95, other.High95)) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (Alpha != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Alpha);
+      if (Beta != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Beta);
+      if (Low95 != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Low95);
+      if (Low50 != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Low50);
+      if (High50 != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(High50);
+      if (High95 != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(High95);
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (Alpha != 0D) {
+        output.WriteRawTag(9);
+        output.WriteDouble(Alpha);
+      }
+      if (Beta != 0D) {
+        output.WriteRawTag(17);
+        output.WriteDouble(Beta);
+      }
+      if (Low95 != 0D) {
+        output.WriteRawTag(25);
+        output.WriteDouble(Low95);
+      }
+      if (Low50 != 0D) {
+        output.WriteRawTag(33);
+        output.WriteDouble(Low50);
+      }
+      if (High50 != 0D) {
+        output.WriteRawTag(41);
+        output.WriteDouble(High50);
+      }
+      if (High95 != 0D) {
+        output.WriteRawTag(49);
+        output.WriteDouble(High95);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (Alpha != 0D) {
+        output.WriteRawTag(9);
+        output.WriteDouble(Alpha);
+      }
+      if (Beta != 0D) {
+        output.WriteRawTag(17);
+        output.WriteDouble(Beta);
+      }
+      if (Low95 != 0D) {
+        output.WriteRawTag(25);
+        output.WriteDouble(Low95);
+      }
+      if (Low50 != 0D) {
+        output.WriteRawTag(33);
+        output.WriteDouble(Low50);
+      }
+      if (High50 != 0D) {
+        output.WriteRawTag(41);
+        output.WriteDouble(High50);
+      }
+      if (High95 != 0D) {
+        output.WriteRawTag(49);
+        output.WriteDouble(High95);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (Alpha != 0D) {
+        size += 1 + 8;
+      }
+      if (Beta != 0D) {
+        size += 1 + 8;
+      }
+      if (Low95 != 0D) {
+        size += 1 + 8;
+      }
+      if (Low50 != 0D) {
+        size += 1 + 8;
+      }
+      if (High50 != 0D) {
+        size += 1 + 8;
+      }
+      if (High95 != 0D) {
+        size += 1 + 8;
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(RewardPosterior other) {
+      if (other == null) {
+        return;
+      }
+      if (other.Alpha != 0D) {
+        Alpha = other.Alpha;
+      }
+      if (other.Beta != 0D) {
+        Beta = other.Beta;
+      }
+      if (other.Low95 != 0D) {
+        Low95 = other.Low95;
+      }
+      if (other.Low50 != 0D) {
+        Low50 = other.Low50;
+      }
+      if (other.High50 != 0D) {
+        High50 = other.High50;
+      }
+      if (other.High95 != 0D) {
+        High95 = other.High95;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 9: {
+            Alpha = input.ReadDouble();
+            break;
+          }
+          case 17: {
+            Beta = input.ReadDouble();
+            break;
+          }
+          case 25: {
+            Low95 = input.ReadDouble();
+            break;
+          }
+          case 33: {
+            Low50 = input.ReadDouble();
+            break;
+          }
+          case 41: {
+            High50 = input.ReadDouble();
+            break;
+          }
+          case 49: {
+            High95 = input.ReadDouble();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 9: {
+            Alpha = input.ReadDouble();
+            break;
+          }
+          case 17: {
+            Beta = input.ReadDouble();
+            break;
+          }
+          case 25: {
+            Low95 = input.ReadDouble();
+            break;
+          }
+          case 33: {
+            Low50 = input.ReadDouble();
+            break;
+          }
+          case 41: {
+            High50 = input.ReadDouble();
+            break;
+          }
+          case 49: {
+            High95 = input.ReadDouble();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
   /// One arm's posterior.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
@@ -2365,7 +2772,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[7]; }
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[8]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -2394,8 +2801,6 @@ namespace Sweepstake.Protocol.V1 {
       visitCount_ = other.visitCount_;
       effectiveWindowCount_ = other.effectiveWindowCount_;
       unixLastSeenS_ = other.unixLastSeenS_;
-      rewardLow95_ = other.rewardLow95_;
-      rewardHigh95_ = other.rewardHigh95_;
       isOutdated_ = other.isOutdated_;
       bestProbability_ = other.bestProbability_;
       costRatio_ = other.costRatio_ != null ? other.costRatio_.Clone() : null;
@@ -2440,13 +2845,13 @@ namespace Sweepstake.Protocol.V1 {
 
     /// <summary>Field number for the "posterior" field.</summary>
     public const int PosteriorFieldNumber = 3;
-    private global::Sweepstake.Protocol.V1.BetaPosterior posterior_;
+    private global::Sweepstake.Protocol.V1.RewardPosterior posterior_;
     /// <summary>
-    /// The posterior from decision windows and lane visits together. Always set.
+    /// The posterior from decision windows and lane visits together, with its intervals. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public global::Sweepstake.Protocol.V1.BetaPosterior Posterior {
+    public global::Sweepstake.Protocol.V1.RewardPosterior Posterior {
       get { return posterior_; }
       set {
         posterior_ = value;
@@ -2530,38 +2935,8 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
-    /// <summary>Field number for the "reward_low_95" field.</summary>
-    public const int RewardLow95FieldNumber = 9;
-    private double rewardLow95_;
-    /// <summary>
-    /// The lower end of the central interval that contains the reward with a probability of 95 %. Always set.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public double RewardLow95 {
-      get { return rewardLow95_; }
-      set {
-        rewardLow95_ = value;
-      }
-    }
-
-    /// <summary>Field number for the "reward_high_95" field.</summary>
-    public const int RewardHigh95FieldNumber = 10;
-    private double rewardHigh95_;
-    /// <summary>
-    /// The upper end of that interval. Always set.
-    /// </summary>
-    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
-    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public double RewardHigh95 {
-      get { return rewardHigh95_; }
-      set {
-        rewardHigh95_ = value;
-      }
-    }
-
     /// <summary>Field number for the "is_outdated" field.</summary>
-    public const int IsOutdatedFieldNumber = 11;
+    public const int IsOutdatedFieldNumber = 9;
     private bool isOutdated_;
     /// <summary>
     /// The scene has evidence of a newer version of the backend; decisions ignore this one. Absent: it is the newest.
@@ -2576,7 +2951,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "best_probability" field.</summary>
-    public const int BestProbabilityFieldNumber = 12;
+    public const int BestProbabilityFieldNumber = 10;
     private readonly static double BestProbabilityDefaultValue = 0D;
 
     private double bestProbability_;
@@ -2606,7 +2981,7 @@ namespace Sweepstake.Protocol.V1 {
     }
 
     /// <summary>Field number for the "cost_ratio" field.</summary>
-    public const int CostRatioFieldNumber = 13;
+    public const int CostRatioFieldNumber = 11;
     private global::Sweepstake.Protocol.V1.CostRatio costRatio_;
     /// <summary>
     /// The arm's cost divided by the leader's. Absent: best_probability is absent, or rewards of this version do not measure costs.
@@ -2643,8 +3018,6 @@ namespace Sweepstake.Protocol.V1 {
       if (VisitCount != other.VisitCount) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(EffectiveWindowCount, other.EffectiveWindowCount)) return false;
       if (UnixLastSeenS != other.UnixLastSeenS) return false;
-      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(RewardLow95, other.RewardLow95)) return false;
-      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(RewardHigh95, other.RewardHigh95)) return false;
       if (IsOutdated != other.IsOutdated) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(BestProbability, other.BestProbability)) return false;
       if (!object.Equals(CostRatio, other.CostRatio)) return false;
@@ -2663,8 +3036,6 @@ namespace Sweepstake.Protocol.V1 {
       if (VisitCount != 0UL) hash ^= VisitCount.GetHashCode();
       if (EffectiveWindowCount != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(EffectiveWindowCount);
       if (UnixLastSeenS != 0L) hash ^= UnixLastSeenS.GetHashCode();
-      if (RewardLow95 != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(RewardLow95);
-      if (RewardHigh95 != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(RewardHigh95);
       if (IsOutdated != false) hash ^= IsOutdated.GetHashCode();
       if (HasBestProbability) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(BestProbability);
       if (costRatio_ != null) hash ^= CostRatio.GetHashCode();
@@ -2718,24 +3089,16 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(64);
         output.WriteInt64(UnixLastSeenS);
       }
-      if (RewardLow95 != 0D) {
-        output.WriteRawTag(73);
-        output.WriteDouble(RewardLow95);
-      }
-      if (RewardHigh95 != 0D) {
-        output.WriteRawTag(81);
-        output.WriteDouble(RewardHigh95);
-      }
       if (IsOutdated != false) {
-        output.WriteRawTag(88);
+        output.WriteRawTag(72);
         output.WriteBool(IsOutdated);
       }
       if (HasBestProbability) {
-        output.WriteRawTag(97);
+        output.WriteRawTag(81);
         output.WriteDouble(BestProbability);
       }
       if (costRatio_ != null) {
-        output.WriteRawTag(106);
+        output.WriteRawTag(90);
         output.WriteMessage(CostRatio);
       }
       if (_unknownFields != null) {
@@ -2780,24 +3143,16 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(64);
         output.WriteInt64(UnixLastSeenS);
       }
-      if (RewardLow95 != 0D) {
-        output.WriteRawTag(73);
-        output.WriteDouble(RewardLow95);
-      }
-      if (RewardHigh95 != 0D) {
-        output.WriteRawTag(81);
-        output.WriteDouble(RewardHigh95);
-      }
       if (IsOutdated != false) {
-        output.WriteRawTag(88);
+        output.WriteRawTag(72);
         output.WriteBool(IsOutdated);
       }
       if (HasBestProbability) {
-        output.WriteRawTag(97);
+        output.WriteRawTag(81);
         output.WriteDouble(BestProbability);
       }
       if (costRatio_ != null) {
-        output.WriteRawTag(106);
+        output.WriteRawTag(90);
         output.WriteMessage(CostRatio);
       }
       if (_unknownFields != null) {
@@ -2834,12 +3189,6 @@ namespace Sweepstake.Protocol.V1 {
       if (UnixLastSeenS != 0L) {
         size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixLastSeenS);
       }
-      if (RewardLow95 != 0D) {
-        size += 1 + 8;
-      }
-      if (RewardHigh95 != 0D) {
-        size += 1 + 8;
-      }
       if (IsOutdated != false) {
         size += 1 + 1;
       }
@@ -2869,7 +3218,7 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.posterior_ != null) {
         if (posterior_ == null) {
-          Posterior = new global::Sweepstake.Protocol.V1.BetaPosterior();
+          Posterior = new global::Sweepstake.Protocol.V1.RewardPosterior();
         }
         Posterior.MergeFrom(other.Posterior);
       }
@@ -2887,12 +3236,6 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.UnixLastSeenS != 0L) {
         UnixLastSeenS = other.UnixLastSeenS;
-      }
-      if (other.RewardLow95 != 0D) {
-        RewardLow95 = other.RewardLow95;
-      }
-      if (other.RewardHigh95 != 0D) {
-        RewardHigh95 = other.RewardHigh95;
       }
       if (other.IsOutdated != false) {
         IsOutdated = other.IsOutdated;
@@ -2935,7 +3278,7 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 26: {
             if (posterior_ == null) {
-              Posterior = new global::Sweepstake.Protocol.V1.BetaPosterior();
+              Posterior = new global::Sweepstake.Protocol.V1.RewardPosterior();
             }
             input.ReadMessage(Posterior);
             break;
@@ -2960,23 +3303,15 @@ namespace Sweepstake.Protocol.V1 {
             UnixLastSeenS = input.ReadInt64();
             break;
           }
-          case 73: {
-            RewardLow95 = input.ReadDouble();
-            break;
-          }
-          case 81: {
-            RewardHigh95 = input.ReadDouble();
-            break;
-          }
-          case 88: {
+          case 72: {
             IsOutdated = input.ReadBool();
             break;
           }
-          case 97: {
+          case 81: {
             BestProbability = input.ReadDouble();
             break;
           }
-          case 106: {
+          case 90: {
             if (costRatio_ == null) {
               CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
             }
@@ -3012,7 +3347,7 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 26: {
             if (posterior_ == null) {
-              Posterior = new global::Sweepstake.Protocol.V1.BetaPosterior();
+              Posterior = new global::Sweepstake.Protocol.V1.RewardPosterior();
             }
             input.ReadMessage(Posterior);
             break;
@@ -3037,23 +3372,15 @@ namespace Sweepstake.Protocol.V1 {
             UnixLastSeenS = input.ReadInt64();
             break;
           }
-          case 73: {
-            RewardLow95 = input.ReadDouble();
-            break;
-          }
-          case 81: {
-            RewardHigh95 = input.ReadDouble();
-            break;
-          }
-          case 88: {
+          case 72: {
             IsOutdated = input.ReadBool();
             break;
           }
-          case 97: {
+          case 81: {
             BestProbability = input.ReadDouble();
             break;
           }
-          case 106: {
+          case 90: {
             if (costRatio_ == null) {
               CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
             }
@@ -3086,7 +3413,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[8]; }
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[9]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -3965,7 +4292,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[9]; }
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[10]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -4277,7 +4604,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[10]; }
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[11]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]

@@ -24,75 +24,76 @@ namespace Sweepstake.Protocol.V1 {
     static PriorsReflection() {
       byte[] descriptorData = global::System.Convert.FromBase64String(
           string.Concat(
-            "Chpzd2VlcHN0YWtlL3YxL3ByaW9ycy5wcm90bxINc3dlZXBzdGFrZS52MRod",
-            "c3dlZXBzdGFrZS92MS90ZWxlbWV0cnkucHJvdG8iZQoTRXhwb3J0UHJpb3Jz",
-            "UmVxdWVzdBIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhgKEHF1",
-            "YXJhbnRpbmVkX29ubHkYAyABKAgSFAoMd2l0aF93ZWlnaHRzGAQgASgIIkMK",
-            "FEV4cG9ydFByaW9yc1Jlc3BvbnNlEisKB3JlY29yZHMYASADKAsyGi5zd2Vl",
-            "cHN0YWtlLnYxLlByaW9yUmVjb3JkIlMKE0ltcG9ydFByaW9yc1JlcXVlc3QS",
-            "KwoHcmVjb3JkcxgBIAMoCzIaLnN3ZWVwc3Rha2UudjEuUHJpb3JSZWNvcmQS",
-            "DwoHcHJvbW90ZRgCIAEoCCJGChRJbXBvcnRQcmlvcnNSZXNwb25zZRIVCg1h",
-            "cHBsaWVkX2NvdW50GAEgASgEEhcKD3VuY2hhbmdlZF9jb3VudBgCIAEoBCJ+",
-            "CgxTb3VyY2VGaWx0ZXISDwoHcHJvamVjdBgBIAEoCRIRCglzb3VyY2VfaWQY",
-            "AiABKAkSDQoFYnVpbGQYAyABKAkSEAoIdG9rZW5faWQYBCABKAMSEwoLdW5p",
-            "eF9mcm9tX3MYBSABKAMSFAoMdW5peF91bnRpbF9zGAYgASgDInwKDExlYWRl",
-            "ckNoYW5nZRIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhUKDW1h",
-            "Y2hpbmVfY2xhc3MYAyABKAkSFgoOcmV3YXJkX3ZlcnNpb24YBCABKA0SCwoD",
-            "YXJtGAUgASgJEhAKCG5leHRfYXJtGAYgASgJIlEKDUxlYWRlckNoYW5nZXMS",
-            "KwoGc2NlbmVzGAEgAygLMhsuc3dlZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2US",
-            "EwoLc2NlbmVfY291bnQYAiABKAQiVAoTUmV2b2tlUHJpb3JzUmVxdWVzdBIs",
-            "Cgdzb3VyY2VzGAEgASgLMhsuc3dlZXBzdGFrZS52MS5Tb3VyY2VGaWx0ZXIS",
-            "DwoHcHJldmlldxgCIAEoCCKOAQoUUmV2b2tlUHJpb3JzUmVzcG9uc2USFAoM",
-            "c291cmNlX2NvdW50GAEgASgEEhQKDHJlY29yZF9jb3VudBgCIAEoBBIUCgx3",
-            "aW5kb3dfY291bnQYAyABKAQSNAoObGVhZGVyX2NoYW5nZXMYBCABKAsyHC5z",
-            "d2VlcHN0YWtlLnYxLkxlYWRlckNoYW5nZXMiVQoUUHJvbW90ZVByaW9yc1Jl",
-            "cXVlc3QSLAoHc291cmNlcxgBIAEoCzIbLnN3ZWVwc3Rha2UudjEuU291cmNl",
-            "RmlsdGVyEg8KB3ByZXZpZXcYAiABKAgipAEKFVByb21vdGVQcmlvcnNSZXNw",
-            "b25zZRIUCgxzb3VyY2VfY291bnQYASABKAQSFAoMcmVjb3JkX2NvdW50GAIg",
-            "ASgEEhQKDHdpbmRvd19jb3VudBgDIAEoBBITCgtzY2VuZV9jb3VudBgEIAEo",
-            "BBI0Cg5sZWFkZXJfY2hhbmdlcxgFIAEoCzIcLnN3ZWVwc3Rha2UudjEuTGVh",
-            "ZGVyQ2hhbmdlcyKIAwoLUHJpb3JSZWNvcmQSDwoHcHJvamVjdBgBIAEoCRIN",
-            "CgVzY2VuZRgCIAEoCRITCgttZWFzdXJlZF9ieRgDIAEoCRILCgNhcm0YBCAB",
-            "KAkSFwoPYmFja2VuZF92ZXJzaW9uGAUgASgNEhUKDW1hY2hpbmVfY2xhc3MY",
-            "BiABKAkSFgoOcmV3YXJkX3ZlcnNpb24YByABKA0SEQoJc291cmNlX2lkGAgg",
-            "ASgJEhcKD3NvdXJjZV9zZXF1ZW5jZRgJIAEoBBIXCg9hbHBoYV9pbmNyZW1l",
-            "bnQYCiABKAESFgoOYmV0YV9pbmNyZW1lbnQYCyABKAESFAoMd2luZG93X2Nv",
-            "dW50GAwgASgEEhYKDmJhaWxfb3V0X2NvdW50GA0gASgEEg0KBWJ1aWxkGA4g",
-            "ASgJEhgKEHVuaXhfbGFzdF9zZWVuX3MYDyABKAMSEwoLaXNfaW1wb3J0ZWQY",
-            "ECABKAgSFgoOaXNfcXVhcmFudGluZWQYESABKAgSDgoGd2VpZ2h0GBIgASgB",
-            "IjsKC0J1aWxkQ2hvaWNlEhIKBWJ1aWxkGAEgASgJSACIAQESDgoGb3RoZXJz",
-            "GAIgASgIQggKBl9idWlsZCKjAQoUQ29tcGFyZUJ1aWxkc1JlcXVlc3QSDwoH",
-            "cHJvamVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIqCgZiZWZvcmUYAyABKAsy",
-            "Gi5zd2VlcHN0YWtlLnYxLkJ1aWxkQ2hvaWNlEikKBWFmdGVyGAQgASgLMhou",
-            "c3dlZXBzdGFrZS52MS5CdWlsZENob2ljZRIUCgxjaGFuZ2VzX29ubHkYBSAB",
-            "KAgiRwoVQ29tcGFyZUJ1aWxkc1Jlc3BvbnNlEi4KBnNjZW5lcxgBIAMoCzIe",
-            "LnN3ZWVwc3Rha2UudjEuU2NlbmVDb21wYXJpc29uIucBCg9TY2VuZUNvbXBh",
-            "cmlzb24SDwoHcHJvamVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIVCg1tYWNo",
-            "aW5lX2NsYXNzGAMgASgJEhYKDnJld2FyZF92ZXJzaW9uGAQgASgNEioKBGFy",
-            "bXMYBSADKAsyHC5zd2VlcHN0YWtlLnYxLkFybUNvbXBhcmlzb24SFQoNa25v",
-            "d25faW5fYm90aBgGIAEoCBIWCg5sZWFkZXJfY2hhbmdlZBgHIAEoCBIaChJs",
-            "YXJnZXN0X2xvZ19jaGFuZ2UYCCABKAESDgoGYnVpbGRzGAkgAygJIoQBCg1B",
-            "cm1Db21wYXJpc29uEgsKA2FybRgBIAEoCRIqCgZiZWZvcmUYAiABKAsyGi5z",
-            "d2VlcHN0YWtlLnYxLkFybUV2aWRlbmNlEikKBWFmdGVyGAMgASgLMhouc3dl",
-            "ZXBzdGFrZS52MS5Bcm1FdmlkZW5jZRIPCgdjaGFuZ2VkGAQgASgIIsQBCgtB",
-            "cm1FdmlkZW5jZRIvCglwb3N0ZXJpb3IYASABKAsyHC5zd2VlcHN0YWtlLnYx",
-            "LkJldGFQb3N0ZXJpb3ISKgoEbGl2ZRgCIAEoCzIcLnN3ZWVwc3Rha2UudjEu",
-            "QmV0YVBvc3RlcmlvchIqCgRsYW5lGAMgASgLMhwuc3dlZXBzdGFrZS52MS5C",
-            "ZXRhUG9zdGVyaW9yEiwKCmNvc3RfcmF0aW8YBCABKAsyGC5zd2VlcHN0YWtl",
-            "LnYxLkNvc3RSYXRpbzLYAwoNUHJpb3JzU2VydmljZRJZCgxFeHBvcnRQcmlv",
-            "cnMSIi5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1JlcXVlc3QaIy5zd2Vl",
-            "cHN0YWtlLnYxLkV4cG9ydFByaW9yc1Jlc3BvbnNlMAESWQoMSW1wb3J0UHJp",
-            "b3JzEiIuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXF1ZXN0GiMuc3dl",
-            "ZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXNwb25zZSgBElcKDFJldm9rZVBy",
-            "aW9ycxIiLnN3ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3JzUmVxdWVzdBojLnN3",
-            "ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3JzUmVzcG9uc2USWgoNUHJvbW90ZVBy",
-            "aW9ycxIjLnN3ZWVwc3Rha2UudjEuUHJvbW90ZVByaW9yc1JlcXVlc3QaJC5z",
-            "d2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNSZXNwb25zZRJcCg1Db21wYXJl",
-            "QnVpbGRzEiMuc3dlZXBzdGFrZS52MS5Db21wYXJlQnVpbGRzUmVxdWVzdBok",
-            "LnN3ZWVwc3Rha2UudjEuQ29tcGFyZUJ1aWxkc1Jlc3BvbnNlMAFCGaoCFlN3",
-            "ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
+            "Chpzd2VlcHN0YWtlL3YxL3ByaW9ycy5wcm90bxINc3dlZXBzdGFrZS52MRoe",
+            "c3dlZXBzdGFrZS92MS9wb3N0ZXJpb3JzLnByb3RvGh1zd2VlcHN0YWtlL3Yx",
+            "L3RlbGVtZXRyeS5wcm90byJlChNFeHBvcnRQcmlvcnNSZXF1ZXN0Eg8KB3By",
+            "b2plY3QYASABKAkSDQoFc2NlbmUYAiABKAkSGAoQcXVhcmFudGluZWRfb25s",
+            "eRgDIAEoCBIUCgx3aXRoX3dlaWdodHMYBCABKAgiQwoURXhwb3J0UHJpb3Jz",
+            "UmVzcG9uc2USKwoHcmVjb3JkcxgBIAMoCzIaLnN3ZWVwc3Rha2UudjEuUHJp",
+            "b3JSZWNvcmQiUwoTSW1wb3J0UHJpb3JzUmVxdWVzdBIrCgdyZWNvcmRzGAEg",
+            "AygLMhouc3dlZXBzdGFrZS52MS5QcmlvclJlY29yZBIPCgdwcm9tb3RlGAIg",
+            "ASgIIkYKFEltcG9ydFByaW9yc1Jlc3BvbnNlEhUKDWFwcGxpZWRfY291bnQY",
+            "ASABKAQSFwoPdW5jaGFuZ2VkX2NvdW50GAIgASgEIn4KDFNvdXJjZUZpbHRl",
+            "chIPCgdwcm9qZWN0GAEgASgJEhEKCXNvdXJjZV9pZBgCIAEoCRINCgVidWls",
+            "ZBgDIAEoCRIQCgh0b2tlbl9pZBgEIAEoAxITCgt1bml4X2Zyb21fcxgFIAEo",
+            "AxIUCgx1bml4X3VudGlsX3MYBiABKAMifAoMTGVhZGVyQ2hhbmdlEg8KB3By",
+            "b2plY3QYASABKAkSDQoFc2NlbmUYAiABKAkSFQoNbWFjaGluZV9jbGFzcxgD",
+            "IAEoCRIWCg5yZXdhcmRfdmVyc2lvbhgEIAEoDRILCgNhcm0YBSABKAkSEAoI",
+            "bmV4dF9hcm0YBiABKAkiUQoNTGVhZGVyQ2hhbmdlcxIrCgZzY2VuZXMYASAD",
+            "KAsyGy5zd2VlcHN0YWtlLnYxLkxlYWRlckNoYW5nZRITCgtzY2VuZV9jb3Vu",
+            "dBgCIAEoBCJUChNSZXZva2VQcmlvcnNSZXF1ZXN0EiwKB3NvdXJjZXMYASAB",
+            "KAsyGy5zd2VlcHN0YWtlLnYxLlNvdXJjZUZpbHRlchIPCgdwcmV2aWV3GAIg",
+            "ASgIIo4BChRSZXZva2VQcmlvcnNSZXNwb25zZRIUCgxzb3VyY2VfY291bnQY",
+            "ASABKAQSFAoMcmVjb3JkX2NvdW50GAIgASgEEhQKDHdpbmRvd19jb3VudBgD",
+            "IAEoBBI0Cg5sZWFkZXJfY2hhbmdlcxgEIAEoCzIcLnN3ZWVwc3Rha2UudjEu",
+            "TGVhZGVyQ2hhbmdlcyJVChRQcm9tb3RlUHJpb3JzUmVxdWVzdBIsCgdzb3Vy",
+            "Y2VzGAEgASgLMhsuc3dlZXBzdGFrZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJl",
+            "dmlldxgCIAEoCCKkAQoVUHJvbW90ZVByaW9yc1Jlc3BvbnNlEhQKDHNvdXJj",
+            "ZV9jb3VudBgBIAEoBBIUCgxyZWNvcmRfY291bnQYAiABKAQSFAoMd2luZG93",
+            "X2NvdW50GAMgASgEEhMKC3NjZW5lX2NvdW50GAQgASgEEjQKDmxlYWRlcl9j",
+            "aGFuZ2VzGAUgASgLMhwuc3dlZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2VzIogD",
+            "CgtQcmlvclJlY29yZBIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJ",
+            "EhMKC21lYXN1cmVkX2J5GAMgASgJEgsKA2FybRgEIAEoCRIXCg9iYWNrZW5k",
+            "X3ZlcnNpb24YBSABKA0SFQoNbWFjaGluZV9jbGFzcxgGIAEoCRIWCg5yZXdh",
+            "cmRfdmVyc2lvbhgHIAEoDRIRCglzb3VyY2VfaWQYCCABKAkSFwoPc291cmNl",
+            "X3NlcXVlbmNlGAkgASgEEhcKD2FscGhhX2luY3JlbWVudBgKIAEoARIWCg5i",
+            "ZXRhX2luY3JlbWVudBgLIAEoARIUCgx3aW5kb3dfY291bnQYDCABKAQSFgoO",
+            "YmFpbF9vdXRfY291bnQYDSABKAQSDQoFYnVpbGQYDiABKAkSGAoQdW5peF9s",
+            "YXN0X3NlZW5fcxgPIAEoAxITCgtpc19pbXBvcnRlZBgQIAEoCBIWCg5pc19x",
+            "dWFyYW50aW5lZBgRIAEoCBIOCgZ3ZWlnaHQYEiABKAEiOwoLQnVpbGRDaG9p",
+            "Y2USEgoFYnVpbGQYASABKAlIAIgBARIOCgZvdGhlcnMYAiABKAhCCAoGX2J1",
+            "aWxkIqMBChRDb21wYXJlQnVpbGRzUmVxdWVzdBIPCgdwcm9qZWN0GAEgASgJ",
+            "Eg0KBXNjZW5lGAIgASgJEioKBmJlZm9yZRgDIAEoCzIaLnN3ZWVwc3Rha2Uu",
+            "djEuQnVpbGRDaG9pY2USKQoFYWZ0ZXIYBCABKAsyGi5zd2VlcHN0YWtlLnYx",
+            "LkJ1aWxkQ2hvaWNlEhQKDGNoYW5nZXNfb25seRgFIAEoCCJHChVDb21wYXJl",
+            "QnVpbGRzUmVzcG9uc2USLgoGc2NlbmVzGAEgAygLMh4uc3dlZXBzdGFrZS52",
+            "MS5TY2VuZUNvbXBhcmlzb24i5wEKD1NjZW5lQ29tcGFyaXNvbhIPCgdwcm9q",
+            "ZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xhc3MYAyAB",
+            "KAkSFgoOcmV3YXJkX3ZlcnNpb24YBCABKA0SKgoEYXJtcxgFIAMoCzIcLnN3",
+            "ZWVwc3Rha2UudjEuQXJtQ29tcGFyaXNvbhIVCg1rbm93bl9pbl9ib3RoGAYg",
+            "ASgIEhYKDmxlYWRlcl9jaGFuZ2VkGAcgASgIEhoKEmxhcmdlc3RfbG9nX2No",
+            "YW5nZRgIIAEoARIOCgZidWlsZHMYCSADKAkihAEKDUFybUNvbXBhcmlzb24S",
+            "CwoDYXJtGAEgASgJEioKBmJlZm9yZRgCIAEoCzIaLnN3ZWVwc3Rha2UudjEu",
+            "QXJtRXZpZGVuY2USKQoFYWZ0ZXIYAyABKAsyGi5zd2VlcHN0YWtlLnYxLkFy",
+            "bUV2aWRlbmNlEg8KB2NoYW5nZWQYBCABKAgiygEKC0FybUV2aWRlbmNlEjEK",
+            "CXBvc3RlcmlvchgBIAEoCzIeLnN3ZWVwc3Rha2UudjEuUmV3YXJkUG9zdGVy",
+            "aW9yEiwKBGxpdmUYAiABKAsyHi5zd2VlcHN0YWtlLnYxLlJld2FyZFBvc3Rl",
+            "cmlvchIsCgRsYW5lGAMgASgLMh4uc3dlZXBzdGFrZS52MS5SZXdhcmRQb3N0",
+            "ZXJpb3ISLAoKY29zdF9yYXRpbxgEIAEoCzIYLnN3ZWVwc3Rha2UudjEuQ29z",
+            "dFJhdGlvMtgDCg1QcmlvcnNTZXJ2aWNlElkKDEV4cG9ydFByaW9ycxIiLnN3",
+            "ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3JzUmVxdWVzdBojLnN3ZWVwc3Rha2Uu",
+            "djEuRXhwb3J0UHJpb3JzUmVzcG9uc2UwARJZCgxJbXBvcnRQcmlvcnMSIi5z",
+            "d2VlcHN0YWtlLnYxLkltcG9ydFByaW9yc1JlcXVlc3QaIy5zd2VlcHN0YWtl",
+            "LnYxLkltcG9ydFByaW9yc1Jlc3BvbnNlKAESVwoMUmV2b2tlUHJpb3JzEiIu",
+            "c3dlZXBzdGFrZS52MS5SZXZva2VQcmlvcnNSZXF1ZXN0GiMuc3dlZXBzdGFr",
+            "ZS52MS5SZXZva2VQcmlvcnNSZXNwb25zZRJaCg1Qcm9tb3RlUHJpb3JzEiMu",
+            "c3dlZXBzdGFrZS52MS5Qcm9tb3RlUHJpb3JzUmVxdWVzdBokLnN3ZWVwc3Rh",
+            "a2UudjEuUHJvbW90ZVByaW9yc1Jlc3BvbnNlElwKDUNvbXBhcmVCdWlsZHMS",
+            "Iy5zd2VlcHN0YWtlLnYxLkNvbXBhcmVCdWlsZHNSZXF1ZXN0GiQuc3dlZXBz",
+            "dGFrZS52MS5Db21wYXJlQnVpbGRzUmVzcG9uc2UwAUIZqgIWU3dlZXBzdGFr",
+            "ZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
-          new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
+          new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsRequest), global::Sweepstake.Protocol.V1.ExportPriorsRequest.Parser, new[]{ "Project", "Scene", "QuarantinedOnly", "WithWeights" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsResponse), global::Sweepstake.Protocol.V1.ExportPriorsResponse.Parser, new[]{ "Records" }, null, null, null, null),
@@ -5932,7 +5933,8 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// The evidence of the chosen builds about an arm, for the newest backend version that they measured.
+  /// The evidence of the chosen builds about an arm, for the newest backend version that they measured. The posteriors have intervals
+  /// if the request selects one scene.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ArmEvidence : pb::IMessage<ArmEvidence>
@@ -5984,13 +5986,13 @@ namespace Sweepstake.Protocol.V1 {
 
     /// <summary>Field number for the "posterior" field.</summary>
     public const int PosteriorFieldNumber = 1;
-    private global::Sweepstake.Protocol.V1.BetaPosterior posterior_;
+    private global::Sweepstake.Protocol.V1.RewardPosterior posterior_;
     /// <summary>
     /// Beta(1,1) plus the evidence of windows and lane visits. Always set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public global::Sweepstake.Protocol.V1.BetaPosterior Posterior {
+    public global::Sweepstake.Protocol.V1.RewardPosterior Posterior {
       get { return posterior_; }
       set {
         posterior_ = value;
@@ -5999,13 +6001,13 @@ namespace Sweepstake.Protocol.V1 {
 
     /// <summary>Field number for the "live" field.</summary>
     public const int LiveFieldNumber = 2;
-    private global::Sweepstake.Protocol.V1.BetaPosterior live_;
+    private global::Sweepstake.Protocol.V1.RewardPosterior live_;
     /// <summary>
     /// Beta(1,1) plus the evidence of windows. Absent: there are no windows.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public global::Sweepstake.Protocol.V1.BetaPosterior Live {
+    public global::Sweepstake.Protocol.V1.RewardPosterior Live {
       get { return live_; }
       set {
         live_ = value;
@@ -6014,13 +6016,13 @@ namespace Sweepstake.Protocol.V1 {
 
     /// <summary>Field number for the "lane" field.</summary>
     public const int LaneFieldNumber = 3;
-    private global::Sweepstake.Protocol.V1.BetaPosterior lane_;
+    private global::Sweepstake.Protocol.V1.RewardPosterior lane_;
     /// <summary>
     /// Beta(1,1) plus the evidence of lane visits. Absent: there are no visits.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
-    public global::Sweepstake.Protocol.V1.BetaPosterior Lane {
+    public global::Sweepstake.Protocol.V1.RewardPosterior Lane {
       get { return lane_; }
       set {
         lane_ = value;
@@ -6169,19 +6171,19 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.posterior_ != null) {
         if (posterior_ == null) {
-          Posterior = new global::Sweepstake.Protocol.V1.BetaPosterior();
+          Posterior = new global::Sweepstake.Protocol.V1.RewardPosterior();
         }
         Posterior.MergeFrom(other.Posterior);
       }
       if (other.live_ != null) {
         if (live_ == null) {
-          Live = new global::Sweepstake.Protocol.V1.BetaPosterior();
+          Live = new global::Sweepstake.Protocol.V1.RewardPosterior();
         }
         Live.MergeFrom(other.Live);
       }
       if (other.lane_ != null) {
         if (lane_ == null) {
-          Lane = new global::Sweepstake.Protocol.V1.BetaPosterior();
+          Lane = new global::Sweepstake.Protocol.V1.RewardPosterior();
         }
         Lane.MergeFrom(other.Lane);
       }
@@ -6212,21 +6214,21 @@ namespace Sweepstake.Protocol.V1 {
             break;
           case 10: {
             if (posterior_ == null) {
-              Posterior = new global::Sweepstake.Protocol.V1.BetaPosterior();
+              Posterior = new global::Sweepstake.Protocol.V1.RewardPosterior();
             }
             input.ReadMessage(Posterior);
             break;
           }
           case 18: {
             if (live_ == null) {
-              Live = new global::Sweepstake.Protocol.V1.BetaPosterior();
+              Live = new global::Sweepstake.Protocol.V1.RewardPosterior();
             }
             input.ReadMessage(Live);
             break;
           }
           case 26: {
             if (lane_ == null) {
-              Lane = new global::Sweepstake.Protocol.V1.BetaPosterior();
+              Lane = new global::Sweepstake.Protocol.V1.RewardPosterior();
             }
             input.ReadMessage(Lane);
             break;
@@ -6259,21 +6261,21 @@ namespace Sweepstake.Protocol.V1 {
             break;
           case 10: {
             if (posterior_ == null) {
-              Posterior = new global::Sweepstake.Protocol.V1.BetaPosterior();
+              Posterior = new global::Sweepstake.Protocol.V1.RewardPosterior();
             }
             input.ReadMessage(Posterior);
             break;
           }
           case 18: {
             if (live_ == null) {
-              Live = new global::Sweepstake.Protocol.V1.BetaPosterior();
+              Live = new global::Sweepstake.Protocol.V1.RewardPosterior();
             }
             input.ReadMessage(Live);
             break;
           }
           case 26: {
             if (lane_ == null) {
-              Lane = new global::Sweepstake.Protocol.V1.BetaPosterior();
+              Lane = new global::Sweepstake.Protocol.V1.RewardPosterior();
             }
             input.ReadMessage(Lane);
             break;

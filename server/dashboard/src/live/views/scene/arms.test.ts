@@ -9,7 +9,7 @@ const posterior = create(ScenePosteriorSchema, {
   arms: [
     { arm: 'A', backendVersion: 1, posterior: { alpha: 60, beta: 40 }, isOutdated: true, windowCount: 5n, visitCount: 2n, effectiveWindowCount: 5.5 },
     { arm: 'A', backendVersion: 2, posterior: { alpha: 55, beta: 45 }, visitCount: 7n, bestProbability: 0.25 },
-    { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 }, unixLastSeenS: 7n, rewardLow95: 0.6, rewardHigh95: 0.8, bestProbability: 0.75, costRatio: { median: 1, low: 1, high: 1 } },
+    { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30, low95: 0.6, high95: 0.8 }, unixLastSeenS: 7n, bestProbability: 0.75, costRatio: { median: 1, low: 1, high: 1 } },
   ],
 });
 describe('the rows of a scene', () => {

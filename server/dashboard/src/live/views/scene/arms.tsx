@@ -1,10 +1,10 @@
 // The arms of a scene, one row per arm and backend version, from the daemon's message: the table, and the rows of charts.
 import { significant } from '../../../format';
-import { type ArmPosterior, type DecisionEvent, DecisionOutcome, type ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
+import { type ArmPosterior, type DecisionEvent, DecisionOutcome, type RewardPosterior, type ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { colourOf } from '../../../palette';
 import type { Moment } from '../../charts/plot';
 import { type Measured, MEASURED_WORDS, type RidgeRow } from '../../charts/ridgeline';
-import { type Beta, mean } from '../../numbers/beta';
+import { mean } from '../../numbers/beta';
 import { costNsOf, LOG_COST_REWARD_VERSION, type Ratio, rewardText } from '../../numbers/log_cost';
 import { Arm } from '../../parts/arm';
 import { ago, now } from '../../parts/clock';
@@ -12,7 +12,7 @@ import { type Column, Table } from '../../parts/table';
 import { lastSeenMs } from '../../state/scenes';
 
 /** `label` is the arm's name, followed by the backend version if the scene has several versions of this arm. */
-export type ArmRow = Omit<ArmPosterior, 'posterior'> & { key: string; label: string; measured: Measured; posterior: Beta };
+export type ArmRow = Omit<ArmPosterior, 'posterior'> & { key: string; label: string; measured: Measured; posterior: RewardPosterior };
 
 /** Returns how an arm was measured. An arm with windows or bail-outs ran in a game, so it counts as 'live'. */
 function measuredBy({ windowCount, visitCount, bailOutCount }: ArmPosterior): Measured {
@@ -30,10 +30,10 @@ export const armRows = ({ arms }: ScenePosterior): ArmRow[] => arms.flatMap((row
 export function ridgeRows(rows: readonly ArmRow[], before?: ScenePosterior): RidgeRow[] {
   const rank = ({ isOutdated, bestProbability }: ArmRow) => (isOutdated ? -1 : bestProbability ?? 0);
   return [...rows].sort((a, b) => rank(b) - rank(a) || a.key.localeCompare(b.key))
-    .map(({ arm, label, backendVersion, posterior, rewardLow95, rewardHigh95, measured }) => {
+    .map(({ arm, label, backendVersion, posterior, measured }) => {
       const was = before?.arms.find((each) => each.arm === arm && each.backendVersion === backendVersion)?.posterior;
       const isOther = was && (was.alpha !== posterior.alpha || was.beta !== posterior.beta);
-      return { arm, label, posterior, reward95: [rewardLow95, rewardHigh95], measured, ...(isOther && { before: was }) };
+      return { arm, label, posterior, measured, ...(isOther && { before: was }) };
     });
 }
 
@@ -54,7 +54,7 @@ function columns(rewardVersion: number): readonly Column<ArmRow>[] {
   const tellsCosts = rewardVersion === LOG_COST_REWARD_VERSION;
   const shown = (reward: number) => rewardText(reward, tellsCosts);
   const value = (reward: number) => (tellsCosts ? costNsOf(reward) : reward);
-  const end = ({ rewardLow95, rewardHigh95 }: ArmRow, isHigh: boolean) => (isHigh === tellsCosts ? rewardLow95 : rewardHigh95);
+  const end = ({ posterior: { low95, high95 } }: ArmRow, isHigh: boolean) => (isHigh === tellsCosts ? low95 : high95);
   const ratio: Column<ArmRow> = { id: 'ratio', title: 'Cost ÷ leader’s', hint: 'Cost relative to the leader: median, and 95 % credible interval',
     sort: ({ costRatio }) => costRatio?.median, cell: ({ costRatio }) => (costRatio ? ratioText(costRatio) : '–') };
   return [

@@ -7,7 +7,7 @@ import { forEachVisit, isSwitch, percentilesOf, type Step, windowOf } from '../.
 import { ShadowFlag } from '../../../gen/sweepstake/v1/telemetry_pb';
 import type { Beta } from '../../numbers/beta';
 import { keepExtremes } from '../../numbers/downsample';
-import { beliefOf, type SeriesRow } from '../../state/history';
+import type { SeriesRow } from '../../state/history';
 
 const MAX_POINTS = 600;
 
@@ -21,17 +21,16 @@ export function beliefRows(steps: readonly Step[], armCount: number): SeriesRow[
   const told = steps.filter((step) => step.told && bestOf(step).length === armCount);
   const timesMs = told.map(({ timeMs }) => timeMs);
   const columns = Array.from({ length: armCount }, (_, arm) => told.map((step) => bestOf(step)[arm] ?? null));
-  const lastKnown = told.findLastIndex((step) => posteriorsOf(step).length > 0); // the last decision with posteriors, where the bands end
+  const lastKnown = told.findLastIndex((step) => posteriorsOf(step).length > 0); // the last decision with posteriors, where the lines end
   const kept = new Set(keepExtremes(timesMs, columns, MAX_POINTS));
   if (lastKnown >= 0) kept.add(lastKnown);
   return [...kept].sort((a, b) => a - b).map((i) => {
     const step = told[i]!;
     const posteriors = posteriorsOf(step);
-    const best = bestOf(step);
     return {
       timeMs: step.timeMs,
-      beliefs: Array.from({ length: armCount }, (_, arm) => posteriors[arm] && beliefOf(posteriors[arm])),
-      best: [...best],
+      beliefs: Array.from({ length: armCount }, (_, arm) => posteriors[arm]),
+      best: [...bestOf(step)],
       expectedLossRatio: step.told!.expectedLossRatio,
     };
   });
