@@ -43,7 +43,7 @@ export const sceneKey = ({ project, scene, machineClass, rewardVersion }: SceneN
 
 // The policies with reward version 3, in which the reward depends on the logarithm of the cost (engine_client/decider/policy/log_cost.h). A
 // daemon's other policies have version 1. The version of a policy is `reward_version` of its PolicyKind.
-const LOG_COST_POLICIES = ['adaptive', 'calibrated', 'default'];
+const LOG_COST_POLICIES = ['adaptive', 'default'];
 const rewardVersionOf = (policy: string) => (LOG_COST_POLICIES.includes(policy) ? 3 : 1);
 
 export const sceneKeyOf = (event: DecisionEvent) => sceneKey({ ...event, rewardVersion: rewardVersionOf(event.policy) });
