@@ -225,10 +225,12 @@ TEST_F(PosteriorsTest, TheFiguresOfASceneEqualThoseOfTheDeciderBitByBit) {
       const decision::ArmDiagnosis& wanted = expected.arms[static_cast<size_t>(i)];
       const v1::RewardPosterior& reward = arm.posterior();
       const decision::BetaPosterior posterior = {reward.alpha(), reward.beta()};
-      EXPECT_EQ(reward.low_95(), decision::BetaQuantile(posterior, 0.025));
-      EXPECT_EQ(reward.low_50(), decision::BetaQuantile(posterior, 0.25));
-      EXPECT_EQ(reward.high_50(), decision::BetaQuantile(posterior, 0.75));
-      EXPECT_EQ(reward.high_95(), decision::BetaQuantile(posterior, 0.975));
+      const decision::CredibleInterval of_95 = decision::CentralInterval(posterior, 0.95);
+      const decision::CredibleInterval of_50 = decision::CentralInterval(posterior, 0.5);
+      EXPECT_EQ(reward.low_95(), of_95.low);
+      EXPECT_EQ(reward.low_50(), of_50.low);
+      EXPECT_EQ(reward.high_50(), of_50.high);
+      EXPECT_EQ(reward.high_95(), of_95.high);
       EXPECT_EQ(arm.is_outdated(), i == 0);
       ASSERT_EQ(arm.has_best_probability(), wanted.best_probability.has_value());
       EXPECT_EQ(arm.best_probability(), wanted.best_probability.value_or(0));

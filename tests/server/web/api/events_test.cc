@@ -103,7 +103,7 @@ TEST_F(EventsTest, AWatcherSeesTheStateAndThenWhatChanges) {
   const std::string state = watch.Snapshot();
   EXPECT_THAT(state,
               AllOf(HasSubstr("data: {\"posterior\":{\"project\":\"game\",\"scene\":\"desert\""),
-                    HasSubstr("\"alpha\":9001,\"beta\":1001}")));
+                    HasSubstr("\"alpha\":9001,\"beta\":1001")));
   EXPECT_EQ(CountOf(state, "id: "), 1u) << "the id of the end";
   EXPECT_THAT(LastIdIn(state), MatchesRegex("[0-9a-f]{16}:[0-9]+"));
   Learn(client, 1);
