@@ -400,6 +400,8 @@ void Daemon::LimitStore(const Config& config) {
 void Daemon::Drain(std::chrono::milliseconds patience) {
   if (draining_.exchange(true)) return;
   if (backups_ != nullptr) backups_->Stop();
+  // A large import could take longer than ExitGuard waits.
+  if (store_ != nullptr) store_->StopChanges();
   if (rpc_ != nullptr) {
     log_->info("draining: asking clients to reconnect later");
     rpc_->Drain(patience);

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <compare>
 #include <cstdint>
@@ -375,6 +376,10 @@ class PriorStore : public virtual PriorReader {
   virtual absl::StatusOr<std::vector<SceneKey>> TakeChangedScenes() {
     return std::vector<SceneKey>();
   }
+
+  // Makes Import, Quarantine, Promote and Revoke fail with CANCELLED while the flag is set, also a
+  // call that runs already. The flag must outlive the store.
+  virtual void StopChangesWhen(const std::atomic<bool>& flag) = 0;
 
   // Imports all records or, if one is invalid, none. A record replaces an older record of the same
   // key and source, and is ignored if the stored record is at least as new. Evidence of unknown

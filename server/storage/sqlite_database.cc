@@ -248,8 +248,7 @@ absl::Status SqliteDatabase::CopyPagesTo(SqliteDatabase& copy) {
   // restart the copy.
   absl::Status status = Execute("BEGIN; SELECT count(*) FROM sqlite_schema");
   int code = status.ok() ? SQLITE_OK : SQLITE_ABORT;
-  while (code == SQLITE_OK && !(stop_ != nullptr && *stop_))
-    code = sqlite3_backup_step(backup, kPagesPerStep);
+  while (code == SQLITE_OK && !stopped()) code = sqlite3_backup_step(backup, kPagesPerStep);
   const int error = sqlite3_backup_finish(backup);
   if (in_transaction()) Execute("COMMIT").IgnoreError();
   if (!status.ok()) return status;
@@ -274,13 +273,14 @@ absl::Status SqliteDatabase::CopyTo(const std::string& path, const Edit& edit) {
   return Explain(unfinished, status);
 }
 
-void SqliteDatabase::StopWhen(const std::atomic<bool>& flag) {
-  stop_ = &flag;
+void SqliteDatabase::StopWhen(const std::atomic<bool>* flag) {
+  SqlDatabase::StopWhen(flag);
   const auto is_set = [](void* of) {
     return static_cast<const std::atomic<bool>*>(of)->load() ? 1 : 0;
   };
-  sqlite3_progress_handler(database_.get(), kInstructionsPerLook, is_set,
-                           const_cast<std::atomic<bool>*>(&flag));
+  sqlite3_progress_handler(database_.get(), kInstructionsPerLook,
+                           flag != nullptr ? +is_set : nullptr,
+                           const_cast<std::atomic<bool>*>(flag));
 }
 
 absl::Status SqliteDatabase::LimitSize(uint64_t max_bytes) {
@@ -365,6 +365,7 @@ absl::StatusOr<uint64_t> SqliteDatabase::RunRows(const char* sql, std::span<cons
   if (statement == nullptr) return uint64_t{0};  // the text is for PostgreSQL alone
   uint64_t changed = 0;
   do {
+    if (stopped()) return absl::CancelledError("the statement was stopped");
     const auto row = values.first(columns);
     values = values.subspan(columns);
     if (absl::Status status = Step(statement, row, on_row); !status.ok()) return status;

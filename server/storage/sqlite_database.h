@@ -63,9 +63,8 @@ class SqliteDatabase final : public SqlDatabase {
   // copy before it appears at `path`. After an error no new file appears.
   using Edit = std::function<void(SqliteDatabase&)>;
   absl::Status CopyTo(const std::string& path, const Edit& edit = {});
-  // Makes statements and copies end with CANCELLED soon after the flag is set. The flag must
-  // outlive the connection.
-  void StopWhen(const std::atomic<bool>& flag);
+  // Also ends copies.
+  void StopWhen(const std::atomic<bool>* flag) override;
   // Remembers the file at `path` and its write-ahead log. From now on CheckPlace fails if one of
   // them was removed or replaced.
   absl::Status SetPlace(const std::filesystem::path& path);
@@ -115,7 +114,6 @@ class SqliteDatabase final : public SqlDatabase {
   // Returns the open file of the write-ahead log.
   absl::StatusOr<sqlite3_file*> LogFile();
 
-  const std::atomic<bool>* stop_ = nullptr;
   std::unique_ptr<TimedFile> timed_log_;  // used by database_, which is destroyed before it
   std::unique_ptr<sqlite3, Closer> database_;
   // By address of the SQL text; destroyed before database_.

@@ -20,6 +20,7 @@ size_t RowCount(const priors::SourceUpdate& update) { return 1 + update.incremen
 StoreThread::StoreThread(std::unique_ptr<priors::PriorStore> store, StoreThreadOptions options,
                          std::unique_ptr<ReadConnection> reads)
     : store_(std::move(store)), options_(std::move(options)) {
+  store_->StopChangesWhen(stops_changes_);
   if (reads != nullptr) {
     reads_ = std::make_unique<ReadThread>(std::move(reads),
                                           ReadThreadOptions{.own_thread = options_.own_thread,

@@ -89,6 +89,9 @@ class StoreThread final : public priors::AsyncPriorStore {
   // Runs what is queued and ends the threads. Later commits, jobs and reads are refused. May be
   // called again, by one thread at a time.
   void Close();
+  // Makes running and later imports, promotions and revocations fail with CANCELLED. Commits and
+  // reads continue.
+  void StopChanges() { stops_changes_ = true; }
   StoreThread(const StoreThread&) = delete;
   StoreThread& operator=(const StoreThread&) = delete;
 
@@ -146,6 +149,7 @@ class StoreThread final : public priors::AsyncPriorStore {
   // Calls PriorStore::CheckPlace and reports its result. `last` is true when the thread ends.
   void CheckPlace(bool last);
 
+  std::atomic<bool> stops_changes_{false};
   const std::unique_ptr<priors::PriorStore> store_;
   const StoreThreadOptions options_;
   std::unique_ptr<ReadThread> reads_;  // may be null; destroyed before store_

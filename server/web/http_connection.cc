@@ -1,5 +1,6 @@
 #include "server/web/http_connection.h"
 
+#include <boost/asio/error.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/http/chunk_encode.hpp>
@@ -231,8 +232,18 @@ void HttpConnection::AwaitEnd() {
   stream_.async_read_some(buffer_.prepare(shared_.limits.max_header_bytes),
                           [self = shared_from_this()](error_code error, size_t /*byte_count*/) {
                             if (!self->source_) return;
-                            error ? self->Drop() : self->AwaitEnd();
+                            if (!error) return self->AwaitEnd();
+                            const bool half_closed = error == boost::asio::error::eof;
+                            half_closed && !self->source_->endless() ? self->AwaitReset()
+                                                                     : self->Drop();
                           });
+}
+
+void HttpConnection::AwaitReset() {
+  stream_.socket().async_wait(tcp::socket::wait_error,
+                              [self = shared_from_this()](error_code /*error*/) {
+                                if (self->source_) self->Drop();
+                              });
 }
 
 void HttpConnection::WriteParts() {

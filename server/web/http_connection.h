@@ -62,9 +62,12 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   // client could lose the answer.
   void Linger();
 
-  // The next four send a stream. A client that closes its sending side counts as disconnected.
+  // The next five send a stream. A client may close its sending side and receive the rest of the
+  // stream. If the stream is endless, that client counts as disconnected, as in nginx and Go's
+  // net/http.
   void WriteStreamHead(std::string content_type);
   void AwaitEnd();
+  void AwaitReset();
   void WriteParts();
   void OnPartWritten(Error error);
 

@@ -47,6 +47,8 @@ class PartSource {
   virtual std::shared_ptr<const std::string> Next() = 0;
   // Returns whether the answer is complete.
   virtual bool ended() const = 0;
+  // Returns whether only the client ends the answer, as with server-sent events.
+  virtual bool endless() const { return false; }
 };
 
 // A request that waits for its answer. Call either Answer or Stream, once. If the last reference is

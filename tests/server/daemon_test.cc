@@ -11,6 +11,7 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "server/auth/token_store.h"
@@ -18,6 +19,7 @@
 #include "server/storage/sqlite_prior_store.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
+#include "sweepstake/v1/priors.grpc.pb.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 #include "tests/server/host/no_descriptors.h"
 #include "tests/server/storage/failing_disk.h"
@@ -214,6 +216,41 @@ TEST_F(DaemonTest, HealthIsServingUntilItDrains) {
   daemon->Drain();
   EXPECT_FALSE(rpc::ProbeHealth(address, {}, std::chrono::minutes(1)).ok());
   EXPECT_FALSE(daemon->Alive(std::chrono::minutes(1)));
+}
+
+TEST_F(DaemonTest, AnImportDuringTheDrainIsRefusedAndStoresNothing) {
+  const auto daemon = Start();
+  const auto channel = ChannelTo(*daemon);
+  const auto telemetry = v1::TelemetryService::NewStub(channel);
+  grpc::ClientContext session_context, import_context;
+  const auto session = telemetry->StreamTelemetry(&session_context);
+  session->Write(Hello());
+  v1::StreamTelemetryResponse response;
+  ASSERT_TRUE(session->Read(&response));
+  v1::ImportPriorsResponse imported;
+  const auto import = v1::PriorsService::NewStub(channel)->ImportPriors(&import_context, &imported);
+  v1::ImportPriorsRequest request;
+  request.set_promote(true);
+  v1::PriorRecord& record = *request.add_records();
+  record.set_project("game");
+  record.set_scene("quay");
+  record.set_arm("Grid");
+  record.set_backend_version(1);
+  record.set_machine_class("desktop");
+  record.set_reward_version(1);
+  record.set_source_id("file");
+  record.set_source_sequence(1);
+  ASSERT_TRUE(import->Write(request));
+  std::thread drain([&] { daemon->Drain(std::chrono::minutes(10)); });
+  while (!response.has_reconnect() && session->Read(&response)) continue;
+  import->WritesDone();
+  const grpc::Status status = import->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_THAT(status.error_message(), HasSubstr("the daemon is draining; nothing was changed"));
+  session->Finish();
+  drain.join();
+  const auto store = *storage::OpenSqlitePriorStore(config_.data / "priors.db");
+  EXPECT_TRUE(store->Export({"game", "quay"}, {}, 10)->records.empty());
 }
 
 TEST_F(DaemonTest, IsAliveWithoutFreeDescriptorsButNotWithoutItsListener) {

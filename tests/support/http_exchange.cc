@@ -35,7 +35,9 @@ HttpSocket::HttpSocket(int port, int receive_bytes)
   if (connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) Die("connect");
 }
 
-HttpSocket::~HttpSocket() { close(socket_); }
+HttpSocket::~HttpSocket() {
+  if (socket_ >= 0) close(socket_);
+}
 
 // Ignores errors: the server may have closed the connection already, and its answer has the reason.
 void HttpSocket::Send(std::string_view bytes) {
@@ -44,6 +46,14 @@ void HttpSocket::Send(std::string_view bytes) {
     if (sent <= 0) return;
     bytes.remove_prefix(static_cast<size_t>(sent));
   }
+}
+
+void HttpSocket::HalfClose() { shutdown(socket_, SHUT_WR); }
+
+void HttpSocket::Reset() {
+  const linger at_once{.l_onoff = 1, .l_linger = 0};
+  setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+  close(std::exchange(socket_, -1));
 }
 
 bool HttpSocket::ReadMore() {

@@ -17,6 +17,10 @@ class HttpSocket {
   HttpSocket& operator=(const HttpSocket&) = delete;
 
   void Send(std::string_view bytes);
+  // Closes the sending side.
+  void HalfClose();
+  // Closes the connection with a reset instead of an orderly end.
+  void Reset();
   // Returns all data until the server closes the connection.
   std::string ReadAll();
   // Returns one answer with a Content-Length.

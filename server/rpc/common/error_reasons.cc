@@ -62,6 +62,10 @@ v1::ErrorReason ReasonOfRefusal(const absl::Status& status) {
 }
 
 absl::Status StoreFailed(const absl::Status& status) {
+  if (absl::IsCancelled(status)) {
+    return Refused(v1::ERROR_REASON_DRAINING,
+                   "the daemon is draining; nothing was changed; try again later");
+  }
   // The store returns INVALID_ARGUMENT if the client sent an invalid record.
   return sessions::WithReason(status, absl::IsInvalidArgument(status)
                                           ? sessions::reasons::kInvalidMessage.name

@@ -19,7 +19,7 @@ absl::Status Refused(v1::ErrorReason reason, absl::string_view message);
 // Returns the reason of a status; ERROR_REASON_UNSPECIFIED if it has none.
 v1::ErrorReason ReasonOfRefusal(const absl::Status& status);
 // Adds a reason to an error of the store. The status code stays, because it shows whether trying
-// again can help.
+// again can help. CANCELLED becomes UNAVAILABLE: the store stops changes when the daemon drains.
 absl::Status StoreFailed(const absl::Status& status);
 
 // Counts the status by its reason in Counters::error_counts. A status without a reason counts as

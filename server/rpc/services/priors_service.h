@@ -5,8 +5,9 @@
 //
 // An import is first collected in memory (up to kMaxImportRecords records). After the client has
 // half-closed the stream, it is applied in one transaction. A stream that is cancelled or has an
-// invalid record changes nothing. Unless the request sets `promote`, imported evidence waits in
-// quarantine until an operator promotes it. Sessions that begin after the promotion use it.
+// invalid record changes nothing, and neither does an import that a drain stops. Unless the request
+// sets `promote`, imported evidence waits in quarantine until an operator promotes it. Sessions
+// that begin after the promotion use it.
 #pragma once
 
 #include <atomic>

@@ -152,7 +152,7 @@ absl::StatusOr<SqliteDatabase> OpenToRead(const fs::path& file) {
 absl::StatusOr<StoreContents> VerifyStore(const fs::path& file, const std::atomic<bool>* stop) {
   auto database = OpenToRead(file);
   if (!database.ok()) return database.status();
-  if (stop != nullptr) database->StopWhen(*stop);
+  database->StopWhen(stop);
   absl::Status status = CheckPriorDatabase(*database, file);
   if (status.ok()) status = CheckRows(*database, file);
   if (!status.ok()) return status;
@@ -183,10 +183,10 @@ absl::StatusOr<StoreContents> BackUpStore(const fs::path& directory, const fs::p
   auto database = OpenToRead(path);
   if (!database.ok()) return database.status();
   if (status = CheckPriorDatabase(*database, path); !status.ok()) return status;
-  if (stop != nullptr) database->StopWhen(*stop);
+  database->StopWhen(stop);
   int64_t damaged_row_count = 0;
   status = database->CopyTo(file.string(), [&](SqliteDatabase& copy) {
-    if (stop != nullptr) copy.StopWhen(*stop);
+    copy.StopWhen(stop);
     damaged_row_count = LeaveOutDamagedRows(copy);
   });
   if (!status.ok()) return status;

@@ -212,6 +212,7 @@ absl::StatusOr<PostgresConnection::Statement> PostgresConnection::Prepare(
 absl::StatusOr<uint64_t> PostgresConnection::RunRows(const char* sql,
                                                      std::span<const SqlValue> values,
                                                      size_t columns, OnRow on_row) {
+  if (stopped()) return absl::CancelledError("the statement was stopped");
   if (connection_ == nullptr) return absl::UnavailableError("there is no connection to PostgreSQL");
   const auto statement = Prepare(sql, values.first(columns));
   if (!statement.ok()) return statement.status();

@@ -12,10 +12,12 @@
 //
 // Errors: UNAVAILABLE (full, read-only, locked, I/O, no connection; trying again may help), ABORTED
 // (a conflict with another daemon; the transaction can be repeated at once), INVALID_ARGUMENT (a
-// value is out of a column's bounds), DATA_LOSS (the database found damage).
+// value is out of a column's bounds), DATA_LOSS (the database found damage), CANCELLED
+// (StopWhen).
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <concepts>
 #include <cstdint>
 #include <span>
@@ -105,6 +107,9 @@ class SqlDatabase {
   virtual uint64_t incarnation() const { return 1; }
   // Implements PriorStore::CheckPlace.
   virtual absl::Status CheckPlace() { return absl::OkStatus(); }
+  // Makes statements fail with CANCELLED while the flag is set. In SQLite a running statement also
+  // ends soon. Null removes the flag, which must otherwise outlive the database.
+  virtual void StopWhen(const std::atomic<bool>* flag) { stop_ = flag; }
   // Begins a transaction that writes. Fails if the file was removed or replaced, because the
   // changes would be lost (CheckPlace).
   virtual absl::Status Begin() = 0;
@@ -164,11 +169,15 @@ class SqlDatabase {
   SqlDatabase() = default;
   SqlDatabase(SqlDatabase&&) = default;
   SqlDatabase& operator=(SqlDatabase&&) = default;
+  // Returns whether the flag of StopWhen is set.
+  bool stopped() const { return stop_ != nullptr && *stop_; }
 
  private:
   // `values` are rows of `columns` values, or none for a statement without parameters.
   virtual absl::StatusOr<uint64_t> RunRows(const char* sql, std::span<const SqlValue> values,
                                            size_t columns, OnRow on_row) = 0;
+
+  const std::atomic<bool>* stop_ = nullptr;
 };
 
 // Runs `body` in a transaction that writes, and commits it. Rolls back if `body` or the commit

@@ -261,10 +261,11 @@ template <typename Result, typename Change>
 absl::StatusOr<Result> SqlPriorStore::ChangeUnless(const priors::Preview& preview, Change change) {
   absl::StatusOr<Result> result;
   absl::Status status = InTransaction([&] {
+    database_->StopWhen(stop_changes_);
     result = change();
-    if (!result.ok() || !preview) return result.status();
-    preview.Show(*this);
-    return absl::CancelledError("a preview");
+    if (result.ok() && preview) preview.Show(*this);
+    database_->StopWhen(nullptr);
+    return result.ok() && preview ? absl::CancelledError("a preview") : result.status();
   });
   return status.ok() || (result.ok() && absl::IsCancelled(status)) ? result : status;
 }

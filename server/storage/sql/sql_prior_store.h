@@ -10,6 +10,7 @@
 // compute the sums of the changed keys again, from one row of evidence per source.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -44,6 +45,7 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   absl::Status CheckPlace() override { return database_->CheckPlace(); }
   uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
   absl::StatusOr<std::vector<priors::SceneKey>> TakeChangedScenes() override;
+  void StopChangesWhen(const std::atomic<bool>& flag) override { stop_changes_ = &flag; }
   absl::StatusOr<priors::ImportResult> Import(
       std::span<const priors::PriorRecord> records) override;
   absl::StatusOr<priors::ImportResult> Quarantine(std::span<const priors::PriorRecord> records,
@@ -174,6 +176,7 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
 
   const std::unique_ptr<SqlDatabase> database_;
   SqlAuditLog audit_;
+  const std::atomic<bool>* stop_changes_ = nullptr;
   uint64_t incarnation_ = 0;   // SqlDatabase::incarnation when known_keys_ were read
   std::string changes_since_;  // transaction id from which TakeChangedScenes reads next
   Keys known_keys_;            // committed; keys are never deleted

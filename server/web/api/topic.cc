@@ -144,6 +144,7 @@ class Topic::Watcher final : public PartSource {
     return next;
   }
   bool ended() const override { return topic_ == nullptr && waiting_.empty(); }
+  bool endless() const override { return true; }
 
  private:
   // Drops the waiting texts, because the client reads too slowly.

@@ -1,6 +1,7 @@
 // A store that forwards every call to another one. Tests derive from it to change some calls.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <span>
@@ -59,6 +60,7 @@ class ForwardingStore : public priors::PriorStore {
                                                        uint32_t limit) override {
     return store_->ExportQuarantined(filter, after, limit);
   }
+  void StopChangesWhen(const std::atomic<bool>& flag) override { store_->StopChangesWhen(flag); }
   absl::StatusOr<priors::ImportResult> Import(
       std::span<const priors::PriorRecord> records) override {
     return store_->Import(records);

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -323,6 +324,25 @@ TEST_P(PriorStoreConformance, AnInvalidRecordUndoesItsWholeImport) {
   ASSERT_TRUE(absl::IsInvalidArgument(result.status()));
   EXPECT_THAT(std::string(result.status().message()), ::testing::HasSubstr("record 1"));
   EXPECT_TRUE(ExportAll().empty());
+}
+
+TEST_P(PriorStoreConformance, AStoppedChangeFailsAndChangesNothing) {
+  const std::vector fresh{Record("c", 1, Key("Grid"), 1.0)};
+  ASSERT_TRUE(store_->Import(std::vector{Record("a", 1, Key("Grid"), 1.0)}).ok());
+  ASSERT_TRUE(store_->Quarantine(std::vector{Record("b", 1, Key("Grid"), 1.0)}, 10).ok());
+  std::atomic<bool> stop = true;
+  store_->StopChangesWhen(stop);
+  EXPECT_TRUE(absl::IsCancelled(store_->Import(fresh).status()));
+  EXPECT_TRUE(absl::IsCancelled(store_->Quarantine(fresh, 10).status()));
+  EXPECT_TRUE(absl::IsCancelled(store_->Promote({.id = "b"}, false).status()));
+  EXPECT_TRUE(absl::IsCancelled(store_->Revoke({.id = "a"}, false).status()));
+  EXPECT_EQ(ExportAll().size(), 1u);
+  EXPECT_EQ(store_->ExportQuarantined({}, {}, 10)->records.size(), 1u);
+  EXPECT_TRUE(Commit({Update("d", 1, {Key("Grid")})}).ok()) << "commits continue";
+  stop = false;
+  EXPECT_EQ(store_->Import(fresh)->applied_count, 1u);
+  EXPECT_EQ(ExportAll().size(), 3u);
+  store_.reset();
 }
 
 TEST_P(PriorStoreConformance, ACommitThatOverflowsASourceIsRefusedAndChangesNothing) {

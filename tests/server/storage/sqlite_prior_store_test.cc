@@ -3,8 +3,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 #include <sys/stat.h>
 
+#include <atomic>
 #include <fstream>
 
 #include "engine_client/decider/pooling/source_choice.h"
@@ -57,6 +59,49 @@ TEST_F(SqlitePriorStoreTest, ACommitIsOneTimedFsync) {
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 2, {Key("Grid")})}).ok());
   ASSERT_EQ(durations.size(), 1u);
   EXPECT_GT(durations[0].count(), 0);
+}
+
+// Sets `stop` when the store starts its n-th statement after Begin. Counts the statements of every
+// SQLite connection that is opened while this object lives.
+class StopAtStatement {
+ public:
+  StopAtStatement() { sqlite3_auto_extension(reinterpret_cast<void (*)()>(&Attach)); }
+  ~StopAtStatement() { sqlite3_reset_auto_extension(); }
+
+  void Begin(int n) {
+    stop = false;
+    left_ = n;
+  }
+
+  static inline std::atomic<bool> stop = false;
+
+ private:
+  static int Attach(sqlite3* database, char** /*error*/, const sqlite3_api_routines* /*api*/) {
+    const auto count = [](unsigned /*event*/, void* /*context*/, void* /*statement*/,
+                          void* /*text*/) {
+      if (--left_ == 0) stop = true;
+      return 0;
+    };
+    return sqlite3_trace_v2(database, SQLITE_TRACE_STMT, count, nullptr);
+  }
+  static inline int left_ = 0;
+};
+
+TEST_F(SqlitePriorStoreTest, AnImportThatIsStoppedAtAnyStatementChangesNothing) {
+  StopAtStatement at;
+  const auto store = *OpenSqlitePriorStore(path_);
+  store->StopChangesWhen(StopAtStatement::stop);
+  const std::vector records{Record("a", 1, Key("Grid"), 1.0), Record("b", 1, Key("SAP"), 1.0),
+                            Record("b", 1, Key("SAP", "quay"), 1.0)};
+  int n = 1;
+  for (at.Begin(n); absl::IsCancelled(store->Import(records).status()); at.Begin(++n)) {
+    at.Begin(0);
+    EXPECT_TRUE(store->Export({}, {}, 10)->records.empty()) << n;
+    EXPECT_EQ(store->CountScenes("game")->keys, 0u) << n;
+    EXPECT_EQ(QueryInteger("SELECT count(*) FROM source"), 0) << n;
+  }
+  EXPECT_GT(n, 10);
+  EXPECT_EQ(store->Export({}, {}, 10)->records.size(), records.size());
 }
 
 // A store in use whose database file or log is moved away. A copy may replace it.

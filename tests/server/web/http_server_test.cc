@@ -31,7 +31,7 @@ using ::testing::StartsWith;
 constexpr HttpLimits kPatient = {.patience = std::chrono::minutes(10)};
 
 // Answers with the text of the request. The target /later delays the answer, and /parts sends it in
-// parts.
+// parts. /held sends the parts after a request of /release.
 class Echo {
  public:
   explicit Echo(boost::asio::io_context& io) : io_(io) {}
@@ -42,31 +42,55 @@ class Echo {
     if (request.path() == "/drop") return;
     if (request.path() == "/parts")
       return exchange->Stream("text/x", std::make_unique<Parts>(std::string(request.query())));
+    if (request.path() == "/held")
+      return exchange->Stream("text/x",
+                              std::make_unique<Parts>(std::string(request.query()), gate_));
+    if (request.path() == "/release") gate_->Open();
     if (request.path() == "/broken") page = {503, "broken\n", "text/x", {{"X-More", "yes"}}};
     if (request.path() == "/later") return boost::asio::post(io_, [=] { exchange->Answer(page); });
     exchange->Answer(std::move(page));
   }
 
  private:
+  // Holds parts back until it is open.
+  struct Gate {
+    bool open = false;
+    std::function<void()> wake;
+    void Open() {
+      open = true;
+      wake();
+    }
+  };
+
   // Sends each character of a text as a part. Without a text it sends no parts and never ends.
   class Parts final : public PartSource {
    public:
-    explicit Parts(std::string text) : text_(std::move(text)), endless_(text_.empty()) {}
-    void Start(std::function<void()> wake) override { wake(); }
+    explicit Parts(std::string text, std::shared_ptr<Gate> gate = nullptr)
+        : text_(std::move(text)), endless_(text_.empty()), gate_(std::move(gate)) {}
+    void Start(std::function<void()> wake) override {
+      if (gate_) {
+        gate_->wake = std::move(wake);
+      } else {
+        wake();
+      }
+    }
     std::shared_ptr<const std::string> Next() override {
-      if (text_.empty()) return nullptr;
+      if (text_.empty() || (gate_ && !gate_->open)) return nullptr;
       auto part = std::make_shared<const std::string>(text_.substr(0, 1));
       text_.erase(0, 1);
       return part;
     }
     bool ended() const override { return text_.empty() && !endless_; }
+    bool endless() const override { return endless_; }
 
    private:
     std::string text_;
     const bool endless_;
+    const std::shared_ptr<Gate> gate_;
   };
 
   boost::asio::io_context& io_;
+  const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
 };
 
 Handler MakeEcho(boost::asio::io_context& io) {
@@ -141,6 +165,33 @@ TEST(HttpServerTest, AnAnswerInPartsWaitsForPartsAndEndsWithItsClient) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1'500));
     endless.Send("this is not a request");
   }
+  EXPECT_EQ(Get(server->port(), "/hello?next").body, "next\n") << "the only connection is free";
+}
+
+TEST(HttpServerTest, AHalfClosedClientGetsAllPartsUnlessTheyAreEndless) {
+  const auto server = StartServer();
+  HttpSocket client(server->port());
+  HttpSocket endless(server->port());
+  client.Send("GET /held?ab HTTP/1.1\r\n\r\n");
+  endless.Send("GET /parts HTTP/1.1\r\n\r\n");
+  for (HttpSocket* socket : {&client, &endless}) {
+    EXPECT_THAT(socket->ReadUntil("\r\n\r\n"), HasSubstr("200 OK"));
+    socket->HalfClose();
+  }
+  EXPECT_EQ(endless.ReadAll(), "");
+  Get(server->port(), "/release");
+  EXPECT_EQ(client.ReadAll(), "1\r\na\r\n1\r\nb\r\n0\r\n\r\n");
+}
+
+TEST(HttpServerTest, AResetOfAHalfClosedClientEndsItsAnswerInParts) {
+  const auto server = StartServer({.max_connections = 1, .patience = kPatient.patience});
+  HttpSocket client(server->port());
+  client.Send("GET /held?ab HTTP/1.1\r\n\r\n");
+  EXPECT_THAT(client.ReadUntil("\r\n\r\n"), HasSubstr("200 OK"));
+  client.HalfClose();
+  // This is long enough on most machines for the server to read the half-close.
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  client.Reset();
   EXPECT_EQ(Get(server->port(), "/hello?next").body, "next\n") << "the only connection is free";
 }
 
