@@ -61,6 +61,19 @@ TEST(ImportPriors, ReturnsTheReasonWhenTheDaemonRefuses) {
   EXPECT_EQ(result.status().message(), "record 0 has no arm");
 }
 
+TEST(PriorsCommand, AChangeWhoseCallBrokeOffMayHaveBeenMade) {
+  FakeDaemonServices daemon;
+  daemon.priors.import_status = grpc::Status(grpc::StatusCode::UNAVAILABLE, "Socket closed");
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "p.json").string();
+  ASSERT_TRUE(WriteWhole(file, FormatPriors(std::vector{SomeRecord(1)})).ok());
+  const CommandRun run = RunCommand("priors import --in " + file + " --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("the call to " + daemon.address() + " broke off"),
+                             HasSubstr("the change may have been made, and `sweepstake priors "
+                                       "list` shows whether it was")));
+}
+
 TEST(ExportPriors, KeepsEveryFieldInAnImportAndAnExport) {
   FakeDaemonServices daemon;
   const PriorRecord record = SomeRecord(9);
