@@ -42,7 +42,11 @@ int WatchLive(const WatchOptions& options, Terminal& terminal) {
   InstallStopSignal();
   WatchScreen screen(terminal.out, terminal.out_is_tty);
   const Status status = WatchPosteriors(
-      options.daemon, options.project, options.scene, StopRequested,
+      options.daemon, options.project, options.scene,
+      [&] {
+        screen.Redraw();
+        return StopRequested();
+      },
       [&](const v1::WatchPosteriorsResponse& event) {
         if (!options.json) return screen.Show(event);
         PrintEvent(event, terminal.out);

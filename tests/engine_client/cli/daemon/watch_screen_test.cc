@@ -75,13 +75,21 @@ TEST(WatchScreen, OnATerminalClearsTheScreenAndDrawsTheLegend) {
   EXPECT_THAT(out.str(), HasSubstr("p / arena"));
 }
 
-TEST(WatchScreen, OnATerminalDrawsAtMostFiveTimesASecond) {
+TEST(WatchScreen, OnATerminalPostponesTheDrawingOfAnEventThatComesTooSoon) {
   std::ostringstream out;
   WatchScreen screen(out, true);
-  screen.Show(PosteriorOf("arena", 1));
-  const std::string drawn = out.str();
-  screen.Show(ShownDecision(1));
-  EXPECT_EQ(out.str(), drawn);
+  const WatchScreen::TimePoint start{std::chrono::hours(1)};
+  const auto after = [&](int ms) { return start + std::chrono::milliseconds(ms); };
+  screen.Show(PosteriorOf("arena", 1), start);
+  out.str("");
+  screen.Show(PosteriorOf("desert", 1), after(10));
+  screen.Redraw(after(149));
+  EXPECT_EQ(out.str(), "");
+  screen.Redraw(after(150));
+  EXPECT_THAT(out.str(), HasSubstr("p / desert"));
+  out.str("");
+  screen.Redraw(after(1000));
+  EXPECT_EQ(out.str(), "") << "nothing has changed";
 }
 
 TEST(WatchScreen, AnEventWithoutContentPrintsNothing) {
