@@ -51,7 +51,10 @@ int WatchLive(const WatchOptions& options, Terminal& terminal) {
         if (!options.json) return screen.Show(event);
         PrintEvent(event, terminal.out);
       },
-      [&](const Status& connection) { SayConnection(terminal, connection); });
+      [&](const Status& connection) {
+        if (!connection.ok()) screen.Restart();
+        SayConnection(terminal, connection);
+      });
   return status.ok() ? kDone : FailAnswer(terminal, status);
 }
 

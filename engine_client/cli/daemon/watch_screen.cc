@@ -1,5 +1,7 @@
 #include "engine_client/cli/daemon/watch_screen.h"
 
+#include <utility>
+
 #include "engine_client/cli/daemon/posterior_view.h"
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/decider/session/policy_registry.h"
@@ -50,9 +52,24 @@ void WatchScreen::DrawIfDue(TimePoint now) {
   Draw();
 }
 
+void WatchScreen::Restart() {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(is_changed_, false)) Draw();
+  scenes_.clear();
+}
+
 void WatchScreen::ShowPosterior(const v1::ScenePosterior& scene) {
-  scenes_[{scene.project(), scene.scene(), scene.machine_class(), scene.reward_version()}] = scene;
-  if (!redraws_) out_ << SceneText(scene);
+  if (!redraws_) {
+    out_ << SceneText(scene);
+    return;
+  }
+  const SceneName name = {scene.project(), scene.scene(), scene.machine_class(),
+                          scene.reward_version()};
+  if (scene.arms().empty()) {
+    scenes_.erase(name);
+  } else {
+    scenes_[name] = scene;
+  }
 }
 
 std::string WatchScreen::SceneText(const v1::ScenePosterior& scene) const {

@@ -27,8 +27,11 @@ class WatchScreen {
             TimePoint now = std::chrono::steady_clock::now());
   // Draws a change that came too soon after the last drawing. Call it every 50 ms.
   void Redraw(TimePoint now = std::chrono::steady_clock::now());
+  // Forgets the scenes, because a new watch begins, which receives all of them again.
+  void Restart();
 
  private:
+  // Shows a scene, or removes it if it has no arms, because its evidence was revoked.
   void ShowPosterior(const v1::ScenePosterior& scene);
   void ShowDecision(const std::string& line);
   // Returns the text of the scene's posteriors, and of what the session of its latest decision has
