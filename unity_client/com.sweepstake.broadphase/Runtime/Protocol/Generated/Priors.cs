@@ -1518,7 +1518,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// A scene in which a change makes another arm the leader: the arm that is believed to cost least.
+  /// A scene in which a change makes another arm the leader.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class LeaderChange : pb::IMessage<LeaderChange>
@@ -1634,8 +1634,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int ArmFieldNumber = 5;
     private string arm_ = "";
     /// <summary>
-    /// The present leader: among the arms with evidence, in their newest versions, the one with the best mean. Absent: nothing is
-    /// known.
+    /// The present leader: among the arms with evidence, in their newest versions, the one that is most probably the best. Absent:
+    /// nothing is known.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
