@@ -165,6 +165,9 @@ TEST(PriorsCommand, ARevocationIsAPreviewUntilItIsConfirmed) {
   EXPECT_EQ(asked.sources().unix_until_s(), 20);
   const auto done = nlohmann::json::parse(RunCommand(command + " --yes --json").out);
   EXPECT_FALSE(daemon.priors.revoke_request->preview());
+  daemon.priors.revoke_response->set_source_count(1);
+  EXPECT_EQ(RunCommand(command + " --yes").out,
+            "1 source with 9 records of 70 windows and visits was revoked\n");
   EXPECT_EQ(done["revoked"], true);
   EXPECT_EQ(done["sources"], 2);
   EXPECT_EQ(done["records"], 9);
@@ -304,7 +307,7 @@ TEST(PriorsCommand, AListShowsQuarantinedEvidenceSeparately) {
   const std::string command = "priors list --scene s --daemon " + daemon.address();
   EXPECT_THAT(RunCommand(command).out,
               AllOf(HasSubstr("Imports in quarantine, which count after"),
-                    HasSubstr("p/s on m in build 1.2 (in quarantine), 1 sources")));
+                    HasSubstr("p/s on m in build 1.2 (in quarantine), 1 source\n")));
   EXPECT_TRUE(daemon.priors.export_request->quarantined_only());
   EXPECT_EQ(daemon.priors.export_request->scene(), "s");
   const auto entry = nlohmann::json::parse(RunCommand(command + " --json").out)["quarantined"][0];
