@@ -10,6 +10,7 @@
 #include "engine_client/cli/daemon/daemon_calls.h"
 #include "engine_client/cli/daemon/posterior_view.h"
 #include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
 #include "engine_client/cli/priors/priors_text.h"
 #include "engine_client/decider/embedded/priors_file.h"
@@ -165,20 +166,22 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
 // Returns text about the evidence that was revoked or promoted, or would be with --yes.
 template <typename Result>
 std::string CountsText(const Result& result) {
-  return std::to_string(result.source_count()) + " sources with " +
-         std::to_string(result.record_count()) + " records of " +
-         std::to_string(result.window_count()) + " windows and visits";
+  return Counted(result.source_count(), "source") + " with " +
+         Counted(result.record_count(), "record") + " of " + std::to_string(result.window_count()) +
+         " windows and visits";
 }
 
-std::string DoneText(const PriorsOptions& options, const std::string& done) {
-  return options.yes ? " were " + done + "\n" : " would be " + done + "; add --yes to do it\n";
+template <typename Result>
+std::string DoneText(const PriorsOptions& options, const Result& result, const std::string& done) {
+  if (!options.yes) return " would be " + done + "; add --yes to do it\n";
+  return (result.source_count() == 1 ? " was " : " were ") + done + "\n";
 }
 
 // Lists the scenes whose leader would be another arm after the change.
 std::string LeadersText(const v1::LeaderChanges& changes) {
   if (changes.scene_count() == 0) return "";
   std::string text =
-      "another arm would be the leader of " + std::to_string(changes.scene_count()) + " scenes:\n";
+      "another arm would be the leader of " + Counted(changes.scene_count(), "scene") + ":\n";
   const auto named = [](const std::string& arm) { return arm.empty() ? "none" : arm; };
   for (const v1::LeaderChange& change : changes.scenes()) {
     text += "  " + change.project() + " / " + change.scene();
@@ -249,7 +252,7 @@ int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
   const bool none = result->source_count() == 0 && result->record_count() == 0;
   PrintResult(terminal, options.json, document,
               none ? NothingText(options)
-                   : CountsText(*result) + DoneText(options, "revoked") +
+                   : CountsText(*result) + DoneText(options, *result, "revoked") +
                          LeadersText(result->leader_changes()));
   return kDone;
 }
@@ -271,8 +274,8 @@ int RunPromote(const PriorsOptions& options, Terminal& terminal) {
   PrintResult(terminal, options.json, document,
               result->source_count() == 0
                   ? none
-                  : CountsText(*result) + " for " + std::to_string(result->scene_count()) +
-                        " scenes" + DoneText(options, "promoted") +
+                  : CountsText(*result) + " for " + Counted(result->scene_count(), "scene") +
+                        DoneText(options, *result, "promoted") +
                         LeadersText(result->leader_changes()));
   return kDone;
 }

@@ -291,7 +291,7 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   if (!scene.ok()) return Fail(terminal, scene.status());
   RunSetup setup{options.scene, options.mode,
                  options.embedded ? "embedded" : options.daemon.address, "", ""};
-  setup.scene.object_count = static_cast<uint32_t>((*scene)->aabbs().size());
+  setup.scene.object_count = static_cast<uint32_t>((*scene)->max_object_count());
   const SessionOptions chosen = SessionOf(options, setup.scene.object_count);
   if (!chosen.ignore_priors) setup.priors_file = options.priors;
   setup.priors_key = "project " + chosen.project + ", scene " + chosen.scene + ", machines " +

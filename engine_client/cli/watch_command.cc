@@ -42,12 +42,19 @@ int WatchLive(const WatchOptions& options, Terminal& terminal) {
   InstallStopSignal();
   WatchScreen screen(terminal.out, terminal.out_is_tty);
   const Status status = WatchPosteriors(
-      options.daemon, options.project, options.scene, StopRequested,
+      options.daemon, options.project, options.scene,
+      [&] {
+        screen.Redraw();
+        return StopRequested();
+      },
       [&](const v1::WatchPosteriorsResponse& event) {
         if (!options.json) return screen.Show(event);
         PrintEvent(event, terminal.out);
       },
-      [&](const Status& connection) { SayConnection(terminal, connection); });
+      [&](const Status& connection) {
+        if (!connection.ok()) screen.Restart();
+        SayConnection(terminal, connection);
+      });
   return status.ok() ? kDone : FailAnswer(terminal, status);
 }
 

@@ -352,6 +352,7 @@ class DegenerateScene : public Scene {
   Aabb world() const override { return {{-50, -50, -50}, {50, 50, 50}}; }
   uint64_t frame_index() const override { return frame_index_; }
   std::span<const Aabb> aabbs() const override { return boxes_.boxes().first(shown_); }
+  size_t max_object_count() const override { return boxes_.boxes().size(); }
   void Step() override {
     ++frame_index_;
     boxes_.Step();

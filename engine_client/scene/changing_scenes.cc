@@ -106,6 +106,7 @@ class ChangingScene : public Scene {
   }
   uint64_t frame_index() const override { return frame_index_; }
   std::span<const Aabb> aabbs() const override { return std::span(boxes_).first(shown_); }
+  size_t max_object_count() const override { return boxes_.size(); }
 
   void Step() override {
     ++frame_index_;

@@ -34,6 +34,7 @@ class RecordedScene final : public Scene {
   Aabb world() const override { return header_.world; }
   uint64_t frame_index() const override { return frame_index_; }
   std::span<const Aabb> aabbs() const override { return {boxes_.data(), shown_count_}; }
+  size_t max_object_count() const override { return boxes_.size(); }
   // Reads the next frame. If the file has become unreadable, the boxes of the last readable frame
   // stay.
   void Step() override;

@@ -23,6 +23,12 @@ std::string TextOf(const SceneKey& key) {
                       key.reward_version);
 }
 
+// The reverse of TextOf.
+SceneKey KeyOf(const std::string& text) {
+  const std::vector<std::string> names = absl::StrSplit(text, '\n');
+  return {names[0], names[1], names[2], static_cast<uint32_t>(std::stoul(names[3]))};
+}
+
 void Advance(SceneEvidence& scene, std::span<const KeyedEvidence> increments, bool new_source) {
   const auto unix_now_s = static_cast<uint64_t>(priors::UnixNowS());
   for (const auto& [key, evidence] : increments) {
@@ -228,13 +234,14 @@ void EventBus::Wake(const Channel& channel) {
   for (Subscriber* subscriber : channel.subscribers) subscriber->sink_.Wake();
 }
 
+EventPtr EventBus::EmptyScene(const std::string& key) {
+  const SceneKey scene = KeyOf(key);
+  return SceneEvent(scene, Shared(encoder_.Scene({.key = scene, .arms = {}})));
+}
+
 EventPtr EventBus::Refreshed(const Channel& channel, const std::string& key,
                              const EventPtr& event) {
-  if (channel.kind == Kind::kPosteriors) {
-    const std::vector<std::string> names = absl::StrSplit(key, '\n');
-    return SceneEvent({names[0], names[1], names[2], static_cast<uint32_t>(std::stoul(names[3]))},
-                      event->body);
-  }
+  if (channel.kind == Kind::kPosteriors) return SceneEvent(KeyOf(key), event->body);
   const auto session = sessions_.Describe(key);
   return session ? MakeEvent(Kind::kSessions, Shared(encoder_.Session(*session))) : nullptr;
 }
@@ -410,8 +417,8 @@ void EventBus::Reset() {
   for (const ChannelPtr& channel : channels) {
     ++channel->load_count;
     channel->complete = false;
-    channel->state.clear();
     for (Subscriber* subscriber : channel->subscribers) subscriber->Restart();
+    channel->state.clear();
     LoadScenes(channel, {});
   }
 }

@@ -81,8 +81,8 @@ class EventBus final : public sessions::SessionObserver {
   void Forget(const priors::SceneKey& scene) override { scenes_.erase(scene); }
   void Reload(const priors::SceneKey& scene) override;
   // Called after evidence was imported, promoted or revoked. All watched scenes are read and
-  // published again. Subscribers with Wish::snapshots receive them as a snapshot, which lacks the
-  // scenes that have no evidence any more.
+  // published again. A scene that has no evidence any more is published without arms. Subscribers
+  // with Wish::snapshots receive a snapshot, which lacks such scenes.
   void Reset();
   // Ends the subscriptions whose Wish::check returns an error, for instance because the token was
   // revoked.
@@ -126,6 +126,8 @@ class EventBus final : public sessions::SessionObserver {
   EventStamp NextStamp();
   EventPtr MakeEvent(Kind kind, std::shared_ptr<const std::string> body);
   EventPtr SceneEvent(const priors::SceneKey& key, std::shared_ptr<const std::string> body);
+  // Returns an event for a scene that has no evidence any more.
+  EventPtr EmptyScene(const std::string& key);
   // Returns a new event for the scene or session of `event`, with its present number of connected
   // sessions or its present state. Returns null if the session has left memory.
   EventPtr Refreshed(const Channel& channel, const std::string& key, const EventPtr& event);

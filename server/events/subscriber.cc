@@ -30,6 +30,9 @@ void Subscriber::PutDecisions(const EventPtr& event) {
 
 void Subscriber::Restart() {
   needs_snapshot_ = wish_.snapshots;
+  if (!wish_.snapshots) {
+    for (const auto& [key, event] : channel_->state) earlier_.insert(key);
+  }
   cursor_ = "";
   std::erase_if(queue_, [](const Place& place) { return place.decisions == nullptr; });
   latest_.clear();
@@ -49,7 +52,8 @@ std::vector<EventPtr> Subscriber::Take(size_t max) {
     cursor_.reset();
   }
   while (taken.size() < max) {
-    EventPtr next = NextOfQueue();
+    EventPtr next = NextOfEarlier();
+    if (next == nullptr) next = NextOfQueue();
     if (next == nullptr) break;
     taken.push_back(std::move(next));
   }
@@ -63,6 +67,14 @@ EventPtr Subscriber::NextOfState() {
     cursor_ = next->first;
     if (EventPtr event = bus_.Refreshed(*channel_, next->first, next->second)) return event;
   }
+}
+
+EventPtr Subscriber::NextOfEarlier() {
+  while (!earlier_.empty()) {
+    const std::string key = std::move(earlier_.extract(earlier_.begin()).value());
+    if (!channel_->state.contains(key)) return bus_.EmptyScene(key);
+  }
+  return nullptr;
 }
 
 EventPtr Subscriber::NextOfQueue() {

@@ -5,6 +5,10 @@
 // the changes, as fast as its sink takes them. If the sink is slow, it receives each changed scene
 // or session once, in its latest state, and decisions above kQueueBytes are dropped. Memory:
 // kQueueBytes, plus one entry for each changed scene or session.
+//
+// When evidence was imported, promoted or revoked, the subscriber receives the whole state again.
+// After it come the earlier scenes that have no evidence any more, each as a scene without arms.
+// Sinks with Wish::snapshots take a new snapshot instead.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -96,10 +101,10 @@ class Subscriber {
   // Queues the new state of a scene or session. `event` contains it.
   void Put(const std::string& key, const EventPtr& event);
   void PutDecisions(const EventPtr& event);
-  // Called when the channel's state was cleared and is loaded again. Starts again with the first
-  // key.
+  // Called before the channel's state is cleared and loaded again. Starts again with the first key.
   void Restart();
   EventPtr NextOfState();
+  EventPtr NextOfEarlier();
   EventPtr NextOfQueue();
 
   EventBus& bus_;
@@ -110,7 +115,8 @@ class Subscriber {
   // it.
   std::optional<std::string> cursor_ = "";
   bool needs_snapshot_ = false;
-  std::deque<Place> queue_;  // the oldest entry first
+  std::set<std::string> earlier_;  // the keys of the states before Restart
+  std::deque<Place> queue_;        // the oldest entry first
   size_t decision_bytes_ = 0;
   std::map<std::string, EventPtr> latest_;  // the latest event of each key in queue_
 };

@@ -14,6 +14,9 @@ namespace {
 
 namespace http = boost::beast::http;
 
+// A page of the dashboard. A POST to its path is of the API.
+constexpr std::string_view kLogin = "/login";
+
 Page MethodPage(const std::string& methods) {
   return {.status = 405,
           .body = absl::StrCat("Only ", methods, " are valid here.\n"),
@@ -22,8 +25,8 @@ Page MethodPage(const std::string& methods) {
 
 bool IsOfApi(const Request& request) {
   const std::string_view path = request.path();
-  return path.starts_with("/api/") || path.starts_with("/events/") ||
-         (request.is_post() && (path == "/login" || path == "/logout"));
+  return path.starts_with("/api/") || path.starts_with("/events/") || path == "/logout" ||
+         (request.is_post() && path == kLogin);
 }
 
 // Returns the host of HOST or HOST:PORT in lower case.
@@ -56,7 +59,6 @@ void Site::Handle(const std::shared_ptr<Exchange>& exchange) const {
 std::optional<Page> Site::PageFor(const Request& request) const {
   const http::verb method = request.message.method();
   const bool reads = method == http::verb::get || method == http::verb::head;
-  if (!reads && !request.is_post()) return MethodPage("GET, HEAD, POST");
   if (!request.target().starts_with('/'))
     return Page{400, "The target of a request must begin with a slash.\n"};
   if (const auto page = options_.pages.find(request.path()); page != options_.pages.end())
@@ -66,7 +68,10 @@ std::optional<Page> Site::PageFor(const Request& request) const {
                 "This daemon does not serve the host name in the Host header: use its address, or "
                 "add the name to http_hosts.\n"};
   }
-  if (!IsOfApi(request)) return reads ? options_.files.PageFor(request) : MethodPage("GET, HEAD");
+  if (!IsOfApi(request)) {
+    if (reads) return options_.files.PageFor(request);
+    return MethodPage(request.path() == kLogin ? "GET, HEAD, POST" : "GET, HEAD");
+  }
   if (IsCrossSite(request))
     return ErrorPage(absl::PermissionDeniedError(
         "a page of another site sent this request, which is not allowed"));

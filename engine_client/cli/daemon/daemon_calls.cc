@@ -19,6 +19,10 @@
 namespace sweepstake::cli {
 namespace {
 
+// The commands that show whether a change was made.
+constexpr char kListPriors[] = "sweepstake priors list";
+constexpr char kListSessions[] = "sweepstake sessions list";
+
 template <typename Request>
 Request RequestOf(const std::string& project, const std::string& scene) {
   Request request;
@@ -171,7 +175,8 @@ Result<ImportCounts> ImportPriors(const DaemonOptions& daemon,
     if (!writer->Write(request)) break;
   }
   writer->WritesDone();
-  const Status status = ToStatus(writer->Finish(), daemon);
+  const grpc::Status ended = writer->Finish();
+  const Status status = ToStatus(ended, daemon, WasConnected(**channel), kListPriors);
   if (!status.ok()) return status;
   ImportCounts result = {response.applied_count(), response.unchanged_count()};
   if (result.unchanged_count > 0) result.absent_count = CountAbsent(daemon, all_records);
@@ -181,13 +186,15 @@ Result<ImportCounts> ImportPriors(const DaemonOptions& daemon,
 Result<v1::PromotePriorsResponse> PromotePriors(const DaemonOptions& daemon,
                                                 const v1::SourceFilter& sources, bool preview) {
   return Call(daemon, OpenChannel(daemon), RequestOf<v1::PromotePriorsRequest>(sources, preview),
-              &v1::PriorsService::Stub::PromotePriors, kTransferPatience);
+              &v1::PriorsService::Stub::PromotePriors, kTransferPatience,
+              preview ? "" : kListPriors);
 }
 
 Result<v1::RevokePriorsResponse> RevokePriors(const DaemonOptions& daemon,
                                               const v1::SourceFilter& sources, bool preview) {
   return Call(daemon, OpenChannel(daemon), RequestOf<v1::RevokePriorsRequest>(sources, preview),
-              &v1::PriorsService::Stub::RevokePriors, kTransferPatience);
+              &v1::PriorsService::Stub::RevokePriors, kTransferPatience,
+              preview ? "" : kListPriors);
 }
 
 Result<std::vector<v1::SessionInfo>> ListSessions(const DaemonOptions& daemon,
@@ -218,7 +225,8 @@ Status KickSession(const DaemonOptions& daemon, const std::string& session_id, b
   v1::KickSessionRequest request;
   request.set_session_id(session_id);
   request.set_may_return(may_return);
-  return Call(daemon, OpenChannel(daemon), request, &v1::SessionsService::Stub::KickSession)
+  return Call(daemon, OpenChannel(daemon), request, &v1::SessionsService::Stub::KickSession,
+              kPatience, kListSessions)
       .status();
 }
 
@@ -229,7 +237,8 @@ Result<v1::OrderSessionResponse> OrderSession(const DaemonOptions& daemon,
   request.set_session_id(session_id);
   request.set_mode(mode);
   request.set_arm(arm);
-  return Call(daemon, OpenChannel(daemon), request, &v1::SessionsService::Stub::OrderSession);
+  return Call(daemon, OpenChannel(daemon), request, &v1::SessionsService::Stub::OrderSession,
+              kPatience, kListSessions);
 }
 
 }  // namespace sweepstake::cli

@@ -53,12 +53,24 @@ void SetDeadline(grpc::ClientContext& context, std::chrono::seconds patience) {
   context.set_deadline(std::chrono::system_clock::now() + patience);
 }
 
-Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon) {
+bool WasConnected(grpc::Channel& channel) {
+  const grpc_connectivity_state state = channel.GetState(/*try_to_connect=*/false);
+  return state == GRPC_CHANNEL_READY || state == GRPC_CHANNEL_IDLE;
+}
+
+Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon, bool was_connected,
+                const std::string& look) {
   if (status.ok()) return {};
   const StatusCode code = ToCode(status.error_code());
   // A status with details was made by the daemon, so in that case the daemon was reached.
   if (code != StatusCode::kUnavailable || !status.error_details().empty())
     return {code, MessageWithReason(status)};
+  if (was_connected) {
+    return {code, "the call to " + daemon.address + " broke off (" + status.error_message() + ")" +
+                      (look.empty() ? ""
+                                    : "; the change may have been made, and `" + look +
+                                          "` shows whether it was")};
+  }
   const std::string advice =
       ConnectionAdvice(status.error_message(), daemon.tls.has_value(), TlsOptionNames());
   if (!advice.empty()) {

@@ -35,22 +35,30 @@ inline constexpr std::chrono::seconds kTransferPatience = std::chrono::minutes(1
 // Sets the deadline of a call. The call fails with kUnavailable after `patience`.
 void SetDeadline(grpc::ClientContext& context, std::chrono::seconds patience = kPatience);
 
-// Returns the daemon's status, or kUnavailable with advice if the daemon could not be reached.
-Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon);
+// Returns whether the channel was connected at its latest call, which has just failed. A lost
+// connection makes the channel idle, a failed attempt to connect does not.
+bool WasConnected(grpc::Channel& channel);
 
-// Makes a call that has one response. `channel` is a result of OpenChannel. Errors: those of
-// OpenChannel and ToStatus.
+// Returns the daemon's status, or kUnavailable if the daemon could not be reached or, with
+// `was_connected`, the call broke off. `look` is the command that shows whether the call's change
+// was made; empty if the call changes nothing.
+Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon, bool was_connected = false,
+                const std::string& look = {});
+
+// Makes a call that has one response. `channel` is a result of OpenChannel; `look` is that of
+// ToStatus. Errors: those of OpenChannel and ToStatus.
 template <typename Stub, typename Request, typename Response>
 Result<Response> Call(const DaemonOptions& daemon,
                       const Result<std::shared_ptr<grpc::Channel>>& channel, const Request& request,
                       grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
-                      std::chrono::seconds patience = kPatience) {
+                      std::chrono::seconds patience = kPatience, const std::string& look = {}) {
   if (!channel.ok()) return channel.status();
   Stub stub(*channel);
   grpc::ClientContext context;
   SetDeadline(context, patience);
   Response response;
-  const Status status = ToStatus((stub.*method)(&context, request, &response), daemon);
+  const grpc::Status ended = (stub.*method)(&context, request, &response);
+  const Status status = ToStatus(ended, daemon, WasConnected(**channel), look);
   if (!status.ok()) return status;
   return response;
 }
@@ -70,7 +78,8 @@ Status ReadParts(const DaemonOptions& daemon, const Request& request,
   const auto reader = (stub.*method)(&context, request);
   Part part;
   while (reader->Read(&part)) on_part(part);
-  return ToStatus(reader->Finish(), daemon);
+  const grpc::Status ended = reader->Finish();
+  return ToStatus(ended, daemon, WasConnected(**channel));
 }
 
 // Cancels a call as soon as `is_stopped` returns true. It polls `is_stopped` on its own thread,
@@ -122,7 +131,7 @@ Status KeepWatching(const DaemonOptions& daemon, const Request& request,
         }
         const grpc::Status status = reader->Finish();
         if (ends()) return Status();
-        if (!status.ok()) return ToStatus(status, daemon);
+        if (!status.ok()) return ToStatus(status, daemon, WasConnected(*channel));
         return Status(StatusCode::kUnavailable,
                       "the daemon at " + daemon.address + " ended the watch");
       });

@@ -1,5 +1,7 @@
 #include "engine_client/cli/daemon/watch_screen.h"
 
+#include <utility>
+
 #include "engine_client/cli/daemon/posterior_view.h"
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/decider/session/policy_registry.h"
@@ -8,7 +10,8 @@ namespace sweepstake::cli {
 namespace {
 
 constexpr size_t kMaxDecisions = 10;
-constexpr std::chrono::milliseconds kRedrawInterval{200};
+// Redraw is called every 50 ms, so a change is drawn at most 200 ms late.
+constexpr std::chrono::milliseconds kRedrawInterval{150};
 constexpr char kHomeAndClear[] = "\x1b[H\x1b[2J";
 constexpr char kLegend[] =
     "|: mean, -: central 95 % of the posterior, cost: ratio to the leader's,\n"
@@ -22,7 +25,8 @@ uint32_t RewardVersionOf(const std::string& policy) {
 
 }  // namespace
 
-void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
+void WatchScreen::Show(const v1::WatchPosteriorsResponse& event, TimePoint now) {
+  const std::lock_guard lock(mutex_);
   if (event.has_posterior()) ShowPosterior(event.posterior());
   for (const v1::DecisionEvent& decision : event.decisions()) {
     // On a terminal the session's id is left out to save space.
@@ -32,15 +36,40 @@ void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
     ShowDecision(UtcText(decision.unix_ms()) + " " + session + DecisionText(decision));
   }
   if (!redraws_) out_ << std::flush;
-  const auto now = std::chrono::steady_clock::now();
-  if (!redraws_ || now - drawn_at_ < kRedrawInterval) return;
+  is_changed_ = redraws_;
+  DrawIfDue(now);
+}
+
+void WatchScreen::Redraw(TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  DrawIfDue(now);
+}
+
+void WatchScreen::DrawIfDue(TimePoint now) {
+  if (!is_changed_ || now - drawn_at_ < kRedrawInterval) return;
   drawn_at_ = now;
+  is_changed_ = false;
   Draw();
 }
 
+void WatchScreen::Restart() {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(is_changed_, false)) Draw();
+  scenes_.clear();
+}
+
 void WatchScreen::ShowPosterior(const v1::ScenePosterior& scene) {
-  scenes_[{scene.project(), scene.scene(), scene.machine_class(), scene.reward_version()}] = scene;
-  if (!redraws_) out_ << SceneText(scene);
+  if (!redraws_) {
+    out_ << SceneText(scene);
+    return;
+  }
+  const SceneName name = {scene.project(), scene.scene(), scene.machine_class(),
+                          scene.reward_version()};
+  if (scene.arms().empty()) {
+    scenes_.erase(name);
+  } else {
+    scenes_[name] = scene;
+  }
 }
 
 std::string WatchScreen::SceneText(const v1::ScenePosterior& scene) const {

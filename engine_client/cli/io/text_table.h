@@ -43,6 +43,9 @@ std::string Percent(double ratio, int decimals);
 // Returns the number with commas between thousands: "12,345,678".
 std::string Grouped(uint64_t value);
 
+// Returns the number with the noun, in the plural unless the number is 1: "2 sources".
+std::string Counted(uint64_t count, const std::string& noun);
+
 // Returns the number of characters (not bytes) of UTF-8 text.
 size_t LetterCount(std::string_view text);
 

@@ -44,7 +44,7 @@ Json KeyJson(const decision::PriorsGroupKey& key) {
 std::string ShowText(const PriorsGroups& groups) {
   TextTable table({"arm", "version", "windows", "visits", "bail-outs", "cost ratio"});
   for (const auto& [key, group] : groups) {
-    table.AddTitle(NameOf(key) + ", " + std::to_string(group.sources.size()) + " sources");
+    table.AddTitle(NameOf(key) + ", " + Counted(group.sources.size(), "source"));
     for (const auto& [name, arm] : group.arms)
       table.AddRow({name, std::to_string(arm.version), Grouped(arm.evidence.window_count),
                     Grouped(arm.evidence.visit_count), Grouped(arm.evidence.bail_out_count),

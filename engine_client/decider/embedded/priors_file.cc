@@ -31,9 +31,9 @@ constexpr int kVersion = 1;
 constexpr uintmax_t kMaxFileBytes = uintmax_t{128} << 20;
 constexpr size_t kMaxRecords = 200'000;
 constexpr size_t kMaxSums = 1'000'000;
-// The highest sequence number, as in the store. It leaves room below UINT64_MAX, so the ledger's
-// next sequence number cannot wrap to 0.
-constexpr uint64_t kMaxSequence = std::numeric_limits<int64_t>::max();
+// Maximum of counts and sequence numbers, as in the store. It leaves room below UINT64_MAX, so the
+// ledger's next sequence number cannot wrap to 0.
+constexpr uint64_t kMaxCount = std::numeric_limits<int64_t>::max();
 constexpr char kVersionMark = '/';
 
 Status Broken(const std::string& why) { return {StatusCode::kDataLoss, why}; }
@@ -137,13 +137,13 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   reader.Name("machine_class", record.key.machine_class, false);
   reader.Count("reward_version", record.key.reward_version, true);
   reader.Name("source_id", record.source_id, true);
-  reader.Count("source_sequence", record.source_sequence, true, kMaxSequence);
+  reader.Count("source_sequence", record.source_sequence, true, kMaxCount);
   reader.Increment("alpha_increment", record.evidence.alpha);
   reader.Increment("beta_increment", record.evidence.beta);
-  reader.Count("window_count", record.evidence.window_count, false);
-  reader.Count("bail_out_count", record.evidence.bail_out_count, false);
+  reader.Count("window_count", record.evidence.window_count, false, kMaxCount);
+  reader.Count("bail_out_count", record.evidence.bail_out_count, false, kMaxCount);
   reader.Name("build", record.build, false);
-  reader.Count("unix_last_seen_s", record.last_seen_unix_s, false, kMaxSequence);
+  reader.Count("unix_last_seen_s", record.last_seen_unix_s, false, kMaxCount);
   reader.Flag("is_quarantined", record.is_quarantined);
   reader.RejectUnknown();
   if (!reader.error() && IsSum(record)) return "source_id must not begin with *, which marks sums";
@@ -361,7 +361,7 @@ class SceneReader {
           "the name of a build must have at most 128 bytes of UTF-8 and no control characters");
     const bool whole = line.is_array() && line.size() == 3 && line[0].is_number_unsigned() &&
                        line[1].is_array() && line[2].is_array() &&
-                       line[0].get<uint64_t>() <= kMaxSequence && line[1].size() == arms_.size() &&
+                       line[0].get<uint64_t>() <= kMaxCount && line[1].size() == arms_.size() &&
                        line[2].size() == arms_.size();
     if (!whole)
       return SetError(
@@ -388,6 +388,8 @@ class SceneReader {
     sum.evidence.window_count = cell[2].get<uint64_t>();
     sum.evidence.bail_out_count = cell.size() == 4 ? cell[3].get<uint64_t>() : 0;
     MarkAsSum(sum);
+    if (std::max(sum.evidence.window_count, sum.evidence.bail_out_count) > kMaxCount)
+      SetError("a count is too large");
     if (!IsIncrement(sum.evidence.alpha) || !IsIncrement(sum.evidence.beta))
       SetError("alpha and beta must be from 0 to 1e15");
   }

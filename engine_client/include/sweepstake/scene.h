@@ -5,6 +5,7 @@
 // thread-safe; distinct scenes are independent.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -52,6 +53,8 @@ class Scene {
   // Returns the boxes of this frame, valid until the next Step. Only recorded files, changing and
   // degenerate scenes may change the count.
   virtual std::span<const Aabb> aabbs() const = 0;
+  // Returns the largest count that a frame can have.
+  virtual size_t max_object_count() const { return aabbs().size(); }
   // Advances the scene by one fixed step; does not allocate and does not fail. A recorded file
   // starts again after its last frame, while frame_index() goes on. If the file has become
   // unreadable, the boxes stay unchanged. Cost: O(objects); for a recorded file, reading the

@@ -93,7 +93,8 @@ void Api::Handle(const std::shared_ptr<Exchange>& exchange) {
   const std::string_view path = request.path();
   const bool is_get = request.message.method() == boost::beast::http::verb::get;
   if (path == "/login") return exchange->Answer(LogIn(request));
-  if (path == "/logout") return exchange->Answer(LogOut(request));
+  if (path == "/logout")
+    return exchange->Answer(request.is_post() ? LogOut(request) : OnlyPage("POST"));
   if (path == kWhoAmI) return exchange->Answer(is_get ? WhoAmI(request) : OnlyPage("GET"));
   if (path.starts_with(kEvents)) {
     if (!is_get) return exchange->Answer(OnlyPage("GET"));

@@ -217,6 +217,17 @@ TEST_F(BrokenFiles, AreNamedInErrorsWhenTheyCannotBeWritten) {
   });
 }
 
+TEST(RunOfAScene, IsNamedAfterItsLargestNumberOfObjects) {
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "none.json").string();
+  std::ofstream(file) << R"({"format": "sweepstake-priors", "version": 1, "records": []})";
+  const CommandRun run = RunCommand(
+      "run --scene waves --objects 300 --embedded --mode manual --duration 50ms --priors " + file);
+  ASSERT_EQ(run.exit_code, kDone) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("scene waves-300,"));
+  EXPECT_THAT(run.out, HasSubstr("waves with 300 objects"));
+}
+
 TEST(RunOfAScene, PrintsOneDocumentAndWritesItsFiles) {
   const TemporaryDirectory folder;
   const CommandRun run = RunCommand(

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <string>
 
@@ -139,6 +140,22 @@ TEST(MakeScene, ExtremeValidOptionsKeepEveryBoxFinite) {
     const std::unique_ptr<Scene> scene = MustMakeScene(name, options);
     StepTimes(*scene, 500);
     for (const Aabb& box : scene->aabbs()) EXPECT_TRUE(IsValid(box)) << name;
+  }
+}
+
+TEST(SceneOptions, NoFrameHasMoreThanTheLargestNumberOfObjects) {
+  SceneOptions options;
+  options.object_count = 128;
+  for (const std::string_view name : SceneNames()) {
+    const auto scene = MakeScene(name, options);
+    ASSERT_TRUE(scene.ok()) << name;
+    const size_t max = (*scene)->max_object_count();
+    size_t seen = 0;
+    for (int frame = 0; frame < 500; ++frame, (*scene)->Step()) {
+      EXPECT_EQ((*scene)->max_object_count(), max) << name;
+      seen = std::max(seen, (*scene)->aabbs().size());
+    }
+    EXPECT_EQ(seen, max) << name;
   }
 }
 

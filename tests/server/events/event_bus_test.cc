@@ -19,6 +19,7 @@ using priors::SceneEvidence;
 using priors::SceneKey;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 SceneKey Scene(const std::string& name) { return {"game", name, "", 1}; }
@@ -288,6 +289,35 @@ TEST_F(EventBusTest, AResetForgetsTheSumsAndPublishesEveryScene) {
   Tick();
   EXPECT_EQ(store_.submit_count, 3U);
   EXPECT_EQ(sink_.posteriors.back().arms[0].live.window_count, 2U);
+}
+
+TEST_F(EventBusTest, AResetSendsEachRevokedSceneWithoutArmsAfterTheState) {
+  Commit("a", "s", 1);
+  Commit("b", "t", 1);
+  Commit("c", "u", 1);
+  RunJobs();
+  Tick();
+  sink_.slow = true;
+  store_.Revoke("s");
+  bus_.Reset();
+  RunReads();
+  EXPECT_TRUE(sink_.Take());
+  store_.Revoke("t");
+  bus_.Reset();  // before the watcher has received the first revocation
+  RunReads();
+  sink_.names.clear();
+  sink_.TakeAll();
+  EXPECT_THAT(sink_.names, ElementsAre("c", "a", "b"));
+  const size_t count = sink_.posteriors.size();
+  EXPECT_THAT(sink_.posteriors[count - 3].arms, Not(IsEmpty()));
+  EXPECT_THAT(sink_.posteriors[count - 2].arms, IsEmpty());
+  EXPECT_THAT(sink_.posteriors[count - 1].arms, IsEmpty());
+  Commit("a", "v", 1);
+  RunJobs();
+  Tick();
+  sink_.TakeAll();
+  EXPECT_THAT(sink_.names, ElementsAre("c", "a", "b", "a"));
+  EXPECT_THAT(sink_.posteriors.back().arms, Not(IsEmpty()));
 }
 
 TEST_F(EventBusTest, ALaterWatcherHasTheStateWithoutTheStore) {

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tests/server/web/fake_exchange.h"
 
 namespace sweepstake::web {
@@ -46,11 +48,17 @@ TEST_F(SiteTest, APageIsMadeFromTheQueryWhateverTheHost) {
   EXPECT_EQ(Status(verb::post, "/livez", FakeExchange::OfPage()), 405);
 }
 
-TEST_F(SiteTest, OtherMethodsAreRefused) {
+TEST_F(SiteTest, OtherMethodsAreRefusedWithThoseOfThePath) {
+  const std::pair<const char*, const char*> methods_of[] = {
+      {"/livez", "GET, HEAD"}, {"/", "GET, HEAD"}, {"/login", "GET, HEAD, POST"}};
   for (const verb method : {verb::put, verb::delete_, verb::options, verb::trace, verb::connect}) {
-    const Page page = Ask(method, "/api/x", FakeExchange::OfPage());
-    EXPECT_EQ(page.status, 405) << method;
-    EXPECT_EQ(page.headers.at(0).second, "GET, HEAD, POST");
+    for (const auto& [path, methods] : methods_of) {
+      const Page page = Ask(method, path, FakeExchange::OfPage());
+      EXPECT_EQ(page.status, 405) << method << " " << path;
+      EXPECT_EQ(page.headers.at(0).second, methods) << path;
+    }
+    for (const char* const path : {"/api/x", "/events/x", "/logout"})
+      EXPECT_EQ(Status(method, path, FakeExchange::OfPage()), kOfApi) << path;
   }
   EXPECT_EQ(Status(verb::post, "/", FakeExchange::OfPage()), 405);
   EXPECT_EQ(Status(verb::get, "http://localhost/livez"), 400);

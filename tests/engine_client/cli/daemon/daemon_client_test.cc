@@ -30,6 +30,17 @@ TEST(ToStatus, SuggestsToStartADaemonIfNoneAnswers) {
   }
 }
 
+TEST(ToStatus, DistinguishesACallThatBrokeOff) {
+  const grpc::Status lost{grpc::StatusCode::UNAVAILABLE, "Socket closed"};
+  const Status read = ToStatus(lost, {"host:1"}, /*was_connected=*/true);
+  EXPECT_EQ(read.code(), StatusCode::kUnavailable);
+  EXPECT_EQ(read.message(), "the call to host:1 broke off (Socket closed)");
+  EXPECT_EQ(ToStatus(lost, {"host:1"}, true, "sweepstake priors list").message(),
+            read.message() +
+                "; the change may have been made, and `sweepstake priors list` shows whether it "
+                "was");
+}
+
 TEST(ToStatus, GivesAdviceIfTheConnectionIsRejected) {
   const std::string hung_up = "failed to connect to all addresses; last error: Socket closed";
   const DaemonOptions plain{.address = "host:1"};

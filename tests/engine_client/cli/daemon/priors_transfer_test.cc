@@ -61,6 +61,19 @@ TEST(ImportPriors, ReturnsTheReasonWhenTheDaemonRefuses) {
   EXPECT_EQ(result.status().message(), "record 0 has no arm");
 }
 
+TEST(PriorsCommand, AChangeWhoseCallBrokeOffMayHaveBeenMade) {
+  FakeDaemonServices daemon;
+  daemon.priors.import_status = grpc::Status(grpc::StatusCode::UNAVAILABLE, "Socket closed");
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "p.json").string();
+  ASSERT_TRUE(WriteWhole(file, FormatPriors(std::vector{SomeRecord(1)})).ok());
+  const CommandRun run = RunCommand("priors import --in " + file + " --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("the call to " + daemon.address() + " broke off"),
+                             HasSubstr("the change may have been made, and `sweepstake priors "
+                                       "list` shows whether it was")));
+}
+
 TEST(ExportPriors, KeepsEveryFieldInAnImportAndAnExport) {
   FakeDaemonServices daemon;
   const PriorRecord record = SomeRecord(9);
@@ -152,6 +165,9 @@ TEST(PriorsCommand, ARevocationIsAPreviewUntilItIsConfirmed) {
   EXPECT_EQ(asked.sources().unix_until_s(), 20);
   const auto done = nlohmann::json::parse(RunCommand(command + " --yes --json").out);
   EXPECT_FALSE(daemon.priors.revoke_request->preview());
+  daemon.priors.revoke_response->set_source_count(1);
+  EXPECT_EQ(RunCommand(command + " --yes").out,
+            "1 source with 9 records of 70 windows and visits was revoked\n");
   EXPECT_EQ(done["revoked"], true);
   EXPECT_EQ(done["sources"], 2);
   EXPECT_EQ(done["records"], 9);
@@ -291,7 +307,7 @@ TEST(PriorsCommand, AListShowsQuarantinedEvidenceSeparately) {
   const std::string command = "priors list --scene s --daemon " + daemon.address();
   EXPECT_THAT(RunCommand(command).out,
               AllOf(HasSubstr("Imports in quarantine, which count after"),
-                    HasSubstr("p/s on m in build 1.2 (in quarantine), 1 sources")));
+                    HasSubstr("p/s on m in build 1.2 (in quarantine), 1 source\n")));
   EXPECT_TRUE(daemon.priors.export_request->quarantined_only());
   EXPECT_EQ(daemon.priors.export_request->scene(), "s");
   const auto entry = nlohmann::json::parse(RunCommand(command + " --json").out)["quarantined"][0];

@@ -8,6 +8,7 @@
 namespace sweepstake::cli {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
@@ -17,6 +18,7 @@ v1::WatchPosteriorsResponse PosteriorOf(const std::string& scene, uint64_t sourc
   event.mutable_posterior()->set_project("p");
   event.mutable_posterior()->set_scene(scene);
   event.mutable_posterior()->set_source_count(source_count);
+  event.mutable_posterior()->add_arms()->set_arm("SAP");
   return event;
 }
 
@@ -75,13 +77,38 @@ TEST(WatchScreen, OnATerminalClearsTheScreenAndDrawsTheLegend) {
   EXPECT_THAT(out.str(), HasSubstr("p / arena"));
 }
 
-TEST(WatchScreen, OnATerminalDrawsAtMostFiveTimesASecond) {
+TEST(WatchScreen, OnATerminalPostponesTheDrawingOfAnEventThatComesTooSoon) {
   std::ostringstream out;
   WatchScreen screen(out, true);
-  screen.Show(PosteriorOf("arena", 1));
-  const std::string drawn = out.str();
-  screen.Show(ShownDecision(1));
-  EXPECT_EQ(out.str(), drawn);
+  const WatchScreen::TimePoint start{std::chrono::hours(1)};
+  const auto after = [&](int ms) { return start + std::chrono::milliseconds(ms); };
+  screen.Show(PosteriorOf("arena", 1), start);
+  out.str("");
+  screen.Show(PosteriorOf("desert", 1), after(10));
+  screen.Redraw(after(149));
+  EXPECT_EQ(out.str(), "");
+  screen.Redraw(after(150));
+  EXPECT_THAT(out.str(), HasSubstr("p / desert"));
+  out.str("");
+  screen.Redraw(after(1000));
+  EXPECT_EQ(out.str(), "") << "nothing has changed";
+}
+
+TEST(WatchScreen, OnATerminalRemovesRevokedScenesAndThoseOfAnEarlierWatch) {
+  std::ostringstream out;
+  WatchScreen screen(out, true);
+  const WatchScreen::TimePoint start{std::chrono::hours(1)};
+  screen.Show(PosteriorOf("arena", 1), start);
+  screen.Show(PosteriorOf("desert", 1), start);
+  v1::WatchPosteriorsResponse revoked = PosteriorOf("arena", 0);
+  revoked.mutable_posterior()->clear_arms();
+  screen.Show(revoked, start);
+  out.str("");
+  screen.Restart();
+  EXPECT_THAT(out.str(), AllOf(HasSubstr("p / desert"), Not(HasSubstr("p / arena"))));
+  out.str("");
+  screen.Show(PosteriorOf("forest", 1), start + std::chrono::seconds(1));
+  EXPECT_THAT(out.str(), AllOf(HasSubstr("p / forest"), Not(HasSubstr("p / desert"))));
 }
 
 TEST(WatchScreen, AnEventWithoutContentPrintsNothing) {

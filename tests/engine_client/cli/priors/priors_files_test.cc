@@ -150,7 +150,7 @@ TEST_F(PriorsFilesTest, QuarantinedRecordsAreMarkedAndDoNotCount) {
   EXPECT_THAT(entry["reasons"][0].get<std::string>(), HasSubstr("it is in quarantine"));
   const std::string waiting = Write("waiting.json", records);
   EXPECT_THAT(RunCommand("priors show --in " + waiting).out,
-              HasSubstr("in build 1.1 (in quarantine), 1 sources"));
+              HasSubstr("in build 1.1 (in quarantine), 1 source\n"));
   EXPECT_THAT(RunCommand("priors diff " + Write("counts.json", Honest()) + " " + waiting).out,
               HasSubstr("The files agree on every scene"))
       << "diff shows the effect of a promotion";

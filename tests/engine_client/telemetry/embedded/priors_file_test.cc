@@ -109,6 +109,10 @@ TEST(PriorsFile, ErrorsNameTheInvalidRecordAndField) {
   EXPECT_THAT(ComplaintAbout(DocumentWith("source_sequence", "1.5")), HasSubstr("whole number"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("source_sequence", "9223372036854775808")),
               HasSubstr("source_sequence is too large"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("window_count", "9223372036854775808")),
+              HasSubstr("window_count is too large"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("bail_out_count", "9223372036854775808")),
+              HasSubstr("bail_out_count is too large"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("alpha_increment", "-0.5")), HasSubstr("0 to 1e15"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("alpha_increment", "1e16")), HasSubstr("0 to 1e15"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("beta_increment", "\"nan\"")), HasSubstr("number"));

@@ -150,6 +150,8 @@ TEST(PriorsSums, ErrorsNameTheInvalidScene) {
   EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", "x"), HasSubstr("evidence must be"));
   EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {1, 2}), HasSubstr("evidence must be"));
   EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {-1, 2, 3}), HasSubstr("from 0 to 1e15"));
+  EXPECT_THAT(complaint_where("/0/builds/1.2/1/1", {1, 2, uint64_t{1} << 63}),
+              HasSubstr("a count is too large"));
   EXPECT_THAT(ComplaintAboutSums(SumsWith([](json& scenes) { scenes.push_back(json(scenes[0])); })),
               HasSubstr("priors scene 1: repeats"));
   EXPECT_THAT(ComplaintAboutSums(SumsWith(

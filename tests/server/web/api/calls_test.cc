@@ -126,6 +126,21 @@ TEST_F(ApiTest, OnlyMethodsOfTheRoleTableWithOneRequestAreThere) {
   EXPECT_EQ(Post("/events/sweepstake.v1.PosteriorsService/WatchPosteriors", "{}").status, 405);
 }
 
+TEST_F(ApiTest, OtherMethodsAreRefusedWithThatOfThePath) {
+  const std::pair<const char*, const char*> method_of[] = {
+      {"/api/sweepstake.v1.PosteriorsService/ListPosteriors", "POST"},
+      {"/api/whoami", "GET"},
+      {"/events/sweepstake.v1.PosteriorsService/WatchPosteriors", "GET"},
+      {"/logout", "POST"}};
+  for (const auto& [path, method] : method_of) {
+    const Answer answer = test_support::Exchange(
+        http_->port(),
+        absl::StrCat("PUT ", path, " HTTP/1.1\r\nHost: ", host_, "\r\nConnection: close\r\n\r\n"));
+    EXPECT_EQ(answer.status, 405) << path;
+    EXPECT_THAT(answer.head, HasSubstr(absl::StrCat("Allow: ", method, "\r\n"))) << path;
+  }
+}
+
 TEST_F(ApiTest, EveryMethodOfTheRoleTableIsCalledOrWatched) {
   for (const rpc::Rpc& rpc : rpc::kRoleTable) {
     const std::string name(rpc.name);

@@ -1516,7 +1516,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int PosteriorFieldNumber = 1;
     private global::Sweepstake.Protocol.V1.ScenePosterior posterior_;
     /// <summary>
-    /// The scene's complete posteriors. Absent: this message has decisions.
+    /// The scene's complete posteriors; without arms, all evidence of the scene was revoked. Absent: this message has decisions.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
