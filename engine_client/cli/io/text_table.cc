@@ -77,7 +77,7 @@ std::string Grouped(uint64_t value) {
 }
 
 std::string Counted(uint64_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+  return Grouped(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
 size_t LetterCount(std::string_view text) {

@@ -121,10 +121,6 @@ Result<std::string> ReadLog(const std::string& path) {
   return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-std::string Counted(uint64_t count, const std::string& what) {
-  return Grouped(count) + " " + what + (count == 1 ? "" : "s");
-}
-
 Json DifferenceJson(const std::optional<AuditDifference>& difference) {
   if (!difference) return nullptr;
   return {{"line", difference->line},       {"session", difference->session},
