@@ -90,7 +90,7 @@ Status CheckOne(SceneChoice choice, const std::vector<std::string>& arms, uint64
                 Progress& progress, std::vector<Row>& rows) {
   auto scene = OpenScene(choice);
   if (!scene.ok()) return scene.status();
-  choice.object_count = static_cast<uint32_t>((*scene)->aabbs().size());
+  choice.object_count = static_cast<uint32_t>((*scene)->max_object_count());
   std::vector<std::unique_ptr<BroadPhase>> backends;
   backends.reserve(arms.size());
   for (const std::string& arm : arms) backends.push_back(std::move(*MakeBroadPhase(arm)));

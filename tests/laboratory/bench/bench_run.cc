@@ -195,7 +195,7 @@ Status RunCell(const SceneChoice& choice, const std::vector<std::string>& arms,
                BenchReport& report) {
   auto scene = OpenScene(choice);
   if (!scene.ok()) return scene.status();
-  const auto object_count = static_cast<uint32_t>((*scene)->aabbs().size());
+  const auto object_count = static_cast<uint32_t>((*scene)->max_object_count());
   report.cells.push_back({choice.name, object_count});
   CellRun cell(report, pools);
   AddContestants(arms, peers, report.options, cell);

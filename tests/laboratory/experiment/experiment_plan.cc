@@ -64,7 +64,8 @@ Result<std::vector<ExperimentCell>> MakeCells(const ExperimentOptions& options) 
        ExpandScenes(options.scenes, options.object_counts, options.seed)) {
     const auto scene = OpenScene(choice);
     if (!scene.ok()) return scene.status();
-    cells.push_back({choice.name, static_cast<uint32_t>((*scene)->aabbs().size()), choice.seed});
+    cells.push_back(
+        {choice.name, static_cast<uint32_t>((*scene)->max_object_count()), choice.seed});
     if (!labels.insert(cells.back().label()).second) {
       return Status(StatusCode::kInvalidArgument,
                     "two cells are called " + cells.back().label() + "; remove one of them");

@@ -315,7 +315,7 @@ Status TooManyObjects() {
 // Opens the scene at its start. Error: it has too many objects.
 Result<std::unique_ptr<Scene>> Open(const SceneChoice& choice) {
   auto scene = OpenScene(choice);
-  if (scene.ok() && (*scene)->aabbs().size() > kMaxTracedObjects) return TooManyObjects();
+  if (scene.ok() && (*scene)->max_object_count() > kMaxTracedObjects) return TooManyObjects();
   return scene;
 }
 
