@@ -52,7 +52,7 @@ int WatchLive(const WatchOptions& options, Terminal& terminal) {
         PrintEvent(event, terminal.out);
       },
       [&](const Status& connection) {
-        if (!connection.ok()) screen.Restart();
+        connection.ok() ? screen.DrawAgain() : screen.Restart();
         SayConnection(terminal, connection);
       });
   return status.ok() ? kDone : FailAnswer(terminal, status);

@@ -58,6 +58,11 @@ void WatchScreen::Restart() {
   scenes_.clear();
 }
 
+void WatchScreen::DrawAgain() {
+  const std::lock_guard lock(mutex_);
+  is_changed_ = redraws_;
+}
+
 void WatchScreen::ShowPosterior(const v1::ScenePosterior& scene) {
   if (!redraws_) {
     out_ << SceneText(scene);

@@ -29,6 +29,8 @@ class WatchScreen {
   void Redraw(TimePoint now = std::chrono::steady_clock::now());
   // Forgets the scenes, because a new watch begins, which receives all of them again.
   void Restart();
+  // Lets the next Redraw draw, although nothing has changed: the new watch may have no scenes.
+  void DrawAgain();
 
  private:
   // Shows a scene, or removes it if it has no arms, because its evidence was revoked.

@@ -107,7 +107,12 @@ TEST(WatchScreen, OnATerminalRemovesRevokedScenesAndThoseOfAnEarlierWatch) {
   screen.Restart();
   EXPECT_THAT(out.str(), AllOf(HasSubstr("p / desert"), Not(HasSubstr("p / arena"))));
   out.str("");
-  screen.Show(PosteriorOf("forest", 1), start + std::chrono::seconds(1));
+  screen.DrawAgain();
+  screen.Redraw(start + std::chrono::seconds(1));
+  EXPECT_FALSE(out.str().empty());
+  EXPECT_THAT(out.str(), Not(HasSubstr("p / desert")));
+  out.str("");
+  screen.Show(PosteriorOf("forest", 1), start + std::chrono::seconds(2));
   EXPECT_THAT(out.str(), AllOf(HasSubstr("p / forest"), Not(HasSubstr("p / desert"))));
 }
 

@@ -75,6 +75,8 @@ namespace Sweepstake.Editor
                 {
                     using AsyncServerStreamingCall<WatchPosteriorsResponse> call =
                         client.Posteriors.WatchPosteriors(new WatchPosteriorsRequest { Project = project }, cancellationToken: token);
+                    lock (gate)
+                        scenes.Clear();
                     isWatching = true;
                     while (await call.ResponseStream.MoveNext(token).ConfigureAwait(false))
                         Take(call.ResponseStream.Current.Posterior);
