@@ -318,11 +318,20 @@ void EventBus::OnLoaded(const SceneKey& key,
   // The scene is damaged or not stored. It is read again when its next evidence is committed.
   if (!loaded.ok() || !loaded->has_value()) {
     scenes_.erase(found);
+    // Another daemon of the store has revoked all evidence of a scene that watchers have.
+    if (loaded.ok() && IsPublished(key)) Reset();
     return;
   }
   found->second.sums = *loaded;
   found->second.changed = true;
   ScheduleTick();
+}
+
+bool EventBus::IsPublished(const SceneKey& key) const {
+  return std::any_of(channels_.begin(), channels_.end(), [&](const auto& entry) {
+    const Channel& channel = *entry.second;
+    return channel.kind == Kind::kPosteriors && channel.state.contains(TextOf(key));
+  });
 }
 
 void EventBus::ScheduleTick() {

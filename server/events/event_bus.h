@@ -148,6 +148,8 @@ class EventBus final : public sessions::SessionObserver {
   // reads.
   void LoadLater(Scene& scene);
   void LoadUnread();
+  // Returns whether watchers have the scene.
+  bool IsPublished(const priors::SceneKey& key) const;
   void OnLoaded(const priors::SceneKey& key,
                 const absl::StatusOr<std::optional<priors::SceneEvidence>>& loaded);
   void ScheduleTick();

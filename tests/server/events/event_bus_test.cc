@@ -320,6 +320,21 @@ TEST_F(EventBusTest, AResetSendsEachRevokedSceneWithoutArmsAfterTheState) {
   EXPECT_THAT(sink_.posteriors.back().arms, Not(IsEmpty()));
 }
 
+TEST_F(EventBusTest, ASceneThatAnotherDaemonRevokedIsSentWithoutArms) {
+  Commit("a", "s", 1);
+  Commit("b", "t", 1);
+  RunJobs();
+  Tick();
+  sink_.names.clear();
+  store_.Revoke("s");
+  bus_.Reload(Scene("a"));
+  RunJobs();
+  RunReads();
+  sink_.TakeAll();
+  EXPECT_THAT(sink_.names, ElementsAre("b", "a"));
+  EXPECT_THAT(sink_.posteriors.back().arms, IsEmpty());
+}
+
 TEST_F(EventBusTest, ALaterWatcherHasTheStateWithoutTheStore) {
   sink_.subscriber.reset();
   for (size_t i = 0; i < 2 * EventBus::kPageSize; ++i)
