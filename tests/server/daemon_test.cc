@@ -20,6 +20,7 @@
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
+#include "sweepstake/v1/sessions.grpc.pb.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 #include "tests/server/host/no_descriptors.h"
 #include "tests/server/storage/failing_disk.h"
@@ -241,6 +242,11 @@ TEST_F(DaemonTest, AnImportDuringTheDrainIsRefusedAndStoresNothing) {
   record.set_source_id("file");
   record.set_source_sequence(1);
   ASSERT_TRUE(import->Write(request));
+  // The calls of a connection arrive in order, so the daemon has the import before it drains.
+  grpc::ClientContext list_context;
+  v1::ListSessionsResponse sessions;
+  const auto list = v1::SessionsService::NewStub(channel);
+  ASSERT_TRUE(list->ListSessions(&list_context, {}, &sessions).ok());
   std::thread drain([&] { daemon->Drain(std::chrono::minutes(10)); });
   while (!response.has_reconnect() && session->Read(&response)) continue;
   import->WritesDone();
