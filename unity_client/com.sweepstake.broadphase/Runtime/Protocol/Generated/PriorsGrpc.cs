@@ -170,7 +170,7 @@ namespace Sweepstake.Protocol.V1 {
       /// Adds all evidence of the stream or, on any error, none of it. The evidence waits in quarantine until it is promoted: until
       /// then no session uses it and no posterior includes it. Evidence of a source that the store already has replaces the stored one
       /// if it is newer, so importing a file twice changes nothing. The audit log records the import. Errors: INVALID_ARGUMENT names
-      /// the first invalid record; RESOURCE_EXHAUSTED (over the limits of an import, the quarantine or a project).
+      /// the first invalid record; RESOURCE_EXHAUSTED (over a limit of imports, the quarantine or a project); UNAVAILABLE (draining).
       /// </summary>
       /// <param name="headers">The initial metadata to send with the call. This parameter is optional.</param>
       /// <param name="deadline">An optional deadline for the call. The call will be cancelled if deadline is hit.</param>
@@ -185,7 +185,7 @@ namespace Sweepstake.Protocol.V1 {
       /// Adds all evidence of the stream or, on any error, none of it. The evidence waits in quarantine until it is promoted: until
       /// then no session uses it and no posterior includes it. Evidence of a source that the store already has replaces the stored one
       /// if it is newer, so importing a file twice changes nothing. The audit log records the import. Errors: INVALID_ARGUMENT names
-      /// the first invalid record; RESOURCE_EXHAUSTED (over the limits of an import, the quarantine or a project).
+      /// the first invalid record; RESOURCE_EXHAUSTED (over a limit of imports, the quarantine or a project); UNAVAILABLE (draining).
       /// </summary>
       /// <param name="options">The options for the call.</param>
       /// <returns>The call object.</returns>
