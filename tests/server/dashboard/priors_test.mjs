@@ -172,7 +172,7 @@ async function checkPriorOfBuild(page, daemon, commands) {
   const figure = page.locator('figure[data-chart=build]');
   await figure.getByRole('combobox').selectOption('1.2');
   assert.equal(query(page).get('build'), '1.2');
-  await figure.getByText('the evidence of build 1.2').waitFor();
+  await figure.getByText('including build 1.2').waitFor();
   await button(figure, 'Table').click();
   const rows = await valuesOf(figure);
   assert.deepEqual(rows.map(({ arm }) => arm), [...new Set(records.map(({ arm }) => arm))].sort());
