@@ -95,35 +95,27 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command.add_flag("--no-shadow", request.no_shadow,
                    "Disable the shadow lane of the policies that learn from it");
   LaneErrors& errors = study.lane_errors;
+  const auto add = [&command](const char* name, double& value, double min, double max,
+                              const char* description) {
+    command.add_option(name, value, description)->check(CLI::Range(min, max));
+  };
   command
       .add_option("--lane-ratio", request.lane_ratios,
                   "Time of an arm in the shadow lane ÷ on the frame thread (default: 1)")
       ->type_name("ARM RATIO");
-  command
-      .add_option("--lane-bias", errors.bias_deviation,
-                  "Standard deviation of that ratio's logarithm between arms; random in each game")
-      ->check(CLI::Range(0.0, 2.0));
-  command
-      .add_option("--lane-noise", errors.noise_deviation,
-                  "Standard deviation of the logarithm of the times of one arm's visits")
-      ->check(CLI::Range(0.0, 2.0));
-  command
-      .add_option("--lane-spikes", errors.spike_ratio,
-                  "Share of visits that are interrupted (Pareto, shape 1.5)")
-      ->check(CLI::Range(0.0, 1.0));
-  command
-      .add_option("--lane-contention", errors.contention_ratio,
-                  "Frame time during a visit of the lane ÷ frame time without one")
-      ->check(CLI::Range(1.0, 10.0));
-  command
-      .add_option("--frame-load", study.frame_load.ratio,
-                  "Frame time with other work on the frame thread's core ÷ without it; not counted "
-                  "in the regret")
-      ->check(CLI::Range(1.0, 100.0));
-  command
-      .add_option("--frame-load-share", study.frame_load.share,
-                  "Share of the time with that work, in stretches of 10 s on average")
-      ->check(CLI::Range(0.001, 0.999));
+  add("--lane-bias", errors.bias_deviation, 0.0, 2.0,
+      "Standard deviation of that ratio's logarithm between arms; random in each game");
+  add("--lane-noise", errors.noise_deviation, 0.0, 2.0,
+      "Standard deviation of the logarithm of the times of one arm's visits");
+  add("--lane-spikes", errors.spike_ratio, 0.0, 1.0,
+      "Share of visits that are interrupted (Pareto, shape 1.5)");
+  add("--lane-contention", errors.contention_ratio, 1.0, 10.0,
+      "Frame time during a visit of the lane ÷ frame time without one");
+  add("--frame-load", study.frame_load.ratio, 1.0, 100.0,
+      "Frame time with other work on the frame thread's core ÷ without it; not counted "
+      "in the regret");
+  add("--frame-load-share", study.frame_load.share, 0.001, 0.999,
+      "Share of the time with that work, in stretches of 10 s on average");
   command
       .add_option(
           "--priors", request.priors,

@@ -95,9 +95,7 @@ Result<CostTrace> Measure(const TraceCommandOptions& options, const TraceJob& jo
 
 int Trace(const TraceCommandOptions& options, Terminal& terminal) {
   const std::vector<TraceJob> jobs = JobsOf(options);
-  if (const Status status = CheckWords(options); !status.ok()) {
-    return Fail(terminal, status);
-  }
+  if (const Status status = CheckWords(options); !status.ok()) return Fail(terminal, status);
   const auto arms = ChooseArms(options.arms);
   if (!arms.ok()) return Fail(terminal, arms.status());
   if (const Status status = CheckPlaces(options, jobs); !status.ok()) return Fail(terminal, status);

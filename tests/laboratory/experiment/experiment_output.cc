@@ -33,6 +33,17 @@ std::string ReasonText(uint32_t reason) {
   return reason == 0 ? "" : ReasonName(static_cast<SwitchReason>(reason));
 }
 
+Json FiguresJson(const CellFigures& cell) {
+  return {{"switches", cell.switches.mean},
+          {"switches_sd", cell.switches.deviation},
+          {"active_percent", cell.active_percent.mean},
+          {"active_percent_sd", cell.active_percent.deviation},
+          {"mu", cell.posterior_mean.mean},
+          {"mu_sd", cell.posterior_mean.deviation},
+          {"n", cell.evidence.mean},
+          {"n_sd", cell.evidence.deviation}};
+}
+
 // Returns the row of a cell and policy as a flat object, apart from the list of dominant arms.
 Json RowJson(const ExperimentReport& report, const CellSummary& cell) {
   Json row = {{"policy", cell.policy},
@@ -41,21 +52,14 @@ Json RowJson(const ExperimentReport& report, const CellSummary& cell) {
               {"runs", cell.runs.size()},
               {"dominance", cell.DominanceText()},
               {"dominant", cell.dominance.front().first},
-              {"verdict", VerdictName(cell.verdict)},
-              {"switches", cell.switches.mean},
-              {"switches_sd", cell.switches.deviation},
-              {"active_percent", cell.active_percent.mean},
-              {"active_percent_sd", cell.active_percent.deviation},
-              {"mu", cell.posterior_mean.mean},
-              {"mu_sd", cell.posterior_mean.deviation},
-              {"n", cell.evidence.mean},
-              {"n_sd", cell.evidence.deviation},
-              {"cell", cell.cell.label()},
+              {"verdict", VerdictName(cell.verdict)}};
+  row.update(FiguresJson(cell));
+  row.update({{"cell", cell.cell.label()},
               {"own_policy", OwnPolicyName(cell.policy)},
               {"interpretation", cell.Interpretation()},
               {"dominant_runs", ListJson(cell.dominance, [](const auto& dominant) -> Json {
                  return {{"arm", dominant.first}, {"runs", dominant.second}};
-               })}};
+               })}});
   const CellTruth* const truth = report.truths.Of(cell.cell);
   if (truth == nullptr) return row;
   row["truly_fastest"] = truth->ranking.front().arm;
@@ -67,21 +71,12 @@ Json RowJson(const ExperimentReport& report, const CellSummary& cell) {
 
 // Returns the paper's printed values of a cell, with the keys of our own rows.
 Json PaperJson(const PaperCell& cell) {
-  return {{"scene", cell.scene},
-          {"objects", cell.object_count},
-          {"dominance", cell.dominance},
-          {"interpretation", cell.interpretation},
-          {"dominant", cell.dominant},
-          {"dominant_runs", cell.dominant_run_count},
-          {"runs", kPaperRunCount},
-          {"switches", cell.switches.mean},
-          {"switches_sd", cell.switches.deviation},
-          {"active_percent", cell.active_percent.mean},
-          {"active_percent_sd", cell.active_percent.deviation},
-          {"mu", cell.posterior_mean.mean},
-          {"mu_sd", cell.posterior_mean.deviation},
-          {"n", cell.evidence.mean},
-          {"n_sd", cell.evidence.deviation}};
+  Json row = {{"scene", cell.scene},         {"objects", cell.object_count},
+              {"dominance", cell.dominance}, {"interpretation", cell.interpretation},
+              {"dominant", cell.dominant},   {"dominant_runs", cell.dominant_run_count},
+              {"runs", kPaperRunCount}};
+  row.update(FiguresJson(cell));
+  return row;
 }
 
 // Returns whether the policy chose another arm but was not allowed to switch.
@@ -459,7 +454,7 @@ std::string PaperSceneName(const std::string& scene) {
   return scene;
 }
 
-std::string PaperText(const PaperFigure& figure, int decimals) {
+std::string PaperText(const Spread& figure, int decimals) {
   return SpreadText({figure.mean, figure.deviation, kPaperRunCount}, decimals);
 }
 

@@ -21,7 +21,6 @@ struct Spread {
   double deviation = 0;
   size_t count = 0;
 };
-Spread SpreadOf(const std::vector<double>& values);
 
 // A period in which one arm was active.
 struct ArmPeriod {
@@ -49,19 +48,22 @@ struct PlayedRun {
 // Summarizes a run. The result keeps a pointer to `record`.
 PlayedRun Summarize(const RunRecord& record);
 
+// The figures of a row of Table 4. All but `switches` are taken over the runs in which the most
+// frequent dominant arm is the dominant one.
+struct CellFigures {
+  Spread switches;  // after the exploration, over all runs
+  Spread active_percent;
+  Spread posterior_mean;  // μ* = α ÷ (α + β)
+  Spread evidence;        // n* = α + β
+};
+
 // A row of the tables: all runs of one cell and policy.
-struct CellSummary {
+struct CellSummary : CellFigures {
   ExperimentCell cell;
   std::string policy;
   std::vector<PlayedRun> runs;                              // by run number
   std::vector<std::pair<std::string, uint32_t>> dominance;  // arms with run counts, descending
-  // Taken over all runs.
-  Spread switches;
-  // The next three are taken over the runs in which dominance.front() is the dominant arm.
-  Spread active_percent;
-  Spread posterior_mean;
-  Spread evidence;
-  Verdict verdict = Verdict::kUnknown;  // the most frequent verdict of the runs
+  Verdict verdict = Verdict::kUnknown;                      // the most frequent verdict of the runs
 
   // Returns the dominance as text, such as "KDTree 3/5; AxisSweep 2/5".
   std::string DominanceText() const;
@@ -74,25 +76,15 @@ struct CellSummary {
 std::vector<CellSummary> SummarizeCells(const ExperimentPlan& plan,
                                         const std::vector<RunRecord>& records);
 
-// Tables 3 and 4 of the paper as printed (section 7), for comparison with an experiment's results.
-
-struct PaperFigure {
-  double mean = 0;
-  double deviation = 0;  // sample standard deviation
-};
-
-// A cell of the paper's grid: 5 runs of 15 minutes.
-struct PaperCell {
+// A cell of the paper's grid (5 runs of 15 minutes) with its rows of Tables 3 and 4 as printed in
+// section 7, for comparison with an experiment's results. The counts of its spreads are 0.
+struct PaperCell : CellFigures {
   std::string_view scene;  // a value of --scene
   uint32_t object_count = 0;
   std::string_view dominance;       // Table 3's column, as "KDTree 3/5; AxisSweep 2/5"
   std::string_view interpretation;  // Table 3's column
   std::string_view dominant;        // Table 4: the most frequent dominant arm
   uint32_t dominant_run_count = 0;  // out of kPaperRunCount runs
-  PaperFigure switches;             // after the exploration, over all runs
-  PaperFigure active_percent;       // over the dominant runs
-  PaperFigure posterior_mean;       // μ* = α ÷ (α + β), over the dominant runs
-  PaperFigure evidence;             // n* = α + β, over the dominant runs
 };
 
 inline constexpr uint32_t kPaperRunCount = 5;

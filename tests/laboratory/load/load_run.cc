@@ -36,12 +36,6 @@ constexpr int64_t kPatienceNs = 10 * kSecondNs;
 constexpr double kMaxHellosPerSecond = 2000;
 constexpr double kLongestSpreadS = 10;
 
-void SleepUntil(int64_t ns) {
-  std::this_thread::sleep_until(std::chrono::steady_clock::time_point(
-      std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-          std::chrono::nanoseconds(ns))));
-}
-
 // Returns the CPU time of a process on this machine in seconds, from /proc/PID/stat (proc(5),
 // fields 14 and 15). Returns nothing if the process does not exist.
 std::optional<double> CpuSeconds(int64_t pid) {
@@ -208,7 +202,6 @@ class LoadRun {
   void AwaitAcknowledgements(int64_t end_ns);
   Status Shortfall();
   void SayGoodbye();
-  uint64_t UpCount();
   // Returns whether every stream either has its welcome or was kicked, that is, ended by an
   // operator of the daemon. A kicked stream does not reconnect. REQUIRES: mutex_ is held.
   bool AllThere() const { return up_count_ + kicked_count_ == plan_.stream_count; }
@@ -557,7 +550,8 @@ bool LoadRun::RunUntil(int64_t end_ns, Done done) {
     if (done()) return true;
     if (now_ns >= end_ns || stop_()) return false;
     const int64_t next_ns = timers_.empty() ? end_ns : timers_.begin()->first;
-    SleepUntil(std::min({next_ns, end_ns, now_ns + kLongestSleepNs}));
+    std::this_thread::sleep_for(
+        std::chrono::nanoseconds(std::min({next_ns, end_ns, now_ns + kLongestSleepNs}) - NowNs()));
   }
 }
 
@@ -613,11 +607,6 @@ void LoadRun::Reconnect(int64_t now_ns) {
   }
 }
 
-uint64_t LoadRun::UpCount() {
-  const std::lock_guard lock(mutex_);
-  return up_count_;
-}
-
 bool LoadRun::AllUpOrRefused() {
   const std::lock_guard lock(mutex_);
   return AllThere() || (result_.welcome_count == 0 && lost_.size() == plan_.stream_count);
@@ -634,7 +623,8 @@ void LoadRun::AwaitEnd(int64_t end_ns) {
 void LoadRun::ShowProgress(int64_t now_ns) {
   if (now_ns < progress_due_ns_) return;
   progress_due_ns_ = now_ns + kSecondNs;
-  progress_(std::to_string(UpCount()) + " of " + std::to_string(plan_.stream_count) + " streams, " +
+  const std::lock_guard lock(mutex_);
+  progress_(std::to_string(up_count_) + " of " + std::to_string(plan_.stream_count) + " streams, " +
             std::to_string(result_.batch_count) + " batches sent");
 }
 

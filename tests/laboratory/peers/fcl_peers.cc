@@ -134,11 +134,6 @@ class FclPeer final : public Peer {
   std::unique_ptr<CollisionSpace> manager_;
 };
 
-template <FclPeer::MakeManager kMake>
-std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
-  return std::make_unique<FclPeer>(name, kMake);
-}
-
 }  // namespace
 
 void AddFclPeers(PeerLibrary& library) {
@@ -149,15 +144,16 @@ void AddFclPeers(PeerLibrary& library) {
   library.version = FCL_VERSION;
   library.kinds = {
       {"FclBruteForce", "BruteForce", 20'000, false,
-       Make<MakeSpace<fcl::NaiveCollisionManager<S>>>},
-      {"FclSpatialHash", "Grid", 200'000, false, Make<MakeHash>},
-      {"FclSSaP", "SAP", kMaxInSweep, false, Make<MakeSpace<fcl::SSaPCollisionManager<S>>>},
+       MakePeer<FclPeer, MakeSpace<fcl::NaiveCollisionManager<S>>>},
+      {"FclSpatialHash", "Grid", 200'000, false, MakePeer<FclPeer, MakeHash>},
+      {"FclSSaP", "SAP", kMaxInSweep, false,
+       MakePeer<FclPeer, MakeSpace<fcl::SSaPCollisionManager<S>>>},
       {"FclDynamicTree", "DBVT", 200'000, false,
-       Make<MakeSpace<fcl::DynamicAABBTreeCollisionManager<S>>>},
+       MakePeer<FclPeer, MakeSpace<fcl::DynamicAABBTreeCollisionManager<S>>>},
       {"FclDynamicTreeArray", "DBVT", 200'000, false,
-       Make<MakeSpace<fcl::DynamicAABBTreeCollisionManager_Array<S>>>},
+       MakePeer<FclPeer, MakeSpace<fcl::DynamicAABBTreeCollisionManager_Array<S>>>},
       {"FclIntervalTree", "SAP", kMaxInSweep, false,
-       Make<MakeSpace<fcl::IntervalTreeCollisionManager<S>>>},
+       MakePeer<FclPeer, MakeSpace<fcl::IntervalTreeCollisionManager<S>>>},
   };
 }
 

@@ -112,11 +112,6 @@ class OdePeer final : public Peer {
   std::vector<dGeomID> geoms_;
 };
 
-template <OdePeer::MakeSpace kMake>
-std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
-  return std::make_unique<OdePeer>(name, kMake);
-}
-
 }  // namespace
 
 void AddOdePeers(PeerLibrary& library) {
@@ -124,9 +119,9 @@ void AddOdePeers(PeerLibrary& library) {
   // dHashSpace is left out: version 0.16.2 misses pairs (one in frame 4 of 400 objects of the scene
   // spawning).
   library.kinds = {
-      {"OdeSimpleSpace", "BruteForce", 20'000, false, Make<MakeSimple>},
-      {"OdeSweepSpace", "SAP", 30'000, false, Make<MakeSweep>},
-      {"OdeQuadtreeSpace", "DBVT", 30'000, false, Make<MakeQuadtree>},
+      {"OdeSimpleSpace", "BruteForce", 20'000, false, MakePeer<OdePeer, MakeSimple>},
+      {"OdeSweepSpace", "SAP", 30'000, false, MakePeer<OdePeer, MakeSweep>},
+      {"OdeQuadtreeSpace", "DBVT", 30'000, false, MakePeer<OdePeer, MakeQuadtree>},
   };
 }
 

@@ -73,10 +73,10 @@ Aabb RoomyBounds(std::span<const Aabb> boxes);
 // from any thread.
 std::vector<PeerLibrary> PeerLibraries();
 
-// Makes a peer that always uses one thread.
-template <typename T>
+// Makes a peer that always uses one thread. `kArguments` follow the name in its constructor.
+template <typename T, auto... kArguments>
 std::unique_ptr<Peer> MakePeer(std::string_view name, uint32_t /*thread_count*/) {
-  return std::make_unique<T>(name);
+  return std::make_unique<T>(name, kArguments...);
 }
 
 // Each function fills in the version and the kinds of its library and is defined in that library's

@@ -205,10 +205,9 @@ class TracePass {
   // Repeats the arm's values of the previous frame. Never called in the first block, in which every
   // arm is measured.
   void CopyLastFrame(uint32_t frame, size_t arm) {
-    const size_t at = frame * arm_count() + arm;
-    trace_.detection_ns[at] = trace_.detection_ns[at - arm_count()];
-    trace_.aabb_check_count[at] = trace_.aabb_check_count[at - arm_count()];
-    trace_.native_bytes[at] = trace_.native_bytes[at - arm_count()];
+    const size_t last = (frame - 1) * arm_count() + arm;
+    Put(frame, arm,
+        {trace_.detection_ns[last], trace_.aabb_check_count[last], trace_.native_bytes[last]});
   }
 
   void NotePace(size_t arm, ArmTurn turn, const std::vector<FrameCost>& costs) {
@@ -373,12 +372,8 @@ Result<CostTrace> RunTracePass(Scene& scene, const TracePlan& plan,
 }
 
 CostTrace MergeRuns(std::vector<CostTrace> runs) {
-  TakeQuartiles(
-      runs, [](CostTrace & run) -> auto& { return run.step_ns; });
-  TakeQuartiles(
-      runs, [](CostTrace & run) -> auto& { return run.control_ns; });
-  TakeQuartiles(
-      runs, [](CostTrace & run) -> auto& { return run.detection_ns; });
+  for (const auto column : {&CostTrace::step_ns, &CostTrace::control_ns, &CostTrace::detection_ns})
+    TakeQuartiles(runs, std::mem_fn(column));
   for (size_t i = 0; i < runs.front().bursts.size(); ++i) {
     TakeQuartiles(
         runs, [i](CostTrace & run) -> auto& { return run.bursts[i].detection_ns; });
