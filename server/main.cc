@@ -25,6 +25,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
+#include "engine_client/text/counts.h"
 #include "engine_client/text/names.h"
 #include "server/config.h"
 #include "server/daemon.h"
@@ -158,9 +159,11 @@ int CheckConfig(const std::string& file) {
 int ReportContents(const std::string& file,
                    const absl::StatusOr<sweepstake::storage::StoreContents>& contents) {
   if (!contents.ok()) return Fail(kCheckFailed, std::string(contents.status().message()));
-  std::cout << file << ": undamaged; " << contents->record_count << " records of "
-            << contents->source_count << " sources about " << contents->scene_count << " scenes, "
-            << contents->audit_row_count << " rows of the audit log\n";
+  std::cout << file << ": undamaged; "
+            << sweepstake::text::Counted(contents->record_count, "record") << " of "
+            << sweepstake::text::Counted(contents->source_count, "source") << " about "
+            << sweepstake::text::Counted(contents->scene_count, "scene") << ", "
+            << sweepstake::text::Counted(contents->audit_row_count, "row") << " of the audit log\n";
   if (contents->damaged_row_count == 0) return kDone;
   return Fail(kCheckFailed, absl::StrCat(contents->damaged_row_count,
                                          " damaged rows of the database are not in ", file,

@@ -15,6 +15,7 @@
 #include "engine_client/cli/priors/priors_text.h"
 #include "engine_client/decider/embedded/priors_file.h"
 #include "engine_client/decider/pooling/priors_sums.h"
+#include "engine_client/text/counts.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -55,9 +56,9 @@ int RunPriorsList(const PriorsOptions& options, Terminal& terminal) {
 
 std::string DescribeWaiting(uint64_t count) {
   if (count == 0) return "";
-  return std::to_string(count) +
-         " records are in quarantine and not part of any sum; `sweepstake priors promote` makes "
-         "them count";
+  return text::Counted(count, "record") +
+         " in quarantine, not part of any sum; `sweepstake priors promote` makes quarantined "
+         "records count";
 }
 
 // The content of an export file.
@@ -112,9 +113,10 @@ int RunPriorsExport(const PriorsOptions& options, Terminal& terminal) {
                          {"sums", options.sums},
                          {"left_waiting", file->waiting_count}};
   PrintResult(terminal, options.json, document,
-              options.file + ": " + std::to_string(file->count) +
-                  (options.sums ? " sums of builds\n" : " records\n") + waiting +
-                  (waiting.empty() ? "" : "\n"));
+              options.file + ": " +
+                  (options.sums ? text::Counted(file->count, "sum") + " of builds"
+                                : text::Counted(file->count, "record")) +
+                  "\n" + waiting + (waiting.empty() ? "" : "\n"));
   return kDone;
 }
 
@@ -155,20 +157,19 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
                          {"unchanged", result->unchanged_count}, {"absent", result->absent_count},
                          {"promoted", options.promote},          {"sums", sum_count}};
   PrintResult(terminal, options.json, document,
-              options.file + ": " + std::to_string(result->applied_count) + " of " +
-                  std::to_string(records->size()) + " records were new or newer, " +
-                  std::to_string(result->unchanged_count) + " were already known\n" +
-                  WaitsText(options, *result) + AbsentText(result->absent_count) +
-                  SumsText(sum_count));
+              options.file + ": " + text::Counted(records->size(), "record") +
+                  "; new or newer: " + std::to_string(result->applied_count) + ", already known: " +
+                  std::to_string(result->unchanged_count) + "\n" + WaitsText(options, *result) +
+                  AbsentText(result->absent_count) + SumsText(sum_count));
   return kDone;
 }
 
 // Returns text about the evidence that was revoked or promoted, or would be with --yes.
 template <typename Result>
 std::string CountsText(const Result& result) {
-  return Counted(result.source_count(), "source") + " with " +
-         Counted(result.record_count(), "record") + " of " + std::to_string(result.window_count()) +
-         " windows and visits";
+  return text::Counted(result.source_count(), "source") + " with " +
+         text::Counted(result.record_count(), "record") + " of " +
+         std::to_string(result.window_count()) + " windows and visits";
 }
 
 template <typename Result>
@@ -181,7 +182,7 @@ std::string DoneText(const PriorsOptions& options, const Result& result, const s
 std::string LeadersText(const v1::LeaderChanges& changes) {
   if (changes.scene_count() == 0) return "";
   std::string text =
-      "another arm would be the leader of " + Counted(changes.scene_count(), "scene") + ":\n";
+      "another arm would be the leader of " + text::Counted(changes.scene_count(), "scene") + ":\n";
   const auto named = [](const std::string& arm) { return arm.empty() ? "none" : arm; };
   for (const v1::LeaderChange& change : changes.scenes()) {
     text += "  " + change.project() + " / " + change.scene();
@@ -274,7 +275,7 @@ int RunPromote(const PriorsOptions& options, Terminal& terminal) {
   PrintResult(terminal, options.json, document,
               result->source_count() == 0
                   ? none
-                  : CountsText(*result) + " for " + Counted(result->scene_count(), "scene") +
+                  : CountsText(*result) + " for " + text::Counted(result->scene_count(), "scene") +
                         DoneText(options, *result, "promoted") +
                         LeadersText(result->leader_changes()));
   return kDone;

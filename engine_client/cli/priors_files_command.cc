@@ -21,6 +21,7 @@
 #include "engine_client/decider/embedded/evidence_ledger.h"
 #include "engine_client/decider/policy/log_cost.h"
 #include "engine_client/decider/pooling/priors_sums.h"
+#include "engine_client/text/counts.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/machine_class.h"
@@ -182,7 +183,7 @@ int RunMerge(const PriorsFileOptions& options, Terminal& terminal) {
   const Json document = {
       {"command", "priors merge"}, {"file", options.out}, {"records", united.size()}};
   PrintResult(terminal, options.json, document,
-              options.out + ": " + std::to_string(united.size()) + " records\n");
+              options.out + ": " + text::Counted(united.size(), "record") + "\n");
   return kDone;
 }
 

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "engine_client/decider/session/policy_registry.h"
+#include "engine_client/text/counts.h"
 #include "server/sessions/common/reasons.h"
 #include "server/sessions/scene_quota.h"
 
@@ -145,20 +146,22 @@ std::vector<std::string> Describe(const decision::Prior& prior, bool compares_so
   constexpr size_t kMaxLines = 8;
   std::vector<std::string> lines;
   if (!compares_sources && prior.source_count > 0)
-    lines.push_back(absl::StrCat("the summed evidence of ", prior.source_count, " sources"));
+    lines.push_back(
+        absl::StrCat("the summed evidence of ", text::Counted(prior.source_count, "source")));
   for (const decision::SourceGroup& group : prior.groups) {
     if (lines.size() == kMaxLines) {
-      lines.push_back(absl::StrCat("and ", prior.groups.size() - kMaxLines, " more groups"));
+      lines.push_back(
+          absl::StrCat("and ", text::Counted(prior.groups.size() - kMaxLines, "more group")));
       break;
     }
     const auto named = [](const std::string& name) { return name.empty() ? "unknown" : name; };
-    lines.push_back(absl::StrFormat("%d sources of build %s on %s with weight %g",
-                                    group.source_count, named(group.build),
+    lines.push_back(absl::StrFormat("%s of build %s on %s with weight %g",
+                                    text::Counted(group.source_count, "source"), named(group.build),
                                     named(group.machine_class), group.weight));
   }
   if (prior.other_scene_count > 0)
-    lines.push_back(absl::StrCat("the evidence that ", prior.other_scene_count,
-                                 " other scenes have in common"));
+    lines.push_back(absl::StrCat("the evidence in common of ",
+                                 text::Counted(prior.other_scene_count, "other scene")));
   return lines;
 }
 

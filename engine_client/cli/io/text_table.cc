@@ -70,16 +70,6 @@ std::string Fixed(double value, int decimals) {
 
 std::string Percent(double ratio, int decimals) { return Fixed(100 * ratio, decimals) + " %"; }
 
-std::string Grouped(uint64_t value) {
-  std::string text = std::to_string(value);
-  for (size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, ",");
-  return text;
-}
-
-std::string Counted(uint64_t count, const std::string& noun) {
-  return Grouped(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
 size_t LetterCount(std::string_view text) {
   return static_cast<size_t>(std::count_if(text.begin(), text.end(), [](char byte) {
     return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;

@@ -40,12 +40,6 @@ std::string Fixed(double value, int decimals);
 // Returns 100 times `ratio` with `decimals` digits after the point: "12.3 %".
 std::string Percent(double ratio, int decimals);
 
-// Returns the number with commas between thousands: "12,345,678".
-std::string Grouped(uint64_t value);
-
-// Returns the number with the noun, in the plural unless the number is 1: "2 sources".
-std::string Counted(uint64_t count, const std::string& noun);
-
 // Returns the number of characters (not bytes) of UTF-8 text.
 size_t LetterCount(std::string_view text);
 

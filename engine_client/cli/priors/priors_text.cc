@@ -4,6 +4,7 @@
 
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
+#include "engine_client/text/counts.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -44,11 +45,11 @@ Json KeyJson(const decision::PriorsGroupKey& key) {
 std::string ShowText(const PriorsGroups& groups) {
   TextTable table({"arm", "version", "windows", "visits", "bail-outs", "cost ratio"});
   for (const auto& [key, group] : groups) {
-    table.AddTitle(NameOf(key) + ", " + Counted(group.sources.size(), "source"));
+    table.AddTitle(NameOf(key) + ", " + text::Counted(group.sources.size(), "source"));
     for (const auto& [name, arm] : group.arms)
-      table.AddRow({name, std::to_string(arm.version), Grouped(arm.evidence.window_count),
-                    Grouped(arm.evidence.visit_count), Grouped(arm.evidence.bail_out_count),
-                    RatioText(arm)});
+      table.AddRow({name, std::to_string(arm.version), text::Grouped(arm.evidence.window_count),
+                    text::Grouped(arm.evidence.visit_count),
+                    text::Grouped(arm.evidence.bail_out_count), RatioText(arm)});
   }
   return table.Text();
 }

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine_client/decider/pooling/priors_diff.h"
 #include "engine_client/decider/pooling/priors_sums.h"
+#include "engine_client/text/counts.h"
 #include "engine_client/text/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/leader_preview.h"
@@ -233,9 +234,9 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     answer.set_applied_count(result->applied_count);
     answer.set_unchanged_count(result->unchanged_count);
     response_ = Serialize(answer);
-    const std::string action = absl::StrCat("imported ", records_.size(), " records, ",
-                                            result->applied_count, " of them new or newer, which ",
-                                            promotes_ ? "count at once" : "wait in quarantine");
+    const std::string action = absl::StrCat(
+        "imported ", text::Counted(records_.size(), "record"), ", ", result->applied_count,
+        " of them new or newer, which ", promotes_ ? "count at once" : "wait in quarantine");
     context_.log.info("{} {}", NameForLog(caller_), action);
     context_.admin.Record(NameAndAddress(caller_), action);
     End(absl::OkStatus());
@@ -322,8 +323,8 @@ absl::StatusOr<priors::SourceFilter> FilterOf(const v1::SourceFilter& sources,
 // caller.
 std::string ChangeText(const char* verb, const priors::ChangeResult& result,
                        const v1::SourceFilter& sources) {
-  std::string text = absl::StrCat(verb, " ", result.source_count, " sources with ",
-                                  result.record_count, " records");
+  std::string text = absl::StrCat(verb, " ", text::Counted(result.source_count, "source"), " with ",
+                                  text::Counted(result.record_count, "record"));
   const auto add = [&text](const char* what, const auto& value) {
     if (value != std::remove_cvref_t<decltype(value)>{})
       absl::StrAppend(&text, ", ", what, " ", value);

@@ -97,7 +97,7 @@ TEST_F(MigrationProgram, EvidenceMovesThereAndBackAndTheSessionContinues) {
   const Ran there = RunDaemonProgram("migrate to-store" + Paths());
   EXPECT_EQ(there.exit_code, 0) << there.said;
   EXPECT_THAT(there.said, HasSubstr("sweepstaked: evidence: 1 of 1 rows\n"));
-  EXPECT_THAT(there.said, HasSubstr(": undamaged; 1 records of 1 sources about 1 scenes"));
+  EXPECT_THAT(there.said, HasSubstr(": undamaged; 1 record of 1 source about 1 scene"));
   const Ran again = RunDaemonProgram("migrate to-store" + Paths());
   EXPECT_EQ(again.exit_code, 1);
   EXPECT_THAT(again.said, HasSubstr("already contains evidence; name another database"));

@@ -12,6 +12,7 @@
 #include "engine_client/cli/io/whole_file.h"
 #include "engine_client/decider/audit/csv.h"
 #include "engine_client/decider/types.h"
+#include "engine_client/text/counts.h"
 #include "sweepstake/broad_phase.h"
 #include "tests/laboratory/replay/replay_output.h"
 
@@ -464,14 +465,14 @@ std::string Frequency(uint32_t count, size_t of) {
 
 void AddTable3Row(const CellSummary& cell, TextTable& table) {
   const PaperCell* paper = PaperOf(cell);
-  table.AddRow({PaperSceneName(cell.cell.scene), Grouped(cell.cell.object_count),
+  table.AddRow({PaperSceneName(cell.cell.scene), text::Grouped(cell.cell.object_count),
                 cell.DominanceText(), cell.Interpretation(),
                 paper == nullptr ? "–" : std::string(paper->dominance)});
 }
 
 void AddTable4Rows(const CellSummary& cell, TextTable& table) {
   const auto& [dominant, count] = cell.dominance.front();
-  table.AddRow({PaperSceneName(cell.cell.scene), Grouped(cell.cell.object_count), dominant,
+  table.AddRow({PaperSceneName(cell.cell.scene), text::Grouped(cell.cell.object_count), dominant,
                 Frequency(count, cell.runs.size()), SpreadText(cell.switches, 1),
                 SpreadText(cell.active_percent, 1),
                 SpreadText(cell.posterior_mean, 3) + " / " + SpreadText(cell.evidence, 1)});

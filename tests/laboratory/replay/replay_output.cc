@@ -10,6 +10,7 @@
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/decider/session/policy_registry.h"
+#include "engine_client/text/counts.h"
 #include "tests/laboratory/policies/study_policies.h"
 
 namespace sweepstake::cli {
@@ -130,8 +131,8 @@ Json DifferenceJson(const std::optional<AuditDifference>& difference) {
 
 std::string UnderivedText(const AuditReport& report) {
   if (report.incomplete_segment_count == 0) return "";
-  return Counted(report.underived_decision_count, "decision") + " in " +
-         Counted(report.incomplete_segment_count, "segment") +
+  return text::Counted(report.underived_decision_count, "decision") + " in " +
+         text::Counted(report.incomplete_segment_count, "segment") +
          " cannot be re-derived: earlier rows are missing, because the size of the log is "
          "limited or a write failed\n";
 }
@@ -244,8 +245,8 @@ Json ReplayLogJson(const AuditReport& report, const std::string& file) {
 }
 
 std::string ReplayLogText(const AuditReport& report) {
-  return Counted(report.decision_count, "decision") + " in " +
-         Counted(report.segment_count, "segment") + " re-derived, " +
+  return text::Counted(report.decision_count, "decision") + " in " +
+         text::Counted(report.segment_count, "segment") + " re-derived, " +
          (report.difference ? "then a row differs:\n" + report.difference->Text() : "all equal") +
          '\n' + UnderivedText(report);
 }

@@ -101,7 +101,7 @@ TEST_F(AuditTest, TheSetupRowListsTheSourcesOfThePriorAndTheirWeights) {
   const std::vector<decision::AuditRow> rows = ExportAudit();
   EXPECT_THAT(rows.at(0).setup->origin.prior_sources,
               ElementsAre("2 sources of build 1.1 on desktop with weight 0.5",
-                          "1 sources of build 1.0 on desktop with weight 0.25"));
+                          "1 source of build 1.0 on desktop with weight 0.25"));
   Derived(rows);
 }
 

@@ -102,12 +102,12 @@ TEST(PriorsCommand, ExportsAFileThatImportReads) {
   daemon.priors.imported->clear();
   EXPECT_EQ(RunCommand("priors import --in " + file + at).out,
             file +
-                ": 1 of 2 records were new or newer, 1 were already known\n"
+                ": 2 records; new or newer: 1, already known: 1\n"
                 "they are in quarantine, and count after `sweepstake priors promote`\n");
   EXPECT_EQ(daemon.priors.imported->size(), 2U);
   EXPECT_FALSE(daemon.priors.promotes);
   EXPECT_EQ(RunCommand("priors import --promote --in " + file + at).out,
-            file + ": 3 of 2 records were new or newer, 1 were already known\n");
+            file + ": 2 records; new or newer: 3, already known: 1\n");
   EXPECT_TRUE(daemon.priors.promotes);
 }
 
@@ -225,8 +225,8 @@ TEST(PriorsCommand, AnExportOfSumsCountsTheRecordsInQuarantine) {
   for (const char* const selection : {"", " --project p"}) {
     const CommandRun none = RunCommand(command + " --sums" + selection);
     EXPECT_EQ(none.exit_code, 1);
-    EXPECT_THAT(none.err, AllOf(HasSubstr("p.json was not changed"),
-                                HasSubstr("1 records are in quarantine")));
+    EXPECT_THAT(none.err,
+                AllOf(HasSubstr("p.json was not changed"), HasSubstr("1 record in quarantine")));
   }
   v1::PriorRecord& counts = *part.add_records();
   counts = record;
@@ -234,9 +234,9 @@ TEST(PriorsCommand, AnExportOfSumsCountsTheRecordsInQuarantine) {
   daemon.priors.parts = std::vector{part};
   EXPECT_EQ(RunCommand(command + " --sums").out,
             file +
-                ": 1 sums of builds\n"
-                "1 records are in quarantine and not part of any sum; `sweepstake priors promote` "
-                "makes them count\n");
+                ": 1 sum of builds\n"
+                "1 record in quarantine, not part of any sum; `sweepstake priors promote` makes "
+                "quarantined records count\n");
   EXPECT_THAT(RunCommand(command + " --sums --json").out, HasSubstr("\"left_waiting\": 1"));
   EXPECT_THAT(RunCommand(command + " --json").out, HasSubstr("\"left_waiting\": 0"))
       << "the file contains the quarantined records";

@@ -61,13 +61,6 @@ TEST(Fixed, RoundsToTheDecimals) {
   EXPECT_EQ(Fixed(1e6, 3), "1000000.000");
 }
 
-TEST(Grouped, SetsACommaBeforeEveryThirdDigitFromTheRight) {
-  EXPECT_EQ(Grouped(0), "0");
-  EXPECT_EQ(Grouped(999), "999");
-  EXPECT_EQ(Grouped(1000), "1,000");
-  EXPECT_EQ(Grouped(12'345'678), "12,345,678");
-}
-
 TEST(LetterCount, CountsCharacters) {
   EXPECT_EQ(LetterCount(""), 0U);
   EXPECT_EQ(LetterCount("a · →"), 5U);

@@ -183,7 +183,7 @@ TEST(DaemonProgram, ABackupThatOmitsDamagedRowsIsKeptAndReported) {
           .ok());
   const ProgramRun backup = RunDaemonProgram("backup " + file + " --data " + data.path().string());
   EXPECT_EQ(backup.exit_code, 1);
-  EXPECT_THAT(backup.out, HasSubstr("monday.db: undamaged; 1 records of 1 sources"));
+  EXPECT_THAT(backup.out, HasSubstr("monday.db: undamaged; 1 record of 1 source"));
   EXPECT_THAT(backup.err, HasSubstr("1 damaged rows of the database are not in " + file));
   EXPECT_EQ(RunDaemonProgram("restore " + file + " --verify").exit_code, 0);
 }

@@ -103,7 +103,7 @@ TEST_F(PromoteTest, AnImportReachesNoSessionAndNoPosteriorUntilItIsPromoted) {
   EXPECT_TRUE(Stored().arms.empty()) << "a preview changes nothing";
   ASSERT_TRUE(Eventually([&] { return AdminRows().size() == 1; })) << "the row of the import";
   EXPECT_THAT(AdminRows()[0],
-              HasSubstr(" imported 1 records, 1 of them new or newer, which wait in quarantine"));
+              HasSubstr(" imported 1 record, 1 of them new or newer, which wait in quarantine"));
 
   request.set_preview(false);
   ASSERT_TRUE(Promote(request).ok());
@@ -113,7 +113,7 @@ TEST_F(PromoteTest, AnImportReachesNoSessionAndNoPosteriorUntilItIsPromoted) {
   EXPECT_FALSE(Export()[0].is_quarantined());
   EXPECT_TRUE(Export(/*quarantined_only=*/true).empty());
   ASSERT_TRUE(Eventually([&] { return AdminRows().size() == 2; }));
-  EXPECT_THAT(AdminRows()[1], AllOf(HasSubstr(" promoted 1 sources with 1 records, build 0.9"),
+  EXPECT_THAT(AdminRows()[1], AllOf(HasSubstr(" promoted 1 source with 1 record, build 0.9"),
                                     StartsWith("token all at ")));
   ASSERT_TRUE(Promote(request).ok());
   EXPECT_EQ(promoted_.record_count(), 0u) << "the record already counts";
@@ -125,7 +125,7 @@ TEST_F(PromoteTest, AnImportWithPromoteCountsAtOnce) {
   EXPECT_TRUE(Export(/*quarantined_only=*/true).empty());
   ASSERT_TRUE(Eventually([&] { return AdminRows().size() == 1; }));
   EXPECT_THAT(AdminRows()[0],
-              HasSubstr(" imported 1 records, 1 of them new or newer, which count at once"));
+              HasSubstr(" imported 1 record, 1 of them new or newer, which count at once"));
 }
 
 TEST_F(PromoteTest, AnExportHasWaitingRecordsAfterCountingOnesInPages) {
