@@ -27,7 +27,7 @@ std::vector<PaperGame> Play(const PaperRules& rules, const PaperCell& cell, cons
 }
 
 // `deviation` is the standard deviation of the figure between runs.
-PaperResidual Compare(std::string_view name, const PaperFigure& paper, const PaperFigure& ours,
+PaperResidual Compare(std::string_view name, const Spread& paper, const Spread& ours,
                       double deviation, uint32_t run_count) {
   const double error = deviation / std::sqrt(static_cast<double>(run_count));
   const double difference = ours.mean - paper.mean;
@@ -36,13 +36,13 @@ PaperResidual Compare(std::string_view name, const PaperFigure& paper, const Pap
 
 double Squared(double x) { return x * x; }
 
-PaperResidual Compare(std::string_view name, const PaperFigure& paper,
-                      const std::vector<double>& values, uint32_t run_count) {
+PaperResidual Compare(std::string_view name, const Spread& paper, const std::vector<double>& values,
+                      uint32_t run_count) {
   if (values.empty()) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     return {name, false, paper, {kNone, kNone}, std::numeric_limits<double>::infinity()};
   }
-  const PaperFigure ours{Mean(values), SampleDeviation(values)};
+  const Spread ours{Mean(values), SampleDeviation(values)};
   const double pooled = std::sqrt((Squared(paper.deviation) + Squared(ours.deviation)) / 2);
   return Compare(name, paper, ours, pooled, run_count);
 }
@@ -50,8 +50,8 @@ PaperResidual Compare(std::string_view name, const PaperFigure& paper,
 // The paper gives no deviation of its counts. For our deviation one run of each kind is added
 // (Laplace), because a share of 1 would have a deviation of 0.
 PaperResidual CompareDominance(uint32_t dominant_run_count, std::vector<double> values) {
-  const PaperFigure paper{static_cast<double>(dominant_run_count) / kPaperRunCount, 0};
-  const PaperFigure ours{Mean(values), SampleDeviation(values)};
+  const Spread paper{static_cast<double>(dominant_run_count) / kPaperRunCount, 0};
+  const Spread ours{Mean(values), SampleDeviation(values)};
   values.insert(values.end(), {0, 1});
   return Compare("dominance", paper, ours, SampleDeviation(values), kPaperRunCount);
 }

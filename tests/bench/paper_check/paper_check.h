@@ -29,8 +29,8 @@ namespace sweepstake::cli {
 struct PaperResidual {
   std::string_view name;
   bool is_fitted = false;
-  PaperFigure paper;
-  PaperFigure ours;            // over our runs; NaN if the dominant arm never dominates
+  Spread paper;
+  Spread ours;                 // over our runs; NaN if the dominant arm never dominates
   double standard_errors = 0;  // (ours − paper) ÷ standard error; infinite if `ours` is NaN
 
   bool is_close() const { return -2 <= standard_errors && standard_errors <= 2; }

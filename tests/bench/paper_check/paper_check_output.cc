@@ -20,17 +20,17 @@ using Cells = std::span<const PaperPrediction>;
 
 int DecimalsOf(const PaperResidual& figure) { return figure.paper.mean <= 1 ? 3 : 1; }
 
-std::string MeanText(const PaperFigure& figure, int decimals) {
+std::string MeanText(const Spread& figure, int decimals) {
   return std::isnan(figure.mean) ? "none" : Fixed(figure.mean, decimals);
 }
 
-std::string FigureText(const PaperFigure& figure, int decimals) {
+std::string FigureText(const Spread& figure, int decimals) {
   if (std::isnan(figure.mean)) return "none";
   return MeanText(figure, decimals) + " ± " + Fixed(figure.deviation, decimals);
 }
 
 // Formats dominance as in Table 3: "3 / 5".
-std::string FigureText(const PaperResidual& residual, const PaperFigure& figure) {
+std::string FigureText(const PaperResidual& residual, const Spread& figure) {
   if (residual.paper.deviation == 0 && residual.paper.mean <= 1)
     return Fixed(figure.mean * kPaperRunCount, 1) + " / " + std::to_string(kPaperRunCount);
   return FigureText(figure, DecimalsOf(residual));
