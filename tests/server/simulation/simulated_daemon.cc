@@ -28,6 +28,7 @@ SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
 SimulatedDaemon::~SimulatedDaemon() {
   watcher_.Leave();
   for (const auto& connection : connections_) connection->Die();
+  store_.Close();  // its queue holds jobs of the members that are destroyed before it
 }
 
 void SimulatedDaemon::Accept(const std::shared_ptr<Connection>& connection,
