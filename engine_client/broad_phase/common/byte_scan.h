@@ -18,6 +18,9 @@ namespace sweepstake {
 // The number of consecutive slots in a tile. A register of other slots is loaded once and compared
 // with all slots of a tile. `begin` and `end` below are multiples of this number.
 inline constexpr size_t kRowsPerTile = 4;
+// The minimum number of rows per part of a sweep. A smaller part takes less time than waking a
+// thread.
+inline constexpr size_t kMinSweptPerPart = 1024;
 
 // Appends each overlapping pair of a slot in [begin, end) and a later slot; returns the number of
 // AABB checks. `expected_pairs`, the expected number of pairs of all slots, affects only the time.

@@ -59,6 +59,17 @@ inline size_t PartCount(const Executor* executor, size_t item_count, size_t item
                             kPartsPerThread * executor->thread_count());
 }
 
+// The maximum number of parts that each fill a table of their own. Adding up more tables would take
+// longer than filling them.
+inline constexpr size_t kMaxTableParts = 8;
+
+// As PartCount, for parts that each fill a table: at most one per thread, and kMaxTableParts.
+inline size_t TablePartCount(const Executor* executor, size_t item_count, size_t items_min) {
+  if (executor == nullptr) return 1;
+  return std::clamp<size_t>(item_count / items_min, 1,
+                            std::min(executor->thread_count(), kMaxTableParts));
+}
+
 // Finds pairs in parts and joins the results in the order of the parts, so that the order of pairs
 // does not depend on the number of threads. Owns one pair buffer per part, kept between calls.
 class PairParts {

@@ -32,9 +32,6 @@ constexpr size_t kMaxPairsPerObject = 16;
 constexpr uint32_t kMinCalmFrames = 2;
 constexpr uint32_t kMaxCalmFrames = 256;
 constexpr uint32_t kShortRest = 32;
-// The minimum number of lowest inner nodes per part (some 1,500 objects). A smaller part takes less
-// time than waking a thread.
-constexpr size_t kMinGroupsPerPart = 8;
 // The number of inserted objects between two polls of the stop request; one insertion takes 1 µs or
 // less.
 constexpr size_t kInsertionsPerQuestion = 2048;

@@ -15,9 +15,6 @@ namespace {
 // The assumed mean number of objects per node, used to reserve memory. After Build, all 16 lanes of
 // a leaf are in use; after some motion, 11 to 13 of them.
 constexpr size_t kObjectsPerNode = 10;
-// The minimum number of groups per part (some 1,500 objects). A smaller part takes less time than
-// waking a thread.
-constexpr size_t kMinGroupsPerPart = 8;
 
 void SetBox(DbvtNode& node, uint32_t lane, const Aabb& box) {
   for (size_t axis = 0; axis < 3; ++axis) {

@@ -29,6 +29,10 @@
 
 namespace sweepstake {
 
+// The minimum number of groups (lowest inner nodes, some 1,500 objects) per part of a parallel
+// loop. A smaller part takes less time than waking a thread.
+inline constexpr size_t kMinGroupsPerPart = 8;
+
 // A node. Lanes without an entry hold sentinels, which overlap nothing (min = +inf, max = -inf).
 struct alignas(64) DbvtNode {
   static constexpr uint32_t kWidth = 16;

@@ -10,7 +10,7 @@ namespace {
 
 // The minimum work per part of a parallel loop. A smaller part takes less time than waking a
 // thread.
-constexpr size_t kMinBoxesPerPart = 1024;
+constexpr size_t kMinSearchedPerPart = 1024;
 
 class Grid final : public BroadPhase {
  public:
@@ -31,7 +31,7 @@ class Grid final : public BroadPhase {
   void FindPairs(PairBuffer& out) override {
     const GridView view{sort_.lanes(), sort_.starts(), plan_.grids(), plan_.searches()};
     checks_ = parts_.Run(
-        executor_, count_, kMinBoxesPerPart, GridView::kBatch, out,
+        executor_, count_, kMinSearchedPerPart, GridView::kBatch, out,
         [&](size_t begin, size_t end, PairBuffer& pairs) {
           return SearchGrids(view, begin, end, pairs, stop());
         },

@@ -10,8 +10,7 @@
 namespace sweepstake {
 namespace {
 
-constexpr size_t kMaxParts = 8;
-constexpr size_t kMinBoxesPerPart = 4096;
+constexpr size_t kMinMeasuredPerPart = 4096;
 // The interval in frames at which the plan checks whether the scene's density has changed.
 constexpr uint32_t kFramesPerDensityCheck = 32;
 // The size of the sample of min corners, enough to estimate the lowest and the highest tenth.
@@ -21,10 +20,9 @@ constexpr double kThresholdSpacings = 0.75;
 
 GridMeasure MeasureInParts(Executor* executor, std::span<const Aabb> boxes,
                            const ShapeClasses& classes, StopRequest* stop) {
-  const size_t max_parts = executor == nullptr ? 1 : std::min(executor->thread_count(), kMaxParts);
-  const size_t parts = std::clamp<size_t>(boxes.size() / kMinBoxesPerPart, 1, max_parts);
+  const size_t parts = TablePartCount(executor, boxes.size(), kMinMeasuredPerPart);
   if (parts == 1) return MeasureBoxes(boxes, classes, stop);
-  std::array<GridMeasure, kMaxParts> measures;
+  std::array<GridMeasure, kMaxTableParts> measures;
   RunParts(executor, parts, [&](size_t part) {
     const PartRange range = RangeOfPart(boxes.size(), part, parts, 64);
     measures[part] =

@@ -65,16 +65,7 @@ constexpr size_t Padded(size_t count) {
   return (count + 2 * SoaBoxes::kPadding - 1) / SoaBoxes::kPadding * SoaBoxes::kPadding;
 }
 
-// The maximum number of parts. Each part has a count for every cell, and handling these counts
-// takes as long as sorting the boxes.
-constexpr size_t kMaxParts = 8;
-constexpr size_t kMinBoxesPerPart = 2048;
-
-size_t PartsFor(const Executor* executor, size_t count) {
-  if (executor == nullptr) return 1;
-  const size_t max_parts = std::min(executor->thread_count(), kMaxParts);
-  return std::clamp<size_t>(count / kMinBoxesPerPart, 1, max_parts);
-}
+constexpr size_t kMinSortedPerPart = 2048;
 
 }  // namespace
 
@@ -130,7 +121,7 @@ void GridSort::Sort(Executor* executor, std::span<const Aabb> boxes,
                     StopRequest* stop) {
   count_ = boxes.size();
   cells_ = size_t{grids.back().last_cell()} + 1;
-  const size_t parts = PartsFor(executor, count_);
+  const size_t parts = TablePartCount(executor, count_, kMinSortedPerPart);
   MakeRoom(parts);
   CountInParts(executor, parts, boxes, grids, choice, stop);
   if (IsStopped(stop)) return;

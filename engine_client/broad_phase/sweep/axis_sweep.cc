@@ -14,7 +14,6 @@ namespace {
 
 // The minimum work per part of a parallel loop. A smaller part takes less time than waking a
 // thread.
-constexpr size_t kMinRowsPerPart = 1024;
 constexpr size_t kMinBoxesPerPart = 2048;
 
 // The pairs are kept between frames up to this mean number of pairs per box.
@@ -123,7 +122,7 @@ void AxisSweep::FindPairs(PairBuffer& out) {
   const size_t before = out.size();
   const ByteLanes lanes = swept_.Lanes();
   sweep_checks_ = parts_.Run(
-      executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
+      executor_, lanes.count, kMinSweptPerPart, kRowsPerTile, out,
       [&](size_t begin, size_t end, PairBuffer& pairs) {
         return FindPairsOfSwept(lanes, begin, end, pairs, stop());
       },

@@ -12,7 +12,6 @@ namespace {
 
 // The minimum work per part of a parallel loop. A smaller part takes less time than waking a
 // thread.
-constexpr size_t kMinRowsPerPart = 1024;
 constexpr size_t kMinFilledPerPart = 2048;
 constexpr size_t kMinSortedPerPart = 16384;
 
@@ -141,7 +140,7 @@ void Sap::SortExactly(std::span<const Aabb> boxes, size_t axis) {
 void Sap::FindPairs(PairBuffer& out) {
   const ByteLanes lanes = boxes_.Lanes();
   checks_ = parts_.Run(
-      executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
+      executor_, lanes.count, kMinSweptPerPart, kRowsPerTile, out,
       [&](size_t begin, size_t end, PairBuffer& pairs) {
         return FindPairsOfSwept(lanes, begin, end, pairs, stop());
       },

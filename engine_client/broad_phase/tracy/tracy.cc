@@ -41,7 +41,7 @@ constexpr uint32_t kMinRestFrames = 6;
 constexpr uint32_t kMaxWaitFrames = 256;
 // The minimum work per part of a parallel loop. A smaller part takes less time than waking a
 // thread.
-constexpr size_t kMinBoxesPerPart = 1024;
+constexpr size_t kMinSearchedPerPart = 1024;
 
 class Tracy final : public BroadPhase {
  public:
@@ -150,7 +150,7 @@ void Tracy::FindPairs(PairBuffer& out) {
   const GridView view = lists_.View();
   const size_t before = out.size();
   checks_ = parts_.Run(
-      executor_, lists_.size(), kMinBoxesPerPart, GridView::kBatch, out,
+      executor_, lists_.size(), kMinSearchedPerPart, GridView::kBatch, out,
       [&](size_t begin, size_t end, PairBuffer& pairs) {
         return SearchGrids(view, begin, end, pairs, stop());
       },

@@ -12,8 +12,7 @@
 namespace sweepstake {
 namespace {
 
-constexpr size_t kMaxParts = 8;
-constexpr size_t kMinBoxesPerPart = 2048;
+constexpr size_t kMinListedPerPart = 2048;
 // The number of boxes whose rows are found at a time, so that they stay in the L1 cache.
 constexpr size_t kBatch = 512;
 // If an insertion sort takes more than this number of shifts per item, std::sort replaces it.
@@ -59,12 +58,6 @@ void TracyLists::Reset(const RowGrids& grids) {
   std::fill_n(first_slots_.data(), grids_.row_count() + 1, 0U);
 }
 
-size_t TracyLists::PartsFor(const Executor* executor, size_t count) const {
-  if (executor == nullptr) return 1;
-  return std::clamp<size_t>(count / kMinBoxesPerPart, 1,
-                            std::min(executor->thread_count(), kMaxParts));
-}
-
 void TracyLists::MakeRoom(size_t count, size_t parts) {
   const size_t rows = grids_.row_count();
   const size_t cells = grids_.grids[grids_.group_count - 1].last_cell() + 1;
@@ -91,7 +84,7 @@ void TracyLists::SetCount(size_t count) {
 
 void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count,
                         StopRequest* stop) {
-  const size_t parts = PartsFor(executor, boxes.size());
+  const size_t parts = TablePartCount(executor, boxes.size(), kMinListedPerPart);
   // Copies the lists, which are overwritten below.
   order_.EnsureDiscarding(std::max(boxes.size(), size_) + SoaBoxes::kPadding);
   std::copy_n(columns_.ids(), size_, order_.data());

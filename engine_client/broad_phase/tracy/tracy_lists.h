@@ -71,7 +71,6 @@ class TracyLists {
     size_t arrived = 0;  // the number of boxes in arrived_ from `begin` on; they have new rows
   };
 
-  size_t PartsFor(const Executor* executor, size_t count) const;
   void MakeRoom(size_t count, size_t parts);
   void SetCount(size_t count);
   void MoveBoxes(std::span<const Aabb> boxes, Part& part, size_t end, StopRequest* stop);
