@@ -2,6 +2,7 @@
 // `sweepstake-lab replay --log` derives the decisions of an export again.
 #include <nlohmann/json.hpp>
 
+#include "engine_client/cli/command.h"
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/daemon_calls.h"
 #include "engine_client/cli/io/duration.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engine_client/cli/command.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/text/names.h"
 #include "sweepstake/simd.h"

@@ -5,9 +5,11 @@
 #include <span>
 #include <string>
 
-#include "engine_client/cli/command.h"
+#include "engine_client/cli/io/terminal.h"
 
 namespace sweepstake::cli {
+
+struct CommandContext;  // command.h
 
 // A command-line program with subcommands.
 struct Program {

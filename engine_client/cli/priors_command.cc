@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine_client/cli/command.h"
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/daemon_calls.h"
 #include "engine_client/cli/daemon/posterior_view.h"

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine_client/cli/command.h"
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/whole_file.h"

@@ -3,6 +3,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "engine_client/cli/command.h"
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/daemon_calls.h"
 #include "engine_client/cli/io/duration.h"

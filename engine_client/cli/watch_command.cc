@@ -1,6 +1,7 @@
 // `sweepstake watch`: shows a daemon's posteriors and decisions as they change.
 #include <nlohmann/json.hpp>
 
+#include "engine_client/cli/command.h"
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/daemon_calls.h"
 #include "engine_client/cli/daemon/posterior_view.h"
