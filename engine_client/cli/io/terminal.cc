@@ -10,11 +10,11 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 
-constexpr uint64_t kBarWidth = 30;
+constexpr uint64_t kProgressWidth = 30;
 
 std::string Bar(uint64_t done, uint64_t total) {
-  const uint64_t filled = kBarWidth * std::min(done, total) / total;
-  return "[" + std::string(filled, '#') + std::string(kBarWidth - filled, '.') + "] " +
+  const uint64_t filled = kProgressWidth * std::min(done, total) / total;
+  return "[" + std::string(filled, '#') + std::string(kProgressWidth - filled, '.') + "] " +
          std::to_string(100 * std::min(done, total) / total) + " %";
 }
 

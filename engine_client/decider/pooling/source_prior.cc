@@ -26,7 +26,7 @@ constexpr double kGuessWeight = 4;
 constexpr double kWithinShare = 0.7;
 constexpr double kWithinDeviations = 1.0364;
 // Measurements farther than this from the common value are dropped, in standard deviations.
-constexpr double kOutlierDeviations = 5;
+constexpr double kDroppedDeviations = 5;
 // The variance of a median ÷ the variance of a mean: π/2.
 constexpr double kMedianVariance = 1.5707963267948966;
 
@@ -153,7 +153,7 @@ class MedianPolish {
   void DropOutliers() {
     std::vector<double> reaches;
     for (size_t arm = 0; arm < arms_.size(); ++arm)
-      reaches.push_back(kOutlierDeviations *
+      reaches.push_back(kDroppedDeviations *
                         std::max(DeviationOf(arm), std::sqrt(kSourceVariance)));
     std::erase_if(cells_,
                   [&](const Cell& cell) { return std::abs(ResidualOf(cell)) > reaches[cell.arm]; });

@@ -32,7 +32,7 @@ std::string PolicyNameOf(const sessions::SessionIdentity& identity) {
       decision::PolicyKindOf(identity.decision.policy, decision::ShippedPolicies()).name);
 }
 
-void ToProto(const sessions::LogHistogram& histogram, v1::LogHistogram& message) {
+void Fill(const sessions::LogHistogram& histogram, v1::LogHistogram& message) {
   uint32_t before = 0;
   for (const auto& [number, count] : histogram.buckets()) {
     message.add_bucket_steps(number - before);
@@ -41,10 +41,10 @@ void ToProto(const sessions::LogHistogram& histogram, v1::LogHistogram& message)
   }
 }
 
-void ToProto(const sessions::FrameHistograms& frames, v1::FrameMeasurements& message) {
-  ToProto(frames.frame_time_ns, *message.mutable_frame_time_ns());
-  ToProto(frames.detection_time_ns, *message.mutable_detection_time_ns());
-  ToProto(frames.native_bytes, *message.mutable_native_bytes());
+void Fill(const sessions::FrameHistograms& frames, v1::FrameMeasurements& message) {
+  Fill(frames.frame_time_ns, *message.mutable_frame_time_ns());
+  Fill(frames.detection_time_ns, *message.mutable_detection_time_ns());
+  Fill(frames.native_bytes, *message.mutable_native_bytes());
 }
 
 }  // namespace
@@ -104,8 +104,8 @@ void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message) {
 
 namespace {
 
-void ToProto(const decision::BetaPosterior& posterior, bool with_intervals,
-             v1::RewardPosterior& message) {
+void Fill(const decision::BetaPosterior& posterior, bool with_intervals,
+          v1::RewardPosterior& message) {
   message.set_alpha(posterior.alpha);
   message.set_beta(posterior.beta);
   if (!with_intervals) return;
@@ -143,7 +143,7 @@ void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
     v1::ArmPosterior& filled = *message.add_arms();
     filled.set_arm(arm.name);
     filled.set_backend_version(arm.backend_version);
-    ToProto(pooled.arms[i].posterior, /*with_intervals=*/true, *filled.mutable_posterior());
+    Fill(pooled.arms[i].posterior, /*with_intervals=*/true, *filled.mutable_posterior());
     filled.set_window_count(arm.live.window_count);
     filled.set_visit_count(arm.lane.window_count);
     filled.set_bail_out_count(arm.live.bail_out_count);
@@ -166,7 +166,7 @@ void ToProto(const sessions::SessionDecision& event, v1::DecisionEvent& message)
   const sessions::SessionIdentity& identity = event.session;
   const decision::DecisionRecord& record = event.record;
   message.set_unix_ms(event.unix_ms);
-  if (event.measurements != nullptr) ToProto(*event.measurements, *message.mutable_measurements());
+  if (event.measurements != nullptr) Fill(*event.measurements, *message.mutable_measurements());
   message.set_session_id(identity.id);
   message.set_project(identity.scene.project);
   message.set_scene(identity.scene.scene);
@@ -235,16 +235,16 @@ void ToProto(const events::EventStamp& stamp, v1::EventStamp& message) {
 namespace {
 
 // Fills in Beta(1,1) plus the sum.
-void ToProto(const decision::EvidenceSum& sum, bool with_intervals, v1::RewardPosterior& message) {
-  ToProto(decision::BetaPosterior{1 + sum.alpha, 1 + sum.beta}, with_intervals, message);
+void Fill(const decision::EvidenceSum& sum, bool with_intervals, v1::RewardPosterior& message) {
+  Fill(decision::BetaPosterior{1 + sum.alpha, 1 + sum.beta}, with_intervals, message);
 }
 
-void ToProto(const decision::PriorsArm& arm, bool with_intervals, v1::ArmEvidence& message) {
+void Fill(const decision::PriorsArm& arm, bool with_intervals, v1::ArmEvidence& message) {
   const decision::EvidenceSum& live = arm.evidence.live;
   const decision::EvidenceSum& lane = arm.evidence.lane;
-  ToProto(arm.pooled, with_intervals, *message.mutable_posterior());
-  if (live.evidence() > 0) ToProto(live, with_intervals, *message.mutable_live());
-  if (lane.evidence() > 0) ToProto(lane, with_intervals, *message.mutable_lane());
+  Fill(arm.pooled, with_intervals, *message.mutable_posterior());
+  if (live.evidence() > 0) Fill(live, with_intervals, *message.mutable_live());
+  if (lane.evidence() > 0) Fill(lane, with_intervals, *message.mutable_lane());
   if (arm.cost_ratio) ToProto(*arm.cost_ratio, *message.mutable_cost_ratio());
 }
 
@@ -261,8 +261,8 @@ void ToProto(const decision::SceneComparison& scene, bool with_intervals,
   for (const decision::ArmComparison& arm : scene.arms) {
     v1::ArmComparison& filled = *message.add_arms();
     filled.set_arm(arm.arm);
-    if (arm.before) ToProto(*arm.before, with_intervals, *filled.mutable_before());
-    if (arm.after) ToProto(*arm.after, with_intervals, *filled.mutable_after());
+    if (arm.before) Fill(*arm.before, with_intervals, *filled.mutable_before());
+    if (arm.after) Fill(*arm.after, with_intervals, *filled.mutable_after());
     filled.set_changed(arm.changed());
     message.set_largest_log_change(
         std::max(message.largest_log_change(), std::abs(arm.log_change())));
@@ -311,7 +311,7 @@ FrameSample FrameOf(const v1::BailOut& bail_out) {
   return frame;
 }
 
-ShadowSample FromProto(const v1::ShadowSample& sample) {
+ShadowSample Read(const v1::ShadowSample& sample) {
   return {.first_frame_index = sample.first_frame_index(),
           .detection_time_ns = sample.detection_time_ns(),
           .build_time_ns = sample.build_time_ns(),
@@ -336,20 +336,20 @@ decision::SwitchCost CostOf(const v1::SwitchOutcome& outcome) {
 }
 
 // Reuses the memory of `batch`.
-void FromProto(const v1::FrameBatch& message, protocol::FrameBatch& batch) {
+void Read(const v1::FrameBatch& message, protocol::FrameBatch& batch) {
   batch.frames.clear();
   for (int i = 0; i < message.frame_time_ns_size(); ++i)
     batch.frames.push_back(FrameOf(message, i));
   batch.shadow_samples.clear();
   for (const v1::ShadowSample& sample : message.shadow_samples())
-    batch.shadow_samples.push_back(FromProto(sample));
+    batch.shadow_samples.push_back(Read(sample));
   batch.dropped_frame_count = message.dropped_frame_count();
   batch.scene_descriptor.reset();
   if (message.has_scene_descriptor())
     batch.scene_descriptor = sweepstake::FromProto(message.scene_descriptor());
 }
 
-sessions::SwitchAnswer FromProto(const v1::SwitchOutcome& message) {
+sessions::SwitchAnswer Read(const v1::SwitchOutcome& message) {
   return {.command_id = message.command_id(),
           .executed = message.executed(),
           .arm = message.arm(),
@@ -398,12 +398,12 @@ void FromProto(const v1::StreamTelemetryRequest& request, sessions::Telemetry& t
   if (request.has_frame_batch()) {
     if (!std::holds_alternative<protocol::FrameBatch>(telemetry.message))
       telemetry.message.emplace<protocol::FrameBatch>();
-    return FromProto(request.frame_batch(), std::get<protocol::FrameBatch>(telemetry.message));
+    return Read(request.frame_batch(), std::get<protocol::FrameBatch>(telemetry.message));
   }
   if (HasUnknownValue(request)) {
     telemetry.message = sessions::UnknownMessage{};
   } else if (request.has_switch_outcome()) {
-    telemetry.message = FromProto(request.switch_outcome());
+    telemetry.message = Read(request.switch_outcome());
   } else if (request.has_bail_out()) {
     telemetry.message = protocol::BailOut{FrameOf(request.bail_out())};
   } else if (request.has_mode_change()) {
