@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/cli/command.h"
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/game/scene_choice.h"
 
