@@ -27,8 +27,7 @@ void AddReplayCommand(const CommandContext& context);
 void AddReportCommand(const CommandContext& context);
 void AddTraceCommand(const CommandContext& context);
 
-// Adds --scene, which it returns, and --objects, for commands with a list of scenes and object
-// counts.
+// Adds --scene (returned) and --objects, for commands with lists of scenes and object counts.
 CLI::Option* AddSceneOptions(CLI::App& command, std::vector<std::string>& scenes,
                              std::vector<uint32_t>& object_counts);
 // Adds --arms.
