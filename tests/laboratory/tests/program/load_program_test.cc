@@ -12,6 +12,7 @@ namespace sweepstake::cli {
 namespace {
 
 using nlohmann::json;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 TEST(LoadProgram, MeasuresADaemonAndPrintsItsFigures) {
@@ -41,10 +42,11 @@ TEST(LoadProgram, MeasuresADaemonAndPrintsItsFigures) {
 TEST(LoadProgram, GamesThatAreRefusedEndItWithThreeAndTheReason) {
   const test_support::TemporaryDirectory data;
   const test_support::DaemonProcess daemon(data.path(), "127.0.0.1:0", {"--max-sessions", "2"});
-  const ProgramRun run = RunLab("load --streams 4 --duration 200ms --daemon " + daemon.address());
+  const ProgramRun run = RunLab("load --streams 4 --duration 1s --daemon " + daemon.address());
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_THAT(run.out, HasSubstr("finished"));
-  EXPECT_THAT(run.err, HasSubstr("2 of 4 games finished; the last error: "));
+  // The last game may still find a free session if the machine is slow.
+  EXPECT_THAT(run.err, ContainsRegex("[23] of 4 games finished; the last error: "));
   EXPECT_THAT(run.err, HasSubstr("(TOO_MANY_SESSIONS)"));
 }
 
