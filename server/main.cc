@@ -1,4 +1,4 @@
-// The program `sweepstaked`. Its commands and exit codes are described in program.h.
+// The program `sweepstaked`. program.h describes its exit codes.
 #include "server/program.h"
 
 // NOLINTNEXTLINE(bugprone-exception-escape): only running out of memory, which may end the program.

@@ -245,7 +245,7 @@ GOOD = {
     "engine_client/broad_phase/simd.cc": '#include "engine_client/text/names.h"\n',
     "engine_client/scene/suite.cc": '#include "engine_client/math/hash.h"\n',
     "engine_client/math/beta.cc": '#include "engine_client/math/portable_math.h"\n#include <cmath>\n',
-    "server/main.cc": '#include "server/daemon.h"\n#include "server/storage/sqlite_prior_store.h"\n',
+    "server/program.cc": '#include "server/daemon.h"\n#include "server/storage/sqlite_prior_store.h"\n',
     "engine_client/include/sweepstake/scene.h": '#include "sweepstake/aabb.h"\n',
 }
 BAD = {
@@ -271,7 +271,7 @@ BAD = {
     "server/storage/l.cc": '#include "server/rpc/rpc_server.h"\n',
     "engine_client/decider/pooling/m.cc": '#include "server/sessions/prior_store.h"\n',
     "server/rpc/n.cc": '#include "sweepstake/shadow.h"\n',
-    "server/main.cc": '#include "engine_client/scene/world.h"\n',
+    "server/program.cc": '#include "engine_client/scene/world.h"\n',
     "server/rpc/o.cc": '#include "server/daemon.h"\n',
     "engine_client/decider/p.cc": "#include <chrono>\n",
     "engine_client/decider/q.cc": '#include "sweepstake/v1/telemetry.pb.h"\n',

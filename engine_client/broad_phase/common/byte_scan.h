@@ -18,7 +18,8 @@ namespace sweepstake {
 // The number of consecutive slots in a tile. A register of other slots is loaded once and compared
 // with all slots of a tile. `begin` and `end` below are multiples of this number.
 inline constexpr size_t kRowsPerTile = 4;
-// The minimum number of rows per part of a sweep. A smaller part takes less time than waking a
+
+// The minimum number of slots per part of a sweep. A smaller part takes less time than waking a
 // thread.
 inline constexpr size_t kMinSweptPerPart = 1024;
 

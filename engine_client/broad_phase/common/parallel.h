@@ -64,6 +64,7 @@ inline size_t PartCount(const Executor* executor, size_t item_count, size_t item
 inline constexpr size_t kMaxTableParts = 8;
 
 // As PartCount, for parts that each fill a table: at most one per thread, and kMaxTableParts.
+// REQUIRES: items_min > 0.
 inline size_t TablePartCount(const Executor* executor, size_t item_count, size_t items_min) {
   if (executor == nullptr) return 1;
   return std::clamp<size_t>(item_count / items_min, 1,

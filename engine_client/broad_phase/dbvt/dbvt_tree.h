@@ -29,7 +29,7 @@
 
 namespace sweepstake {
 
-// The minimum number of groups (lowest inner nodes, some 1,500 objects) per part of a parallel
+// The minimum number of groups (lowest inner nodes) per part (some 1,500 objects) of a parallel
 // loop. A smaller part takes less time than waking a thread.
 inline constexpr size_t kMinGroupsPerPart = 8;
 

@@ -154,12 +154,12 @@ class ProjectEvidence {
 }  // namespace
 
 std::vector<BetaPosterior> Prior::posteriors() const {
-  constexpr double kMaxEvidence = kMaxPriorEvidence / 2;
+  constexpr double kHalfOfMax = kMaxPriorEvidence / 2;
   std::vector<BetaPosterior> posteriors;
   if (!is_known()) return posteriors;
   for (const EvidenceSum& sum : evidence) {
     const double largest = std::max(sum.alpha, sum.beta);
-    const double scale = largest > kMaxEvidence ? kMaxEvidence / largest : 1;
+    const double scale = largest > kHalfOfMax ? kHalfOfMax / largest : 1;
     posteriors.push_back({1 + sum.alpha * scale, 1 + sum.beta * scale});
   }
   return posteriors;
