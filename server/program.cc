@@ -33,10 +33,8 @@
 #include "server/storage/postgres/shared_store.h"
 #include "server/token_command.h"
 
+namespace sweepstake::server {
 namespace {
-
-using sweepstake::server::Config;
-using sweepstake::server::Settings;
 
 constexpr int kDone = 0;
 constexpr int kCheckFailed = 1;
@@ -73,7 +71,7 @@ struct CommandLine {
   std::string direction;  // argument of `migrate`
   bool verify = false;
   bool print_config = false;
-  sweepstake::server::TokenCommand token;
+  TokenCommand token;
 };
 
 void AddOptions(CommandLine& line) {
@@ -146,20 +144,19 @@ absl::StatusOr<Config> Load(CommandLine& line) {
 }
 
 int CheckConfig(const std::string& file) {
-  const absl::Status status = sweepstake::server::CheckConfigFile(file);
+  const absl::Status status = CheckConfigFile(file);
   if (!status.ok()) return Fail(kCheckFailed, std::string(status.message()));
   std::cout << file << ": ok\n";
   return kDone;
 }
 
 int ReportContents(const std::string& file,
-                   const absl::StatusOr<sweepstake::storage::StoreContents>& contents) {
+                   const absl::StatusOr<storage::StoreContents>& contents) {
   if (!contents.ok()) return Fail(kCheckFailed, std::string(contents.status().message()));
-  std::cout << file << ": undamaged; "
-            << sweepstake::text::Counted(contents->record_count, "record") << " of "
-            << sweepstake::text::Counted(contents->source_count, "source") << " about "
-            << sweepstake::text::Counted(contents->scene_count, "scene") << ", "
-            << sweepstake::text::Counted(contents->audit_row_count, "row") << " of the audit log\n";
+  std::cout << file << ": undamaged; " << text::Counted(contents->record_count, "record") << " of "
+            << text::Counted(contents->source_count, "source") << " about "
+            << text::Counted(contents->scene_count, "scene") << ", "
+            << text::Counted(contents->audit_row_count, "row") << " of the audit log\n";
   if (contents->damaged_row_count == 0) return kDone;
   return Fail(kCheckFailed, absl::StrCat(contents->damaged_row_count,
                                          " damaged rows of the database are not in ", file,
@@ -171,9 +168,8 @@ int Migrate(const Config& config, bool to_store) {
   const auto print = [](const std::string& table, uint64_t rows, uint64_t total) {
     std::cerr << "sweepstaked: " << table << ": " << rows << " of " << total << " rows\n";
   };
-  return ReportContents(
-      to_store ? config.store : config.data.string(),
-      sweepstake::storage::MigrateStore(config.data, config.store, to_store, print));
+  return ReportContents(to_store ? config.store : config.data.string(),
+                        storage::MigrateStore(config.data, config.store, to_store, print));
 }
 
 // Returns the address that the daemon of this configuration listens on.
@@ -189,11 +185,11 @@ absl::StatusOr<std::string> AddressOf(const Config& config) {
 int Probe(const Config& config) {
   const auto address = AddressOf(config);
   if (!address.ok()) return Fail(kCheckFailed, std::string(address.status().message()));
-  const auto health = sweepstake::rpc::ProbeHealth(*address, config.rpc.tls, kProbePatience);
+  const auto health = rpc::ProbeHealth(*address, config.rpc.tls, kProbePatience);
   if (!health.ok())
     return Fail(kCheckFailed,
                 *address + ": no daemon answered: " + std::string(health.status().message()));
-  if (*health == sweepstake::rpc::Health::kNotServing)
+  if (*health == rpc::Health::kNotServing)
     return Fail(kCheckFailed, *address + ": not serving; its log has the reason");
   std::cout << *address << ": serving\n";
   return kDone;
@@ -223,7 +219,7 @@ std::string UnknownOption(const std::vector<const CLI::App*>& given, std::string
     }
   }
   const std::vector<std::string_view> known(names.begin(), names.end());
-  return sweepstake::text::UnknownNameOfMany("option", word.substr(0, word.find('=')), known);
+  return text::UnknownNameOfMany("option", word.substr(0, word.find('=')), known);
 }
 
 // Returns the error message for the first word that no option or command accepts.
@@ -235,11 +231,11 @@ std::string UnknownWord(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* each : command.get_subcommands({})) names.push_back(each->get_name());
   if (names.empty()) {
-    return command.get_name() + ": unexpected argument '" + sweepstake::text::PrintableLine(word) +
+    return command.get_name() + ": unexpected argument '" + text::PrintableLine(word) +
            "'; --help lists the arguments";
   }
   const std::vector<std::string_view> known(names.begin(), names.end());
-  return sweepstake::text::UnknownName("command of " + command.get_name(), word, known);
+  return text::UnknownName("command of " + command.get_name(), word, known);
 }
 
 // Blocks the signals before any thread starts, so that only sigwait receives them.
@@ -254,7 +250,7 @@ sigset_t BlockSignals() {
 }
 
 // Waits for SIGTERM or SIGINT. SIGHUP reloads the configuration.
-void AwaitEnd(const sigset_t& signals, CommandLine& line, sweepstake::server::Daemon& daemon) {
+void AwaitEnd(const sigset_t& signals, CommandLine& line, Daemon& daemon) {
   int signal = 0;
   while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) daemon.Reload(Load(line));
 }
@@ -272,19 +268,18 @@ int Run(const Config& config, CommandLine& line) {
   // Disables a check that some builds of Abseil enable: it searches gRPC's mutexes for deadlocks,
   // under one lock for all threads.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
-  std::optional<sweepstake::server::ExitGuard> guard;  // outlives the daemon
-  sweepstake::sessions::SteadyLoopClock clock;
-  auto daemon = sweepstake::server::Daemon::Start(config, clock);
+  std::optional<ExitGuard> guard;  // outlives the daemon
+  sessions::SteadyLoopClock clock;
+  auto daemon = Daemon::Start(config, clock);
   if (!daemon.ok()) return Fail(kCouldNotStart, std::string(daemon.status().message()));
-  const auto interval = sweepstake::server::WatchdogInterval();
+  const auto interval = WatchdogInterval();
   if (interval && !(*daemon)->Alive(*interval)) return Fail(kCouldNotStart, kNoWatchdog);
-  const sweepstake::server::Watchdog watchdog(interval,
-                                              [&] { return (*daemon)->Alive(*interval); });
-  sweepstake::server::NotifyReady();
+  const Watchdog watchdog(interval, [&] { return (*daemon)->Alive(*interval); });
+  NotifyReady();
   AwaitEnd(signals, line, **daemon);
-  sweepstake::server::NotifyStopping();
+  NotifyStopping();
   const auto must_wait = [saving = (*daemon)->saving()] {
-    if (*saving) sweepstake::server::NotifyStoppingTakes(2 * kEndPatience);
+    if (*saving) NotifyStoppingTakes(2 * kEndPatience);
     return saving->load();
   };
   guard.emplace(kEndPatience, kDidNotEnd,
@@ -298,7 +293,7 @@ int Run(const Config& config, CommandLine& line) {
 
 }  // namespace
 
-int sweepstake::server::RunProgram(int argc, char** argv) {
+int RunProgram(int argc, char** argv) {
   CommandLine line(argc, argv);
   CLI::App& app = line.app;
   AddOptions(line);
@@ -330,12 +325,13 @@ int sweepstake::server::RunProgram(int argc, char** argv) {
     return status.ok() ? kDone : Fail(kCheckFailed, std::string(status.message()));
   }
   if (app.got_subcommand("backup"))
-    return ReportContents(line.file, sweepstake::storage::BackUpStore(config->data, line.file));
+    return ReportContents(line.file, storage::BackUpStore(config->data, line.file));
   if (app.got_subcommand("migrate")) return Migrate(*config, line.direction == kToStore);
   if (app.got_subcommand("restore")) {
-    return ReportContents(line.file,
-                          line.verify ? sweepstake::storage::VerifyStore(line.file)
-                                      : sweepstake::storage::RestoreStore(line.file, config->data));
+    return ReportContents(line.file, line.verify ? storage::VerifyStore(line.file)
+                                                 : storage::RestoreStore(line.file, config->data));
   }
   return Run(*config, line);
 }
+
+}  // namespace sweepstake::server
