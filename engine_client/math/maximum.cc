@@ -132,7 +132,9 @@ void MaximumIntegral::StepTo(double t) {
     EvaluateLogDensities();
     const double width = t_ - t;
     if (width * width * Demand() <= 4 * kStep * kStep) break;
-    t = (t + t_) / 2;
+    const double nearer = (t + t_) / 2;
+    if (!(t < nearer && nearer < t_)) break;  // no number lies between them
+    t = nearer;
   }
   const double width = t_ - t;
   t_ = t;

@@ -1,6 +1,7 @@
 #include "engine_client/math/normal_distribution.h"
 
 #include <algorithm>
+#include <cmath>  // std::abs
 
 #include "engine_client/math/portable_math.h"
 
@@ -15,11 +16,13 @@ constexpr int kFractionDepth = 100;
 constexpr double kUnderflow = 38;
 
 // Returns (Φ(z) − ½) ÷ φ(z) = z + z³/3 + z⁵/(3·5) + … (G. Marsaglia, "Evaluating the normal
-// distribution", Journal of Statistical Software 11, 2004).
+// distribution", Journal of Statistical Software 11, 2004). The terms fall below kPrecision of the
+// sum in any rounding mode. REQUIRES: |z| <= kTail.
 double CentralSeries(double z) {
+  constexpr double kPrecision = 1e-17;
   double sum = z;
   double term = z;
-  for (double odd = 3; sum + term != sum || odd == 3; odd += 2) {
+  for (double odd = 3; std::abs(term) > kPrecision * std::abs(sum); odd += 2) {
     term *= z * z / odd;
     sum += term;
   }

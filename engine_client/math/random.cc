@@ -24,6 +24,7 @@ PhiloxBlock Round(const PhiloxBlock& c, const PhiloxKey& k) {
 }
 
 constexpr double kMinGammaShape = 1e-300;
+constexpr double kMaxGammaShape = 1e300;
 
 // Returns the logarithm of a Gamma(shape, 1) draw. REQUIRES: shape >= 1.
 double DrawLogGammaFromOne(double shape, RandomStream& stream) {
@@ -93,6 +94,8 @@ double DrawNormal(RandomStream& stream) {
 }
 
 double DrawLogGamma(double shape, RandomStream& stream) {
+  // A shape that is infinite or NaN would reject every draw.
+  if (!(shape <= kMaxGammaShape)) shape = kMaxGammaShape;
   if (shape >= 1) return DrawLogGammaFromOne(shape, stream);
   // Gamma(a) = Gamma(a + 1) · U^(1/a).
   const double a = std::max(shape, kMinGammaShape);
