@@ -1,10 +1,9 @@
 // Axis-aligned bounding boxes, and the definition of overlap that every backend must reproduce.
 #pragma once
 
-#include <cmath>
+#include <bit>
 #include <compare>
 #include <cstdint>
-#include <limits>
 
 namespace sweepstake {
 
@@ -31,12 +30,71 @@ struct OverlapPair {
 };
 static_assert(sizeof(OverlapPair) == 8);
 
+namespace aabb_detail {
+
+inline constexpr int32_t kInfinity = 0x7F80'0000;
+
+// Returns an integer in the order of the floats. Both zeros give 0, infinities ±kInfinity, and NaN
+// a value beyond them.
+constexpr int32_t OrderedBits(float value) {
+  const auto bits = std::bit_cast<uint32_t>(value);
+  const auto magnitude = static_cast<int32_t>(bits & 0x7FFF'FFFFU);
+  return (bits >> 31) != 0 ? -magnitude : magnitude;
+}
+
+// Returns the float whose bits are the float nearest to |value| that is not above it, or not below
+// it if `up`. NaN gives NaN.
+constexpr uint32_t RoundMagnitude(uint64_t bits, bool up) {
+  constexpr uint64_t kInfinityOfDouble = 0x7FF0'0000'0000'0000;
+  constexpr int kDroppedBits = 52 - 23;
+  constexpr uint64_t kSmallestNormal = uint64_t{1023 - 126} << 52;
+  if (bits > kInfinityOfDouble) return 0x7FC0'0000;
+  if (bits == kInfinityOfDouble) return kInfinity;
+  int dropped = kDroppedBits;
+  uint64_t kept = bits;
+  if (bits >= kSmallestNormal) {
+    kept -= uint64_t{1023 - 127} << 52;  // the exponent of a float has another bias
+  } else {                               // the result is subnormal or 0
+    const auto exponent = static_cast<int>(bits >> 52);
+    dropped += 1023 - 126 - exponent;
+    kept = exponent == 0 ? 0 : (bits & 0xF'FFFF'FFFF'FFFF) | uint64_t{1} << 52;
+    if (dropped > 63) dropped = 63;
+  }
+  const uint64_t truncated = kept >> dropped;
+  const bool is_exact = bits == 0 || (kept != 0 && truncated << dropped == kept);
+  if (truncated >= kInfinity) return up ? kInfinity : kInfinity - 1;
+  return static_cast<uint32_t>(truncated) + (up && !is_exact ? 1 : 0);
+}
+
+// Returns the float nearest to `value` that is not above it, or not below it if `up`.
+constexpr float RoundToward(double value, bool up) {
+  const auto bits = std::bit_cast<uint64_t>(value);
+  const bool is_negative = (bits >> 63) != 0;
+  const uint32_t magnitude = RoundMagnitude(bits & ~(uint64_t{1} << 63), up != is_negative);
+  return std::bit_cast<float>(magnitude | (is_negative ? uint32_t{1} << 31 : 0));
+}
+
+// As OrderedBits; NaN gives a value beyond the infinities.
+constexpr int64_t OrderedBits(double value) {
+  const auto bits = std::bit_cast<uint64_t>(value);
+  const auto magnitude = static_cast<int64_t>(bits & ~(uint64_t{1} << 63));
+  return (bits >> 63) != 0 ? -magnitude : magnitude;
+}
+
+}  // namespace aabb_detail
+
 // A box is valid if all six coordinates are finite and min <= max on each axis. Its size may be
 // zero. An invalid box (NaN, infinite or inverted) overlaps nothing, not even itself.
+//
+// This and the other functions below are compiled with the flags of the game, which may be
+// -ffast-math, and run in its floating-point environment. They therefore compare bits.
 inline bool IsValid(const Aabb& box) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (!std::isfinite(box.min[axis]) || !std::isfinite(box.max[axis])) return false;
-    if (box.min[axis] > box.max[axis]) return false;
+    const int32_t min = aabb_detail::OrderedBits(box.min[axis]);
+    const int32_t max = aabb_detail::OrderedBits(box.max[axis]);
+    if (!(-aabb_detail::kInfinity < min && min <= max && max < aabb_detail::kInfinity)) {
+      return false;
+    }
   }
   return true;
 }
@@ -46,7 +104,10 @@ inline bool IsValid(const Aabb& box) {
 inline bool Overlap(const Aabb& a, const Aabb& b) {
   if (!IsValid(a) || !IsValid(b)) return false;
   for (int axis = 0; axis < 3; ++axis) {
-    if (a.min[axis] > b.max[axis] || b.min[axis] > a.max[axis]) return false;
+    if (aabb_detail::OrderedBits(a.min[axis]) > aabb_detail::OrderedBits(b.max[axis]) ||
+        aabb_detail::OrderedBits(b.min[axis]) > aabb_detail::OrderedBits(a.max[axis])) {
+      return false;
+    }
   }
   return true;
 }
@@ -58,14 +119,13 @@ inline bool Overlap(const Aabb& a, const Aabb& b) {
 // If min <= max is violated on an axis, the result is invalid too, even if both round to the same
 // float.
 inline Aabb RoundOutward(const double min[3], const double max[3]) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
-    box.min[axis] = static_cast<float>(min[axis]);
-    box.max[axis] = static_cast<float>(max[axis]);
-    if (box.min[axis] > min[axis]) box.min[axis] = std::nextafter(box.min[axis], -kInfinity);
-    if (box.max[axis] < max[axis]) box.max[axis] = std::nextafter(box.max[axis], kInfinity);
-    if (!(min[axis] <= max[axis])) box.min[axis] = kInfinity;
+    const bool is_ordered =
+        aabb_detail::OrderedBits(min[axis]) <= aabb_detail::OrderedBits(max[axis]);
+    box.min[axis] = is_ordered ? aabb_detail::RoundToward(min[axis], false)
+                               : std::bit_cast<float>(aabb_detail::kInfinity);
+    box.max[axis] = aabb_detail::RoundToward(max[axis], true);
   }
   return box;
 }
