@@ -13,6 +13,7 @@
 
 #include "engine_client/broad_phase/host/core_speed.h"
 #include "engine_client/broad_phase/host/exceptions.h"
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 
 namespace sweepstake {
@@ -434,11 +435,18 @@ ShadowStats AdaptiveBroadPhase::Impl::shadow_stats() const {
 AdaptiveBroadPhase::AdaptiveBroadPhase(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 AdaptiveBroadPhase::~AdaptiveBroadPhase() = default;
 
-void AdaptiveBroadPhase::BeginFrame() { impl_->BeginFrame(); }
+void AdaptiveBroadPhase::BeginFrame() {
+  const FloatEnvironmentScope environment;
+  impl_->BeginFrame();
+}
 std::span<const OverlapPair> AdaptiveBroadPhase::FindPairs(std::span<const Aabb> boxes) {
+  const FloatEnvironmentScope environment;
   return impl_->FindPairs(boxes);
 }
-void AdaptiveBroadPhase::EndFrame(const FrameEnd& frame) { impl_->EndFrame(frame); }
+void AdaptiveBroadPhase::EndFrame(const FrameEnd& frame) {
+  const FloatEnvironmentScope environment;
+  impl_->EndFrame(frame);
+}
 void AdaptiveBroadPhase::Trim() { impl_->Trim(); }
 uint64_t AdaptiveBroadPhase::memory_bytes() const { return impl_->memory_bytes(); }
 
@@ -454,6 +462,7 @@ void AdaptiveBroadPhase::SetDeciderPresent(bool present) {
   impl_->guard.SetDeciderPresent(present);
 }
 void AdaptiveBroadPhase::SetPosteriorMeans(std::span<const double> means) {
+  const FloatEnvironmentScope environment;
   impl_->guard.SetPosteriorMeans(means);
 }
 void AdaptiveBroadPhase::SetSettling(uint64_t settling_ns) {
@@ -483,6 +492,9 @@ SwitchReason AdaptiveBroadPhase::last_switch_reason() const { return impl_->last
 std::span<const std::string> AdaptiveBroadPhase::arms() const { return impl_->arms; }
 std::span<const uint32_t> AdaptiveBroadPhase::arm_versions() const { return impl_->versions; }
 const FrameSample& AdaptiveBroadPhase::last_sample() const { return impl_->last_sample; }
-ShadowStats AdaptiveBroadPhase::shadow_stats() const { return impl_->shadow_stats(); }
+ShadowStats AdaptiveBroadPhase::shadow_stats() const {
+  const FloatEnvironmentScope environment;
+  return impl_->shadow_stats();
+}
 
 }  // namespace sweepstake

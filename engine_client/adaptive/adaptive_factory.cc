@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine_client/adaptive/adaptive_impl.h"
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/text/names.h"
 
 namespace sweepstake {
@@ -99,6 +100,7 @@ Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(
 
 Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveBroadPhase::Create(
     const AdaptiveOptions& options, FrameSink* sink, Clock& clock) {
+  const FloatEnvironmentScope environment;
   if (options.arms.empty()) {
     AdaptiveOptions of_all = options;
     of_all.arms.assign(BroadPhaseNames().begin(), BroadPhaseNames().end());

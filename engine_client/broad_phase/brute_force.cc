@@ -18,12 +18,12 @@ class BruteForce final : public BroadPhase {
   explicit BruteForce(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "BruteForce"; }
   uint32_t version() const override { return 3; }
-  void Build(std::span<const Aabb> boxes) override {
+  void DoBuild(std::span<const Aabb> boxes) override {
     pair_count_ = 0;
     Load(boxes);
   }
-  void Update(std::span<const Aabb> boxes) override { Load(boxes); }
-  void FindPairs(PairBuffer& out) override;
+  void DoUpdate(std::span<const Aabb> boxes) override { Load(boxes); }
+  void DoFindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
   size_t native_bytes() const override { return boxes_.native_bytes() + parts_.native_bytes(); }
 
@@ -50,7 +50,7 @@ void BruteForce::Load(std::span<const Aabb> boxes) {
   });
 }
 
-void BruteForce::FindPairs(PairBuffer& out) {
+void BruteForce::DoFindPairs(PairBuffer& out) {
   const ByteLanes lanes = boxes_.Lanes();
   const size_t before = out.size();
   checks_ = parts_.Run(

@@ -1,9 +1,10 @@
-// The only list of all backends. Add a line here for a new backend.
+// The interface's functions and the only list of all backends. Add a line here for a new backend.
 #include <array>
 
 #include "engine_client/broad_phase/brute_force.h"
 #include "engine_client/broad_phase/dbvt/dbvt.h"
 #include "engine_client/broad_phase/grid/grid.h"
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/broad_phase/kd/kd_tree.h"
 #include "engine_client/broad_phase/sweep/axis_sweep.h"
 #include "engine_client/broad_phase/sweep/sap.h"
@@ -34,6 +35,21 @@ constexpr auto kNames = [] {
 }();
 
 }  // namespace
+
+void BroadPhase::Build(std::span<const Aabb> boxes) {
+  const FloatEnvironmentScope scope;
+  DoBuild(boxes);
+}
+
+void BroadPhase::Update(std::span<const Aabb> boxes) {
+  const FloatEnvironmentScope scope;
+  DoUpdate(boxes);
+}
+
+void BroadPhase::FindPairs(PairBuffer& out) {
+  const FloatEnvironmentScope scope;
+  DoFindPairs(out);
+}
 
 std::span<const std::string_view> BroadPhaseNames() { return kNames; }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "engine_client/broad_phase/host/exceptions.h"
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "sweepstake/aabb.h"
 #include "sweepstake/c_api.h"
 #include "sweepstake/status.h"
@@ -23,9 +24,11 @@ swp_result ToResult(const Status& status) noexcept;
 // Fails with "NAME must not be NULL".
 swp_result NullArgument(std::string_view name) noexcept;
 
-// Runs `body`, which returns a swp_result. If it throws an exception, returns a failure instead.
+// Runs `body`, which returns a swp_result, in the default floating-point environment. If it throws
+// an exception, returns a failure instead.
 template <typename Body>
 swp_result Guard(const Body& body) noexcept {
+  const FloatEnvironmentScope environment;
   return CatchOutOfMemory(
       [&] { return CatchFailure(body, [](const char* what) { return Fail(SWP_INTERNAL, what); }); },
       [] { return Fail(SWP_RESOURCE_EXHAUSTED, "out of memory: use fewer objects"); });

@@ -353,7 +353,7 @@ class DegenerateScene : public Scene {
   uint64_t frame_index() const override { return frame_index_; }
   std::span<const Aabb> aabbs() const override { return boxes_.boxes().first(shown_); }
   size_t max_object_count() const override { return boxes_.boxes().size(); }
-  void Step() override {
+  void DoStep() override {
     ++frame_index_;
     boxes_.Step();
     if (name_ == kSpawning) shown_ = SpawnedCount(boxes_.boxes().size(), frame_index_);

@@ -108,7 +108,7 @@ class ChangingScene : public Scene {
   std::span<const Aabb> aabbs() const override { return std::span(boxes_).first(shown_); }
   size_t max_object_count() const override { return boxes_.size(); }
 
-  void Step() override {
+  void DoStep() override {
     ++frame_index_;
     shown_ = ShownCount();
     for (uint32_t i = 0; i < shown_; ++i) Move(i, bodies_[i]);

@@ -15,7 +15,7 @@ Bodies::Bodies(uint32_t object_count) {
 GeneratedScene::GeneratedScene(std::string_view name, const Aabb& world, uint32_t object_count)
     : name_(name), world_(world), bodies_(object_count), aabbs_(object_count) {}
 
-void GeneratedScene::Step() {
+void GeneratedScene::DoStep() {
   ++frame_index_;
   Move();
   ShowBodies();

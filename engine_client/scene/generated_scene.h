@@ -30,7 +30,7 @@ class GeneratedScene : public Scene {
   Aabb world() const final { return world_; }
   uint64_t frame_index() const final { return frame_index_; }
   std::span<const Aabb> aabbs() const final { return aabbs_; }
-  void Step() final;
+  void DoStep() final;
 
  protected:
   // `name` must outlive the scene. The derived class's constructor must place the bodies and then

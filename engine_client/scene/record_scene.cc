@@ -10,6 +10,7 @@
 #include <system_error>
 #include <vector>
 
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/scene/aabbs_format.h"
 #include "engine_client/scene/utf8_path.h"
 #include "engine_client/text/names.h"
@@ -174,6 +175,7 @@ Status CheckTarget(uint64_t frame_count, const fs::path& path) {
 
 Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path,
                    std::string_view notes) {
+  const FloatEnvironmentScope environment;
   const std::optional<fs::path> target = PathOfUtf8(path);
   if (!target) {
     return {StatusCode::kInvalidArgument, "'" + text::PrintableLine(path) + "' is not UTF-8"};

@@ -164,7 +164,7 @@ Status RecordedScene::CheckFrame(uint64_t file_frame) const {
                 std::to_string(bad - boxes.begin()) + " has a coordinate that is not finite");
 }
 
-void RecordedScene::Step() {
+void RecordedScene::DoStep() {
   ++frame_index_;
   if (next_file_frame_ == header_.frames_with_spawn()) Rewind();
   if (!ReadNextFrame()) Rewind();

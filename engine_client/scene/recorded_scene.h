@@ -37,7 +37,7 @@ class RecordedScene final : public Scene {
   size_t max_object_count() const override { return boxes_.size(); }
   // Reads the next frame. If the file has become unreadable, the boxes of the last readable frame
   // stay.
-  void Step() override;
+  void DoStep() override;
 
  private:
   RecordedScene() = default;

@@ -1,4 +1,4 @@
-// The only list of all scenes. To add a scene, add a line here.
+// The interface's functions and the only list of all scenes. To add a scene, add a line here.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engine_client/broad_phase/host/exceptions.h"
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/scene/box_scenes.h"
 #include "engine_client/scene/changing_scenes.h"
 #include "engine_client/scene/recorded_scene.h"
@@ -175,6 +176,11 @@ Result<ScenePointer> MakeNamedScene(std::string_view scene, const SceneOptions& 
 
 }  // namespace
 
+void Scene::Step() {
+  const FloatEnvironmentScope scope;
+  DoStep();
+}
+
 std::span<const SceneDescription> SceneDescriptions() { return kDescriptions; }
 
 std::span<const std::string_view> SceneNames() { return kNames; }
@@ -187,6 +193,7 @@ std::span<const std::string_view> SceneNames(SceneGroup group) {
 }
 
 Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOptions& options) {
+  const FloatEnvironmentScope environment;
   return CatchOutOfMemory([&] { return MakeNamedScene(scene, options); },
                           [] {
                             return Status(StatusCode::kResourceExhausted,

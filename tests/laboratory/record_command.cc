@@ -28,7 +28,7 @@ class ObservedScene : public Scene {
   uint64_t frame_index() const override { return scene_.frame_index(); }
   std::span<const Aabb> aabbs() const override { return scene_.aabbs(); }
   size_t max_object_count() const override { return scene_.max_object_count(); }
-  void Step() override {
+  void DoStep() override {
     scene_.Step();
     max_objects_ = std::max(max_objects_, scene_.aabbs().size());
     progress_.Show(++steps_);

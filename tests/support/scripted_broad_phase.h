@@ -29,15 +29,15 @@ class ScriptedBroadPhase final : public BroadPhase {
 
   std::string_view name() const override { return script_.name; }
   uint32_t version() const override { return script_.version; }
-  void Build(std::span<const Aabb>) override {
+  void DoBuild(std::span<const Aabb>) override {
     ++build_count;
     clock_.Advance(script_.build_ns);
   }
-  void Update(std::span<const Aabb>) override {
+  void DoUpdate(std::span<const Aabb>) override {
     ++update_count;
     clock_.Advance(script_.update_ns);
   }
-  void FindPairs(PairBuffer& out) override {
+  void DoFindPairs(PairBuffer& out) override {
     clock_.Advance(script_.find_ns);
     for (uint32_t i = 0; i < script_.pair_count; ++i) {
       const uint32_t a = script_.descending ? script_.pair_count - 1 - i : i;

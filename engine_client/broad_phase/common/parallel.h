@@ -10,6 +10,7 @@
 
 #include "engine_client/broad_phase/common/stop_poll.h"
 #include "engine_client/broad_phase/host/exceptions.h"
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 #include "sweepstake/executor.h"
 #include "sweepstake/pair_buffer.h"
@@ -30,6 +31,7 @@ void RunParts(Executor* executor, size_t part_count, const Fn& fn) {
   executor->RunParts(
       part_count,
       [](void* opaque, size_t part) {
+        const FloatEnvironmentScope scope;  // the thread may belong to the game
         auto& shared = *static_cast<Context*>(opaque);
         shared.failure.Run([&] { shared.fn(part); });
       },

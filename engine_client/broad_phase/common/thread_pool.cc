@@ -4,6 +4,7 @@
 #include <cassert>
 #include <condition_variable>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -42,6 +43,10 @@ class ThreadPool final : public Executor {
     }
   }
   ~ThreadPool() override {
+    if (ProcessId() != process_id_) {
+      ForgetWorkers();
+      return;
+    }
     stopping_.store(true);
     Publish(0);
     for (std::thread& worker : workers_) worker.join();
@@ -83,17 +88,17 @@ class ThreadPool final : public Executor {
     if (sleeper_count_.load() == 0) return;
     // Taking the lock here waits for a thread in Sleep that has checked for a job but does not wait
     // yet. Such a thread would miss the notification.
-    { const std::scoped_lock lock(sleep_); }
-    wake_.notify_all();
+    { const std::scoped_lock lock(waiting_->mutex); }
+    waiting_->wake.notify_all();
   }
 
   // Waits until there is a job. No wake-up is lost: either the sleeping thread sees the job, or
   // Publish sees that a thread sleeps. std::atomic::wait is not used: where libstdc++ has no futex,
   // as on Windows, it loses wake-ups.
   void Sleep() noexcept {
-    std::unique_lock lock(sleep_);
+    std::unique_lock lock(waiting_->mutex);
     sleeper_count_.fetch_add(1);
-    wake_.wait(lock, [&] { return HasUnclaimed(job_.load()) || stopping_.load(); });
+    waiting_->wake.wait(lock, [&] { return HasUnclaimed(job_.load()) || stopping_.load(); });
     sleeper_count_.fetch_sub(1, std::memory_order_relaxed);
   }
 
@@ -127,6 +132,19 @@ class ThreadPool final : public Executor {
     return false;
   }
 
+  // In a forked child no worker exists. The destructor of the condition variable would wait for
+  // those that slept in the parent.
+  void ForgetWorkers() noexcept {
+    for (std::thread& worker : workers_) worker.detach();
+    (void)waiting_.release();
+  }
+
+  // Where workers sleep.
+  struct WaitingPlace {
+    std::mutex mutex;
+    std::condition_variable wake;
+  };
+
   // job_ and done_ have separate cache lines, so that threads that wait for job_ do not slow down
   // threads that increment done_.
   alignas(64) std::atomic<uint64_t> job_{0};
@@ -134,9 +152,9 @@ class ThreadPool final : public Executor {
   alignas(64) RunPart run_part_ = nullptr;
   void* context_ = nullptr;
   std::atomic<size_t> sleeper_count_{0};
-  std::mutex sleep_;
-  std::condition_variable wake_;
+  std::unique_ptr<WaitingPlace> waiting_ = std::make_unique<WaitingPlace>();
   std::atomic<bool> stopping_{false};
+  const uint64_t process_id_ = ProcessId();
   std::vector<std::thread> workers_;
 };
 

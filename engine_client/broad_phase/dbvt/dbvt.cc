@@ -46,9 +46,9 @@ class Dbvt final : public BroadPhase {
   explicit Dbvt(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "DBVT"; }
   uint32_t version() const override { return 4; }
-  void Build(std::span<const Aabb> boxes) override;
-  void Update(std::span<const Aabb> boxes) override;
-  void FindPairs(PairBuffer& out) override;
+  void DoBuild(std::span<const Aabb> boxes) override;
+  void DoUpdate(std::span<const Aabb> boxes) override;
+  void DoFindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return update_checks_ + pair_checks_; }
   size_t native_bytes() const override;
 
@@ -85,7 +85,7 @@ class Dbvt final : public BroadPhase {
   uint64_t pair_checks_ = 0;
 };
 
-void Dbvt::Build(std::span<const Aabb> boxes) {
+void Dbvt::DoBuild(std::span<const Aabb> boxes) {
   Rebuild(boxes);
   margins_.MeasureSide(boxes);
   is_at_rest_ = false;
@@ -139,8 +139,8 @@ bool Dbvt::AdvanceRebuild(std::span<const Aabb> boxes) {
   return true;
 }
 
-void Dbvt::Update(std::span<const Aabb> boxes) {
-  if (IsOtherScene(boxes.size(), tree_.object_count())) return Build(boxes);
+void Dbvt::DoUpdate(std::span<const Aabb> boxes) {
+  if (IsOtherScene(boxes.size(), tree_.object_count())) return DoBuild(boxes);
   update_checks_ = 0;
   latest_cost_ = SearchCost(pair_checks_, pair_count_);
   pair_checks_ = 0;
@@ -225,7 +225,7 @@ void Dbvt::StopResting() {
   }
 }
 
-void Dbvt::FindPairs(PairBuffer& out) {
+void Dbvt::DoFindPairs(PairBuffer& out) {
   const size_t before = out.size();
   if (is_at_rest_) {
     pair_checks_ = margins_.FindPairs(executor_, parts_, out);

@@ -17,18 +17,18 @@ class Grid final : public BroadPhase {
   explicit Grid(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "Grid"; }
   uint32_t version() const override { return 4; }
-  void Build(std::span<const Aabb> boxes) override {
+  void DoBuild(std::span<const Aabb> boxes) override {
     plan_.Reset();
-    Update(boxes);
+    DoUpdate(boxes);
   }
-  void Update(std::span<const Aabb> boxes) override {
+  void DoUpdate(std::span<const Aabb> boxes) override {
     checks_ = 0;
     count_ = boxes.size();
     plan_.MakeGrids(executor_, boxes, stop());
     if (IsStopped(stop())) return;
     sort_.Sort(executor_, boxes, plan_.grids(), plan_.choice(), stop());
   }
-  void FindPairs(PairBuffer& out) override {
+  void DoFindPairs(PairBuffer& out) override {
     const GridView view{sort_.lanes(), sort_.starts(), plan_.grids(), plan_.searches()};
     checks_ = parts_.Run(
         executor_, count_, kMinSearchedPerPart, GridView::kBatch, out,

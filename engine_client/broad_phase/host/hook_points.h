@@ -47,10 +47,15 @@ class Zone {
 
 enum class ThreadPriority { kOfTheStarter, kLow };
 
-// Each thread that the library starts calls this function first. It names the thread, sets its
-// priority and calls the hook. `name` is a literal of at most 15 characters, the limit of Linux.
+// Each thread that the library starts calls this function first. It sets the default
+// floating-point environment, the name and the priority of the thread, and calls the hook. `name`
+// is a literal of at most 15 characters, the limit of Linux.
 void NoteThreadStarted(const char* name,
                        ThreadPriority priority = ThreadPriority::kOfTheStarter) noexcept;
+
+// Returns the id of this process. A forked child has another id, and none of its parent's threads:
+// it must not join them, nor use locks that they may hold. Makes a system call.
+uint64_t ProcessId() noexcept;
 
 // Returns the CPU time of the calling thread in nanoseconds. Returns 0 if the system does not
 // report it. Makes a system call.

@@ -1,4 +1,6 @@
-// System calls for a thread: its name in debuggers and profilers, its priority and its CPU time.
+// The state of a thread: its floating-point environment, its name in debuggers and profilers, its
+// priority and its CPU time.
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 
 #if defined(_WIN32)
@@ -12,6 +14,9 @@
 #elif defined(__linux__) || defined(__APPLE__)
 #include <pthread.h>
 #include <time.h>
+#endif
+#if defined(__unix__) || defined(__APPLE__)
+#include <unistd.h>
 #endif
 #if defined(__linux__)
 #include <sys/resource.h>
@@ -68,6 +73,16 @@ void LowerThisThreadsPriority() noexcept {}
 
 }  // namespace
 
+uint64_t ProcessId() noexcept {
+#if defined(_WIN32)
+  return GetCurrentProcessId();
+#elif defined(__unix__) || defined(__APPLE__)
+  return static_cast<uint64_t>(getpid());
+#else
+  return 0;
+#endif
+}
+
 // Returns 0 on Windows, which counts a thread's time in ticks of 16 ms. This is too coarse for the
 // work measured with it.
 uint64_t ThreadTimeNs() noexcept {
@@ -81,6 +96,8 @@ uint64_t ThreadTimeNs() noexcept {
 }
 
 void NoteThreadStarted(const char* name, ThreadPriority priority) noexcept {
+  // On Linux a thread starts in the environment of the thread that has made it.
+  SetDefaultFloatEnvironment();
   NameThisThread(name);
   if (priority == ThreadPriority::kLow) LowerThisThreadsPriority();
   const Hooks* const hooks = installed_hooks.load(std::memory_order_relaxed);

@@ -35,9 +35,9 @@ class KdTree final : public BroadPhase {
   explicit KdTree(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "KDTree"; }
   uint32_t version() const override { return 5; }
-  void Build(std::span<const Aabb> boxes) override;
-  void Update(std::span<const Aabb> boxes) override;
-  void FindPairs(PairBuffer& out) override;
+  void DoBuild(std::span<const Aabb> boxes) override;
+  void DoUpdate(std::span<const Aabb> boxes) override;
+  void DoFindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
   size_t native_bytes() const override {
     return splitter_.native_bytes() + unsorted_sorter_.native_bytes() + order_.capacity_bytes() +
@@ -85,7 +85,7 @@ class KdTree final : public BroadPhase {
   uint64_t checks_ = 0;
 };
 
-void KdTree::Build(std::span<const Aabb> boxes) {
+void KdTree::DoBuild(std::span<const Aabb> boxes) {
   box_count_ = slot_count_ = unsorted_begin_ = boxes.size();
   ReserveSlots(box_count_);
   std::iota(order_.data(), order_.data() + box_count_, 0U);
@@ -93,7 +93,7 @@ void KdTree::Build(std::span<const Aabb> boxes) {
   SplitAtOnce(boxes);
 }
 
-void KdTree::Update(std::span<const Aabb> boxes) {
+void KdTree::DoUpdate(std::span<const Aabb> boxes) {
   if (boxes.size() != box_count_) Resize(boxes);
   if (split_is_done_) {
     AdoptSplit(boxes);
@@ -222,7 +222,7 @@ void KdTree::SplitAtOnce(std::span<const Aabb> boxes) {
 
 // The search itself is LeafTree::FindPairs (kd_search.cc). If a split is in progress, its next step
 // is the first item of the parallel loop. It reads nothing that the search writes.
-void KdTree::FindPairs(PairBuffer& out) {
+void KdTree::DoFindPairs(PairBuffer& out) {
   const size_t before = out.size();
   const size_t steps = is_splitting_ && !split_is_done_ ? 1 : 0;
   checks_ = parts_.Run(

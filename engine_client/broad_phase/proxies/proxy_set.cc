@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 #include "engine_client/broad_phase/proxies/proxy_set_impl.h"
 
@@ -177,11 +178,13 @@ ProxySet::ProxySet(ProxySet&&) noexcept = default;
 ProxySet& ProxySet::operator=(ProxySet&&) noexcept = default;
 
 ProxyHandle ProxySet::Add(const Aabb& box, const ProxyOptions& options) {
+  const FloatEnvironmentScope environment;
   return impl_->Add(box, options);
 }
 
 void ProxySet::AddMany(std::span<const Aabb> boxes, std::span<const ProxyOptions> options,
                        std::span<ProxyHandle> handles) {
+  const FloatEnvironmentScope environment;
   assert(boxes.size() == handles.size());
   assert(options.size() == 1 || options.size() == boxes.size());
   std::fill(handles.begin(), handles.end(), ProxyHandle{});
@@ -191,22 +194,26 @@ void ProxySet::AddMany(std::span<const Aabb> boxes, std::span<const ProxyOptions
 }
 
 bool ProxySet::Remove(ProxyHandle handle) {
+  const FloatEnvironmentScope environment;
   return impl_->Change(handle,
                        [&](ProxyKind& kind, uint32_t place) { impl_->Remove(kind, place); });
 }
 
 bool ProxySet::RemoveMany(std::span<const ProxyHandle> handles) {
+  const FloatEnvironmentScope environment;
   if (!impl_->AllLive(handles)) return false;
   for (const ProxyHandle handle : handles) Remove(handle);
   return true;
 }
 
 bool ProxySet::Move(ProxyHandle handle, const Aabb& box) {
+  const FloatEnvironmentScope environment;
   return impl_->Change(handle,
                        [&](ProxyKind& kind, uint32_t place) { impl_->Move(kind, place, box); });
 }
 
 bool ProxySet::Move(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes) {
+  const FloatEnvironmentScope environment;
   assert(handles.size() == boxes.size());
   if (!impl_->AllLive(handles)) return false;
   impl_->EnsureRoomToWake(handles, boxes);
@@ -226,11 +233,13 @@ bool ProxySet::SetUser(ProxyHandle handle, uint64_t user) {
 }
 
 bool ProxySet::SetStatic(ProxyHandle handle, bool is_static) {
+  const FloatEnvironmentScope environment;
   return impl_->Change(
       handle, [&](ProxyKind& kind, uint32_t place) { impl_->SetStatic(kind, place, is_static); });
 }
 
 bool ProxySet::SetSleeping(ProxyHandle handle, bool is_sleeping) {
+  const FloatEnvironmentScope environment;
   return impl_->Change(handle, [&](ProxyKind& kind, uint32_t place) {
     impl_->SetSleeping(kind, place, is_sleeping);
   });
@@ -242,6 +251,7 @@ bool ProxySet::is_sleeping(ProxyHandle handle) const {
 }
 
 Status ProxySet::ShiftOrigin(const float offset[3]) {
+  const FloatEnvironmentScope environment;
   if (!std::isfinite(offset[0]) || !std::isfinite(offset[1]) || !std::isfinite(offset[2])) {
     return {StatusCode::kInvalidArgument, "the offset must be finite"};
   }
@@ -250,7 +260,10 @@ Status ProxySet::ShiftOrigin(const float offset[3]) {
   return {};
 }
 
-void ProxySet::Compact() { impl_->Compact(); }
+void ProxySet::Compact() {
+  const FloatEnvironmentScope environment;
+  impl_->Compact();
+}
 
 bool ProxySet::is_alive(ProxyHandle handle) const { return impl_->Find(handle) != nullptr; }
 
@@ -283,12 +296,16 @@ std::span<const Aabb> ProxySet::moving_boxes() const {
 }
 
 std::span<const OverlapPair> ProxySet::Resolve(std::span<const OverlapPair> moving_pairs) {
+  const FloatEnvironmentScope environment;
   return impl_->Resolve(moving_pairs);
 }
 std::span<const ProxyPair> ProxySet::added() const { return impl_->events_.added(); }
 std::span<const ProxyPair> ProxySet::removed() const { return impl_->events_.removed(); }
 
-void ProxySet::PrepareQueries() { impl_->RefreshTrees(); }
+void ProxySet::PrepareQueries() {
+  const FloatEnvironmentScope environment;
+  impl_->RefreshTrees();
+}
 uint64_t ProxySet::refit_count() const {
   return impl_->moving_.refit_count() + impl_->resting_.refit_count();
 }

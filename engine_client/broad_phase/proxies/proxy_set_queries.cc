@@ -2,6 +2,7 @@
 #include <cassert>
 #include <string>
 
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/broad_phase/proxies/proxy_queries.h"
 #include "engine_client/broad_phase/proxies/proxy_set_impl.h"
 #include "engine_client/broad_phase/proxies/query_shapes.h"
@@ -99,6 +100,7 @@ Status ProxySet::Impl::RefreshAndAsk(const Shape& shape, const Question& questio
 
 void ProxySet::QueryBox(const Aabb& box, const CollisionFilter& filter,
                         std::vector<ProxyHandle>& out) {
+  const FloatEnvironmentScope environment;
   impl_->RefreshTrees();
   Found found(out);
   ProxyQueries(impl_->moving_, impl_->resting_).FindInBox(box, filter, found);
@@ -106,6 +108,7 @@ void ProxySet::QueryBox(const Aabb& box, const CollisionFilter& filter,
 
 Status ProxySet::QueryBox(const Aabb& box, const CollisionFilter& filter,
                           std::span<ProxyHandle> out, size_t& count) const {
+  const FloatEnvironmentScope environment;
   return std::as_const(*impl_).Ask(box, [&](const ProxyQueries& queries) {
     Found found(out);
     queries.FindInBox(box, filter, found);
@@ -115,6 +118,7 @@ Status ProxySet::QueryBox(const Aabb& box, const CollisionFilter& filter,
 
 Status ProxySet::QuerySphere(const Sphere& sphere, const CollisionFilter& filter,
                              std::vector<ProxyHandle>& out) {
+  const FloatEnvironmentScope environment;
   return impl_->RefreshAndAsk(sphere, [&](const ProxyQueries& queries) {
     Found found(out);
     queries.FindInSphere(sphere, filter, found);
@@ -123,6 +127,7 @@ Status ProxySet::QuerySphere(const Sphere& sphere, const CollisionFilter& filter
 
 Status ProxySet::QuerySphere(const Sphere& sphere, const CollisionFilter& filter,
                              std::span<ProxyHandle> out, size_t& count) const {
+  const FloatEnvironmentScope environment;
   return std::as_const(*impl_).Ask(sphere, [&](const ProxyQueries& queries) {
     Found found(out);
     queries.FindInSphere(sphere, filter, found);
@@ -131,6 +136,7 @@ Status ProxySet::QuerySphere(const Sphere& sphere, const CollisionFilter& filter
 }
 
 Status ProxySet::CastRay(const Ray& ray, const CollisionFilter& filter, std::vector<RayHit>& hits) {
+  const FloatEnvironmentScope environment;
   return impl_->RefreshAndAsk(ray, [&](const ProxyQueries& queries) {
     Found found(hits);
     queries.FindHits(SlabsOf(ray), filter, found);
@@ -139,6 +145,7 @@ Status ProxySet::CastRay(const Ray& ray, const CollisionFilter& filter, std::vec
 
 Status ProxySet::CastRay(const Ray& ray, const CollisionFilter& filter, std::span<RayHit> hits,
                          size_t& count) const {
+  const FloatEnvironmentScope environment;
   return std::as_const(*impl_).Ask(ray, [&](const ProxyQueries& queries) {
     Found found(hits);
     queries.FindHits(SlabsOf(ray), filter, found);
@@ -148,6 +155,7 @@ Status ProxySet::CastRay(const Ray& ray, const CollisionFilter& filter, std::spa
 
 Status ProxySet::SweepBox(const BoxSweep& sweep, const CollisionFilter& filter,
                           std::vector<RayHit>& hits) {
+  const FloatEnvironmentScope environment;
   return impl_->RefreshAndAsk(sweep, [&](const ProxyQueries& queries) {
     Found found(hits);
     queries.FindHits(SlabsOf(sweep), filter, found);
@@ -156,6 +164,7 @@ Status ProxySet::SweepBox(const BoxSweep& sweep, const CollisionFilter& filter,
 
 Status ProxySet::SweepBox(const BoxSweep& sweep, const CollisionFilter& filter,
                           std::span<RayHit> hits, size_t& count) const {
+  const FloatEnvironmentScope environment;
   return std::as_const(*impl_).Ask(sweep, [&](const ProxyQueries& queries) {
     Found found(hits);
     queries.FindHits(SlabsOf(sweep), filter, found);
@@ -164,11 +173,13 @@ Status ProxySet::SweepBox(const BoxSweep& sweep, const CollisionFilter& filter,
 }
 
 Status ProxySet::CastRayNearest(const Ray& ray, const CollisionFilter& filter, RayHit& hit) {
+  const FloatEnvironmentScope environment;
   impl_->RefreshTrees();
   return std::as_const(*this).CastRayNearest(ray, filter, hit);
 }
 
 Status ProxySet::CastRayNearest(const Ray& ray, const CollisionFilter& filter, RayHit& hit) const {
+  const FloatEnvironmentScope environment;
   return std::as_const(*impl_).Ask(ray, [&](const ProxyQueries& queries) {
     hit = queries.FindNearestHit(SlabsOf(ray), filter);
   });
@@ -176,12 +187,14 @@ Status ProxySet::CastRayNearest(const Ray& ray, const CollisionFilter& filter, R
 
 Status ProxySet::SweepBoxNearest(const BoxSweep& sweep, const CollisionFilter& filter,
                                  RayHit& hit) {
+  const FloatEnvironmentScope environment;
   impl_->RefreshTrees();
   return std::as_const(*this).SweepBoxNearest(sweep, filter, hit);
 }
 
 Status ProxySet::SweepBoxNearest(const BoxSweep& sweep, const CollisionFilter& filter,
                                  RayHit& hit) const {
+  const FloatEnvironmentScope environment;
   return std::as_const(*impl_).Ask(sweep, [&](const ProxyQueries& queries) {
     hit = queries.FindNearestHit(SlabsOf(sweep), filter);
   });
@@ -189,16 +202,19 @@ Status ProxySet::SweepBoxNearest(const BoxSweep& sweep, const CollisionFilter& f
 
 Status ProxySet::CastRays(std::span<const Ray> rays, const CollisionFilter& filter,
                           std::span<RayHit> hits) const {
+  const FloatEnvironmentScope environment;
   return std::as_const(*impl_).FindNearestHits("ray", rays, filter, hits);
 }
 
 Status ProxySet::SweepBoxes(std::span<const BoxSweep> sweeps, const CollisionFilter& filter,
                             std::span<RayHit> hits) const {
+  const FloatEnvironmentScope environment;
   return std::as_const(*impl_).FindNearestHits("sweep", sweeps, filter, hits);
 }
 
 Status ProxySet::QueryBoxes(std::span<const Aabb> boxes, const CollisionFilter& filter,
                             std::span<ProxyHandle> out, std::span<size_t> ends) const {
+  const FloatEnvironmentScope environment;
   return std::as_const(*impl_).FindMany(
       boxes, out, ends, [&](const ProxyQueries& queries, const Aabb& box, auto& found) {
         queries.FindInBox(box, filter, found);
@@ -207,6 +223,7 @@ Status ProxySet::QueryBoxes(std::span<const Aabb> boxes, const CollisionFilter& 
 
 Status ProxySet::QuerySpheres(std::span<const Sphere> spheres, const CollisionFilter& filter,
                               std::span<ProxyHandle> out, std::span<size_t> ends) const {
+  const FloatEnvironmentScope environment;
   Status wrong = CheckAll("sphere", spheres);
   if (!wrong.ok()) return wrong;
   return std::as_const(*impl_).FindMany(

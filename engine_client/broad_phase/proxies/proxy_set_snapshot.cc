@@ -2,6 +2,7 @@
 // that results depend on.
 #include <string>
 
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/broad_phase/proxies/proxy_set_impl.h"
 #include "engine_client/broad_phase/proxies/snapshot.h"
 #include "sweepstake/proxy_set.h"
@@ -117,6 +118,9 @@ Status ProxySet::Impl::Restore(std::span<const std::byte> snapshot) {
 
 size_t ProxySet::snapshot_bytes() const { return impl_->snapshot_bytes(); }
 Status ProxySet::Save(std::span<std::byte> snapshot) const { return impl_->Save(snapshot); }
-Status ProxySet::Restore(std::span<const std::byte> snapshot) { return impl_->Restore(snapshot); }
+Status ProxySet::Restore(std::span<const std::byte> snapshot) {
+  const FloatEnvironmentScope environment;
+  return impl_->Restore(snapshot);
+}
 
 }  // namespace sweepstake

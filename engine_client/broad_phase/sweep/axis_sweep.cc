@@ -49,9 +49,9 @@ class AxisSweep final : public BroadPhase {
   explicit AxisSweep(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "AxisSweep"; }
   uint32_t version() const override { return 3; }
-  void Build(std::span<const Aabb> boxes) override;
-  void Update(std::span<const Aabb> boxes) override;
-  void FindPairs(PairBuffer& out) override;
+  void DoBuild(std::span<const Aabb> boxes) override;
+  void DoUpdate(std::span<const Aabb> boxes) override;
+  void DoFindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
   size_t native_bytes() const override;
 
@@ -90,7 +90,7 @@ class AxisSweep final : public BroadPhase {
   uint64_t sweep_checks_ = 0;  // the checks of the latest sweep
 };
 
-void AxisSweep::Build(std::span<const Aabb> boxes) {
+void AxisSweep::DoBuild(std::span<const Aabb> boxes) {
   count_ = boxes.size();
   checks_ = 0;
   calm_ = false;
@@ -100,7 +100,7 @@ void AxisSweep::Build(std::span<const Aabb> boxes) {
   SortAll();
 }
 
-void AxisSweep::Update(std::span<const Aabb> boxes) {
+void AxisSweep::DoUpdate(std::span<const Aabb> boxes) {
   checks_ = 0;
   const bool in_order = ChangeCount(boxes);
   calm_ =
@@ -117,7 +117,7 @@ void AxisSweep::Update(std::span<const Aabb> boxes) {
   SortAll();
 }
 
-void AxisSweep::FindPairs(PairBuffer& out) {
+void AxisSweep::DoFindPairs(PairBuffer& out) {
   if (pairs_known_) return CopyPairs(out);
   const size_t before = out.size();
   const ByteLanes lanes = swept_.Lanes();

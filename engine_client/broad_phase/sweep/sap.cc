@@ -28,9 +28,9 @@ class Sap final : public BroadPhase {
   explicit Sap(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "SAP"; }
   uint32_t version() const override { return 3; }
-  void Build(std::span<const Aabb> boxes) override { Update(boxes); }
-  void Update(std::span<const Aabb> boxes) override;
-  void FindPairs(PairBuffer& out) override;
+  void DoBuild(std::span<const Aabb> boxes) override { DoUpdate(boxes); }
+  void DoUpdate(std::span<const Aabb> boxes) override;
+  void DoFindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
   size_t native_bytes() const override;
 
@@ -55,7 +55,7 @@ class Sap final : public BroadPhase {
   uint64_t checks_ = 0;
 };
 
-void Sap::Update(std::span<const Aabb> boxes) {
+void Sap::DoUpdate(std::span<const Aabb> boxes) {
   checks_ = 0;
   const CoordinateRange range = CoordinateRange::Sample(boxes);
   const auto axis = static_cast<size_t>(range.sweep_axis);
@@ -137,7 +137,7 @@ void Sap::SortExactly(std::span<const Aabb> boxes, size_t axis) {
   std::transform(sorted.begin(), sorted.end(), boxes_.ids(), SortItemPayload);
 }
 
-void Sap::FindPairs(PairBuffer& out) {
+void Sap::DoFindPairs(PairBuffer& out) {
   const ByteLanes lanes = boxes_.Lanes();
   checks_ = parts_.Run(
       executor_, lanes.count, kMinSweptPerPart, kRowsPerTile, out,

@@ -48,9 +48,9 @@ class Tracy final : public BroadPhase {
   explicit Tracy(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "Tracy"; }
   uint32_t version() const override { return 4; }
-  void Build(std::span<const Aabb> boxes) override;
-  void Update(std::span<const Aabb> boxes) override;
-  void FindPairs(PairBuffer& out) override;
+  void DoBuild(std::span<const Aabb> boxes) override;
+  void DoUpdate(std::span<const Aabb> boxes) override;
+  void DoFindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
   size_t native_bytes() const override {
     return lists_.native_bytes() + rest_.native_bytes() + parts_.native_bytes();
@@ -78,7 +78,7 @@ class Tracy final : public BroadPhase {
   uint64_t checks_ = 0;
 };
 
-void Tracy::Build(std::span<const Aabb> boxes) {
+void Tracy::DoBuild(std::span<const Aabb> boxes) {
   wait_ = 0;
   last_wait_ = 1;
   pair_count_ = 0;
@@ -98,7 +98,7 @@ void Tracy::LayOut(std::span<const Aabb> boxes) {
   resting_ = false;
 }
 
-void Tracy::Update(std::span<const Aabb> boxes) {
+void Tracy::DoUpdate(std::span<const Aabb> boxes) {
   checks_ = 0;
   if (resting_ && UpdateAtRest(boxes)) return;
   if (wait_ == 0 && pair_count_ < kMaxPairsPerBox * boxes.size() &&
@@ -145,7 +145,7 @@ void Tracy::UpdateInMotion(std::span<const Aabb> boxes) {
   if (lists_.long_count() > boxes.size() / kBoxesPerLong + kLongAllowance) LayOut(boxes);
 }
 
-void Tracy::FindPairs(PairBuffer& out) {
+void Tracy::DoFindPairs(PairBuffer& out) {
   if (resting_) return rest_.Append(out);
   const GridView view = lists_.View();
   const size_t before = out.size();

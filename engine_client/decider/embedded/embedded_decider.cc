@@ -9,6 +9,7 @@
 #include <random>
 #include <utility>
 
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/decider/audit/audit_csv.h"
 #include "engine_client/decider/audit/audit_log.h"
 #include "engine_client/decider/embedded/evidence_ledger.h"
@@ -219,6 +220,7 @@ class EmbeddedDecider::Impl final : public decision::AuditSink {
 Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
     const EmbeddedOptions& options, std::span<const std::string> arms,
     std::span<const uint32_t> arm_versions, uint64_t now_ns) {
+  const FloatEnvironmentScope environment;
   return StudyMaker{decision::ShippedPolicies()}.MakeDecider(options, arms, arm_versions, now_ns);
 }
 
@@ -251,6 +253,7 @@ Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
 Result<std::string> EmbeddedDecider::ArmOfPriors(const EmbeddedOptions& options,
                                                  std::span<const std::string> arms,
                                                  std::span<const uint32_t> arm_versions) {
+  const FloatEnvironmentScope environment;
   const auto decider = Create(options, arms, arm_versions, 0);
   if (!decider.ok()) return decider.status();
   std::optional<size_t> best;
@@ -271,6 +274,7 @@ EmbeddedDecider::EmbeddedDecider(std::unique_ptr<Impl> impl) : impl_(std::move(i
 EmbeddedDecider::~EmbeddedDecider() = default;
 
 void EmbeddedDecider::Observe(std::span<const FrameSample> frames, uint64_t now_ns) {
+  const FloatEnvironmentScope environment;
   decision::DecisionSession& session = impl_->session;
   size_t first = 0;  // index of the first frame that is not yet observed
   for (size_t i = 0; i < frames.size(); ++i) {
@@ -287,6 +291,7 @@ void EmbeddedDecider::Observe(std::span<const FrameSample> frames, uint64_t now_
 // the reason and cost of the switch. An outcome is ignored if a later epoch has begun since,
 // because it would take the session back to the earlier epoch.
 void EmbeddedDecider::Observe(const SwitchOutcome& outcome, uint64_t now_ns) {
+  const FloatEnvironmentScope environment;
   decision::DecisionSession& session = impl_->session;
   if (outcome.executed == 0) return session.ObserveRefusal(outcome.command_id);
   if (decision::IsLaterEpoch(impl_->latest_epoch, outcome.switch_epoch)) return;
@@ -297,20 +302,24 @@ void EmbeddedDecider::Observe(const SwitchOutcome& outcome, uint64_t now_ns) {
 }
 
 void EmbeddedDecider::Observe(std::span<const ShadowSample> samples) {
+  const FloatEnvironmentScope environment;
   impl_->session.ObserveShadow(samples);
 }
 
 void EmbeddedDecider::Observe(const SceneDescriptor& descriptor) {
+  const FloatEnvironmentScope environment;
   impl_->session.ObserveDescriptor(descriptor);
 }
 
 void EmbeddedDecider::SetMode(Mode mode, uint32_t active_arm, uint64_t now_ns) {
+  const FloatEnvironmentScope environment;
   if (active_arm >= impl_->session.arms().size()) return;
   impl_->session.SetMode(mode, active_arm, static_cast<int64_t>(now_ns));
   if (mode == Mode::kManual) impl_->pending_command.reset();
 }
 
 std::optional<SwitchCommand> EmbeddedDecider::Poll(uint64_t now_ns) {
+  const FloatEnvironmentScope environment;
   const auto now = static_cast<int64_t>(now_ns);
   if (now >= impl_->session.next_tick_ns()) impl_->Follow(impl_->session.Tick(now));
   return std::exchange(impl_->pending_command, std::nullopt);
@@ -321,16 +330,23 @@ uint64_t EmbeddedDecider::settling_ns() const {
   return static_cast<uint64_t>(impl_->session.setup().options.settling_ns);
 }
 std::vector<ArmBelief> EmbeddedDecider::beliefs() const {
+  const FloatEnvironmentScope environment;
   const decision::DecisionSession& session = impl_->session;
   return FromDecision(session.posteriors(), session.standings(), session.diagnosis(),
                       session.arms());
 }
-SceneVerdict EmbeddedDecider::verdict() const { return FromDecision(impl_->session.diagnosis()); }
+SceneVerdict EmbeddedDecider::verdict() const {
+  const FloatEnvironmentScope environment;
+  return FromDecision(impl_->session.diagnosis());
+}
 const std::optional<DecisionEvent>& EmbeddedDecider::last_decision() const {
   return impl_->last_decision;
 }
 uint64_t EmbeddedDecider::decision_count() const { return impl_->session.decision_count(); }
 uint64_t EmbeddedDecider::prior_source_count() const { return impl_->ledger.prior().source_count; }
-std::string EmbeddedDecider::ExportPriors() const { return FormatPriors(impl_->ledger.records()); }
+std::string EmbeddedDecider::ExportPriors() const {
+  const FloatEnvironmentScope environment;
+  return FormatPriors(impl_->ledger.records());
+}
 
 }  // namespace sweepstake

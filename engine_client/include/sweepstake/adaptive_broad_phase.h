@@ -8,7 +8,8 @@
 //
 // Functions are called on one thread, the frame thread, except SwitchMailbox::Post and functions
 // marked "any thread". No function waits or locks. Between switches, and while the object count is
-// steady, none allocates; the only system call is the clock. With an executor the frame thread also
+// steady, none allocates; the only system call is the clock. The sink is called in the default
+// floating-point environment (broad_phase.h). With an executor the frame thread also
 // waits for the parts of its own search. Ownership: the sink and the clock must outlive the object.
 //
 // Memory: an arm that was active keeps its buffers, so that switching back is cheap. Trim or

@@ -4,7 +4,9 @@
 // any time and discards all state. The boxes are read only during the call. The id of an object is
 // its index in the span. Thread safety: one thread at a time per object; distinct objects are
 // independent, unless they share an Executor. Lengths are in world units of the caller. Memory is
-// kept for reuse until destruction. Errors: if memory runs out, a call ends as described at
+// kept for reuse until destruction. The results do not depend on the caller's floating-point
+// environment (rounding mode, flush to zero, trapped exceptions), which is restored on return.
+// Errors: if memory runs out, a call ends as described at
 // OutOfMemory() (hooks.h), and the next call must be Build.
 #pragma once
 
@@ -51,17 +53,17 @@ class BroadPhase {
   virtual uint32_t version() const = 0;
 
   // Discards all state and starts with these boxes; their number is 0 to 2^31 − 1.
-  virtual void Build(std::span<const Aabb> boxes) = 0;
+  void Build(std::span<const Aabb> boxes);
 
   // Sets the boxes of the next frame. If there are more boxes than before, the new objects are at
   // the end; if there are fewer, the last objects are removed. All others keep their ids. REQUIRES:
   // Build was called.
-  virtual void Update(std::span<const Aabb> boxes) = 0;
+  void Update(std::span<const Aabb> boxes);
 
   // Appends every overlapping pair (aabb.h) of the latest boxes exactly once, with a < b. The order
   // of the pairs is unspecified. It is the same for the same sequence of calls, whatever the number
   // of threads. May be called once per Build or Update.
-  virtual void FindPairs(PairBuffer& out) = 0;
+  void FindPairs(PairBuffer& out);
 
   // Returns the number of AABB–AABB checks of the latest Build or Update, and FindPairs. A vector
   // comparison counts as one check per element. Checks against the bounds of tree nodes count too.
@@ -79,6 +81,11 @@ class BroadPhase {
   StopRequest* stop() const { return stop_; }
 
  private:
+  // Called by the public functions of the same names, in the default floating-point environment.
+  virtual void DoBuild(std::span<const Aabb> boxes) = 0;
+  virtual void DoUpdate(std::span<const Aabb> boxes) = 0;
+  virtual void DoFindPairs(PairBuffer& out) = 0;
+
   StopRequest* stop_ = nullptr;
 };
 

@@ -29,6 +29,10 @@
  * with zeros. Structs without struct_size (boxes, pairs, rays, hits, samples, filters and other
  * elements of arrays) never change.
  *
+ * Floating point: the library computes in the default environment: it rounds to nearest, keeps
+ * subnormal numbers and traps no exception. It restores the caller's environment on return.
+ * Callbacks run in the library's.
+ *
  * Errors: functions return a swp_result. If it is not SWP_OK, swp_last_error() says what to do.
  * NULL for a required pointer is SWP_INVALID_ARGUMENT. A function that fails leaves its outputs
  * unchanged, unless its comment says otherwise. No exception leaves the library. */

@@ -11,6 +11,8 @@
 //
 // Not thread-safe. The owner calls it from one thread: a worker, or the frame thread if the game
 // accepts the cost of a decision every 2 s. It needs no gRPC, no network and no thread of its own.
+// Decisions do not depend on the caller's floating-point environment; callbacks run in the default
+// one.
 #pragma once
 
 #include <cstdint>

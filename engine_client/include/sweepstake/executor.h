@@ -6,7 +6,7 @@
 // backend, never from inside a part. Ownership: an object that is given an Executor borrows it.
 // Cost: a backend runs a few parts per thread. In a small scene it does everything on the calling
 // thread. The calling thread also runs parts, and then waits for the parts that other threads have
-// begun.
+// begun. A part needs at most 48 KiB of stack; the library's own threads have the system's default.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +32,9 @@ class Executor {
 };
 
 // Makes a pool of `thread_count` threads. The caller of RunParts is one of them, so thread_count −
-// 1 threads are started. Idle threads spin for a fraction of a millisecond and then sleep.
+// 1 threads are started. Idle threads spin for a fraction of a millisecond and then sleep. A forked
+// child process may destroy the pool, and do nothing else with it.
+//
 // REQUIRES: 1 <= thread_count <= 256. If the system has no more threads, it throws
 // std::system_error, and aborts in a library built without exceptions (hooks.h).
 std::unique_ptr<Executor> MakeThreadPool(size_t thread_count);

@@ -59,7 +59,13 @@ class Scene {
   // starts again after its last frame, while frame_index() goes on. If the file has become
   // unreadable, the boxes stay unchanged. Cost: O(objects); for a recorded file, reading the
   // frame.
-  virtual void Step() = 0;
+  //
+  // The boxes do not depend on the caller's floating-point environment.
+  void Step();
+
+ private:
+  // Called by Step, in the default floating-point environment.
+  virtual void DoStep() = 0;
 };
 
 enum class SceneGroup : uint8_t {

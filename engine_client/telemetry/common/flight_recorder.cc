@@ -47,7 +47,7 @@ class FlightScene final : public Scene {
   Aabb world() const override { return world_; }
   uint64_t frame_index() const override { return frame_index_; }
   std::span<const Aabb> aabbs() const override { return boxes_; }
-  void Step() override {
+  void DoStep() override {
     ++frame_index_;
     Show();
   }

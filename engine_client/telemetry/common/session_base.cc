@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 
 namespace sweepstake {
@@ -59,6 +60,7 @@ SessionBase::SessionBase(const SessionOptions& options)
       queue_(options.queue_frames, flight_ ? &flight_->ring() : nullptr) {}
 
 Status SessionBase::Start(AdaptiveBroadPhase& adaptive) {
+  const FloatEnvironmentScope environment;
   if (adaptive_.load() != nullptr || stats().state == ConnectionState::kClosed) {
     return {StatusCode::kFailedPrecondition, "the session was already started: make a new one"};
   }

@@ -9,6 +9,7 @@
 #include <string>
 #include <system_error>
 
+#include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/scene/utf8_path.h"
 #include "engine_client/telemetry/common/sample_queue.h"
 #include "engine_client/text/names.h"
@@ -109,6 +110,7 @@ Status ValidateTlsOptions(const TlsOptions& options, const TlsNames& names) {
 }
 
 Status ValidateSessionOptions(const SessionOptions& options, const TlsNames& names) {
+  const FloatEnvironmentScope environment;
   if (Status status = ValidateNames(options); !status.ok()) return status;
   if (Status status = ValidateBatching(options); !status.ok()) return status;
   if (!(options.time_scale >= 1 && options.time_scale <= 1000)) {

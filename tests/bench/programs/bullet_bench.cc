@@ -236,7 +236,7 @@ class WorldScene final : public Scene {
   }
   uint64_t frame_index() const override { return static_cast<uint64_t>(game_.step_count()); }
   std::span<const Aabb> aabbs() const override { return boxes_; }
-  void Step() override {
+  void DoStep() override {
     game_.Step();
     boxes_ = game_.boxes();
   }

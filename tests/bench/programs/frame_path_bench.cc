@@ -42,9 +42,9 @@ class NullBackend final : public BroadPhase {
  public:
   std::string_view name() const override { return "Null"; }
   uint32_t version() const override { return 1; }
-  void Build(std::span<const Aabb>) override {}
-  void Update(std::span<const Aabb>) override {}
-  void FindPairs(PairBuffer&) override {}
+  void DoBuild(std::span<const Aabb>) override {}
+  void DoUpdate(std::span<const Aabb>) override {}
+  void DoFindPairs(PairBuffer&) override {}
   uint64_t aabb_check_count() const override { return 0; }
   size_t native_bytes() const override { return 0; }
 };

@@ -35,16 +35,16 @@ class LaneBackend final : public BroadPhase {
 
   std::string_view name() const override { return "Lane"; }
   uint32_t version() const override { return 1; }
-  void Build(std::span<const Aabb> boxes) override {
+  void DoBuild(std::span<const Aabb> boxes) override {
     shown.assign(1, boxes.size());
     script_.in_build();
     clock_.Advance(script_.build_ns);
   }
-  void Update(std::span<const Aabb> boxes) override {
+  void DoUpdate(std::span<const Aabb> boxes) override {
     shown.push_back(boxes.size());
     clock_.Advance(script_.update_ns);
   }
-  void FindPairs(PairBuffer&) override {
+  void DoFindPairs(PairBuffer&) override {
     clock_.Advance(script_.find_ns);
     for (questions = 1; questions <= script_.question_count; ++questions) {
       clock_.Advance(script_.question_ns);

@@ -6,6 +6,11 @@
 #include <thread>
 #include <vector>
 
+#if defined(__unix__)
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
+
 #include "engine_client/broad_phase/common/parallel.h"
 #include "gtest/gtest.h"
 #include "sweepstake/executor.h"
@@ -122,6 +127,24 @@ TEST(PairPartsTest, StartsNoPartAfterAStop) {
   EXPECT_EQ(checks, static_cast<uint64_t>(begun));
   EXPECT_LE(pairs.size(), 1U) << "only pairs of other parts remain";
 }
+
+#if defined(__unix__) && !defined(__SANITIZE_THREAD__)
+// The child has none of the pool's threads, which sleep in the parent.
+TEST(ThreadPoolTest, AForkedChildDestroysThePoolWithoutWaiting) {
+  auto pool = MakeThreadPool(3);
+  RunParts(pool.get(), 3, [](size_t) {});
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(60);  // ends a child that waits
+    pool.reset();
+    _exit(0);
+  }
+  int status = -1;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+}
+#endif
 
 }  // namespace
 }  // namespace sweepstake

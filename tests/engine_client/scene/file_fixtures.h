@@ -70,7 +70,7 @@ class ScriptedScene final : public Scene {
   std::span<const Aabb> aabbs() const override {
     return frames_[std::min<size_t>(frame_index_, frames_.size() - 1)];
   }
-  void Step() override { ++frame_index_; }
+  void DoStep() override { ++frame_index_; }
   void set_name(std::string name) { name_ = std::move(name); }
 
  private:

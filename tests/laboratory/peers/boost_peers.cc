@@ -26,15 +26,15 @@ class RtreePeer final : public Peer {
  public:
   using Peer::Peer;
 
-  void Build(std::span<const Aabb> boxes) override { Update(boxes); }
+  void DoBuild(std::span<const Aabb> boxes) override { DoUpdate(boxes); }
 
-  void Update(std::span<const Aabb> boxes) override {
+  void DoUpdate(std::span<const Aabb> boxes) override {
     entries_.resize(boxes.size());
     for (uint32_t i = 0; i < boxes.size(); ++i) entries_[i] = {BoxOf(boxes[i]), i};
     tree_ = Tree(entries_);
   }
 
-  void FindPairs(PairBuffer& out) override {
+  void DoFindPairs(PairBuffer& out) override {
     for (const Entry& entry : entries_) {
       const uint32_t id = entry.second;
       tree_.query(bgi::intersects(entry.first),

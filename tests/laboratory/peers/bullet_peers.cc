@@ -48,14 +48,14 @@ class BulletPeer : public Peer {
  public:
   explicit BulletPeer(std::string_view name) : Peer(name) {}
 
-  void Build(std::span<const Aabb> boxes) override {
+  void DoBuild(std::span<const Aabb> boxes) override {
     Discard();
     broadphase_ = MakeBroadphase(boxes);
     for (const Aabb& box : boxes) Add(box);
   }
 
-  void Update(std::span<const Aabb> boxes) override {
-    if (boxes.size() > max_proxies()) return Build(boxes);
+  void DoUpdate(std::span<const Aabb> boxes) override {
+    if (boxes.size() > max_proxies()) return DoBuild(boxes);
     while (proxies_.size() > boxes.size()) RemoveLast();
     for (size_t i = 0; i < proxies_.size(); ++i) {
       broadphase_->setAabb(proxies_[i], Corner(boxes[i].min), Corner(boxes[i].max), nullptr);
@@ -65,7 +65,7 @@ class BulletPeer : public Peer {
 
   // Appends the pairs whose exact boxes overlap. Bullet's pair cache also contains outdated pairs
   // and pairs of padded boxes.
-  void FindPairs(PairBuffer& out) override {
+  void DoFindPairs(PairBuffer& out) override {
     broadphase_->calculateOverlappingPairs(nullptr);
     const btBroadphasePairArray& pairs =
         broadphase_->getOverlappingPairCache()->getOverlappingPairArray();
@@ -136,7 +136,7 @@ class DeferredDbvtPeer final : public BulletPeer {
   using BulletPeer::BulletPeer;
   ~DeferredDbvtPeer() override { Discard(); }
 
-  void FindPairs(PairBuffer& out) override {
+  void DoFindPairs(PairBuffer& out) override {
     collector_.CollectInto(out);
     broadphase()->calculateOverlappingPairs(nullptr);
   }

@@ -15,9 +15,9 @@ class CgalPeer final : public Peer {
  public:
   using Peer::Peer;
 
-  void Build(std::span<const Aabb> boxes) override { Update(boxes); }
+  void DoBuild(std::span<const Aabb> boxes) override { DoUpdate(boxes); }
 
-  void Update(std::span<const Aabb> boxes) override {
+  void DoUpdate(std::span<const Aabb> boxes) override {
     kept_.assign(boxes.begin(), boxes.end());
     boxes_.clear();
     for (const Aabb& box : kept_) {
@@ -27,7 +27,7 @@ class CgalPeer final : public Peer {
     }
   }
 
-  void FindPairs(PairBuffer& out) override {
+  void DoFindPairs(PairBuffer& out) override {
     const Aabb* first = kept_.data();
     CGAL::box_self_intersection_d(boxes_.begin(), boxes_.end(),
                                   [&](const HandledBox& a, const HandledBox& b) {

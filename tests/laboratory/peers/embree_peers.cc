@@ -64,7 +64,7 @@ class EmbreePeer final : public Peer {
     rtcReleaseDevice(device_);
   }
 
-  void Build(std::span<const Aabb> boxes) override {
+  void DoBuild(std::span<const Aabb> boxes) override {
     Discard();
     count_ = boxes.size();
     scene_ = rtcNewScene(device_);
@@ -79,12 +79,12 @@ class EmbreePeer final : public Peer {
     Commit(boxes);
   }
 
-  void Update(std::span<const Aabb> boxes) override {
-    if (boxes.size() != count_) return Build(boxes);
+  void DoUpdate(std::span<const Aabb> boxes) override {
+    if (boxes.size() != count_) return DoBuild(boxes);
     Commit(boxes);
   }
 
-  void FindPairs(PairBuffer& out) override {
+  void DoFindPairs(PairBuffer& out) override {
     if (count_ == 0) return;
     size_t found = CollideAll();
     if (found > collision_.slots.size()) {

@@ -100,7 +100,7 @@ class FclPeer final : public Peer {
 
   FclPeer(std::string_view name, MakeManager make) : Peer(name), make_(make) {}
 
-  void Build(std::span<const Aabb> boxes) override {
+  void DoBuild(std::span<const Aabb> boxes) override {
     manager_.reset();
     bodies_.clear();
     margin_ = MarginFor(boxes);
@@ -117,13 +117,13 @@ class FclPeer final : public Peer {
 
   // Registers all objects again if their number has changed: this is faster than adding or removing
   // many one by one.
-  void Update(std::span<const Aabb> boxes) override {
-    if (boxes.size() != bodies_.size()) return Build(boxes);
+  void DoUpdate(std::span<const Aabb> boxes) override {
+    if (boxes.size() != bodies_.size()) return DoBuild(boxes);
     for (size_t i = 0; i < boxes.size(); ++i) bodies_[i]->Take(boxes[i], margin_);
     manager_->update();
   }
 
-  void FindPairs(PairBuffer& out) override {
+  void DoFindPairs(PairBuffer& out) override {
     if (!bodies_.empty()) manager_->collide(&out, Collect);
   }
 

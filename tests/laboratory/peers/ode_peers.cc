@@ -66,13 +66,13 @@ class OdePeer final : public Peer {
   OdePeer(std::string_view name, MakeSpace make) : Peer(name), make_(make) {}
   ~OdePeer() override { Discard(); }
 
-  void Build(std::span<const Aabb> boxes) override {
+  void DoBuild(std::span<const Aabb> boxes) override {
     Discard();
     space_ = make_(boxes);
     for (const Aabb& box : boxes) Add(box);
   }
 
-  void Update(std::span<const Aabb> boxes) override {
+  void DoUpdate(std::span<const Aabb> boxes) override {
     while (geoms_.size() > boxes.size()) {
       dGeomDestroy(geoms_.back());
       geoms_.pop_back();
@@ -82,7 +82,7 @@ class OdePeer final : public Peer {
   }
 
   // ODE compares the exact boxes before it calls the function with a pair.
-  void FindPairs(PairBuffer& out) override {
+  void DoFindPairs(PairBuffer& out) override {
     dSpaceCollide(space_, &out, [](void* pairs, dGeomID a, dGeomID b) {
       AppendPair(*static_cast<PairBuffer*>(pairs), IdOf(a), IdOf(b));
     });

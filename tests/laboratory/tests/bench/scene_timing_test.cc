@@ -84,9 +84,9 @@ class Witness : public BroadPhase {
 
   std::string_view name() const override { return "Witness"; }
   uint32_t version() const override { return 1; }
-  void Build(std::span<const Aabb>) override { seen_.emplace_back(SimdTarget()); }
-  void Update(std::span<const Aabb>) override { seen_.emplace_back(SimdTarget()); }
-  void FindPairs(PairBuffer&) override { seen_.emplace_back(SimdTarget()); }
+  void DoBuild(std::span<const Aabb>) override { seen_.emplace_back(SimdTarget()); }
+  void DoUpdate(std::span<const Aabb>) override { seen_.emplace_back(SimdTarget()); }
+  void DoFindPairs(PairBuffer&) override { seen_.emplace_back(SimdTarget()); }
   uint64_t aabb_check_count() const override { return 0; }
   size_t native_bytes() const override { return 0; }
 

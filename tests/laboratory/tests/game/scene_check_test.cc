@@ -22,12 +22,12 @@ class WrongBackend : public BroadPhase {
 
   std::string_view name() const override { return "Wrong"; }
   uint32_t version() const override { return 1; }
-  void Build(std::span<const Aabb> boxes) override { boxes_.assign(boxes.begin(), boxes.end()); }
-  void Update(std::span<const Aabb> boxes) override {
+  void DoBuild(std::span<const Aabb> boxes) override { boxes_.assign(boxes.begin(), boxes.end()); }
+  void DoUpdate(std::span<const Aabb> boxes) override {
     boxes_.assign(boxes.begin(), boxes.end());
     ++frame_;
   }
-  void FindPairs(PairBuffer& out) override {
+  void DoFindPairs(PairBuffer& out) override {
     std::vector<OverlapPair> pairs = test_support::ScalarPairs(boxes_);
     if (frame_ >= first_wrong_frame_) spoil_(pairs);
     for (const OverlapPair& pair : pairs) out.Append(pair);
