@@ -34,6 +34,8 @@ class ChronoSteadyClock final : public Clock {
     return static_cast<uint64_t>(
         std::chrono::duration_cast<std::chrono::nanoseconds>(since_origin).count());
   }
+  uint64_t ThreadCpuNs() noexcept override { return sweepstake::ThreadCpuNs(); }
+  uint64_t ProcessCpuNs() noexcept override { return sweepstake::ProcessCpuNs(); }
 };
 
 // Returns the state of the lane: kRunning if the options allow a lane, otherwise why there is none.
@@ -75,6 +77,7 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
       memory_budget_bytes_(options.memory_budget_bytes),
       sink_(sink),
       clock_(clock),
+      suspension_(clock, EngineThreads(options) > 1),
       active_(PackActive(initial_arm, 0)),
       lane_state_(LaneFor(options, lane, backends_.size())) {
   for (const ArmBackend& own : backends_) {
@@ -257,16 +260,18 @@ void AdaptiveBroadPhase::Impl::Refuse(const SwitchCommand& command) {
                        .executed = 0});
 }
 
-// Updates the structure of the active arm, searches for pairs, and measures both.
+// Updates the structure of the active arm, searches for pairs, and measures both. The lane's cost
+// is not learnt from a search during which the game was suspended.
 std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const Aabb> boxes) {
   ShadowLane* const lane = frozen() ? nullptr : lane_.get();
   const uint32_t work = lane == nullptr ? 0 : lane->cost().Begin();
   const bool is_steady = built_;
-  const uint64_t start_ns = NowNs();
+  const uint64_t start_ns = frozen() ? 0 : suspension_.BeginSearch();
   UpdateStructure(boxes, start_ns);
   Search();
   const uint64_t detection_ns = MeasureDetection(boxes, start_ns);
-  if (lane != nullptr && is_steady) lane->cost().End(work, detection_ns, epoch());
+  const bool is_cost = !suspension_.EndSearch(start_ns, detection_ns);
+  if (lane != nullptr && is_steady && is_cost) lane->cost().End(work, detection_ns, epoch());
   // Sorting is not measured. The lane's visits do not sort, and costs must be comparable between
   // games with and without sorting.
   if (sorter_) sorter_->Sort(pairs_.pairs());
@@ -325,14 +330,19 @@ uint64_t AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes,
   return detection_ns;
 }
 
-// Completes the frame's sample, sets kFrameBailOut if the frame is over the limit, and passes the
-// sample to the sink.
+// Completes the frame's sample and passes it to the sink. Sets kFrameSuspended if the game was
+// suspended, otherwise kFrameBailOut if the frame is over the limit.
 void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   sample_.frame_time_ns = frame.frame_time_ns;
   sample_.flags |= frame.flags & (kFramePaused | kFrameLoading);
-  if (guard.Exceeds(frame.frame_time_ns)) sample_.flags |= kFrameBailOut;
+  const bool is_suspended = !frozen() && suspension_.EndFrame(frame);
+  if (is_suspended) {
+    sample_.flags |= kFrameSuspended;
+  } else if (guard.Exceeds(frame.frame_time_ns)) {
+    sample_.flags |= kFrameBailOut;
+  }
   last_sample = sample_;
-  if (pending_) pending_->waited_ns += frame.frame_time_ns;
+  if (pending_ && !is_suspended) pending_->waited_ns += frame.frame_time_ns;
   if (manual_by_order_ && guard.BlamesArm(last_sample)) EndOrder();
   Emit();
   EndTrial();

@@ -13,6 +13,7 @@
 #include "engine_client/adaptive/adaptive_factory.h"
 #include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/adaptive/guards/bail_out_guard.h"
+#include "engine_client/adaptive/guards/suspension_guard.h"
 #include "engine_client/adaptive/guards/trial_guard.h"
 #include "engine_client/adaptive/order_mailbox.h"
 #include "engine_client/adaptive/sequence_slot.h"
@@ -109,6 +110,7 @@ class AdaptiveBroadPhase::Impl {
   uint64_t budgeted_bytes_ = 0;  // the active arm's bytes when the budget was last checked
   FrameSink* const sink_;
   Clock& clock_;
+  SuspensionGuard suspension_;
   std::atomic<uint64_t> active_;
   std::optional<SwitchCommand> local_command_;  // a command of SelectArm or of a guard
   TrialGuard trial_;

@@ -72,15 +72,20 @@ class ShadowLane::Watch final : public StopRequest {
 };
 
 // Measures a stretch of the lane's work (LaneCost) and charges its cost to the schedule. The
-// stretch lasts as long as this object.
+// stretch lasts as long as this object. If the game was suspended meanwhile, only the lane's CPU
+// time counts.
 class ShadowLane::Work {
  public:
-  explicit Work(ShadowLane& lane) : lane_(lane), begin_ns_(lane.setup_.clock.NowNs()) {
+  explicit Work(ShadowLane& lane)
+      : lane_(lane), begin_ns_(lane.setup_.clock.NowNs()), work_begin_ns_(lane.WorkNs()) {
     lane_.cost_.BeginWork();
   }
   ~Work() {
+    const uint64_t work_ns = lane_.WorkNs() - work_begin_ns_;
     const uint64_t now_ns = lane_.setup_.clock.NowNs();
-    lane_.schedule_.Charge(now_ns, lane_.cost_.EndWork(now_ns - begin_ns_));
+    const uint64_t wall_ns = now_ns - begin_ns_;
+    const bool was_suspended = SuspensionGuard::IsSuspended(wall_ns, work_ns);
+    lane_.schedule_.Charge(now_ns, lane_.cost_.EndWork(was_suspended ? work_ns : wall_ns));
   }
   Work(const Work&) = delete;
   Work& operator=(const Work&) = delete;
@@ -88,6 +93,7 @@ class ShadowLane::Work {
  private:
   ShadowLane& lane_;
   const uint64_t begin_ns_;
+  const uint64_t work_begin_ns_;
 };
 
 ShadowLane::ShadowLane(Setup setup)
@@ -250,7 +256,10 @@ void ShadowLane::Sweep() {
 
 // Visits the arm: runs its backend on the frames of the burst. Returns nullopt if the visit was
 // interrupted. A frame that was stopped midway does not count. One exception: a first frame that
-// ran for most of the time cap counts, because the cap is then a lower bound of its cost.
+// ran for most of the time cap counts, because the cap is then a lower bound of its cost. If the
+// time cap ended a frame that computed for less than half of its time, the arm is not slow: the
+// lane was kept waiting for a core, or the game was suspended. The frames before it then count only
+// if some of them come after the warm-up.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm, uint64_t cap_ns) {
   const Zone zone(kZoneLaneVisit);
   BroadPhase& backend = *BackendOf(arm).backend;
@@ -272,16 +281,16 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm, uint64_t cap_ns) {
     }
     native_bytes = backend.native_bytes();
     if (watch.end() == Watch::End::kMemory) native_bytes = watch.held_bytes();
-    const bool is_long = ran == 0 && watch.end() == Watch::End::kTime;
-    kept_waiting = is_long && time_ns < cap_ns / 2;
-    if (watch.end() == Watch::End::kNone || (is_long && !kept_waiting)) {
+    const bool is_late = watch.end() == Watch::End::kTime;
+    kept_waiting = is_late && time_ns < (cap_ns - (busy_ns - time_ns)) / 2;
+    if (watch.end() == Watch::End::kNone || (ran == 0 && is_late && !kept_waiting)) {
       if (ran > kShadowWarmUpFrames) check_sum += backend.aabb_check_count();
       frame_ns[ran++] = OnFastestCoreNs(time_ns);
     }
     if (watch.end() != Watch::End::kNone || native_bytes > structure_cap_bytes()) break;
   }
-  const bool is_measured = ran > 0;
-  if (!is_measured) frame_ns[ran++] = cap_ns;
+  const bool is_measured = ran > (kept_waiting ? 1 + kShadowWarmUpFrames : 0);
+  if (ran == 0) frame_ns[ran++] = cap_ns;
   ShadowVisit visit =
       SummarizeVisit(std::span(frame_ns).first(ran), std::numeric_limits<uint64_t>::max());
   visit.arm = arm;

@@ -44,6 +44,7 @@
 
 #include "engine_client/adaptive/adaptive_factory.h"
 #include "engine_client/adaptive/box_tap.h"
+#include "engine_client/adaptive/guards/suspension_guard.h"
 #include "engine_client/adaptive/lane_cost.h"
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/adaptive/switch_handover.h"

@@ -71,9 +71,9 @@ struct ShadowVisit {
   uint64_t native_bytes = 0;
   uint64_t aabb_check_count = 0;  // mean over the measured frames
   bool capped = false;            // a cap ended the visit before the last frame
-  // Whether detection_ns was measured. If not, it is the time cap, for one of two reasons. Either
-  // the memory cap ended the first frame (`capped`). Or another thread had the core of the lane's
-  // thread; the arm's cost then stays unknown.
+  // Whether detection_ns was measured. There are two reasons why not. Either the memory cap ended
+  // the first frame (`capped`); detection_ns is then the time cap. Or another thread had the core
+  // of the lane's thread, or the game was suspended; the arm's cost then stays unknown.
   bool is_measured = true;
 };
 

@@ -22,7 +22,10 @@ void SwitchCostMeter::OnRebuild(uint64_t rebuild_time_ns) {
 }
 
 std::optional<SwitchOutcome> SwitchCostMeter::OnFrame(const FrameSample& sample) {
-  if (!running_ || (sample.flags & (kFramePaused | kFrameLoading)) != 0) return std::nullopt;
+  constexpr uint32_t kSuspendedBuild = kFrameSuspended | kFrameRebuild;
+  if (!running_) return std::nullopt;
+  if ((sample.flags & kSuspendedBuild) == kSuspendedBuild) running_->rebuild_time_ns = 0;
+  if ((sample.flags & kFrameWithoutCost) != 0) return std::nullopt;
   const uint64_t settling_ns = this->settling_ns();
   const uint64_t elapsed_ns = early_.time_ns + late_.time_ns;
   Half& half = elapsed_ns < settling_ns / 2 ? early_ : late_;

@@ -3,8 +3,9 @@
 //
 // The settled mean is the mean frame time in the second half of the settling time. The settling
 // cost is the sum, over the frames of the first half, of frame time minus settled mean, but at
-// least 0. Paused and loading frames count in neither half. If another switch comes before the end
-// of the settling time, the measurement ends early.
+// least 0. Paused, loading and suspended frames count in neither half. The build of a suspended
+// frame counts as 0. If another switch comes before the end of the settling time, the measurement
+// ends early.
 //
 // SetSettling may be called on any thread, the other functions on the frame thread. No function
 // waits or allocates.

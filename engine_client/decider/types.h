@@ -131,7 +131,7 @@ struct SessionCounts {
   uint64_t measured_frame_count = 0;  // frames that a window contains
   // The next four counts are of frames that no window contains.
   uint64_t settling_frame_count = 0;    // frames while settling or warming up
-  uint64_t suspended_frame_count = 0;   // frames while paused or loading
+  uint64_t costless_frame_count = 0;    // frames with a flag of kFrameWithoutCost
   uint64_t over_limit_frame_count = 0;  // frames over the bail-out limit
   // Frames of a switch epoch before the active one, or of an arm that does not run in its epoch.
   uint64_t other_epoch_frame_count = 0;

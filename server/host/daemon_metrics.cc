@@ -78,6 +78,8 @@ constexpr CounterRow kCounters[] = {
      "Messages that were applied."},
     {&Counters::accepted_frame_count, "sweepstake_accepted_frames_total",
      "Frames that were accepted for learning."},
+    {&Counters::suspended_frame_count, "sweepstake_suspended_frames_total",
+     "Accepted frames that do not count as evidence, because the system stopped the game."},
     {&Counters::accepted_shadow_count, "sweepstake_accepted_shadow_samples_total",
      "Shadow visits that were accepted for learning."},
     {&Counters::surplus_bail_out_count, "sweepstake_surplus_bail_outs_total",

@@ -166,6 +166,8 @@ void GameSession::ApplyMessage(protocol::FrameBatch& batch) {
   Reject(batch.frames, context_.counters.rejected_frame_counts);
   Reject(batch.shadow_samples, context_.counters.rejected_shadow_counts);
   context_.counters.accepted_frame_count += batch.frames.size();
+  context_.counters.suspended_frame_count += static_cast<uint64_t>(std::ranges::count_if(
+      batch.frames, [](const FrameSample& frame) { return (frame.flags & kFrameSuspended) != 0; }));
   context_.counters.accepted_shadow_count += batch.shadow_samples.size();
   decisions_.ObserveFrames(batch.frames);
   if (measured_) Measure(batch.frames);
@@ -175,7 +177,7 @@ void GameSession::ApplyMessage(protocol::FrameBatch& batch) {
 
 void GameSession::Measure(std::span<const FrameSample> frames) {
   for (const FrameSample& frame : frames) {
-    if ((frame.flags & (kFramePaused | kFrameLoading)) != 0) continue;
+    if ((frame.flags & kFrameWithoutCost) != 0) continue;
     measured_->Add(frame.frame_time_ns, frame.detection_time_ns, frame.native_bytes);
   }
 }

@@ -16,6 +16,8 @@ struct ArmScript {
   uint64_t build_ns = 0;
   uint64_t update_ns = 0;
   uint64_t find_ns = 0;
+  uint64_t stopped_ns = 0;  // time in a search during which the process is stopped
+  uint64_t waiting_ns = 0;  // time in a search during which two other threads compute
   uint64_t check_count = 0;
   size_t bytes = 0;
   uint32_t pair_count = 0;
@@ -39,6 +41,8 @@ class ScriptedBroadPhase final : public BroadPhase {
   }
   void DoFindPairs(PairBuffer& out) override {
     clock_.Advance(script_.find_ns);
+    clock_.AdvanceWaiting(script_.stopped_ns);
+    clock_.AdvanceWaiting(script_.waiting_ns, 2 * script_.waiting_ns);
     for (uint32_t i = 0; i < script_.pair_count; ++i) {
       const uint32_t a = script_.descending ? script_.pair_count - 1 - i : i;
       out.Append({a, a + 1});

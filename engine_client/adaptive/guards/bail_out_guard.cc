@@ -7,10 +7,10 @@
 namespace sweepstake {
 namespace {
 
-// Returns whether detection took at least half of the frame, and the game was neither paused nor
-// loading.
+// Returns whether detection took at least half of the frame, and the game was neither paused,
+// loading nor suspended.
 bool IsCausedByDetection(const FrameSample& sample) {
-  if ((sample.flags & (kFramePaused | kFrameLoading)) != 0) return false;
+  if ((sample.flags & kFrameWithoutCost) != 0) return false;
   const uint64_t detection_ns = std::min(sample.detection_time_ns, sample.frame_time_ns);
   return detection_ns >= sample.frame_time_ns - detection_ns;
 }

@@ -35,7 +35,7 @@ class BailOutGuard {
   }
 
   // Returns whether the frame exceeds the limit because of its arm: detection took at least half of
-  // the frame, and the game was neither paused nor loading.
+  // the frame, and the game was neither paused, loading nor suspended.
   bool BlamesArm(const FrameSample& sample) const;
 
   // Returns the arm to switch to after this frame. Absent if the frame's arm is not to blame, if a

@@ -17,7 +17,7 @@
 //   either.
 // - Frames that rebuild, and frames without a search, are not compared but count towards the
 //   duration.
-// - Paused and loading frames are ignored.
+// - Paused, loading and suspended frames are ignored.
 //
 // The searches of one frame count as one. Plain values; not thread-safe.
 #pragma once
@@ -72,7 +72,7 @@ class TrialGuard {
   // Adds a finished frame. If a rule above is broken, ends the trial and returns its measurements;
   // the next frame must then run the previous arm.
   std::optional<End> OnFrame(const FrameSample& sample) {
-    if ((sample.flags & (kFramePaused | kFrameLoading)) != 0) return std::nullopt;
+    if ((sample.flags & kFrameWithoutCost) != 0) return std::nullopt;
     const bool searches = sample.detection_time_ns > 0;
     if (trial_ && searches && trial_->frame_count++ <= kShadowWarmUpFrames) return std::nullopt;
     const bool counts = searches && (sample.flags & kFrameRebuild) == 0;

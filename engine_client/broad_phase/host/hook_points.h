@@ -57,8 +57,14 @@ void NoteThreadStarted(const char* name,
 // it must not join them, nor use locks that they may hold. Makes a system call.
 uint64_t ProcessId() noexcept;
 
-// Returns the CPU time of the calling thread in nanoseconds. Returns 0 if the system does not
-// report it. Makes a system call.
+// Return the CPU time of the calling thread, and of all threads of the process, in nanoseconds.
+// Windows counts it in ticks of 16 ms. Return 0 if the system does not report it. Make a system
+// call.
+uint64_t ThreadCpuNs() noexcept;
+uint64_t ProcessCpuNs() noexcept;
+
+// Returns ThreadCpuNs() if it is precise enough to measure work of microseconds. Otherwise, on
+// Windows, returns 0.
 uint64_t ThreadTimeNs() noexcept;
 
 template <typename T>

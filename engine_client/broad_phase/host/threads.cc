@@ -1,5 +1,5 @@
 // The state of a thread: its floating-point environment, its name in debuggers and profilers, its
-// priority and its CPU time.
+// priority and its CPU time. The id and the CPU time of the process are here too.
 #include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 
@@ -46,6 +46,10 @@ void LowerThisThreadsPriority() noexcept {
   SetThreadPriority(GetCurrentThread(), THREAD_PRIORITY_LOWEST);
 }
 
+uint64_t TimeNs(const FILETIME& time) noexcept {
+  return (uint64_t{time.dwHighDateTime} << 32 | time.dwLowDateTime) * 100;
+}
+
 #elif defined(__APPLE__)
 
 void NameThisThread(const char* name) noexcept { pthread_setname_np(name); }
@@ -71,6 +75,16 @@ void LowerThisThreadsPriority() noexcept {}
 
 #endif
 
+#if defined(__linux__) || defined(__APPLE__)
+
+uint64_t TimeNs(clockid_t clock) noexcept {
+  timespec time{};
+  clock_gettime(clock, &time);
+  return static_cast<uint64_t>(time.tv_sec) * 1'000'000'000 + static_cast<uint64_t>(time.tv_nsec);
+}
+
+#endif
+
 }  // namespace
 
 uint64_t ProcessId() noexcept {
@@ -83,17 +97,35 @@ uint64_t ProcessId() noexcept {
 #endif
 }
 
-// Returns 0 on Windows, which counts a thread's time in ticks of 16 ms. This is too coarse for the
-// work measured with it.
-uint64_t ThreadTimeNs() noexcept {
 #if defined(__linux__) || defined(__APPLE__)
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<uint64_t>(time.tv_sec) * 1'000'000'000 + static_cast<uint64_t>(time.tv_nsec);
-#else
-  return 0;
-#endif
+
+uint64_t ThreadCpuNs() noexcept { return TimeNs(CLOCK_THREAD_CPUTIME_ID); }
+uint64_t ProcessCpuNs() noexcept { return TimeNs(CLOCK_PROCESS_CPUTIME_ID); }
+uint64_t ThreadTimeNs() noexcept { return ThreadCpuNs(); }
+
+#elif defined(_WIN32)
+
+uint64_t ThreadCpuNs() noexcept {
+  FILETIME created, exited, kernel, user;
+  if (GetThreadTimes(GetCurrentThread(), &created, &exited, &kernel, &user) == 0) return 0;
+  return TimeNs(kernel) + TimeNs(user);
 }
+
+uint64_t ProcessCpuNs() noexcept {
+  FILETIME created, exited, kernel, user;
+  if (GetProcessTimes(GetCurrentProcess(), &created, &exited, &kernel, &user) == 0) return 0;
+  return TimeNs(kernel) + TimeNs(user);
+}
+
+uint64_t ThreadTimeNs() noexcept { return 0; }
+
+#else
+
+uint64_t ThreadCpuNs() noexcept { return 0; }
+uint64_t ProcessCpuNs() noexcept { return 0; }
+uint64_t ThreadTimeNs() noexcept { return 0; }
+
+#endif
 
 void NoteThreadStarted(const char* name, ThreadPriority priority) noexcept {
   // On Linux a thread starts in the environment of the thread that has made it.

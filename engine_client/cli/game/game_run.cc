@@ -98,8 +98,12 @@ bool GameRun::Note(const FrameSample& sample) {
   NoteVerdict(sample);
   ArmActivity& activity = activities_[sample.arm];
   ++activity.frame_count;
-  activity.active_ns += sample.frame_time_ns;
-  activity.detection_ns += sample.detection_time_ns;
+  if ((sample.flags & kFrameSuspended) != 0) {
+    ++suspended_frame_count_;
+  } else {
+    activity.active_ns += sample.frame_time_ns;
+    activity.detection_ns += sample.detection_time_ns;
+  }
   if (sample.arm == arm_) return false;
   switches_.push_back({.frame_index = sample.frame_index,
                        .time_ns = elapsed_ns(),

@@ -34,7 +34,7 @@ struct VerdictEvent {
   SceneVerdict verdict;
 };
 
-// Totals over the frames of one arm.
+// Totals over the frames of one arm. The times of suspended frames (kFrameSuspended) are left out.
 struct ArmActivity {
   uint64_t frame_count = 0;
   uint64_t active_ns = 0;     // sum of the frame times
@@ -65,6 +65,8 @@ class GameRun final : private FrameSink {
   AdaptiveBroadPhase& adaptive() { return *adaptive_; }
   const AdaptiveBroadPhase& adaptive() const { return *adaptive_; }
   uint64_t frame_count() const { return frame_count_; }
+  // Returns the number of frames with kFrameSuspended.
+  uint64_t suspended_frame_count() const { return suspended_frame_count_; }
   // Returns the time since the run began.
   uint64_t elapsed_ns() const;
   // Returns one entry per arm, in the order of the arms.
@@ -102,6 +104,7 @@ class GameRun final : private FrameSink {
   uint64_t start_ns_ = 0;
   uint64_t end_cost_ns_ = 0;  // time of the latest EndFrame, added to the next frame's time
   uint64_t frame_count_ = 0;
+  uint64_t suspended_frame_count_ = 0;
   uint32_t arm_ = 0;
   FrameProfile profile_;
   std::vector<ArmActivity> activities_;

@@ -87,6 +87,13 @@ std::string SwitchCountsText(const RunSummary& summary) {
   return text;
 }
 
+// Returns a line about the suspended frames, or an empty text if there were none.
+std::string SuspendedText(uint64_t count) {
+  if (count == 0) return "";
+  return "The system suspended the game in " + std::to_string(count) +
+         (count == 1 ? " frame, which does" : " frames, which do") + " not count as evidence\n";
+}
+
 Json ShadowJson(const RunSummary& summary) {
   const ShadowStats& shadow = summary.shadow;
   return {{"state", StateName(shadow.state)},
@@ -173,6 +180,7 @@ Json TotalsJson(const RunSummary& summary) {
           {"prior_sources", session.prior_source_count},
           {"daemon", DaemonJson(session)},
           {"frames", summary.frame_count},
+          {"suspended_frames", summary.suspended_frame_count},
           {"seconds", summary.active_s()},
           {"fps", summary.fps()},
           {"detection_ms", summary.detection_ms()},
@@ -329,6 +337,7 @@ std::string RunReportText(const RunSummary& summary) {
   return text + std::to_string(summary.frame_count) + " frames in " + Fixed(summary.active_s(), 1) +
          " s, " + Fixed(summary.fps(), 0) + " frames/s\n" +
          DroppedText(summary.session, summary.frame_count) + '\n' +
+         SuspendedText(summary.suspended_frame_count) +
          (IsLost(summary.session)
               ? "The session did not end properly: " + summary.session.last_error + '\n'
               : "") +

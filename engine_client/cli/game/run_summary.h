@@ -65,6 +65,7 @@ struct RunSummary {
   SessionStats session;
   ShadowStats shadow;
   uint64_t frame_count = 0;
+  uint64_t suspended_frame_count = 0;  // frames with kFrameSuspended
   std::string active_arm;
   VerdictRow verdict;
   std::vector<ArmRow> arms;

@@ -84,8 +84,8 @@ void DecisionSession::ObserveFrame(const FrameSample& frame) {
     ++counts_.other_epoch_frame_count;
     return;
   }
-  if ((frame.flags & (kFramePaused | kFrameLoading)) != 0) {
-    ++counts_.suspended_frame_count;
+  if ((frame.flags & kFrameWithoutCost) != 0) {
+    ++counts_.costless_frame_count;
   } else if (IsOverBailOutLimit(frame, setup_.options.bail_out_ns)) {
     ++counts_.over_limit_frame_count;
     run->Pass(frame);

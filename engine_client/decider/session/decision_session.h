@@ -10,7 +10,7 @@
 //
 // - Two clocks. Ticks, the cooldown and active time use now_ns, the caller's clock. Settling,
 //   warm-up and measuring use frame time, which starts at the end of the first frame of the new
-//   switch epoch. Paused and loading frames do not count.
+//   switch epoch. Paused, loading and suspended frames do not count.
 // - When a switch counts as executed. ObserveSwitch reports it, but clients report a switch only
 //   when the new arm has settled. Frames of a later epoch that arrive before the report are
 //   therefore collected. The first tick or bail-out that finds some treats the switch as executed.
@@ -80,7 +80,7 @@ class DecisionSession {
   // Adds frames to the window of the current tick. These frames are counted but not added:
   // - frames of another switch epoch or arm than the active one
   // - settling frames
-  // - paused or loading frames
+  // - paused, loading or suspended frames
   // - frames over the bail-out limit
   // Frames of a later epoch than the active one begin its settling (see the comment at the top).
   void ObserveFrames(std::span<const FrameSample> frames);
@@ -88,7 +88,7 @@ class DecisionSession {
   // Processes a frame over the bail-out limit at once (paper §6.3). The arm is blamed if all of
   // this holds:
   // - the mode is AI, and the session has this arm
-  // - the frame is longer than options.bail_out_ns or has kFrameBailOut
+  // - the frame is longer than options.bail_out_ns or has kFrameBailOut, and was not suspended
   // - detection takes at least half of the frame, which is neither paused nor loading (the policy
   //   `paper` does not require this)
   // Otherwise the frame is recorded without an increment and a command. It may also be passed to

@@ -17,13 +17,14 @@ bool HasPassed(int64_t interval_ns, int64_t since_ns, int64_t now_ns) {
 }  // namespace
 
 bool IsOverBailOutLimit(const FrameSample& frame, int64_t bail_out_ns) {
+  if ((frame.flags & kFrameSuspended) != 0) return false;
   return frame.frame_time_ns > static_cast<uint64_t>(bail_out_ns) ||
          (frame.flags & kFrameBailOut) != 0;
 }
 
 bool BlamesArm(const FrameSample& frame, int64_t bail_out_ns) {
   if (!IsOverBailOutLimit(frame, bail_out_ns)) return false;
-  if ((frame.flags & (kFramePaused | kFrameLoading)) != 0) return false;
+  if ((frame.flags & kFrameWithoutCost) != 0) return false;
   const uint64_t detection_ns = std::min(frame.detection_time_ns, frame.frame_time_ns);
   return detection_ns >= frame.frame_time_ns - detection_ns;
 }

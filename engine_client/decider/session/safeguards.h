@@ -15,7 +15,7 @@
 namespace sweepstake::decision {
 
 // Returns whether the frame is over the bail-out limit: it is longer than `bail_out_ns`, or the
-// client flagged it (kFrameBailOut).
+// client flagged it (kFrameBailOut). A suspended frame is not, because its time was not computed.
 bool IsOverBailOutLimit(const FrameSample& frame, int64_t bail_out_ns);
 
 // Returns whether the frame is over the bail-out limit and the arm is to blame. The arm is not to

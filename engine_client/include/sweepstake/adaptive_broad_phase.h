@@ -8,9 +8,10 @@
 //
 // Functions are called on one thread, the frame thread, except SwitchMailbox::Post and functions
 // marked "any thread". No function waits or locks. Between switches, and while the object count is
-// steady, none allocates; the only system call is the clock. The sink is called in the default
-// floating-point environment (broad_phase.h). With an executor the frame thread also
-// waits for the parts of its own search. Ownership: the sink and the clock must outlive the object.
+// steady, none allocates; the only system calls are those of the clock, whose CPU times are read at
+// most every 250 ms and after a long frame. With an executor the frame thread also waits for the
+// parts of its own search. The sink is called in the default floating-point environment
+// (broad_phase.h). Ownership: the sink and the clock must outlive the object.
 //
 // Memory: an arm that was active keeps its buffers, so that switching back is cheap. Trim or
 // memory_budget_bytes frees them. FrameSample::native_bytes counts the active arm alone. Errors: if
@@ -86,9 +87,13 @@ class Clock {
  public:
   virtual ~Clock() = default;
   virtual uint64_t NowNs() noexcept = 0;
+  // Return the CPU time of the calling thread, and of all threads of the process. 0 means that it
+  // is unknown; no frame is then flagged with kFrameSuspended.
+  virtual uint64_t ThreadCpuNs() noexcept { return 0; }
+  virtual uint64_t ProcessCpuNs() noexcept { return 0; }
 };
 
-// Returns std::chrono::steady_clock as a Clock.
+// Returns std::chrono::steady_clock and the system's CPU times as a Clock.
 Clock& SteadyClock();
 
 struct AdaptiveOptions {
@@ -101,8 +106,8 @@ struct AdaptiveOptions {
   // A longer frame is flagged with kFrameBailOut (paper §4). The decider judges whether a flagged
   // frame is a bail-out. Without a decider, and when deciding whether to end an operator's order, a
   // flagged frame is a bail-out if its arm is to blame: detection took at least half of the frame,
-  // and the game was neither paused nor loading. Must be > 0. A daemon's welcome message replaces
-  // the value.
+  // and the game was neither paused nor loading. A frame with kFrameSuspended is not flagged. Must
+  // be > 0. A daemon's welcome message replaces the value.
   uint64_t bail_out_ns = kBailOutNs;
   // Time after a switch during which its settling cost is measured. A trial lasts for twice this
   // time. The embedded decider, or a daemon's welcome message, replaces the value permanently.

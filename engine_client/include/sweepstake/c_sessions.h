@@ -46,10 +46,11 @@ enum {
 };
 
 enum {
-  SWP_FRAME_REBUILD = 1, /* the backend's structure was rebuilt */
-  SWP_FRAME_PAUSED = 2,  /* the game was paused or in the background */
-  SWP_FRAME_LOADING = 4, /* a scene was loading */
-  SWP_FRAME_BAIL_OUT = 8 /* the frame was over the bail-out limit */
+  SWP_FRAME_REBUILD = 1,   /* the backend's structure was rebuilt */
+  SWP_FRAME_PAUSED = 2,    /* the game was paused or in the background */
+  SWP_FRAME_LOADING = 4,   /* a scene was loading */
+  SWP_FRAME_BAIL_OUT = 8,  /* the frame was over the bail-out limit */
+  SWP_FRAME_SUSPENDED = 16 /* the system stopped the process; the times are not a cost */
 };
 
 /* The shadow lane is a thread that measures the inactive arms. It also prepares the next arm

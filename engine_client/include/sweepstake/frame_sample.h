@@ -11,11 +11,14 @@ namespace sweepstake {
 
 // Bits of FrameSample::flags; the same values as sweepstake.v1.FrameFlag.
 enum FrameFlag : uint32_t {
-  kFrameRebuild = 1,  // the backend's structure was rebuilt
-  kFramePaused = 2,   // the game was paused or in the background
-  kFrameLoading = 4,  // a scene was loading
-  kFrameBailOut = 8,  // the frame was over the bail-out limit
+  kFrameRebuild = 1,     // the backend's structure was rebuilt
+  kFramePaused = 2,      // the game was paused or in the background
+  kFrameLoading = 4,     // a scene was loading
+  kFrameBailOut = 8,     // the frame was over the bail-out limit
+  kFrameSuspended = 16,  // the system stopped the process during the frame (SIGSTOP, breakpoint)
 };
+// Flags of frames whose times are not the cost of their arm. Nothing learns from these frames.
+inline constexpr uint32_t kFrameWithoutCost = kFramePaused | kFrameLoading | kFrameSuspended;
 
 inline constexpr uint64_t kBailOutNs = 5'000'000'000;  // the default bail-out limit
 

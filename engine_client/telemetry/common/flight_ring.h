@@ -88,7 +88,7 @@ class FlightRing {
   void Copy(std::span<const Aabb> boxes) noexcept;
   bool IsOverBudget(const FrameSample& sample) const {
     return sample.frame_time_ns > budget_ns_ && recorded_ns_ >= wait_ns_ &&
-           (sample.flags & (kFramePaused | kFrameLoading)) == 0;
+           (sample.flags & kFrameWithoutCost) == 0;
   }
 
   const uint64_t budget_ns_;

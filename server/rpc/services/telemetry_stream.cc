@@ -17,6 +17,7 @@ namespace sweepstake::rpc {
 namespace {
 
 constexpr int64_t kStoreWarningIntervalNs = 60'000'000'000;
+constexpr int64_t kSuspensionNoteIntervalNs = 60'000'000'000;
 
 }  // namespace
 
@@ -129,7 +130,9 @@ absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
     session->boxes().OnView(request.box_view().SerializeAsString());
   } else {
     FromProto(request, telemetry_);
+    const uint64_t suspended_count = context_.counters.suspended_frame_count;
     session->Apply(telemetry_);
+    if (context_.counters.suspended_frame_count != suspended_count) ReportSuspension(*session);
   }
   return absl::OkStatus();
 }
@@ -182,6 +185,16 @@ void TelemetryStream::Enter(const sessions::OpenedSession& opened) {
   for (size_t i = 0; i < TelemetryTransport::kMaxReads; ++i) transport_.Read();
   context_.log.debug("session {} {}", session_->identity().id,
                      opened.resumed ? "resumed" : "began");
+}
+
+void TelemetryStream::ReportSuspension(const sessions::GameSession& session) {
+  const int64_t now_ns = context_.loop.clock().NowNs();
+  if (now_ns < streams_.next_suspension_note_ns) return;
+  streams_.next_suspension_note_ns = now_ns + kSuspensionNoteIntervalNs;
+  context_.log.info(
+      "session {}: its system suspended the game in a frame, which is therefore not evidence; "
+      "suspended frames of all games so far: {}",
+      session.identity().id, context_.counters.suspended_frame_count.load());
 }
 
 void TelemetryStream::OnHalfClose() {

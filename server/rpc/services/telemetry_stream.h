@@ -28,6 +28,7 @@ struct TelemetryStreams {
   uint64_t last_number = 0;
   bool draining = false;
   int64_t next_store_warning_ns = std::numeric_limits<int64_t>::min();
+  int64_t next_suspension_note_ns = std::numeric_limits<int64_t>::min();
 
   // Refuses new streams and requests the connected clients to reconnect later.
   void Drain(const RpcOptions& options);
@@ -127,6 +128,8 @@ class TelemetryStream final : public sessions::ClientStream,
   // read it. Logs a warning at most once per minute for all streams.
   void ReportMissingEvidence(const absl::Status& status);
   void Enter(const sessions::OpenedSession& opened);
+  // Logs that the session's game was suspended, at most once per minute for all streams.
+  void ReportSuspension(const sessions::GameSession& session);
   void Reject(const absl::Status& status);
   // Returns the message that the next write sends, so that the caller can set its fields.
   v1::StreamTelemetryResponse& Outbox();

@@ -97,6 +97,8 @@ struct SessionCounters {
   std::atomic<uint64_t> applied_message_count{0};
   // Accepted and rejected frames and shadow visits, the rejected ones by RejectionReason.
   std::atomic<uint64_t> accepted_frame_count{0};
+  // Accepted frames that do not count as evidence, because the game was suspended.
+  std::atomic<uint64_t> suspended_frame_count{0};
   RejectionCounts rejected_frame_counts{};
   std::atomic<uint64_t> accepted_shadow_count{0};
   RejectionCounts rejected_shadow_counts{};

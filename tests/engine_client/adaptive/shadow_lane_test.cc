@@ -184,6 +184,56 @@ TEST_F(ShadowLaneTest, DoesNotCapAVisitThatWaitedForACore) {
   EXPECT_EQ(sink_.shadows[3].arm, 0U);
 }
 
+// Thread time passes as the clock does, except while the process is stopped.
+ScriptedClock* clock_of_lane = nullptr;
+uint64_t ThreadTimeOfLane() noexcept { return clock_of_lane->ThreadCpuNs(); }
+
+// The process is stopped during the second, fifth or first frame of a visit to arm 0.
+TEST_F(ShadowLaneTest, AStopOfTheProcessIsNoCostOfAnArm) {
+  clock_.ReportCpu();
+  clock_of_lane = &clock_;
+  thread_time_ns_ = ThreadTimeOfLane;
+  scripts_[0].question_count = 1;
+  uint64_t stopped_search = 0;
+  uint64_t searches = 0;
+  scripts_[0].in_search = [&](uint64_t) {
+    clock_.AdvanceWaiting(++searches == stopped_search ? 6'000 * kMs : 0);
+  };
+  for (const uint64_t search : {1U, 2U, 5U}) {
+    stopped_search = search;
+    searches = 0;
+    Make({});
+    FirstSweep();
+    const bool is_measured = search == 5;
+    ASSERT_EQ(sink_.shadows.size(), is_measured ? 3U : 2U) << search;
+    EXPECT_EQ(lane_->stats().capped_visit_count, 0U) << search;
+    EXPECT_EQ(lane_->stats().visit_count, 3U) << search;
+    if (!is_measured) continue;
+    EXPECT_EQ(sink_.shadows[1].arm, 0U);
+    EXPECT_EQ(sink_.shadows[1].flags, 0U);
+    EXPECT_EQ(sink_.shadows[1].frame_count, 1U);
+    EXPECT_EQ(sink_.shadows[1].detection_time_ns, 2 * kMs);
+  }
+}
+
+// Each sweep costs the frame thread a part of its duration. With the stop as a part of that
+// duration, the next sweep would begin minutes later.
+TEST_F(ShadowLaneTest, SweepsAgainSoonAfterAStopOfTheProcess) {
+  clock_.ReportCpu();
+  clock_of_lane = &clock_;
+  thread_time_ns_ = ThreadTimeOfLane;
+  Make({});
+  MakeItCost(1);
+  uint64_t searches = 0;
+  scripts_[0].question_count = 1;
+  scripts_[0].in_search = [&](uint64_t) {
+    clock_.AdvanceWaiting(++searches == 5 ? 6'000 * kMs : 0);
+  };
+  FirstSweep();
+  Frames(3'000);  // 30 s
+  EXPECT_GE(lane_->stats().sweep_count, 2U);
+}
+
 TEST_F(ShadowLaneTest, ACappedVisitMeasuresTheFramesBefore) {
   uint64_t searches = 0;
   scripts_[0].question_count = 1;

@@ -62,6 +62,7 @@ TEST(SwitchCostMeter, IgnoresPausedAndLoadingFrames) {
   meter.Begin({.arm = 1}, 1);
   EXPECT_FALSE(meter.OnFrame(FrameOf(5000, kFramePaused)).has_value());
   EXPECT_FALSE(meter.OnFrame(FrameOf(5000, kFrameLoading)).has_value());
+  EXPECT_FALSE(meter.OnFrame(FrameOf(5000, kFrameSuspended)).has_value());
   meter.OnFrame(FrameOf(60));
   const auto outcome = meter.OnFrame(FrameOf(40));
   ASSERT_TRUE(outcome.has_value());

@@ -52,14 +52,15 @@ size_t Cores() noexcept {
 // All arms on a machine with spare cores, in a moving scene.
 class WarmSwitchTest : public ::testing::Test {
  protected:
-  void Make(AdaptiveOptions options, size_t (*cores)() noexcept = Cores<8>) {
+  void Make(AdaptiveOptions options, size_t (*cores)() noexcept = Cores<8>,
+            Clock& clock = SteadyClock()) {
     const auto make = [executor = options.executor](uint32_t arm) {
       return MakeArm(BroadPhaseNames()[arm], executor);
     };
     std::vector<ArmBackend> backends;
     for (uint32_t arm = 0; arm < arm_count_; ++arm) backends.push_back(make(arm));
     adaptive_ = std::move(
-        *AdaptiveFactory::Make(options, std::move(backends), {make, cores}, &sink_, SteadyClock()));
+        *AdaptiveFactory::Make(options, std::move(backends), {make, cores}, &sink_, clock));
   }
 
   // Runs one frame, whose searches must find the pairs of brute force.
@@ -189,6 +190,27 @@ TEST_F(WarmSwitchTest, SwitchesColdWhenThePreparationIsLate) {
   ASSERT_NO_FATAL_FAILURE(Frame());
   ASSERT_NO_FATAL_FAILURE(Frame());
   EXPECT_EQ(adaptive_->active_arm(), 2U);
+}
+
+// The lane needs more frames than have run when the process continues.
+TEST_F(WarmSwitchTest, AStopOfTheProcessDoesNotMakeAPreparationLate) {
+  test_support::ScriptedClock clock;
+  clock.ReportCpu();
+  Make({}, Cores<8>, clock);
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  const uint32_t first_arm = adaptive_->active_arm();
+  const uint32_t next_arm = (first_arm + 1) % arm_count_;
+  adaptive_->mailbox().Post({.command_id = ++command_id_, .arm = next_arm});
+  adaptive_->BeginFrame();
+  ASSERT_NO_FATAL_FAILURE(Search(object_count_));
+  clock.AdvanceWaiting(2'000 * kMs);
+  adaptive_->EndFrame({.frame_time_ns = 2'000 * kMs});
+  EXPECT_EQ(adaptive_->last_sample().flags, uint32_t{kFrameSuspended});
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  EXPECT_EQ(adaptive_->active_arm(), first_arm) << "the command still waits";
+  ASSERT_NO_FATAL_FAILURE(SwitchTo(next_arm));
+  EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 1U);
+  EXPECT_EQ(adaptive_->shadow_stats().cold_switch_count, 0U);
 }
 
 TEST_F(WarmSwitchTest, BailOutsAndManualSelectionsDoNotWait) {

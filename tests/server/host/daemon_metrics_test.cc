@@ -60,6 +60,11 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
   EXPECT_EQ(shown, expected);
 }
 
+TEST_F(DaemonMetricsTest, SuspendedFramesAreShown) {
+  counters_.suspended_frame_count = 3;
+  EXPECT_EQ(Collect().at("sweepstake_suspended_frames_total").counter.value, 3);
+}
+
 TEST_F(DaemonMetricsTest, NamesFollowTheConventions) {
   const std::map<std::string, size_t> series_counts = {
       {"sweepstake_errors_total", static_cast<size_t>(v1::ErrorReason_descriptor()->value_count())},

@@ -242,6 +242,36 @@ TEST_F(TelemetryTest, AFrameWithinTheLimitIsNotABailOutDespiteItsFlag) {
   EXPECT_EQ(Stored().arms[0].live.window_count, 1u) << "its frames count as ordinary frames";
 }
 
+TEST_F(TelemetryTest, ASuspendedFrameIsCountedAndLoggedButIsNotEvidence) {
+  TelemetryClient client(channel_);
+  const std::string session_id = client.Open(OneArmHello()).session_id();
+  v1::StreamTelemetryRequest frames = Frames(1, 3, 6'000);
+  for (int i = 0; i < 2; ++i) {
+    frames.mutable_frame_batch()->set_flags(i, v1::FRAME_FLAG_SUSPENDED);
+  }
+  frames.mutable_frame_batch()->set_frame_time_ns(2, 10'000'000);
+  frames.mutable_frame_batch()->set_detection_time_ns(2, 5'000'000);
+  client.Send(frames);
+  client.Send(BailOut(2, 1));
+  v1::StreamTelemetryRequest bail_out = BailOut(3, 2);
+  bail_out.mutable_bail_out()->set_flags(v1::FRAME_FLAG_BAIL_OUT | v1::FRAME_FLAG_SUSPENDED);
+  client.Send(bail_out);
+  ASSERT_TRUE(Applied(3));
+  EXPECT_EQ(server_->counters().accepted_frame_count, 3u);
+  EXPECT_EQ(server_->counters().suspended_frame_count, 2u);
+  EXPECT_THAT(logged_->text(), HasSubstr("session " + session_id + ": its system suspended"));
+  logged_->Clear();
+  frames.set_sequence(4);
+  client.Send(frames);
+  ASSERT_TRUE(Applied(4));
+  EXPECT_EQ(server_->counters().suspended_frame_count, 4u);
+  EXPECT_EQ(logged_->text(), "") << "one line per minute";
+  Tick();
+  EXPECT_EQ(client.AwaitAcknowledgement(4), 4u);
+  EXPECT_EQ(Stored().arms[0].live.bail_out_count, 1u) << "of the frame that was not suspended";
+  EXPECT_EQ(Stored().arms[0].live.window_count, 1u);
+}
+
 TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyChangesThePriors) {
   const auto mean_at_start = [this] {
     const v1::Welcome welcome = TelemetryClient(channel_).Open(OneArmHello());

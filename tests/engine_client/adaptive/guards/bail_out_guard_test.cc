@@ -69,9 +69,9 @@ TEST(BailOutGuard, IgnoresFramesWithDetectionUnderHalfOfTheTime) {
   EXPECT_FALSE(guard.LocalChoice(sample).has_value());
 }
 
-TEST(BailOutGuard, IgnoresPausedAndLoadingFrames) {
+TEST(BailOutGuard, IgnoresPausedLoadingAndSuspendedFrames) {
   const BailOutGuard guard(kLimitNs, 2);
-  for (const uint32_t flag : {kFramePaused, kFrameLoading}) {
+  for (const uint32_t flag : {kFramePaused, kFrameLoading, kFrameSuspended}) {
     FrameSample sample = LongFrame(0);
     sample.flags = flag;
     EXPECT_FALSE(guard.LocalChoice(sample).has_value());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine_client/adaptive/adaptive_factory.h"
+#include "engine_client/adaptive/guards/suspension_guard.h"
 #include "engine_client/adaptive/guards/trial_guard.h"
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "tests/support/recording_sink.h"
@@ -261,6 +262,20 @@ TEST_F(TrialTest, ACommandWithoutALimitStartsNoTrial) {
   SearchOfBTakes(2 * kGrantedNs);
   Frames(5);
   EXPECT_EQ(adaptive_->active_arm(), 1U);
+}
+
+TEST_F(TrialTest, SuspendedFramesDoNotEndATrial) {
+  clock_.ReportCpu();
+  clock_.Advance(SuspensionGuard::kBaselineNs);
+  Frame();
+  TryB();
+  arms_[1]->script().stopped_ns = 6'000'000'000;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(Frame().flags, uint32_t{kFrameSuspended});
+    EXPECT_EQ(adaptive_->last_sample().arm, 1U);
+  }
+  arms_[1]->script().stopped_ns = 0;
+  EXPECT_EQ(Frame().arm, 1U);
 }
 
 TEST_F(TrialTest, PausedAndLoadingFramesDoNotEndATrial) {

@@ -91,6 +91,18 @@ TEST(RunReportText, HasATableOfTheArmsAndALineForEachFact) {
   EXPECT_THAT(text, Not(HasSubstr("Nothing was learnt")));
 }
 
+TEST(RunReportText, StatesHowManyFramesWereSuspended) {
+  RunSummary summary = SomeSummary();
+  EXPECT_THAT(RunReportText(summary), Not(HasSubstr("suspended")));
+  EXPECT_EQ(RunReportJson(summary)["suspended_frames"], 0);
+  summary.suspended_frame_count = 1;
+  EXPECT_THAT(RunReportText(summary),
+              HasSubstr("\nThe system suspended the game in 1 frame, which does not count"));
+  summary.suspended_frame_count = 2;
+  EXPECT_THAT(RunReportText(summary), HasSubstr("in 2 frames, which do not count as evidence\n"));
+  EXPECT_EQ(RunReportJson(summary)["suspended_frames"], 2);
+}
+
 TEST(RunReportText, StatesWhyTheSessionWasLost) {
   RunSummary summary = SomeSummary();
   summary.session.connection_count = 1;

@@ -2,6 +2,7 @@
 // once.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -85,6 +86,29 @@ TEST(BailOut, CountsForPolicyPaperWhateverItsCause) {
     EXPECT_TRUE(client.session.IsEvidence(frame, client.now_ns));
   }
   EXPECT_EQ(client.session.counts().charged_bail_out_count, 3u);
+}
+
+// Policy `paper` blames the arm for every long frame, but nothing computed in a suspended frame.
+TEST(BailOut, OfASuspendedFrameTeachesNoPolicyAnything) {
+  for (const PolicyEntry& policy : ComparedPolicies()) {
+    SessionSetup setup = SetupThatWantsArmOne();
+    setup.options.policy = policy.kind.name;
+    ScriptedClient client(setup);
+    const std::vector<BetaPosterior> before(client.session.posteriors().begin(),
+                                            client.session.posteriors().end());
+    FrameSample frame = LongFrame(client);
+    frame.flags = kFrameSuspended | kFrameBailOut;
+    EXPECT_FALSE(client.session.IsEvidence(frame, client.now_ns)) << policy.kind.name;
+    const Decision decision = client.session.ObserveBailOut(frame, client.now_ns);
+    EXPECT_FALSE(decision.increment) << policy.kind.name;
+    EXPECT_FALSE(decision.command) << policy.kind.name;
+    client.session.ObserveFrames(std::vector{frame});
+    EXPECT_TRUE(std::ranges::equal(client.session.posteriors(), before)) << policy.kind.name;
+    EXPECT_EQ(client.session.counts().excused_bail_out_count, 1u) << policy.kind.name;
+    EXPECT_EQ(client.session.counts().charged_bail_out_count, 0u) << policy.kind.name;
+    EXPECT_EQ(client.session.counts().costless_frame_count, 1u) << policy.kind.name;
+    EXPECT_EQ(client.session.counts().over_limit_frame_count, 0u) << policy.kind.name;
+  }
 }
 
 TEST(BailOut, WithinTheLimitDoesNotCountForPolicyPaper) {

@@ -71,14 +71,14 @@ TEST(Window, WithoutFramesTeachesNothing) {
   EXPECT_EQ(client.session.posteriors()[client.arm], before);
 }
 
-TEST(Window, OmitsPausedAndLoadingFrames) {
+TEST(Window, OmitsPausedLoadingAndSuspendedFrames) {
   ScriptedClient client(PlainSetup(1));
   client.Settle();
-  for (const uint32_t flag : {kFramePaused, kFrameLoading}) {
+  for (const uint32_t flag : {kFramePaused, kFrameLoading, kFrameSuspended}) {
     client.frame.flags = flag;
     EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kNoFrames);
   }
-  EXPECT_EQ(client.session.counts().suspended_frame_count, 400u);
+  EXPECT_EQ(client.session.counts().costless_frame_count, 600u);
 }
 
 // The game shows a menu without searches, and does not mark its frames as paused.

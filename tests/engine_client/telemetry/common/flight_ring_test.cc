@@ -75,6 +75,7 @@ TEST_F(FlightRingTest, DoesNotFreezeForFramesWithinTheBudgetPausedOrLoading) {
   Frame(ring, 50);
   Frame(ring, 5000, 4, kFramePaused);
   Frame(ring, 5000, 4, kFrameLoading);
+  Frame(ring, 5000, 4, kFrameSuspended);
   EXPECT_FALSE(ring.frozen());
   Frame(ring, 51, 4, kFrameRebuild);
   EXPECT_TRUE(ring.frozen());

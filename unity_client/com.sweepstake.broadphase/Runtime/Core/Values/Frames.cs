@@ -33,6 +33,10 @@ namespace Sweepstake
         Loading = 4,
         /// <summary>The frame was longer than the bail-out limit.</summary>
         BailOut = 8,
+        /// <summary>
+        /// The system stopped the process during the frame, for example at a breakpoint; the frame is excluded from learning.
+        /// </summary>
+        Suspended = 16,
     }
 
     /// <summary>

@@ -125,19 +125,20 @@ namespace Sweepstake.Protocol.V1 {
             "VU5TUEVDSUZJRUQQABIeChpDQVBBQklMSVRZX09QRVJBVE9SX09SREVSUxAB",
             "EhcKE0NBUEFCSUxJVFlfQk9YX1ZJRVcQAipZCgpTaGFkb3dGbGFnEhsKF1NI",
             "QURPV19GTEFHX1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZF",
-            "EAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIqhwEKCUZyYW1lRmxhZxIaChZG",
+            "EAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIqoQEKCUZyYW1lRmxhZxIaChZG",
             "UkFNRV9GTEFHX1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxE",
             "EAESFQoRRlJBTUVfRkxBR19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJ",
-            "TkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgqggEKEk9yZGVyUmVmdXNh",
-            "bFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklFRBAA",
-            "EiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAESIAocT1JE",
-            "RVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoTVkVS",
-            "RElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoLVkVS",
-            "RElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJQ1Rf",
-            "REVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRlbGVt",
-            "ZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVzdBom",
-            "LnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATABQhmq",
-            "AhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "TkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgSGAoURlJBTUVfRkxBR19T",
+            "VVNQRU5ERUQQECqCAQoST3JkZXJSZWZ1c2FsUmVhc29uEiQKIE9SREVSX1JF",
+            "RlVTQUxfUkVBU09OX1VOU1BFQ0lGSUVEEAASJAogT1JERVJfUkVGVVNBTF9S",
+            "RUFTT05fTk9UX0FMTE9XRUQQARIgChxPUkRFUl9SRUZVU0FMX1JFQVNPTl9V",
+            "TktOT1dOEAIqdAoHVmVyZGljdBIXChNWRVJESUNUX1VOU1BFQ0lGSUVEEAAS",
+            "EgoOVkVSRElDVF9TVEFCTEUQARIPCgtWRVJESUNUX1RJRRACEhUKEVZFUkRJ",
+            "Q1RfQU1CSUdVT1VTEAMSFAoQVkVSRElDVF9ERUdSQURFRBAEMngKEFRlbGVt",
+            "ZXRyeVNlcnZpY2USZAoPU3RyZWFtVGVsZW1ldHJ5EiUuc3dlZXBzdGFrZS52",
+            "MS5TdHJlYW1UZWxlbWV0cnlSZXF1ZXN0GiYuc3dlZXBzdGFrZS52MS5TdHJl",
+            "YW1UZWxlbWV0cnlSZXNwb25zZSgBMAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9j",
+            "b2wuVjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -275,6 +276,10 @@ namespace Sweepstake.Protocol.V1 {
     /// The frame exceeded the bail-out limit; BailOut reports it too.
     /// </summary>
     [pbr::OriginalName("FRAME_FLAG_BAIL_OUT")] BailOut = 8,
+    /// <summary>
+    /// The system stopped the process during the frame (SIGSTOP, breakpoint, sleep). The frame is not evidence and not a bail-out.
+    /// </summary>
+    [pbr::OriginalName("FRAME_FLAG_SUSPENDED")] Suspended = 16,
   }
 
   /// <summary>
