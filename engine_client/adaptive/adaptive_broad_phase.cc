@@ -73,6 +73,7 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
       make_(lane.make),
       memory_budget_bytes_(options.memory_budget_bytes),
       sink_(sink),
+      shared_sink_(sink == nullptr ? nullptr : sink->weak_from_this().lock()),
       clock_(clock),
       active_(PackActive(initial_arm, 0)),
       lane_state_(LaneFor(options, lane, backends_.size())) {
@@ -138,20 +139,13 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
 void AdaptiveBroadPhase::Impl::TakeOrder(const OperatorOrder& order) {
   const bool is_own_manual =
       mode.load(std::memory_order_relaxed) == Mode::kManual && !manual_by_order_;
-  SetMode(order.mode);
+  ChangeMode(order.mode);
   manual_by_order_ = order.mode == Mode::kManual && !is_own_manual;
   if (!order.arm) return;
   DropLocalCommand();
   if (*order.arm != arm()) {
     local_command_ = SwitchCommand{.arm = *order.arm, .reason = SwitchReason::kManual};
   }
-}
-
-// Ends the mode kManual that an operator ordered. It is called before the frame is reported, so the
-// decider treats the frame as one in mode kAi.
-void AdaptiveBroadPhase::Impl::EndOrder() {
-  SetMode(Mode::kAi);
-  ReportMode(/*order_id=*/0);
 }
 
 // Stores a command, which replaces the pending one. If both name the same arm, the lane's
@@ -332,7 +326,9 @@ void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   if (guard.Exceeds(frame.frame_time_ns)) sample_.flags |= kFrameBailOut;
   last_sample = sample_;
   if (pending_) pending_->waited_ns += frame.frame_time_ns;
-  if (manual_by_order_ && guard.BlamesArm(last_sample)) EndOrder();
+  // The mode changes before the frame is reported, so that the decider treats the frame as one in
+  // kAi.
+  if (manual_by_order_ && guard.BlamesArm(last_sample)) SetMode(Mode::kAi);
   Emit();
   EndTrial();
   GuardLocally();
@@ -389,6 +385,11 @@ void AdaptiveBroadPhase::Impl::ReportMode(uint64_t order_id) {
 }
 
 void AdaptiveBroadPhase::Impl::SetMode(Mode chosen) {
+  ChangeMode(chosen);
+  ReportMode(/*order_id=*/0);
+}
+
+void AdaptiveBroadPhase::Impl::ChangeMode(Mode chosen) {
   mode.store(chosen, std::memory_order_relaxed);
   if (chosen == Mode::kManual) CancelTrial();
   manual_by_order_ = false;
@@ -432,7 +433,9 @@ ShadowStats AdaptiveBroadPhase::Impl::shadow_stats() const {
 }
 
 AdaptiveBroadPhase::AdaptiveBroadPhase(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-AdaptiveBroadPhase::~AdaptiveBroadPhase() = default;
+AdaptiveBroadPhase::~AdaptiveBroadPhase() {
+  if (impl_->attachment != nullptr) impl_->attachment->End(/*deadline_ms=*/0);
+}
 
 void AdaptiveBroadPhase::BeginFrame() { impl_->BeginFrame(); }
 std::span<const OverlapPair> AdaptiveBroadPhase::FindPairs(std::span<const Aabb> boxes) {
@@ -472,6 +475,12 @@ std::optional<LastDecision> AdaptiveBroadPhase::last_decision() const {
 }
 std::optional<SwitchOutcome> AdaptiveBroadPhase::last_outcome() const {
   return impl_->last_outcome.Get();
+}
+
+bool AdaptiveBroadPhase::Attach(std::shared_ptr<SessionAttachment> attachment) {
+  if (impl_->attachment != nullptr && impl_->attachment->active()) return false;
+  impl_->attachment = std::move(attachment);
+  return true;
 }
 
 SwitchMailbox& AdaptiveBroadPhase::mailbox() { return impl_->mailbox; }

@@ -16,6 +16,7 @@
 #include "engine_client/adaptive/guards/trial_guard.h"
 #include "engine_client/adaptive/order_mailbox.h"
 #include "engine_client/adaptive/sequence_slot.h"
+#include "engine_client/adaptive/session_attachment.h"
 #include "engine_client/adaptive/shadow_lane.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/adaptive/verdict_slot.h"
@@ -66,6 +67,7 @@ class AdaptiveBroadPhase::Impl {
   LatestSlot<LastDecision> last_decision;
   LatestSlot<SwitchOutcome> last_outcome;
   SwitchCostMeter switch_cost;
+  std::shared_ptr<SessionAttachment> attachment;  // null: no session was started
   FrameSample last_sample{};
   SwitchReason last_switch_reason = SwitchReason::kPolicy;
 
@@ -78,7 +80,7 @@ class AdaptiveBroadPhase::Impl {
 
   void TakeCommand(const SwitchCommand& command);
   void TakeOrder(const OperatorOrder& order);
-  void EndOrder();
+  void ChangeMode(Mode chosen);
   void ExecutePending();
   bool IsAllowed(const SwitchCommand& command) const;
   bool WaitsForLane();
@@ -108,6 +110,7 @@ class AdaptiveBroadPhase::Impl {
   const uint64_t memory_budget_bytes_;
   uint64_t budgeted_bytes_ = 0;  // the active arm's bytes when the budget was last checked
   FrameSink* const sink_;
+  const std::shared_ptr<FrameSink> shared_sink_;  // keeps sink_ alive; null: sink_ is borrowed
   Clock& clock_;
   std::atomic<uint64_t> active_;
   std::optional<SwitchCommand> local_command_;  // a command of SelectArm or of a guard

@@ -185,9 +185,7 @@ swp_result swp_session_select_arm(swp_session* session, const char* arm) {
 swp_result swp_session_set_mode(swp_session* session, swp_mode mode) {
   return Use(session, [&](LiveSession& live) {
     if (!IsMode(mode)) return WrongMode();
-    const auto chosen = static_cast<Mode>(mode);
-    live.adaptive->SetMode(chosen);
-    live.queue.OnModeChange({.mode = chosen, .active_arm = live.adaptive->active_arm()});
+    live.adaptive->SetMode(static_cast<Mode>(mode));
     return kOk;
   });
 }
