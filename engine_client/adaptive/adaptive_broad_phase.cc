@@ -278,6 +278,9 @@ void AdaptiveBroadPhase::Impl::Search() {
 // between two sets, objects make the motion of one frame, even if frames have several searches.
 void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
   descriptors_.Observe(boxes);
+  (sample_.flags & kFrameRebuild) != 0 ? invalid_boxes_.CountAll(boxes)
+                                       : invalid_boxes_.Follow(boxes);
+  sample_.invalid_box_count = invalid_boxes_.count();
   view_tap.OnFrame(boxes, sample_.frame_index);
   if (sink_ != nullptr) sink_->OnBoxes(boxes);
   if (lane_ == nullptr || frozen()) return;

@@ -14,6 +14,7 @@
 #include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/adaptive/guards/bail_out_guard.h"
 #include "engine_client/adaptive/guards/trial_guard.h"
+#include "engine_client/adaptive/invalid_box_counter.h"
 #include "engine_client/adaptive/order_mailbox.h"
 #include "engine_client/adaptive/sequence_slot.h"
 #include "engine_client/adaptive/session_attachment.h"
@@ -125,6 +126,7 @@ class AdaptiveBroadPhase::Impl {
   PairBuffer pairs_;
   std::optional<PairSorter> sorter_;  // absent: pairs stay in the backend's order
   DescriptorEstimator descriptors_;
+  InvalidBoxCounter invalid_boxes_;
   FrameSample sample_{};
   std::atomic<uint64_t> warm_switch_count_{0};
   std::atomic<uint64_t> cold_switch_count_{0};

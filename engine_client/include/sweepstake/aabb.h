@@ -33,6 +33,11 @@ static_assert(sizeof(OverlapPair) == 8);
 
 // A box is valid if all six coordinates are finite and min <= max on each axis. Its size may be
 // zero. An invalid box (NaN, infinite or inverted) overlaps nothing, not even itself.
+//
+// Give an object without bounds, such as a plane or the sky, huge finite faces instead of infinite
+// ones: a box of ±1e30 on an axis overlaps everything on it, with every backend. An empty box, with
+// min > max on all axes, marks an unused place. FrameSample counts the other invalid boxes, which
+// are probably mistakes.
 inline bool IsValid(const Aabb& box) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!std::isfinite(box.min[axis]) || !std::isfinite(box.max[axis])) return false;

@@ -105,10 +105,13 @@ typedef struct swp_frame_sample {
   uint64_t native_bytes;
   uint32_t pair_count;
   uint32_t object_count;
-  uint32_t arm;          /* index in the session's list of arms */
-  uint32_t switch_epoch; /* executed switches before this frame */
-  uint32_t flags;        /* SWP_FRAME_ bits */
-  uint32_t reserved;
+  uint32_t arm;               /* index in the session's list of arms */
+  uint32_t switch_epoch;      /* executed switches before this frame */
+  uint32_t flags;             /* SWP_FRAME_ bits */
+  uint32_t invalid_box_count; /* objects that overlap nothing because their boxes are NaN, infinite
+                                 or inverted; a box with min > max on all axes is an unused place
+                                 and does not count. Boxes that were added count at once; a box that
+                                 changes later counts within object_count / 8 frames */
 } swp_frame_sample;
 
 typedef struct swp_switch_command {

@@ -123,7 +123,7 @@ namespace Sweepstake.LowLevel
             problems.Field("FrameSample.Arm", (byte*)&frameSample.Arm - start, 48);
             problems.Field("FrameSample.SwitchEpoch", (byte*)&frameSample.SwitchEpoch - start, 52);
             problems.Field("FrameSample.Flags", (byte*)&frameSample.Flags - start, 56);
-            problems.Field("FrameSample.Reserved", (byte*)&frameSample.Reserved - start, 60);
+            problems.Field("FrameSample.InvalidBoxCount", (byte*)&frameSample.InvalidBoxCount - start, 60);
         }
 
         private static void CheckSwitchCommand(LayoutProblems problems)

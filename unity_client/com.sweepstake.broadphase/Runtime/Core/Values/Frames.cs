@@ -57,7 +57,11 @@ namespace Sweepstake
         /// <summary>Number of switches executed before this frame.</summary>
         public uint SwitchEpoch;
         public FrameFlags Flags;
-        internal uint Reserved;
+        /// <summary>
+        /// Number of objects that overlap nothing because their boxes are NaN, infinite or inverted. Boxes that were added count at once;
+        /// a box that changes later counts within <see cref="ObjectCount"/> / 8 frames.
+        /// </summary>
+        public uint InvalidBoxCount;
     }
 
     [StructLayout(LayoutKind.Sequential)]
