@@ -82,7 +82,7 @@ namespace Sweepstake.LowLevel
             problems.Field("WorldCounters.DetectionTimeNs", (byte*)&worldCounters.DetectionTimeNs - start, 24);
             problems.Field("WorldCounters.PairCount", (byte*)&worldCounters.PairCount - start, 32);
             problems.Field("WorldCounters.BackendVersion", (byte*)&worldCounters.BackendVersion - start, 40);
-            problems.Field("WorldCounters.Reserved", (byte*)&worldCounters.Reserved - start, 44);
+            problems.Field("WorldCounters.InvalidBoxCount", (byte*)&worldCounters.InvalidBoxCount - start, 44);
         }
 
         private static void CheckNativeSessionOptions(LayoutProblems problems)

@@ -105,6 +105,7 @@ namespace Sweepstake
         public ulong PairCount;
         /// <summary>Version of the backend's code; incremented by changes that may alter its cost.</summary>
         public uint BackendVersion;
-        internal uint Reserved;
+        /// <summary>As <see cref="FrameSample.InvalidBoxCount"/>; here an update is a frame.</summary>
+        public uint InvalidBoxCount;
     }
 }
