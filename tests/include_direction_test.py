@@ -88,6 +88,7 @@ PUBLIC_HEADERS = {
     "shadow.h": "engine_client/adaptive",
     "bullet.h": "engine_client/bullet",
     "embedded_decider.h": "engine_client/decider/embedded",
+    "adaptive_session.h": "engine_client/telemetry",
     "session.h": "engine_client/telemetry",
     "c_api.h": "engine_client/c_api",
     "c_worlds.h": "engine_client/c_api",

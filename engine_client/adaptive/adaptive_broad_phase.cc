@@ -76,6 +76,7 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
       make_(lane.make),
       memory_budget_bytes_(options.memory_budget_bytes),
       sink_(sink),
+      shared_sink_(sink == nullptr ? nullptr : sink->weak_from_this().lock()),
       clock_(clock),
       suspension_(clock, EngineThreads(options) > 1),
       active_(PackActive(initial_arm, 0)),
@@ -138,24 +139,17 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
 }
 
 // Executes an operator's order. manual_by_order_ is not set if the game itself chose kManual
-// earlier. Otherwise a later bail-out would end the game's own choice (EndOrder).
+// earlier. Otherwise a later bail-out would end the game's own choice (EndFrame).
 void AdaptiveBroadPhase::Impl::TakeOrder(const OperatorOrder& order) {
   const bool is_own_manual =
       mode.load(std::memory_order_relaxed) == Mode::kManual && !manual_by_order_;
-  SetMode(order.mode);
+  ChangeMode(order.mode);
   manual_by_order_ = order.mode == Mode::kManual && !is_own_manual;
   if (!order.arm) return;
   DropLocalCommand();
   if (*order.arm != arm()) {
     local_command_ = SwitchCommand{.arm = *order.arm, .reason = SwitchReason::kManual};
   }
-}
-
-// Ends the mode kManual that an operator ordered. It is called before the frame is reported, so the
-// decider treats the frame as one in mode kAi.
-void AdaptiveBroadPhase::Impl::EndOrder() {
-  SetMode(Mode::kAi);
-  ReportMode(/*order_id=*/0);
 }
 
 // Stores a command, which replaces the pending one. If both name the same arm, the lane's
@@ -290,6 +284,9 @@ void AdaptiveBroadPhase::Impl::Search() {
 // between two sets, objects make the motion of one frame, even if frames have several searches.
 void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
   descriptors_.Observe(boxes);
+  (sample_.flags & kFrameRebuild) != 0 ? invalid_boxes_.CountAll(boxes)
+                                       : invalid_boxes_.Follow(boxes);
+  sample_.invalid_box_count = invalid_boxes_.count();
   view_tap.OnFrame(boxes, sample_.frame_index);
   if (sink_ != nullptr) sink_->OnBoxes(boxes);
   if (lane_ == nullptr || frozen()) return;
@@ -343,7 +340,9 @@ void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   }
   last_sample = sample_;
   if (pending_ && !is_suspended) pending_->waited_ns += frame.frame_time_ns;
-  if (manual_by_order_ && guard.BlamesArm(last_sample)) EndOrder();
+  // The mode changes before the frame is reported, so that the decider treats the frame as one in
+  // kAi.
+  if (manual_by_order_ && guard.BlamesArm(last_sample)) SetMode(Mode::kAi);
   Emit();
   EndTrial();
   GuardLocally();
@@ -400,6 +399,11 @@ void AdaptiveBroadPhase::Impl::ReportMode(uint64_t order_id) {
 }
 
 void AdaptiveBroadPhase::Impl::SetMode(Mode chosen) {
+  ChangeMode(chosen);
+  ReportMode(/*order_id=*/0);
+}
+
+void AdaptiveBroadPhase::Impl::ChangeMode(Mode chosen) {
   mode.store(chosen, std::memory_order_relaxed);
   if (chosen == Mode::kManual) CancelTrial();
   manual_by_order_ = false;
@@ -443,7 +447,9 @@ ShadowStats AdaptiveBroadPhase::Impl::shadow_stats() const {
 }
 
 AdaptiveBroadPhase::AdaptiveBroadPhase(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-AdaptiveBroadPhase::~AdaptiveBroadPhase() = default;
+AdaptiveBroadPhase::~AdaptiveBroadPhase() {
+  if (impl_->attachment != nullptr) impl_->attachment->End(/*deadline_ms=*/0);
+}
 
 void AdaptiveBroadPhase::BeginFrame() {
   const FloatEnvironmentScope environment;
@@ -491,6 +497,12 @@ std::optional<LastDecision> AdaptiveBroadPhase::last_decision() const {
 }
 std::optional<SwitchOutcome> AdaptiveBroadPhase::last_outcome() const {
   return impl_->last_outcome.Get();
+}
+
+bool AdaptiveBroadPhase::Attach(std::shared_ptr<SessionAttachment> attachment) {
+  if (impl_->attachment != nullptr && impl_->attachment->active()) return false;
+  impl_->attachment = std::move(attachment);
+  return true;
 }
 
 SwitchMailbox& AdaptiveBroadPhase::mailbox() { return impl_->mailbox; }

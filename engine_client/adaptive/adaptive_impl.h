@@ -15,8 +15,10 @@
 #include "engine_client/adaptive/guards/bail_out_guard.h"
 #include "engine_client/adaptive/guards/suspension_guard.h"
 #include "engine_client/adaptive/guards/trial_guard.h"
+#include "engine_client/adaptive/invalid_box_counter.h"
 #include "engine_client/adaptive/order_mailbox.h"
 #include "engine_client/adaptive/sequence_slot.h"
+#include "engine_client/adaptive/session_attachment.h"
 #include "engine_client/adaptive/shadow_lane.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/adaptive/verdict_slot.h"
@@ -67,6 +69,7 @@ class AdaptiveBroadPhase::Impl {
   LatestSlot<LastDecision> last_decision;
   LatestSlot<SwitchOutcome> last_outcome;
   SwitchCostMeter switch_cost;
+  std::shared_ptr<SessionAttachment> attachment;  // null: no session was started
   FrameSample last_sample{};
   SwitchReason last_switch_reason = SwitchReason::kPolicy;
 
@@ -79,7 +82,7 @@ class AdaptiveBroadPhase::Impl {
 
   void TakeCommand(const SwitchCommand& command);
   void TakeOrder(const OperatorOrder& order);
-  void EndOrder();
+  void ChangeMode(Mode chosen);
   void ExecutePending();
   bool IsAllowed(const SwitchCommand& command) const;
   bool WaitsForLane();
@@ -109,6 +112,7 @@ class AdaptiveBroadPhase::Impl {
   const uint64_t memory_budget_bytes_;
   uint64_t budgeted_bytes_ = 0;  // the active arm's bytes when the budget was last checked
   FrameSink* const sink_;
+  const std::shared_ptr<FrameSink> shared_sink_;  // keeps sink_ alive; null: sink_ is borrowed
   Clock& clock_;
   SuspensionGuard suspension_;
   std::atomic<uint64_t> active_;
@@ -124,6 +128,7 @@ class AdaptiveBroadPhase::Impl {
   PairBuffer pairs_;
   std::optional<PairSorter> sorter_;  // absent: pairs stay in the backend's order
   DescriptorEstimator descriptors_;
+  InvalidBoxCounter invalid_boxes_;
   FrameSample sample_{};
   std::atomic<uint64_t> warm_switch_count_{0};
   std::atomic<uint64_t> cold_switch_count_{0};

@@ -58,8 +58,8 @@ swp_result NoSuchProxy() {
 ProxyHandle ToHandle(swp_proxy proxy) { return std::bit_cast<ProxyHandle>(proxy); }
 swp_proxy ToProxy(ProxyHandle handle) { return std::bit_cast<swp_proxy>(handle); }
 CollisionFilter ToFilter(const swp_filter& filter) { return {filter.category, filter.mask}; }
-CollisionFilter FilterOrAll(const swp_filter* filter) {
-  return filter == nullptr ? CollisionFilter{~0U, ~0U} : ToFilter(*filter);
+CollisionFilter FilterOrDefault(const swp_filter* filter) {
+  return filter == nullptr ? CollisionFilter{} : ToFilter(*filter);
 }
 
 swp_result CheckTruth(std::string_view message, uint32_t value) {
@@ -183,7 +183,7 @@ swp_result QueryShapes(const swp_proxies* proxies,
     const std::span asked{reinterpret_cast<const Shape*>(shapes), count};
     const std::span out{reinterpret_cast<ProxyHandle*>(found), capacity};
     const std::span places{reinterpret_cast<size_t*>(ends), count};
-    const Status status = (live.set.*query)(asked, FilterOrAll(filter), out, places);
+    const Status status = (live.set.*query)(asked, FilterOrDefault(filter), out, places);
     if (!status.ok()) return ToQueryResult(status);
     return !places.empty() && places.back() > capacity ? TooFewPlaces() : kOk;
   });
@@ -199,7 +199,7 @@ swp_result CastShapes(const swp_proxies* proxies,
   return Use(proxies, [&](const Proxies& live) {
     if ((shapes == nullptr || hits == nullptr) && count > 0) return NullArgument(names);
     const std::span given{reinterpret_cast<const Shape*>(shapes), count};
-    const Status status = (live.set.*cast)(given, FilterOrAll(filter), Packed(hits, count));
+    const Status status = (live.set.*cast)(given, FilterOrDefault(filter), Packed(hits, count));
     if (!status.ok()) return ToQueryResult(status);
     Unpack(hits, count);
     return kOk;
@@ -262,7 +262,7 @@ swp_result swp_proxies_set_boxes(swp_proxies* proxies, const swp_proxy* moved,
 
 swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy, const swp_filter* filter) {
   return Use(proxies, [&](Proxies& live) {
-    return live.set.SetFilter(ToHandle(proxy), FilterOrAll(filter)) ? kOk : NoSuchProxy();
+    return live.set.SetFilter(ToHandle(proxy), FilterOrDefault(filter)) ? kOk : NoSuchProxy();
   });
 }
 
@@ -441,7 +441,7 @@ swp_result swp_proxies_cast_ray(const swp_proxies* proxies, const swp_ray* ray,
     const Ray& cast = *reinterpret_cast<const Ray*>(ray);
     size_t hit_count = 0;
     const auto status =
-        live.set.CastRay(cast, FilterOrAll(filter), Packed(hits, capacity), hit_count);
+        live.set.CastRay(cast, FilterOrDefault(filter), Packed(hits, capacity), hit_count);
     if (!status.ok()) return ToQueryResult(status);
     *count = hit_count;
     if (hit_count > capacity) return TooFewPlaces();

@@ -7,17 +7,17 @@
 
 #include "engine_client/c_api/executor.h"
 #include "engine_client/c_api/sized_struct.h"
+#include "sweepstake/session.h"
 
 using sweepstake::AdaptiveBroadPhase;
 using sweepstake::AdaptiveOptions;
 using sweepstake::Mode;
 using sweepstake::SampleQueue;
+using sweepstake::SessionOptions;
 using sweepstake::ShadowMode;
 using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 
 namespace {
-
-constexpr uint32_t kDefaultQueueFrames = 4096;
 
 bool IsMode(swp_mode mode) { return mode == SWP_MODE_MANUAL || mode == SWP_MODE_AI; }
 
@@ -32,8 +32,8 @@ swp_session_options DefaultSessionOptions() {
   options.mode = static_cast<swp_mode>(defaults.mode);
   options.bail_out_ns = defaults.bail_out_ns;
   options.settling_ns = defaults.settling_ns;
-  options.queue_frames = kDefaultQueueFrames;
-  options.shadow = SWP_SHADOW_OFF;
+  options.queue_frames = SessionOptions().queue_frames;
+  options.shadow = static_cast<swp_shadow_mode>(defaults.shadow.enabled);
   options.shadow_duty_ratio = defaults.shadow.duty_ratio;
   options.shadow_memory_bytes = defaults.shadow.memory_cap_bytes;
   return options;
@@ -185,9 +185,7 @@ swp_result swp_session_select_arm(swp_session* session, const char* arm) {
 swp_result swp_session_set_mode(swp_session* session, swp_mode mode) {
   return Use(session, [&](LiveSession& live) {
     if (!IsMode(mode)) return WrongMode();
-    const auto chosen = static_cast<Mode>(mode);
-    live.adaptive->SetMode(chosen);
-    live.queue.OnModeChange({.mode = chosen, .active_arm = live.adaptive->active_arm()});
+    live.adaptive->SetMode(static_cast<Mode>(mode));
     return kOk;
   });
 }

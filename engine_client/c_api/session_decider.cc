@@ -9,7 +9,6 @@ using sweepstake::AdaptiveBroadPhase;
 using sweepstake::DeciderLoop;
 using sweepstake::EmbeddedDecider;
 using sweepstake::EmbeddedOptions;
-using sweepstake::Mode;
 using sweepstake::Status;
 using sweepstake::SwitchCommand;
 using sweepstake::SwitchOutcome;
@@ -131,7 +130,6 @@ swp_result swp_session_freeze(swp_session* session, const swp_decider_options* o
         return ToResult(selected);
     }
     adaptive.Freeze();
-    live.queue.OnModeChange({.mode = Mode::kManual, .active_arm = adaptive.active_arm()});
     return kOk;
   });
 }

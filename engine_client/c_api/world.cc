@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "engine_client/adaptive/invalid_box_counter.h"
 #include "engine_client/c_api/boundary.h"
 #include "engine_client/c_api/executor.h"
 #include "engine_client/c_api/live.h"
@@ -29,6 +30,7 @@ struct World {
   bool built = false;
   bool searched = false;
   uint32_t object_count = 0;
+  sweepstake::InvalidBoxCounter invalid_boxes;
   uint64_t take_time_ns = 0;
   uint64_t search_time_ns = 0;
 };
@@ -111,6 +113,7 @@ swp_result swp_world_build(swp_world* world, const swp_aabb* boxes, uint32_t cou
     const swp_result wrong = CheckBoxes(boxes, count);
     if (wrong != SWP_OK) return wrong;
     TakeBoxes(live, count, [&] { live.backend->Build(ToBoxes(boxes, count)); });
+    live.invalid_boxes.CountAll(ToBoxes(boxes, count));
     return kOk;
   });
 }
@@ -120,6 +123,7 @@ swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t co
     if (const swp_result wrong = CheckBoxes(boxes, count); wrong != SWP_OK) return wrong;
     if (!live.built) return NotBuilt();
     TakeBoxes(live, count, [&] { live.backend->Update(ToBoxes(boxes, count)); });
+    live.invalid_boxes.Follow(ToBoxes(boxes, count));
     return kOk;
   });
 }
@@ -148,6 +152,7 @@ swp_result swp_world_counters(const swp_world* world, swp_counters* counters) {
     now.detection_time_ns = live.take_time_ns + live.search_time_ns;
     now.pair_count = live.pairs.size();
     now.backend_version = live.backend->version();
+    now.invalid_box_count = live.invalid_boxes.count();
     return Give("swp_counters", now, counters);
   });
 }

@@ -27,6 +27,7 @@ class LinkHost {
     swp_session_options session{};
     session.struct_size = sizeof session;
     EXPECT_EQ(swp_session_options_init(&session), SWP_OK);
+    session.shadow = SWP_SHADOW_OFF;  // so that the evidence depends on the frames alone
     session.arms = "SAP,Grid,DBVT";
     EXPECT_EQ(swp_session_create(&session, &session_), SWP_OK);
     swp_link_options options{};

@@ -6,10 +6,9 @@
 #include <memory>
 #include <new>
 
-#include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/adaptive_session.h"
 #include "sweepstake/hooks.h"
 #include "sweepstake/scene.h"
-#include "sweepstake/session.h"
 
 namespace {
 
@@ -32,20 +31,18 @@ Hooks GameHooks() {
 }
 
 bool PlaysWithASession() {
-  auto session = MakeEmbeddedSession({}, {});
+  auto game = AdaptiveSession::Create(MakeEmbeddedSession());
   auto scene = MakeScene("suite-b", {.object_count = 300});
-  if (!session.ok() || !scene.ok()) return false;
-  auto adaptive = AdaptiveBroadPhase::Create({}, &(*session)->sink());
-  if (!adaptive.ok() || !(*session)->Start(**adaptive).ok()) return false;
+  if (!game.ok() || !scene.ok()) return false;
   bool finds_pairs = true;
   for (int frame = 0; frame < 200; ++frame) {
-    (*adaptive)->BeginFrame();
-    finds_pairs = finds_pairs && !(*adaptive)->FindPairs((*scene)->aabbs()).empty();
-    (*adaptive)->EndFrame({16'000'000, 0});
+    game->BeginFrame();
+    finds_pairs = finds_pairs && !game->FindPairs((*scene)->aabbs()).empty();
+    game->EndFrame({16'000'000, 0});
     (*scene)->Step();
   }
-  (*session)->Stop();
-  return finds_pairs && (*session)->stats().sent_frame_count == 200;
+  game->session().Stop();
+  return finds_pairs && game->session().stats().sent_frame_count == 200;
 }
 
 }  // namespace

@@ -179,11 +179,12 @@ template <typename T, typename Visit>
 requires requires(T& fields, Visit& visit) { T::VisitFields(fields, visit); }
 void VisitFields(T& fields, Visit&& visit) { T::VisitFields(fields, visit); }
 
-// Leaves out the frame's index and pair count, because decisions do not depend on them.
+// Leaves out the frame's index, its pairs and invalid boxes, because decisions do not depend on
+// them.
 template <EitherConst<FrameSample> T, typename Visit>
 void VisitFields(T& frame, Visit&& visit) {
   auto& [index, frame_time_ns, detection_time_ns, aabb_check_count, native_bytes, pair_count,
-         object_count, arm, switch_epoch, flags, reserved] = frame;
+         object_count, arm, switch_epoch, flags, invalid_box_count] = frame;
   visit("frame_time_ns", frame_time_ns);
   visit("detection_time_ns", detection_time_ns);
   visit("aabb_check_count", aabb_check_count);

@@ -86,6 +86,11 @@ constexpr int64_t OrderedBits(double value) {
 // A box is valid if all six coordinates are finite and min <= max on each axis. Its size may be
 // zero. An invalid box (NaN, infinite or inverted) overlaps nothing, not even itself.
 //
+// Give an object without bounds, such as a plane or the sky, huge finite faces instead of infinite
+// ones: a box of ±1e30 on an axis overlaps everything on it, with every backend. An empty box, with
+// min > max on all axes, marks an unused place. FrameSample counts the other invalid boxes, which
+// are probably mistakes.
+//
 // This and the other functions below are compiled with the flags of the game, which may be
 // -ffast-math, and run in its floating-point environment. They therefore compare bits.
 inline bool IsValid(const Aabb& box) {

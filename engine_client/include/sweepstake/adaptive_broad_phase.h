@@ -11,7 +11,9 @@
 // steady, none allocates; the only system calls are those of the clock, whose CPU times are read at
 // most every 250 ms and after a long frame. With an executor the frame thread also waits for the
 // parts of its own search. The sink is called in the default floating-point environment
-// (broad_phase.h). Ownership: the sink and the clock must outlive the object.
+// (broad_phase.h). Ownership: the clock must outlive the object. So must the sink, unless a
+// std::shared_ptr owns it; the object then keeps the sink alive. A session (session.h) has such a
+// sink. AdaptiveSession (adaptive_session.h) makes and owns all of it.
 //
 // Memory: an arm that was active keeps its buffers, so that switching back is cheap. Trim or
 // memory_budget_bytes frees them. FrameSample::native_bytes counts the active arm alone. Errors: if
@@ -48,11 +50,12 @@
 
 namespace sweepstake {
 
+class SessionAttachment;
 class ViewTap;
 
 // Receives the results of the frame path. All functions except OnShadow are called on the frame
 // thread. There, implementations must not wait, lock or allocate.
-class FrameSink {
+class FrameSink : public std::enable_shared_from_this<FrameSink> {
  public:
   virtual ~FrameSink() = default;
   // Called with the boxes of the frame's first search, before the frame's OnFrame. The boxes belong
@@ -61,8 +64,8 @@ class FrameSink {
   virtual void OnFrame(const FrameSample& sample) noexcept = 0;
   virtual void OnDescriptor(const SceneDescriptor& descriptor) noexcept = 0;
   virtual void OnSwitch(const SwitchOutcome& outcome) noexcept = 0;
-  // Called in two cases: the game has executed an operator's order, or a bail-out has ended a
-  // kManual that an operator ordered. Not called for SetMode.
+  // Called in three cases: SetMode or Freeze was called, the game has executed an operator's order,
+  // or a bail-out has ended a kManual that an operator ordered.
   virtual void OnModeChange(const ModeChange& /*change*/) noexcept {}
   // Called on the shadow lane's thread, one call at a time.
   virtual void OnShadow(const ShadowSample& /*sample*/) noexcept {}
@@ -136,12 +139,13 @@ struct FrameEnd {
 
 class AdaptiveBroadPhase {
  public:
-  // Makes the object. `clock` and `sink` are borrowed; sink may be null. The shadow lane always
-  // uses SteadyClock(). Errors: kNotFound for an unknown arm, kResourceExhausted if the system
-  // cannot create the lane's thread, kInvalidArgument otherwise.
+  // Makes the object. `clock` and `sink` are borrowed (see Ownership above); sink may be null. The
+  // shadow lane always uses SteadyClock(). Errors: kNotFound for an unknown arm, kResourceExhausted
+  // if the system cannot create the lane's thread, kInvalidArgument otherwise.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Create(const AdaptiveOptions& options,
                                                             FrameSink* sink,
                                                             Clock& clock = SteadyClock());
+  // Stops the session that was started with this object, if any, as by Session::Stop(0).
   ~AdaptiveBroadPhase();
 
   // Executes at most one pending switch. One by SelectArm or a guard is executed at once; a waiting
@@ -172,8 +176,8 @@ class AdaptiveBroadPhase {
   // Chooses an arm manually, from the next BeginFrame on. The mode does not change. Error:
   // kNotFound, with a message that lists the arms.
   Status SelectArm(std::string_view arm);
-  // Sets the mode. In kManual the bail-out guard does not switch, and commands from the mailbox are
-  // refused unless their reason is kManual.
+  // Sets the mode and reports it to the sink. In kManual the bail-out guard does not switch, and
+  // commands from the mailbox are refused unless their reason is kManual.
   void SetMode(Mode mode);
   // Sets kManual and disables everything that depends on time, so that runs repeat bit for bit
   // (builds, replays, tournaments). The clock is not read, samples have no detection time, the lane
@@ -215,6 +219,9 @@ class AdaptiveBroadPhase {
   // of the end of a trial. Absent before the first. Any thread; lock-free.
   std::optional<SwitchOutcome> last_outcome() const;
 
+  // Attaches a session, which the destructor then stops. Called by Session::Start. Returns false,
+  // and does nothing, while another session is attached.
+  bool Attach(std::shared_ptr<SessionAttachment> attachment);
   SwitchMailbox& mailbox();
   // Through this object a session copies boxes of some frames, which operators can view.
   ViewTap& view_tap();

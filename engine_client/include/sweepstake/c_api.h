@@ -180,7 +180,9 @@ SWP_API uint32_t swp_struct_size(swp_struct which);
 /* ---- boxes and pairs ---- */
 
 /* A box is valid when all coordinates are finite and min <= max on each axis. An invalid box
- * overlaps nothing. */
+ * overlaps nothing; samples and counters report their number. For an object without bounds, such as
+ * a plane, use huge finite faces: a box from -1e30 to 1e30 on an axis overlaps everything on it,
+ * with every backend. */
 typedef struct swp_aabb {
   float min[3];
   float max[3];

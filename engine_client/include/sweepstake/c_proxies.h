@@ -40,9 +40,9 @@ typedef uint64_t swp_proxy;
 /* An id has this bit if and only if its proxy was added as static. */
 #define SWP_STATIC_PROXY_BIT 0x80000000U
 
-/* Two proxies may form a pair if the category of each shares a bit with the mask of the other. If a
- * function takes a filter, NULL means all bits set: it passes every proxy that has a category and a
- * mask. */
+/* Two proxies may form a pair if the category of each shares a bit with the mask of the other. The
+ * default, also of a function that gets NULL, has all bits set: it passes every proxy that has a
+ * category and a mask. */
 typedef struct swp_filter {
   uint32_t category;
   uint32_t mask;
@@ -54,7 +54,7 @@ enum {
 };
 
 typedef struct swp_proxy_options {
-  swp_filter filter; /* {0, 0} passes with nothing; {~0u, ~0u} with everything (the default) */
+  swp_filter filter; /* {0, 0} passes with nothing; {~0u, ~0u} with everything */
   uint32_t flags;    /* SWP_PROXY_ bits */
   uint32_t reserved; /* 0 */
   uint64_t user;     /* any value of the caller */
@@ -111,7 +111,7 @@ SWP_API swp_result swp_proxies_create(const swp_proxies_options* options, swp_pr
 SWP_API void swp_proxies_destroy(swp_proxies* proxies);
 
 /* Adds a proxy for each box and writes their handles to `added`. `options` has one element per box;
- * NULL makes moving proxies with category 1, all bits in the mask and user 0. Cost: O(1) per moving
+ * NULL makes moving proxies with the default filter and user 0. Cost: O(1) per moving
  * proxy; for static ones see ProxySet::Add. If memory runs out, no proxy is added, and the content
  * of `added` is undefined. */
 SWP_API swp_result swp_proxies_add_many(swp_proxies* proxies, const swp_aabb* boxes,

@@ -83,7 +83,7 @@ typedef struct swp_session_options {
   uint32_t thread_count;        /* as in swp_world_options */
   uint32_t queue_frames;  /* samples kept for a decider or a link, a power of two, 2 to 2^20; if
                              full, the oldest is dropped */
-  swp_shadow_mode shadow; /* default: SWP_SHADOW_OFF */
+  swp_shadow_mode shadow; /* default: SWP_SHADOW_AUTO */
   uint32_t sorted_pairs;  /* 1: pairs ascend by a and then b whatever the arm, so that a switch does
                              not change a lockstep game; not part of a sample's detection time */
   double shadow_duty_ratio;     /* the lane's maximum share of one core, over 0 to 1; default:
@@ -106,10 +106,13 @@ typedef struct swp_frame_sample {
   uint64_t native_bytes;
   uint32_t pair_count;
   uint32_t object_count;
-  uint32_t arm;          /* index in the session's list of arms */
-  uint32_t switch_epoch; /* executed switches before this frame */
-  uint32_t flags;        /* SWP_FRAME_ bits */
-  uint32_t reserved;
+  uint32_t arm;               /* index in the session's list of arms */
+  uint32_t switch_epoch;      /* executed switches before this frame */
+  uint32_t flags;             /* SWP_FRAME_ bits */
+  uint32_t invalid_box_count; /* objects that overlap nothing because their boxes are NaN, infinite
+                                 or inverted; a box with min > max on all axes is an unused place
+                                 and does not count. Boxes that were added count at once; a box that
+                                 changes later counts within object_count / 8 frames */
 } swp_frame_sample;
 
 typedef struct swp_switch_command {
@@ -205,7 +208,7 @@ typedef struct swp_decision {
 } swp_decision;
 
 /* Sets the defaults: all arms, KDTree at first, SWP_MODE_AI, a bail-out limit of 5 s, 2 s of
- * settling, 4,096 samples, the calling thread alone, and no shadow lane. */
+ * settling, 4,096 samples, the calling thread alone, and SWP_SHADOW_AUTO. */
 SWP_API swp_result swp_session_options_init(swp_session_options* options);
 
 /* Makes a session. `options` NULL uses the defaults. SWP_NOT_FOUND for an unknown arm; the

@@ -46,7 +46,7 @@ typedef struct swp_counters {
   uint64_t detection_time_ns; /* time of the latest build or update, plus the search */
   uint64_t pair_count;        /* pairs of the latest search; 0 before it */
   uint32_t backend_version;   /* incremented by each change that could alter its cost */
-  uint32_t reserved;          /* 0 */
+  uint32_t invalid_box_count; /* as in swp_frame_sample; here an update is a frame */
 } swp_counters;
 
 /* The number of backends, and the name of each. Names stay valid. The name is NULL if `index` is

@@ -65,14 +65,14 @@ struct EmbeddedOptions {
   // The priors are stored by project, scene, machine class and backend version.
   std::string project = "default";
   std::string scene = "default";
-  std::string machine_class;  // class of comparable machines; empty: MachineClass()
-  std::string build;          // the game's build; evidence from others counts less. Empty: unknown
+  std::string machine_class = {};  // class of comparable machines; empty: MachineClass()
+  std::string build = {};  // the game's build; evidence from others counts less. Empty: unknown
   // Priors to start from, as `sweepstake priors export` and ExportPriors write them: the path of a
   // file (in UTF-8), their text, or both. An example of both: priors that came with the game, and
   // priors that it saved. They are merged; evidence that is in both counts once, in its later
   // version. Both empty: Beta(1,1).
-  std::string priors_file;
-  std::string priors_data;
+  std::string priors_file = {};
+  std::string priors_data = {};
   // The name under which evidence is exported, at most 128 bytes. A game that keeps a name per
   // installation, such as a random number, has one record per arm. The record grows from run to
   // run, and in a store the later record replaces the earlier one. Two installations must not share
@@ -81,7 +81,7 @@ struct EmbeddedOptions {
   //
   // Empty: a new name in each run. A save that is loaded and exported again then grows by the
   // records of each run; above 200,000 records it is refused.
-  std::string source_id;
+  std::string source_id = {};
   uint64_t seed = 1;
   double time_scale = 1;  // 1–1000: divides every interval except the bail-out limit
   // Time between decisions, 1 ns to 100 days. A decision learns from the mean over this time. With

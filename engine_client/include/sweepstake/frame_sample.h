@@ -35,7 +35,9 @@ struct FrameSample {
   uint32_t arm = 0;           // index in the session's list of arms
   uint32_t switch_epoch = 0;  // executed switches before this frame
   uint32_t flags = 0;         // FrameFlag bits
-  uint32_t reserved = 0;      // 0
+  // Objects whose boxes are invalid but not empty (aabb.h), so that they overlap nothing. Boxes
+  // that were added count at once. A box that changes later counts within object_count ÷ 8 frames.
+  uint32_t invalid_box_count = 0;
 };
 static_assert(sizeof(FrameSample) == 64);
 static_assert(std::is_trivially_copyable_v<FrameSample>);

@@ -91,9 +91,10 @@ static_assert(sizeof(ProxyHandle) == 8);
 // An id has this bit if and only if its proxy was added as static.
 inline constexpr uint32_t kStaticProxyBit = 0x80000000U;
 
-// The kinds that a proxy belongs to (category) and collides with (mask), as bit sets.
+// The kinds that a proxy belongs to (category) and collides with (mask), as bit sets. The default
+// passes every filter that has a category and a mask.
 struct CollisionFilter {
-  uint32_t category = 1;
+  uint32_t category = ~0U;
   uint32_t mask = ~0U;
 
   friend bool operator==(const CollisionFilter&, const CollisionFilter&) = default;

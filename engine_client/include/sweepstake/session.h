@@ -114,10 +114,10 @@ struct FlightRecorderOptions {
 struct SessionOptions {
   std::string project = "default";
   std::string scene = "default";
-  std::string build;          // empty: unknown
-  std::string machine_class;  // class of comparable machines; empty: MachineClass()
-  std::string policy;         // empty: the decider's default
-  double time_scale = 1;      // 1–1000: divides intervals; above 1 only if the daemon allows it
+  std::string build = {};          // empty: unknown
+  std::string machine_class = {};  // class of comparable machines; empty: MachineClass()
+  std::string policy = {};         // empty: the decider's default
+  double time_scale = 1;  // 1–1000: divides intervals; above 1 only if the daemon allows it
   bool ignore_priors = false;
   uint64_t seed = 0;  // 0: the decider chooses
   // Lets operators of the daemon choose the mode and the arm. Unused with an embedded decider.
@@ -127,7 +127,7 @@ struct SessionOptions {
   // most four times a second, and only while an operator looks. Unused with an embedded decider.
   // Leave it off in a game that is shipped to players.
   bool allow_box_view = false;
-  FlightRecorderOptions flight_recorder;
+  FlightRecorderOptions flight_recorder = {};
 
   uint32_t queue_frames = 4096;  // power of two, 2 to 1,048,576; 80 bytes each
   // A batch is sent when the first of these three limits is reached. The daemon's welcome replaces
@@ -141,8 +141,8 @@ struct SessionOptions {
   uint32_t backoff_min_ms = 100;  // doubles with each attempt up to the maximum, with full jitter
   uint32_t backoff_max_ms = 10'000;
 
-  std::optional<TlsOptions> tls;  // absent: plain text; unused with an embedded decider
-  ClientToken token;              // empty: none; unused with an embedded decider
+  std::optional<TlsOptions> tls = {};  // absent: plain text; unused with an embedded decider
+  ClientToken token = {};              // empty: none; unused with an embedded decider
 };
 
 class Session {
@@ -150,11 +150,10 @@ class Session {
   // Returns the sink to pass to AdaptiveBroadPhase::Create. The session is therefore created first
   // and gets the arms in Start.
   virtual FrameSink& sink() = 0;
-  // Starts the sender thread; call it once. `adaptive` must outlive Stop.
+  // Starts the sender thread; call it once. The session and `adaptive` may be destroyed in any
+  // order: the destructor of each stops the thread, as by Stop(0). kFailedPrecondition: the session
+  // was started before, or another session uses `adaptive`.
   virtual Status Start(AdaptiveBroadPhase& adaptive) = 0;
-  // Reports a mode change made with AdaptiveBroadPhase::SetMode to the decider. Called on the frame
-  // thread; it does not wait.
-  virtual void OnModeChange() = 0;
   // Sends the content of the queue and a goodbye within `deadline_ms`, then ends the thread.
   // stats().last_error is set if the daemon did not confirm in time that the last evidence is on
   // disk. May be called more than once.
@@ -170,10 +169,11 @@ class Session {
 // Makes a session with the daemon at `address` (HOST:PORT). Start connects to it in the background.
 // kInvalidArgument: the address, an option, or a file of `tls` cannot be used.
 Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
-                                                   const SessionOptions& options);
-// Makes a session without a daemon: the embedded decider runs on the sender thread.
-Result<std::unique_ptr<Session>> MakeEmbeddedSession(const EmbeddedOptions& embedded,
-                                                     const SessionOptions& options);
+                                                   const SessionOptions& options = {});
+// Makes a session without a daemon: the embedded decider runs on the sender thread. Of `options`
+// it uses the queue and the flight recorder; scene, policy and so on come from `embedded`.
+Result<std::unique_ptr<Session>> MakeEmbeddedSession(const EmbeddedOptions& embedded = {},
+                                                     const SessionOptions& options = {});
 
 }  // namespace sweepstake
 

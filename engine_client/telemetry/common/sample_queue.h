@@ -14,8 +14,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <variant>
 
 #include "engine_client/telemetry/common/flight_ring.h"
@@ -36,13 +38,13 @@ class SampleQueue final : public FrameSink {
   // ring holds the visits of two seconds or more.
   static constexpr uint32_t kShadowCapacity = 256;
 
-  // Borrows `flight`, the flight recorder's ring, which may be null. REQUIRES: frame_capacity is a
-  // power of two, 2 to kMaxFrameCapacity.
-  explicit SampleQueue(uint32_t frame_capacity, FlightRing* flight = nullptr)
+  // `flight` is the flight recorder's ring, which may be null. REQUIRES: frame_capacity is a power
+  // of two, 2 to kMaxFrameCapacity.
+  explicit SampleQueue(uint32_t frame_capacity, std::shared_ptr<FlightRing> flight = nullptr)
       : frames_(frame_capacity),
         notes_(kNoteCapacity),
         shadows_(kShadowCapacity),
-        flight_(flight) {}
+        flight_(std::move(flight)) {}
 
   void OnBoxes(std::span<const Aabb> boxes) noexcept override {
     if (flight_ != nullptr) flight_->OnBoxes(boxes);
@@ -81,7 +83,7 @@ class SampleQueue final : public FrameSink {
   LossyRing<FrameSample> frames_;
   LossyRing<Note> notes_;
   LossyRing<ShadowSample> shadows_;
-  FlightRing* const flight_;
+  const std::shared_ptr<FlightRing> flight_;
   // A note that was popped from notes_ but is newer than the next frames; it is returned after
   // them.
   std::optional<Note> next_note_;

@@ -55,37 +55,51 @@ void PollingThread::Run(std::chrono::milliseconds interval, const Step& step) {
 }
 
 SessionBase::SessionBase(const SessionOptions& options)
-    : flight_(options.flight_recorder.memory_mb > 0 ? std::make_unique<FlightRecorder>(options)
+    : flight_(options.flight_recorder.memory_mb > 0 ? std::make_shared<FlightRecorder>(options)
                                                     : nullptr),
-      queue_(options.queue_frames, flight_ ? &flight_->ring() : nullptr) {}
+      queue_(std::make_shared<SampleQueue>(
+          options.queue_frames,
+          flight_ ? std::shared_ptr<FlightRing>(flight_, &flight_->ring()) : nullptr)) {}
 
 Status SessionBase::Start(AdaptiveBroadPhase& adaptive) {
   const FloatEnvironmentScope environment;
   if (adaptive_.load() != nullptr || stats().state == ConnectionState::kClosed) {
     return {StatusCode::kFailedPrecondition, "the session was already started: make a new one"};
   }
-  if (Status status = Prepare(adaptive); !status.ok()) return status;
+  if (!adaptive.Attach(attachment_)) {
+    return {StatusCode::kFailedPrecondition,
+            "another session uses this AdaptiveBroadPhase: stop that session first"};
+  }
+  if (Status status = Prepare(adaptive); !status.ok()) {
+    adaptive.Attach(nullptr);
+    return status;
+  }
   adaptive_.store(&adaptive);
   thread_.Start(poll_interval(), [this](bool stopping) {
     if (flight_) flight_->Step(this->adaptive());
     return Step(stopping);
   });
+  attachment_->Begin([this](uint32_t deadline_ms) { EndThread(deadline_ms); });
   return {};
 }
 
-void SessionBase::OnModeChange() {
-  const AdaptiveBroadPhase* adaptive = adaptive_.load(std::memory_order_relaxed);
-  if (adaptive == nullptr) return;
-  queue_.OnModeChange({.mode = adaptive->mode(), .active_arm = adaptive->active_arm()});
-}
-
-void SessionBase::Stop(uint32_t deadline_ms) {
+void SessionBase::LimitStop(uint32_t deadline_ms) {
   const uint64_t deadline_ns = SteadyClock().NowNs() + uint64_t{deadline_ms} * 1'000'000;
   stop_deadline_ns_.store(std::min(stop_deadline_ns_.load(), deadline_ns));
+}
+
+// A second Stop with an earlier deadline shortens the first one.
+void SessionBase::Stop(uint32_t deadline_ms) {
+  LimitStop(deadline_ms);
+  attachment_->End(deadline_ms);
+  UpdateStats([](SessionStats& stats) { stats.state = ConnectionState::kClosed; });
+}
+
+void SessionBase::EndThread(uint32_t deadline_ms) {
+  LimitStop(deadline_ms);
   thread_.RequestStop();
   thread_.Join();
-  AdaptiveBroadPhase* adaptive = adaptive_.exchange(nullptr);
-  if (adaptive != nullptr) adaptive->SetDeciderPresent(false);
+  adaptive_.exchange(nullptr)->SetDeciderPresent(false);
   UpdateStats([](SessionStats& stats) { stats.state = ConnectionState::kClosed; });
 }
 
@@ -97,7 +111,7 @@ Result<std::string> SessionBase::ExportPriors() const {
 SessionStats SessionBase::stats() const {
   const std::lock_guard lock(stats_mutex_);
   SessionStats stats = stats_;
-  stats.dropped_frame_count += queue_.dropped_frame_count();
+  stats.dropped_frame_count += queue_->dropped_frame_count();
   if (flight_) {
     stats.recordings = flight_->recordings();
     stats.recording_error = flight_->error();

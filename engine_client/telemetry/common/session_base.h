@@ -2,8 +2,8 @@
 // that the frame thread fills, the sender thread that empties it, start and stop, and the
 // statistics.
 //
-// Thread safety: OnModeChange and the sink are used on the frame thread, Prepare on the thread that
-// calls Start, Step on the sender thread. Start, Stop and stats may be called on any thread.
+// Thread safety: the sink is used on the frame thread, Prepare on the thread that calls Start, Step
+// on the sender thread. Start, Stop and stats may be called on any thread.
 #pragma once
 
 #include <atomic>
@@ -15,6 +15,7 @@
 #include <mutex>
 #include <thread>
 
+#include "engine_client/adaptive/session_attachment.h"
 #include "engine_client/telemetry/common/flight_recorder.h"
 #include "engine_client/telemetry/common/sample_queue.h"
 #include "sweepstake/session.h"
@@ -57,9 +58,8 @@ class PollingThread {
 
 class SessionBase : public Session {
  public:
-  FrameSink& sink() final { return queue_; }
+  FrameSink& sink() final { return *queue_; }
   Status Start(AdaptiveBroadPhase& adaptive) final;
-  void OnModeChange() final;
   void Stop(uint32_t deadline_ms) final;
   SessionStats stats() const final;
   Result<std::string> ExportPriors() const override;
@@ -88,11 +88,17 @@ class SessionBase : public Session {
     change(stats_);
   }
   void Wake() { thread_.Wake(); }
-  SampleQueue& queue() { return queue_; }
+  SampleQueue& queue() { return *queue_; }
 
  private:
-  std::unique_ptr<FlightRecorder> flight_;  // null if the flight recorder is off
-  SampleQueue queue_;
+  void LimitStop(uint32_t deadline_ms);
+  void EndThread(uint32_t deadline_ms);
+
+  // The AdaptiveBroadPhase shares the queue, and with it the recorder's ring, because it may use
+  // both after the session's end.
+  const std::shared_ptr<FlightRecorder> flight_;  // null if the flight recorder is off
+  const std::shared_ptr<SampleQueue> queue_;
+  const std::shared_ptr<SessionAttachment> attachment_ = std::make_shared<SessionAttachment>();
   std::atomic<AdaptiveBroadPhase*> adaptive_{nullptr};
   std::atomic<uint64_t> stop_deadline_ns_{std::numeric_limits<uint64_t>::max()};
 

@@ -142,7 +142,9 @@ TEST_F(AdaptiveBroadPhaseTest, ReadsNoClockAndKeepsItsArmWhileFrozen) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(Frame().detection_time_ns, 0U);
   BailOut();
   EXPECT_EQ(Frame().arm, 0U);
-  EXPECT_TRUE(sink_.mode_changes.empty());
+  ASSERT_EQ(sink_.mode_changes.size(), 1U) << "Freeze reports kManual, and no order is executed";
+  EXPECT_EQ(sink_.mode_changes[0].mode, Mode::kManual);
+  EXPECT_EQ(sink_.mode_changes[0].order_id, 0U);
   ASSERT_TRUE(adaptive_->SelectArm("B").ok());
   EXPECT_EQ(Frame().arm, 1U) << "the game itself may choose";
   EXPECT_EQ(clock_.reading_count(), read_count);

@@ -66,8 +66,9 @@ class FramePathCost : public ::testing::TestWithParam<std::string_view> {
     }
   }
 
-  FlightRing ring_{5000, /*budget_ns=*/20'000'000};
-  SampleQueue queue_{256, &ring_};  // Full most of the time without a Drain.
+  const std::shared_ptr<FlightRing> ring_ =
+      std::make_shared<FlightRing>(5000, /*budget_ns=*/20'000'000);
+  SampleQueue queue_{256, ring_};  // Full most of the time without a Drain.
   BoxScene scene_{"brownian", 500, 11};
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
@@ -117,8 +118,8 @@ TEST_P(FramePathCost, AllocatesNothingAndNeverBlocksWithAFlightRecorder) {
     ASSERT_EQ(ThreadAllocationCount() + ThreadMallocCount() - before, 0U);
     scene_.Step();
   }
-  ASSERT_TRUE(ring_.frozen());
-  EXPECT_EQ(ring_.Frames().back().box_count, 500U);
+  ASSERT_TRUE(ring_->frozen());
+  EXPECT_EQ(ring_->Frames().back().box_count, 500U);
 }
 
 TEST_P(FramePathCost, NeverBlocksWithOrWithoutAReader) {

@@ -238,6 +238,23 @@ TEST_P(EveryBackend, FindsAllPairsWhenARestingBoxBecomesInvalidAndValid) {
   }
 }
 
+// aabb.h recommends such boxes for objects without bounds.
+TEST_P(EveryBackend, FindsAllPairsOfAPlaneWithHugeFiniteFaces) {
+  for (const float huge : {1e30F, std::numeric_limits<float>::max()}) {
+    BoxScene scene("brownian", 300, 8);
+    for (int frame = 0; frame < 40; ++frame, scene.Step()) {
+      std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
+      boxes.push_back({{-huge, -huge, -huge}, {huge, huge, 3}});
+      frame == 0 ? backend_->Build(boxes) : backend_->Update(boxes);
+      ASSERT_EQ(FindPairsError(*backend_, boxes, pairs_), "") << "in frame " << frame;
+      const auto below =
+          std::ranges::count_if(scene.boxes(), [](const Aabb& box) { return box.min[2] <= 3; });
+      EXPECT_GT(below, 100);
+      EXPECT_EQ(std::ranges::count(pairs_.pairs(), 300U, &OverlapPair::b), below);
+    }
+  }
+}
+
 TEST_P(EveryBackend, AppendsToTheContentOfTheBuffer) {
   const Aabb boxes[] = {{{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}};
   backend_->Build(boxes);

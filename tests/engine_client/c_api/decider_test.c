@@ -8,6 +8,7 @@
 enum { kObjects = 100 };
 static const uint64_t kFrameNs = 16000000;
 static const uint64_t kStartNs = 1000000000;
+static const uint64_t kSettlingNs = 2000000000;
 
 typedef struct game {
   swp_session* session;
@@ -45,10 +46,21 @@ static int has_text(const char* text, uint64_t bytes, const char* wanted) {
   return 0;
 }
 
+/* Without a lane, whose visits depend on the machine, a decision depends on the frames alone. */
+static swp_session* make_session(uint64_t settling_ns) {
+  swp_session_options options = {.struct_size = sizeof options};
+  swp_session* session = NULL;
+  CHECK_OK(swp_session_options_init(&options));
+  options.shadow = SWP_SHADOW_OFF;
+  options.settling_ns = settling_ns;
+  CHECK_OK(swp_session_create(&options, &session));
+  return session;
+}
+
 static game start_game(void) {
   swp_decider_options options = {.struct_size = sizeof options};
-  game played = {NULL, make_scene("suite-b", kObjects), kStartNs, 0, {0, 0, 0}};
-  CHECK_OK(swp_session_create(NULL, &played.session));
+  game played = {
+      make_session(kSettlingNs), make_scene("suite-b", kObjects), kStartNs, 0, {0, 0, 0}};
   CHECK_OK(swp_decider_options_init(&options));
   options.policy = "paper";
   options.project = "c test";
@@ -175,8 +187,7 @@ static void check_intervals_and_floor(void) {
     swp_decider_options options = {.struct_size = sizeof options};
     swp_verdict verdict = {99, 99, 99};
     uint64_t decision_count = 0;
-    game played = {NULL, make_scene("suite-b", kObjects), 0, 0, {0, 0, 0}};
-    CHECK_OK(swp_session_create(NULL, &played.session));
+    game played = {make_session(kSettlingNs), make_scene("suite-b", kObjects), 0, 0, {0, 0, 0}};
     CHECK_OK(swp_decider_options_init(&options));
     CHECK(options.decision_interval_ns == 2000000000 && options.cooldown_ns == 40000000000);
     CHECK(options.fps_floor == 30);
@@ -213,13 +224,9 @@ static void check_settled_frames(game* played, uint64_t settling_ns) {
 /* The decider uses the settling time that the game sets, divided by its time scale. */
 static void check_settling(void) {
   enum { kTimeScale = 2 };
-  swp_session_options options = {.struct_size = sizeof options};
   swp_decider_options decider = {.struct_size = sizeof decider};
   swp_decision decision = {.struct_size = sizeof decision};
-  game played = {NULL, make_scene("suite-b", kObjects), 0, 0, {0, 0, 0}};
-  CHECK_OK(swp_session_options_init(&options));
-  options.settling_ns = 20000000000;
-  CHECK_OK(swp_session_create(&options, &played.session));
+  game played = {make_session(20000000000), make_scene("suite-b", kObjects), 0, 0, {0, 0, 0}};
   CHECK_OK(swp_decider_options_init(&decider));
   decider.time_scale = kTimeScale;
   CHECK_OK(swp_session_attach_decider(played.session, &decider, played.now_ns));
@@ -237,8 +244,7 @@ static void check_settling(void) {
   check_settled_frames(&played, 20000000000);
   swp_session_destroy(played.session);
 
-  options.settling_ns = UINT64_MAX;
-  CHECK_OK(swp_session_create(&options, &played.session));
+  played.session = make_session(UINT64_MAX);
   CHECK(swp_session_attach_decider(played.session, NULL, 0) == SWP_INVALID_ARGUMENT);
   CHECK(strstr(swp_last_error(), "settling_ns") != NULL);
   swp_session_destroy(played.session);

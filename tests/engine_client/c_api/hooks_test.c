@@ -60,6 +60,7 @@ static swp_session* make_session(uint64_t memory_budget_bytes) {
   swp_session* session = NULL;
   CHECK_OK(swp_session_options_init(&options));
   options.arms = "SAP,KDTree";
+  options.shadow = SWP_SHADOW_OFF; /* so that the calling thread makes every allocation */
   options.mode = SWP_MODE_MANUAL;
   options.thread_count = 2;
   options.memory_budget_bytes = memory_budget_bytes;
@@ -120,6 +121,7 @@ static swp_result search_short_of_memory(seen* counts, uint64_t allocation_count
   swp_session_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;
   CHECK_OK(swp_session_options_init(&options));
+  options.shadow = SWP_SHADOW_OFF;
   CHECK_OK(swp_session_create(&options, &session));
   CHECK_OK(swp_session_begin_frame(session));
   CHECK_OK(swp_session_find_pairs(session, boxes, 2));

@@ -102,6 +102,7 @@ static game make_game(void) {
   CHECK_OK(swp_session_options_init(&session));
   session.arms = arms;
   session.settling_ns = 1;
+  session.shadow = SWP_SHADOW_OFF;
   CHECK_OK(swp_session_create(&session, &made.session));
   CHECK_OK(swp_link_options_init(&options));
   options.batch_frames = 1;

@@ -334,7 +334,7 @@ static void check_query_boxes(const swp_proxies* proxies, swp_proxy resting) {
 
 static void check_rays(const swp_proxies* proxies, swp_proxy resting) {
   swp_ray rays[2] = {{{-1, 0.5F, 0.5F}, {2, 0, 0}, 10}, {{-1, 0.5F, 0.5F}, {-2, 0, 0}, 10}};
-  const swp_filter nobody = {2, 2};
+  const swp_filter nobody = {2, 0};
   swp_ray_hit all[2];
   swp_ray_hit nearest[2];
   uint64_t count = 0;

@@ -31,6 +31,7 @@ static swp_session* make_session(uint32_t queue_frames) {
   swp_session* session = NULL;
   CHECK_OK(swp_session_options_init(&options));
   options.queue_frames = queue_frames;
+  options.shadow = SWP_SHADOW_OFF;
   options.settling_ns = 2 * kFrameNs;
   CHECK_OK(swp_session_create(&options, &session));
   return session;
@@ -177,13 +178,17 @@ static void check_full_queue(swp_session* session, swp_scene* scene) {
   CHECK(dropped == 4 && dropped_notes == 0);
 }
 
-/* The lane is off by default. When it is on, it soon visits every arm. */
+/* The lane is automatic by default. When it is on, it soon visits every arm. */
 static void check_shadow_lane(swp_scene* scene) {
   swp_session_options options = {.struct_size = sizeof options};
   swp_session* session = make_session(16);
   swp_shadow_stats stats = {.struct_size = sizeof stats};
   CHECK_OK(swp_session_shadow_stats(session, &stats));
   CHECK(stats.state == SWP_SHADOW_STATE_OFF && stats.visit_count == 0);
+  swp_session_destroy(session);
+  CHECK_OK(swp_session_create(NULL, &session));
+  CHECK_OK(swp_session_shadow_stats(session, &stats));
+  CHECK(stats.state == SWP_SHADOW_STATE_RUNNING || stats.state == SWP_SHADOW_STATE_NO_SPARE_CORE);
   swp_session_destroy(session);
   CHECK_OK(swp_session_options_init(&options));
   options.mode = SWP_MODE_MANUAL;

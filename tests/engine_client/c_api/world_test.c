@@ -112,15 +112,25 @@ static void check_that_pairs_stay(swp_world* world) {
   free(right);
 }
 
+/* Invalid boxes have no pairs, and are counted. */
 static void check_broken_boxes(swp_world* world) {
-  const swp_aabb boxes[4] = {{{0, 0, 0}, {1, 1, 1}},
+  const swp_aabb boxes[5] = {{{0, 0, 0}, {1, 1, 1}},
                              {{0, NAN, 0}, {1, 1, 1}},
                              {{1, 0, 0}, {0, 1, 1}},
-                             {{-INFINITY, 0, 0}, {1, 1, 1}}};
+                             {{-INFINITY, 0, 0}, {1, 1, 1}},
+                             {{0, 0, 0}, {1, INFINITY, 1}}};
+  swp_counters counters = {.struct_size = sizeof counters};
   uint64_t count = 99;
   CHECK_OK(swp_world_build(world, boxes, 4));
   free(all_pairs(world, &count));
   CHECK(count == 0);
+  CHECK_OK(swp_world_counters(world, &counters));
+  CHECK(counters.invalid_box_count == 3);
+  CHECK_OK(swp_world_update(world, boxes, 5));
+  free(all_pairs(world, &count));
+  CHECK(count == 0);
+  CHECK_OK(swp_world_counters(world, &counters));
+  CHECK(counters.invalid_box_count == 4);
 }
 
 void test_world_rules(void) {

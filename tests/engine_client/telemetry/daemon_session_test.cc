@@ -231,11 +231,17 @@ TEST_F(DaemonSessionTest, UsesTheBatchIntervalOfTheAcknowledgement) {
   daemon.WaitUntil([](const FakeDaemon& d) { return !d.evidence.empty(); });
 }
 
+TEST_F(DaemonSessionTest, EndsWithItsBroadPhase) {
+  FakeDaemon daemon;
+  GoOnline(daemon);
+  adaptive_.reset();
+  EXPECT_EQ(session_->stats().state, ConnectionState::kClosed);
+}
+
 TEST_F(DaemonSessionTest, SendsAModeChangeInOrderWithTheFrames) {
   FakeDaemon daemon;
   GoOnline(daemon);
   adaptive_->SetMode(Mode::kManual);
-  session_->OnModeChange();
   daemon.WaitUntil([](const FakeDaemon& d) {
     return std::any_of(d.evidence.begin(), d.evidence.end(), [](const auto& request) {
       return request.mode_change().mode() == v1::MODE_MANUAL;

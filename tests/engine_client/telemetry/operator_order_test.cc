@@ -24,14 +24,12 @@ class OperatorOrderTest : public ::testing::Test {
     SessionOptions options;
     options.batch_interval_ms = 1;
     options.allow_operator_orders = allow_operator_orders;
-    adaptive_.reset();  // before the session, to which its lane writes
     session_ = std::move(*MakeDaemonSession(daemon_.address(), options));
     adaptive_ = std::move(
         *AdaptiveBroadPhase::Create({.arms = {"BruteForce", "Grid", "SAP"}}, &session_->sink()));
     ASSERT_TRUE(session_->Start(*adaptive_).ok());
     RunUntil([&] { return session_->stats().state == ConnectionState::kOnline; });
   }
-  void TearDown() override { session_->Stop(0); }
 
   template <typename Condition>
   void RunUntil(Condition condition) {

@@ -12,8 +12,9 @@ namespace Sweepstake.Tests
 
         internal Game(ITelemetryTransport transport, Action<LinkOptions> change = null, Action<SessionOptions> changeSession = null)
         {
-            // This queue does not fill even if the link waits long for a processor or a disk.
-            var sessionOptions = new SessionOptions { Arms = "SAP,DBVT,KDTree", QueueFrames = 1 << 16 };
+            // This queue does not fill even if the link waits long for a processor or a disk. Without a lane the evidence depends on the
+            // frames alone.
+            var sessionOptions = new SessionOptions { Arms = "SAP,DBVT,KDTree", QueueFrames = 1 << 16, Shadow = ShadowMode.Off };
             changeSession?.Invoke(sessionOptions);
             Session = new BroadPhaseSession(sessionOptions);
             SceneOptions sceneOptions = SceneOptions.Default;

@@ -37,8 +37,9 @@ class FlightRecorderTest : public ::testing::Test {
     options_.scene = "level \"3\"";
     options_.build = "1.2";
     options_.flight_recorder = {.memory_mb = 1, .directory = folder_.string()};
-    recorder_ = std::make_unique<FlightRecorder>(options_);
-    queue_ = std::make_unique<SampleQueue>(256, &recorder_->ring());
+    recorder_ = std::make_shared<FlightRecorder>(options_);
+    queue_ = std::make_unique<SampleQueue>(
+        256, std::shared_ptr<FlightRing>(recorder_, &recorder_->ring()));
     std::vector<std::unique_ptr<BroadPhase>> backends;
     for (const char* name : {"Slow", "Fast"}) {
       ArmScript script;
@@ -70,7 +71,7 @@ class FlightRecorderTest : public ::testing::Test {
   ScriptedClock clock_;
   fs::path folder_;
   SessionOptions options_;
-  std::unique_ptr<FlightRecorder> recorder_;
+  std::shared_ptr<FlightRecorder> recorder_;
   std::unique_ptr<SampleQueue> queue_;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
   std::vector<Aabb> boxes_{{{0, 0, 0}, {1, 1, 1}}, {{2, 0, 0}, {3, 1, 1}}};

@@ -32,7 +32,7 @@ class FlightRingTest : public ::testing::Test {
                   .arm = 0,
                   .switch_epoch = 0,
                   .flags = flags,
-                  .reserved = 0});
+                  .invalid_box_count = 0});
   }
 
   void Frames(FlightRing& ring, size_t frames, size_t count = 4) {

@@ -29,7 +29,7 @@ FrameSample PatternOf(uint64_t index) {
           .arm = low * 5,
           .switch_epoch = low + 1,
           .flags = low ^ 0xAAAA,
-          .reserved = 0};
+          .invalid_box_count = 0};
 }
 
 bool IsWhole(const FrameSample& sample) {

@@ -35,9 +35,6 @@ class EmbeddedSessionTest : public ::testing::Test {
         std::move(*AdaptiveFactory::Make({}, std::move(backends), &session_->sink(), clock_));
   }
 
-  // The session must release the arms before they are destroyed.
-  void TearDown() override { session_->Stop(); }
-
   void Frame() {
     adaptive_->BeginFrame();
     adaptive_->FindPairs(boxes_);
@@ -151,7 +148,6 @@ TEST_F(EmbeddedSessionTest, CommandsNothingAfterAChangeToManualMode) {
   ASSERT_TRUE(session_->Start(*adaptive_).ok());
   RunUntil([this] { return adaptive_->switch_epoch() >= 1; });
   adaptive_->SetMode(Mode::kManual);
-  session_->OnModeChange();
   const uint32_t epoch = adaptive_->switch_epoch();
   for (int i = 0; i < 2000; ++i) Frame();
   EXPECT_EQ(adaptive_->switch_epoch(), epoch);
@@ -163,7 +159,6 @@ TEST_F(EmbeddedSessionTest, CannotStartAgainAfterAStop) {
   session_->Stop();
   session_->Stop();
   EXPECT_EQ(session_->Start(*adaptive_).code(), StatusCode::kFailedPrecondition);
-  session_->OnModeChange();
   Frame();
 }
 
@@ -176,7 +171,6 @@ TEST(EmbeddedSessionStart, ReportsInvalidPriors) {
   options.arms = {"BruteForce"};
   auto adaptive = AdaptiveBroadPhase::Create(options, &(*session)->sink());
   EXPECT_EQ((*session)->Start(**adaptive).code(), StatusCode::kNotFound);
-  (*session)->Stop();
 }
 
 }  // namespace

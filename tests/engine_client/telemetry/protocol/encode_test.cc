@@ -61,7 +61,7 @@ FrameBatch PlainOf(const v1::FrameBatch& message) {
                             .arm = message.arm(i),
                             .switch_epoch = message.switch_epoch(i),
                             .flags = message.flags(i),
-                            .reserved = 0});
+                            .invalid_box_count = 0});
   }
   if (message.has_scene_descriptor())
     batch.scene_descriptor = FromProto(message.scene_descriptor());
@@ -94,7 +94,7 @@ BailOut PlainOf(const v1::BailOut& message) {
            .arm = message.arm(),
            .switch_epoch = message.switch_epoch(),
            .flags = message.flags(),
-           .reserved = 0}};
+           .invalid_box_count = 0}};
 }
 
 ModeChange PlainOf(const v1::ModeChange& message) {

@@ -18,7 +18,7 @@ FrameSample FrameOf(uint64_t index) {
           .arm = 2,
           .switch_epoch = 7,
           .flags = kFrameRebuild,
-          .reserved = 0};
+          .invalid_box_count = 0};
 }
 
 TEST(FrameBatcher, CollectsFrames) {

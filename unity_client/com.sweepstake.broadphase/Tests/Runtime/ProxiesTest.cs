@@ -33,6 +33,16 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void AProxyWithoutOptionsHasTheFilterThatPassesAll()
+        {
+            using var proxies = new ProxySet();
+            var added = new ProxyHandle[1];
+            proxies.Add(new[] { Unit }, ReadOnlySpan<ProxyOptions>.Empty, added);
+            proxies.Get(added[0], out ProxyOptions options);
+            Assert.That(options.Filter, Is.EqualTo(ProxyFilter.All));
+        }
+
+        [Test]
         public void FiltersDecideAndStaticProxiesIgnoreOneAnother()
         {
             using var world = new BroadPhaseWorld("DBVT");

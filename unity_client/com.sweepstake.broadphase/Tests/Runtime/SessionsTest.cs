@@ -38,6 +38,8 @@ namespace Sweepstake.Tests
             Assert.That(options.BailOutNs, Is.EqualTo(5_000_000_000));
             Assert.That(options.SettlingNs, Is.EqualTo(2_000_000_000));
             Assert.That(options.QueueFrames, Is.EqualTo(4096));
+            Assert.That(options.Shadow, Is.EqualTo(ShadowMode.Auto));
+            options.Shadow = ShadowMode.Off;
             using var session = new BroadPhaseSession(options);
             Assert.That(session.Arms, Is.EqualTo(new[] { "DBVT", "SAP" }));
             Assert.That(session.ActiveArm, Is.EqualTo(1));

@@ -82,7 +82,7 @@ namespace Sweepstake.LowLevel
             problems.Field("WorldCounters.DetectionTimeNs", (byte*)&worldCounters.DetectionTimeNs - start, 24);
             problems.Field("WorldCounters.PairCount", (byte*)&worldCounters.PairCount - start, 32);
             problems.Field("WorldCounters.BackendVersion", (byte*)&worldCounters.BackendVersion - start, 40);
-            problems.Field("WorldCounters.Reserved", (byte*)&worldCounters.Reserved - start, 44);
+            problems.Field("WorldCounters.InvalidBoxCount", (byte*)&worldCounters.InvalidBoxCount - start, 44);
         }
 
         private static void CheckNativeSessionOptions(LayoutProblems problems)
@@ -123,7 +123,7 @@ namespace Sweepstake.LowLevel
             problems.Field("FrameSample.Arm", (byte*)&frameSample.Arm - start, 48);
             problems.Field("FrameSample.SwitchEpoch", (byte*)&frameSample.SwitchEpoch - start, 52);
             problems.Field("FrameSample.Flags", (byte*)&frameSample.Flags - start, 56);
-            problems.Field("FrameSample.Reserved", (byte*)&frameSample.Reserved - start, 60);
+            problems.Field("FrameSample.InvalidBoxCount", (byte*)&frameSample.InvalidBoxCount - start, 60);
         }
 
         private static void CheckSwitchCommand(LayoutProblems problems)

@@ -28,7 +28,7 @@ namespace Sweepstake
         public ProxyQueries Queries { get; }
 
         /// <summary>Adds a proxy for each box. A moving proxy costs O(1); static proxies are sorted at the next use.</summary>
-        /// <param name="options">One entry per box; empty: moving, category 1, all bits in the mask, user 0.</param>
+        /// <param name="options">One entry per box; empty: moving, <see cref="ProxyFilter.All"/>, user 0.</param>
         /// <param name="added">Receives the handles; as long as `boxes`.</param>
         public void Add(ReadOnlySpan<Aabb> boxes, ReadOnlySpan<ProxyOptions> options, Span<ProxyHandle> added)
         {

@@ -61,7 +61,11 @@ namespace Sweepstake
         /// <summary>Number of switches executed before this frame.</summary>
         public uint SwitchEpoch;
         public FrameFlags Flags;
-        internal uint Reserved;
+        /// <summary>
+        /// Number of objects that overlap nothing because their boxes are NaN, infinite or inverted. Boxes that were added count at once;
+        /// a box that changes later counts within <see cref="ObjectCount"/> / 8 frames.
+        /// </summary>
+        public uint InvalidBoxCount;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -105,6 +109,7 @@ namespace Sweepstake
         public ulong PairCount;
         /// <summary>Version of the backend's code; incremented by changes that may alter its cost.</summary>
         public uint BackendVersion;
-        internal uint Reserved;
+        /// <summary>As <see cref="FrameSample.InvalidBoxCount"/>; here an update is a frame.</summary>
+        public uint InvalidBoxCount;
     }
 }

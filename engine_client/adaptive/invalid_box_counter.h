@@ -1,0 +1,40 @@
+// Counts the invalid boxes of a scene (aabb.h). They overlap nothing, which a game could otherwise
+// notice only by objects that fall through one another. Empty boxes are not counted.
+//
+// Reading every box in every frame would cost more than 1 % of a fast search. So all boxes are read
+// in frames that build, where this is little, and boxes that were added are read at once. Of the
+// others, kBoxesPerFrame are read in turn: a box that becomes invalid later is counted within
+// object count ÷ kBoxesPerFrame frames, and one that becomes valid within twice that.
+//
+// Not thread-safe. Allocates nothing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "sweepstake/aabb.h"
+
+namespace sweepstake {
+
+class InvalidBoxCounter {
+ public:
+  static constexpr size_t kBoxesPerFrame = 16;
+
+  // Reads all boxes.
+  void CountAll(std::span<const Aabb> boxes);
+  // Reads the boxes that were added since the previous call, and the next kBoxesPerFrame.
+  void Follow(std::span<const Aabb> boxes);
+
+  uint32_t count() const { return count_; }
+
+ private:
+  // The invalid boxes of the latest complete pass over all boxes, those added since, and those of
+  // the pass in progress if they are more.
+  uint32_t count_ = 0;
+  uint32_t pass_count_ = 0;  // the invalid boxes of the pass in progress
+  size_t next_ = 0;          // the first box that this pass has not read
+  size_t box_count_ = 0;     // the number of boxes at the previous call
+};
+
+}  // namespace sweepstake

@@ -1,0 +1,178 @@
+// The session and its AdaptiveBroadPhase in every order of construction and destruction.
+#include "sweepstake/adaptive_session.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "sweepstake/scene.h"
+#include "tests/support/recording_sink.h"
+
+namespace sweepstake {
+namespace {
+
+// At this time scale the decider decides every 2 ms.
+Result<std::unique_ptr<Session>> QuickSession() {
+  return MakeEmbeddedSession({.policy = "paper", .time_scale = 1000});
+}
+
+// Calls of the lane and of the session's thread are likely while these frames run.
+class Boxes {
+ public:
+  template <typename FramePath>
+  void Play(FramePath& path, int frame_count = 50) {
+    for (int frame = 0; frame < frame_count; ++frame) {
+      path.BeginFrame();
+      EXPECT_FALSE(path.FindPairs(scene_->aabbs()).empty());
+      path.EndFrame({.frame_time_ns = 16'000'000});
+      scene_->Step();
+      std::this_thread::yield();
+    }
+  }
+
+  // Loops until a switch. If there is none, the test ends by its time limit.
+  template <typename FramePath>
+  void PlayUntilASwitch(FramePath& path, const AdaptiveBroadPhase& broad_phase) {
+    while (broad_phase.switch_epoch() == 0) Play(path, 1);
+  }
+
+ private:
+  std::unique_ptr<Scene> scene_ = std::move(*MakeScene("suite-b", {.object_count = 300}));
+};
+
+std::unique_ptr<AdaptiveBroadPhase> MakeSearch(Session& session) {
+  return std::move(
+      *AdaptiveBroadPhase::Create({.shadow = {.enabled = ShadowMode::kOn}}, &session.sink()));
+}
+
+// A session and its broad phase, each of which a test may destroy at any time.
+class SessionLifetimeTest : public ::testing::Test {
+ protected:
+  void Start() {
+    ASSERT_TRUE(session_->Start(*search_).ok());
+    boxes_.PlayUntilASwitch(*search_, *search_);
+  }
+
+  Boxes boxes_;
+  std::unique_ptr<Session> session_ = std::move(*QuickSession());
+  std::unique_ptr<AdaptiveBroadPhase> search_ = MakeSearch(*session_);
+};
+
+TEST_F(SessionLifetimeTest, TheBroadPhaseMayBeDestroyedFirst) {
+  Start();
+  search_.reset();
+  EXPECT_EQ(session_->stats().state, ConnectionState::kClosed);
+  EXPECT_TRUE(session_->ExportPriors().ok());
+  session_->Stop();
+}
+
+TEST_F(SessionLifetimeTest, TheSessionMayBeDestroyedFirstWhileFramesGoOn) {
+  Start();
+  session_.reset();
+  boxes_.Play(*search_);
+}
+
+TEST_F(SessionLifetimeTest, FramesMayGoOnAfterAStop) {
+  Start();
+  session_->Stop();
+  boxes_.Play(*search_);
+  session_.reset();
+  boxes_.Play(*search_);
+}
+
+TEST_F(SessionLifetimeTest, ASessionThatNeverStartedMayBeDestroyedFirst) {
+  boxes_.Play(*search_);
+  session_.reset();
+  boxes_.Play(*search_);
+}
+
+TEST_F(SessionLifetimeTest, ABroadPhaseThatNeverStartedMayBeDestroyedFirst) {
+  boxes_.Play(*search_);
+  search_.reset();
+  search_ = MakeSearch(*session_);
+  Start();
+}
+
+TEST_F(SessionLifetimeTest, TheRecordedFlightLivesAsLongAsTheBroadPhase) {
+  session_ = std::move(*MakeEmbeddedSession(
+      {}, {.flight_recorder = {.memory_mb = 1, .directory = ::testing::TempDir()}}));
+  search_ = MakeSearch(*session_);
+  ASSERT_TRUE(session_->Start(*search_).ok());
+  session_.reset();
+  boxes_.Play(*search_);
+}
+
+TEST_F(SessionLifetimeTest, OnlyOneRunningSessionUsesABroadPhase) {
+  Start();
+  const auto other = std::move(*QuickSession());
+  EXPECT_EQ(other->Start(*search_).code(), StatusCode::kFailedPrecondition);
+  EXPECT_EQ(other->stats().state, ConnectionState::kOffline);
+  session_->Stop();
+  EXPECT_TRUE(other->Start(*search_).ok());
+  search_.reset();
+  EXPECT_EQ(other->stats().state, ConnectionState::kClosed);
+}
+
+TEST_F(SessionLifetimeTest, ASessionThatFailedToStartDoesNotEndWithTheBroadPhase) {
+  auto failing = std::move(*MakeEmbeddedSession({.priors_file = "no/such/file.json"}));
+  EXPECT_EQ(failing->Start(*search_).code(), StatusCode::kNotFound);
+  EXPECT_TRUE(session_->Start(*search_).ok());
+  failing.reset();
+  EXPECT_EQ(session_->stats().state, ConnectionState::kEmbedded);
+}
+
+TEST(AdaptiveSessionTest, DecidesAndEndsByItself) {
+  auto game = AdaptiveSession::Create(QuickSession());
+  ASSERT_TRUE(game.ok()) << game.status().message();
+  Boxes().PlayUntilASwitch(*game, game->broad_phase());
+}
+
+TEST(AdaptiveSessionTest, MayBeMovedWhileItRuns) {
+  Boxes boxes;
+  std::optional<AdaptiveSession> game = std::move(*AdaptiveSession::Create(QuickSession()));
+  boxes.Play(*game);
+  AdaptiveSession moved = std::move(*game);
+  game.reset();
+  boxes.PlayUntilASwitch(moved, moved.broad_phase());
+  AdaptiveSession other = std::move(*AdaptiveSession::Create(QuickSession()));
+  boxes.Play(other);
+  other = std::move(moved);
+  boxes.Play(other);
+  EXPECT_GT(other.broad_phase().switch_epoch(), 0U);
+  std::vector<AdaptiveSession> games;
+  games.push_back(std::move(other));
+  games.push_back(std::move(*AdaptiveSession::Create(QuickSession())));
+  for (AdaptiveSession& each : games) boxes.Play(each);
+}
+
+TEST(AdaptiveSessionTest, ReturnsTheErrorOfEachPart) {
+  EXPECT_EQ(AdaptiveSession::Create(MakeEmbeddedSession({}, {.queue_frames = 3})).status().code(),
+            StatusCode::kInvalidArgument);
+  EXPECT_EQ(AdaptiveSession::Create(std::unique_ptr<Session>()).status().code(),
+            StatusCode::kInvalidArgument);
+  EXPECT_EQ(AdaptiveSession::Create(QuickSession(), {.arms = {"Tree"}}).status().code(),
+            StatusCode::kNotFound);
+  EXPECT_EQ(AdaptiveSession::Create(MakeEmbeddedSession({.priors_file = "no/such/file.json"}))
+                .status()
+                .code(),
+            StatusCode::kNotFound);
+}
+
+TEST(AdaptiveBroadPhaseModes, AreReportedToTheSinkByEveryChange) {
+  test_support::RecordingSink sink;
+  const auto search = std::move(*AdaptiveBroadPhase::Create({}, &sink));
+  search->SetMode(Mode::kManual);
+  search->SetMode(Mode::kAi);
+  search->Freeze();
+  ASSERT_EQ(sink.mode_changes.size(), 3U);
+  EXPECT_EQ(sink.mode_changes[0].mode, Mode::kManual);
+  EXPECT_EQ(sink.mode_changes[0].active_arm, search->active_arm());
+  EXPECT_EQ(sink.mode_changes[1].mode, Mode::kAi);
+  EXPECT_EQ(sink.mode_changes[2].mode, Mode::kManual);
+}
+
+}  // namespace
+}  // namespace sweepstake
