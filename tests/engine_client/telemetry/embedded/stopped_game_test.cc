@@ -29,9 +29,9 @@ class StoppingArm final : public BroadPhase {
 
   std::string_view name() const override { return name_; }
   uint32_t version() const override { return 1; }
-  void Build(std::span<const Aabb>) override {}
-  void Update(std::span<const Aabb>) override {}
-  void FindPairs(PairBuffer&) override {
+  void DoBuild(std::span<const Aabb>) override {}
+  void DoUpdate(std::span<const Aabb>) override {}
+  void DoFindPairs(PairBuffer&) override {
     if (stops) raise(SIGSTOP);
   }
   uint64_t aabb_check_count() const override { return 0; }
