@@ -26,8 +26,8 @@ import subprocess
 import sys
 import tempfile
 
-# Excluded, because it needs Bullet's headers; the Bullet adapter compiles it.
-OTHERS = {"bullet.h"}
+# Excluded, because they need the headers of another engine; their adapters compile them.
+OTHERS = {"box2d.h", "bullet.h", "ode.h"}
 FRAME_PATH = ("adaptive_broad_phase.h", "broad_phase.h", "c_api.h", "hooks.h", "proxy_set.h")
 HEAVY = {"filesystem", "fstream", "future", "iostream", "mutex", "regex", "sstream", "thread", "condition_variable"}
 EXCEPTIONS = re.compile(r"\b(?:throw|try|catch|typeid|dynamic_cast)\b")

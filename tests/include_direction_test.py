@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Fails if an #include violates the direction of dependencies.
 
-    include, text, math <- broad_phase <- scene <- adaptive <- decider <- telemetry <- c_api, cli      adaptive <- bullet
+    include, text, math <- broad_phase <- scene <- adaptive <- decider <- telemetry <- c_api, cli      adaptive <- bullet, ode, box2d
     decider <- server/sessions <- server/storage, events <- rpc, web <- server/host <- daemon <- main      storage <- auth <- rpc, daemon
     proto <- telemetry, cli, server/rpc, server/web      telemetry/tls <- rpc, web      net, auth <- rpc, web <- daemon
 
@@ -34,6 +34,8 @@ ALLOWED = {
     "engine_client/scene": {"engine_client/broad_phase"},
     "engine_client/adaptive": {"engine_client/broad_phase", "engine_client/scene"},
     "engine_client/bullet": {"engine_client/broad_phase", "engine_client/adaptive"},
+    "engine_client/ode": {"engine_client/broad_phase", "engine_client/adaptive"},
+    "engine_client/box2d": {"engine_client/broad_phase", "engine_client/adaptive"},
     "engine_client/decider": set(),
     "engine_client/decider/policy": {"engine_client/decider"},
     "engine_client/decider/session": DECISION,
@@ -87,6 +89,8 @@ PUBLIC_HEADERS = {
     "adaptive_broad_phase.h": "engine_client/adaptive",
     "shadow.h": "engine_client/adaptive",
     "bullet.h": "engine_client/bullet",
+    "ode.h": "engine_client/ode",
+    "box2d.h": "engine_client/box2d",
     "embedded_decider.h": "engine_client/decider/embedded",
     "adaptive_session.h": "engine_client/telemetry",
     "session.h": "engine_client/telemetry",

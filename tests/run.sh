@@ -51,7 +51,7 @@ for preset in "${presets[@]}"; do forget_passed "$preset"; done
 
 # Includes the libraries for `sweepstake-lab bench --peers`, a browser for the tests of reports, Prometheus for the daemon's
 # metrics, HAProxy as its proxy, and PostgreSQL as the store of several daemons.
-deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libcgal-dev chromium prometheus haproxy postgresql clang libclang-rt-dev llvm
+deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libbox2d-dev libembree-dev libcgal-dev chromium prometheus haproxy postgresql clang libclang-rt-dev llvm
 # Needed in the archive and the plug-in of the C ABI. Without apt, CMake uses the system's Highway or prints what it leaves out.
 if command -v apt-get >/dev/null; then deploy/static_highway.sh; fi
 for folder in tests/proto server/dashboard tests/laboratory/report; do

@@ -28,13 +28,17 @@ if(WITH_PROGRAMS)
 endif()
 
 run(${CMAKE_COMMAND} -S ${CONSUMER_SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
-  -DCMAKE_C_FLAGS=${C_FLAGS} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DWITH_TELEMETRY=${WITH_TELEMETRY})
+  -DCMAKE_C_FLAGS=${C_FLAGS} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DWITH_TELEMETRY=${WITH_TELEMETRY}
+  -DWITH_ODE=${WITH_ODE})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/cxx_consumer)
 run(${WORK}/build/proxies_consumer)
 run(${WORK}/build/c_consumer)
 if(WITH_TELEMETRY)
   run(${WORK}/build/session_consumer)
+endif()
+if(WITH_ODE)
+  run(${WORK}/build/ode_consumer)
 endif()
 
 run(${CMAKE_COMMAND} -S ${CONSUMER_SOURCE} -B ${WORK}/build_c -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix

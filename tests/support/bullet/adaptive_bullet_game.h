@@ -7,6 +7,7 @@
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/bullet.h"
 #include "tests/support/bullet/bullet_game.h"
+#include "tests/support/one_arm.h"
 
 namespace sweepstake::test_support {
 
@@ -35,10 +36,5 @@ class AdaptiveBulletGame {
   BulletBroadPhase broad_phase_;
   BulletGame game_;
 };
-
-// Returns the options of a search with one arm, which never switches.
-inline AdaptiveOptions OneArm(std::string_view arm, Executor* executor = nullptr) {
-  return {.arms = {std::string(arm)}, .mode = Mode::kManual, .executor = executor};
-}
 
 }  // namespace sweepstake::test_support

@@ -1,0 +1,252 @@
+// Tests each rule of ODE by which two geoms are near. The calls of dSpaceCollide with a simple
+// space are the reference.
+#include "sweepstake/ode.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <ode/ode.h>
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/support/allocation_counter.h"
+#include "tests/support/one_arm.h"
+
+namespace sweepstake::test_support {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+using Pairs = std::vector<std::pair<dGeomID, dGeomID>>;
+
+void Append(void* pairs, dGeomID a, dGeomID b) { static_cast<Pairs*>(pairs)->emplace_back(a, b); }
+
+class OdeBroadPhaseTest : public ::testing::TestWithParam<std::string_view> {
+ protected:
+  OdeBroadPhaseTest() {
+    dInitODE2(0);
+    dAllocateODEDataForThread(dAllocateMaskAll);
+    space_ = dSimpleSpaceCreate(nullptr);
+    world_ = dWorldCreate();
+    broad_phase_ = std::make_unique<OdeBroadPhase>(*search_, space_);
+  }
+  ~OdeBroadPhaseTest() override {
+    dSpaceDestroy(space_);
+    dWorldDestroy(world_);
+    dCloseODE();
+  }
+
+  // Returns a cube with edges of 1 whose centre is on the x axis.
+  dGeomID Cube(dReal x, dSpaceID space = nullptr) {
+    const dGeomID geom = dCreateBox(space == nullptr ? space_ : space, 1, 1, 1);
+    dGeomSetPosition(geom, x, 0, 0);
+    return geom;
+  }
+
+  void Collide(Pairs& pairs) {
+    search_->BeginFrame();
+    broad_phase_->Collide(&pairs, Append);
+    search_->EndFrame({});
+  }
+
+  // Returns the pairs of our broad phase, and expects that ODE has the same in the same order.
+  Pairs Found() {
+    Pairs ours;
+    Pairs theirs;
+    Collide(ours);
+    dSpaceCollide(space_, &theirs, Append);
+    EXPECT_EQ(ours, theirs);
+    return ours;
+  }
+
+  std::unique_ptr<AdaptiveBroadPhase> search_ =
+      std::move(*AdaptiveBroadPhase::Create(OneArm(GetParam()), nullptr));
+  dSpaceID space_;
+  dWorldID world_;
+  std::unique_ptr<OdeBroadPhase> broad_phase_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Each, OdeBroadPhaseTest, ::testing::ValuesIn(BroadPhaseNames()),
+                         [](const auto& arm) { return std::string(arm.param); });
+
+TEST_P(OdeBroadPhaseTest, FindsNothingInAnEmptySpace) {
+  EXPECT_THAT(Found(), IsEmpty());
+  dGeomDestroy(Cube(0));
+  EXPECT_THAT(Found(), IsEmpty());
+}
+
+TEST_P(OdeBroadPhaseTest, GeomsWhoseFacesTouchAreNear) {
+  const dGeomID a = Cube(0);
+  const dGeomID b = Cube(1);
+  EXPECT_EQ(Found(), Pairs({{b, a}}));
+  dGeomSetPosition(b, 1.01, 0, 0);
+  EXPECT_THAT(Found(), IsEmpty());
+}
+
+// The gap is far below the resolution of float.
+TEST_P(OdeBroadPhaseTest, ComparesBoxesInThePrecisionOfOde) {
+  if (sizeof(dReal) == sizeof(float)) GTEST_SKIP() << "ODE in single precision";
+  Cube(1000);
+  const dGeomID b = Cube(1001 + dReal{1e-10});
+  EXPECT_THAT(Found(), IsEmpty());
+  dGeomSetPosition(b, 1001 - dReal{1e-10}, 0, 0);
+  EXPECT_THAT(Found(), SizeIs(1));
+}
+
+TEST_P(OdeBroadPhaseTest, AnUprightPlaneIsNearTheGeomsInItsHalfSpace) {
+  dCreatePlane(space_, 0, 0, 1, 2);
+  std::vector<dGeomID> cubes;
+  for (int i = 0; i < 50; ++i) cubes.push_back(Cube(i * 2));
+  dGeomSetPosition(cubes[7], 1e6, -1e6, 2.4);
+  dGeomSetPosition(cubes[8], 0, 0, 2.6);
+  for (int step = 0; step < 40; ++step) {  // from the thirtieth step on the geoms rest
+    dGeomSetPosition(cubes[9], 0, step, -1e4);
+    EXPECT_THAT(Found(), SizeIs(49));
+  }
+}
+
+TEST_P(OdeBroadPhaseTest, ATiltedPlaneIsNearEachGeom) {
+  dCreatePlane(space_, 0.6, 0, 0.8, 0);
+  dCreatePlane(space_, 0, 0.6, 0.8, 0);
+  for (int i = 0; i < 50; ++i) Cube(i * 2);
+  EXPECT_THAT(Found(), SizeIs(101));
+  EXPECT_THAT(Found(), SizeIs(101));
+}
+
+TEST_P(OdeBroadPhaseTest, BoxesBeyondTheRangeOfFloatAreCompared) {
+  const std::vector<dReal> far = {1e39, -1e39, std::numeric_limits<dReal>::infinity(),
+                                  std::numeric_limits<dReal>::quiet_NaN()};
+  for (const dReal x : far) {
+    Cube(x);
+    dGeomSetPosition(Cube(x), x, 0, 0.5);
+    dGeomSetPosition(Cube(x), x, 0, 5);
+  }
+  Cube(0);
+  EXPECT_THAT(Found(), SizeIs(21));
+}
+
+TEST_P(OdeBroadPhaseTest, GeomsOfTheSameBodyAreNotNear) {
+  const dGeomID a = Cube(0);
+  const dGeomID b = Cube(0);
+  const dBodyID body = dBodyCreate(world_);
+  EXPECT_THAT(Found(), SizeIs(1));  // both have no body
+  dGeomSetBody(a, body);
+  EXPECT_THAT(Found(), SizeIs(1));
+  dGeomSetBody(b, body);
+  EXPECT_THAT(Found(), IsEmpty());
+}
+
+TEST_P(OdeBroadPhaseTest, TheCategoryOfOneGeomMustMeetTheCollideBitsOfTheOther) {
+  const dGeomID a = Cube(0);
+  const dGeomID b = Cube(0);
+  dGeomSetCategoryBits(a, 1);
+  dGeomSetCategoryBits(b, 2);
+  for (const auto& [bits_a, bits_b, count] :
+       {std::tuple(1, 2, 0), {2, 2, 1}, {1, 1, 1}, {2, 1, 1}, {0, 0, 0}}) {
+    dGeomSetCollideBits(a, static_cast<unsigned long>(bits_a));
+    dGeomSetCollideBits(b, static_cast<unsigned long>(bits_b));
+    EXPECT_THAT(Found(), SizeIs(count));
+  }
+}
+
+TEST_P(OdeBroadPhaseTest, DisabledGeomsAreNotNearUntilTheyAreEnabled) {
+  const dGeomID a = Cube(0);
+  Cube(0);
+  EXPECT_THAT(Found(), SizeIs(1));
+  dGeomDisable(a);
+  EXPECT_THAT(Found(), IsEmpty());
+  EXPECT_THAT(Found(), IsEmpty());
+  dGeomEnable(a);
+  EXPECT_THAT(Found(), SizeIs(1));
+}
+
+TEST_P(OdeBroadPhaseTest, ShapesOfZeroSizeAreNotNear) {
+  Cube(0);
+  const dGeomID box = dCreateBox(space_, 1, 0, 1);
+  dCreateSphere(space_, 0);
+  dCreateCapsule(space_, 0, 1);
+  dCreateCylinder(space_, 1, 0);
+  EXPECT_THAT(Found(), IsEmpty());
+  dCreateCapsule(space_, 1, 0);  // is a sphere
+  EXPECT_THAT(Found(), SizeIs(1));
+  dGeomBoxSetLengths(box, 1, 1, 1);
+  EXPECT_THAT(Found(), SizeIs(3));
+}
+
+TEST_P(OdeBroadPhaseTest, ASpaceInTheSpaceIsOneGeom) {
+  const dSpaceID inner = dHashSpaceCreate(space_);
+  const dGeomID outer_cube = Cube(0);
+  const dGeomID a = Cube(5, inner);
+  Cube(5.5, inner);
+  EXPECT_THAT(Found(), IsEmpty());
+  dGeomSetPosition(a, 0.5, 0, 0);
+  EXPECT_EQ(Found(), Pairs({{reinterpret_cast<dGeomID>(inner), outer_cube}}));
+}
+
+TEST_P(OdeBroadPhaseTest, FollowsGeomsThatAreDestroyedAndMade) {
+  std::vector<dGeomID> cubes;
+  size_t pair_count = 0;
+  for (int step = 0; step < 60; ++step) {
+    cubes.push_back(Cube(step % 7 * 0.5));
+    if (step % 3 == 2) {
+      dGeomDestroy(cubes[static_cast<size_t>(step) / 3]);
+      cubes.erase(cubes.begin() + step / 3);
+    }
+    if (step % 4 == 0) dGeomSetPosition(cubes.front(), 0.1 * step, 0, 0);
+    pair_count += Found().size();
+  }
+  EXPECT_GT(pair_count, 60U);
+}
+
+TEST_P(OdeBroadPhaseTest, AGeomThatLeavesTheSpaceIsNotNear) {
+  const dGeomID a = Cube(0);
+  Cube(0);
+  EXPECT_THAT(Found(), SizeIs(1));
+  dSpaceRemove(space_, a);
+  EXPECT_THAT(Found(), IsEmpty());
+  dSpaceAdd(space_, a);
+  EXPECT_THAT(Found(), SizeIs(1));
+  dSpaceRemove(space_, a);
+  dGeomDestroy(a);
+}
+
+// FrameSample::pair_count counts the pairs that the arm has found.
+TEST_P(OdeBroadPhaseTest, GeomsAtRestAreNotSearchedUntilTheyMove) {
+  const dGeomID a = Cube(0);
+  const dGeomID b = Cube(0.5);
+  for (const dReal height : {0, 1}) {
+    dGeomSetPosition(a, 0, 0, height);
+    dGeomSetPosition(b, 0.5, 0, height);
+    Found();  // the first search with these boxes
+    for (int step = 1; step < 30; ++step) {
+      EXPECT_THAT(Found(), SizeIs(1));
+      EXPECT_EQ(search_->last_sample().pair_count, 1U);
+    }
+    EXPECT_THAT(Found(), SizeIs(1));
+    EXPECT_EQ(search_->last_sample().pair_count, 0U);
+  }
+  dGeomSetPosition(b, 1.6, 0, 1);
+  EXPECT_THAT(Found(), IsEmpty());
+}
+
+TEST_P(OdeBroadPhaseTest, AStepAllocatesNothingInSteadyState) {
+  std::vector<dGeomID> cubes;
+  for (int i = 0; i < 200; ++i) cubes.push_back(Cube(i * 0.7));
+  Pairs pairs;
+  uint64_t before = 0;
+  for (int step = 0; step < 100; ++step) {
+    if (step == 60) before = ThreadAllocationCount();
+    for (size_t i = 0; i < cubes.size(); i += 3)
+      dGeomSetPosition(cubes[i], i * 0.7, step % 4 * 0.1, 0);
+    pairs.clear();
+    Collide(pairs);
+  }
+  EXPECT_EQ(ThreadAllocationCount(), before);
+}
+
+}  // namespace
+}  // namespace sweepstake::test_support
