@@ -65,6 +65,7 @@ struct RunSummary {
   SessionStats session;
   ShadowStats shadow;
   uint64_t frame_count = 0;
+  uint32_t invalid_box_count = 0;  // in the last frame
   std::string active_arm;
   VerdictRow verdict;
   std::vector<ArmRow> arms;

@@ -91,6 +91,16 @@ TEST(RunReportText, HasATableOfTheArmsAndALineForEachFact) {
   EXPECT_THAT(text, Not(HasSubstr("Nothing was learnt")));
 }
 
+TEST(RunReportText, StatesHowManyObjectsOverlapNothing) {
+  RunSummary summary = SomeSummary();
+  EXPECT_THAT(RunReportText(summary), Not(HasSubstr("overlap nothing")));
+  EXPECT_EQ(RunReportJson(summary)["invalid_boxes"], 0);
+  summary.invalid_box_count = 2;
+  EXPECT_THAT(RunReportText(summary),
+              HasSubstr("\n2 objects overlap nothing, because their boxes"));
+  EXPECT_EQ(RunReportJson(summary)["invalid_boxes"], 2);
+}
+
 TEST(RunReportText, StatesWhyTheSessionWasLost) {
   RunSummary summary = SomeSummary();
   summary.session.connection_count = 1;
