@@ -146,6 +146,12 @@ Json VerdictChangeJson(const VerdictChangeRow& row) {
   return document;
 }
 
+std::string InvalidBoxesText(uint32_t count) {
+  if (count == 0) return "";
+  return std::to_string(count) +
+         " objects overlap nothing, because their boxes are infinite, NaN or inverted\n";
+}
+
 // Returns the part of the run's JSON about the daemon, or null if there was no daemon. The seed is
 // a string, because a JSON number cannot represent all 64 bits.
 Json DaemonJson(const SessionStats& session) {
@@ -181,6 +187,7 @@ Json TotalsJson(const RunSummary& summary) {
           {"daemon", DaemonJson(session)},
           {"frames", summary.frame_count},
           {"suspended_frames", summary.suspended_frame_count},
+          {"invalid_boxes", summary.invalid_box_count},
           {"seconds", summary.active_s()},
           {"fps", summary.fps()},
           {"detection_ms", summary.detection_ms()},
@@ -336,6 +343,7 @@ std::string RunReportText(const RunSummary& summary) {
     text += "Nothing was learnt yet: all posteriors are Beta(1,1)\n";
   return text + std::to_string(summary.frame_count) + " frames in " + Fixed(summary.active_s(), 1) +
          " s, " + Fixed(summary.fps(), 0) + " frames/s\n" +
+         InvalidBoxesText(summary.invalid_box_count) +
          DroppedText(summary.session, summary.frame_count) + '\n' +
          SuspendedText(summary.suspended_frame_count) +
          (IsLost(summary.session)

@@ -113,6 +113,7 @@ RunSummary Summarize(const RunSetup& setup, const GameRun& run, const SessionSta
                      .shadow = adaptive.shadow_stats(),
                      .frame_count = run.frame_count(),
                      .suspended_frame_count = run.suspended_frame_count(),
+                     .invalid_box_count = adaptive.last_sample().invalid_box_count,
                      .active_arm = adaptive.arms()[adaptive.active_arm()],
                      .verdict = ToRow(session.verdict, adaptive),
                      .arms = ArmRows(run, session),

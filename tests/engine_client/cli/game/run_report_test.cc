@@ -103,6 +103,16 @@ TEST(RunReportText, StatesHowManyFramesWereSuspended) {
   EXPECT_EQ(RunReportJson(summary)["suspended_frames"], 2);
 }
 
+TEST(RunReportText, StatesHowManyObjectsOverlapNothing) {
+  RunSummary summary = SomeSummary();
+  EXPECT_THAT(RunReportText(summary), Not(HasSubstr("overlap nothing")));
+  EXPECT_EQ(RunReportJson(summary)["invalid_boxes"], 0);
+  summary.invalid_box_count = 2;
+  EXPECT_THAT(RunReportText(summary),
+              HasSubstr("\n2 objects overlap nothing, because their boxes"));
+  EXPECT_EQ(RunReportJson(summary)["invalid_boxes"], 2);
+}
+
 TEST(RunReportText, StatesWhyTheSessionWasLost) {
   RunSummary summary = SomeSummary();
   summary.session.connection_count = 1;
