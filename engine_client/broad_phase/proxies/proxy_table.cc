@@ -1,149 +1,110 @@
 #include "engine_client/broad_phase/proxies/proxy_table.h"
 
-#include <algorithm>
+#include <bit>
+#include <utility>
 
 namespace sweepstake {
 
-uint32_t ProxyTable::Add(const Aabb& box, const CollisionFilter& filter, uint64_t user) {
-  if (freed_last_ == kNoPlace) EnsureRoomForOne();
-  const uint32_t place = TakePlace();
-  // A place that gets several new proxies between two calls of MarkSeen is listed only once.
-  if (notes_owners_ && generations_[place] - seen_[place] <= 1) new_owners_.push_back(place);
-  ++generations_[place];
-  filters_[place] = filter;
-  users_[place] = user;
-  populations_[place] = 0;
-  SetBox(place, box);
-  if (filter != CollisionFilter{}) ++filtered_count_;
-  return place;
-}
-
-uint32_t ProxyTable::TakePlace() {
-  if (freed_last_ != kNoPlace) {
-    const uint32_t place = freed_last_;
-    freed_last_ = slots_[place];
-    --free_count_;
-    return place;
-  }
-  if (hides_others_) shown_.push_back(kInvalidAabb);
-  boxes_.push_back(kInvalidAabb);
-  filters_.emplace_back();
-  users_.push_back(0);
-  generations_.push_back(first_generation_);
-  seen_.push_back(first_generation_);
+void ProxyTable::Add(const Aabb& box, const CollisionFilter& filter, uint64_t user) {
+  const uint32_t id = ids_.LowestFree();
+  // `boxes_` grows last: if another column failed to grow, the next Add tries again.
+  if (boxes_.size() == boxes_.capacity()) Reserve(CapacityFor(boxes_.size() + 1));
+  const auto row = static_cast<uint32_t>(boxes_.size());
+  ids_.Take(id, row);
+  latest_generation_ = NextGeneration(latest_generation_);
+  boxes_.push_back(box);
+  filters_.push_back(filter);
+  users_.push_back(user);
+  handles_.push_back({id | id_bit_, latest_generation_});
   slots_.push_back(0);
   populations_.push_back(0);
-  return static_cast<uint32_t>(boxes_.size() - 1);
-}
-
-void ProxyTable::EnsureRoomForOne() {
-  if (boxes_.size() == kMaxPlaces) OutOfMemory();
-  // `boxes_` grows last: if another array failed to grow, the next Add tries again.
-  if (boxes_.size() < boxes_.capacity()) return;
-  Reserve(std::max<size_t>(64, boxes_.size() * 2));
-}
-
-void ProxyTable::Reserve(size_t places) {
-  if (hides_others_) shown_.reserve(places);
-  filters_.reserve(places);
-  users_.reserve(places);
-  generations_.reserve(places);
-  seen_.reserve(places);
-  slots_.reserve(places);
-  populations_.reserve(places);
-  if (notes_owners_) new_owners_.reserve(places);
-  boxes_.reserve(places);
-}
-
-void ProxyTable::HideOthers() {
-  if (hides_others_) return;
-  shown_.reserve(boxes_.capacity());
-  shown_ = boxes_;
-  hides_others_ = true;
-}
-
-void ProxyTable::Remove(uint32_t place) {
-  SetFilter(place, {});
-  SetBox(place, kInvalidAabb);
-  ++generations_[place];
-  slots_[place] = freed_last_;
-  freed_last_ = place;
-  ++free_count_;
-}
-
-void ProxyTable::SetFilter(uint32_t place, const CollisionFilter& filter) {
-  if (filters_[place] != CollisionFilter{}) --filtered_count_;
   if (filter != CollisionFilter{}) ++filtered_count_;
-  filters_[place] = filter;
+  displaced_count_ += static_cast<size_t>(IsDisplaced(row));
+  peak_count_ = std::max(peak_count_, count());
 }
 
-void ProxyTable::MarkSeen() {
-  for (const uint32_t place : new_owners_) seen_[place] = generations_[place];
-  new_owners_.clear();
+void ProxyTable::RemoveLast() {
+  const auto row = static_cast<uint32_t>(boxes_.size() - 1);
+  SetFilter(row, {});
+  displaced_count_ -= static_cast<size_t>(IsDisplaced(row));
+  ids_.Free(handles_[row].index ^ id_bit_);
+  boxes_.pop_back();
+  filters_.pop_back();
+  users_.pop_back();
+  handles_.pop_back();
+  slots_.pop_back();
+  populations_.pop_back();
+  any_removed_ = true;
+}
+
+void ProxyTable::Swap(uint32_t a, uint32_t b) {
+  const auto displaced = [&] {
+    return static_cast<size_t>(IsDisplaced(a)) + static_cast<size_t>(IsDisplaced(b));
+  };
+  displaced_count_ -= displaced();
+  std::swap(boxes_[a], boxes_[b]);
+  std::swap(filters_[a], filters_[b]);
+  std::swap(users_[a], users_[b]);
+  std::swap(handles_[a], handles_[b]);
+  std::swap(slots_[a], slots_[b]);
+  std::swap(populations_[a], populations_[b]);
+  ids_.SetRow(handles_[a].index ^ id_bit_, a);
+  ids_.SetRow(handles_[b].index ^ id_bit_, b);
+  displaced_count_ += displaced();
+}
+
+void ProxyTable::SetFilter(uint32_t row, const CollisionFilter& filter) {
+  if (filters_[row] != CollisionFilter{}) --filtered_count_;
+  if (filter != CollisionFilter{}) ++filtered_count_;
+  filters_[row] = filter;
+}
+
+// Returns a power of two, so that the capacity depends on the number of rows alone.
+size_t ProxyTable::CapacityFor(size_t rows) { return std::bit_ceil(std::max<size_t>(64, rows)); }
+
+void ProxyTable::Reserve(size_t rows) {
+  filters_.reserve(rows);
+  users_.reserve(rows);
+  handles_.reserve(rows);
+  slots_.reserve(rows);
+  populations_.reserve(rows);
+  boxes_.reserve(rows);
+}
+
+bool ProxyTable::FreeUnused() {
+  ids_.FreeUnused();
+  const size_t capacity = CapacityFor(peak_count_);
+  const bool is_oversized = populations_.capacity() > capacity;
+  const auto shrink = [&](auto& column) {
+    if (column.capacity() <= capacity) return;
+    std::remove_reference_t<decltype(column)> smaller;
+    smaller.reserve(capacity);
+    smaller.assign(column.begin(), column.end());
+    column.swap(smaller);
+  };
+  // The first and the last column are those that Add and this function look at. So both try again
+  // if memory runs out in between.
+  shrink(boxes_);
+  shrink(filters_);
+  shrink(users_);
+  shrink(handles_);
+  shrink(slots_);
+  shrink(populations_);
+  peak_count_ = count();
+  return is_oversized;
 }
 
 void ProxyTable::FinishRestore() {
   Reserve(boxes_.capacity());
-  shown_.clear();
-  if (!hides_others_) return;
-  for (uint32_t place = 0; place < boxes_.size(); ++place) {
-    shown_.push_back(populations_[place] == 0 ? boxes_[place] : kInvalidAabb);
-  }
-}
-
-void ProxyTable::Compact(size_t min_places) {
-  size_t places = boxes_.size();
-  for (; places > min_places && !IsOdd(generations_[places - 1]); --places) {
-    first_generation_ = std::max(first_generation_, generations_[places - 1]);
-  }
-  Truncate(places);
-  LinkFreePlaces();
-  if (hides_others_ && !AnyHidden()) {
-    shown_ = {};
-    hides_others_ = false;
-  }
-}
-
-void ProxyTable::Truncate(size_t places) {
-  std::erase_if(new_owners_, [&](uint32_t place) { return place >= places; });
-  const auto shrink = [&](auto& of_places) {
-    of_places.resize(std::min(of_places.size(), places));
-    of_places.shrink_to_fit();
-  };
-  shrink(shown_);
-  shrink(filters_);
-  shrink(users_);
-  shrink(generations_);
-  shrink(seen_);
-  shrink(slots_);
-  shrink(populations_);
-  shrink(boxes_);
-}
-
-// Links the free places so that the lowest one is used next.
-void ProxyTable::LinkFreePlaces() {
-  freed_last_ = kNoPlace;
-  free_count_ = 0;
-  for (auto place = static_cast<uint32_t>(boxes_.size()); place-- > 0;) {
-    if (IsOdd(generations_[place])) continue;
-    slots_[place] = freed_last_;
-    freed_last_ = place;
-    ++free_count_;
-  }
-}
-
-bool ProxyTable::AnyHidden() const {
-  for (uint32_t place = 0; place < boxes_.size(); ++place) {
-    if (populations_[place] != 0 && IsOdd(generations_[place])) return true;
-  }
-  return false;
+  ids_.Clear();
+  for (uint32_t row = 0; row < count(); ++row) ids_.Insert(handles_[row].index ^ id_bit_, row);
+  peak_count_ = std::max(peak_count_, count());
 }
 
 size_t ProxyTable::native_bytes() const {
-  return (boxes_.capacity() + shown_.capacity()) * sizeof(Aabb) +
+  return ids_.native_bytes() + boxes_.capacity() * sizeof(Aabb) +
          filters_.capacity() * sizeof(CollisionFilter) + users_.capacity() * sizeof(uint64_t) +
-         (generations_.capacity() + seen_.capacity() + slots_.capacity() + new_owners_.capacity()) *
-             sizeof(uint32_t) +
+         handles_.capacity() * sizeof(ProxyHandle) + slots_.capacity() * sizeof(uint32_t) +
          populations_.capacity();
 }
 
