@@ -37,6 +37,7 @@ bool PairEvents::GoesOn(const ProxyPair& pair, float margin) const {
 void PairEvents::Update(std::span<const OverlapPair> now, float margin) {
   Clear();
   next_begun_.clear();
+  next_begun_.reserve(now.size());
   // Fills local lists first. If memory runs out, added_ and removed_ are then empty instead of
   // incomplete.
   HookedVector<ProxyPair> added = std::move(added_);

@@ -115,7 +115,7 @@ void PopulationJoins::FinishPairs(const Join& join, size_t first, PairBuffer& ou
     const ProxyTable& table_b = table_of(pair.b);
     const uint32_t a = pair.a & ~kStaticProxyBit;
     const uint32_t b = pair.b & ~kStaticProxyBit;
-    out.pairs()[count] = Ascending({table_a.handle(a).index, table_b.handle(b).index});
+    out.pairs()[count] = Ascending({table_a.id(a), table_b.id(b)});
     count += static_cast<size_t>(all_pass || Passes(table_a.filters()[a], table_b.filters()[b]));
   }
   out.Truncate(count);

@@ -4,10 +4,13 @@
 // The proxies of a population take part in the search in the same way: they move, sleep or are
 // static. Unless static, they also belong to the same group (populations.h). Each population has a
 // tree, which queries and searches for pairs with other populations use. The pairs within
-// population 0 of the moving kind are found by the broad phase. The proxies of population 0 are
-// therefore in the first rows of the table, and the broad phase gets these rows only.
+// population 0 of the moving kind are found by the broad phase.
 //
-// A change that adds, removes or regroups a proxy also moves up to two other proxies to other rows.
+// The broad phase gets the first rows of the moving kind's table, in which only population 0 is. Up
+// to 1 in 32 of these rows is a hole, which a new proxy fills. Without holes, a proxy that replaces
+// another one would change two rows instead of one, and a broad phase that uses temporal coherence
+// would do twice the work. More holes are filled with the last proxies. The other rows have no
+// holes. All rows of the static kind are first rows.
 //
 // Thread safety: const calls may run at the same time. Owns its memory. Cost and memory: see
 // proxy_table.h and box_tree.h; a population takes no memory until it has had a proxy. Errors:
@@ -35,8 +38,8 @@ class ProxyKind {
 
   uint32_t id_bit() const { return table_.id_bit(); }
   const ProxyTable& table() const { return table_; }
-  // Returns the boxes of population 0.
-  std::span<const Aabb> searched_boxes() const { return table_.boxes().first(searched_count_); }
+  // Returns the boxes of population 0, and invalid boxes. REQUIRES: this is the moving kind.
+  std::span<const Aabb> searched_boxes() const { return table_.boxes().first(first_row_count_); }
 
   // Allocates the memory that Add and ChangePopulation need for `newcomers` proxies to enter this
   // population.
@@ -95,7 +98,7 @@ class ProxyKind {
       self.MatchTree(tree, exists);
       if (exists) BoxTree::Visit(*tree, archive);
     }
-    archive.Value(self.searched_count_);
+    archive.Value(self.first_row_count_);
     archive.Value(self.all_);
     archive.Value(self.changed_);
     archive.Value(self.moved_);
@@ -113,16 +116,21 @@ class ProxyKind {
     if (exists != (tree != nullptr)) tree = exists ? std::make_unique<BoxTree>() : nullptr;
   }
   static void MatchTree(const std::unique_ptr<BoxTree>& /*saved*/, bool /*exists*/) {}
-  uint32_t Enter(uint32_t row, uint8_t population);
-  uint32_t Leave(uint32_t row);
-  void Exchange(uint32_t row, uint32_t other);
+  // Returns whether the proxies of a population are in the first rows.
+  bool IsFirst(uint8_t population) const { return id_bit() != 0 || population == 0; }
+  uint32_t TakeHole(bool is_first);
+  void FillHoles();
+  uint32_t MoveToOtherPart(uint32_t row);
+  void Exchange(uint32_t a, uint32_t b);
+  void Enter(uint32_t row, uint8_t population);
+  void Leave(uint32_t row);
   void NoteChange(uint8_t population) {
     changed_ |= 1U << population;
     resting_changed_ |= !MovesIn(population);
   }
 
   ProxyTable table_;
-  uint32_t searched_count_ = 0;  // the number of proxies in population 0
+  uint32_t first_row_count_ = 0;
   std::array<std::unique_ptr<BoxTree>, kPopulations> trees_;
   std::array<CollisionFilter, kPopulations> all_{};
   uint32_t changed_ = 0;  // the populations whose trees are out of date, as bits

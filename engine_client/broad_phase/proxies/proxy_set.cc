@@ -23,10 +23,17 @@ constexpr size_t kFewPairs = 4096;
 // Writes the pairs that pass their filters to `out`, as ids instead of rows. Returns their number.
 size_t KeepPassing(std::span<const OverlapPair> pairs, const ProxyTable& table, OverlapPair* out) {
   const CollisionFilter* const filters = table.filters().data();
-  const bool all_pass = table.all_pass();
   size_t count = 0;
+  if (table.ids_are_rows()) {
+    for (const OverlapPair pair : pairs) {
+      out[count] = pair;
+      count += static_cast<size_t>(Passes(filters[pair.a], filters[pair.b]));
+    }
+    return count;
+  }
+  const bool all_pass = table.all_pass();
   for (const OverlapPair pair : pairs) {
-    out[count] = Ascending({table.handle(pair.a).index, table.handle(pair.b).index});
+    out[count] = Ascending({table.id(pair.a), table.id(pair.b)});
     count += static_cast<size_t>(all_pass || Passes(filters[pair.a], filters[pair.b]));
   }
   return count;
@@ -111,13 +118,14 @@ void ProxySet::Impl::Move(ProxyKind& kind, uint32_t row, const Aabb& box) {
 }
 
 // Allocates the memory that is needed to wake the sleeping proxies among `handles` whose boxes
-// change. If this fails, no proxy has moved yet.
-void ProxySet::Impl::EnsureRoomToWake(std::span<const ProxyHandle> handles,
-                                      std::span<const Aabb> boxes) {
+// change. If this fails, no proxy has moved yet. Returns false if a handle has no proxy.
+bool ProxySet::Impl::PrepareMove(std::span<const ProxyHandle> handles,
+                                 std::span<const Aabb> boxes) {
   std::array<std::array<size_t, kSleepingPopulation>, 2> waking{};  // counts by kind and group
   for (size_t k = 0; k < handles.size(); ++k) {
     const ProxyTable& table = TableOf(handles[k].index);
     const uint32_t row = table.Find(handles[k]);
+    if (row == ProxyTable::kNoRow) return false;
     const uint8_t population = table.population(row);
     if (!SleepsIn(population) || IsSame(table.boxes()[row], boxes[k])) continue;
     ++waking[table.id_bit() != 0 ? 1 : 0][population - kSleepingPopulation];
@@ -126,6 +134,7 @@ void ProxySet::Impl::EnsureRoomToWake(std::span<const ProxyHandle> handles,
     if (waking[0][group] > 0) moving_.EnsureRoomIn(group, waking[0][group]);
     if (waking[1][group] > 0) resting_.EnsureRoomIn(group, waking[1][group]);
   }
+  return true;
 }
 
 void ProxySet::Impl::SetFilter(ProxyKind& kind, uint32_t row, const CollisionFilter& filter) {
@@ -199,8 +208,7 @@ bool ProxySet::Move(ProxyHandle handle, const Aabb& box) {
 
 bool ProxySet::Move(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes) {
   assert(handles.size() == boxes.size());
-  if (!impl_->AllLive(handles)) return false;
-  impl_->EnsureRoomToWake(handles, boxes);
+  if (!impl_->PrepareMove(handles, boxes)) return false;
   for (size_t k = 0; k < handles.size(); ++k) {
     impl_->Move(impl_->KindOf(handles[k].index), impl_->Find(handles[k]), boxes[k]);
   }

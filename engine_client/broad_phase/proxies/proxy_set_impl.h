@@ -49,7 +49,7 @@ class ProxySet::Impl {
   ProxyHandle Add(const Aabb& box, const ProxyOptions& options);
   void Remove(ProxyKind& kind, uint32_t row);
   void Move(ProxyKind& kind, uint32_t row, const Aabb& box);
-  void EnsureRoomToWake(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes);
+  bool PrepareMove(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes);
   void SetFilter(ProxyKind& kind, uint32_t row, const CollisionFilter& filter);
   void SetStatic(ProxyKind& kind, uint32_t row, bool is_static);
   void SetSleeping(ProxyKind& kind, uint32_t row, bool is_sleeping);

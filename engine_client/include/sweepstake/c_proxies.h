@@ -174,8 +174,8 @@ SWP_API swp_result swp_proxies_counts(const swp_proxies* proxies, uint32_t* movi
                                       uint32_t* static_count, uint64_t* native_bytes);
 
 /* The boxes to give to a world or a session, valid until the next change of the set. Changes are
- * adds, removals, new boxes, filters or flags, a shift and restore. They are the boxes of living
- * proxies only. An index is not an id; swp_proxies_resolve converts it. */
+ * adds, removals, new boxes, filters or flags, a shift and restore. Up to 1 in 32 boxes is invalid
+ * and belongs to no proxy. An index is not an id; swp_proxies_resolve converts it. */
 SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const swp_aabb** boxes,
                                             uint32_t* count);
 /* Call it once per frame with all pairs found in the boxes of swp_proxies_moving_boxes; the set

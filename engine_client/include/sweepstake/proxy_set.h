@@ -9,9 +9,10 @@
 //   const auto pairs = proxies.Resolve(adaptive.FindPairs(proxies.moving_boxes()));
 //   for (const ProxyPair& pair : proxies.added()) ...
 //
-// The living moving proxies are in one array without gaps, which is the input of the broad phase. A
-// removed proxy leaves its index to the last one. For a broad phase, adding and removing are thus
-// ordinary updates, and removed proxies cost nothing. Proxies that the broad phase need not search
+// The living moving proxies are in one dense array, which is the input of the broad phase. A
+// removed proxy leaves an invalid box to the next new one. If more than 1 in 32 boxes is invalid,
+// the last boxes take these places. For a broad phase, adding and removing are thus ordinary
+// updates, and removed proxies cost next to nothing. Proxies that the broad phase need not search
 // are not in the array but in trees of the set, in which other proxies are searched for. There are
 // three kinds:
 // - static proxies, which are never paired with one another and cost nothing while they do not
