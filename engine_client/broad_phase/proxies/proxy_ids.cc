@@ -24,11 +24,6 @@ void ProxyIds::Take(uint32_t id, uint32_t row) {
   if (++page.used_count == kPageIds) SetOpen(id / kPageIds, false);
 }
 
-void ProxyIds::Insert(uint32_t id, uint32_t row) {
-  EnsurePage(id / kPageIds);
-  Take(id, row);
-}
-
 void ProxyIds::Free(uint32_t id) {
   Page& page = PageOf(id);
   page.rows[id % kPageIds] = kNoRow;
@@ -36,11 +31,17 @@ void ProxyIds::Free(uint32_t id) {
   if (page.used_count-- == kPageIds) SetOpen(id / kPageIds, true);
 }
 
-void ProxyIds::Clear() {
-  for (size_t page = 0; page < pages_.size(); ++page) {
-    if (pages_[page].data() != nullptr) Empty(*pages_[page].data());
-    SetOpen(page, true);
+void ProxyIds::Assign(std::span<const uint32_t> ids, uint32_t id_bit) {
+  for (AlignedBuffer<Page>& page : pages_) {
+    if (page.data() != nullptr) page.data()->rows.fill(kNoRow);
   }
+  for (uint32_t row = 0; row < ids.size(); ++row) {
+    if (ids[row] == kNoId) continue;
+    const uint32_t id = ids[row] ^ id_bit;
+    EnsurePage(id / kPageIds);
+    SetRow(id, row);
+  }
+  for (size_t page = 0; page < pages_.size(); ++page) Count(page);
 }
 
 void ProxyIds::FreeUnused() {
@@ -63,11 +64,22 @@ void ProxyIds::FreeUnused() {
   open_.shrink_to_fit();
 }
 
-void ProxyIds::Empty(Page& page) {
-  page.rows.fill(kNoRow);
-  page.free.fill(~uint64_t{0});
-  page.used_count = 0;
+// Computes which ids of the page are free.
+void ProxyIds::Count(size_t number) {
+  SetOpen(number, true);
+  if (pages_[number].data() == nullptr) return;
+  Page& page = *pages_[number].data();
+  page.used_count = kPageIds;
   page.was_used = true;
+  for (size_t word = 0; word < page.free.size(); ++word) {
+    uint64_t free = 0;
+    for (size_t bit = 0; bit < 64; ++bit) {
+      free |= uint64_t{page.rows[word * 64 + bit] == kNoRow} << bit;
+    }
+    page.free[word] = free;
+    page.used_count -= static_cast<uint32_t>(std::popcount(free));
+  }
+  if (page.used_count == kPageIds) SetOpen(number, false);
 }
 
 // If memory runs out, the page exists without memory, and the next call tries again.
@@ -80,7 +92,8 @@ void ProxyIds::EnsurePage(size_t page) {
   }
   if (pages_[page].data() != nullptr) return;
   pages_[page].EnsureDiscarding(1);
-  Empty(*pages_[page].data());
+  pages_[page].data()->rows.fill(kNoRow);
+  Count(page);
 }
 
 void ProxyIds::SetOpen(size_t page, bool is_open) {

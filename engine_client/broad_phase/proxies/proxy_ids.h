@@ -4,14 +4,15 @@
 // pages of 1,024. FreeUnused frees the pages without a proxy.
 //
 // Not thread-safe; const calls may run at the same time. Owns its memory. Cost: O(1), LowestFree
-// O(pages / 64), Clear and FreeUnused O(pages). Memory: 4 bytes per id of a page with proxies, and
-// 16 per page up to the highest id. Errors: std::bad_alloc from LowestFree, Insert and FreeUnused,
-// which then change nothing.
+// O(pages / 64), Assign O(rows + pages), FreeUnused O(pages). Memory: 4 bytes per id of a page with
+// proxies, and 16 per page up to the highest id. Errors: std::bad_alloc from LowestFree and
+// FreeUnused, which then change nothing, and from Assign.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "engine_client/broad_phase/common/aligned_buffer.h"
 #include "engine_client/broad_phase/host/hook_points.h"
@@ -22,6 +23,7 @@ class ProxyIds {
  public:
   static constexpr uint32_t kMaxIds = 0x7fffffff;
   static constexpr uint32_t kPageIds = 1024;
+  static constexpr uint32_t kNoId = ~0U;
   // The row of a free id.
   static constexpr uint32_t kNoRow = ~0U;
 
@@ -29,13 +31,12 @@ class ProxyIds {
   uint32_t LowestFree();
   // Gives the free id to the proxy in this row. REQUIRES: `id` is the result of LowestFree.
   void Take(uint32_t id, uint32_t row);
-  // Gives any free id to the proxy in this row.
-  void Insert(uint32_t id, uint32_t row);
   // Must be called when the proxy with this id has moved to another row.
   void SetRow(uint32_t id, uint32_t row) { PageOf(id).rows[id % kPageIds] = row; }
   void Free(uint32_t id);
-  // Frees all ids and keeps the memory.
-  void Clear();
+  // Frees all ids and keeps the memory. Then gives the id ids[row] ^ id_bit to the proxy in each
+  // row, unless ids[row] is kNoId. If memory runs out, only Assign may follow.
+  void Assign(std::span<const uint32_t> ids, uint32_t id_bit);
 
   // Returns the row of the proxy that has this id, or kNoRow.
   uint32_t row(uint32_t id) const {
@@ -57,7 +58,7 @@ class ProxyIds {
   };
 
   Page& PageOf(uint32_t id) { return *pages_[id / kPageIds].data(); }
-  static void Empty(Page& page);
+  void Count(size_t number);
   void EnsurePage(size_t page);
   void SetOpen(size_t page, bool is_open);
   size_t LowestOpenPage() const;

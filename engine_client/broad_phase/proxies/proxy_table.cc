@@ -145,15 +145,11 @@ bool ProxyTable::FreeUnused() {
 
 void ProxyTable::FinishRestore() {
   Reserve(boxes_.capacity());
-  row_of_.Clear();
+  row_of_.Assign(ids_, id_bit_);
   std::fill(holes_.begin(), holes_.end(), 0);
   hole_count_ = first_word_ = 0;
   for (uint32_t row = 0; row < row_count(); ++row) {
-    if (is_hole(row)) {
-      NoteHole(row);
-    } else {
-      row_of_.Insert(ids_[row] ^ id_bit_, row);
-    }
+    if (is_hole(row)) NoteHole(row);
   }
   peak_count_ = std::max(peak_count_, boxes_.size());
 }

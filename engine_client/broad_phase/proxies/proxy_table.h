@@ -121,7 +121,7 @@ class ProxyTable {
   size_t native_bytes() const;
 
  private:
-  static constexpr uint32_t kNoId = ~0U;
+  static constexpr uint32_t kNoId = ProxyIds::kNoId;
 
   static size_t CapacityFor(size_t rows);
 

@@ -46,7 +46,7 @@ class BurstGame {
       EXPECT_TRUE(proxies_.SetSleeping(living_[10 * k].handle, true));
   }
 
-  // Resolves until the memory that is no longer needed has been freed, and returns the cost of the
+  // Resolves until all unused memory has been freed, and returns the cost of the
   // last frame.
   FrameCost Settle() {
     for (int k = 0; k < 24 || frame_ % 8 != 0; ++k) Step();

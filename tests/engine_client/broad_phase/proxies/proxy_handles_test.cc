@@ -1,6 +1,7 @@
 // A handle identifies its proxy, and a stale handle never identifies another proxy.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <vector>
@@ -117,6 +118,21 @@ TEST(MovingBoxes, AreThoseOfLivingMovingProxies) {
   EXPECT_TRUE(proxies.Remove(a));
   ASSERT_EQ(proxies.moving_boxes().size(), 1U);
   EXPECT_EQ(proxies.moving_boxes()[0], kOther);
+}
+
+// A broad phase that uses temporal coherence would do more work if other boxes moved too.
+TEST(MovingBoxes, ChangeInOnePlaceWhenAProxyReplacesAnother) {
+  ProxySet proxies;
+  std::vector<ProxyHandle> handles;
+  for (int k = 0; k < 64; ++k) handles.push_back(proxies.Add(kUnit));
+  ASSERT_TRUE(proxies.Remove(handles[10]) && proxies.Remove(handles[20]));
+  EXPECT_EQ(proxies.moving_boxes().size(), 64U);
+  EXPECT_FALSE(IsValid(proxies.moving_boxes()[20]));
+  proxies.Add(kOther);
+  EXPECT_EQ(proxies.moving_boxes()[10], kOther);
+  proxies.Add(kOther);
+  EXPECT_EQ(proxies.moving_boxes()[20], kOther);
+  EXPECT_EQ(std::ranges::count(proxies.moving_boxes(), kUnit), 62);
 }
 
 TEST(Generations, BeginAtOneAgainAfterTheLast) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <vector>
 
 #include "engine_client/scene/random.h"
 
@@ -81,18 +82,20 @@ TEST(ProxyIdsTest, FreePagesThatWereNotUsedSinceTheLastTime) {
   EXPECT_EQ(AddId(ids, 9), kIdsPerPage);
 }
 
-TEST(ProxyIdsTest, CanBeClearedAndInserted) {
+TEST(ProxyIdsTest, CanBeAssignedAgain) {
+  constexpr uint32_t kBit = 0x80000000;
   ProxyIds ids;
   for (uint32_t k = 0; k < 2 * kIdsPerPage; ++k) AddId(ids, k);
-  ids.Clear();
+  ids.Assign(std::vector<uint32_t>{kBit | 200 * kIdsPerPage, ProxyIds::kNoId, kBit}, kBit);
   EXPECT_EQ(ids.row(5), ProxyIds::kNoRow);
-  ids.Insert(0, 4);
-  ids.Insert(200 * kIdsPerPage, 5);
-  EXPECT_EQ(ids.row(0), 4U);
-  EXPECT_EQ(ids.row(200 * kIdsPerPage), 5U);
-  ids.SetRow(0, 6);
-  EXPECT_EQ(ids.row(0), 6U);
-  EXPECT_EQ(AddId(ids, 1), 1U);
+  EXPECT_EQ(ids.row(0), 2U);
+  EXPECT_EQ(ids.row(200 * kIdsPerPage), 0U);
+  for (uint32_t id = 1; id < 3 * kIdsPerPage; ++id) ASSERT_EQ(AddId(ids, 1), id);
+  std::vector<uint32_t> full;
+  for (uint32_t k = 0; k < kIdsPerPage; ++k) full.push_back(k);
+  ids.Assign(full, 0);
+  EXPECT_EQ(ids.row(200 * kIdsPerPage), ProxyIds::kNoRow);
+  EXPECT_EQ(AddId(ids, 1), kIdsPerPage);
 }
 
 }  // namespace

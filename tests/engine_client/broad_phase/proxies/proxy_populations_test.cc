@@ -133,6 +133,16 @@ TEST_F(Populations, SleepersKeepTheirPairsWithoutASearch) {
   EXPECT_EQ(Resolve().size(), 1U);
 }
 
+TEST_F(Populations, SleepersLeaveNoGapsInTheBoxesOfTheBroadPhase) {
+  std::vector<ProxyHandle> handles;
+  for (int k = 0; k < 64; ++k) handles.push_back(proxies_.Add(kUnit));
+  ASSERT_TRUE(proxies_.Remove(handles[0]) && proxies_.Remove(handles[1]));
+  for (size_t k = 2; k < 60; ++k) ASSERT_TRUE(proxies_.SetSleeping(handles[k], true));
+  EXPECT_EQ(searched_count(), 4U);
+  for (size_t k = 2; k < 64; ++k) EXPECT_EQ(*proxies_.box(handles[k]), kUnit);
+  EXPECT_EQ(Resolve().size(), 62U * 61 / 2);
+}
+
 TEST_F(Populations, StaticProxiesCannotSleep) {
   const ProxyHandle wall = proxies_.Add(kUnit, {.is_static = true});
   ASSERT_TRUE(proxies_.SetSleeping(wall, true));
