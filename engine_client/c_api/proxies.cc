@@ -295,13 +295,6 @@ swp_result swp_proxies_shift_origin(swp_proxies* proxies, const float* offset) {
   });
 }
 
-swp_result swp_proxies_compact(swp_proxies* proxies) {
-  return Use(proxies, [](Proxies& live) {
-    live.set.Compact();
-    live.pairs.reset();
-  });
-}
-
 swp_result swp_proxies_snapshot_bytes(const swp_proxies* proxies, uint64_t* bytes) {
   return Get(proxies, "bytes", bytes,
              [](const Proxies& live) { return live.set.snapshot_bytes(); });

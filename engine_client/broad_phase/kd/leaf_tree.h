@@ -78,6 +78,11 @@ class LeafTree {
   void RefitBlocks(std::span<const Aabb> boxes, std::span<const uint32_t> order,
                    std::span<const uint32_t> blocks);
 
+  // Sets the id of the box in this slot. Does nothing if the tree does not have the slot yet.
+  void SetId(size_t slot, uint32_t id) {
+    if (slot < leaf_count_ * kWidth) leaves_[slot / kWidth].id[slot % kWidth] = id;
+  }
+
   const View& view() const { return view_; }
   std::span<const LeafBlock> leaves() const { return {leaves_.data(), leaf_count_}; }
   // Returns the number of blocks.

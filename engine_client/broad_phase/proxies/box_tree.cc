@@ -1,6 +1,7 @@
 #include "engine_client/broad_phase/proxies/box_tree.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace sweepstake {
 namespace {
@@ -147,6 +148,7 @@ void BoxTree::TakeOut(std::span<uint32_t> slots) {
 
 void BoxTree::SortMembers(std::span<const Aabb> boxes, KdOrder& splitter,
                           std::span<uint32_t> slots) {
+  if (is_oversized()) FreeUnused(slots);
   const size_t slot_count = count_ <= kBlock ? RoundUp(count_, LeafTree::kWidth)
                                              : RoundUp(count_, kSorted) / kSorted * kBlock;
   (order_.empty() ? new_ : order_).reserve(slot_count + SpareSlots(slot_count));
@@ -227,6 +229,17 @@ float BoxTree::ExtentOf(size_t leaf) const {
     sum += std::max(0.0F, bounds.max[axis][leaf] - bounds.min[axis][leaf]);
   }
   return sum;
+}
+
+void BoxTree::FreeUnused(std::span<uint32_t> slots) {
+  BoxTree smaller;
+  smaller.EnsureRoomFor(count_);
+  for (const HookedVector<uint32_t>* const entries : {&order_, &new_}) {
+    for (const uint32_t entry : *entries) {
+      if (entry != kHole) smaller.Add(entry & ~kMark, slots);
+    }
+  }
+  *this = std::move(smaller);
 }
 
 size_t BoxTree::native_bytes() const {

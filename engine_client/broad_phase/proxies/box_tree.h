@@ -27,11 +27,12 @@
 // allocation. Update O(changes · block · log block) amortized; without a sort of all members at
 // worst O(branch) per change. With a refit of the tree O(n), with a new order O(n log n). Memory: 4
 // bytes per slot, and 30 more from the first Update on. There are 16 slots for 15 members after a
-// sort, room for an eighth more in large trees, and at most four slots per member. Errors:
-// std::bad_alloc from EnsureRoomFor, which then changes nothing, and from Update, which must then
-// be called again.
+// sort, room for an eighth more in large trees, and at most four slots per member. A sort frees the
+// memory of former members. Errors: std::bad_alloc from EnsureRoomFor and FreeUnused, which then
+// change nothing, and from Update, which must then be called again.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -52,9 +53,19 @@ class BoxTree {
   // Adds box `id`. `slots` is indexed by id, here and in Update; the tree writes the slots of its
   // members to it. REQUIRES: the box is not a member.
   void Add(uint32_t id, std::span<uint32_t> slots);
-  // Removes the member in `slot`. REQUIRES, here and in Move: `slot` is the slot of a member.
+  // Removes the member in `slot`. REQUIRES, here, in Rename and in Move: `slot` is the slot of a
+  // member.
   void Remove(uint32_t slot);
   size_t count() const { return count_; }
+  // The member in this slot has got another id.
+  void Rename(uint32_t slot, uint32_t id) {
+    if ((slot & kMark) != 0) {
+      new_[slot & ~kMark] = id;
+    } else {
+      order_[slot] = id | (order_[slot] & kMark);
+      tree_.SetId(slot, id);
+    }
+  }
 
   // Must be called when the box of the member in this slot has changed, unless the next Update is
   // called with any_moved.
@@ -90,6 +101,13 @@ class BoxTree {
   }
   void Refit(std::span<const Aabb> boxes);
 
+  // Returns whether there is room for more than four times the members.
+  bool is_oversized() const {
+    return std::max(order_.capacity(), new_.capacity()) > 4 * (count_ + kBlock);
+  }
+  // Frees memory without content. The next Update sorts all members. Changes nothing if memory runs
+  // out.
+  void FreeUnused(std::span<uint32_t> slots);
   size_t native_bytes() const;
 
  private:
@@ -101,7 +119,7 @@ class BoxTree {
   static constexpr size_t kSorted = kSortedLeaves * LeafTree::kWidth;
   // The highest bit serves as a flag. In the slot of a member it means that the slot is an index of
   // `new_`. In an entry of `order_` it means that the member's box has changed. Ids never reach
-  // this bit (ProxyTable::kMaxPlaces), slots only with 500,000,000 members, some 60 GB.
+  // this bit (ProxyIds::kMaxIds), slots only with 500,000,000 members, some 60 GB.
   static constexpr uint32_t kMark = 0x80000000;
 
   // The state of a block until the next refit: unchanged, changed or sorted again.

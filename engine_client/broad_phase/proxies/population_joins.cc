@@ -1,5 +1,7 @@
 #include "engine_client/broad_phase/proxies/population_joins.h"
 
+#include <utility>
+
 #include "engine_client/broad_phase/proxies/tree_walk.h"
 
 namespace sweepstake {
@@ -93,30 +95,36 @@ uint64_t PopulationJoins::SearchBetween(const Join& join, PairBuffer& out) {
                     });
 }
 
-// Sets kStaticProxyBit in the found ids if the search has not done so, and drops pairs that do not
-// pass the filters.
+// Replaces the rows that a search has found by ids. Drops pairs that do not pass the filters.
 void PopulationJoins::FinishPairs(const Join& join, size_t first, PairBuffer& out) const {
   const std::span<OverlapPair> found = out.pairs().subspan(first);
-  if (join.a.kind == join.b.kind && join.a.kind->id_bit() != 0) {
-    for (OverlapPair& pair : found) {
-      pair.a |= kStaticProxyBit;
-      pair.b |= kStaticProxyBit;
-    }
+  // A search in one kind finds rows without the kind's bit, a search in both adds it.
+  if (const uint32_t bit = join.a.kind->id_bit(); join.a.kind == join.b.kind && bit != 0) {
+    for (OverlapPair& pair : found) pair = {pair.a | bit, pair.b | bit};
   }
-  if (moving_.table().all_pass() && resting_.table().all_pass()) return;
-  const CollisionFilter* const moving = moving_.table().filters().data();
-  const CollisionFilter* const resting = resting_.table().filters().data();
+  const ProxyTable& moving = moving_.table();
+  const ProxyTable& resting = resting_.table();
+  const bool all_pass = moving.all_pass() && resting.all_pass();
+  if (all_pass && moving.ids_are_rows() && resting.ids_are_rows()) return;
+  const auto table_of = [&](uint32_t row) -> const ProxyTable& {
+    return (row & kStaticProxyBit) != 0 ? resting : moving;
+  };
   size_t count = first;
   for (const OverlapPair pair : found) {
-    out.pairs()[count] = pair;
-    count += static_cast<size_t>(
-        Passes(FilterOf(pair.a, moving, resting), FilterOf(pair.b, moving, resting)));
+    const ProxyTable& table_a = table_of(pair.a);
+    const ProxyTable& table_b = table_of(pair.b);
+    const uint32_t a = pair.a & ~kStaticProxyBit;
+    const uint32_t b = pair.b & ~kStaticProxyBit;
+    out.pairs()[count] = Ascending({table_a.id(a), table_b.id(b)});
+    count += static_cast<size_t>(all_pass || Passes(table_a.filters()[a], table_b.filters()[b]));
   }
   out.Truncate(count);
 }
 
-void PopulationJoins::Compact() {
-  kept_ = PairBuffer();
+void PopulationJoins::FreeUnused() {
+  PairBuffer kept;
+  if (!kept_.empty()) Append(kept_.pairs(), kept);
+  kept_ = std::move(kept);
   parts_ = PairParts();
 }
 

@@ -7,6 +7,9 @@
 // changed; the pairs found are kept. Static proxies are not paired with one another, and neither
 // are proxies of one group.
 //
+// The searches find rows (proxy_table.h); the results are ids, which stay the same while a proxy
+// lives.
+//
 // Not thread-safe. Borrows the kinds and the executor. Owns the kept pairs. Cost: FindPairs
 // O(leaves of the populations searched · log leaves + pairs), and O(kept pairs). Memory: 8 bytes
 // per kept pair. Errors: std::bad_alloc from FindPairs, which may be called again.
@@ -39,9 +42,8 @@ class PopulationJoins {
   // number of threads. Refreshes the trees.
   void FindPairs(KdOrder& splitter, PairBuffer& out);
 
-  // Frees its memory; the next FindPairs searches all populations again. REQUIRES:
-  // ProxyKind::Compact was called for both kinds.
-  void Compact();
+  // Frees its memory, except that of the kept pairs. Changes nothing if memory runs out.
+  void FreeUnused();
   // Passes the fields of a snapshot to `archive` (snapshot.h).
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
@@ -90,10 +92,9 @@ inline void Append(std::span<const OverlapPair> pairs, PairBuffer& out) {
   out.Advance(pairs.size());
 }
 
-// Returns the filter of the proxy with this id.
-inline const CollisionFilter& FilterOf(uint32_t id, const CollisionFilter* moving,
-                                       const CollisionFilter* resting) {
-  return (id & kStaticProxyBit) != 0 ? resting[id & ~kStaticProxyBit] : moving[id];
+// Returns the same pair with the smaller id first.
+constexpr OverlapPair Ascending(const OverlapPair& pair) {
+  return {std::min(pair.a, pair.b), std::max(pair.a, pair.b)};
 }
 
 }  // namespace sweepstake

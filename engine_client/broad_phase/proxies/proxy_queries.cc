@@ -8,17 +8,17 @@
 namespace sweepstake {
 namespace {
 
-// The contexts of the searches' callbacks. The callbacks receive the places of the boxes found.
+// The contexts of the searches' callbacks. The callbacks receive the rows of the boxes found.
 struct VolumeQuery {
   const ProxyKind& kind;
   const CollisionFilter& filter;
   Found<ProxyHandle>& found;
 
-  static void Take(void* context, const uint32_t* places, size_t count) {
+  static void Take(void* context, const uint32_t* rows, size_t count) {
     const auto& query = *static_cast<const VolumeQuery*>(context);
     for (size_t k = 0; k < count; ++k) {
-      if (!Passes(query.kind.table().filters()[places[k]], query.filter)) continue;
-      query.found.Add(query.kind.HandleAt(places[k]));
+      if (!Passes(query.kind.table().filters()[rows[k]], query.filter)) continue;
+      query.found.Add(query.kind.table().handle(rows[k]));
     }
   }
 };
@@ -29,17 +29,21 @@ struct RayQuery {
   const Slabs& slabs;
   Found<RayHit>* hits;
 
-  static bool Accepts(void* context, uint32_t place) {
+  static bool Accepts(void* context, uint32_t row) {
     const auto& query = *static_cast<const RayQuery*>(context);
-    return Passes(query.kind.table().filters()[place], query.filter);
+    return Passes(query.kind.table().filters()[row], query.filter);
   }
-  static void Take(void* context, const uint32_t* places, size_t count) {
+  static bool IsBefore(void* context, uint32_t row, uint32_t other) {
+    const ProxyTable& table = static_cast<const RayQuery*>(context)->kind.table();
+    return table.handle(row) < table.handle(other);
+  }
+  static void Take(void* context, const uint32_t* rows, size_t count) {
     const auto& query = *static_cast<const RayQuery*>(context);
     for (size_t k = 0; k < count; ++k) {
-      if (!Accepts(context, places[k])) continue;
-      const auto distance = EnterDistance(query.slabs, query.kind.table().boxes()[places[k]]);
+      if (!Accepts(context, rows[k])) continue;
+      const auto distance = EnterDistance(query.slabs, query.kind.table().boxes()[rows[k]]);
       assert(distance.has_value());
-      query.hits->Add({query.kind.HandleAt(places[k]), distance.value_or(0)});
+      query.hits->Add({query.kind.table().handle(rows[k]), distance.value_or(0)});
     }
   }
 };
@@ -98,8 +102,10 @@ RayHit ProxyQueries::FindNearestHit(const Slabs& slabs, const CollisionFilter& f
   ForEachTree(moving_, resting_, filter, [&](const ProxyKind& kind, const LeafTree::View& tree) {
     RayQuery query{kind, filter, slabs, nullptr};
     NearestHit hit{};
-    if (!sweepstake::FindNearestHit(tree, shorter, {RayQuery::Accepts, &query}, hit)) return;
-    const RayHit found{kind.HandleAt(hit.id), hit.distance + 0.0F};  // −0 + 0 = +0
+    if (!sweepstake::FindNearestHit(tree, shorter, {RayQuery::Accepts, RayQuery::IsBefore, &query},
+                                    hit))
+      return;
+    const RayHit found{kind.table().handle(hit.id), hit.distance + 0.0F};  // −0 + 0 = +0
     if (!nearest.proxy.is_null() && !IsBefore(found, nearest)) return;
     nearest = found;
     shorter.max_distance = found.distance;

@@ -14,13 +14,28 @@
 namespace sweepstake {
 namespace {
 
-// Copies the pairs that pass their filters to `out`; returns their number.
-size_t KeepPassing(std::span<const OverlapPair> pairs, const CollisionFilter* filters,
-                   OverlapPair* out) {
+// The number of Resolves, about four seconds of a game, after which memory that they did not need
+// is freed. If it were freed at once, a game whose number of proxies changes from frame to frame
+// would allocate in each frame.
+constexpr uint32_t kResolvesPerFreeing = 256;
+// Room for this number of pairs is not freed.
+constexpr size_t kFewPairs = 4096;
+
+// Writes the pairs that pass their filters to `out`, as ids instead of rows. Returns their number.
+size_t KeepPassing(std::span<const OverlapPair> pairs, const ProxyTable& table, OverlapPair* out) {
+  const CollisionFilter* const filters = table.filters().data();
   size_t count = 0;
+  if (table.ids_are_rows()) {
+    for (const OverlapPair pair : pairs) {
+      out[count] = pair;
+      count += static_cast<size_t>(Passes(filters[pair.a], filters[pair.b]));
+    }
+    return count;
+  }
+  const bool all_pass = table.all_pass();
   for (const OverlapPair pair : pairs) {
-    out[count] = pair;
-    count += static_cast<size_t>(Passes(filters[pair.a], filters[pair.b]));
+    out[count] = Ascending({table.id(pair.a), table.id(pair.b)});
+    count += static_cast<size_t>(all_pass || Passes(filters[pair.a], filters[pair.b]));
   }
   return count;
 }
@@ -32,144 +47,131 @@ bool IsSame(const Aabb& a, const Aabb& b) { return std::memcmp(&a, &b, sizeof a)
 std::span<const OverlapPair> ProxySet::Impl::Resolve(std::span<const OverlapPair> moving_pairs) {
   const Zone zone(kZoneResolveProxies);
   events_.Clear();  // if memory runs out below, no old events remain
+  FreeUnused();
+  const ProxyTable& moving = moving_.table();
   const bool any_joins = joins_.Plan();
-  if (moving_.table().all_pass() && !any_joins && !wants_sorted()) return moving_pairs;
+  if (moving.all_pass() && moving.ids_are_rows() && !any_joins && !wants_sorted()) {
+    return moving_pairs;
+  }
   next_.Clear();
   AppendMoving(moving_pairs);
   if (any_joins) joins_.FindPairs(splitter_, next_);
   if (wants_sorted()) sorter_.Sort(next_.pairs());
   if (options_.pair_events) {
-    FindEvents();
+    events_.Update(next_.pairs(), options_.event_margin);
     moving_.MarkSeen();
     resting_.MarkSeen();
   }
   std::swap(pairs_, next_);
+  peak_pair_count_ = std::max(peak_pair_count_, pairs_.size());
   return pairs_.pairs();
 }
 
-void ProxySet::Impl::FindEvents() {
+void ProxySet::Impl::AppendMoving(std::span<const OverlapPair> moving_pairs) {
   const ProxyTable& moving = moving_.table();
-  const ProxyTable& resting = resting_.table();
-  if (options_.event_margin == 0) {
-    return events_.Compare(pairs_.pairs(), next_.pairs(), moving, resting);
-  }
-  next_begun_.Clear();
-  PairEvents::Hold(begun_.pairs(), next_.pairs(), options_.event_margin, moving, resting,
-                   next_begun_);
-  events_.Compare(begun_.pairs(), next_begun_.pairs(), moving, resting);
-  std::swap(begun_, next_begun_);
+  if (moving.all_pass() && moving.ids_are_rows()) return Append(moving_pairs, next_);
+  OverlapPair* const end = next_.EnsureRoom(moving_pairs.size());
+  next_.Advance(KeepPassing(moving_pairs, moving, end));
 }
 
-void ProxySet::Impl::AppendMoving(std::span<const OverlapPair> moving_pairs) {
-  if (moving_.table().all_pass()) return Append(moving_pairs, next_);
-  OverlapPair* const end = next_.EnsureRoom(moving_pairs.size());
-  next_.Advance(KeepPassing(moving_pairs, moving_.table().filters().data(), end));
+// Once in kResolvesPerFreeing calls, frees memory that was not needed since the previous time.
+void ProxySet::Impl::FreeUnused() {
+  if (++resolve_count_ < kResolvesPerFreeing) return;
+  resolve_count_ = 0;
+  const size_t room =
+      std::max(pairs_.capacity_bytes(), next_.capacity_bytes()) / sizeof(OverlapPair);
+  is_oversized_ |= room > std::max(kFewPairs, 3 * peak_pair_count_);
+  is_oversized_ |= moving_.FreeUnused();
+  is_oversized_ |= resting_.FreeUnused();
+  peak_pair_count_ = pairs_.size();
+  if (!is_oversized_) return;
+  events_.FreeUnused();
+  joins_.FreeUnused();
+  pairs_ = PairBuffer();
+  next_ = PairBuffer();
+  splitter_ = {};
+  sorter_ = {};
+  is_oversized_ = false;
 }
 
 ProxyHandle ProxySet::Impl::Add(const Aabb& box, const ProxyOptions& options) {
   ProxyKind& kind = options.is_static ? resting_ : moving_;
   const uint32_t group = options.is_static ? 0 : groups_.GroupFor(options.filter);
   const uint8_t population = options.is_static ? kStaticPopulation : static_cast<uint8_t>(group);
-  const uint32_t place = kind.Add(box, options.filter, options.user, population);
+  const uint32_t row = kind.Add(box, options.filter, options.user, population);
   groups_.Join(group, options.filter);
-  return kind.HandleAt(place);
+  return kind.table().handle(row);
 }
 
-void ProxySet::Impl::Remove(ProxyKind& kind, uint32_t place) {
-  groups_.Leave(GroupOf(kind.table().population(place)));
-  kind.Remove(place);
+void ProxySet::Impl::Remove(ProxyKind& kind, uint32_t row) {
+  groups_.Leave(GroupOf(kind.table().population(row)));
+  kind.Remove(row);
 }
 
 // Sets the box and wakes a sleeping proxy. A box with the same bytes as before changes nothing.
-void ProxySet::Impl::Move(ProxyKind& kind, uint32_t place, const Aabb& box) {
-  if (IsSame(kind.table().boxes()[place], box)) return;
-  const uint8_t population = kind.table().population(place);
+void ProxySet::Impl::Move(ProxyKind& kind, uint32_t row, const Aabb& box) {
+  if (IsSame(kind.table().boxes()[row], box)) return;
+  const uint8_t population = kind.table().population(row);
   if (SleepsIn(population)) {
-    kind.ChangePopulation(place, static_cast<uint8_t>(population - kSleepingPopulation));
+    row = kind.ChangePopulation(row, static_cast<uint8_t>(population - kSleepingPopulation));
   }
-  kind.SetBox(place, box);
+  kind.SetBox(row, box);
 }
 
 // Allocates the memory that is needed to wake the sleeping proxies among `handles` whose boxes
-// change. If this fails, no proxy has moved yet.
-void ProxySet::Impl::EnsureRoomToWake(std::span<const ProxyHandle> handles,
-                                      std::span<const Aabb> boxes) {
+// change. If this fails, no proxy has moved yet. Returns false if a handle has no proxy.
+bool ProxySet::Impl::PrepareMove(std::span<const ProxyHandle> handles,
+                                 std::span<const Aabb> boxes) {
   std::array<std::array<size_t, kSleepingPopulation>, 2> waking{};  // counts by kind and group
   for (size_t k = 0; k < handles.size(); ++k) {
-    const ProxyKind& kind = KindOf(handles[k].index);
-    const uint32_t place = PlaceOf(handles[k].index);
-    const uint8_t population = kind.table().population(place);
-    if (!SleepsIn(population) || IsSame(kind.table().boxes()[place], boxes[k])) continue;
-    ++waking[&kind == &resting_ ? 1 : 0][population - kSleepingPopulation];
+    const ProxyTable& table = TableOf(handles[k].index);
+    const uint32_t row = table.Find(handles[k]);
+    if (row == ProxyTable::kNoRow) return false;
+    const uint8_t population = table.population(row);
+    if (!SleepsIn(population) || IsSame(table.boxes()[row], boxes[k])) continue;
+    ++waking[table.id_bit() != 0 ? 1 : 0][population - kSleepingPopulation];
   }
   for (uint8_t group = 0; group < kSleepingPopulation; ++group) {
     if (waking[0][group] > 0) moving_.EnsureRoomIn(group, waking[0][group]);
     if (waking[1][group] > 0) resting_.EnsureRoomIn(group, waking[1][group]);
   }
+  return true;
 }
 
-void ProxySet::Impl::SetFilter(ProxyKind& kind, uint32_t place, const CollisionFilter& filter) {
-  const uint8_t population = kind.table().population(place);
-  if (IsStaticIn(population)) return kind.SetFilter(place, filter);
+void ProxySet::Impl::SetFilter(ProxyKind& kind, uint32_t row, const CollisionFilter& filter) {
+  const uint8_t population = kind.table().population(row);
+  if (IsStaticIn(population)) return kind.SetFilter(row, filter);
   const uint32_t group = groups_.GroupFor(filter);
   const auto next = static_cast<uint8_t>(population - GroupOf(population) + group);
   kind.EnsureRoomIn(next);
-  kind.SetFilter(place, filter);
+  kind.SetFilter(row, filter);
   groups_.Leave(GroupOf(population));
   groups_.Join(group, filter);
-  if (next != population) kind.ChangePopulation(place, next);
+  if (next != population) kind.ChangePopulation(row, next);
 }
 
-void ProxySet::Impl::SetStatic(ProxyKind& kind, uint32_t place, bool is_static) {
-  const uint8_t population = kind.table().population(place);
+void ProxySet::Impl::SetStatic(ProxyKind& kind, uint32_t row, bool is_static) {
+  const uint8_t population = kind.table().population(row);
   if (IsStaticIn(population) == is_static) return;
-  const CollisionFilter& filter = kind.table().filters()[place];
+  const CollisionFilter filter = kind.table().filters()[row];
   const uint32_t group = is_static ? 0 : groups_.GroupFor(filter);
-  kind.ChangePopulation(place, is_static ? kStaticPopulation : static_cast<uint8_t>(group));
+  kind.ChangePopulation(row, is_static ? kStaticPopulation : static_cast<uint8_t>(group));
   groups_.Leave(GroupOf(population));
   groups_.Join(group, filter);
 }
 
-void ProxySet::Impl::SetSleeping(ProxyKind& kind, uint32_t place, bool is_sleeping) {
-  const uint8_t population = kind.table().population(place);
+void ProxySet::Impl::SetSleeping(ProxyKind& kind, uint32_t row, bool is_sleeping) {
+  const uint8_t population = kind.table().population(row);
   if (IsStaticIn(population) || SleepsIn(population) == is_sleeping) return;
   const uint32_t group = GroupOf(population);
-  kind.ChangePopulation(place,
+  kind.ChangePopulation(row,
                         static_cast<uint8_t>(is_sleeping ? kSleepingPopulation + group : group));
-}
-
-// Frees unused memory. Keeps the places that occur in the latest pairs, since the next Resolve
-// compares these pairs with the new ones.
-void ProxySet::Impl::Compact() {
-  size_t moving_places = 0;
-  size_t static_places = 0;
-  PairBuffer& latest = options_.event_margin == 0 ? pairs_ : begun_;
-  if (!options_.pair_events) latest.Clear();
-  for (const OverlapPair& pair : latest.pairs()) {
-    for (const uint32_t id : {pair.a, pair.b}) {
-      size_t& places = (id & kStaticProxyBit) != 0 ? static_places : moving_places;
-      places = std::max(places, size_t{PlaceOf(id)} + 1);
-    }
-  }
-  PairBuffer compact;
-  Append(latest.pairs(), compact);
-  moving_.Compact(moving_places);
-  resting_.Compact(static_places);
-  joins_.Compact();
-  events_.Compact();
-  pairs_ = PairBuffer();
-  latest = std::move(compact);
-  next_ = PairBuffer();
-  next_begun_ = PairBuffer();
-  splitter_ = {};
-  sorter_ = {};
 }
 
 size_t ProxySet::Impl::native_bytes() const {
   return moving_.native_bytes() + resting_.native_bytes() + splitter_.native_bytes() +
-         pairs_.capacity_bytes() + next_.capacity_bytes() + begun_.capacity_bytes() +
-         next_begun_.capacity_bytes() + joins_.native_bytes() + sorter_.native_bytes() +
-         events_.native_bytes();
+         pairs_.capacity_bytes() + next_.capacity_bytes() + joins_.native_bytes() +
+         sorter_.native_bytes() + events_.native_bytes();
 }
 
 ProxySet::ProxySet(const ProxySetOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -195,8 +197,7 @@ void ProxySet::AddMany(std::span<const Aabb> boxes, std::span<const ProxyOptions
 
 bool ProxySet::Remove(ProxyHandle handle) {
   const FloatEnvironmentScope environment;
-  return impl_->Change(handle,
-                       [&](ProxyKind& kind, uint32_t place) { impl_->Remove(kind, place); });
+  return impl_->Change(handle, [&](ProxyKind& kind, uint32_t row) { impl_->Remove(kind, row); });
 }
 
 bool ProxySet::RemoveMany(std::span<const ProxyHandle> handles) {
@@ -208,46 +209,43 @@ bool ProxySet::RemoveMany(std::span<const ProxyHandle> handles) {
 
 bool ProxySet::Move(ProxyHandle handle, const Aabb& box) {
   const FloatEnvironmentScope environment;
-  return impl_->Change(handle,
-                       [&](ProxyKind& kind, uint32_t place) { impl_->Move(kind, place, box); });
+  return impl_->Change(handle, [&](ProxyKind& kind, uint32_t row) { impl_->Move(kind, row, box); });
 }
 
 bool ProxySet::Move(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes) {
   const FloatEnvironmentScope environment;
   assert(handles.size() == boxes.size());
-  if (!impl_->AllLive(handles)) return false;
-  impl_->EnsureRoomToWake(handles, boxes);
+  if (!impl_->PrepareMove(handles, boxes)) return false;
   for (size_t k = 0; k < handles.size(); ++k) {
-    impl_->Move(impl_->KindOf(handles[k].index), PlaceOf(handles[k].index), boxes[k]);
+    impl_->Move(impl_->KindOf(handles[k].index), impl_->Find(handles[k]), boxes[k]);
   }
   return true;
 }
 
 bool ProxySet::SetFilter(ProxyHandle handle, const CollisionFilter& filter) {
-  return impl_->Change(
-      handle, [&](ProxyKind& kind, uint32_t place) { impl_->SetFilter(kind, place, filter); });
+  return impl_->Change(handle,
+                       [&](ProxyKind& kind, uint32_t row) { impl_->SetFilter(kind, row, filter); });
 }
 
 bool ProxySet::SetUser(ProxyHandle handle, uint64_t user) {
-  return impl_->Change(handle, [&](ProxyKind& kind, uint32_t place) { kind.SetUser(place, user); });
+  return impl_->Change(handle, [&](ProxyKind& kind, uint32_t row) { kind.SetUser(row, user); });
 }
 
 bool ProxySet::SetStatic(ProxyHandle handle, bool is_static) {
   const FloatEnvironmentScope environment;
   return impl_->Change(
-      handle, [&](ProxyKind& kind, uint32_t place) { impl_->SetStatic(kind, place, is_static); });
+      handle, [&](ProxyKind& kind, uint32_t row) { impl_->SetStatic(kind, row, is_static); });
 }
 
 bool ProxySet::SetSleeping(ProxyHandle handle, bool is_sleeping) {
   const FloatEnvironmentScope environment;
-  return impl_->Change(handle, [&](ProxyKind& kind, uint32_t place) {
-    impl_->SetSleeping(kind, place, is_sleeping);
-  });
+  return impl_->Change(
+      handle, [&](ProxyKind& kind, uint32_t row) { impl_->SetSleeping(kind, row, is_sleeping); });
 }
 
 bool ProxySet::is_sleeping(ProxyHandle handle) const {
-  const ProxyKind* const kind = std::as_const(*impl_).Find(handle);
-  return kind != nullptr && SleepsIn(kind->table().population(PlaceOf(handle.index)));
+  const uint32_t row = impl_->Find(handle);
+  return row != ProxyTable::kNoRow && SleepsIn(impl_->TableOf(handle.index).population(row));
 }
 
 Status ProxySet::ShiftOrigin(const float offset[3]) {
@@ -260,29 +258,24 @@ Status ProxySet::ShiftOrigin(const float offset[3]) {
   return {};
 }
 
-void ProxySet::Compact() {
-  const FloatEnvironmentScope environment;
-  impl_->Compact();
-}
-
-bool ProxySet::is_alive(ProxyHandle handle) const { return impl_->Find(handle) != nullptr; }
+bool ProxySet::is_alive(ProxyHandle handle) const { return impl_->Lives(handle); }
 
 const Aabb* ProxySet::box(ProxyHandle handle) const {
-  const ProxyKind* const kind = std::as_const(*impl_).Find(handle);
-  return kind == nullptr ? nullptr : &kind->table().boxes()[PlaceOf(handle.index)];
+  const uint32_t row = impl_->Find(handle);
+  return row == ProxyTable::kNoRow ? nullptr : &impl_->TableOf(handle.index).boxes()[row];
 }
 
 std::optional<ProxyOptions> ProxySet::options(ProxyHandle handle) const {
-  const ProxyKind* const kind = std::as_const(*impl_).Find(handle);
-  if (kind == nullptr) return std::nullopt;
-  const ProxyTable& table = kind->table();
-  const uint32_t place = PlaceOf(handle.index);
-  return ProxyOptions{table.filters()[place], IsStaticIn(table.population(place)),
-                      table.user(place)};
+  const uint32_t row = impl_->Find(handle);
+  if (row == ProxyTable::kNoRow) return std::nullopt;
+  const ProxyTable& table = impl_->TableOf(handle.index);
+  return ProxyOptions{table.filters()[row], IsStaticIn(table.population(row)), table.user(row)};
 }
 
 ProxyHandle ProxySet::handle(uint32_t id) const {
-  return std::as_const(*impl_).KindOf(id).HandleAt(PlaceOf(id));
+  const ProxyTable& table = impl_->TableOf(id);
+  const uint32_t row = table.RowOf(id);
+  return row == ProxyTable::kNoRow ? ProxyHandle{} : table.handle(row);
 }
 
 size_t ProxySet::moving_count() const {
@@ -291,9 +284,7 @@ size_t ProxySet::moving_count() const {
 size_t ProxySet::static_count() const {
   return impl_->moving_.count(kStaticPopulation) + impl_->resting_.count(kStaticPopulation);
 }
-std::span<const Aabb> ProxySet::moving_boxes() const {
-  return impl_->moving_.table().shown_boxes();
-}
+std::span<const Aabb> ProxySet::moving_boxes() const { return impl_->moving_.searched_boxes(); }
 
 std::span<const OverlapPair> ProxySet::Resolve(std::span<const OverlapPair> moving_pairs) {
   const FloatEnvironmentScope environment;

@@ -20,46 +20,39 @@
 
 namespace sweepstake {
 
-constexpr uint32_t PlaceOf(uint32_t id) { return id & ~kStaticProxyBit; }
-
 class ProxySet::Impl {
  public:
-  explicit Impl(const ProxySetOptions& options)
-      : moving_(0, options.pair_events),
-        resting_(kStaticProxyBit, options.pair_events),
-        options_(options) {
+  explicit Impl(const ProxySetOptions& options) : options_(options) {
     if (!(options_.event_margin > 0)) options_.event_margin = 0;
   }
 
   ProxyKind& KindOf(uint32_t id) { return (id & kStaticProxyBit) != 0 ? resting_ : moving_; }
-  const ProxyKind& KindOf(uint32_t id) const {
-    return (id & kStaticProxyBit) != 0 ? resting_ : moving_;
+  const ProxyTable& TableOf(uint32_t id) const {
+    return ((id & kStaticProxyBit) != 0 ? resting_ : moving_).table();
   }
-  // Returns the kind of the handle's proxy, or null if there is no such proxy.
-  const ProxyKind* Find(ProxyHandle handle) const {
-    const ProxyKind& kind = KindOf(handle.index);
-    return kind.table().Holds(PlaceOf(handle.index), handle.generation) ? &kind : nullptr;
-  }
+  // Returns the row of the handle's proxy, or ProxyTable::kNoRow if there is no such proxy.
+  uint32_t Find(ProxyHandle handle) const { return TableOf(handle.index).Find(handle); }
+  bool Lives(ProxyHandle handle) const { return Find(handle) != ProxyTable::kNoRow; }
   bool AllLive(std::span<const ProxyHandle> handles) const {
     return std::all_of(handles.begin(), handles.end(),
-                       [&](ProxyHandle handle) { return Find(handle) != nullptr; });
+                       [&](ProxyHandle handle) { return Lives(handle); });
   }
-  // Calls change(kind, place) if the proxy exists; returns whether it does.
+  // Calls change(kind, row) if the proxy exists; returns whether it does.
   template <typename Fn>
   bool Change(ProxyHandle handle, const Fn& change) {
-    if (Find(handle) == nullptr) return false;
-    change(KindOf(handle.index), PlaceOf(handle.index));
+    const uint32_t row = Find(handle);
+    if (row == ProxyTable::kNoRow) return false;
+    change(KindOf(handle.index), row);
     return true;
   }
 
   ProxyHandle Add(const Aabb& box, const ProxyOptions& options);
-  void Remove(ProxyKind& kind, uint32_t place);
-  void Move(ProxyKind& kind, uint32_t place, const Aabb& box);
-  void EnsureRoomToWake(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes);
-  void SetFilter(ProxyKind& kind, uint32_t place, const CollisionFilter& filter);
-  void SetStatic(ProxyKind& kind, uint32_t place, bool is_static);
-  void SetSleeping(ProxyKind& kind, uint32_t place, bool is_sleeping);
-  void Compact();
+  void Remove(ProxyKind& kind, uint32_t row);
+  void Move(ProxyKind& kind, uint32_t row, const Aabb& box);
+  bool PrepareMove(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes);
+  void SetFilter(ProxyKind& kind, uint32_t row, const CollisionFilter& filter);
+  void SetStatic(ProxyKind& kind, uint32_t row, bool is_static);
+  void SetSleeping(ProxyKind& kind, uint32_t row, bool is_sleeping);
 
   std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs);
   void RefreshTrees() {
@@ -89,16 +82,16 @@ class ProxySet::Impl {
   Status Restore(std::span<const std::byte> snapshot);
   size_t native_bytes() const;
 
-  ProxyKind moving_;
-  ProxyKind resting_;
-  PairEvents events_;
+  ProxyKind moving_{0};
+  ProxyKind resting_{kStaticProxyBit};
+  PairEvents events_{moving_.table(), resting_.table()};
 
  private:
   bool wants_sorted() const { return options_.sorted_pairs || options_.pair_events; }
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive);
-  void FindEvents();
   void AppendMoving(std::span<const OverlapPair> moving_pairs);
+  void FreeUnused();
 
   ProxySetOptions options_;
   FilterGroups groups_;
@@ -106,10 +99,10 @@ class ProxySet::Impl {
   PopulationJoins joins_{moving_, resting_, options_.executor};
   PairBuffer pairs_;  // the pairs of the latest Resolve
   PairBuffer next_;   // the pairs of the Resolve in progress
-  // The pairs that have begun and not ended, after the latest Resolve (begun_) and in the Resolve
-  // in progress (next_begun_). Used only with the option event_margin.
-  PairBuffer begun_;
-  PairBuffer next_begun_;
+  // The largest number of pairs since the latest FreeUnused, and the number of Resolves since then.
+  size_t peak_pair_count_ = 0;
+  uint32_t resolve_count_ = 0;
+  bool is_oversized_ = false;  // whether a FreeUnused has found much unused memory
   PairSorter sorter_;
 };
 

@@ -11,7 +11,7 @@ namespace sweepstake {
 namespace {
 
 // The version of the format. Increment it when the fields or their order change.
-constexpr uint32_t kSnapshotVersion = 2;
+constexpr uint32_t kSnapshotVersion = 3;
 // "SWPS" in the byte order of the machine that wrote it.
 constexpr uint32_t kMagic = 0x53505753;
 
@@ -69,12 +69,6 @@ void ProxySet::Impl::Visit(Self& self, Archive& archive) {
   archive.Value(self.groups_);
   PopulationJoins::Visit(self.joins_, archive);
   PairEvents::Visit(self.events_, archive);
-  // Without the option pair_events, the next Resolve reads neither pairs_ nor begun_.
-  if (!self.options_.pair_events) return;
-  PairList pairs(self.pairs_);
-  PairList begun(self.begun_);
-  archive.Array(pairs);
-  archive.Array(begun);
 }
 
 size_t ProxySet::Impl::snapshot_bytes() const {

@@ -141,7 +141,8 @@ HWY_INLINE void TakeNearer(const EnteredGroup& group, const uint32_t* ids,
   for (size_t k = 0; k < group.found.count; ++k) {
     const NearestHit hit{group.distance[k], ids[group.found.entry[k]]};
     const bool nearer = hit.distance < best.distance ||
-                        (hit.distance == best.distance && (!found || hit.id < best.id));
+                        (hit.distance == best.distance &&
+                         (!found || predicate.is_before(predicate.context, hit.id, best.id)));
     if (!nearer || !predicate.accepts(predicate.context, hit.id)) continue;
     best = hit;
     found = true;

@@ -37,9 +37,11 @@ struct NearestHit {
 };
 struct IdPredicate {
   bool (*accepts)(void* context, uint32_t id);
+  // Decides between two boxes that are equally near.
+  bool (*is_before)(void* context, uint32_t id, uint32_t other_id);
   void* context;
 };
-// Finds the nearest accepted box; if several are equally near, the box with the smallest id.
+// Finds the nearest accepted box; if several are equally near, the one before the others.
 // Returns false and leaves `hit` unchanged if there is none up to max_distance.
 bool FindNearestHit(const LeafTree::View& tree, const Slabs& slabs, const IdPredicate& predicate,
                     NearestHit& hit);

@@ -33,7 +33,8 @@ extern "C" {
 typedef struct swp_proxies swp_proxies;
 
 /* A handle of a proxy; 0 means no proxy. The low 32 bits are the proxy's id in pairs while it
- * exists. Ids are reused: the high 32 bits count the proxies that have had this id. */
+ * exists. A new proxy gets the lowest free id, so that ids may index an array of the caller. The
+ * high 32 bits count the added proxies; they begin at 1 again after 2^32 - 1. */
 typedef uint64_t swp_proxy;
 #define SWP_PROXY_ID(proxy) ((uint32_t)(proxy))
 
@@ -146,10 +147,6 @@ SWP_API swp_result swp_proxies_set_sleeping(swp_proxies* proxies, swp_proxy prox
  * until it gets another box; an invalid box stays invalid. SWP_INVALID_ARGUMENT for an offset that
  * is not finite, which changes nothing. Cost: O(proxies). */
 SWP_API swp_result swp_proxies_shift_origin(swp_proxies* proxies, const float* offset);
-/* Frees the memory of removed proxies. Ids and handles of living ones stay the same. Cost:
- * O(proxies), and the next use sorts all trees. Invalidates pointers to pairs and boxes. If memory
- * runs out, all proxies are as they were. */
-SWP_API swp_result swp_proxies_compact(swp_proxies* proxies);
 
 /* The bytes that a snapshot of the current state takes. */
 SWP_API swp_result swp_proxies_snapshot_bytes(const swp_proxies* proxies, uint64_t* bytes);
@@ -171,14 +168,14 @@ SWP_API swp_result swp_proxies_get(const swp_proxies* proxies, swp_proxy proxy, 
                                    swp_proxy_options* options);
 /* Writes the handle of the proxy that has this id now. */
 SWP_API swp_result swp_proxies_handle(const swp_proxies* proxies, uint32_t id, swp_proxy* proxy);
-/* The numbers of living proxies, and the memory that the set holds, in bytes. Each output may be
- * NULL. */
+/* The numbers of living proxies, and the memory that the set holds, in bytes. Every 256th resolve
+ * frees memory that was not needed since then. Each output may be NULL. */
 SWP_API swp_result swp_proxies_counts(const swp_proxies* proxies, uint32_t* moving_count,
                                       uint32_t* static_count, uint64_t* native_bytes);
 
 /* The boxes to give to a world or a session, valid until the next change of the set. Changes are
- * adds, removals, new boxes, filters or flags, a shift, compact and restore. A free place holds an
- * invalid box, which overlaps nothing. */
+ * adds, removals, new boxes, filters or flags, a shift and restore. Up to 1 in 32 boxes is invalid
+ * and belongs to no proxy. An index is not an id; swp_proxies_resolve converts it. */
 SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const swp_aabb** boxes,
                                             uint32_t* count);
 /* Call it once per frame with all pairs found in the boxes of swp_proxies_moving_boxes; the set
@@ -190,7 +187,7 @@ SWP_API swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* mov
                                        uint64_t moving_pair_count);
 /* The pairs of the latest resolve, valid until the next one. They may share memory with
  * moving_pairs, and are then valid only while that memory is. SWP_FAILED_PRECONDITION before the
- * first resolve, and after compact, restore, or a resolve that ran out of memory. */
+ * first resolve, and after restore or a resolve that ran out of memory. */
 SWP_API swp_result swp_proxies_pairs(const swp_proxies* proxies, const swp_pair** pairs,
                                      uint64_t* count);
 /* The pairs that began (added) and ended (removed) between the latest two resolves, ascending;

@@ -9,10 +9,12 @@
 //   const auto pairs = proxies.Resolve(adaptive.FindPairs(proxies.moving_boxes()));
 //   for (const ProxyPair& pair : proxies.added()) ...
 //
-// Moving proxies are in one dense array, which is the input of the broad phase. A freed place holds
-// an invalid box until it is reused, so that adding and removing are ordinary updates. Proxies that
-// the broad phase need not search are kept in trees of the set, and have an invalid box in the
-// array. Other proxies are searched for in these trees. There are three kinds:
+// The living moving proxies are in one dense array, which is the input of the broad phase. A
+// removed proxy leaves an invalid box to the next new one. If more than 1 in 32 boxes is invalid,
+// the last boxes take these places. For a broad phase, adding and removing are thus ordinary
+// updates, and removed proxies cost next to nothing. Proxies that the broad phase need not search
+// are not in the array but in trees of the set, in which other proxies are searched for. There are
+// three kinds:
 // - static proxies, which are never paired with one another and cost nothing while they do not
 //   change;
 // - sleeping proxies, whose pairs with other sleeping and static ones are kept;
@@ -29,30 +31,34 @@
 // is moved.
 //
 // Memory:
-// - 57 bytes per place, and 4 more with events;
-// - 24 more per place of a moving proxy, once a moving proxy is kept outside the array;
+// - 53 bytes per proxy, with room for a power of two of proxies
+// - 4 bytes per id, in pages of 1,024 ids. An id is the lowest free one; a page without a proxy is
+//   freed
 // - 32 more per proxy in a tree that was searched, or 36 if the tree has more than 60,000 proxies;
-//   up to four times that after many removals. The first query searches all trees;
-// - 36 per proxy of the largest such tree, to sort it;
-// - 16 bytes per pair, 24 if pairs are sorted, and 8 per kept pair.
+//   up to four times that after many removals. The first query searches all trees
+// - 36 per proxy of the largest such tree, to sort it
+// - 16 bytes per pair, 24 if pairs are sorted, 56 with events, and 8 per kept pair
+// Every 256th Resolve frees the memory that the latest 256 have not needed. It copies the proxies
+// if that is at least half.
 //
 // Cost: measured by tests/bench/programs/proxies_bench.cc on one thread of AMD Zen 5, with 10,000
 // moving boxes of suite-b and 14,500 pairs. The measurement is without sleeping proxies and without
 // groups that ignore their own kind. Move takes 5 ns. Resolve takes 13 µs with filters and nothing
 // without, 70 µs with sorted pairs and 120 µs with events. With 100,000 static boxes and their
-// 29,400 pairs it takes 0.28 ms, and 0.19 ms on two threads. A query among all of these takes 0.33
-// µs for a box that finds five, 0.33 µs for the first of a ray's twelve hits and 1.1 µs for all of
-// them. The first query after a change takes 20 µs more for the moving proxies.
+// 29,400 pairs it takes 0.28 ms, and 0.19 ms on two threads. After the number of proxies has
+// shrunk, Resolve takes 2 ns more per pair, to convert indices to ids. A query among all of these
+// takes 0.33 µs for a box that finds five, 0.33 µs for the first of a ray's twelve hits and 1.1 µs
+// for all of them. The first query after a change takes 20 µs more for the moving proxies.
 //
 // Resting proxies cost a frame only for their changes (tests/bench/programs/proxy_ratios_bench.cc,
 // AMD EPYC). Replacing one static proxy takes 12 µs among 20,000, and 33 µs among 2,000,000. Adding
 // 18,000 nearby ones at once, such as a tile of a world, takes 5 ms. If the added ones are spread
 // over the world, or if half as many as the tree holds have been added one by one, the tree is
-// sorted again. That takes 0.25 s for 2,000,000; Compact does it at a time that the game chooses.
+// sorted again. That takes 0.25 s for 2,000,000.
 //
 // Errors: a handle that is null, stale (its proxy was removed) or unknown to this set yields false,
-// null or an empty result, never another proxy, and changes nothing. If memory or the 2^31 − 1
-// places of a kind are exhausted, a call ends as described at OutOfMemory() (hooks.h). The set is
+// null or an empty result, never another proxy, and changes nothing. If memory or the 2^31 − 1 ids
+// of a kind are exhausted, a call ends as described at OutOfMemory() (hooks.h). The set is
 // then unchanged unless the call's comment says otherwise.
 #pragma once
 
@@ -73,10 +79,12 @@
 
 namespace sweepstake {
 
-// A handle identifies a proxy. `index` is the proxy's id in pairs while it lives: its place in
-// moving_boxes(), or kStaticProxyBit and its place among the proxies added as static. Ids are
-// reused; `generation` distinguishes successive owners (a place has 2^31 of them). The null handle
-// is all zero and belongs to no proxy.
+// A handle identifies a proxy. `index` is the proxy's id in pairs while it lives: a number, and
+// kStaticProxyBit if it was added as static. A new proxy gets the lowest free number, so that ids
+// may index an array of the caller. `generation` counts the proxies added as moving, or those added
+// as static. After 2^32 − 1 it begins at 1 again: a stale handle could identify another proxy only
+// if that one got the same id exactly 2^32 − 1 additions later. The null handle is all zero and
+// belongs to no proxy.
 struct ProxyHandle {
   uint32_t index = 0;
   uint32_t generation = 0;
@@ -219,22 +227,17 @@ class ProxySet {
   // it is moved; an invalid box stays invalid. An offset that is not finite is kInvalidArgument and
   // changes nothing. Cost: O(proxies).
   Status ShiftOrigin(const float offset[3]);
-  // Frees the memory of removed proxies. Ids and handles of living ones stay the same; free places
-  // at the end of moving_boxes() are removed. Cost: O(proxies), and the next use sorts all trees.
-  // Invalidates all spans. If memory runs out, all proxies are as they were, and some of the memory
-  // may have been freed.
-  void Compact();
 
   // A snapshot is the whole state as flat bytes in the caller's memory, for a game that rolls back.
   // A restored set gives the same pairs, events, handles, query results and orders as after the
   // save. The order of unsorted pairs also depends on the backend: sort them, or rebuild the
   // backend in both cases.
   //
-  // A snapshot takes snapshot_bytes() bytes: about 53 per place and 4 per proxy; with events also 8
-  // per pair and 4 per proxy added since the latest Resolve. Cost
+  // A snapshot takes snapshot_bytes() bytes: about 57 per living proxy; with events also 16 per
+  // pair and per event. Cost
   // (tests/bench/programs/proxy_ratios_bench.cc on AMD Zen 4, 10,000 proxies in 57 bytes each):
-  // 0.05 ms to save, 0.06 ms to restore. Nothing is allocated if the set has held as many proxies
-  // before.
+  // 0.05 ms to save, 0.09 ms to restore. Nothing is allocated if the set has held as many proxies
+  // since the latest 256 Resolves.
   size_t snapshot_bytes() const;
   // Returns kInvalidArgument if `snapshot` is smaller than snapshot_bytes(). Bytes after the
   // snapshot stay unchanged.
@@ -248,7 +251,7 @@ class ProxySet {
   Status Restore(std::span<const std::byte> snapshot);
 
   bool is_alive(ProxyHandle handle) const;
-  // Returns null if the handle has no proxy. Valid until the next Add, Compact or Restore.
+  // Returns null if the handle has no proxy. Valid until the next change.
   const Aabb* box(ProxyHandle handle) const;
   std::optional<ProxyOptions> options(ProxyHandle handle) const;
   // Returns the proxy that has this id now, for example in a pair of Resolve, or null.
@@ -257,17 +260,16 @@ class ProxySet {
   size_t moving_count() const;
   size_t static_count() const;
 
-  // Returns the boxes for the broad phase, indexed by id, with invalid ones for proxies that it
-  // need not search. The array grows at the end, and shrinks in Compact only. Valid until the next
-  // change.
+  // Returns the boxes of the proxies that the broad phase must search. An index is not an id;
+  // Resolve converts it. Valid until the next change.
   std::span<const Aabb> moving_boxes() const;
 
-  // Call it once per frame with the pairs that a broad phase has found in moving_boxes(). Returns
-  // the pairs that pass their filters, followed by the passing pairs of moving and static proxies,
-  // as ids with a < b. They are in the order of the searches, or ascending (ProxySetOptions). Valid
-  // until the next Resolve, and only while `moving_pairs` is. REQUIRES: no change of the set since
-  // the broad phase received the boxes. SetFilter, SetStatic, SetSleeping, ShiftOrigin, Compact and
-  // Restore count as changes.
+  // Call it once per frame with the pairs that a broad phase has found in moving_boxes(), as
+  // indices of that array. Returns the pairs that pass their filters, followed by the passing pairs
+  // of moving and static proxies, as ids with a < b. They are in the order of the searches, or
+  // ascending (ProxySetOptions). Valid until the next Resolve, and only while `moving_pairs` is.
+  // REQUIRES: no change of the set since the broad phase received the boxes. SetFilter, SetStatic,
+  // SetSleeping, ShiftOrigin and Restore count as changes.
   std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs);
 
   // Returns the pairs that began and ended between the latest two Resolves, ascending; empty

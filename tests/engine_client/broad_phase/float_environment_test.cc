@@ -226,7 +226,6 @@ class ProxyScript {
     constexpr float kBroken[3] = {kNan, 0, 0};
     Add(set_.ShiftOrigin(kOffset).ok());
     Add(set_.ShiftOrigin(kBroken).ok());
-    if (frame == 2) set_.Compact();
   }
 
   void Resolve(size_t frame) {

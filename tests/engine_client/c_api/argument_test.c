@@ -194,7 +194,6 @@ static void check_proxies_without_one(void) {
   REFUSED(swp_proxies_set_static(NULL, proxy, 1));
   REFUSED(swp_proxies_set_sleeping(NULL, proxy, 1));
   REFUSED(swp_proxies_shift_origin(NULL, box.min));
-  REFUSED(swp_proxies_compact(NULL));
   REFUSED(swp_proxies_snapshot_bytes(NULL, &count));
   REFUSED(swp_proxies_save(NULL, &rounded, sizeof rounded));
   REFUSED(swp_proxies_restore(NULL, &box, sizeof box));

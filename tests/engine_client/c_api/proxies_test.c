@@ -399,8 +399,6 @@ static void check_rest(void) {
   CHECK_OK(swp_proxies_pairs(proxies, &pairs, &count));
   CHECK(count == 0);
   CHECK_OK(swp_proxies_remove_many(proxies, &ball, 1));
-  CHECK_OK(swp_proxies_compact(proxies));
-  CHECK(swp_proxies_pairs(proxies, &pairs, &count) == SWP_FAILED_PRECONDITION);
   CHECK_OK(swp_proxies_moving_boxes(proxies, &boxes, &moving));
   CHECK(moving == 0);
   CHECK(swp_proxies_set_static(proxies, ball, 1) == SWP_NOT_FOUND);

@@ -54,6 +54,15 @@ class BoxTreeTest : public testing::Test {
     boxes_[members_[k]] = box;
     tree_.Move(slots_[members_[k]]);
   }
+  // Gives another id to the member, as if its proxy had moved to another row.
+  void Rename(size_t k) {
+    const auto id = static_cast<uint32_t>(boxes_.size());
+    boxes_.push_back(boxes_[members_[k]]);
+    slots_.push_back(slots_[members_[k]]);
+    free_.push_back(members_[k]);
+    members_[k] = id;
+    tree_.Rename(slots_[id], id);
+  }
   void AddSome(size_t count) {
     for (; count > 0; --count) Add(RandomBox(0, world_));
   }
@@ -69,6 +78,7 @@ class BoxTreeTest : public testing::Test {
       for (size_t axis = 0; axis < 3; ++axis) box.max[axis] += random_.Between(0, 0.1F);
       Move(member, random_.Below(2) == 0 ? box : RandomBox(from, to));
     }
+    for (size_t k = random_.Below(count); k > 0; --k) Rename(random_.Below(members_.size()));
   }
   void RemoveWithin(float from, float to) {
     for (size_t k = members_.size(); k-- > 0;) {
@@ -202,6 +212,36 @@ TEST_F(BoxTreeTest, IsCorrectWhileTilesAreAddedAndRemoved) {
     ExpectWhole();
     EXPECT_LE(tree_.leaves().leaves().size() * 16, 3 * tree_.count());
     if (tile % 12 == 5) ExpectPairsAndQueries();
+  }
+}
+
+// A search reads ids from the tree, which must be right without another update.
+TEST_F(BoxTreeTest, HasTheNewIdsOfMembersAtOnce) {
+  AddSome(3000);
+  Update();
+  for (size_t k = 0; k < 300; ++k) Rename(7 * k);
+  ExpectWhole();
+  ExpectPairsAndQueries();
+}
+
+TEST_F(BoxTreeTest, FreesTheMemoryOfFormerMembers) {
+  for (const bool is_used : {true, false}) {
+    AddSome(2000);
+    if (is_used) Update();
+    const size_t bytes = tree_.native_bytes();
+    AddSome(50'000);
+    if (is_used) Update();
+    while (members_.size() > 2000) Remove(members_.size() - 1);
+    EXPECT_GT(tree_.native_bytes(), 4 * bytes);
+    EXPECT_TRUE(tree_.is_oversized());
+    if (!is_used) tree_.FreeUnused(slots_);
+    if (is_used) Update();
+    EXPECT_LE(tree_.native_bytes(), bytes + bytes / 10);
+    Update();
+    ExpectWhole();
+    ExpectPairsAndQueries();
+    while (!members_.empty()) Remove(0);
+    tree_ = {};
   }
 }
 

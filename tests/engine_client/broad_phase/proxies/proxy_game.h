@@ -1,6 +1,6 @@
 // A random game on a ProxySet, and on a list that is searched by the definitions. Proxies are
 // added, removed, moved, teleported, invalidated, put to sleep, made static and get new filters.
-// The origin is shifted now and then.
+// Now and then the origin is shifted, and many proxies come and go at once.
 //
 // The same seed gives the same game. Not thread-safe.
 #pragma once
@@ -67,7 +67,35 @@ class ProxyGame {
     }
     if (!listed.empty()) Rest();
     if (random_.Below(25) == 0) ShiftOrigin();
-    if (random_.Below(40) == 0) proxies.Compact();
+    if (burst_.empty()) {
+      if (random_.Below(30) == 0) BeginBurst();
+    } else if (random_.Below(3) == 0) {
+      EndBurst();
+    }
+  }
+
+  void BeginBurst() {
+    for (size_t k = 50 + random_.Below(150); k > 0; --k) {
+      Add(random_.Below(3) == 0);
+      burst_.push_back(listed.back().handle);
+      failed |= !proxies.SetSleeping(burst_.back(), random_.Below(4) == 0);
+    }
+  }
+
+  // Removes all proxies of the burst or all but the last one, which has the highest id.
+  void EndBurst() {
+    if (random_.Below(2) == 0) burst_.pop_back();
+    const auto ends = [this](const ListedProxy& proxy) {
+      return std::ranges::find(burst_, proxy.handle) != burst_.end();
+    };
+    std::vector<ProxyHandle> ended;
+    for (const ListedProxy& proxy : listed) {
+      if (ends(proxy)) ended.push_back(proxy.handle);
+    }
+    failed |= !proxies.RemoveMany(ended);
+    gone.insert(gone.end(), ended.begin(), ended.end());
+    std::erase_if(listed, ends);
+    burst_.clear();
   }
 
   // Puts some proxies to sleep, wakes some, and may make one static or moving. Static proxies and
@@ -189,6 +217,7 @@ class ProxyGame {
 
   SequentialRandom random_;
   float world_;
+  std::vector<ProxyHandle> burst_;
 };
 
 // Returns the pairs of Resolve as handles. Sets `doubled` if a pair occurs twice or has a >= b.

@@ -1,9 +1,12 @@
 // A handle identifies its proxy, and a stale handle never identifies another proxy.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <vector>
 
+#include "engine_client/broad_phase/proxies/proxy_table.h"
 #include "sweepstake/proxy_set.h"
 #include "tests/engine_client/broad_phase/proxies/proxy_game.h"
 
@@ -91,20 +94,51 @@ TEST_P(ProxiesOfEachKind, MoveAllOrNoneOfABatch) {
   EXPECT_EQ(*proxies_.box(a), kOther);
 }
 
+TEST_P(ProxiesOfEachKind, GetTheLowestFreeId) {
+  std::vector<ProxyHandle> handles;
+  for (int k = 0; k < 5000; ++k) handles.push_back(Add(kUnit));
+  for (const size_t k : {4321U, 7U, 1500U, 1400U}) ASSERT_TRUE(proxies_.Remove(handles[k]));
+  for (const size_t k : {7U, 1400U, 1500U, 4321U}) {
+    const ProxyHandle next = Add(kUnit);
+    EXPECT_EQ(next.index, handles[k].index);
+    EXPECT_NE(next, handles[k]);
+  }
+  EXPECT_EQ(Add(kUnit).index, handles.back().index + 1);
+}
+
 INSTANTIATE_TEST_SUITE_P(, ProxiesOfEachKind, testing::Bool(),
                          [](const auto& test) { return test.param ? "Static" : "Moving"; });
 
-TEST(MovingBoxes, KeepTheirIndexAndAreInvalidInFreeSlots) {
+TEST(MovingBoxes, AreThoseOfLivingMovingProxies) {
   ProxySet proxies;
   const ProxyHandle a = proxies.Add(kUnit);
-  const ProxyHandle b = proxies.Add(kOther);
+  proxies.Add(kOther);
   proxies.Add(kUnit, {.is_static = true});
+  EXPECT_EQ(proxies.moving_boxes().size(), 2U);
   EXPECT_TRUE(proxies.Remove(a));
-  ASSERT_EQ(proxies.moving_boxes().size(), 2U);
-  EXPECT_FALSE(IsValid(proxies.moving_boxes()[a.index]));
-  EXPECT_EQ(proxies.moving_boxes()[b.index], kOther);
-  EXPECT_EQ(proxies.Add(kUnit).index, a.index);
-  EXPECT_EQ(proxies.Add(kUnit).index, 2U);
+  ASSERT_EQ(proxies.moving_boxes().size(), 1U);
+  EXPECT_EQ(proxies.moving_boxes()[0], kOther);
+}
+
+// A broad phase that uses temporal coherence would do more work if other boxes moved too.
+TEST(MovingBoxes, ChangeInOnePlaceWhenAProxyReplacesAnother) {
+  ProxySet proxies;
+  std::vector<ProxyHandle> handles;
+  for (int k = 0; k < 64; ++k) handles.push_back(proxies.Add(kUnit));
+  ASSERT_TRUE(proxies.Remove(handles[10]) && proxies.Remove(handles[20]));
+  EXPECT_EQ(proxies.moving_boxes().size(), 64U);
+  EXPECT_FALSE(IsValid(proxies.moving_boxes()[20]));
+  proxies.Add(kOther);
+  EXPECT_EQ(proxies.moving_boxes()[10], kOther);
+  proxies.Add(kOther);
+  EXPECT_EQ(proxies.moving_boxes()[20], kOther);
+  EXPECT_EQ(std::ranges::count(proxies.moving_boxes(), kUnit), 62);
+}
+
+TEST(Generations, BeginAtOneAgainAfterTheLast) {
+  EXPECT_EQ(NextGeneration(0), 1U);
+  EXPECT_EQ(NextGeneration(~0U - 1), ~0U);
+  EXPECT_EQ(NextGeneration(~0U), 1U);
 }
 
 TEST(Handles, AreNeverReusedInALongGame) {

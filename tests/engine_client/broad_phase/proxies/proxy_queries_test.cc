@@ -18,6 +18,7 @@
 namespace sweepstake {
 namespace {
 
+using test_support::kUnit;
 using test_support::ListedProxy;
 using test_support::ProxyGame;
 
@@ -280,6 +281,21 @@ TEST(ConstQueries, NeedAPreparationAfterEachChange) {
   EXPECT_EQ(ask(), StatusCode::kOk);
   ASSERT_TRUE(proxies.Move(handle, {{5, 5, 5}, {6, 6, 6}}));
   EXPECT_EQ(ask(), StatusCode::kFailedPrecondition);
+}
+
+// The proxies are not in the order of their ids, since one was removed.
+TEST(ANearestHit, IsTheOneWithTheLowestIdOfSeveralAtTheSameDistance) {
+  for (const bool is_static : {false, true}) {
+    ProxySet proxies;
+    const ProxyOptions options{.is_static = is_static};
+    const ProxyHandle removed = proxies.Add(kUnit, options);
+    const ProxyHandle lower = proxies.Add(kUnit, options);
+    proxies.Add(kUnit, options);
+    ASSERT_TRUE(proxies.Remove(removed));
+    RayHit nearest;
+    ASSERT_TRUE(proxies.CastRayNearest({{-1, 0.5F, 0.5F}, {1, 0, 0}}, {}, nearest).ok());
+    EXPECT_EQ(nearest, (RayHit{lower, 1}));
+  }
 }
 
 TEST(ASphere, TouchesABoxAtItsRadiusFromTheNearestPoint) {

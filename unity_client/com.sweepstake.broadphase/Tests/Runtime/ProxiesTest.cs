@@ -83,7 +83,6 @@ namespace Sweepstake.Tests
             Assert.That(options.Flags, Is.EqualTo(ProxyFlags.Sleeping));
             byte[] saved = proxies.Save();
             proxies.Remove(proxy);
-            proxies.Compact();
             proxies.Restore(saved);
             Assert.That(proxies.Get(proxy, out _).MinX, Is.EqualTo(0));
         }

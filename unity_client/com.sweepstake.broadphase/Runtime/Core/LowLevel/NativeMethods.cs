@@ -176,10 +176,6 @@ namespace Sweepstake.LowLevel
 
         /// <summary>See c_proxies.h.</summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern ResultCode swp_proxies_compact(IntPtr proxies);
-
-        /// <summary>See c_proxies.h.</summary>
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern ResultCode swp_proxies_snapshot_bytes(IntPtr proxies, ulong* bytes);
 
         /// <summary>See c_proxies.h.</summary>

@@ -103,12 +103,6 @@ namespace Sweepstake
             Check(NativeMethods.swp_proxies_shift_origin(Pointer, offset));
         }
 
-        /// <summary>Frees the memory of removed proxies.</summary>
-        public void Compact()
-        {
-            Check(NativeMethods.swp_proxies_compact(Pointer));
-        }
-
         /// <summary>The current box and options of a proxy.</summary>
         public Aabb Get(ProxyHandle proxy, out ProxyOptions options)
         {
