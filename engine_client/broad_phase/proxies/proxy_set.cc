@@ -50,6 +50,7 @@ std::span<const OverlapPair> ProxySet::Impl::Resolve(std::span<const OverlapPair
   const ProxyTable& moving = moving_.table();
   const bool any_joins = joins_.Plan();
   if (moving.all_pass() && moving.ids_are_rows() && !any_joins && !wants_sorted()) {
+    pairs_.Clear();
     return moving_pairs;
   }
   next_.Clear();
@@ -97,7 +98,8 @@ ProxyHandle ProxySet::Impl::Add(const Aabb& box, const ProxyOptions& options) {
   ProxyKind& kind = options.is_static ? resting_ : moving_;
   const uint32_t group = options.is_static ? 0 : groups_.GroupFor(options.filter);
   const uint8_t population = options.is_static ? kStaticPopulation : static_cast<uint8_t>(group);
-  const uint32_t row = kind.Add(box, options.filter, options.user, population);
+  const Aabb copy = box;  // the caller's may be one of the set, which moves if the table grows
+  const uint32_t row = kind.Add(copy, options.filter, options.user, population);
   groups_.Join(group, options.filter);
   return kind.table().handle(row);
 }
@@ -107,8 +109,9 @@ void ProxySet::Impl::Remove(ProxyKind& kind, uint32_t row) {
   kind.Remove(row);
 }
 
-// Sets the box and wakes a sleeping proxy. A box with the same bytes as before changes nothing.
-void ProxySet::Impl::Move(ProxyKind& kind, uint32_t row, const Aabb& box) {
+// Sets the box and wakes a sleeping proxy. A box with the same bytes as before changes nothing. The
+// box is a copy, since the caller's may be one of the set, which a change of rows moves.
+void ProxySet::Impl::Move(ProxyKind& kind, uint32_t row, Aabb box) {
   if (IsSame(kind.table().boxes()[row], box)) return;
   const uint8_t population = kind.table().population(row);
   if (SleepsIn(population)) {
