@@ -109,15 +109,14 @@ void ProxySet::Impl::Remove(ProxyKind& kind, uint32_t row) {
   kind.Remove(row);
 }
 
-// Sets the box and wakes a sleeping proxy. A box with the same bytes as before changes nothing. The
-// box is a copy, since the caller's may be one of the set, which a change of rows moves.
-void ProxySet::Impl::Move(ProxyKind& kind, uint32_t row, Aabb box) {
+// Sets the box and wakes a sleeping proxy. A box with the same bytes as before changes nothing.
+void ProxySet::Impl::Move(ProxyKind& kind, uint32_t row, const Aabb& box) {
   if (IsSame(kind.table().boxes()[row], box)) return;
   const uint8_t population = kind.table().population(row);
-  if (SleepsIn(population)) {
-    row = kind.ChangePopulation(row, static_cast<uint8_t>(population - kSleepingPopulation));
-  }
-  kind.SetBox(row, box);
+  if (!SleepsIn(population)) return kind.SetBox(row, box);
+  const Aabb copy = box;  // the caller's may be one of the set, which a change of rows moves
+  row = kind.ChangePopulation(row, static_cast<uint8_t>(population - kSleepingPopulation));
+  kind.SetBox(row, copy);
 }
 
 // Allocates the memory that is needed to wake the sleeping proxies among `handles` whose boxes

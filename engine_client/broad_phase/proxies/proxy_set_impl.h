@@ -48,7 +48,7 @@ class ProxySet::Impl {
 
   ProxyHandle Add(const Aabb& box, const ProxyOptions& options);
   void Remove(ProxyKind& kind, uint32_t row);
-  void Move(ProxyKind& kind, uint32_t row, Aabb box);
+  void Move(ProxyKind& kind, uint32_t row, const Aabb& box);
   bool PrepareMove(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes);
   void SetFilter(ProxyKind& kind, uint32_t row, const CollisionFilter& filter);
   void SetStatic(ProxyKind& kind, uint32_t row, bool is_static);
