@@ -148,7 +148,7 @@ void BoxTree::TakeOut(std::span<uint32_t> slots) {
 
 void BoxTree::SortMembers(std::span<const Aabb> boxes, KdOrder& splitter,
                           std::span<uint32_t> slots) {
-  if (is_oversized()) FreeUnused(slots);
+  if (IsOversized(std::max(order_.capacity(), new_.capacity()))) StartAgain(slots);
   const size_t slot_count = count_ <= kBlock ? RoundUp(count_, LeafTree::kWidth)
                                              : RoundUp(count_, kSorted) / kSorted * kBlock;
   (order_.empty() ? new_ : order_).reserve(slot_count + SpareSlots(slot_count));
@@ -170,6 +170,19 @@ void BoxTree::SortMembers(std::span<const Aabb> boxes, KdOrder& splitter,
   sorted_extents_.resize(tree_.leaves().size());
   NoteExtents(0, sorted_extents_.size());
   is_sorted_ = true;
+}
+
+// Replaces the tree by one without memory in which all members are new. Their order stays the same,
+// so that results do not depend on the memory.
+void BoxTree::StartAgain(std::span<uint32_t> slots) {
+  BoxTree smaller;
+  smaller.EnsureRoomFor(count_);
+  for (const HookedVector<uint32_t>* const entries : {&order_, &new_}) {
+    for (const uint32_t entry : *entries) {
+      if (entry != kHole) smaller.Add(entry & ~kMark, slots);
+    }
+  }
+  *this = std::move(smaller);
 }
 
 // Appends the new members to `order_` and removes its holes and marks.
@@ -232,14 +245,15 @@ float BoxTree::ExtentOf(size_t leaf) const {
 }
 
 void BoxTree::FreeUnused(std::span<uint32_t> slots) {
-  BoxTree smaller;
-  smaller.EnsureRoomFor(count_);
-  for (const HookedVector<uint32_t>* const entries : {&order_, &new_}) {
-    for (const uint32_t entry : *entries) {
-      if (entry != kHole) smaller.Add(entry & ~kMark, slots);
-    }
+  if (!IsOversized(new_.capacity())) return;
+  HookedVector<uint32_t> smaller;
+  smaller.reserve(new_count_);
+  for (const uint32_t id : new_) {
+    if (id == kHole) continue;
+    slots[id] = static_cast<uint32_t>(smaller.size()) | kMark;
+    smaller.push_back(id);
   }
-  *this = std::move(smaller);
+  new_.swap(smaller);
 }
 
 size_t BoxTree::native_bytes() const {

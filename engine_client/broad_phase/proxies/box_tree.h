@@ -32,7 +32,6 @@
 // change nothing, and from Update, which must then be called again.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -101,12 +100,9 @@ class BoxTree {
   }
   void Refit(std::span<const Aabb> boxes);
 
-  // Returns whether there is room for more than four times the members.
-  bool is_oversized() const {
-    return std::max(order_.capacity(), new_.capacity()) > 4 * (count_ + kBlock);
-  }
-  // Frees memory without content. The next Update sorts all members. Changes nothing if memory runs
-  // out.
+  // Frees the memory of former new members. The other memory of former members is freed when all
+  // members are sorted again. Cost: O(new members) if there is much to free. Changes nothing if
+  // memory runs out.
   void FreeUnused(std::span<uint32_t> slots);
   size_t native_bytes() const;
 
@@ -144,6 +140,8 @@ class BoxTree {
   void RefitChanged(std::span<const Aabb> boxes);
   void TakeOut(std::span<uint32_t> slots);
   void SortMembers(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots);
+  bool IsOversized(size_t capacity) const { return capacity > 4 * (count_ + kBlock); }
+  void StartAgain(std::span<uint32_t> slots);
   void JoinMembers();
   void SpreadMembers();
   void NumberSlots(std::span<uint32_t> slots) const;

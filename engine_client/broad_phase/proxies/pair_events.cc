@@ -36,20 +36,23 @@ bool PairEvents::GoesOn(const ProxyPair& pair, float margin) const {
 
 void PairEvents::Update(std::span<const OverlapPair> now, float margin) {
   Clear();
-  next_begun_.clear();
-  next_begun_.reserve(now.size());
+  next_begun_.resize(now.size() + (margin > 0 ? begun_.size() : 0));
+  ProxyPair* next = next_begun_.data();
   // Fills local lists first. If memory runs out, added_ and removed_ are then empty instead of
   // incomplete.
   HookedVector<ProxyPair> added = std::move(added_);
   HookedVector<ProxyPair> removed = std::move(removed_);
   const bool any_removed = moving_.any_removed() || resting_.any_removed();
   const auto end = [&](const ProxyPair& pair) {
-    const bool goes_on = margin > 0 && GoesOn(pair, margin);
-    (goes_on ? next_begun_ : removed).push_back(pair);
+    if (margin > 0 && GoesOn(pair, margin)) {
+      *next++ = pair;
+    } else {
+      removed.push_back(pair);
+    }
   };
   const auto begin = [&](const OverlapPair& pair) {
     added.push_back(HandlesOf(pair));
-    next_begun_.push_back(added.back());
+    *next++ = added.back();
   };
   size_t b = 0;
   for (const OverlapPair& pair : now) {
@@ -62,13 +65,14 @@ void PairEvents::Update(std::span<const OverlapPair> now, float margin) {
     // Most pairs persist, so that this branch is well predicted.
     const ProxyPair& same_ids = begun_[b++];
     if (!any_removed || (Lives(same_ids.a) && Lives(same_ids.b))) {
-      next_begun_.push_back(same_ids);
+      *next++ = same_ids;
     } else {
       removed.push_back(same_ids);
       begin(pair);
     }
   }
   while (b < begun_.size()) end(begun_[b++]);
+  next_begun_.resize(static_cast<size_t>(next - next_begun_.data()));
   begun_.swap(next_begun_);
   added_ = std::move(added);
   removed_ = std::move(removed);

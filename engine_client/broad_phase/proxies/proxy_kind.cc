@@ -130,7 +130,7 @@ void ProxyKind::ShiftOrigin(const float offset[3]) {
 
 bool ProxyKind::FreeUnused() {
   for (const auto& tree : trees_) {
-    if (tree != nullptr && tree->is_oversized()) tree->FreeUnused(table_.slots());
+    if (tree != nullptr) tree->FreeUnused(table_.slots());
   }
   return table_.FreeUnused();
 }

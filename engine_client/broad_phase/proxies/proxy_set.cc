@@ -51,6 +51,7 @@ std::span<const OverlapPair> ProxySet::Impl::Resolve(std::span<const OverlapPair
   const ProxyTable& moving = moving_.table();
   const bool any_joins = joins_.Plan();
   if (moving.all_pass() && moving.ids_are_rows() && !any_joins && !wants_sorted()) {
+    pairs_.Clear();
     return moving_pairs;
   }
   next_.Clear();
@@ -98,7 +99,8 @@ ProxyHandle ProxySet::Impl::Add(const Aabb& box, const ProxyOptions& options) {
   ProxyKind& kind = options.is_static ? resting_ : moving_;
   const uint32_t group = options.is_static ? 0 : groups_.GroupFor(options.filter);
   const uint8_t population = options.is_static ? kStaticPopulation : static_cast<uint8_t>(group);
-  const uint32_t row = kind.Add(box, options.filter, options.user, population);
+  const Aabb copy = box;  // the caller's may be one of the set, which moves if the table grows
+  const uint32_t row = kind.Add(copy, options.filter, options.user, population);
   groups_.Join(group, options.filter);
   return kind.table().handle(row);
 }
@@ -112,10 +114,10 @@ void ProxySet::Impl::Remove(ProxyKind& kind, uint32_t row) {
 void ProxySet::Impl::Move(ProxyKind& kind, uint32_t row, const Aabb& box) {
   if (IsSame(kind.table().boxes()[row], box)) return;
   const uint8_t population = kind.table().population(row);
-  if (SleepsIn(population)) {
-    row = kind.ChangePopulation(row, static_cast<uint8_t>(population - kSleepingPopulation));
-  }
-  kind.SetBox(row, box);
+  if (!SleepsIn(population)) return kind.SetBox(row, box);
+  const Aabb copy = box;  // the caller's may be one of the set, which a change of rows moves
+  row = kind.ChangePopulation(row, static_cast<uint8_t>(population - kSleepingPopulation));
+  kind.SetBox(row, copy);
 }
 
 // Allocates the memory that is needed to wake the sleeping proxies among `handles` whose boxes

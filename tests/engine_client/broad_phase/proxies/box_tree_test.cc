@@ -233,7 +233,6 @@ TEST_F(BoxTreeTest, FreesTheMemoryOfFormerMembers) {
     if (is_used) Update();
     while (members_.size() > 2000) Remove(members_.size() - 1);
     EXPECT_GT(tree_.native_bytes(), 4 * bytes);
-    EXPECT_TRUE(tree_.is_oversized());
     if (!is_used) tree_.FreeUnused(slots_);
     if (is_used) Update();
     EXPECT_LE(tree_.native_bytes(), bytes + bytes / 10);

@@ -143,6 +143,18 @@ TEST_F(Populations, SleepersLeaveNoGapsInTheBoxesOfTheBroadPhase) {
   EXPECT_EQ(Resolve().size(), 62U * 61 / 2);
 }
 
+TEST_F(Populations, AProxyCanGetTheBoxOfAnotherOne) {
+  const ProxyHandle first = proxies_.Add(kFarAway);
+  const ProxyHandle second = proxies_.Add(kUnit);
+  ASSERT_TRUE(proxies_.SetSleeping(second, true) && proxies_.SetSleeping(first, true));
+  // `second` wakes and takes the row of `first`.
+  ASSERT_TRUE(proxies_.Move(second, *proxies_.box(first)));
+  EXPECT_EQ(*proxies_.box(second), kFarAway);
+  for (int k = 0; k < 200; ++k) {
+    EXPECT_EQ(*proxies_.box(proxies_.Add(*proxies_.box(first))), kFarAway);
+  }
+}
+
 TEST_F(Populations, StaticProxiesCannotSleep) {
   const ProxyHandle wall = proxies_.Add(kUnit, {.is_static = true});
   ASSERT_TRUE(proxies_.SetSleeping(wall, true));
