@@ -284,7 +284,7 @@ TEST_P(Box2dBroadPhaseTest, ProxiesAtRestAreNotSearchedUntilTheyMove) {
   Add(0, 0);
   Add(0.5F, 0);
   const int32 moving = Add(50, 0);  // so that each update searches
-  for (float y = 0; y < 10; y += 5) {
+  for (const float y : {0.0F, 5.0F}) {
     ours_.MoveProxy(0, BoxAt(0, y), {0, 0});
     ours_.MoveProxy(1, BoxAt(0.5F, y), {0, 0});
     for (int update = 0; update <= 30; ++update) {
@@ -320,8 +320,8 @@ TEST_P(Box2dBroadPhaseTest, AProxyInAReusedPlaceIsReportedOnce) {
 }
 
 TEST_P(Box2dBroadPhaseTest, AnUpdateAllocatesNothingInSteadyState) {
-  std::vector<int32> ids;
-  for (int i = 0; i < 200; ++i) ids.push_back(Add(static_cast<float>(i) * 0.7F, 0));
+  std::vector<int32> ids(200);
+  for (size_t i = 0; i < ids.size(); ++i) ids[i] = Add(static_cast<float>(i) * 0.7F, 0);
   struct Counter {
     void AddPair(void* /*a*/, void* /*b*/) { ++count; }
     int count = 0;
