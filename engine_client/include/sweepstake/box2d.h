@@ -1,6 +1,6 @@
 // Sweepstake with the interface of b2BroadPhase, the broad phase of Box2D 2.4. Box2D has no virtual
-// broad phase, so a built library cannot use this class. A game that compiles Box2D replaces
-// box2d/b2_broad_phase.h by these lines, and leaves out b2_broad_phase.cpp:
+// broad phase, so a built library cannot use this class. A game that compiles Box2D, as C++20,
+// replaces box2d/b2_broad_phase.h by these lines, and leaves out b2_broad_phase.cpp:
 //
 //   #include "sweepstake/box2d.h"
 //   class b2BroadPhase : public sweepstake::Box2dBroadPhase {
@@ -23,8 +23,9 @@
 // of threads. Box2D's own order depends on its tree, so the solver may round differently.
 //
 // Thread safety: one thread at a time, also for queries. Ownership: the search and the executor are
-// borrowed and must outlive the object. Units: the world's; z is 0. Memory: a ProxySet and 48 bytes
-// per proxy. Errors: an invalid box overlaps nothing; std::bad_alloc.
+// borrowed and must outlive the object. Units: the world's; z is 0. Memory: a ProxySet and 40 bytes
+// per proxy. Errors: an invalid box overlaps nothing; after std::bad_alloc the object may only be
+// destroyed.
 //
 // Cost: MoveProxy is O(1). UpdatePairs is one search and O(proxies). A proxy costs little once its
 // fat box was the same for thirty searches (proxy_set.h). If less than one proxy in eight has
