@@ -1,13 +1,17 @@
 #include "sweepstake/box2d.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace sweepstake {
 namespace {
 
-// A proxy sleeps after this number of updates without a move. bullet_broad_phase.cc has the reason
-// for the number.
+// A proxy sleeps after this number of searches without a change. bullet_broad_phase.cc has the
+// reason for the number.
 constexpr uint32_t kRestCount = 30;
+
+// A query takes about as long as the search takes for this number of proxies (box2d_bench).
+constexpr size_t kSearchedPerQuery = 8;
 
 Aabb BoxOf(const b2AABB& aabb) {
   return {{aabb.lowerBound.x, aabb.lowerBound.y, 0}, {aabb.upperBound.x, aabb.upperBound.y, 0}};
@@ -40,10 +44,20 @@ int32 Box2dBroadPhase::CreateProxy(const b2AABB& aabb, void* user_data) {
   const ProxyHandle handle = proxies_.Add(BoxOf(fat));
   if (handle.index == proxies_by_id_.size()) proxies_by_id_.emplace_back();
   proxies_by_id_[handle.index] = {.fat = fat, .user_data = user_data, .handle = handle};
-  return static_cast<int32>(handle.index);
+  const auto id = static_cast<int32>(handle.index);
+  TouchProxy(id);
+  return id;
 }
 
-void Box2dBroadPhase::DestroyProxy(int32 id) { proxies_.Remove(At(id).handle); }
+void Box2dBroadPhase::DestroyProxy(int32 id) {
+  if (At(id).is_changed) std::erase(changed_, id);
+  proxies_.Remove(At(id).handle);
+}
+
+void Box2dBroadPhase::TouchProxy(int32 id) {
+  if (!std::exchange(At(id).is_changed, true)) changed_.push_back(id);
+  At(id).rest_count = 0;
+}
 
 // Keeps the fat box while it contains the box and is not much larger than a new one, as Box2D does.
 void Box2dBroadPhase::MoveProxy(int32 id, const b2AABB& aabb, const b2Vec2& displacement) {
@@ -51,24 +65,44 @@ void Box2dBroadPhase::MoveProxy(int32 id, const b2AABB& aabb, const b2Vec2& disp
   const b2AABB fat = FatBox(aabb, displacement);
   if (proxy.fat.Contains(aabb) && Enlarge(fat, 4 * b2_aabbExtension).Contains(proxy.fat)) return;
   proxy.fat = fat;
-  proxy.is_moved = true;
   proxies_.Move(proxy.handle, BoxOf(fat));  // also wakes it
+  TouchProxy(id);
 }
 
 std::span<const OverlapPair> Box2dBroadPhase::NewPairs() {
   pairs_.clear();
-  for (const auto& pair : proxies_.Resolve(search_.FindPairs(proxies_.moving_boxes()))) {
-    if (proxies_by_id_[pair.a].is_moved || proxies_by_id_[pair.b].is_moved) pairs_.push_back(pair);
+  if (changed_.size() * kSearchedPerQuery < proxies_.moving_count()) {
+    QueryChanged();
+  } else {
+    Search();
   }
+  for (const int32 id : changed_) At(id).is_changed = false;
+  changed_.clear();
   sorter_.Sort(pairs_);
+  return pairs_;
+}
+
+void Box2dBroadPhase::Search() {
+  for (const auto& pair : proxies_.Resolve(search_.FindPairs(proxies_.moving_boxes()))) {
+    const bool is_new = proxies_by_id_[pair.a].is_changed || proxies_by_id_[pair.b].is_changed;
+    if (is_new) pairs_.push_back(pair);
+  }
   for (Proxy& proxy : proxies_by_id_) {
-    if (std::exchange(proxy.is_moved, false)) {
-      proxy.rest_count = 0;
-    } else if (proxy.rest_count < kRestCount && ++proxy.rest_count == kRestCount) {
-      proxies_.SetSleeping(proxy.handle, true);
+    if (proxy.is_changed || proxy.rest_count == kRestCount) continue;
+    if (++proxy.rest_count == kRestCount) proxies_.SetSleeping(proxy.handle, true);
+  }
+}
+
+void Box2dBroadPhase::QueryChanged() {
+  for (const int32 id : changed_) {
+    const uint32_t own = At(id).handle.index;
+    proxies_.QueryBox(BoxOf(At(id).fat), {}, found_);
+    for (const auto& [other, generation] : found_) {
+      // A pair of two changed proxies is found twice.
+      if (other == own || (proxies_by_id_[other].is_changed && other > own)) continue;
+      pairs_.push_back({std::min(own, other), std::max(own, other)});
     }
   }
-  return pairs_;
 }
 
 std::vector<ProxyHandle> Box2dBroadPhase::InBox(const b2AABB& aabb) const {

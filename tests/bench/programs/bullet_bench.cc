@@ -25,6 +25,7 @@
 
 #include "sweepstake/scene.h"
 #include "sweepstake/session.h"
+#include "tests/bench/programs/median.h"
 #include "tests/support/bullet/adaptive_bullet_game.h"
 
 namespace sweepstake::test_support {
@@ -184,19 +185,6 @@ std::vector<std::unique_ptr<Contestant>> Contestants(const BulletGameOptions& op
     all.push_back(std::make_unique<OneOfOurs>(arm, options));
   }
   return all;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double MedianRatio(const std::vector<double>& a, const std::vector<double>& b) {
-  std::vector<double> ratios;
-  for (size_t i = 0; i < a.size(); ++i) ratios.push_back(a[i] / b[i]);
-  return Median(std::move(ratios));
 }
 
 void Print(const NamedWorld& world, Contestant& one, const Contestant& tree) {

@@ -99,8 +99,8 @@ TEST_P(OdeBroadPhaseTest, ComparesBoxesInThePrecisionOfOde) {
 
 TEST_P(OdeBroadPhaseTest, AnUprightPlaneIsNearTheGeomsInItsHalfSpace) {
   dCreatePlane(space_, 0, 0, 1, 2);
-  std::vector<dGeomID> cubes;
-  for (int i = 0; i < 50; ++i) cubes.push_back(Cube(i * 2));
+  std::vector<dGeomID> cubes(50);
+  for (size_t i = 0; i < cubes.size(); ++i) cubes[i] = Cube(static_cast<dReal>(i) * 2);
   dGeomSetPosition(cubes[7], 1e6, -1e6, 2.4);
   dGeomSetPosition(cubes[8], 0, 0, 2.6);
   for (int step = 0; step < 40; ++step) {  // from the thirtieth step on the geoms rest
@@ -234,8 +234,8 @@ TEST_P(OdeBroadPhaseTest, GeomsAtRestAreNotSearchedUntilTheyMove) {
 }
 
 TEST_P(OdeBroadPhaseTest, AStepAllocatesNothingInSteadyState) {
-  std::vector<dGeomID> cubes;
-  for (int i = 0; i < 200; ++i) cubes.push_back(Cube(i * 0.7));
+  std::vector<dGeomID> cubes(200);
+  for (size_t i = 0; i < cubes.size(); ++i) cubes[i] = Cube(static_cast<dReal>(i) * 0.7);
   Pairs pairs;
   uint64_t before = 0;
   for (int step = 0; step < 100; ++step) {

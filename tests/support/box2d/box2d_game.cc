@@ -26,7 +26,8 @@ Box2dGame::Box2dGame(const Box2dGameOptions& options) : options_(options) {
   const int across = std::max(1, static_cast<int>(options.half_width * 2));
   for (int i = 0; i < options.pile_count; ++i) {
     const float x = static_cast<float>(i % across) - options.half_width + 0.5F;
-    AddBody(x + Random(-0.1F, 0.1F), 1 + static_cast<float>(i / across));
+    const int layer = i / across;
+    AddBody(x + Random(-0.1F, 0.1F), 1 + static_cast<float>(layer));
   }
 }
 
@@ -107,7 +108,7 @@ void Box2dGame::AddBody(float x, float y) {
 }
 
 float Box2dGame::Random(float low, float high) {
-  constexpr float kRange = std::minstd_rand::max() - std::minstd_rand::min();
+  constexpr auto kRange = static_cast<float>(std::minstd_rand::max() - std::minstd_rand::min());
   return low + (high - low) * static_cast<float>(random_() - std::minstd_rand::min()) / kRange;
 }
 

@@ -30,15 +30,13 @@ OdeGame::OdeGame(const OdeGameOptions& options) : options_(options) {
     dGeomSetCategoryBits(Name(dCreatePlane(space_, x, y, 0, wall)), kScenery);
   }
   dGeomSetCategoryBits(Name(dCreatePlane(space_, 0, 0, 1, 0)), kScenery);
-  for (dGeomID plane : {dSpaceGetGeom(space_, 0), dSpaceGetGeom(space_, 1)}) {
-    dGeomSetCollideBits(plane, ~kScenery);
-  }
   AddScenery(options.scenery_count);
   const int across = std::max(1, static_cast<int>(options.half_width * 2 / 1.2) - 1);
   for (int i = 0; i < options.pile_count; ++i) {
+    const int layer = i / (across * across);
     const auto at = [&](int cell) { return (cell - across / 2.0 + 0.5) * 1.2; };
     AddBody(at(i % across) + Random(-0.1, 0.1), at(i / across % across) + Random(-0.1, 0.1),
-            1.5 + i / (across * across) * 1.2);
+            1.5 + layer * 1.2);
   }
   for (int i = 0; i < options.chain_count; ++i) AddChain(i);
 }
