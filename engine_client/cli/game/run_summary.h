@@ -66,7 +66,7 @@ struct RunSummary {
   ShadowStats shadow;
   uint64_t frame_count = 0;
   uint64_t suspended_frame_count = 0;  // frames with kFrameSuspended
-  uint32_t invalid_box_count = 0;  // in the last frame
+  uint32_t invalid_box_count = 0;      // in the last frame
   std::string active_arm;
   VerdictRow verdict;
   std::vector<ArmRow> arms;
