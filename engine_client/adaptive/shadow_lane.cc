@@ -103,26 +103,11 @@ ShadowLane::ShadowLane(Setup setup)
   HasCore();
 }
 
-ShadowLane::~ShadowLane() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_.store(true, std::memory_order_relaxed);
-  }
-  changed_.notify_one();
-  if (thread_.joinable()) thread_.join();
-}
+ShadowLane::~ShadowLane() { stopping_.store(true, std::memory_order_relaxed); }
 
 void ShadowLane::Start() {
-  thread_ = std::thread([this] { Run(); });
-}
-
-void ShadowLane::Run() {
-  NoteThreadStarted("swp lane", ThreadPriority::kLow);
-  while (!stopping_.load(std::memory_order_relaxed)) {
-    const std::chrono::microseconds pause = Step();
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, pause, [this] { return stopping_.load(std::memory_order_relaxed); });
-  }
+  thread_.Start(std::chrono::microseconds(0),
+                [this](bool stopping) { return stopping ? std::nullopt : std::optional(Step()); });
 }
 
 std::chrono::microseconds ShadowLane::Step() {

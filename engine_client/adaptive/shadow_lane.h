@@ -36,10 +36,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include "engine_client/adaptive/adaptive_factory.h"
@@ -48,6 +45,7 @@
 #include "engine_client/adaptive/lane_cost.h"
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/adaptive/switch_handover.h"
+#include "engine_client/broad_phase/host/polling_thread.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/shadow.h"
 
@@ -139,7 +137,6 @@ class ShadowLane {
   class Watch;
   class Work;
 
-  void Run();
   // Does the work of Step. Throws std::bad_alloc, after which Step frees the lane's memory.
   std::chrono::microseconds StepWithMemory();
   bool enabled() const {
@@ -212,10 +209,9 @@ class ShadowLane {
 
   std::atomic<bool> was_ai_{false};  // the mode was kAi at least once
   std::atomic<bool> trim_is_wanted_{false};
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::atomic<bool> stopping_{false};  // set while mutex_ is held
-  std::thread thread_;
+  std::atomic<bool> stopping_{false};  // ends a visit in progress
+  // The last member: its destructor ends the thread, which uses the others.
+  PollingThread thread_{"swp lane", ThreadPriority::kLow};
 };
 
 }  // namespace sweepstake

@@ -1,58 +1,12 @@
 #include "engine_client/telemetry/common/session_base.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "engine_client/broad_phase/host/float_environment.h"
-#include "engine_client/broad_phase/host/hook_points.h"
 
 namespace sweepstake {
-
-PollingThread::~PollingThread() {
-  RequestStop();
-  Join();
-}
-
-void PollingThread::Start(std::chrono::milliseconds interval, Step step) {
-  const std::lock_guard lock(join_mutex_);
-  thread_ = std::thread([this, interval, step = std::move(step)] { Run(interval, step); });
-}
-
-void PollingThread::Wake() {
-  {
-    const std::lock_guard lock(mutex_);
-    woken_ = true;
-  }
-  changed_.notify_one();
-}
-
-void PollingThread::RequestStop() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-    woken_ = true;
-  }
-  changed_.notify_one();
-}
-
-void PollingThread::Join() {
-  const std::lock_guard lock(join_mutex_);
-  if (thread_.joinable()) thread_.join();
-}
-
-void PollingThread::Run(std::chrono::milliseconds interval, const Step& step) {
-  NoteThreadStarted("swp session");
-  for (;;) {
-    bool stopping = false;
-    {
-      std::unique_lock lock(mutex_);
-      changed_.wait_for(lock, interval, [this] { return woken_; });
-      woken_ = false;
-      stopping = stopping_;
-    }
-    if (!step(stopping)) return;
-  }
-}
 
 SessionBase::SessionBase(const SessionOptions& options)
     : flight_(options.flight_recorder.memory_mb > 0 ? std::make_shared<FlightRecorder>(options)
@@ -75,9 +29,10 @@ Status SessionBase::Start(AdaptiveBroadPhase& adaptive) {
     return status;
   }
   adaptive_.store(&adaptive);
-  thread_.Start(poll_interval(), [this](bool stopping) {
+  const std::chrono::microseconds pause = poll_interval();
+  thread_.Start(pause, [this, pause](bool stopping) {
     if (flight_) flight_->Step(this->adaptive());
-    return Step(stopping);
+    return Step(stopping) ? std::optional(pause) : std::nullopt;
   });
   attachment_->Begin([this](uint32_t deadline_ms) { EndThread(deadline_ms); });
   return {};
@@ -92,7 +47,7 @@ void SessionBase::LimitStop(uint32_t deadline_ms) {
 void SessionBase::Stop(uint32_t deadline_ms) {
   LimitStop(deadline_ms);
   attachment_->End(deadline_ms);
-  UpdateStats([](SessionStats& stats) { stats.state = ConnectionState::kClosed; });
+  Close();
 }
 
 void SessionBase::EndThread(uint32_t deadline_ms) {
@@ -100,6 +55,12 @@ void SessionBase::EndThread(uint32_t deadline_ms) {
   thread_.RequestStop();
   thread_.Join();
   adaptive_.exchange(nullptr)->SetDeciderPresent(false);
+  Close();
+}
+
+// Does nothing in a forked child, where the parent's thread may hold the lock for ever.
+void SessionBase::Close() {
+  if (thread_.is_in_child()) return;
   UpdateStats([](SessionStats& stats) { stats.state = ConnectionState::kClosed; });
 }
 

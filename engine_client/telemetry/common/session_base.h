@@ -8,53 +8,17 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <thread>
 
 #include "engine_client/adaptive/session_attachment.h"
+#include "engine_client/broad_phase/host/polling_thread.h"
 #include "engine_client/telemetry/common/flight_recorder.h"
 #include "engine_client/telemetry/common/sample_queue.h"
 #include "sweepstake/session.h"
 
 namespace sweepstake {
-
-// A thread that runs a step every `interval`, or earlier if Wake is called.
-//
-// The thread polls, because the frame thread must not make the system call that would wake it. Wake
-// is for other threads, such as a transport's callbacks and Stop. Thread safety: every method on
-// any thread; Start only once.
-class PollingThread {
- public:
-  // Runs one step. `stopping` is true after RequestStop. Returns false to end the thread.
-  using Step = std::function<bool(bool stopping)>;
-
-  PollingThread() = default;
-  // Calls RequestStop and Join.
-  ~PollingThread();
-  PollingThread(const PollingThread&) = delete;
-  PollingThread& operator=(const PollingThread&) = delete;
-
-  void Start(std::chrono::milliseconds interval, Step step);
-  void Wake();
-  void RequestStop();
-  // Waits until the thread has ended, because a step returned false. May be called several times.
-  // Returns at once if Start was not called.
-  void Join();
-
- private:
-  void Run(std::chrono::milliseconds interval, const Step& step);
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool woken_ = false;     // guarded by mutex_
-  bool stopping_ = false;  // guarded by mutex_
-  std::mutex join_mutex_;  // so that only one caller of Join joins the thread
-  std::thread thread_;     // guarded by join_mutex_
-};
 
 class SessionBase : public Session {
  public:
@@ -93,6 +57,7 @@ class SessionBase : public Session {
  private:
   void LimitStop(uint32_t deadline_ms);
   void EndThread(uint32_t deadline_ms);
+  void Close();
 
   // The AdaptiveBroadPhase shares the queue, and with it the recorder's ring, because it may use
   // both after the session's end.
@@ -104,7 +69,7 @@ class SessionBase : public Session {
 
   mutable std::mutex stats_mutex_;
   SessionStats stats_;  // guarded by stats_mutex_
-  PollingThread thread_;
+  PollingThread thread_{"swp session"};
 };
 
 }  // namespace sweepstake

@@ -8,6 +8,11 @@
 #include <utility>
 #include <vector>
 
+#if defined(__unix__)
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
+
 #include "sweepstake/scene.h"
 #include "tests/support/recording_sink.h"
 
@@ -160,6 +165,29 @@ TEST(AdaptiveSessionTest, ReturnsTheErrorOfEachPart) {
                 .code(),
             StatusCode::kNotFound);
 }
+
+#if defined(__unix__) && !defined(__SANITIZE_THREAD__)
+// A child has neither the session's thread nor the lane's. Some of the forks happen while one of
+// them holds a lock.
+TEST(AdaptiveSessionTest, AForkedChildDestroysItWithoutWaiting) {
+  Boxes boxes;
+  auto game = AdaptiveSession::Create(QuickSession(), {.shadow = {.enabled = ShadowMode::kOn}});
+  ASSERT_TRUE(game.ok());
+  std::optional<AdaptiveSession> owned = std::move(*game);
+  for (int round = 0; round < 20; ++round) {
+    boxes.Play(*owned, 5);
+    const pid_t child = fork();
+    if (child == 0) {
+      alarm(60);  // ends a child that waits
+      owned.reset();
+      _exit(0);
+    }
+    int status = -1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_EQ(status, 0);
+  }
+}
+#endif
 
 TEST(AdaptiveBroadPhaseModes, AreReportedToTheSinkByEveryChange) {
   test_support::RecordingSink sink;
