@@ -17,7 +17,7 @@ class BruteForce final : public BroadPhase {
  public:
   explicit BruteForce(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "BruteForce"; }
-  uint32_t version() const override { return 3; }
+  uint32_t version() const override { return 4; }
   void DoBuild(std::span<const Aabb> boxes) override {
     pair_count_ = 0;
     Load(boxes);

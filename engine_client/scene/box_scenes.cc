@@ -290,6 +290,37 @@ Aabb SpawnMixedSizes(SequentialRandom& random, const Slot& slot) {
   return Around(center, half);
 }
 
+// Spawns a box in one of two crowds that are 10,000 units apart on each axis.
+Aabb SpawnFarCrowd(SequentialRandom& random, const Slot& slot) {
+  const auto side = static_cast<float>(math::CubeRoot(static_cast<double>(slot.count) / 2));
+  const float crowd = slot.index % 2 == 0 ? 0.0F : 10'000.0F;
+  float center[3];
+  float half[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    center[axis] = crowd + random.Between(0, side);
+    half[axis] = HalfExtent(random);
+  }
+  return Around(center, half);
+}
+
+// Spawns a box on the diagonal. Its distance and its size grow exponentially with its index, up to
+// 10^9 times those of the first box.
+Aabb SpawnExponential(SequentialRandom& random, const Slot& slot) {
+  const double fraction = static_cast<double>(slot.index) / static_cast<double>(slot.count);
+  const auto distance = static_cast<float>(math::Pow(1e9, fraction));
+  const float size = 20 * distance / static_cast<float>(slot.count);  // to the next box, about
+  const float center[3] = {distance, distance, distance};
+  float half[3];
+  for (float& extent : half) extent = size * random.Between(0.3F, 1.0F);
+  return Around(center, half);
+}
+void StepExponential(SequentialRandom& random, const Slot&, Aabb& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const float reach = 0.05F * (box.max[axis] - box.min[axis]);
+    Shift(box, axis, random.Between(-reach, reach));
+  }
+}
+
 constexpr std::array kBoxKinds = {
     BoxKind{"brownian", SpawnScattered, StepBrownian},
     BoxKind{"nearly-resting", SpawnScattered, StepNearlyResting},
@@ -310,7 +341,11 @@ constexpr std::array kBoxKinds = {
     BoxKind{"clusters", SpawnCluster, StepCluster},
     BoxKind{"planar", SpawnPlanar, StepPlanar},
     BoxKind{"sizes-1-to-1000", SpawnMixedSizes, StepBrownian},
+    BoxKind{"far-crowds", SpawnFarCrowd, StepBrownian},
+    BoxKind{"exponential-spacing", SpawnExponential, StepExponential},
 };
+// A mixture has the kinds before far-crowds only, because boxes far away would thin out the others.
+constexpr size_t kMixedKinds = kBoxKinds.size() - 2;
 constexpr std::string_view kMixture = "mixture";
 
 size_t KindIndex(std::string_view name) {
@@ -374,7 +409,7 @@ class DegenerateScene : public Scene {
 
 BoxScene::BoxScene(std::string_view kind, size_t count, uint64_t seed) : random_(seed) {
   for (size_t i = 0; i < count; ++i) {
-    kinds_.push_back(kind == kMixture ? random_.Below(kBoxKinds.size()) : KindIndex(kind));
+    kinds_.push_back(kind == kMixture ? random_.Below(kMixedKinds) : KindIndex(kind));
     boxes_.push_back(kBoxKinds[kinds_[i]].spawn(random_, {i, count, 0}));
   }
 }

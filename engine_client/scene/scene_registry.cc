@@ -98,6 +98,8 @@ constexpr std::array kEntries = {
     Degenerate("clusters", "seven dense groups"),
     Degenerate("planar", "all boxes on one plane"),
     Degenerate("sizes-1-to-1000", "sizes over three decades"),
+    Degenerate("far-crowds", "two crowds 10,000 units apart"),
+    Degenerate("exponential-spacing", "distances and sizes over nine decades"),
     Degenerate("mixture", "every box is of a random kind"),
 };
 

@@ -8,9 +8,6 @@
 #define SWEEPSTAKE_BOX_RECORD_INL_H_
 #endif
 
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <limits>
 
 #include "engine_client/broad_phase/common/box_record.h"
@@ -28,15 +25,6 @@ HWY_INLINE void StoreRecord(const Aabb& box, BoxRecord& record) { record = Recor
 
 HWY_INLINE bool RecordsOverlap(const BoxRecord& a, const BoxRecord& b) { return Overlap(a, b); }
 HWY_INLINE bool RecordsAreEqual(const BoxRecord& a, const BoxRecord& b) { return a == b; }
-
-// Converts four coordinates to integers in [0, last]: min(max((x − origin) · scale, 0), last).
-HWY_INLINE void ToLevels(const float* x, const float* origin, const float* scale, float last,
-                         int32_t* levels) {
-  for (size_t k = 0; k < 4; ++k) {
-    const float level = (x[k] - origin[k]) * scale[k];
-    levels[k] = static_cast<int32_t>(std::min(std::max(level, 0.0F), last));
-  }
-}
 
 #else
 
@@ -68,15 +56,6 @@ HWY_INLINE bool RecordsAreEqual(const BoxRecord& a, const BoxRecord& b) {
   const RecordHalf d;
   return hn::AllTrue(d, hn::And(hn::Eq(hn::Load(d, a.min), hn::Load(d, b.min)),
                                 hn::Eq(hn::Load(d, a.max), hn::Load(d, b.max))));
-}
-
-HWY_INLINE void ToLevels(const float* x, const float* origin, const float* scale, float last,
-                         int32_t* levels) {
-  const RecordHalf d;
-  const hn::RebindToSigned<RecordHalf> di;
-  const auto level = hn::Mul(hn::Sub(hn::Load(d, x), hn::Load(d, origin)), hn::Load(d, scale));
-  const auto inside = hn::Min(hn::Max(level, hn::Zero(d)), hn::Set(d, last));
-  hn::Store(hn::ConvertTo(di, inside), di, levels);
 }
 
 #endif

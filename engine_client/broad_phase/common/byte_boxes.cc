@@ -1,5 +1,7 @@
 #include "engine_client/broad_phase/common/byte_boxes.h"
 
+#include <algorithm>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/common/byte_boxes.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
@@ -12,8 +14,14 @@ namespace sweepstake {
 
 // The parameters of the function q (byte_boxes.h), in the layout of BoxRecord::min.
 struct ByteScale {
-  alignas(16) float origin[4];
-  alignas(16) float scale[4];
+  // q is the sum of these segments (PiecewiseLine), usually one.
+  struct Segment {
+    alignas(16) float origin[4];
+    alignas(16) float scale[4];
+    alignas(16) float rise[4];
+  };
+  Segment segments[CoordinateRange::kMaxSegments];
+  size_t segment_count;
   size_t axis[3];  // the coordinate stored in ByteLanes::low[k] and high[k]
 };
 
@@ -23,21 +31,54 @@ struct ByteScale {
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
+// Converts four coordinates to bytes.
+#if HWY_TARGET == HWY_SCALAR
+template <bool kOneSegment>
+HWY_INLINE void ToLevels(const float* x, const ByteScale& scale, int32_t* levels) {
+  for (size_t k = 0; k < 4; ++k) {
+    float sum = 0;
+    for (size_t s = 0; s < scale.segment_count; ++s) {
+      const ByteScale::Segment& segment = scale.segments[s];
+      const float level = (x[k] - segment.origin[k]) * segment.scale[k];
+      sum += std::min(std::max(level, 0.0F), segment.rise[k]);
+    }
+    levels[k] = static_cast<int32_t>(sum);
+  }
+}
+#else
+template <bool kOneSegment>
+HWY_INLINE void ToLevels(const float* x, const ByteScale& scale, int32_t* levels) {
+  const RecordHalf d;
+  const hn::RebindToSigned<RecordHalf> di;
+  const auto of_segment = [&](const ByteScale::Segment& segment) HWY_ATTR {
+    const auto from_origin = hn::Sub(hn::Load(d, x), hn::Load(d, segment.origin));
+    const auto level = hn::Mul(from_origin, hn::Load(d, segment.scale));
+    return hn::Min(hn::Max(level, hn::Zero(d)), hn::Load(d, segment.rise));
+  };
+  auto sum = of_segment(scale.segments[0]);
+  for (size_t s = 1; !kOneSegment && s < scale.segment_count; ++s) {
+    sum = hn::Add(sum, of_segment(scale.segments[s]));
+  }
+  hn::Store(hn::ConvertTo(di, sum), di, levels);
+}
+#endif
+
+template <bool kOneSegment>
 HWY_INLINE void PutBytes(const ByteScale& scale, const BoxRecord& record, const ByteLanes& lanes,
                          size_t slot) {
-  constexpr float kLast = 255;
   alignas(16) int32_t low[4];
   alignas(16) int32_t high[4];
-  ToLevels(record.min, scale.origin, scale.scale, kLast, low);
-  ToLevels(record.max, scale.origin, scale.scale, kLast, high);
+  ToLevels<kOneSegment>(record.min, scale, low);
+  ToLevels<kOneSegment>(record.max, scale, high);
   for (size_t k = 0; k < 3; ++k) {
     lanes.low[k][slot] = static_cast<uint8_t>(low[scale.axis[k]]);
     lanes.high[k][slot] = static_cast<uint8_t>(high[scale.axis[k]]);
   }
 }
 
-void FillFromBoxes(std::span<const Aabb> boxes, const ByteScale& scale, const SweepAxis& sweep,
-                   const ByteLanes& lanes, BoxRecord* records, size_t begin, size_t end) {
+template <bool kOneSegment>
+void FillBoxes(std::span<const Aabb> boxes, const ByteScale& scale, const SweepAxis& sweep,
+               const ByteLanes& lanes, BoxRecord* records, size_t begin, size_t end) {
   // No store can alias these local copies, so that the compiler keeps their fields in registers.
   const ByteScale local = scale;
   const ByteLanes to = lanes;
@@ -45,8 +86,28 @@ void FillFromBoxes(std::span<const Aabb> boxes, const ByteScale& scale, const Sw
   for (size_t slot = begin; slot < end; ++slot) {
     BoxRecord& record = records[slot];
     StoreRecord(boxes[to.id[slot]], record);
-    PutBytes(local, record, to, slot);
+    PutBytes<kOneSegment>(local, record, to, slot);
     if (to.begin == nullptr) continue;
+    to.begin[slot] = sweep.Position(record.min[axis]);
+    to.end[slot] = sweep.Position(record.max[axis]);
+  }
+}
+
+void FillFromBoxes(std::span<const Aabb> boxes, const ByteScale& scale, const SweepAxis& sweep,
+                   const ByteLanes& lanes, BoxRecord* records, size_t begin, size_t end) {
+  const auto fill = scale.segment_count == 1 ? FillBoxes<true> : FillBoxes<false>;
+  fill(boxes, scale, sweep, lanes, records, begin, end);
+}
+
+template <bool kOneSegment>
+void FillRecords(const BoxRecord* records, const ByteScale& scale, const SweepAxis& sweep,
+                 const ByteLanes& lanes, size_t begin, size_t end) {
+  const ByteScale local = scale;  // a copy that no store can alias
+  const ByteLanes to = lanes;
+  const size_t axis = scale.axis[0];
+  for (size_t slot = begin; slot < end; ++slot) {
+    const BoxRecord& record = records[to.id[slot]];
+    PutBytes<kOneSegment>(local, record, to, slot);
     to.begin[slot] = sweep.Position(record.min[axis]);
     to.end[slot] = sweep.Position(record.max[axis]);
   }
@@ -54,15 +115,8 @@ void FillFromBoxes(std::span<const Aabb> boxes, const ByteScale& scale, const Sw
 
 void FillFromRecords(const BoxRecord* records, const ByteScale& scale, const SweepAxis& sweep,
                      const ByteLanes& lanes, size_t begin, size_t end) {
-  const ByteScale local = scale;  // a copy that no store can alias
-  const ByteLanes to = lanes;
-  const size_t axis = scale.axis[0];
-  for (size_t slot = begin; slot < end; ++slot) {
-    const BoxRecord& record = records[to.id[slot]];
-    PutBytes(local, record, to, slot);
-    to.begin[slot] = sweep.Position(record.min[axis]);
-    to.end[slot] = sweep.Position(record.max[axis]);
-  }
+  const auto fill = scale.segment_count == 1 ? FillRecords<true> : FillRecords<false>;
+  fill(records, scale, sweep, lanes, begin, end);
 }
 
 }  // namespace sweepstake::HWY_NAMESPACE
@@ -78,12 +132,25 @@ HWY_EXPORT(FillFromRecords);
 namespace {
 
 ByteScale ScaleOf(const CoordinateRange& range) {
-  constexpr float kLevels = 256;
+  constexpr float kLast = 255;
   ByteScale scale{};
-  for (int axis = 0; axis < 3; ++axis) {
-    scale.origin[axis] = range.low[axis];
-    scale.scale[axis] = kLevels / range.width(axis);
-    scale.axis[axis] = static_cast<size_t>((range.sweep_axis + axis) % 3);
+  scale.segment_count = 1;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    scale.axis[axis] = (static_cast<size_t>(range.sweep_axis) + axis) % 3;
+    // Segments that only other axes have do not rise. Their scale is not 0, because its product
+    // with an infinity would be NaN.
+    for (ByteScale::Segment& segment : scale.segments) segment.scale[axis] = 1;
+    const auto& line = range.lines[axis];
+    scale.segment_count = std::max(scale.segment_count, line.count);
+    for (size_t s = 0; s < line.count; ++s) {
+      scale.segments[s].origin[axis] = line.begin[s];
+      scale.segments[s].scale[axis] = kLast * line.scale[s];
+      scale.segments[s].rise[axis] = kLast * line.rise[s];
+    }
+    if (line.count > 0) continue;
+    scale.segments[0].origin[axis] = range.low[axis];
+    scale.segments[0].scale[axis] = (kLast + 1) / range.width(static_cast<int>(axis));
+    scale.segments[0].rise[axis] = kLast;
   }
   return scale;
 }

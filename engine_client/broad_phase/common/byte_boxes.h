@@ -2,9 +2,10 @@
 // also stored as a byte, so that one register compares 64 boxes. The exact boxes are kept to test
 // the remaining candidates.
 //
-// A monotone function q maps a coordinate to [0, 255]; it is linear over the range of most boxes
-// and constant outside. a.min <= b.max implies q(a.min) <= q(b.max): boxes that overlap also
-// overlap in bytes, whatever the range, rounding and outliers.
+// A monotone function q maps a coordinate to [0, 255]; it is linear over the range of most boxes,
+// or piecewise linear where the boxes crowd in a few parts of it, and constant outside. a.min <=
+// b.max implies q(a.min) <= q(b.max): boxes that overlap also overlap in bytes, whatever the range,
+// rounding and outliers.
 //
 // Not thread-safe, but distinct slots may be filled at the same time. Owns its memory: 42 bytes per
 // box, 50 with a sweep axis, of which 32 are the exact boxes. Cost of Fill: O(slots).

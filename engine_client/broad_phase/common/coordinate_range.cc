@@ -1,6 +1,7 @@
 #include "engine_client/broad_phase/common/coordinate_range.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -31,13 +32,6 @@ struct AxisSample {
   }
 };
 
-// Returns the index of the k-th box of the sample. A fixed stride would be wrong, since the kind of
-// an object often depends on its index modulo some number.
-size_t DrawIndex(size_t k, size_t box_count) {
-  const uint64_t fraction = (k * math::kGoldenGamma) >> 32;  // a fraction in [0, 1), times 2^32
-  return static_cast<size_t>((fraction * box_count) >> 32);
-}
-
 void SetBounds(AxisSample& sample, float& low, float& high) {
   const size_t tail = std::min(kTail, (sample.count - 1) / 2);
   std::nth_element(sample.low, sample.low + tail, sample.low + sample.count);
@@ -48,6 +42,36 @@ void SetBounds(AxisSample& sample, float& low, float& high) {
   const float margin = std::max((high - low) / 16, CoordinateRange::kMinWidth);
   low = std::max(low - margin, -kMaxBound);
   high = std::max(std::min(high + margin, kMaxBound), low + CoordinateRange::kMinWidth);
+}
+
+// Returns whether most boxes share a small part of the range, and more than kTail do not.
+bool IsCrowded(const AxisSample& sample, float low, float width) {
+  constexpr size_t kBuckets = 16;
+  constexpr size_t kCrowdedBuckets = 4;  // all boxes crowd into this number of buckets or fewer
+  const float scale = kBuckets / width;
+  std::array<uint32_t, kBuckets> counts{};
+  for (size_t k = 0; k < sample.count; ++k) {
+    const float bucket = std::min(std::max((sample.low[k] - low) * scale, 0.0F), kBuckets - 1.0F);
+    ++counts[static_cast<uint32_t>(bucket)];
+  }
+  size_t squares = 0;
+  for (const uint32_t count : counts) squares += count * count;
+  const uint32_t most = *std::max_element(counts.begin(), counts.end());
+  return squares * kCrowdedBuckets > sample.count * sample.count && most + 2 * kTail < sample.count;
+}
+
+// Returns the function that spreads the sampled boxes evenly over [0, 1].
+PiecewiseLine<CoordinateRange::kMaxSegments> SpreadEvenly(AxisSample sample) {
+  // A straight line may miss the rank of a sampled coordinate by this fraction of the sample.
+  constexpr float kMaxMissed = 1.0F / 64;
+  for (float& low : sample.low) low = std::clamp(low, -kMaxBound, kMaxBound);
+  std::sort(sample.low, sample.low + sample.count);
+  const auto ranks = static_cast<float>(sample.count - 1);
+  auto line = PiecewiseLine<CoordinateRange::kMaxSegments>::Fit({sample.low, sample.count},
+                                                                kMaxMissed * ranks);
+  for (float& scale : line.scale) scale /= ranks;
+  for (float& rise : line.rise) rise /= ranks;
+  return line;
 }
 
 // Returns the mean fraction of `width` that a box covers.
@@ -75,6 +99,11 @@ int BestSweepAxis(const float (&fraction)[3], const CoordinateRange& range) {
 
 }  // namespace
 
+size_t DrawIndex(size_t k, size_t box_count) {
+  const uint64_t fraction = (k * math::kGoldenGamma) >> 32;  // a fraction in [0, 1), times 2^32
+  return static_cast<size_t>((fraction * box_count) >> 32);
+}
+
 CoordinateRange CoordinateRange::Sample(std::span<const Aabb> boxes) {
   AxisSample samples[3];
   const size_t draws =
@@ -91,6 +120,8 @@ CoordinateRange CoordinateRange::Sample(std::span<const Aabb> boxes) {
     AxisSample bounds = samples[axis];  // a copy, since SetBounds reorders it
     SetBounds(bounds, range.low[axis], range.high[axis]);
     fraction[axis] = MeanFraction(samples[axis], range.width(axis));
+    if (IsCrowded(samples[axis], range.low[axis], range.width(axis)))
+      range.lines[static_cast<size_t>(axis)] = SpreadEvenly(samples[axis]);
   }
   range.sweep_axis = BestSweepAxis(fraction, range);
   return range;

@@ -16,7 +16,7 @@ class Grid final : public BroadPhase {
  public:
   explicit Grid(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "Grid"; }
-  uint32_t version() const override { return 4; }
+  uint32_t version() const override { return 5; }
   void DoBuild(std::span<const Aabb> boxes) override {
     plan_.Reset();
     DoUpdate(boxes);
@@ -24,12 +24,13 @@ class Grid final : public BroadPhase {
   void DoUpdate(std::span<const Aabb> boxes) override {
     checks_ = 0;
     count_ = boxes.size();
-    plan_.MakeGrids(executor_, boxes, stop());
+    const GridBoxes both = plan_.MakeGrids(executor_, boxes, stop());
     if (IsStopped(stop())) return;
-    sort_.Sort(executor_, boxes, plan_.grids(), plan_.choice(), stop());
+    sort_.Sort(executor_, both, plan_.grids(), plan_.choice(), stop());
   }
   void DoFindPairs(PairBuffer& out) override {
-    const GridView view{sort_.lanes(), sort_.starts(), plan_.grids(), plan_.searches()};
+    const GridView view{sort_.columns().lanes(), sort_.columns().in_grids(), sort_.starts(),
+                        plan_.grids(), plan_.searches()};
     checks_ = parts_.Run(
         executor_, count_, kMinSearchedPerPart, GridView::kBatch, out,
         [&](size_t begin, size_t end, PairBuffer& pairs) {
@@ -38,7 +39,9 @@ class Grid final : public BroadPhase {
         stop());
   }
   uint64_t aabb_check_count() const override { return checks_; }
-  size_t native_bytes() const override { return sort_.native_bytes() + parts_.native_bytes(); }
+  size_t native_bytes() const override {
+    return plan_.native_bytes() + sort_.native_bytes() + parts_.native_bytes();
+  }
 
  private:
   Executor* executor_;

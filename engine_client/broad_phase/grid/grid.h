@@ -9,11 +9,16 @@
 // small ones, and give long thin boxes long thin cells. The estimated cost for the present boxes
 // (grid_cost.h) decides which shapes share a group.
 //
+// If the boxes crowd in a few cells, such as in crowds that are far apart or with exponential
+// spacing, the axes are stretched where many boxes are (axis_stretch.h). The cells of the stretched
+// grid are narrow in the crowds and wide between them. This takes 5 to 20 ns more per box.
+//
 // Memory and the choice of groups are kept between frames. Cost: O(n + cells) for the sort and O(n
 // · boxes around a box) for the search; cells <= 4 n + 256 per group. Measured on AMD Zen 5 with
 // AVX-512 and `sweepstake-lab bench`. In suite-b: 18 to 19 ns per box from 1,000 to 100,000 boxes,
 // 31 ns at 1,000,000. In suite-h: 20 to 21 ns. In suite-g: 32 to 40 ns. Two threads are 1.5 times
-// as fast at 10,000 boxes, 1.75 times at 100,000. Memory: 32 bytes per box and 8 per cell.
+// as fast at 10,000 boxes, 1.75 times at 100,000. Memory: 32 bytes per box and 8 per cell; 48 more
+// per box with stretched axes.
 #pragma once
 
 #include <memory>

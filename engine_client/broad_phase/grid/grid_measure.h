@@ -24,6 +24,13 @@ struct ShapeClasses {
 
   // Half the length of a side up to which a box has size step 0 on that axis, in world units.
   float threshold;
+
+  // Returns the size step of half the length of a side.
+  uint32_t StepOf(float side) const {
+    uint32_t step = 0;
+    for (float limit = threshold; step < 3 && side > limit; limit *= kRatio) ++step;
+    return step;
+  }
 };
 
 struct GridMeasure {

@@ -5,12 +5,36 @@
 #include <limits>
 
 #include "engine_client/broad_phase/common/parallel.h"
+#include "engine_client/broad_phase/common/soa_boxes.h"
 #include "engine_client/broad_phase/grid/grid_cost.h"
+#include "engine_client/broad_phase/grid/grid_sample.h"
 
 namespace sweepstake {
 namespace {
 
 constexpr size_t kMinMeasuredPerPart = 4096;
+constexpr size_t kMinStretchedPerPart = 1024;
+// The axes are stretched if a box shares its cell with kCrowdedCell others or more, and if
+// stretching saves kTestsPerStretch tests per box or more. These take as long as stretching a box.
+constexpr size_t kMinCrowd = 256;
+constexpr double kCrowdedCell = 32;
+constexpr double kTestsPerStretch = 32;
+// The estimates are rough. A choice that divides all axes is therefore kept unless the estimate of
+// another choice, multiplied by this factor, is still lower.
+constexpr double kDoubt = 3;
+// The next checks of the density do not decide on stretched axes again, which takes as long as
+// several frames of 1,000 boxes.
+constexpr uint32_t kSkippedChecks = 7;
+// The lengths of the axes that are tried until no cell is crowded. A short axis has one cell, so
+// that the others have more.
+constexpr float kShort = 1.0F / 1024;
+constexpr std::array<std::array<float, 3>, 7> kAxisWeights = {{{1, 1, 1},
+                                                               {1, 1, kShort},
+                                                               {1, kShort, 1},
+                                                               {kShort, 1, 1},
+                                                               {1, kShort, kShort},
+                                                               {kShort, 1, kShort},
+                                                               {kShort, kShort, 1}}};
 // The interval in frames at which the plan checks whether the scene's density has changed.
 constexpr uint32_t kFramesPerDensityCheck = 32;
 // The size of the sample of min corners, enough to estimate the lowest and the highest tenth.
@@ -94,22 +118,101 @@ void GridPlan::Reset() {
   known_classes_ = 0;
   frame_ = 0;
   group_count_ = 0;
+  is_stretched_ = false;
+  skipped_checks_ = 0;
   choice_.classes.threshold = std::numeric_limits<float>::max();
 }
 
-void GridPlan::MakeGrids(Executor* executor, std::span<const Aabb> boxes, StopRequest* stop) {
+GridBoxes GridPlan::MakeGrids(Executor* executor, std::span<const Aabb> boxes, StopRequest* stop) {
+  const bool is_check_due = frame_ % kFramesPerDensityCheck == 0;
+  const bool may_stretch = is_check_due && skipped_checks_ == 0;
+  if (may_stretch) is_stretched_ = false;
+  const GridBoxes both = InGrids(executor, boxes, stop);
+  if (!MakeGridsOf(executor, both.in_grids, is_check_due, stop)) return both;
+  ++frame_;
+  if (may_stretch) return StretchIfCrowded(executor, boxes, stop);
+  if (is_check_due) --skipped_checks_;
+  return both;
+}
+
+// Makes the grids, after a check of the density if one is due. Returns whether a box is valid.
+bool GridPlan::MakeGridsOf(Executor* executor, std::span<const Aabb> boxes, bool is_check_due,
+                           StopRequest* stop) {
   GridMeasure measure = MeasureInParts(executor, boxes, choice_.classes, stop);
-  if (UpdateClasses(boxes, measure)) {
+  if (is_check_due && UpdateThreshold(boxes, measure)) {
     measure = MeasureInParts(executor, boxes, choice_.classes, stop);
   }
   if (!Fits(measure)) Plan(measure);
   LayOut(boxes, measure);
+  return measure.count() > 0;
 }
 
-// Changes the threshold of the shape classes if the density of boxes has changed, which it checks
-// every kFramesPerDensityCheck frames. Returns whether the threshold changed.
-bool GridPlan::UpdateClasses(std::span<const Aabb> boxes, const GridMeasure& measure) {
-  if (measure.count() == 0 || frame_++ % kFramesPerDensityCheck != 0) return false;
+// Stretches the axes if many boxes share a cell and if that saves enough tests.
+GridBoxes GridPlan::StretchIfCrowded(Executor* executor, std::span<const Aabb> boxes,
+                                     StopRequest* stop) {
+  const SampledGrids present{grids(), choice_, searches()};
+  const BoxSample few(boxes, kEstimateCount);
+  if (boxes.size() < kMinCrowd || BoxesPerCell(few, present) < kCrowdedCell) return {boxes, boxes};
+  skipped_checks_ = kSkippedChecks;
+  const BoxSample sample(boxes, BoxSample::kMaxCount);
+  double least = SearchTests(sample, present) - kTestsPerStretch;
+  stretch_.Fit(boxes);
+  AxisStretch best;
+  for (const auto& weights : kAxisWeights) {
+    AxisStretch stretch = stretch_;
+    stretch.SetWeights(weights);
+    BoxSample stretched = sample;
+    stretch.Apply(sample.span(), stretched.boxes.data());
+    MakeGridsOfSample(stretched);
+    const SampledGrids in_stretched{grids(), choice_, searches()};
+    const double doubt = &weights == kAxisWeights.data() ? 1 : kDoubt;
+    const double tests = doubt * SearchTests(stretched, in_stretched);
+    if (tests < least) {
+      least = tests;
+      best = stretch;
+      is_stretched_ = true;
+    }
+    if (BoxesPerCell(stretched, in_stretched) < kCrowdedCell) break;
+  }
+  stretch_ = best;
+  const GridBoxes both = InGrids(executor, boxes, stop);
+  MakeGridsOf(executor, both.in_grids, true, stop);
+  return both;
+}
+
+// Makes the grids that MakeGridsOf would make for all boxes, as far as a sample can show.
+void GridPlan::MakeGridsOfSample(const BoxSample& sample) {
+  const auto scaled = [&](GridMeasure measure) {
+    for (GroupShape& shape : measure.shapes) {
+      shape.count = static_cast<uint32_t>(shape.count * sample.all_count / sample.count);
+    }
+    return measure;
+  };
+  const GridMeasure measure = scaled(MeasureBoxes(sample.span(), choice_.classes));
+  UpdateThreshold(sample.span(), measure);
+  known_classes_ = 0;
+  const GridMeasure again = scaled(MeasureBoxes(sample.span(), choice_.classes));
+  Plan(again);
+  LayOut(sample.span(), again);
+}
+
+GridBoxes GridPlan::InGrids(Executor* executor, std::span<const Aabb> boxes, StopRequest* stop) {
+  if (!is_stretched_) return {boxes, boxes};
+  stretched_.EnsureDiscarding(boxes.size());
+  const size_t parts = PartCount(executor, boxes.size(), kMinStretchedPerPart);
+  RunParts(executor, parts, [&](size_t part) {
+    const PartRange range = RangeOfPart(boxes.size(), part, parts, SoaBoxes::kPadding);
+    ForEachBlock(stop, range.begin, range.end, [&](size_t from, size_t to) {
+      stretch_.Apply(boxes.subspan(from, to - from), stretched_.data() + from);
+    });
+  });
+  return {boxes, {stretched_.data(), boxes.size()}};
+}
+
+// Changes the threshold of the shape classes if the density of boxes has changed. Returns whether
+// the threshold changed.
+bool GridPlan::UpdateThreshold(std::span<const Aabb> boxes, const GridMeasure& measure) {
+  if (measure.count() == 0) return false;
   const float wanted = SuitableThreshold(TypicalCorners(boxes, CornersOf(measure)), measure);
   float& present = choice_.classes.threshold;
   if (wanted >= present / 2 && wanted <= 2 * present) return false;

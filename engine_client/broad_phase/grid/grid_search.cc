@@ -31,6 +31,9 @@ struct RangeList {
 // The number of slots in a batch, and one register that may be written behind them.
 constexpr size_t kBatchRoom = GridView::kBatch + HWY_MAX_BYTES / sizeof(float);
 
+// Fewer rows than this are read one by one.
+constexpr uint32_t kManyRows = 8;
+
 // Rows to search if the cells are as large as the boxes or larger. A box then finds its partners in
 // the later boxes of its own row and in four rows of cells behind it. A row is given by its first
 // cell and the cell behind its last. They are equal if the box does not reach the row.
@@ -259,17 +262,17 @@ HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, Pai
 class BatchSearch {
  public:
   BatchSearch(const GridView& view, PairBuffer& out, StopRequest* stop)
-      : view_(view), lanes_(view.lanes), out_(out), poll_(stop, out) {}
+      : view_(view), lanes_(view.lanes), in_grids_(view.in_grids), out_(out), poll_(stop, out) {}
 
   uint64_t checks() const { return checks_; }
   bool Ends() { return poll_.Ends(checks_); }
 
   // Tests the boxes in the slots [begin, end) against the later boxes of their group.
   void SearchOwn(const GroupGrid& grid, size_t begin, size_t end) {
-    if (FindRows(lanes_, grid, begin, end, rows_)) {
+    if (FindRows(in_grids_, grid, begin, end, rows_)) {
       ListFiveRows(begin, end);
     } else {
-      FindBlocks(lanes_, grid, begin, end, blocks_);
+      FindBlocks(in_grids_, grid, begin, end, blocks_);
       for (size_t slot = begin; slot < end; ++slot) ListLaterRows(grid, slot - begin, slot);
     }
     Test();
@@ -278,12 +281,12 @@ class BatchSearch {
   // Tests the boxes in the slots [begin, end) against the boxes of another group, which has this
   // grid.
   void SearchOther(const GroupGrid& grid, size_t begin, size_t end) {
-    FindBlocks(lanes_, grid, begin, end, blocks_);
+    FindBlocks(in_grids_, grid, begin, end, blocks_);
     for (size_t slot = begin; slot < end; ++slot) {
       const size_t k = slot - begin;
-      for (int32_t z = blocks_.first_z[k]; z <= blocks_.last_z[k]; ++z) {
-        ListRows(grid, k, slot, z, blocks_.first_y[k]);
-      }
+      const BlockStart start{blocks_.first_z[k], blocks_.first_y[k]};
+      if (ListAsOne(grid, k, slot, start, blocks_.last_z[k], FirstSlot(grid, k, start))) continue;
+      for (int32_t z = blocks_.first_z[k]; z <= blocks_.last_z[k]; ++z) ListSlab(grid, k, slot, z);
     }
     Test();
   }
@@ -310,22 +313,64 @@ class BatchSearch {
     return count + static_cast<size_t>(begin < end);
   }
 
-  // Lists the later boxes in the row of the box in `slot`, and the later rows of its block.
-  void ListLaterRows(const GroupGrid& grid, size_t k, size_t slot) {
-    const uint32_t end = view_.starts[blocks_.row[k] + blocks_.last_x[k] + 1];
-    MakeRoom();
-    list_.count = List(list_.count, slot, static_cast<uint32_t>(slot + 1), end);
-    ListRows(grid, k, slot, 0, 1);
-    for (int32_t z = 1; z <= blocks_.last_z[k]; ++z) ListRows(grid, k, slot, z, blocks_.first_y[k]);
-  }
+  // The row of a block of cells from which on it is searched, relative to the row of the min
+  // corner.
+  struct BlockStart {
+    int32_t z;
+    int32_t y;
+  };
 
-  // Lists the rows of the box's block of cells at this z, from y = `first_y` on.
-  HWY_INLINE void ListRows(const GroupGrid& grid, size_t k, size_t slot, int32_t z,
-                           int32_t first_y) {
+  // Returns the cells of the row at `at`. They may be indexed by x.
+  const uint32_t* RowAt(const GroupGrid& grid, size_t k, BlockStart at) const {
     const auto y_stride = static_cast<int32_t>(grid.stride[grid.AxisOf(1)]);
     const auto z_stride = static_cast<int32_t>(grid.stride[grid.AxisOf(2)]);
-    for (int32_t y = first_y; y <= blocks_.last_y[k]; ++y) {
-      const uint32_t* const row = view_.starts + (blocks_.row[k] + z * z_stride + y * y_stride);
+    return view_.starts + (blocks_.row[k] + at.z * z_stride + at.y * y_stride);
+  }
+  uint32_t FirstSlot(const GroupGrid& grid, size_t k, BlockStart at) const {
+    return RowAt(grid, k, at)[blocks_.first_x[k]];
+  }
+
+  // Lists the later boxes in the row of the box in `slot`, and the later rows of its block. This
+  // function and ListSlab are not inlined, because they would take registers from the tests of
+  // ranges: suite-g then takes 5 % longer with AVX2.
+  HWY_NOINLINE void ListLaterRows(const GroupGrid& grid, size_t k, size_t slot) {
+    const auto behind = static_cast<uint32_t>(slot + 1);
+    if (ListAsOne(grid, k, slot, {0, 0}, blocks_.last_z[k], behind)) return;
+    const uint32_t end = view_.starts[blocks_.row[k] + blocks_.last_x[k] + 1];
+    MakeRoom();
+    list_.count = List(list_.count, slot, behind, end);
+    ListRows(grid, k, slot, {0, 1});
+    for (int32_t z = 1; z <= blocks_.last_z[k]; ++z) ListSlab(grid, k, slot, z);
+  }
+
+  // Lists the rows of the box's block of cells at this z.
+  HWY_NOINLINE void ListSlab(const GroupGrid& grid, size_t k, size_t slot, int32_t z) {
+    const BlockStart start{z, blocks_.first_y[k]};
+    if (!ListAsOne(grid, k, slot, start, z, FirstSlot(grid, k, start))) {
+      ListRows(grid, k, slot, start);
+    }
+  }
+
+  // If the box's block of cells has many rows from `start` to `last_z`, but few boxes lie between
+  // the slot `begin` and the last of these cells, lists them as one range and returns true. The
+  // range also holds boxes between the rows, but testing these costs less than reading the rows.
+  HWY_INLINE bool ListAsOne(const GroupGrid& grid, size_t k, size_t slot, BlockStart start,
+                            int32_t last_z, uint32_t begin) {
+    const auto rows =
+        static_cast<uint32_t>((last_z - start.z + 1) * (blocks_.last_y[k] - start.y + 1));
+    if (HWY_LIKELY(rows < kManyRows)) return false;
+    const uint32_t* const last = RowAt(grid, k, {last_z, blocks_.last_y[k]});
+    const uint32_t end = last[blocks_.last_x[k] + 1];
+    if (end > begin + kTestsPerRow * rows) return false;
+    MakeRoom();
+    list_.count = List(list_.count, slot, begin, end);
+    return true;
+  }
+
+  // Lists the rows of the box's block of cells at the z of `start`, from its y on.
+  HWY_INLINE void ListRows(const GroupGrid& grid, size_t k, size_t slot, BlockStart start) {
+    for (int32_t y = start.y; y <= blocks_.last_y[k]; ++y) {
+      const uint32_t* const row = RowAt(grid, k, {start.z, y});
       MakeRoom();
       list_.count = List(list_.count, slot, row[blocks_.first_x[k]], row[blocks_.last_x[k] + 1]);
     }
@@ -341,8 +386,9 @@ class BatchSearch {
   }
 
   const GridView& view_;
-  // No store can alias this copy, so that the compiler keeps its pointers in registers.
+  // No store can alias these copies, so that the compiler keeps their pointers in registers.
   const BoxLanes lanes_;
+  const BoxLanes in_grids_;
   PairBuffer& out_;
   StopPoll poll_;
   uint64_t checks_ = 0;

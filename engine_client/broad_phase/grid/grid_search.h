@@ -19,11 +19,15 @@
 
 namespace sweepstake {
 
+// The number of tests that take as long as reading one more row of cells.
+inline constexpr uint32_t kTestsPerRow = 10;
+
 struct GridView {
   // The number of slots in a batch; parts of a search begin at multiples of it.
   static constexpr size_t kBatch = 256;
 
   BoxLanes lanes;          // the boxes in the order of the cells
+  BoxLanes in_grids;       // the same in the coordinates of the grids (GridPlan::InGrids)
   const uint32_t* starts;  // the first slot of each cell, then the number of slots
   std::span<const GroupGrid> grids;
   // If bit h of searches[g] is set, boxes of group g search group h.

@@ -69,25 +69,30 @@ constexpr size_t kMinSortedPerPart = 2048;
 
 }  // namespace
 
-void GridColumns::Resize(size_t count) {
+void GridColumns::Resize(size_t count, bool is_stretched) {
   count_ = count;
   stride_ = Padded(count);
+  is_stretched_ = is_stretched;
   floats_.EnsureDiscarding(6 * stride_);
+  if (is_stretched) stretched_.EnsureDiscarding(6 * stride_);
   ids_.EnsureDiscarding(stride_);
-  for (size_t column = 0; column < 6; ++column) {
-    float* const floats = floats_.data() + column * stride_;
-    std::fill(floats + count, floats + stride_, std::numeric_limits<float>::quiet_NaN());
-  }
+  for (size_t slot = count; slot < stride_; ++slot) Invalidate(slot);
   std::fill(ids_.data() + count, ids_.data() + stride_, 0U);
 }
 
-void GridColumns::Gather(std::span<const Aabb> boxes, size_t begin, size_t end) {
-  float* const columns[6] = {floats_.data(),
-                             floats_.data() + stride_,
-                             floats_.data() + 2 * stride_,
-                             floats_.data() + 3 * stride_,
-                             floats_.data() + 4 * stride_,
-                             floats_.data() + 5 * stride_};
+void GridColumns::Gather(const GridBoxes& boxes, size_t begin, size_t end) {
+  GatherInto(floats_, boxes.boxes, begin, end);
+  if (is_stretched_) GatherInto(stretched_, boxes.in_grids, begin, end);
+}
+
+void GridColumns::GatherInto(AlignedBuffer<float>& floats, std::span<const Aabb> boxes,
+                             size_t begin, size_t end) {
+  float* const columns[6] = {floats.data(),
+                             floats.data() + stride_,
+                             floats.data() + 2 * stride_,
+                             floats.data() + 3 * stride_,
+                             floats.data() + 4 * stride_,
+                             floats.data() + 5 * stride_};
   const uint32_t* const ids = ids_.data();
   for (size_t k = begin; k < end; ++k) {
     hwy::Prefetch(&boxes[ids[std::min(k + kAhead, end - 1)]]);
@@ -100,30 +105,31 @@ void GridColumns::Gather(std::span<const Aabb> boxes, size_t begin, size_t end) 
 }
 
 void GridColumns::Invalidate(size_t slot) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (size_t column = 0; column < 6; ++column) {
-    floats_[column * stride_ + slot] = std::numeric_limits<float>::quiet_NaN();
+    floats_[column * stride_ + slot] = kNan;
+    if (is_stretched_) stretched_[column * stride_ + slot] = kNan;
   }
 }
 
-BoxLanes GridColumns::lanes() const {
+BoxLanes GridColumns::LanesOf(const AlignedBuffer<float>& floats) const {
   BoxLanes lanes{};
   for (size_t axis = 0; axis < 3; ++axis) {
-    lanes.min[axis] = floats_.data() + axis * stride_;
-    lanes.max[axis] = floats_.data() + (axis + 3) * stride_;
+    lanes.min[axis] = floats.data() + axis * stride_;
+    lanes.max[axis] = floats.data() + (axis + 3) * stride_;
   }
   lanes.id = ids_.data();
   lanes.count = count_;
   return lanes;
 }
 
-void GridSort::Sort(Executor* executor, std::span<const Aabb> boxes,
-                    std::span<const GroupGrid> grids, const GroupChoice& choice,
-                    StopRequest* stop) {
+void GridSort::Sort(Executor* executor, const GridBoxes& boxes, std::span<const GroupGrid> grids,
+                    const GroupChoice& choice, StopRequest* stop) {
   count_ = boxes.size();
   cells_ = size_t{grids.back().last_cell()} + 1;
   const size_t parts = TablePartCount(executor, count_, kMinSortedPerPart);
-  MakeRoom(parts);
-  CountInParts(executor, parts, boxes, grids, choice, stop);
+  MakeRoom(parts, boxes.is_stretched());
+  CountInParts(executor, parts, boxes.in_grids, grids, choice, stop);
   if (IsStopped(stop)) return;
   SumCounts(parts);
   // Parts are ranges of cells, not of boxes, so that threads do not write to the same cache lines.
@@ -136,9 +142,9 @@ void GridSort::Sort(Executor* executor, std::span<const Aabb> boxes,
   });
 }
 
-void GridSort::MakeRoom(size_t parts) {
+void GridSort::MakeRoom(size_t parts, bool is_stretched) {
   keys_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
-  columns_.Resize(count_);
+  columns_.Resize(count_, is_stretched);
   // Reserves spare room, since the number of cells fluctuates with the bounds of the boxes.
   starts_.EnsureWithSpare(cells_ + 1);
   part_counts_.EnsureWithSpare(parts * cells_);

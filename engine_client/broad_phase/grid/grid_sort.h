@@ -20,32 +20,52 @@
 
 namespace sweepstake {
 
+// The boxes of a frame, and the same boxes in the coordinates of the grids. Both are one array
+// unless the axes are stretched (grid_plan.h).
+struct GridBoxes {
+  std::span<const Aabb> boxes;
+  std::span<const Aabb> in_grids;
+
+  bool is_stretched() const { return boxes.data() != in_grids.data(); }
+  size_t size() const { return boxes.size(); }
+};
+
 // Boxes as six float columns, one stride apart, and their ids. The caller writes the id of each
 // slot. grid_search.h reads this layout. Parts may gather disjoint ranges of slots at the same
-// time. Memory: 28 bytes per slot.
+// time. Memory: 28 bytes per slot, and 24 more with stretched axes.
 class GridColumns {
  public:
   // Makes room for `count` slots with undefined content, and for a register that kernels may read
-  // behind them.
-  void Resize(size_t count);
+  // behind them. `is_stretched` says whether the boxes to gather are stretched too.
+  void Resize(size_t count, bool is_stretched);
   // Returns an array with the id of each slot's box. The caller writes the ids, and Gather reads
   // them.
   uint32_t* ids() { return ids_.data(); }
   const uint32_t* ids() const { return ids_.data(); }
-  // Copies the box of each slot in [begin, end), boxes[ids()[slot]], to the columns.
-  void Gather(std::span<const Aabb> boxes, size_t begin, size_t end);
+  // Copies the box of each slot in [begin, end), number ids()[slot], to the columns.
+  void Gather(const GridBoxes& boxes, size_t begin, size_t end);
 
   // Makes the box of the slot overlap nothing.
   void Invalidate(size_t slot);
 
-  BoxLanes lanes() const;
-  size_t native_bytes() const { return floats_.capacity_bytes() + ids_.capacity_bytes(); }
+  // Return the boxes, and the boxes in the coordinates of the grids.
+  BoxLanes lanes() const { return LanesOf(floats_); }
+  BoxLanes in_grids() const { return LanesOf(is_stretched_ ? stretched_ : floats_); }
+  size_t native_bytes() const {
+    return floats_.capacity_bytes() + stretched_.capacity_bytes() + ids_.capacity_bytes();
+  }
 
  private:
-  AlignedBuffer<float> floats_;  // the columns min x, y, z, max x, y, z, each of stride_ floats
+  BoxLanes LanesOf(const AlignedBuffer<float>& floats) const;
+  void GatherInto(AlignedBuffer<float>& floats, std::span<const Aabb> boxes, size_t begin,
+                  size_t end);
+
+  AlignedBuffer<float> floats_;     // the columns min x, y, z, max x, y, z, each of stride_ floats
+  AlignedBuffer<float> stretched_;  // the same for the stretched boxes
   AlignedBuffer<uint32_t> ids_;
   size_t count_ = 0;
   size_t stride_ = 0;
+  bool is_stretched_ = false;
 };
 
 // Maps the shape class of a box to its group. Each group has its own grid.
@@ -59,11 +79,11 @@ class GridSort {
   // Sorts the boxes by the cells of their min corners. Polls `stop`, which may be null; after a
   // stop the order is undefined. REQUIRES: the cell numbers of the grids are consecutive, starting
   // at 0.
-  void Sort(Executor* executor, std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
+  void Sort(Executor* executor, const GridBoxes& boxes, std::span<const GroupGrid> grids,
             const GroupChoice& choice, StopRequest* stop = nullptr);
 
   // Returns the boxes in the order of the cells, then the invalid ones, then padding.
-  BoxLanes lanes() const { return columns_.lanes(); }
+  const GridColumns& columns() const { return columns_; }
   // starts()[c] is the first slot of cell c; the last element is the number of slots.
   const uint32_t* starts() const { return starts_.data(); }
   size_t native_bytes() const {
@@ -72,7 +92,7 @@ class GridSort {
   }
 
  private:
-  void MakeRoom(size_t parts);
+  void MakeRoom(size_t parts, bool is_stretched);
   void CountInParts(Executor* executor, size_t parts, std::span<const Aabb> boxes,
                     std::span<const GroupGrid> grids, const GroupChoice& choice, StopRequest* stop);
   void SumCounts(size_t parts);

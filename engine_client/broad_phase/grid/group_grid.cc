@@ -10,9 +10,6 @@ namespace {
 constexpr double kCellSlack = 1.0001;
 // The minimum side of a cell, in world units. It keeps the scale finite.
 constexpr double kMinCellSide = 1e-36;
-// Cells are this many times shorter along the rows. A row is searched as one range of slots, so
-// that more cells in it do not cost more searches.
-constexpr double kRowCells = 2;
 // The number of steps of the bisection that finds log2 of the cell size. The last step is below
 // 0.01 for any scene.
 constexpr int kBisectionCount = 14;
@@ -78,17 +75,17 @@ void GroupShape::Add(const GroupShape& other) {
 }
 
 double CellsWanted(const CornerBounds& bounds, const GroupShape& shape) {
-  return kRowCells * Divide(bounds, shape, 0).Product();
+  return GroupGrid::kRowCells * Divide(bounds, shape, 0).Product();
 }
 
 GroupGrid MakeGroupGrid(const CornerBounds& bounds, const GroupShape& shape, size_t max_cells) {
   GroupGrid grid;
   if (bounds.low[0] > bounds.high[0]) return grid;
-  Cells cells =
-      DivideInto(bounds, shape, std::max(1.0, static_cast<double>(max_cells) / kRowCells));
+  Cells cells = DivideInto(bounds, shape,
+                           std::max(1.0, static_cast<double>(max_cells) / GroupGrid::kRowCells));
   grid.row_axis = ChooseRowAxis(cells.side);
-  cells.side[grid.row_axis] /= kRowCells;
-  cells.count[grid.row_axis] *= kRowCells;
+  cells.side[grid.row_axis] /= GroupGrid::kRowCells;
+  cells.count[grid.row_axis] *= GroupGrid::kRowCells;
   uint32_t stride = 1;
   for (int k = 0; k < 3; ++k) {
     const int axis = (grid.row_axis + k) % 3;

@@ -11,12 +11,17 @@
 // Plain values, safe to copy. Cost: constant.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
 namespace sweepstake {
 
 struct GroupGrid {
+  // Cells are this many times shorter along the rows. A row is searched as one range of slots, so
+  // that more cells in it do not cost more searches.
+  static constexpr int kRowCells = 2;
+
   float origin[3] = {};            // half the coordinate at which cell 0 starts, per axis
   float scale[3] = {1, 1, 1};      // the number of cells per half unit
   float reach[3] = {};             // half the maximum side of the group, rounded up
@@ -27,6 +32,12 @@ struct GroupGrid {
 
   // Returns the axis along the rows for index 0, and the other axes for 1 and 2.
   size_t AxisOf(int index) const { return static_cast<size_t>((row_axis + index) % 3); }
+  // Returns the cell on one axis that holds half a coordinate, or the nearest cell.
+  uint32_t CellAt(int axis, float halved) const {
+    const float cell = (halved - origin[axis]) * scale[axis];
+    return static_cast<uint32_t>(
+        std::min(std::max(cell, 0.0F), static_cast<float>(cells[axis] - 1)));
+  }
   uint32_t cell_count() const { return cells[0] * cells[1] * cells[2]; }
   uint32_t last_cell() const { return first_cell + cell_count(); }
 };

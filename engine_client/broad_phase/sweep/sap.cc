@@ -27,7 +27,7 @@ class Sap final : public BroadPhase {
  public:
   explicit Sap(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "SAP"; }
-  uint32_t version() const override { return 3; }
+  uint32_t version() const override { return 4; }
   void DoBuild(std::span<const Aabb> boxes) override { DoUpdate(boxes); }
   void DoUpdate(std::span<const Aabb> boxes) override;
   void DoFindPairs(PairBuffer& out) override;

@@ -47,20 +47,22 @@ class Tracy final : public BroadPhase {
  public:
   explicit Tracy(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "Tracy"; }
-  uint32_t version() const override { return 4; }
+  uint32_t version() const override { return 5; }
   void DoBuild(std::span<const Aabb> boxes) override;
   void DoUpdate(std::span<const Aabb> boxes) override;
   void DoFindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
   size_t native_bytes() const override {
-    return lists_.native_bytes() + rest_.native_bytes() + parts_.native_bytes();
+    return plan_.native_bytes() + lists_.native_bytes() + rest_.native_bytes() +
+           parts_.native_bytes();
   }
 
  private:
   void LayOut(std::span<const Aabb> boxes);
-  bool UpdateAtRest(std::span<const Aabb> boxes);
-  void StartResting(std::span<const Aabb> boxes);
-  void UpdateInMotion(std::span<const Aabb> boxes);
+  bool UpdateAtRest(const GridBoxes& boxes);
+  bool StartResting(const GridBoxes& boxes);
+  void WaitBeforeRest();
+  void UpdateInMotion(const GridBoxes& boxes);
 
   Executor* executor_;
   GridPlan plan_;
@@ -88,61 +90,65 @@ void Tracy::DoBuild(std::span<const Aabb> boxes) {
 void Tracy::LayOut(std::span<const Aabb> boxes) {
   checks_ = 0;
   plan_.Reset();
-  plan_.MakeGrids(executor_, boxes, stop());
+  const GridBoxes in_grids = plan_.MakeGrids(executor_, boxes, stop());
   if (IsStopped(stop())) return;
   lists_.Reset(RowGrids(plan_));
-  lists_.Update(executor_, boxes, 0, stop());
+  lists_.Update(executor_, in_grids, 0, stop());
   debt_.Clear();
   frames_ = 0;
   inefficient_ = false;
   resting_ = false;
 }
 
-void Tracy::DoUpdate(std::span<const Aabb> boxes) {
+void Tracy::DoUpdate(std::span<const Aabb> all) {
   checks_ = 0;
+  const GridBoxes boxes = plan_.InGrids(executor_, all, stop());
   if (resting_ && UpdateAtRest(boxes)) return;
-  if (wait_ == 0 && pair_count_ < kMaxPairsPerBox * boxes.size() &&
-      lists_.moved_count() * kBoxesPerCrossing < boxes.size()) {
-    StartResting(boxes);
-  } else {
-    UpdateInMotion(boxes);
-  }
+  const bool may_rest = wait_ == 0 && pair_count_ < kMaxPairsPerBox * boxes.size() &&
+                        lists_.moved_count() * kBoxesPerCrossing < boxes.size();
+  if (!may_rest || !StartResting(boxes)) UpdateInMotion(boxes);
 }
 
 // Updates `rest_` from the boxes of this frame. If that fails (TracyRest::Step) and the margins
 // have held for kMinRestFrames frames, sets new margins. If they have held for fewer frames,
 // returns false: the lists then need an Update without margins.
-bool Tracy::UpdateAtRest(std::span<const Aabb> boxes) {
+bool Tracy::UpdateAtRest(const GridBoxes& boxes) {
   ++rest_frames_;
   if (rest_.Step(executor_, boxes, lists_, checks_, stop())) return true;
   resting_ = false;
   if (rest_frames_ >= kMinRestFrames) {
     last_wait_ = 1;
-    StartResting(boxes);
-    return true;
+    return StartResting(boxes);
   }
-  last_wait_ = std::min(2 * last_wait_, kMaxWaitFrames);
-  wait_ = last_wait_;
-  lists_.SetMargin(0);
+  WaitBeforeRest();
   return false;
 }
 
-void Tracy::StartResting(std::span<const Aabb> boxes) {
+// Sets margins. If they add too many pairs, returns false: the lists then need an Update without
+// margins.
+bool Tracy::StartResting(const GridBoxes& boxes) {
   const float margin = lists_.narrowest_cell() / kMarginsPerCell;
   lists_.SetMargin(margin);
-  checks_ += rest_.Start(executor_, boxes, margin, lists_, stop());
-  resting_ = true;
+  resting_ = rest_.Start(executor_, boxes, margin, lists_, checks_, stop());
   rest_frames_ = 0;
+  if (!resting_) WaitBeforeRest();
+  return resting_;
 }
 
-void Tracy::UpdateInMotion(std::span<const Aabb> boxes) {
+void Tracy::WaitBeforeRest() {
+  last_wait_ = std::min(2 * last_wait_, kMaxWaitFrames);
+  wait_ = last_wait_;
+  lists_.SetMargin(0);
+}
+
+void Tracy::UpdateInMotion(const GridBoxes& boxes) {
   ++frames_;
   if (wait_ > 0) --wait_;
   const bool try_another = inefficient_ && frames_ >= kFramesPerTrial;
-  if (try_another || debt_.Exceeds(kChecksPerLayout * boxes.size())) return LayOut(boxes);
+  if (try_another || debt_.Exceeds(kChecksPerLayout * boxes.size())) return LayOut(boxes.boxes);
   lists_.Update(executor_, boxes, 0, stop());
   if (IsStopped(stop())) return;
-  if (lists_.long_count() > boxes.size() / kBoxesPerLong + kLongAllowance) LayOut(boxes);
+  if (lists_.long_count() > boxes.size() / kBoxesPerLong + kLongAllowance) LayOut(boxes.boxes);
 }
 
 void Tracy::DoFindPairs(PairBuffer& out) {

@@ -11,9 +11,11 @@
 // different shapes have separate grids (grid_plan.h). A box that has outgrown the cells of its grid
 // is tested against all boxes.
 //
+// If the boxes crowd in a few cells, a layout stretches the axes as in grid.h.
+//
 // While little moves, the lists hold boxes enlarged by a margin, and the pairs of enlarged boxes
 // are kept. A frame then checks each box and each kept pair. It searches only for the boxes that
-// have left their margins (tracy_rest.h).
+// have left their margins (tracy_rest.h). At most 16 pairs per box are kept.
 //
 // The lists, the row of each box and the grids are kept between frames. The grids are laid out
 // again (as in Build) in three cases:
@@ -26,7 +28,7 @@
 // AVX-512 and `sweepstake-lab bench`: in suite-b 23 ns per box from 1,000 to 100,000 boxes and 41
 // ns at 1,000,000, in suite-h 25 to 33 ns, in suite-g 39 to 53 ns. Two threads are 1.6 times as
 // fast at 10,000 boxes, 1.9 times at 100,000. Memory: 45 bytes per box and 4 per cell; 65 more
-// while little moves.
+// while little moves, and 48 more with stretched axes.
 #pragma once
 
 #include <memory>

@@ -17,6 +17,10 @@ constexpr size_t kMinListedPerPart = 2048;
 constexpr size_t kBatch = 512;
 // If an insertion sort takes more than this number of shifts per item, std::sort replaces it.
 constexpr size_t kShiftsPerItem = 8;
+// A cell counts as at most this many times as long as the longest box, because margins that are
+// wide compared with the boxes add many pairs. Boxes shorter than kMinSide count as points.
+constexpr float kMaxSidesPerCell = 8;
+constexpr float kMinSide = 1e-30F;
 // The prefetch distance in items. It is large enough to hide the latency of main memory.
 constexpr size_t kPrefetchDistance = 16;
 
@@ -82,7 +86,7 @@ void TracyLists::SetCount(size_t count) {
   count_ = count;
 }
 
-void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count,
+void TracyLists::Update(Executor* executor, const GridBoxes& boxes, size_t query_count,
                         StopRequest* stop) {
   const size_t parts = TablePartCount(executor, boxes.size(), kMinListedPerPart);
   // Copies the lists, which are overwritten below.
@@ -94,12 +98,12 @@ void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t 
   RunParts(executor, parts, [&](size_t index) {
     const PartRange range = RangeOfPart(boxes.size(), index, parts, SoaBoxes::kPadding);
     parts_[index].begin = range.begin;
-    MoveBoxes(boxes, parts_[index], range.end, stop);
+    MoveBoxes(boxes.in_grids, parts_[index], range.end, stop);
   });
   if (IsStopped(stop)) return;
   PlaceLists(parts);
   // Appends the boxes that have arrived to their lists.
-  columns_.Resize(size_ + query_count);
+  columns_.Resize(size_ + query_count, boxes.is_stretched());
   for (size_t index = 0; index < parts; ++index) PlaceArrivals(parts_[index], stop);
   if (IsStopped(stop)) return;
   // Sorts the lists. They are divided into parts with about the same number of boxes.
@@ -133,9 +137,11 @@ float TracyLists::narrowest_cell() const {
   float narrowest = std::numeric_limits<float>::max();
   for (size_t group = 0; group + 1 < grids_.group_count; ++group) {
     const GroupGrid& grid = grids_.grids[group];
-    for (const int across : {1, 2}) {
-      narrowest = std::min(narrowest, 2 / grid.scale[grid.AxisOf(across)]);
-    }
+    const float along = GroupGrid::kRowCells * 2 / grid.scale[grid.AxisOf(0)];
+    const float across = 2 / std::max(grid.scale[grid.AxisOf(1)], grid.scale[grid.AxisOf(2)]);
+    narrowest = std::min({narrowest, along, across});
+    const float longest = 2 * *std::max_element(grid.reach, grid.reach + 3);
+    if (longest > kMinSide) narrowest = std::min(narrowest, kMaxSidesPerCell * longest);
   }
   return narrowest;
 }
@@ -149,7 +155,7 @@ void TracyLists::Invalidate(uint32_t object) {
   columns_.Invalidate(static_cast<size_t>(slot - ids));
 }
 
-uint64_t TracyLists::SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids,
+uint64_t TracyLists::SearchFor(const GridBoxes& boxes, std::span<const uint32_t> ids,
                                PairBuffer& out, StopRequest* stop) {
   // The query boxes (SearchFor) form one more group, whose grid has one cell. It searches all other
   // groups.
@@ -165,8 +171,11 @@ uint64_t TracyLists::SearchFor(std::span<const Aabb> boxes, std::span<const uint
   std::copy(ids.begin(), ids.end(), columns_.ids() + size_);
   columns_.Gather(boxes, size_, end);
   starts_[query.last_cell()] = static_cast<uint32_t>(end);
-  const GridView view{
-      columns_.lanes(), starts_.data(), {grids.data(), grids_.group_count + 1}, searches.data()};
+  const GridView view{columns_.lanes(),
+                      columns_.in_grids(),
+                      starts_.data(),
+                      {grids.data(), grids_.group_count + 1},
+                      searches.data()};
   return SearchGrids(view, size_, end, out, stop);
 }
 
@@ -231,7 +240,7 @@ void TracyLists::PlaceArrivals(const Part& part, StopRequest* stop) {
   });
 }
 
-void TracyLists::SweepRows(std::span<const Aabb> boxes, uint32_t begin, uint32_t end, Part& part,
+void TracyLists::SweepRows(const GridBoxes& boxes, uint32_t begin, uint32_t end, Part& part,
                            StopRequest* stop) {
   size_t next_question = first_slots_[begin];
   for (size_t group = 0; group < grids_.group_count; ++group) {
@@ -248,13 +257,13 @@ void TracyLists::SweepRows(std::span<const Aabb> boxes, uint32_t begin, uint32_t
   }
 }
 
-void TracyLists::SweepRow(std::span<const Aabb> boxes, uint32_t row, const GroupGrid& grid,
+void TracyLists::SweepRow(const GridBoxes& boxes, uint32_t row, const GroupGrid& grid,
                           uint32_t grid_row, Part& part) {
   const uint32_t begin = first_slots_[row];
   const uint32_t end = first_slots_[row + 1];
   const size_t count = end - begin;
   if (count > 0) {
-    const size_t stayed = CollectItems(boxes, row, grid.AxisOf(0), part);
+    const size_t stayed = CollectItems(boxes.in_grids, row, grid.AxisOf(0), part);
     uint64_t* const items = part.items.data();
     SortItems(items, stayed);
     if (stayed < count) {
@@ -304,7 +313,7 @@ void TracyLists::MarkCells(const GroupGrid& grid, uint32_t first_cell, size_t be
   part.cells.EnsureWithSpare(cells + 1);
   uint32_t* const behind = part.cells.data();
   std::fill_n(behind, cells + 1, static_cast<uint32_t>(begin));
-  const float* const min = columns_.lanes().min[axis];
+  const float* const min = columns_.in_grids().min[axis];
   const float last = static_cast<float>(cells - 1);
   for (size_t slot = begin; slot < end; ++slot) {
     const float cell = (min[slot] * 0.5F - grid.origin[axis]) * grid.scale[axis];

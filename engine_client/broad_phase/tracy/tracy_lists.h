@@ -30,17 +30,19 @@ class TracyLists {
   // Moves boxes to their present rows, adds new objects, removes deleted ones, and restores the
   // order of the lists. Leaves room for `query_count` boxes of SearchFor. Polls `stop`, which may
   // be null; after a stop the lists are undefined.
-  void Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count = 0,
+  void Update(Executor* executor, const GridBoxes& boxes, size_t query_count = 0,
               StopRequest* stop = nullptr);
 
   // Changes the grids so that the boxes still fit them if they are enlarged by `margin` on each
   // side.
   void SetMargin(float margin);
-  // Returns the shortest side of all cells on the two axes across the rows.
+  // Returns the shortest side of all cells. Along the rows, where cells are shorter, the side of
+  // GroupGrid::kRowCells cells counts.
   float narrowest_cell() const;
 
   GridView View() const {
     return {columns_.lanes(),
+            columns_.in_grids(),
             starts_.data(),
             {grids_.grids.data(), grids_.group_count},
             grids_.searches.data()};
@@ -50,7 +52,7 @@ class TracyLists {
   // Appends the pairs of the boxes `ids` with one another and with boxes in the lists; returns the
   // number of AABB checks. `stop` may be null. REQUIRES: at most as many ids as the `query_count`
   // of the latest Update.
-  uint64_t SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids, PairBuffer& out,
+  uint64_t SearchFor(const GridBoxes& boxes, std::span<const uint32_t> ids, PairBuffer& out,
                      StopRequest* stop);
 
   // Returns the number of boxes in the lists.
@@ -75,10 +77,10 @@ class TracyLists {
   void SetCount(size_t count);
   void MoveBoxes(std::span<const Aabb> boxes, Part& part, size_t end, StopRequest* stop);
   void PlaceLists(size_t parts);
-  void SweepRow(std::span<const Aabb> boxes, uint32_t row, const GroupGrid& grid, uint32_t grid_row,
+  void SweepRow(const GridBoxes& boxes, uint32_t row, const GroupGrid& grid, uint32_t grid_row,
                 Part& part);
   void PlaceArrivals(const Part& part, StopRequest* stop);
-  void SweepRows(std::span<const Aabb> boxes, uint32_t begin, uint32_t end, Part& part,
+  void SweepRows(const GridBoxes& boxes, uint32_t begin, uint32_t end, Part& part,
                  StopRequest* stop);
   size_t CollectItems(std::span<const Aabb> boxes, uint32_t row, size_t axis, Part& part);
   void MarkCells(const GroupGrid& grid, uint32_t first_cell, size_t begin, size_t end, Part& part);

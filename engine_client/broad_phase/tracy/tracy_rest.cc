@@ -1,6 +1,7 @@
 #include "engine_client/broad_phase/tracy/tracy_rest.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 #include "engine_client/broad_phase/grid/grid_search.h"
@@ -92,6 +93,28 @@ bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
   return overlap;
 }
 
+// Ends a search when its pair buffers have grown by more than a number of pairs, or when another
+// request, which may be null, ends it. Thread-safe.
+class PairLimit final : public StopRequest {
+ public:
+  PairLimit(StopRequest* other, size_t max_pairs)
+      : other_(other), max_bytes_(max_pairs * sizeof(OverlapPair)) {}
+  bool WantsStop(uint64_t grown_bytes) noexcept override {
+    bytes_ += grown_bytes;
+    const bool other_wants = other_ != nullptr && other_->WantsStop(grown_bytes);
+    return other_wants || is_exceeded();
+  }
+  bool is_exceeded() const { return bytes_ > 2 * max_bytes_ + kAllowance; }
+
+ private:
+  // A buffer grows by doubling, and has room for a few pairs from the start.
+  static constexpr uint64_t kAllowance = uint64_t{1} << 16;
+
+  StopRequest* const other_;
+  const uint64_t max_bytes_;
+  std::atomic<uint64_t> bytes_{0};
+};
+
 // Returns the box enlarged by `margin` on each side. Unlike Enlarged in dbvt_margins.cc, it returns
 // a valid box unchanged if the enlarged one would overflow, and NaN for an invalid box.
 Aabb Enlarged(const Aabb& box, float margin) {
@@ -107,49 +130,56 @@ Aabb Enlarged(const Aabb& box, float margin) {
 
 size_t TracyRest::MaxOutsideCount() const { return count_ / kBoxesPerOutside + kOutsideAllowance; }
 
-uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float margin,
-                          TracyLists& lists, StopRequest* stop) {
+bool TracyRest::Start(Executor* executor, const GridBoxes& boxes, float margin, TracyLists& lists,
+                      uint64_t& checks, StopRequest* stop) {
   count_ = boxes.size();
   outside_count_ = 0;
   margins_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
   is_outside_.EnsureDiscarding(count_);
   std::fill_n(is_outside_.data(), count_, uint8_t{0});
   const bool is_loaded = ForEachBlock(stop, 0, count_, [&](size_t from, size_t to) {
-    for (size_t i = from; i < to; ++i) margins_[i] = Enlarged(boxes[i], margin);
+    for (size_t i = from; i < to; ++i) margins_[i] = Enlarged(boxes.in_grids[i], margin);
   });
-  if (!is_loaded) return 0;
+  if (!is_loaded) return true;
   std::fill_n(margins_.data() + count_, SoaBoxes::kPadding, kInvalidMargin);
   listed_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
   outside_.EnsureDiscarding(MaxOutsideCount() + 1);
-  lists.Update(executor, {margins_.data(), count_}, MaxOutsideCount(), stop);
-  if (IsStopped(stop)) return 0;
+  const std::span<const Aabb> margins{margins_.data(), count_};
+  lists.Update(executor, {margins, margins}, MaxOutsideCount(), stop);
+  if (IsStopped(stop)) return true;
   kept_.Clear();
   outside_pairs_.Clear();
   const GridView view = lists.View();
-  const uint64_t checks = parts_.Run(
+  const size_t max_kept = kMaxKeptPerBox * count_;
+  PairLimit limit(stop, max_kept);
+  checks += parts_.Run(
       executor, lists.size(), kMinSlotsPerPart, GridView::kBatch, kept_,
       [&](size_t begin, size_t end, PairBuffer& pairs) {
-        return SearchGrids(view, begin, end, pairs, stop);
+        return SearchGrids(view, begin, end, pairs, &limit);
       },
-      stop);
-  TestPairs(executor, boxes, stop);
-  return checks + kept_.size();
+      &limit);
+  if (limit.is_exceeded() || kept_.size() > max_kept) return false;
+  TestPairs(executor, boxes.boxes, stop);
+  checks += kept_.size();
+  return true;
 }
 
-bool TracyRest::Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists,
+bool TracyRest::Step(Executor* executor, const GridBoxes& boxes, TracyLists& lists,
                      uint64_t& checks, StopRequest* stop) {
   if (boxes.size() != count_) return false;
-  const size_t listed = HWY_DYNAMIC_DISPATCH(ListOutside)(boxes, margins_.data(), listed_.data());
+  const size_t listed =
+      HWY_DYNAMIC_DISPATCH(ListOutside)(boxes.in_grids, margins_.data(), listed_.data());
   if (outside_count_ + listed > MaxOutsideCount()) return false;
   AddOutside({listed_.data(), listed}, lists);
-  TestPairs(executor, boxes, stop);
+  TestPairs(executor, boxes.boxes, stop);
   checks += count_ + kept_.size();
   outside_pairs_.Clear();
   if (outside_count_ == 0) return true;
-  checks += lists.SearchFor(boxes, {outside_.data(), outside_count_}, outside_pairs_, stop);
+  const GridBoxes in_grids{boxes.in_grids, boxes.in_grids};
+  checks += lists.SearchFor(in_grids, {outside_.data(), outside_count_}, outside_pairs_, stop);
   const auto found = outside_pairs_.pairs();
   const auto end = std::remove_if(found.begin(), found.end(), [&](const OverlapPair& pair) {
-    return !Overlap(boxes[pair.a], boxes[pair.b]);
+    return !Overlap(boxes.boxes[pair.a], boxes.boxes[pair.b]);
   });
   const auto count = static_cast<size_t>(end - found.begin());
   outside_pairs_.Clear();

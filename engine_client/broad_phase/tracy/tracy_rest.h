@@ -25,20 +25,24 @@ namespace sweepstake {
 
 class TracyRest {
  public:
-  // Enlarges the boxes by `margin` on each side and updates `lists` to the enlarged boxes. Returns
-  // the number of AABB checks. Start and Step poll `stop`, which may be null.
-  uint64_t Start(Executor* executor, std::span<const Aabb> boxes, float margin, TracyLists& lists,
-                 StopRequest* stop);
+  // Enlarges the boxes by `margin` on each side, in the coordinates of the grids, updates `lists`
+  // to the enlarged boxes, and adds the AABB checks made to `checks`. Returns false if the enlarged
+  // boxes have more than kMaxKeptPerBox pairs per box; `lists` then needs an Update. Start and Step
+  // poll `stop`, which may be null.
+  bool Start(Executor* executor, const GridBoxes& boxes, float margin, TracyLists& lists,
+             uint64_t& checks, StopRequest* stop);
   // Updates the state from the boxes of the next frame and adds the AABB checks made to `checks`.
   // Returns false if too many boxes are outside their margins or the number of boxes has changed;
-  // `lists` then needs an Update. REQUIRES: the last call was Start, or a Step that returned true,
+  // `lists` then needs an Update. REQUIRES: the last call was a Start or Step that returned true,
   // with the same lists.
-  bool Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists, uint64_t& checks,
+  bool Step(Executor* executor, const GridBoxes& boxes, TracyLists& lists, uint64_t& checks,
             StopRequest* stop);
   // Appends the overlapping pairs of the latest boxes.
   void Append(PairBuffer& out) const;
 
   size_t native_bytes() const;
+
+  static constexpr size_t kMaxKeptPerBox = 16;
 
  private:
   size_t MaxOutsideCount() const;

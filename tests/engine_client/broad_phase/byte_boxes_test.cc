@@ -59,6 +59,27 @@ TEST(ByteBoxes, SeparateBoxesThatAreATenthOfTheRangeApart) {
   EXPECT_FALSE(BytesOverlap(bytes.Lanes(), 1, 2));
 }
 
+size_t BytePairs(std::span<const Aabb> boxes) {
+  ByteBoxes bytes;
+  bytes.Resize(boxes.size(), false);
+  std::iota(bytes.ids(), bytes.ids() + boxes.size(), 0U);
+  bytes.Fill(boxes, CoordinateRange::Sample(boxes), {}, 0, boxes.size());
+  size_t pairs = 0;
+  for (size_t a = 0; a < boxes.size(); ++a) {
+    for (size_t b = 0; b < a; ++b) pairs += BytesOverlap(bytes.Lanes(), a, b) ? 1 : 0;
+  }
+  return pairs;
+}
+
+// With a straight line from coordinates to bytes, all boxes of a crowd overlap in bytes.
+TEST(ByteBoxes, SeparateBoxesOfCrowdsThatAreFarApart) {
+  const BoxScene near("brownian", 1000, 3);
+  const BoxScene far("far-crowds", 1000, 3);
+  EXPECT_LE(BytePairs(far.boxes()), 2 * BytePairs(near.boxes()));
+  const BoxScene exponential("exponential-spacing", 1000, 3);
+  EXPECT_LE(BytePairs(exponential.boxes()), 1000U * 20);
+}
+
 TEST(ByteBoxes, ArePaddedWithInvalidBoxes) {
   ByteBoxes bytes;
   for (const size_t count : {0, 1, 63, 64, 65}) {

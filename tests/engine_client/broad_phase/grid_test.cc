@@ -154,6 +154,56 @@ TEST(GridPlan, OutliersDoNotCoarsenTheGrid) {
   }
 }
 
+// Returns whether the plan stretches the axes for the boxes.
+bool IsStretchedFor(GridPlan& plan, const std::vector<Aabb>& boxes) {
+  return plan.MakeGrids(nullptr, boxes).is_stretched();
+}
+
+std::vector<Aabb> BoxesOf(std::string_view kind, size_t count) {
+  const BoxScene scene(kind, count, 7);
+  return {scene.boxes().begin(), scene.boxes().end()};
+}
+
+TEST(GridPlan, StretchesTheAxesOnlyIfThatSavesTests) {
+  for (const std::string_view kind : {"far-crowds", "exponential-spacing"}) {
+    GridPlan plan;
+    plan.Reset();
+    EXPECT_TRUE(IsStretchedFor(plan, BoxesOf(kind, 3000))) << kind;
+  }
+  for (const std::string_view kind :
+       {"brownian", "falling", "all-coincident", "planar", "long-thin", "sizes-1-to-1000"}) {
+    GridPlan plan;
+    plan.Reset();
+    EXPECT_FALSE(IsStretchedFor(plan, BoxesOf(kind, 3000))) << kind;
+  }
+}
+
+TEST(GridPlan, StretchesTheAxesWhileTheSceneNeedsIt) {
+  const std::vector<Aabb> near = OrdinaryBoxes(3000);
+  const std::vector<Aabb> far = BoxesOf("far-crowds", 3000);
+  constexpr int kFrames = 300;  // more than the interval of the checks
+  GridPlan plan;
+  plan.Reset();
+  EXPECT_FALSE(IsStretchedFor(plan, near));
+  for (int frame = 0; frame < kFrames; ++frame) plan.MakeGrids(nullptr, far);
+  EXPECT_TRUE(IsStretchedFor(plan, far));
+  for (int frame = 0; frame < kFrames; ++frame) plan.MakeGrids(nullptr, near);
+  EXPECT_FALSE(IsStretchedFor(plan, near));
+}
+
+TEST(GridPlan, GivesTheSameStretchedBoxesOnSeveralThreads) {
+  const std::vector<Aabb> boxes = BoxesOf("far-crowds", 20'000);
+  const auto pool = MakeThreadPool(3);
+  GridPlan alone;
+  GridPlan together;
+  alone.Reset();
+  together.Reset();
+  const GridBoxes one = alone.MakeGrids(nullptr, boxes);
+  const GridBoxes three = together.MakeGrids(pool.get(), boxes);
+  ASSERT_TRUE(one.is_stretched());
+  EXPECT_TRUE(std::ranges::equal(one.in_grids, three.in_grids));
+}
+
 TEST(GridPlan, AddsAGridForANewShape) {
   std::vector<Aabb> boxes = OrdinaryBoxes(2000);
   GridPlan plan = PlanFor(boxes);
@@ -169,18 +219,18 @@ TEST(GridSort, PutsValidBoxesIntoTheCellOfTheirMinCorner) {
   boxes[77].min[0] = kNan;
   const GridPlan plan = PlanFor(boxes);
   GridSort sort;
-  sort.Sort(nullptr, boxes, plan.grids(), plan.choice());
+  sort.Sort(nullptr, {boxes, boxes}, plan.grids(), plan.choice());
   const size_t cells = plan.grids().back().last_cell();
   EXPECT_EQ(sort.starts()[0], 0U);
   EXPECT_EQ(sort.starts()[cells], 499U);
-  EXPECT_EQ(sort.lanes().id[499], 77U);
-  std::vector<uint32_t> ids(sort.lanes().id, sort.lanes().id + 500);
+  EXPECT_EQ(sort.columns().lanes().id[499], 77U);
+  std::vector<uint32_t> ids(sort.columns().lanes().id, sort.columns().lanes().id + 500);
   std::sort(ids.begin(), ids.end());
   std::vector<uint32_t> all(500);
   std::iota(all.begin(), all.end(), 0U);
   EXPECT_EQ(ids, all);
   for (size_t slot = 0; slot < 499; ++slot) {
-    EXPECT_EQ(sort.lanes().max[1][slot], boxes[sort.lanes().id[slot]].max[1]);
+    EXPECT_EQ(sort.columns().lanes().max[1][slot], boxes[sort.columns().lanes().id[slot]].max[1]);
   }
 }
 
@@ -190,9 +240,10 @@ TEST(GridSort, GivesTheSameOrderOnSeveralThreads) {
   const auto pool = MakeThreadPool(3);
   GridSort alone;
   GridSort together;
-  alone.Sort(nullptr, boxes, plan.grids(), plan.choice());
-  together.Sort(pool.get(), boxes, plan.grids(), plan.choice());
-  EXPECT_TRUE(std::equal(alone.lanes().id, alone.lanes().id + boxes.size(), together.lanes().id));
+  alone.Sort(nullptr, {boxes, boxes}, plan.grids(), plan.choice());
+  together.Sort(pool.get(), {boxes, boxes}, plan.grids(), plan.choice());
+  EXPECT_TRUE(std::equal(alone.columns().lanes().id, alone.columns().lanes().id + boxes.size(),
+                         together.columns().lanes().id));
   EXPECT_TRUE(std::equal(alone.starts(), alone.starts() + CellsOf(plan) + 1, together.starts()));
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/broad_phase/grid/grid_plan.h"
+#include "engine_client/broad_phase/tracy/tracy_rest.h"
 #include "engine_client/scene/box_scenes.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 
@@ -100,6 +102,32 @@ TEST_F(RestingTracy, FollowsMotionOfAllBoxesAndRestsAgain) {
   }
   for (int frame = 0; frame < 40; ++frame) Check("at rest again");
   EXPECT_LT(ChecksPerBox(), 5U);
+}
+
+// Returns whether 4,000 brownian boxes can be kept with this margin.
+bool CanKeep(float margin, size_t& bytes) {
+  const BoxScene scene("brownian", 4000, 3);
+  const GridBoxes boxes{scene.boxes(), scene.boxes()};
+  GridPlan plan;
+  plan.Reset();
+  plan.MakeGrids(nullptr, scene.boxes());
+  TracyLists lists;
+  lists.Reset(RowGrids(plan));
+  lists.Update(nullptr, boxes);
+  lists.SetMargin(margin);
+  TracyRest rest;
+  uint64_t checks = 0;
+  const bool kept = rest.Start(nullptr, boxes, margin, lists, checks, nullptr);
+  bytes = rest.native_bytes();
+  return kept;
+}
+
+TEST(TracyRest, DoesNotKeepMarginsThatAddTooManyPairs) {
+  size_t bytes = 0;
+  EXPECT_TRUE(CanKeep(0.05F, bytes));
+  EXPECT_FALSE(CanKeep(0.55F, bytes)) << "about 24 pairs per box";
+  EXPECT_FALSE(CanKeep(100, bytes));
+  EXPECT_LE(bytes, 20'000'000U) << "the 8 million pairs of all boxes have 64 MB";
 }
 
 // Tracy keeps pairs only if testing them again is cheaper than a new search, which is not the case

@@ -109,19 +109,19 @@ class RowLists : public testing::Test {
 
 TEST_F(RowLists, AreSortedAlongTheirRows) {
   Lay();
-  lists_.Update(nullptr, boxes_);
+  lists_.Update(nullptr, {boxes_, boxes_});
   EXPECT_EQ(lists_.size(), boxes_.size());
   EXPECT_EQ(Fault(), "");
 }
 
 TEST_F(RowLists, MoveOnlyBoxesThatChangedTheirRow) {
   Lay();
-  lists_.Update(nullptr, boxes_);
+  lists_.Update(nullptr, {boxes_, boxes_});
   EXPECT_EQ(lists_.moved_count(), boxes_.size());
-  lists_.Update(nullptr, boxes_);
+  lists_.Update(nullptr, {boxes_, boxes_});
   EXPECT_EQ(lists_.moved_count(), 0U);
   std::swap(boxes_[3], boxes_[4]);
-  lists_.Update(nullptr, boxes_);
+  lists_.Update(nullptr, {boxes_, boxes_});
   EXPECT_EQ(lists_.moved_count(), 2U);
   EXPECT_EQ(Fault(), "");
 }
@@ -130,7 +130,8 @@ TEST_F(RowLists, AddNewObjectsAndDropTheLast) {
   Lay();
   for (const size_t count : {100, 600, 599, 17, 0, 300, 600}) {
     const size_t before = lists_.size();
-    lists_.Update(nullptr, std::span(boxes_).first(count));
+    const auto boxes = std::span<const Aabb>(boxes_).first(count);
+    lists_.Update(nullptr, {boxes, boxes});
     EXPECT_EQ(lists_.size(), count);
     EXPECT_EQ(lists_.moved_count(), count > before ? count - before : 0U)
         << "only new boxes may move";
@@ -146,8 +147,8 @@ TEST_F(RowLists, AreTheSameOnSeveralThreads) {
   TracyLists together;
   together.Reset(GridsFor(boxes_));
   for (int frame = 0; frame < 5; ++frame, scene.Step()) {
-    lists_.Update(nullptr, scene.boxes());
-    together.Update(pool.get(), scene.boxes());
+    lists_.Update(nullptr, {scene.boxes(), scene.boxes()});
+    together.Update(pool.get(), {scene.boxes(), scene.boxes()});
     const uint32_t* const ids = lists_.View().lanes.id;
     ASSERT_TRUE(std::equal(ids, ids + lists_.size(), together.View().lanes.id)) << frame;
   }

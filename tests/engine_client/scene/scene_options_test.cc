@@ -44,11 +44,11 @@ TEST(SceneRegistry, ListsTheScenesOfEachGroup) {
               ElementsAre("rest-and-motion", "waves", "storms", "gather-and-scatter",
                           "day-and-night", "arrivals"));
   EXPECT_THAT(SceneNames(SceneGroup::kDegenerate),
-              AllOf(SizeIs(24), Contains("broken-boxes"), Contains("mixture")));
+              AllOf(SizeIs(26), Contains("broken-boxes"), Contains("mixture")));
 }
 
 TEST(SceneRegistry, EveryNameMakesASceneOfThatName) {
-  ASSERT_THAT(SceneNames(), SizeIs(38));
+  ASSERT_THAT(SceneNames(), SizeIs(40));
   for (const SceneDescription& scene : SceneDescriptions()) {
     EXPECT_EQ(MustMakeScene(scene.name, WithCount(3))->name(), scene.name);
     EXPECT_THAT(SceneNames(scene.group), Contains(scene.name));
