@@ -37,22 +37,22 @@ class ThreadPool final : public Executor {
   // Starts the workers outside of the constructor. If the system fails to create a thread, the
   // destructor can then still join the others.
   void Start(size_t thread_count) {
-    workers_.reserve(thread_count - 1);
+    workers_->threads.reserve(thread_count - 1);
     for (size_t i = 1; i < thread_count; ++i) {
-      workers_.emplace_back([this] { Work(); });
+      workers_->threads.emplace_back([this] { Work(); });
     }
   }
   ~ThreadPool() override {
     if (ProcessId() != process_id_) {
-      ForgetWorkers();
+      (void)workers_.release();
       return;
     }
     stopping_.store(true);
     Publish(0);
-    for (std::thread& worker : workers_) worker.join();
+    for (std::thread& worker : workers_->threads) worker.join();
   }
 
-  size_t thread_count() const noexcept override { return workers_.size() + 1; }
+  size_t thread_count() const noexcept override { return workers_->threads.size() + 1; }
 
   void RunParts(size_t part_count, RunPart run_part, void* context) noexcept override {
     assert(part_count <= kLast);
@@ -88,17 +88,17 @@ class ThreadPool final : public Executor {
     if (sleeper_count_.load() == 0) return;
     // Taking the lock here waits for a thread in Sleep that has checked for a job but does not wait
     // yet. Such a thread would miss the notification.
-    { const std::scoped_lock lock(waiting_->mutex); }
-    waiting_->wake.notify_all();
+    { const std::scoped_lock lock(workers_->mutex); }
+    workers_->wake.notify_all();
   }
 
   // Waits until there is a job. No wake-up is lost: either the sleeping thread sees the job, or
   // Publish sees that a thread sleeps. std::atomic::wait is not used: where libstdc++ has no futex,
   // as on Windows, it loses wake-ups.
   void Sleep() noexcept {
-    std::unique_lock lock(waiting_->mutex);
+    std::unique_lock lock(workers_->mutex);
     sleeper_count_.fetch_add(1);
-    waiting_->wake.wait(lock, [&] { return HasUnclaimed(job_.load()) || stopping_.load(); });
+    workers_->wake.wait(lock, [&] { return HasUnclaimed(job_.load()) || stopping_.load(); });
     sleeper_count_.fetch_sub(1, std::memory_order_relaxed);
   }
 
@@ -132,17 +132,12 @@ class ThreadPool final : public Executor {
     return false;
   }
 
-  // In a forked child no worker exists. The destructor of the condition variable would wait for
-  // those that slept in the parent.
-  void ForgetWorkers() noexcept {
-    for (std::thread& worker : workers_) worker.detach();
-    (void)waiting_.release();
-  }
-
-  // Where workers sleep.
-  struct WaitingPlace {
+  // Not destroyed in a forked child, which has none of the threads. There the destructor of the
+  // condition variable would wait for those that slept in the parent.
+  struct Workers {
     std::mutex mutex;
     std::condition_variable wake;
+    std::vector<std::thread> threads;
   };
 
   // job_ and done_ have separate cache lines, so that threads that wait for job_ do not slow down
@@ -152,10 +147,9 @@ class ThreadPool final : public Executor {
   alignas(64) RunPart run_part_ = nullptr;
   void* context_ = nullptr;
   std::atomic<size_t> sleeper_count_{0};
-  std::unique_ptr<WaitingPlace> waiting_ = std::make_unique<WaitingPlace>();
   std::atomic<bool> stopping_{false};
   const uint64_t process_id_ = ProcessId();
-  std::vector<std::thread> workers_;
+  std::unique_ptr<Workers> workers_ = std::make_unique<Workers>();
 };
 
 }  // namespace
