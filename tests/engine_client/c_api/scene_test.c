@@ -34,7 +34,7 @@ static void check_boxes(void) {
 }
 
 void test_scenes(void) {
-  CHECK(swp_scene_count() == 38);
+  CHECK(swp_scene_count() == 40);
   CHECK(swp_scene_name(swp_scene_count()) == NULL);
   CHECK(strcmp(swp_scene_name(0), "brownian") == 0);
   for (uint32_t i = 0; i < 5; ++i) {
