@@ -23,6 +23,7 @@
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/adaptive/verdict_slot.h"
 #include "engine_client/adaptive/view_tap.h"
+#include "engine_client/broad_phase/host/thread_owned.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/pair_sorter.h"
 
@@ -132,8 +133,10 @@ class AdaptiveBroadPhase::Impl {
   FrameSample sample_{};
   std::atomic<uint64_t> warm_switch_count_{0};
   std::atomic<uint64_t> cold_switch_count_{0};
-  const ShadowState lane_state_;      // kRunning if there is a lane, otherwise why there is none
-  std::unique_ptr<ShadowLane> lane_;  // destroyed first: its thread uses the members above
+  const ShadowState lane_state_;  // kRunning if there is a lane, otherwise why there is none
+  // The last member: the lane's thread uses the members above.
+  ThreadOwned<std::unique_ptr<ShadowLane>> owned_lane_;
+  std::unique_ptr<ShadowLane>& lane_ = *owned_lane_;
 };
 
 }  // namespace sweepstake

@@ -11,6 +11,7 @@
 #include <random>
 #include <utility>
 
+#include "engine_client/broad_phase/host/thread_owned.h"
 #include "engine_client/telemetry/common/session_base.h"
 #include "engine_client/telemetry/daemon_connection.h"
 #include "engine_client/telemetry/protocol/session_link.h"
@@ -51,8 +52,10 @@ class DaemonSession final : public SessionBase {
   const TlsNames names_;
 
   // Used only by the sender thread, after Prepare.
-  std::optional<SessionLink> link_;
-  std::unique_ptr<DaemonConnection> connection_;  // null: none
+  ThreadOwned<std::optional<SessionLink>> owned_link_;
+  std::optional<SessionLink>& link_ = *owned_link_;
+  ThreadOwned<std::unique_ptr<DaemonConnection>> owned_connection_;
+  std::unique_ptr<DaemonConnection>& connection_ = *owned_connection_;  // null: none
   uint64_t next_attempt_ns_ = 0;
 };
 

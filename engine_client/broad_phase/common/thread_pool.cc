@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine_client/broad_phase/host/hook_points.h"
+#include "engine_client/broad_phase/host/thread_owned.h"
 #include "sweepstake/executor.h"
 
 #if defined(__x86_64__) || defined(_M_X64)
@@ -43,10 +44,7 @@ class ThreadPool final : public Executor {
     }
   }
   ~ThreadPool() override {
-    if (ProcessId() != process_id_) {
-      (void)workers_.release();
-      return;
-    }
+    if (workers_.is_in_child()) return;
     stopping_.store(true);
     Publish(0);
     for (std::thread& worker : workers_->threads) worker.join();
@@ -132,8 +130,6 @@ class ThreadPool final : public Executor {
     return false;
   }
 
-  // Not destroyed in a forked child, which has none of the threads. There the destructor of the
-  // condition variable would wait for those that slept in the parent.
   struct Workers {
     std::mutex mutex;
     std::condition_variable wake;
@@ -148,8 +144,7 @@ class ThreadPool final : public Executor {
   void* context_ = nullptr;
   std::atomic<size_t> sleeper_count_{0};
   std::atomic<bool> stopping_{false};
-  const uint64_t process_id_ = ProcessId();
-  std::unique_ptr<Workers> workers_ = std::make_unique<Workers>();
+  ThreadOwned<Workers> workers_;
 };
 
 }  // namespace

@@ -8,10 +8,6 @@ PollingThread::PollingThread(const char* name, ThreadPriority priority)
     : name_(name), priority_(priority) {}
 
 PollingThread::~PollingThread() {
-  if (is_in_child()) {
-    (void)state_.release();
-    return;
-  }
   RequestStop();
   Join();
 }

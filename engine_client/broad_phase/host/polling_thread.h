@@ -1,21 +1,20 @@
 // A thread that runs a step after each pause, or earlier if Wake is called.
 //
 // The thread polls, because the frame thread must not make the system call that would wake it. Wake
-// is for other threads, such as a transport's callbacks. A forked child process does not have the
-// thread: all functions but the destructor then do nothing. Thread safety: every method on any
+// is for other threads, such as a transport's callbacks. A forked child does not have the thread;
+// there all functions do nothing. Thread safety: every method on any
 // thread; Start only once.
 #pragma once
 
 #include <chrono>
 #include <condition_variable>
-#include <cstdint>
 #include <functional>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
 
 #include "engine_client/broad_phase/host/hook_points.h"
+#include "engine_client/broad_phase/host/thread_owned.h"
 
 namespace sweepstake {
 
@@ -40,12 +39,9 @@ class PollingThread {
   // Waits until the thread has ended, because a step returned nothing. May be called several times.
   // Returns at once if Start was not called.
   void Join();
-  // Returns whether this process is a forked child of the one that made the object.
-  bool is_in_child() const { return ProcessId() != process_id_; }
+  bool is_in_child() const { return state_.is_in_child(); }
 
  private:
-  // Not destroyed in a child, where the destructor of the condition variable would wait for the
-  // parent's thread, and where that thread may hold a lock for ever.
   struct State {
     std::mutex mutex;
     std::condition_variable changed;
@@ -59,8 +55,7 @@ class PollingThread {
 
   const char* const name_;
   const ThreadPriority priority_;
-  const uint64_t process_id_ = ProcessId();
-  std::unique_ptr<State> state_ = std::make_unique<State>();
+  ThreadOwned<State> state_;
 };
 
 }  // namespace sweepstake

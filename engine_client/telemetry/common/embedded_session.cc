@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine_client/broad_phase/host/thread_owned.h"
 #include "engine_client/decider/embedded/study_maker.h"
 #include "engine_client/decider/session/policy_registry.h"
 #include "engine_client/telemetry/common/decider_loop.h"
@@ -39,8 +40,9 @@ class EmbeddedSession final : public SessionBase {
 
   const StudyMaker maker_;
   const EmbeddedOptions embedded_;
-  mutable std::mutex mutex_;         // shared by the sender thread and ExportPriors
-  std::optional<DeciderLoop> loop_;  // guarded by mutex_; present from Prepare on
+  mutable std::mutex mutex_;  // shared by the sender thread and ExportPriors
+  ThreadOwned<std::optional<DeciderLoop>> owned_loop_;
+  std::optional<DeciderLoop>& loop_ = *owned_loop_;  // guarded by mutex_; present from Prepare on
 };
 
 Status EmbeddedSession::Prepare(AdaptiveBroadPhase& adaptive) {

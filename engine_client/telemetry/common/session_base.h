@@ -14,6 +14,7 @@
 
 #include "engine_client/adaptive/session_attachment.h"
 #include "engine_client/broad_phase/host/polling_thread.h"
+#include "engine_client/broad_phase/host/thread_owned.h"
 #include "engine_client/telemetry/common/flight_recorder.h"
 #include "engine_client/telemetry/common/sample_queue.h"
 #include "sweepstake/session.h"
@@ -55,20 +56,23 @@ class SessionBase : public Session {
   SampleQueue& queue() { return *queue_; }
 
  private:
+  Status StartThread();
   void LimitStop(uint32_t deadline_ms);
   void EndThread(uint32_t deadline_ms);
   void Close();
 
   // The AdaptiveBroadPhase shares the queue, and with it the recorder's ring, because it may use
   // both after the session's end.
-  const std::shared_ptr<FlightRecorder> flight_;  // null if the flight recorder is off
+  const ThreadOwned<std::shared_ptr<FlightRecorder>> owned_flight_;
+  const std::shared_ptr<FlightRecorder>& flight_ = *owned_flight_;  // null: off
   const std::shared_ptr<SampleQueue> queue_;
   const std::shared_ptr<SessionAttachment> attachment_ = std::make_shared<SessionAttachment>();
   std::atomic<AdaptiveBroadPhase*> adaptive_{nullptr};
   std::atomic<uint64_t> stop_deadline_ns_{std::numeric_limits<uint64_t>::max()};
 
   mutable std::mutex stats_mutex_;
-  SessionStats stats_;  // guarded by stats_mutex_
+  ThreadOwned<SessionStats> owned_stats_;
+  SessionStats& stats_ = *owned_stats_;  // guarded by stats_mutex_
   PollingThread thread_{"swp session"};
 };
 

@@ -6,6 +6,11 @@
 #include <cmath>
 #include <thread>
 
+#if defined(__unix__)
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
+
 #include "engine_client/adaptive/adaptive_factory.h"
 #include "sweepstake/session.h"
 #include "tests/support/fake_daemon.h"
@@ -500,6 +505,24 @@ TEST(MakeDaemonSession, RefusesBadAddressesAndOptions) {
   EXPECT_EQ(MakeDaemonSession("localhost:1", options).status().code(),
             StatusCode::kInvalidArgument);
 }
+
+#if defined(__unix__) && !defined(__SANITIZE_THREAD__)
+// The child has none of the threads of the session and of gRPC.
+TEST_F(DaemonSessionTest, AForkedChildDestroysItWithoutWaiting) {
+  FakeDaemon daemon;
+  GoOnline(daemon);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(60);  // ends a child that waits
+    session_.reset();
+    adaptive_.reset();
+    _exit(0);
+  }
+  int status = -1;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+}
+#endif
 
 }  // namespace
 }  // namespace sweepstake
