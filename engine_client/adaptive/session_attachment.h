@@ -14,17 +14,23 @@ namespace sweepstake {
 
 class SessionAttachment {
  public:
-  // Ends the session's thread within `deadline_ms`, and its use of the AdaptiveBroadPhase.
-  using EndSession = std::function<void(uint32_t deadline_ms)>;
+  // A function of the session that takes a deadline.
+  using Call = std::function<void(uint32_t deadline_ms)>;
 
-  void Begin(EndSession end) {
-    const std::lock_guard lock(mutex_);
+  // `end` ends the session's thread within the deadline, and its use of the AdaptiveBroadPhase.
+  // `limit` shortens the deadline of an `end` in progress.
+  void Begin(Call end, Call limit) {
+    const std::scoped_lock lock(mutex_, limit_mutex_);
     end_ = std::move(end);
+    limit_ = std::move(limit);
   }
   // Ends the session unless that was done already. The session has ended when this returns.
   void End(uint32_t deadline_ms) {
+    Limit(deadline_ms);
     const std::lock_guard lock(mutex_);
-    if (const EndSession end = std::exchange(end_, nullptr)) end(deadline_ms);
+    if (const Call end = std::exchange(end_, nullptr)) end(deadline_ms);
+    const std::lock_guard limit_lock(limit_mutex_);
+    limit_ = nullptr;
   }
   bool active() {
     const std::lock_guard lock(mutex_);
@@ -32,8 +38,15 @@ class SessionAttachment {
   }
 
  private:
+  void Limit(uint32_t deadline_ms) {
+    const std::lock_guard lock(limit_mutex_);
+    if (limit_) limit_(deadline_ms);
+  }
+
   std::mutex mutex_;
-  EndSession end_;  // guarded by mutex_; null: not begun, or ended
+  Call end_;  // guarded by mutex_; null: not begun, or ended
+  std::mutex limit_mutex_;
+  Call limit_;  // guarded by limit_mutex_
 };
 
 }  // namespace sweepstake

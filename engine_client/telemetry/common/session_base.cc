@@ -4,13 +4,15 @@
 #include <optional>
 #include <utility>
 
+#include "engine_client/broad_phase/host/exceptions.h"
 #include "engine_client/broad_phase/host/float_environment.h"
 
 namespace sweepstake {
 
 SessionBase::SessionBase(const SessionOptions& options)
-    : flight_(options.flight_recorder.memory_mb > 0 ? std::make_shared<FlightRecorder>(options)
-                                                    : nullptr),
+    : owned_flight_(options.flight_recorder.memory_mb > 0
+                        ? std::make_shared<FlightRecorder>(options)
+                        : nullptr),
       queue_(std::make_shared<SampleQueue>(
           options.queue_frames,
           flight_ ? std::shared_ptr<FlightRing>(flight_, &flight_->ring()) : nullptr)) {}
@@ -29,13 +31,31 @@ Status SessionBase::Start(AdaptiveBroadPhase& adaptive) {
     return status;
   }
   adaptive_.store(&adaptive);
-  const std::chrono::microseconds pause = poll_interval();
-  thread_.Start(pause, [this, pause](bool stopping) {
-    if (flight_) flight_->Step(this->adaptive());
-    return Step(stopping) ? std::optional(pause) : std::nullopt;
-  });
-  attachment_->Begin([this](uint32_t deadline_ms) { EndThread(deadline_ms); });
-  return {};
+  Status started = StartThread();
+  if (started.ok()) {
+    attachment_->Begin([this](uint32_t deadline_ms) { EndThread(deadline_ms); },
+                       [this](uint32_t deadline_ms) { LimitStop(deadline_ms); });
+  } else {
+    adaptive_.store(nullptr);
+    adaptive.Attach(nullptr);
+  }
+  return started;
+}
+
+Status SessionBase::StartThread() {
+  return CatchFailure(
+      [&]() -> Status {
+        const std::chrono::microseconds pause = poll_interval();
+        thread_.Start(pause, [this, pause](bool stopping) {
+          if (flight_) flight_->Step(this->adaptive());
+          return Step(stopping) ? std::optional(pause) : std::nullopt;
+        });
+        return {};
+      },
+      [](const char*) -> Status {
+        return {StatusCode::kResourceExhausted,
+                "the system cannot start a thread for the session: end other threads"};
+      });
 }
 
 void SessionBase::LimitStop(uint32_t deadline_ms) {
