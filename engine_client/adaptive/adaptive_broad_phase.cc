@@ -467,8 +467,14 @@ void AdaptiveBroadPhase::Trim() { impl_->Trim(); }
 uint64_t AdaptiveBroadPhase::memory_bytes() const { return impl_->memory_bytes(); }
 
 Status AdaptiveBroadPhase::SelectArm(std::string_view arm) { return impl_->SelectArm(arm); }
-void AdaptiveBroadPhase::SetMode(Mode mode) { impl_->SetMode(mode); }
-void AdaptiveBroadPhase::Freeze() { impl_->Freeze(); }
+void AdaptiveBroadPhase::SetMode(Mode mode) {
+  const FloatEnvironmentScope environment;
+  impl_->SetMode(mode);
+}
+void AdaptiveBroadPhase::Freeze() {
+  const FloatEnvironmentScope environment;
+  impl_->Freeze();
+}
 bool AdaptiveBroadPhase::Obey(const OperatorOrder& order) {
   if (impl_->frozen()) return false;
   impl_->orders.Post(order);

@@ -225,6 +225,7 @@ bool ProxySet::Move(std::span<const ProxyHandle> handles, std::span<const Aabb> 
 }
 
 bool ProxySet::SetFilter(ProxyHandle handle, const CollisionFilter& filter) {
+  const FloatEnvironmentScope environment;
   return impl_->Change(handle,
                        [&](ProxyKind& kind, uint32_t row) { impl_->SetFilter(kind, row, filter); });
 }
