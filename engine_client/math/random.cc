@@ -94,7 +94,8 @@ double DrawNormal(RandomStream& stream) {
 }
 
 double DrawLogGamma(double shape, RandomStream& stream) {
-  // A shape that is infinite or NaN would reject every draw.
+  // With an infinite or undefined shape the loop of the draw would never end.
+  assert(shape == shape);
   if (!(shape <= kMaxGammaShape)) shape = kMaxGammaShape;
   if (shape >= 1) return DrawLogGammaFromOne(shape, stream);
   // Gamma(a) = Gamma(a + 1) · U^(1/a).

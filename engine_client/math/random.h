@@ -53,8 +53,7 @@ double DrawNormal(RandomStream& stream);
 
 // Returns the natural logarithm of a Gamma(shape, 1) draw (G. Marsaglia, W. W. Tsang, "A simple
 // method for generating gamma variables", ACM TOMS 26, 2000). For small shapes the value itself
-// would underflow. A shape below 1e-300 counts as 1e-300, a shape
-// above 1e300 or NaN as 1e300.
+// would underflow. REQUIRES: shape is not NaN. It counts as the nearest of 1e-300 to 1e300.
 double DrawLogGamma(double shape, RandomStream& stream);
 
 // Draws from Beta(alpha, beta) as X / (X + Y) of two gamma draws. The result is in [0, 1], never

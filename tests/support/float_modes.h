@@ -13,7 +13,7 @@
 namespace sweepstake::test_support {
 
 struct FloatMode {
-  std::string name;  // for example "up_flush_denormals_traps"
+  std::string name;  // for example "up_flush_denormals_are_zero_traps"
   float_environment::Register control;
 };
 

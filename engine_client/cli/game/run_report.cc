@@ -148,6 +148,8 @@ Json VerdictChangeJson(const VerdictChangeRow& row) {
 
 std::string InvalidBoxesText(uint32_t count) {
   if (count == 0) return "";
+  if (count == 1)
+    return "1 object overlaps nothing, because its box is infinite, NaN or inverted\n";
   return std::to_string(count) +
          " objects overlap nothing, because their boxes are infinite, NaN or inverted\n";
 }

@@ -29,8 +29,12 @@
 // - two searches in a row exceed the longest recent search of the previous arm by too much
 // - all searches together exceed the previous arm's mean by too much (SwitchCommand)
 // The next frame then runs the previous arm again, without a command, and the outcome reports that.
-// A trial lasts for twice the settling time. Its first frames, and paused and loading frames, do
-// not count towards that time and do not end it. Frames that rebuild count, but do not end it.
+// A trial lasts for twice the settling time. Its first frames, and paused, loading and suspended
+// frames, do not count towards that time and do not end it. Frames that rebuild count, but do not
+// end it.
+//
+// A forked child process may destroy the object, and do nothing else with it. The same holds for a
+// Session.
 #pragma once
 
 #include <atomic>

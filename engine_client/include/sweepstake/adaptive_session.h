@@ -1,4 +1,4 @@
-// The front door: one object that owns a game's frame path and the session that decides for it.
+// One object that owns a game's frame path and the session that decides for it.
 //
 //   auto game = AdaptiveSession::Create(MakeEmbeddedSession({.scene = "hall"}));
 //   if (!game.ok()) return Fail(game.status().message());

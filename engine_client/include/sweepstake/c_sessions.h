@@ -72,7 +72,7 @@ typedef struct swp_session_options {
   uint64_t bail_out_ns;    /* a longer frame is flagged, and the decider judges whether it is a
                               bail-out. Without a decider, and to end an operator's order, it is one
                               if its arm is to blame: detection took at least half of it, and it was
-                              neither paused nor loading. > 0. A daemon's welcome replaces the value
+                              neither paused, loading nor suspended. > 0. A daemon's welcome replaces the value
                               while a link is attached */
   uint64_t settling_ns;    /* the time after a switch whose extra frame time is part of the switch's
                               cost; nothing is learnt from these frames. A trial lasts for twice

@@ -105,7 +105,8 @@ struct FlightRecorderOptions {
   // MiB of memory for boxes (24 bytes each), at most 1024; 0: off. If five seconds of boxes need
   // more, the boxes of fewer frames are kept, at equal intervals.
   uint32_t memory_mb = 0;
-  // A longer frame triggers a recording, unless the game was paused or loading. > 0, <= 60,000.
+  // A longer frame triggers a recording, unless the game was paused, loading or suspended. > 0, <=
+  // 60,000.
   double frame_budget_ms = 50;
   // An existing folder; its path is UTF-8. A file has at most memory_mb × 4/3 MiB.
   std::string directory = {};

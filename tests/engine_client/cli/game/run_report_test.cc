@@ -107,6 +107,8 @@ TEST(RunReportText, StatesHowManyObjectsOverlapNothing) {
   RunSummary summary = SomeSummary();
   EXPECT_THAT(RunReportText(summary), Not(HasSubstr("overlap nothing")));
   EXPECT_EQ(RunReportJson(summary)["invalid_boxes"], 0);
+  summary.invalid_box_count = 1;
+  EXPECT_THAT(RunReportText(summary), HasSubstr("\n1 object overlaps nothing, because its box is"));
   summary.invalid_box_count = 2;
   EXPECT_THAT(RunReportText(summary),
               HasSubstr("\n2 objects overlap nothing, because their boxes"));
