@@ -153,7 +153,9 @@ bool TracyRest::Step(Executor* executor, const GridBoxes& boxes, TracyLists& lis
   outside_pairs_.Clear();
   if (outside_count_ == 0) return true;
   const GridBoxes in_grids{boxes.in_grids, boxes.in_grids};
-  checks += lists.SearchFor(in_grids, {outside_.data(), outside_count_}, outside_pairs_, stop);
+  PairLimit limit(stop, kMaxKeptPerBox * count_);
+  checks += lists.SearchFor(in_grids, {outside_.data(), outside_count_}, outside_pairs_, &limit);
+  if (limit.is_exceeded()) return false;
   const auto found = outside_pairs_.pairs();
   const auto end = std::remove_if(found.begin(), found.end(), [&](const OverlapPair& pair) {
     return !Overlap(boxes.boxes[pair.a], boxes.boxes[pair.b]);

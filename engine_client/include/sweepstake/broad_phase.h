@@ -115,7 +115,8 @@ struct BroadPhaseOptions {
   // The maximum number of pairs of a search; 0: no limit. It protects memory if the boxes collapse
   // to one place: 100,000 boxes then have 5 billion pairs (40 GB). FindPairs ends a search with
   // more pairs (pairs_exceeded). Until then each thread may find half a million pairs above the
-  // limit. A pair takes 8 bytes, and twice that while its buffer grows.
+  // limit. A pair takes 8 bytes, and twice that while its buffer grows. Backends that keep pairs
+  // between frames hold at most 50 more per box.
   uint64_t max_pairs = 0;
 };
 

@@ -121,6 +121,64 @@ TEST_P(EveryBackendWithMaxPairs, FindsTheSameSequenceBelowTheMaximum) {
 INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendWithMaxPairs, testing::ValuesIn(BroadPhaseNames()),
                          [](const auto& name) { return std::string(name.param); });
 
+// Returns `count` cubes in a lattice with gaps. Its lowest corner is `first` on each axis.
+std::vector<Aabb> Lattice(size_t count, float first, float spacing, float side) {
+  std::vector<Aabb> boxes(count);
+  for (size_t i = 0; i < count; ++i) {
+    const size_t cell[3] = {i % 64, i / 64 % 64, i / 4096};
+    for (size_t axis = 0; axis < 3; ++axis) {
+      boxes[i].min[axis] = first + spacing * static_cast<float>(cell[axis]);
+      boxes[i].max[axis] = boxes[i].min[axis] + side;
+    }
+  }
+  return boxes;
+}
+
+// Backends that keep pairs between frames. Those with margins search for pairs in Update.
+class EveryBackendThatKeepsPairs : public EveryBackendWithMaxPairs {};
+
+TEST_P(EveryBackendThatKeepsPairs, KeepsFewPairsIfBoxesMeetWhileTheOthersRest) {
+  constexpr size_t kCount = 200'000;
+  constexpr uint64_t kMaxPairs = 1'000'000;
+  constexpr uint64_t kMaxKept = 24 * kCount + 3 * StopPoll::kChecksPerQuestion;
+  std::vector<Aabb> boxes = Lattice(kCount, 0, 4, 1);
+  Make(kMaxPairs);
+  backend_->Build(boxes);
+  for (int frame = 0; frame < 5; ++frame) {
+    backend_->FindPairs(pairs_);
+    ASSERT_TRUE(pairs_.empty());
+    backend_->Update(boxes);
+  }
+  const uint64_t resting_bytes = backend_->native_bytes();
+  std::fill_n(boxes.begin(), 6000, boxes[0]);  // 18 million pairs
+  backend_->Update(boxes);
+  backend_->FindPairs(pairs_);
+  EXPECT_TRUE(backend_->pairs_exceeded());
+  EXPECT_LE(pairs_.capacity_bytes() + backend_->native_bytes() - resting_bytes,
+            2 * (kMaxPairs + kMaxKept) * sizeof(OverlapPair));
+}
+
+// Most boxes are large, so that their margins are wider than the gaps between the small boxes.
+TEST_P(EveryBackendThatKeepsPairs, KeepsFewPairsIfOnlyMarginsOverlap) {
+  constexpr uint64_t kMaxKept = 24 * 20'000 + 3 * StopPoll::kChecksPerQuestion;
+  std::vector<Aabb> boxes = Lattice(20'000, 0, 4, 1);
+  const std::vector<Aabb> dust = Lattice(8'000, 2, 1e-4F, 1e-5F);
+  std::copy(dust.begin(), dust.end(), boxes.begin());
+  Make(1000);
+  backend_->Build(boxes);
+  const uint64_t built_bytes = backend_->native_bytes();
+  for (int frame = 0; frame < 5; ++frame) {
+    backend_->FindPairs(pairs_);
+    ASSERT_FALSE(backend_->pairs_exceeded());
+    backend_->Update(boxes);
+    EXPECT_LE(backend_->native_bytes() - built_bytes, 2 * kMaxKept * sizeof(OverlapPair));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendThatKeepsPairs,
+                         testing::Values("AxisSweep", "DBVT", "Tracy"),
+                         [](const auto& name) { return std::string(name.param); });
+
 class CountedStop final : public StopRequest {
  public:
   bool WantsStop(uint64_t, uint64_t) noexcept override {
