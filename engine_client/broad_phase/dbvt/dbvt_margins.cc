@@ -213,9 +213,7 @@ bool DbvtMargins::Start(std::span<const Aabb> boxes, float motion, DbvtTree& tre
   return false;
 }
 
-bool DbvtMargins::AreWorthKeeping() const {
-  return candidates_.size() <= MaxCandidateCount();
-}
+bool DbvtMargins::AreWorthKeeping() const { return candidates_.size() <= MaxCandidateCount(); }
 
 size_t DbvtMargins::MaxCandidateCount() const { return kMaxCandidatesPerObject * count_; }
 
