@@ -255,7 +255,7 @@ void AdaptiveBroadPhase::Impl::Refuse(const SwitchCommand& command) {
 }
 
 // Updates the structure of the active arm, searches for pairs, and measures both. The lane's cost
-// is not learnt from a search during which the game was suspended.
+// is not learnt from a search during which the game was suspended, or which exceeded max_pairs.
 std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const Aabb> boxes) {
   ShadowLane* const lane = frozen() ? nullptr : lane_.get();
   const uint32_t work = lane == nullptr ? 0 : lane->cost().Begin();
@@ -264,7 +264,7 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
   UpdateStructure(boxes, start_ns);
   Search();
   const uint64_t detection_ns = MeasureDetection(boxes, start_ns);
-  const bool is_cost = !suspension_.EndSearch(start_ns, detection_ns);
+  const bool is_cost = !suspension_.EndSearch(start_ns, detection_ns) && !pairs_exceeded_;
   if (lane != nullptr && is_steady && is_cost) lane->cost().End(work, detection_ns, epoch());
   // Sorting is not measured. The lane's visits do not sort, and costs must be comparable between
   // games with and without sorting.
@@ -276,8 +276,11 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
 void AdaptiveBroadPhase::Impl::Search() {
   const Zone zone(kZoneSearch);
   pairs_.Clear();
-  backends_[sample_.arm].backend->FindPairs(pairs_);
-  built_ = true;
+  BroadPhase& backend = *backends_[sample_.arm].backend;
+  backend.FindPairs(pairs_);
+  pairs_exceeded_ = backend.pairs_exceeded();
+  if (pairs_exceeded_) sample_.flags |= kFramePairsExceeded;
+  built_ = !pairs_exceeded_;
 }
 
 // Passes the boxes of a frame's first search to consumers that use one set of boxes per frame. So
@@ -295,8 +298,8 @@ void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
                          .arm = sample_.arm});
 }
 
-// Updates the structure, or builds it if it is not built. If a backend runs out of memory, built_
-// stays false and the next frame builds again.
+// Updates the structure, or builds it if it is not built. If a backend runs out of memory or
+// exceeds max_pairs, built_ stays false and the next search builds again.
 void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns) {
   const Zone zone(kZoneUpdate);
   if (std::exchange(built_, false)) {
@@ -459,6 +462,7 @@ std::span<const OverlapPair> AdaptiveBroadPhase::FindPairs(std::span<const Aabb>
   const FloatEnvironmentScope environment;
   return impl_->FindPairs(boxes);
 }
+bool AdaptiveBroadPhase::pairs_exceeded() const { return impl_->pairs_exceeded(); }
 void AdaptiveBroadPhase::EndFrame(const FrameEnd& frame) {
   const FloatEnvironmentScope environment;
   impl_->EndFrame(frame);

@@ -49,10 +49,10 @@ Status ValidateOptions(const AdaptiveOptions& options) {
   return {};
 }
 
-Result<ArmBackend> MakeArm(std::string_view arm, Executor* executor) {
+Result<ArmBackend> MakeArm(std::string_view arm, Executor* executor, uint64_t max_pairs) {
   ArmBackend made;
   if (executor != nullptr) made.executor = std::make_unique<DetachableExecutor>(*executor);
-  auto backend = MakeBroadPhase(arm, {.executor = made.executor.get()});
+  auto backend = MakeBroadPhase(arm, {.executor = made.executor.get(), .max_pairs = max_pairs});
   if (!backend.ok()) return backend.status();
   made.backend = std::move(*backend);
   return made;
@@ -111,12 +111,13 @@ Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveBroadPhase::Create(
   if (Status status = ValidateArms(arms); !status.ok()) return status;
   std::vector<ArmBackend> backends;
   for (const std::string& arm : arms) {
-    Result<ArmBackend> made = MakeArm(arm, options.executor);
+    Result<ArmBackend> made = MakeArm(arm, options.executor, options.max_pairs);
     if (!made.ok()) return made.status();
     backends.push_back(std::move(*made));
   }
-  const auto make = [arms, executor = options.executor](uint32_t arm) {
-    return std::move(*MakeArm(arms[arm], executor));
+  const auto make = [arms, executor = options.executor,
+                     max_pairs = options.max_pairs](uint32_t arm) {
+    return std::move(*MakeArm(arms[arm], executor, max_pairs));
   };
   return AdaptiveFactory::Make(options, std::move(backends), {make}, sink, clock);
 }

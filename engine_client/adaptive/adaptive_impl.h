@@ -44,6 +44,7 @@ class AdaptiveBroadPhase::Impl {
   Status StartLane();
   void BeginFrame();
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
+  bool pairs_exceeded() const { return pairs_exceeded_; }
   void EndFrame(const FrameEnd& frame);
   void Trim();
   uint64_t memory_bytes() const;
@@ -126,6 +127,7 @@ class AdaptiveBroadPhase::Impl {
   bool manual_by_order_ = false;      // kManual is in force because an operator ordered it
   bool searched_ = false;             // the current frame has searched
   bool built_ = false;                // the active structure holds the latest frame's boxes
+  bool pairs_exceeded_ = false;       // by the latest search
   PairBuffer pairs_;
   std::optional<PairSorter> sorter_;  // absent: pairs stay in the backend's order
   DescriptorEstimator descriptors_;

@@ -33,7 +33,7 @@ ShadowScheduleOptions ScheduleOf(const ShadowOptions& options) {
 }  // namespace
 
 // Stops a call of a backend for one of three reasons: its result is not needed any more, its time
-// is over, or its pairs exceed the memory cap.
+// is over, or its pairs exceed the memory cap or max_pairs.
 class ShadowLane::Watch final : public StopRequest {
  public:
   enum class End { kNone, kInterrupted, kTime, kMemory };
@@ -49,7 +49,12 @@ class ShadowLane::Watch final : public StopRequest {
   End end() const { return end_; }
   uint64_t held_bytes() const { return held_bytes_; }
 
-  bool WantsStop(uint64_t grown_bytes) noexcept override {
+  // Ends the call as if its pairs exceeded the memory cap.
+  void EndByPairs() {
+    if (end_ == End::kNone) end_ = End::kMemory;
+  }
+
+  bool WantsStop(uint64_t grown_bytes, uint64_t /*found_pairs*/) noexcept override {
     held_bytes_ += grown_bytes;
     if (end_ != End::kNone) return true;
     if (lane_.interrupted(followed_)) {
@@ -397,6 +402,7 @@ uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb>
   pairs_.Clear();
   if (watch.end() == Watch::End::kNone) backend.FindPairs(pairs_);
   backend.SetStop(nullptr);
+  if (backend.pairs_exceeded()) watch.EndByPairs();
   const uint64_t time_ns = WorkNs() - start_ns;
   AddAsOnlyWriter(counters_.busy_time_ns, time_ns);
   CountMemory();

@@ -1,7 +1,9 @@
 // The interface's functions and the only list of all backends. Add a line here for a new backend.
 #include <array>
+#include <utility>
 
 #include "engine_client/broad_phase/brute_force.h"
+#include "engine_client/broad_phase/common/pair_limit.h"
 #include "engine_client/broad_phase/dbvt/dbvt.h"
 #include "engine_client/broad_phase/grid/grid.h"
 #include "engine_client/broad_phase/host/float_environment.h"
@@ -36,6 +38,20 @@ constexpr auto kNames = [] {
 
 }  // namespace
 
+// Replaces the stop request during a call, also if the call throws.
+class BroadPhase::StopScope {
+ public:
+  StopScope(BroadPhase& backend, StopRequest& stop)
+      : backend_(backend), before_(std::exchange(backend.stop_, &stop)) {}
+  ~StopScope() { backend_.stop_ = before_; }
+  StopScope(const StopScope&) = delete;
+  StopScope& operator=(const StopScope&) = delete;
+
+ private:
+  BroadPhase& backend_;
+  StopRequest* const before_;
+};
+
 void BroadPhase::Build(std::span<const Aabb> boxes) {
   const FloatEnvironmentScope scope;
   DoBuild(boxes);
@@ -48,7 +64,17 @@ void BroadPhase::Update(std::span<const Aabb> boxes) {
 
 void BroadPhase::FindPairs(PairBuffer& out) {
   const FloatEnvironmentScope scope;
-  DoFindPairs(out);
+  pairs_exceeded_ = false;
+  if (max_pairs_ == 0) return DoFindPairs(out);
+  const size_t before = out.size();
+  PairLimit limit(stop_, max_pairs_);
+  {
+    const StopScope stop(*this, limit);
+    DoFindPairs(out);
+  }
+  // Kept pairs, which some backends copy, do not pass through the limit.
+  pairs_exceeded_ = limit.is_exceeded() || out.size() - before > max_pairs_;
+  if (pairs_exceeded_) out.Truncate(before);
 }
 
 std::span<const std::string_view> BroadPhaseNames() { return kNames; }
@@ -57,7 +83,10 @@ Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
                                                    const BroadPhaseOptions& options) {
   if (Status simd = UseSimdTargetOfEnvironment(); !simd.ok()) return simd;
   for (const Family& family : kFamilies) {
-    if (family.name == name) return family.make(options);
+    if (family.name != name) continue;
+    std::unique_ptr<BroadPhase> made = family.make(options);
+    made->max_pairs_ = options.max_pairs;
+    return made;
   }
   return Status(StatusCode::kNotFound, text::UnknownName("broad phase", name, kNames));
 }

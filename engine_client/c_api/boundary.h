@@ -50,6 +50,13 @@ inline std::span<const Aabb> ToBoxes(const swp_aabb* boxes, uint32_t count) {
   return {reinterpret_cast<const Aabb*>(boxes), count};
 }
 
+// Returns the failure for a search that max_pairs has ended.
+inline swp_result TooManyPairs() noexcept {
+  return Fail(SWP_RESOURCE_EXHAUSTED,
+              "the boxes have more pairs than max_pairs: move objects apart, use fewer, or raise "
+              "max_pairs");
+}
+
 // Returns the failure for a buffer of the caller that is too small.
 inline swp_result TooFewPlaces() noexcept {
   return Fail(

@@ -82,6 +82,7 @@ AdaptiveOptions ToAdaptiveOptions(const swp_session_options& given) {
   options.shadow.memory_cap_bytes = given.shadow_memory_bytes;
   options.memory_budget_bytes = given.memory_budget_bytes;
   options.sorted_pairs = given.sorted_pairs != 0;
+  options.max_pairs = given.max_pairs;
   return options;
 }
 
@@ -138,7 +139,9 @@ swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes, u
     if (!live.in_frame) {
       return Fail(SWP_FAILED_PRECONDITION, "call swp_session_begin_frame first");
     }
-    live.pairs = live.adaptive->FindPairs(ToBoxes(boxes, box_count));
+    const auto pairs = live.adaptive->FindPairs(ToBoxes(boxes, box_count));
+    if (live.adaptive->pairs_exceeded()) return TooManyPairs();
+    live.pairs = pairs;
     return kOk;
   });
 }

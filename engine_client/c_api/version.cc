@@ -49,6 +49,7 @@ static_assert(static_cast<int>(SWP_FRAME_PAUSED) == kFramePaused);
 static_assert(static_cast<int>(SWP_FRAME_LOADING) == kFrameLoading);
 static_assert(static_cast<int>(SWP_FRAME_BAIL_OUT) == kFrameBailOut);
 static_assert(static_cast<int>(SWP_FRAME_SUSPENDED) == kFrameSuspended);
+static_assert(static_cast<int>(SWP_FRAME_PAIRS_EXCEEDED) == kFramePairsExceeded);
 
 constexpr std::pair<swp_struct, uint32_t> kStructSizes[] = {
     {SWP_STRUCT_AABB, sizeof(swp_aabb)},

@@ -49,17 +49,19 @@ void TakeBoxes(World& world, uint32_t count, const Take& take) {
   world.built = true;
 }
 
-void Search(World& world) {
+swp_result Search(World& world) {
   world.built = false;
   const uint64_t start_ns = SteadyClock().NowNs();
   world.backend->FindPairs(world.pairs);
+  if (world.backend->pairs_exceeded()) return TooManyPairs();
   if (world.sorter) world.sorter->Sort(world.pairs.pairs());
   world.search_time_ns = SteadyClock().NowNs() - start_ns;
   world.built = true;
   world.searched = true;
+  return SWP_OK;
 }
 
-constexpr swp_world_options kWorldDefaults = {sizeof(swp_world_options), 0, nullptr, 0, 0};
+constexpr swp_world_options kWorldDefaults = {sizeof(swp_world_options), 0, nullptr, 0, 0, 0};
 
 swp_result CreateWorld(const char* backend, const swp_world_options& options, swp_world** world) {
   if (options.sorted_pairs > 1 || options.reserved != 0) {
@@ -68,7 +70,7 @@ swp_result CreateWorld(const char* backend, const swp_world_options& options, sw
   auto created = std::make_unique<World>();
   const swp_result wrong = MakeExecutor(options.thread_count, options.executor, created->executor);
   if (wrong != SWP_OK) return wrong;
-  auto made = sweepstake::MakeBroadPhase(backend, {created->executor.get()});
+  auto made = sweepstake::MakeBroadPhase(backend, {created->executor.get(), options.max_pairs});
   if (!made.ok()) return ToResult(made.status());
   created->backend = std::move(*made);
   if (options.sorted_pairs != 0) created->sorter = std::make_unique<PairSorter>();
@@ -131,8 +133,7 @@ swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t co
 swp_result swp_world_find_pairs(swp_world* world) {
   return Use(world, [&](World& live) {
     if (!live.built) return NotBuilt();
-    if (!live.searched) Search(live);
-    return kOk;
+    return live.searched ? kOk : Search(live);
   });
 }
 

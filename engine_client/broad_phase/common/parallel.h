@@ -122,7 +122,7 @@ class PairParts {
     }
     const size_t joined_bytes = (out.size() + total) * sizeof(OverlapPair);
     const size_t known_bytes = std::min(joined_bytes, out.capacity_bytes());
-    if (total == 0 || (stop != nullptr && stop->WantsStop(joined_bytes - known_bytes))) return;
+    if (total == 0 || (stop != nullptr && stop->WantsStop(joined_bytes - known_bytes, 0))) return;
     OverlapPair* const end = out.EnsureRoom(total);
     RunParts(total < kPairsToCopyInParallel ? nullptr : executor, part_count - 1,
              [&](size_t index) {

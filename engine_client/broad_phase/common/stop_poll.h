@@ -27,12 +27,13 @@ class StopPoll {
       : stop_(stop),
         out_(out),
         known_bytes_(out.capacity_bytes()),
+        known_pairs_(out.size()),
         next_(stop == nullptr ? std::numeric_limits<uint64_t>::max() : kChecksPerQuestion) {}
   StopPoll(const StopPoll&) = delete;
   StopPoll& operator=(const StopPoll&) = delete;
   // Reports to the request how far the buffer has grown since the last poll.
   ~StopPoll() {
-    if (stop_ != nullptr) stop_->WantsStop(NewBytes());
+    if (stop_ != nullptr) Report();
   }
 
   // Returns whether the search, which has made `check_count` checks so far, must end.
@@ -47,24 +48,27 @@ class StopPoll {
   // Not inlined, since the inlined call would occupy registers of the kernels' loops.
   HWY_NOINLINE bool Ask(uint64_t check_count) {
     if (next_ == 0) return true;
-    next_ = stop_->WantsStop(NewBytes()) ? 0 : check_count + kChecksPerQuestion;
+    next_ = Report() ? 0 : check_count + kChecksPerQuestion;
     return next_ == 0;
   }
 
-  uint64_t NewBytes() {
-    const uint64_t before = known_bytes_;
-    known_bytes_ = out_.capacity_bytes();
-    return known_bytes_ - before;
+  bool Report() {
+    const uint64_t grown_bytes = out_.capacity_bytes() - known_bytes_;
+    const uint64_t found_pairs = out_.size() - known_pairs_;
+    known_bytes_ += grown_bytes;
+    known_pairs_ += found_pairs;
+    return stop_->WantsStop(grown_bytes, found_pairs);
   }
 
   StopRequest* const stop_;
   const PairBuffer& out_;
   uint64_t known_bytes_;
+  uint64_t known_pairs_;
   uint64_t next_;  // the number of checks at which to poll next; 0 once the search has ended
 };
 
 // Returns whether the call in progress must end. `stop` may be null.
-inline bool IsStopped(StopRequest* stop) { return stop != nullptr && stop->WantsStop(0); }
+inline bool IsStopped(StopRequest* stop) { return stop != nullptr && stop->WantsStop(0, 0); }
 
 // The number of boxes that are processed between two polls while boxes are loaded or sorted. In a
 // sort, each pass over a box counts. Processing this number of boxes takes 1 ms or less, even if

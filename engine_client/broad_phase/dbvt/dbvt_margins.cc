@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine_client/broad_phase/common/box_record.h"
+#include "engine_client/broad_phase/common/pair_limit.h"
 #include "engine_client/broad_phase/dbvt/dbvt_query.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -205,15 +206,16 @@ bool DbvtMargins::Start(std::span<const Aabb> boxes, float motion, DbvtTree& tre
   }
   tree.TakeBoxes({fat_.data(), count_}, executor);
   candidates_.Clear();
-  FindGroupPairs(tree, tree.Groups(), candidates_, stop);
+  PairLimit limit(stop, MaxCandidateCount());
+  FindGroupPairs(tree, tree.Groups(), candidates_, &limit);
   if (AreWorthKeeping()) return true;
   tree.TakeBoxes(boxes, executor);
   return false;
 }
 
-bool DbvtMargins::AreWorthKeeping() const {
-  return candidates_.size() <= kMaxCandidatesPerObject * count_;
-}
+bool DbvtMargins::AreWorthKeeping() const { return candidates_.size() <= MaxCandidateCount(); }
+
+size_t DbvtMargins::MaxCandidateCount() const { return kMaxCandidatesPerObject * count_; }
 
 void DbvtMargins::Resize(size_t count, DbvtTree& tree) {
   for (size_t object = count; object < count_; ++object) {
@@ -244,7 +246,8 @@ bool DbvtMargins::Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* 
   const std::span<const uint32_t> left{left_.data(), left_count_};
   for (const uint32_t object : left) Replace(object, tree);
   DropOutdatedCandidates();
-  checks += FindPairsOf(tree, left, fat_.data(), has_left_.data(), candidates_, stop);
+  PairLimit limit(stop, MaxCandidateCount());
+  checks += FindPairsOf(tree, left, fat_.data(), has_left_.data(), candidates_, &limit);
   for (const uint32_t object : left) has_left_[object] = 0;
   return AreWorthKeeping();
 }

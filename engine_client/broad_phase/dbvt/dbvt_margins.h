@@ -58,6 +58,7 @@ class DbvtMargins {
 
  private:
   bool AreWorthKeeping() const;
+  size_t MaxCandidateCount() const;
   float MarginFor(float motion) const;
   void Resize(size_t count, DbvtTree& tree);
   void Reserve(size_t count, size_t kept);

@@ -1,9 +1,9 @@
 #include "engine_client/broad_phase/tracy/tracy_rest.h"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 
+#include "engine_client/broad_phase/common/pair_limit.h"
 #include "engine_client/broad_phase/grid/grid_search.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -93,28 +93,6 @@ bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
   return overlap;
 }
 
-// Ends a search when its pair buffers have grown by more than a number of pairs, or when another
-// request, which may be null, ends it. Thread-safe.
-class PairLimit final : public StopRequest {
- public:
-  PairLimit(StopRequest* other, size_t max_pairs)
-      : other_(other), max_bytes_(max_pairs * sizeof(OverlapPair)) {}
-  bool WantsStop(uint64_t grown_bytes) noexcept override {
-    bytes_ += grown_bytes;
-    const bool other_wants = other_ != nullptr && other_->WantsStop(grown_bytes);
-    return other_wants || is_exceeded();
-  }
-  bool is_exceeded() const { return bytes_ > 2 * max_bytes_ + kAllowance; }
-
- private:
-  // A buffer grows by doubling, and has room for a few pairs from the start.
-  static constexpr uint64_t kAllowance = uint64_t{1} << 16;
-
-  StopRequest* const other_;
-  const uint64_t max_bytes_;
-  std::atomic<uint64_t> bytes_{0};
-};
-
 // Returns the box enlarged by `margin` on each side. Unlike Enlarged in dbvt_margins.cc, it returns
 // a valid box unchanged if the enlarged one would overflow, and NaN for an invalid box.
 Aabb Enlarged(const Aabb& box, float margin) {
@@ -150,15 +128,14 @@ bool TracyRest::Start(Executor* executor, const GridBoxes& boxes, float margin, 
   kept_.Clear();
   outside_pairs_.Clear();
   const GridView view = lists.View();
-  const size_t max_kept = kMaxKeptPerBox * count_;
-  PairLimit limit(stop, max_kept);
+  PairLimit limit(stop, kMaxKeptPerBox * count_);
   checks += parts_.Run(
       executor, lists.size(), kMinSlotsPerPart, GridView::kBatch, kept_,
       [&](size_t begin, size_t end, PairBuffer& pairs) {
         return SearchGrids(view, begin, end, pairs, &limit);
       },
       &limit);
-  if (limit.is_exceeded() || kept_.size() > max_kept) return false;
+  if (limit.is_exceeded()) return false;
   TestPairs(executor, boxes.boxes, stop);
   checks += kept_.size();
   return true;
@@ -176,7 +153,9 @@ bool TracyRest::Step(Executor* executor, const GridBoxes& boxes, TracyLists& lis
   outside_pairs_.Clear();
   if (outside_count_ == 0) return true;
   const GridBoxes in_grids{boxes.in_grids, boxes.in_grids};
-  checks += lists.SearchFor(in_grids, {outside_.data(), outside_count_}, outside_pairs_, stop);
+  PairLimit limit(stop, kMaxKeptPerBox * count_);
+  checks += lists.SearchFor(in_grids, {outside_.data(), outside_count_}, outside_pairs_, &limit);
+  if (limit.is_exceeded()) return false;
   const auto found = outside_pairs_.pairs();
   const auto end = std::remove_if(found.begin(), found.end(), [&](const OverlapPair& pair) {
     return !Overlap(boxes.boxes[pair.a], boxes.boxes[pair.b]);

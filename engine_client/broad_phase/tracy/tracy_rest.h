@@ -32,8 +32,9 @@ class TracyRest {
   bool Start(Executor* executor, const GridBoxes& boxes, float margin, TracyLists& lists,
              uint64_t& checks, StopRequest* stop);
   // Updates the state from the boxes of the next frame and adds the AABB checks made to `checks`.
-  // Returns false if too many boxes are outside their margins or the number of boxes has changed;
-  // `lists` then needs an Update. REQUIRES: the last call was a Start or Step that returned true,
+  // Returns false if too many boxes are outside their margins, if these have more than
+  // kMaxKeptPerBox pairs per box of the scene, or if the number of boxes has changed; `lists` then
+  // needs an Update. REQUIRES: the last call was a Start or Step that returned true,
   // with the same lists.
   bool Step(Executor* executor, const GridBoxes& boxes, TracyLists& lists, uint64_t& checks,
             StopRequest* stop);

@@ -18,6 +18,7 @@
 // Memory: an arm that was active keeps its buffers, so that switching back is cheap. Trim or
 // memory_budget_bytes frees them. FrameSample::native_bytes counts the active arm alone. Errors: if
 // memory runs out, FindPairs ends as described at OutOfMemory() (hooks.h); the next call rebuilds.
+// So does the call after one with more pairs than max_pairs.
 //
 // If a core is free, a shadow lane (shadow.h) measures the other arms on its own thread and
 // prepares switches. A command then waits some frames until the new arm's structure exists (a warm
@@ -133,6 +134,9 @@ struct AdaptiveOptions {
   // freed, and then the memory of the lane if necessary, as by Trim. That frame and later switches
   // to those arms then allocate. The memory of the active arm and of the pairs is never freed.
   uint64_t memory_budget_bytes = 0;
+  // The maximum number of pairs of a search, of each arm (BroadPhaseOptions::max_pairs); 0: no
+  // limit. FindPairs returns no pairs for a search with more (pairs_exceeded).
+  uint64_t max_pairs = 0;
 };
 
 // What the engine reports about the frame that ends.
@@ -165,6 +169,10 @@ class AdaptiveBroadPhase {
   // from the latest search (frame_sample.h). Scene descriptors and the shadow lane use only the
   // first search of each frame. A frame without a search (a paused game) has detection time 0.
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
+  // Returns whether the latest FindPairs found more pairs than AdaptiveOptions::max_pairs. It then
+  // ended early and returned none. The frame gets kFramePairsExceeded and is not evidence about its
+  // arm; the next search rebuilds.
+  bool pairs_exceeded() const;
   // Completes the sample and passes it to the sink.
   void EndFrame(const FrameEnd& frame);
 

@@ -23,14 +23,17 @@
 
 namespace sweepstake {
 
+struct BroadPhaseOptions;
+
 // Stops a call of a backend early. It is for the shadow lane, which cannot wait for the end of a
 // long call.
 class StopRequest {
  public:
   virtual ~StopRequest() = default;
   // Returns whether the call must end now. Once it returns true, it must keep doing so until the
-  // call has returned. `grown_bytes` is the growth of the backend's pair buffers since the previous
-  // WantsStop.
+  // call has returned. Each call reports what the search has added since the previous WantsStop:
+  // `grown_bytes` is the growth of the backend's pair buffers, and `found_pairs` is the number of
+  // pairs found.
   //
   // The backend calls this function on each thread that runs a part of the call. A search calls it
   // every half a million checks, which take 2 ms or less. Build and Update call it for each block
@@ -38,7 +41,7 @@ class StopRequest {
   // whole tree is split in two, or while a pair buffer doubles and is copied. On a machine with
   // other load, a call was measured to end within 7 ms with 300,000 boxes, and within 40 ms with
   // 1,000,000.
-  virtual bool WantsStop(uint64_t grown_bytes) noexcept = 0;
+  virtual bool WantsStop(uint64_t grown_bytes, uint64_t found_pairs) noexcept = 0;
 };
 
 class BroadPhase {
@@ -62,8 +65,13 @@ class BroadPhase {
 
   // Appends every overlapping pair (aabb.h) of the latest boxes exactly once, with a < b. The order
   // of the pairs is unspecified. It is the same for the same sequence of calls, whatever the number
-  // of threads. May be called once per Build or Update.
+  // of threads. May be called once per Build or Update. If there are more pairs than
+  // BroadPhaseOptions::max_pairs, the search ends early, appends nothing, and pairs_exceeded() is
+  // true; the next call must be Build.
   void FindPairs(PairBuffer& out);
+
+  // Returns whether the latest FindPairs ended because of BroadPhaseOptions::max_pairs.
+  bool pairs_exceeded() const { return pairs_exceeded_; }
 
   // Returns the number of AABB–AABB checks of the latest Build or Update, and FindPairs. A vector
   // comparison counts as one check per element. Checks against the bounds of tree nodes count too.
@@ -81,12 +89,19 @@ class BroadPhase {
   StopRequest* stop() const { return stop_; }
 
  private:
+  class StopScope;
+  // Sets max_pairs_.
+  friend Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
+                                                            const BroadPhaseOptions& options);
+
   // Called by the public functions of the same names, in the default floating-point environment.
   virtual void DoBuild(std::span<const Aabb> boxes) = 0;
   virtual void DoUpdate(std::span<const Aabb> boxes) = 0;
   virtual void DoFindPairs(PairBuffer& out) = 0;
 
   StopRequest* stop_ = nullptr;
+  uint64_t max_pairs_ = 0;
+  bool pairs_exceeded_ = false;
 };
 
 // Returns the seven backends in the paper's order: BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy,
@@ -97,6 +112,12 @@ struct BroadPhaseOptions {
   // Runs the parts of large searches (executor.h). It is borrowed and must outlive the backend.
   // With null, the calling thread does all the work.
   Executor* executor = nullptr;
+  // The maximum number of pairs of a search; 0: no limit. It protects memory if the boxes collapse
+  // to one place: 100,000 boxes then have 5 billion pairs (40 GB). FindPairs ends a search with
+  // more pairs (pairs_exceeded). Until then each thread may find half a million pairs above the
+  // limit. A pair takes 8 bytes, and twice that while its buffer grows. Backends that keep pairs
+  // between frames hold at most 50 more per box.
+  uint64_t max_pairs = 0;
 };
 
 // Makes a backend. Errors:

@@ -46,11 +46,12 @@ enum {
 };
 
 enum {
-  SWP_FRAME_REBUILD = 1,   /* the backend's structure was rebuilt */
-  SWP_FRAME_PAUSED = 2,    /* the game was paused or in the background */
-  SWP_FRAME_LOADING = 4,   /* a scene was loading */
-  SWP_FRAME_BAIL_OUT = 8,  /* the frame was over the bail-out limit */
-  SWP_FRAME_SUSPENDED = 16 /* the system stopped the process; the times are not a cost */
+  SWP_FRAME_REBUILD = 1,        /* the backend's structure was rebuilt */
+  SWP_FRAME_PAUSED = 2,         /* the game was paused or in the background */
+  SWP_FRAME_LOADING = 4,        /* a scene was loading */
+  SWP_FRAME_BAIL_OUT = 8,       /* the frame was over the bail-out limit */
+  SWP_FRAME_SUSPENDED = 16,     /* the system stopped the process; the times are not a cost */
+  SWP_FRAME_PAIRS_EXCEEDED = 32 /* a search exceeded max_pairs; the times are not a cost */
 };
 
 /* The shadow lane is a thread that measures the inactive arms. It also prepares the next arm
@@ -94,6 +95,7 @@ typedef struct swp_session_options {
   uint64_t memory_budget_bytes; /* limit for all arms, the pairs and the lane, which takes at most
                                    half of it; 0: no limit. Above it, at a switch or when the active
                                    arm grows, inactive arms and then the lane are freed */
+  uint64_t max_pairs;           /* as in swp_world_options */
 } swp_session_options;
 
 /* The cost of one frame. If it had several searches, times and checks are summed; the counts of
@@ -225,8 +227,8 @@ SWP_API void swp_session_destroy(swp_session* session);
 SWP_API swp_result swp_session_begin_frame(swp_session* session);
 /* Passes the boxes to the active backend and searches for pairs. The number of boxes may change
  * as in swp_world_update. In a frame with substeps or several fixed updates, call it for each of
- * them; together they are one sample. After SWP_RESOURCE_EXHAUSTED (memory) there are no pairs
- * until the next search, which rebuilds; end the frame as usual. */
+ * them; together they are one sample. After SWP_RESOURCE_EXHAUSTED (memory, or more pairs than
+ * max_pairs) there are no pairs until the next search, which rebuilds; end the frame as usual. */
 SWP_API swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes,
                                           uint32_t box_count);
 /* The pairs of the latest search, in the library's memory, which any thread may read until the next

@@ -16,9 +16,11 @@ enum FrameFlag : uint32_t {
   kFrameLoading = 4,     // a scene was loading
   kFrameBailOut = 8,     // the frame was over the bail-out limit
   kFrameSuspended = 16,  // the system stopped the process during the frame (SIGSTOP, breakpoint)
+  kFramePairsExceeded = 32,  // a search ended early: more pairs than AdaptiveOptions::max_pairs
 };
 // Flags of frames whose times are not the cost of their arm. Nothing learns from these frames.
-inline constexpr uint32_t kFrameWithoutCost = kFramePaused | kFrameLoading | kFrameSuspended;
+inline constexpr uint32_t kFrameWithoutCost =
+    kFramePaused | kFrameLoading | kFrameSuspended | kFramePairsExceeded;
 
 inline constexpr uint64_t kBailOutNs = 5'000'000'000;  // the default bail-out limit
 

@@ -18,7 +18,7 @@ namespace {
 
 // Masks of the flags that this version has, for frames and for shadow samples. Bits of later
 // protocol versions are dropped.
-constexpr uint32_t kKnownFlags = 31;
+constexpr uint32_t kKnownFlags = 63;
 constexpr uint32_t kKnownShadowFlags = 3;
 
 uint32_t Milliseconds(int64_t interval_ns) {

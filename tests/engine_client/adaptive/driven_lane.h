@@ -49,7 +49,7 @@ class LaneBackend final : public BroadPhase {
     for (questions = 1; questions <= script_.question_count; ++questions) {
       clock_.Advance(script_.question_ns);
       script_.in_search(questions);
-      if (stop()->WantsStop(script_.question_bytes)) return;
+      if (stop()->WantsStop(script_.question_bytes, 0)) return;
     }
   }
   uint64_t aabb_check_count() const override { return 100 * shown.size(); }
@@ -103,7 +103,7 @@ class DrivenLane : public ::testing::Test {
     cost.EndWork((1 + slowdown) * search_ns_);
   }
 
-  ArmBackend MakeBackend(uint32_t arm) {
+  virtual ArmBackend MakeBackend(uint32_t arm) {
     ++made_count_;
     return {nullptr, std::make_unique<LaneBackend>(scripts_[arm], clock_)};
   }

@@ -136,7 +136,7 @@ TEST_F(FacesOnAnAxis, AreOrderedAfterARepairOfTheMovedBoxes) {
 TEST_F(FacesOnAnAxis, RepairEndsAtAStopRequest) {
   class StopAtTheSecondQuestion final : public StopRequest {
    public:
-    bool WantsStop(uint64_t) noexcept override { return ++question_count >= 2; }
+    bool WantsStop(uint64_t, uint64_t) noexcept override { return ++question_count >= 2; }
     int question_count = 0;
   };
   constexpr int kCount = 1000;

@@ -38,7 +38,7 @@ TEST(SortedPairs, AddAndDropTouchedPairs) {
 class StopAt final : public StopRequest {
  public:
   explicit StopAt(uint64_t question) : question_(question) {}
-  bool WantsStop(uint64_t) noexcept override { return ++asked >= question_; }
+  bool WantsStop(uint64_t, uint64_t) noexcept override { return ++asked >= question_; }
 
   uint64_t asked = 0;
 

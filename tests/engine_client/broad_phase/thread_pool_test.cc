@@ -109,7 +109,7 @@ TEST(PairPartsTest, JoinsThePairsOfThePartsInOrder) {
 TEST(PairPartsTest, StartsNoPartAfterAStop) {
   class Stop final : public StopRequest {
    public:
-    bool WantsStop(uint64_t) noexcept override { return is_wanted; }
+    bool WantsStop(uint64_t, uint64_t) noexcept override { return is_wanted; }
     std::atomic<bool> is_wanted{false};
   } stop;
   const auto pool = MakeThreadPool(2);

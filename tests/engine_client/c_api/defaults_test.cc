@@ -36,6 +36,7 @@ TEST(Defaults, OfASessionAreEqualInCAndCxx) {
   EXPECT_EQ(c.shadow_duty_ratio, cxx.shadow.duty_ratio);
   EXPECT_EQ(c.shadow_memory_bytes, cxx.shadow.memory_cap_bytes);
   EXPECT_EQ(c.memory_budget_bytes, cxx.memory_budget_bytes);
+  EXPECT_EQ(c.max_pairs, cxx.max_pairs);
 }
 
 TEST(Defaults, OfADeciderAreEqualInCAndCxx) {
@@ -75,6 +76,13 @@ TEST(Defaults, OfALinkAreEqualInCAndCxx) {
   EXPECT_EQ(c.unacknowledged_messages, cxx.unacknowledged_messages);
   EXPECT_EQ(c.backoff_min_ms, cxx.backoff_min_ms);
   EXPECT_EQ(c.backoff_max_ms, cxx.backoff_max_ms);
+}
+
+TEST(Defaults, OfAWorldAreEqualInCAndCxx) {
+  const swp_world_options c = Initialized(swp_world_options_init);
+  const BroadPhaseOptions cxx;
+  EXPECT_EQ(c.executor == nullptr, cxx.executor == nullptr);
+  EXPECT_EQ(c.max_pairs, cxx.max_pairs);
 }
 
 TEST(Defaults, OfAProxySetAreEqualInCAndCxx) {

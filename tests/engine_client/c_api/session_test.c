@@ -91,6 +91,34 @@ static void check_substeps(swp_session* session) {
   CHECK(sample.pair_count == 1 && sample.object_count == 2);
 }
 
+/* A search with more pairs than max_pairs fails; the next frame works. */
+static void check_max_pairs(swp_scene* scene) {
+  enum { kCount = 500 };
+  swp_aabb boxes[kCount];
+  swp_session_options options = {.struct_size = sizeof options};
+  swp_session* session = NULL;
+  swp_frame_sample sample;
+  const swp_pair* pairs = NULL;
+  uint64_t count = 0;
+  for (int i = 0; i < kCount; ++i) boxes[i] = (swp_aabb){{0, 0, 0}, {1, 1, 1}};
+  CHECK_OK(swp_session_options_init(&options));
+  options.mode = SWP_MODE_MANUAL;
+  options.max_pairs = 100000;
+  CHECK_OK(swp_session_create(&options, &session));
+  run_frame(session, scene);
+  CHECK_OK(swp_session_begin_frame(session));
+  CHECK(swp_session_find_pairs(session, boxes, kCount) == SWP_RESOURCE_EXHAUSTED);
+  CHECK(strstr(swp_last_error(), "max_pairs") != NULL);
+  CHECK(swp_session_pairs(session, &pairs, &count) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_session_end_frame(session, kFrameNs, 0));
+  CHECK_OK(swp_session_last_sample(session, &sample));
+  CHECK(sample.flags == SWP_FRAME_PAIRS_EXCEEDED);
+  run_frame(session, scene);
+  CHECK_OK(swp_session_last_sample(session, &sample));
+  CHECK(sample.flags == SWP_FRAME_REBUILD);
+  swp_session_destroy(session);
+}
+
 /* Sorted pairs equal those of brute force byte by byte with every arm. */
 static void check_sorted_pairs(swp_scene* scene) {
   swp_session_options options = {.struct_size = sizeof options};
@@ -152,6 +180,7 @@ void test_frames(void) {
   check_substeps(session);
   check_selection(session, scene);
   check_sorted_pairs(scene);
+  check_max_pairs(scene);
   swp_session_destroy(session);
   swp_scene_destroy(scene);
 }

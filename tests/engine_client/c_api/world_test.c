@@ -133,6 +133,33 @@ static void check_broken_boxes(swp_world* world) {
   CHECK(counters.invalid_box_count == 4);
 }
 
+/* A search with more pairs than max_pairs fails, and the next build makes the world usable again.
+ */
+static void check_max_pairs(const char* backend) {
+  enum { kCount = 2000 };
+  static swp_aabb boxes[kCount];
+  swp_world_options options = {.struct_size = sizeof options};
+  swp_counters counters = {.struct_size = sizeof counters};
+  const swp_pair* pairs = NULL;
+  swp_world* world = NULL;
+  uint64_t count = 0;
+  for (int i = 0; i < kCount; ++i) boxes[i] = (swp_aabb){{0, 0, 0}, {1, 1, 1}};
+  CHECK_OK(swp_world_options_init(&options));
+  CHECK(options.max_pairs == 0);
+  options.max_pairs = 3;
+  CHECK_OK(swp_world_create(backend, &options, &world));
+  CHECK_OK(swp_world_build(world, boxes, kCount));
+  CHECK(swp_world_find_pairs(world) == SWP_RESOURCE_EXHAUSTED);
+  CHECK(strstr(swp_last_error(), "max_pairs") != NULL);
+  CHECK(swp_world_pairs(world, &pairs, &count) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_world_update(world, kBoxes, 3) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_world_find_pairs(world) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_world_counters(world, &counters));
+  CHECK(counters.pair_count == 0 && counters.native_bytes < (uint64_t)8 * 1024 * 1024);
+  check_that_pairs_stay(world); /* of 3 boxes, which have 3 pairs */
+  swp_world_destroy(world);
+}
+
 void test_world_rules(void) {
   for (uint32_t i = 0; i < swp_backend_count(); ++i) {
     swp_world* world = NULL;
@@ -148,6 +175,7 @@ void test_world_rules(void) {
     CHECK_OK(swp_world_update(world, kBoxes, 3));
     check_broken_boxes(world);
     swp_world_destroy(world);
+    check_max_pairs(swp_backend_name(i));
   }
   CHECK(swp_backend_name(swp_backend_count()) == NULL);
 }

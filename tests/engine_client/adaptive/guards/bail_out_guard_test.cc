@@ -69,9 +69,9 @@ TEST(BailOutGuard, IgnoresFramesWithDetectionUnderHalfOfTheTime) {
   EXPECT_FALSE(guard.LocalChoice(sample).has_value());
 }
 
-TEST(BailOutGuard, IgnoresPausedLoadingAndSuspendedFrames) {
+TEST(BailOutGuard, IgnoresFramesWithoutCost) {
   const BailOutGuard guard(kLimitNs, 2);
-  for (const uint32_t flag : {kFramePaused, kFrameLoading, kFrameSuspended}) {
+  for (const uint32_t flag : {kFramePaused, kFrameLoading, kFrameSuspended, kFramePairsExceeded}) {
     FrameSample sample = LongFrame(0);
     sample.flags = flag;
     EXPECT_FALSE(guard.LocalChoice(sample).has_value());

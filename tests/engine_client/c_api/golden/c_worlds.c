@@ -3,12 +3,13 @@
 
 /* clang-format off */
 HANDLE(swp_world)
-SIZE(swp_world_options, 24)
+SIZE(swp_world_options, 32)
 FIELD(swp_world_options, struct_size, 0, uint32_t)
 FIELD(swp_world_options, thread_count, 4, uint32_t)
 FIELD(swp_world_options, executor, 8, const swp_executor*)
 FIELD(swp_world_options, sorted_pairs, 16, uint32_t)
 FIELD(swp_world_options, reserved, 20, uint32_t)
+FIELD(swp_world_options, max_pairs, 24, uint64_t)
 SIZE(swp_counters, 48)
 FIELD(swp_counters, struct_size, 0, uint32_t)
 FIELD(swp_counters, object_count, 4, uint32_t)

@@ -71,14 +71,14 @@ TEST(Window, WithoutFramesTeachesNothing) {
   EXPECT_EQ(client.session.posteriors()[client.arm], before);
 }
 
-TEST(Window, OmitsPausedLoadingAndSuspendedFrames) {
+TEST(Window, OmitsFramesWithoutCost) {
   ScriptedClient client(PlainSetup(1));
   client.Settle();
-  for (const uint32_t flag : {kFramePaused, kFrameLoading, kFrameSuspended}) {
+  for (const uint32_t flag : {kFramePaused, kFrameLoading, kFrameSuspended, kFramePairsExceeded}) {
     client.frame.flags = flag;
     EXPECT_EQ(client.RunToTick().record.outcome, DecisionOutcome::kNoFrames);
   }
-  EXPECT_EQ(client.session.counts().costless_frame_count, 600u);
+  EXPECT_EQ(client.session.counts().costless_frame_count, 800u);
 }
 
 // The game shows a menu without searches, and does not mark its frames as paused.

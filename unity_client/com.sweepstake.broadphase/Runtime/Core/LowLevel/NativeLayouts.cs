@@ -61,12 +61,13 @@ namespace Sweepstake.LowLevel
             byte* start;
             var worldOptions = default(WorldOptions);
             start = (byte*)&worldOptions;
-            problems.Size("WorldOptions", 4, sizeof(WorldOptions), 24, true);
+            problems.Size("WorldOptions", 4, sizeof(WorldOptions), 32, true);
             problems.Field("WorldOptions.StructSize", (byte*)&worldOptions.StructSize - start, 0);
             problems.Field("WorldOptions.ThreadCount", (byte*)&worldOptions.ThreadCount - start, 4);
             problems.Field("WorldOptions.Executor", (byte*)&worldOptions.Executor - start, 8);
             problems.Field("WorldOptions.SortedPairs", (byte*)&worldOptions.SortedPairs - start, 16);
             problems.Field("WorldOptions.Reserved", (byte*)&worldOptions.Reserved - start, 20);
+            problems.Field("WorldOptions.MaxPairs", (byte*)&worldOptions.MaxPairs - start, 24);
         }
 
         private static void CheckWorldCounters(LayoutProblems problems)
@@ -90,7 +91,7 @@ namespace Sweepstake.LowLevel
             byte* start;
             var nativeSessionOptions = default(NativeSessionOptions);
             start = (byte*)&nativeSessionOptions;
-            problems.Size("NativeSessionOptions", 6, sizeof(NativeSessionOptions), 88, true);
+            problems.Size("NativeSessionOptions", 6, sizeof(NativeSessionOptions), 96, true);
             problems.Field("NativeSessionOptions.StructSize", (byte*)&nativeSessionOptions.StructSize - start, 0);
             problems.Field("NativeSessionOptions.Mode", (byte*)&nativeSessionOptions.Mode - start, 4);
             problems.Field("NativeSessionOptions.Arms", (byte*)&nativeSessionOptions.Arms - start, 8);
@@ -105,6 +106,7 @@ namespace Sweepstake.LowLevel
             problems.Field("NativeSessionOptions.ShadowDutyRatio", (byte*)&nativeSessionOptions.ShadowDutyRatio - start, 64);
             problems.Field("NativeSessionOptions.ShadowMemoryBytes", (byte*)&nativeSessionOptions.ShadowMemoryBytes - start, 72);
             problems.Field("NativeSessionOptions.MemoryBudgetBytes", (byte*)&nativeSessionOptions.MemoryBudgetBytes - start, 80);
+            problems.Field("NativeSessionOptions.MaxPairs", (byte*)&nativeSessionOptions.MaxPairs - start, 88);
         }
 
         private static void CheckFrameSample(LayoutProblems problems)

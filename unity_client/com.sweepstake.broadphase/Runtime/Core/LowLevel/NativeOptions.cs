@@ -22,6 +22,7 @@ namespace Sweepstake.LowLevel
         public double ShadowDutyRatio;
         public ulong ShadowMemoryBytes;
         public ulong MemoryBudgetBytes;
+        public ulong MaxPairs;
     }
 
     /// <summary>The native form of <see cref="DeciderOptions"/>. Texts, but not PriorsData, are UTF-8 with a terminating 0.</summary>

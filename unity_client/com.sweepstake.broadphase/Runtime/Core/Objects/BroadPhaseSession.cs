@@ -51,6 +51,7 @@ namespace Sweepstake
         /// cref="BroadPhaseWorld.Update(ReadOnlySpan{Aabb})"/>. If a frame has several fixed updates, call this once for each of them. All
         /// searches of the frame give one sample.
         /// </summary>
+        /// <exception cref="SweepstakeException">There are more pairs than <see cref="SessionOptions.MaxPairs"/>.</exception>
         public void FindPairs(ReadOnlySpan<Aabb> boxes)
         {
             fixed (Aabb* start = boxes)

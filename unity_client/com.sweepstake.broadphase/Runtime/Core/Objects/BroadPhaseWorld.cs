@@ -73,6 +73,7 @@ namespace Sweepstake
         }
 
         /// <summary>Finds each overlapping pair once per build or update; a second call does nothing.</summary>
+        /// <exception cref="SweepstakeException">There are more pairs than <see cref="WorldOptions.MaxPairs"/>.</exception>
         public void FindPairs()
         {
             Check(NativeMethods.swp_world_find_pairs(Pointer));

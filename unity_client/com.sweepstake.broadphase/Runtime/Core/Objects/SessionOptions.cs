@@ -48,6 +48,11 @@ namespace Sweepstake
         public ulong ShadowMemoryBytes { get => native.ShadowMemoryBytes; set => native.ShadowMemoryBytes = value; }
         /// <summary>Limit in bytes for all arms, the pairs and the lane together; 0: no limit.</summary>
         public ulong MemoryBudgetBytes { get => native.MemoryBudgetBytes; set => native.MemoryBudgetBytes = value; }
+        /// <summary>
+        /// The maximum number of pairs of a search, as in <see cref="WorldOptions.MaxPairs"/>. After a search with more pairs, end the frame as
+        /// usual; the next search works again.
+        /// </summary>
+        public ulong MaxPairs { get => native.MaxPairs; set => native.MaxPairs = value; }
 
         internal NativeSessionOptions With(CallMemory memory)
         {

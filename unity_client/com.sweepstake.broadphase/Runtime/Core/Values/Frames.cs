@@ -37,6 +37,8 @@ namespace Sweepstake
         /// The system stopped the process during the frame, for example at a breakpoint; the frame is excluded from learning.
         /// </summary>
         Suspended = 16,
+        /// <summary>A search ended early because of <see cref="SessionOptions.MaxPairs"/>; the frame is excluded from learning.</summary>
+        PairsExceeded = 32,
     }
 
     /// <summary>

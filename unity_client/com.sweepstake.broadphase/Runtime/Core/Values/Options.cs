@@ -17,6 +17,12 @@ namespace Sweepstake
         internal IntPtr Executor;
         internal uint SortedPairs;
         internal uint Reserved;
+        /// <summary>
+        /// The maximum number of pairs of a search; 0: no limit. A search with more ends early with
+        /// <see cref="ResultCode.ResourceExhausted"/>, so that boxes that collapse to one place do not take all memory. The world must then
+        /// be built again.
+        /// </summary>
+        public ulong MaxPairs;
 
         /// <summary>Sorts pairs by A and then B with every backend.</summary>
         public bool IsSorted

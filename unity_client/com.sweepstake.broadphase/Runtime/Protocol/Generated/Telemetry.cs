@@ -125,20 +125,20 @@ namespace Sweepstake.Protocol.V1 {
             "VU5TUEVDSUZJRUQQABIeChpDQVBBQklMSVRZX09QRVJBVE9SX09SREVSUxAB",
             "EhcKE0NBUEFCSUxJVFlfQk9YX1ZJRVcQAipZCgpTaGFkb3dGbGFnEhsKF1NI",
             "QURPV19GTEFHX1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZF",
-            "EAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIqoQEKCUZyYW1lRmxhZxIaChZG",
+            "EAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIqwAEKCUZyYW1lRmxhZxIaChZG",
             "UkFNRV9GTEFHX1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxE",
             "EAESFQoRRlJBTUVfRkxBR19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJ",
             "TkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgSGAoURlJBTUVfRkxBR19T",
-            "VVNQRU5ERUQQECqCAQoST3JkZXJSZWZ1c2FsUmVhc29uEiQKIE9SREVSX1JF",
-            "RlVTQUxfUkVBU09OX1VOU1BFQ0lGSUVEEAASJAogT1JERVJfUkVGVVNBTF9S",
-            "RUFTT05fTk9UX0FMTE9XRUQQARIgChxPUkRFUl9SRUZVU0FMX1JFQVNPTl9V",
-            "TktOT1dOEAIqdAoHVmVyZGljdBIXChNWRVJESUNUX1VOU1BFQ0lGSUVEEAAS",
-            "EgoOVkVSRElDVF9TVEFCTEUQARIPCgtWRVJESUNUX1RJRRACEhUKEVZFUkRJ",
-            "Q1RfQU1CSUdVT1VTEAMSFAoQVkVSRElDVF9ERUdSQURFRBAEMngKEFRlbGVt",
-            "ZXRyeVNlcnZpY2USZAoPU3RyZWFtVGVsZW1ldHJ5EiUuc3dlZXBzdGFrZS52",
-            "MS5TdHJlYW1UZWxlbWV0cnlSZXF1ZXN0GiYuc3dlZXBzdGFrZS52MS5TdHJl",
-            "YW1UZWxlbWV0cnlSZXNwb25zZSgBMAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9j",
-            "b2wuVjFiBnByb3RvMw=="));
+            "VVNQRU5ERUQQEBIdChlGUkFNRV9GTEFHX1BBSVJTX0VYQ0VFREVEECAqggEK",
+            "Ek9yZGVyUmVmdXNhbFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9V",
+            "TlNQRUNJRklFRBAAEiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExP",
+            "V0VEEAESIAocT1JERVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1Zl",
+            "cmRpY3QSFwoTVkVSRElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RB",
+            "QkxFEAESDwoLVkVSRElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxAD",
+            "EhQKEFZFUkRJQ1RfREVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQK",
+            "D1N0cmVhbVRlbGVtZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1l",
+            "dHJ5UmVxdWVzdBomLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVz",
+            "cG9uc2UoATABQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -280,6 +280,10 @@ namespace Sweepstake.Protocol.V1 {
     /// The system stopped the process during the frame (SIGSTOP, breakpoint, sleep). The frame is not evidence and not a bail-out.
     /// </summary>
     [pbr::OriginalName("FRAME_FLAG_SUSPENDED")] Suspended = 16,
+    /// <summary>
+    /// A search of the frame ended early because of the game's limit of pairs (max_pairs). The frame is not evidence.
+    /// </summary>
+    [pbr::OriginalName("FRAME_FLAG_PAIRS_EXCEEDED")] PairsExceeded = 32,
   }
 
   /// <summary>
