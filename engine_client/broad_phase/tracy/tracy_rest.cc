@@ -93,26 +93,41 @@ bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
   return overlap;
 }
 
-// Ends a search when its pair buffers have grown by more than a number of pairs, or when another
-// request, which may be null, ends it. Thread-safe.
+// Ends a search when it has found more than a number of pairs, or when another request, which may
+// be null, ends it. It counts pairs and not the memory of their buffers, which depends on the
+// number of threads and on earlier searches. Thread-safe.
 class PairLimit final : public StopRequest {
  public:
-  PairLimit(StopRequest* other, size_t max_pairs)
-      : other_(other), max_bytes_(max_pairs * sizeof(OverlapPair)) {}
+  PairLimit(StopRequest* other, size_t max_pairs) : other_(other), max_pairs_(max_pairs) {}
   bool WantsStop(uint64_t grown_bytes) noexcept override {
-    bytes_ += grown_bytes;
     const bool other_wants = other_ != nullptr && other_->WantsStop(grown_bytes);
     return other_wants || is_exceeded();
   }
-  bool is_exceeded() const { return bytes_ > 2 * max_bytes_ + kAllowance; }
+  void Add(size_t pair_count) { pair_count_ += pair_count; }
+  bool is_exceeded() const { return pair_count_ > max_pairs_; }
 
  private:
-  // A buffer grows by doubling, and has room for a few pairs from the start.
-  static constexpr uint64_t kAllowance = uint64_t{1} << 16;
-
   StopRequest* const other_;
-  const uint64_t max_bytes_;
-  std::atomic<uint64_t> bytes_{0};
+  const size_t max_pairs_;
+  std::atomic<size_t> pair_count_{0};
+};
+
+// Adds the pairs of one part of a search to the limit of the whole search. A search polls once more
+// when it ends, so that all its pairs are counted. Not thread-safe.
+class PartLimit final : public StopRequest {
+ public:
+  PartLimit(PairLimit& whole, const PairBuffer& pairs)
+      : whole_(whole), pairs_(pairs), known_count_(pairs.size()) {}
+  bool WantsStop(uint64_t grown_bytes) noexcept override {
+    whole_.Add(pairs_.size() - known_count_);
+    known_count_ = pairs_.size();
+    return whole_.WantsStop(grown_bytes);
+  }
+
+ private:
+  PairLimit& whole_;
+  const PairBuffer& pairs_;
+  size_t known_count_;
 };
 
 // Returns the box enlarged by `margin` on each side. Unlike Enlarged in dbvt_margins.cc, it returns
@@ -150,15 +165,15 @@ bool TracyRest::Start(Executor* executor, const GridBoxes& boxes, float margin, 
   kept_.Clear();
   outside_pairs_.Clear();
   const GridView view = lists.View();
-  const size_t max_kept = kMaxKeptPerBox * count_;
-  PairLimit limit(stop, max_kept);
+  PairLimit limit(stop, kMaxKeptPerBox * count_);
   checks += parts_.Run(
       executor, lists.size(), kMinSlotsPerPart, GridView::kBatch, kept_,
       [&](size_t begin, size_t end, PairBuffer& pairs) {
-        return SearchGrids(view, begin, end, pairs, &limit);
+        PartLimit part_limit(limit, pairs);
+        return SearchGrids(view, begin, end, pairs, &part_limit);
       },
       &limit);
-  if (limit.is_exceeded() || kept_.size() > max_kept) return false;
+  if (limit.is_exceeded()) return false;
   TestPairs(executor, boxes.boxes, stop);
   checks += kept_.size();
   return true;
