@@ -5,15 +5,14 @@
 #include <cstring>
 #include <thread>
 
-#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if SWEEPSTAKE_MEASURES_STACK
 #include <pthread.h>
 #include <sys/mman.h>
-#define SWEEPSTAKE_MEASURES_STACK 1
 #endif
 
 namespace sweepstake::test_support {
 
-#if defined(SWEEPSTAKE_MEASURES_STACK)
+#if SWEEPSTAKE_MEASURES_STACK
 namespace {
 
 constexpr unsigned char kPaint = 0xA5;

@@ -150,9 +150,10 @@ bool GridPlan::MakeGridsOf(Executor* executor, std::span<const Aabb> boxes, bool
 // Stretches the axes if many boxes share a cell and if that saves enough tests.
 GridBoxes GridPlan::StretchIfCrowded(Executor* executor, std::span<const Aabb> boxes,
                                      StopRequest* stop) {
+  if (boxes.size() < kMinCrowd) return {boxes, boxes};
   const SampledGrids present{grids(), choice_, searches()};
   const BoxSample few(boxes, kEstimateCount);
-  if (boxes.size() < kMinCrowd || BoxesPerCell(few, present) < kCrowdedCell) return {boxes, boxes};
+  if (BoxesPerCell(few, present) < kCrowdedCell) return {boxes, boxes};
   skipped_checks_ = kSkippedChecks;
   const BoxSample sample(boxes, BoxSample::kMaxCount);
   double least = SearchTests(sample, present) - kTestsPerStretch;

@@ -2,11 +2,13 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <fstream>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
-#if defined(__unix__)
+#if defined(__linux__)
 #include <sys/wait.h>
 #include <unistd.h>
 #endif
@@ -14,6 +16,7 @@
 #include "engine_client/broad_phase/common/parallel.h"
 #include "gtest/gtest.h"
 #include "sweepstake/executor.h"
+#include "tests/support/sanitizers/active.h"
 
 namespace sweepstake {
 namespace {
@@ -128,12 +131,31 @@ TEST(PairPartsTest, StartsNoPartAfterAStop) {
   EXPECT_LE(pairs.size(), 1U) << "only pairs of other parts remain";
 }
 
-#if defined(__unix__) && !defined(__SANITIZE_THREAD__)
+#if defined(__linux__) && !SWEEPSTAKE_TSAN
+// Returns the state of a thread of this process, as in the manual page proc(5).
+char StateOfThread(pid_t thread) {
+  std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/stat");
+  std::string line;
+  std::getline(file, line);
+  const size_t name_end = line.rfind(')');  // the state follows the name and a space
+  return name_end + 2 < line.size() ? line[name_end + 2] : '?';
+}
+
 // The child has none of the pool's threads, which sleep in the parent.
 TEST(ThreadPoolTest, AForkedChildDestroysThePoolWithoutWaiting) {
-  auto pool = MakeThreadPool(3);
-  RunParts(pool.get(), 3, [](size_t) {});
-  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  auto pool = MakeThreadPool(2);
+  // Two parts wait for one another, so that the other thread has started.
+  std::atomic<int> begun{0};
+  std::atomic<pid_t> worker{0};
+  const pid_t caller = gettid();
+  RunParts(pool.get(), 2, [&](size_t) {
+    if (gettid() != caller) worker = gettid();
+    begun.fetch_add(1);
+    while (begun.load() < 2) std::this_thread::yield();
+  });
+  ASSERT_NE(worker, 0);
+  // From here on, the thread blocks only where it waits for the next job.
+  while (StateOfThread(worker) != 'S') std::this_thread::yield();
   const pid_t child = fork();
   if (child == 0) {
     alarm(60);  // ends a child that waits

@@ -9,6 +9,7 @@
 #include "engine_client/broad_phase/grid/grid_plan.h"
 #include "engine_client/broad_phase/tracy/tracy_rest.h"
 #include "engine_client/scene/box_scenes.h"
+#include "engine_client/scene/random.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 
 namespace sweepstake {
@@ -104,30 +105,71 @@ TEST_F(RestingTracy, FollowsMotionOfAllBoxesAndRestsAgain) {
   EXPECT_LT(ChecksPerBox(), 5U);
 }
 
-// Returns whether 4,000 brownian boxes can be kept with this margin.
-bool CanKeep(float margin, size_t& bytes) {
-  const BoxScene scene("brownian", 4000, 3);
-  const GridBoxes boxes{scene.boxes(), scene.boxes()};
-  GridPlan plan;
-  plan.Reset();
-  plan.MakeGrids(nullptr, scene.boxes());
-  TracyLists lists;
-  lists.Reset(RowGrids(plan));
-  lists.Update(nullptr, boxes);
-  lists.SetMargin(margin);
-  TracyRest rest;
-  uint64_t checks = 0;
-  const bool kept = rest.Start(nullptr, boxes, margin, lists, checks, nullptr);
-  bytes = rest.native_bytes();
-  return kept;
-}
+// Brownian boxes with margins.
+class BoxesWithMargins {
+ public:
+  BoxesWithMargins(size_t count, Executor* executor)
+      : executor_(executor), scene_("brownian", count, 3) {
+    GridPlan plan;
+    plan.Reset();
+    plan.MakeGrids(nullptr, scene_.boxes());
+    lists_.Reset(RowGrids(plan));
+    lists_.Update(nullptr, boxes_);
+  }
+  // Sets margins, and returns whether the boxes can be kept with them.
+  bool Start(float margin) {
+    checks_ = 0;
+    lists_.SetMargin(margin);
+    const bool kept = rest_.Start(executor_, boxes_, margin, lists_, checks_, nullptr);
+    if (!kept) lists_.Update(nullptr, boxes_);
+    return kept;
+  }
+  std::vector<OverlapPair> Pairs() const {
+    PairBuffer pairs;
+    rest_.Append(pairs);
+    return {pairs.pairs().begin(), pairs.pairs().end()};
+  }
+  uint64_t checks() const { return checks_; }
+  size_t native_bytes() const { return rest_.native_bytes(); }
+
+ private:
+  Executor* executor_;
+  BoxScene scene_;
+  GridBoxes boxes_{scene_.boxes(), scene_.boxes()};
+  TracyLists lists_;
+  TracyRest rest_;
+  uint64_t checks_ = 0;
+};
 
 TEST(TracyRest, DoesNotKeepMarginsThatAddTooManyPairs) {
-  size_t bytes = 0;
-  EXPECT_TRUE(CanKeep(0.05F, bytes));
-  EXPECT_FALSE(CanKeep(0.55F, bytes)) << "about 24 pairs per box";
-  EXPECT_FALSE(CanKeep(100, bytes));
-  EXPECT_LE(bytes, 20'000'000U) << "the 8 million pairs of all boxes have 64 MB";
+  BoxesWithMargins boxes(4000, nullptr);
+  EXPECT_TRUE(boxes.Start(0.05F));
+  EXPECT_FALSE(boxes.Start(0.55F)) << "about 24 pairs per box";
+  EXPECT_FALSE(boxes.Start(100));
+  EXPECT_LE(boxes.native_bytes(), 20'000'000U) << "the 8 million pairs of all boxes have 64 MB";
+}
+
+// A search in parts needs more memory than one on a single thread, and a later search needs no new
+// memory.
+TEST(TracyRest, KeepsTheSamePairsWithAnyNumberOfThreadsAndAfterOtherSearches) {
+  constexpr size_t kMany = 24'000;
+  const auto pool = MakeThreadPool(2);
+  BoxesWithMargins alone(kMany, nullptr);
+  BoxesWithMargins together(kMany, pool.get());
+  // The margins add from 8 to 24 pairs per box.
+  size_t kept_count = 0;
+  for (const float margin : {0.20F, 0.25F, 0.30F, 0.35F, 0.38F, 0.40F, 0.42F, 0.44F, 0.46F, 0.50F,
+                             0.55F, 0.46F, 0.42F, 0.38F, 0.30F}) {
+    const bool kept = alone.Start(margin);
+    ASSERT_EQ(together.Start(margin), kept) << margin;
+    ASSERT_EQ(BoxesWithMargins(kMany, pool.get()).Start(margin), kept) << margin;
+    if (!kept) continue;
+    ++kept_count;
+    ASSERT_EQ(together.checks(), alone.checks()) << margin;
+    ASSERT_EQ(together.Pairs(), alone.Pairs()) << margin;
+  }
+  EXPECT_GT(kept_count, 5U);
+  EXPECT_LT(kept_count, 15U);
 }
 
 // Tracy keeps pairs only if testing them again is cheaper than a new search, which is not the case
@@ -161,6 +203,50 @@ TEST(Tracy, FindsTheSamePairsAtRestWithAnyNumberOfThreads) {
     alone->FindPairs(pairs);
     together->FindPairs(pairs_together);
     ASSERT_TRUE(std::ranges::equal(pairs.pairs(), pairs_together.pairs())) << frame;
+  }
+}
+
+// Returns about 24,000 boxes with this side in cubes of side 1, 20 units apart.
+std::vector<Aabb> BoxesInClusters(size_t boxes_per_cluster, float side) {
+  SequentialRandom random(5);
+  std::vector<Aabb> boxes;
+  for (size_t cluster = 0; cluster < 24'000 / boxes_per_cluster; ++cluster) {
+    const size_t at[3] = {cluster % 9, cluster / 9 % 9, cluster / 81};
+    for (size_t k = 0; k < boxes_per_cluster; ++k) {
+      Aabb& box = boxes.emplace_back();
+      for (int axis = 0; axis < 3; ++axis) {
+        box.min[axis] = 20 * static_cast<float>(at[axis]) + random.Between(0, 1);
+        box.max[axis] = box.min[axis] + side;
+      }
+    }
+  }
+  return boxes;
+}
+
+// Margins add pairs to these scenes until there are about as many as may be kept.
+TEST(Tracy, FindsTheSamePairsInClustersWithAnyNumberOfThreads) {
+  const auto pool = MakeThreadPool(2);
+  for (const size_t boxes_per_cluster : {32, 48, 56}) {
+    for (const float side : {0.35F, 0.40F, 0.44F, 0.45F}) {
+      const std::vector<Aabb> boxes = BoxesInClusters(boxes_per_cluster, side);
+      const auto together = std::move(*MakeBroadPhase("Tracy", {pool.get()}));
+      const auto alone = MakeOrThrow("Tracy");
+      alone->Build(boxes);
+      together->Build(boxes);
+      PairBuffer pairs;
+      PairBuffer pairs_together;
+      for (int frame = 0; frame < 6; ++frame) {
+        pairs.Clear();
+        pairs_together.Clear();
+        alone->FindPairs(pairs);
+        together->FindPairs(pairs_together);
+        ASSERT_TRUE(std::ranges::equal(pairs.pairs(), pairs_together.pairs()))
+            << boxes_per_cluster << " boxes of " << side << " in frame " << frame;
+        ASSERT_EQ(alone->aabb_check_count(), together->aabb_check_count());
+        alone->Update(boxes);
+        together->Update(boxes);
+      }
+    }
   }
 }
 

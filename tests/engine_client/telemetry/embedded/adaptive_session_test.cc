@@ -15,6 +15,7 @@
 
 #include "sweepstake/scene.h"
 #include "tests/support/recording_sink.h"
+#include "tests/support/sanitizers/active.h"
 
 namespace sweepstake {
 namespace {
@@ -166,7 +167,7 @@ TEST(AdaptiveSessionTest, ReturnsTheErrorOfEachPart) {
             StatusCode::kNotFound);
 }
 
-#if defined(__unix__) && !defined(__SANITIZE_THREAD__)
+#if defined(__unix__) && !SWEEPSTAKE_TSAN
 // A child has neither the session's thread nor the lane's. Some of the forks happen while one of
 // them holds a lock.
 TEST(AdaptiveSessionTest, AForkedChildDestroysItWithoutWaiting) {
