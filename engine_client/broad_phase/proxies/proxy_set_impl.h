@@ -92,6 +92,7 @@ class ProxySet::Impl {
   static void Visit(Self& self, Archive& archive);
   void AppendMoving(std::span<const OverlapPair> moving_pairs);
   void FreeUnused();
+  void ShrinkRows();
 
   ProxySetOptions options_;
   FilterGroups groups_;
@@ -102,7 +103,8 @@ class ProxySet::Impl {
   // The largest number of pairs since the latest FreeUnused, and the number of Resolves since then.
   size_t peak_pair_count_ = 0;
   uint32_t resolve_count_ = 0;
-  bool is_oversized_ = false;  // whether a FreeUnused has found much unused memory
+  bool is_oversized_ = false;     // whether a FreeUnused has found much unused memory
+  bool may_shrink_rows_ = false;  // whether no change has followed the latest FreeUnused
   PairSorter sorter_;
 };
 
