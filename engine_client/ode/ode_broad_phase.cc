@@ -123,16 +123,17 @@ void OdeBroadPhase::ReadBox(Geom& geom) {
   }
 }
 
-// Removes the geoms that this search did not find in the list.
+// Removes the geoms that the previous search found in the list and this one did not.
 void OdeBroadPhase::RemoveAbsent() {
-  for (uint32_t id = 0; id < geoms_.size(); ++id) {
+  for (const uint32_t id : last_order_) {
     Geom& geom = geoms_[id];
     const bool is_present = geom.place < order_.size() && order_[geom.place] == id;
-    if (geom.geom == nullptr || is_present) continue;
+    if (is_present) continue;
     ids_.erase(geom.geom);
     proxies_.Remove(geom.proxy);
     geom = {};
   }
+  while (!geoms_.empty() && geoms_.back().geom == nullptr) geoms_.pop_back();
 }
 
 }  // namespace sweepstake

@@ -47,7 +47,7 @@ bool IsSame(const Aabb& a, const Aabb& b) { return std::memcmp(&a, &b, sizeof a)
 std::span<const OverlapPair> ProxySet::Impl::Resolve(std::span<const OverlapPair> moving_pairs) {
   const Zone zone(kZoneResolveProxies);
   events_.Clear();  // if memory runs out below, no old events remain
-  FreeUnused();
+  if (++resolve_count_ == kResolvesPerFreeing) FreeUnused();
   const ProxyTable& moving = moving_.table();
   const bool any_joins = joins_.Plan();
   if (moving.all_pass() && moving.ids_are_rows() && !any_joins && !wants_sorted()) {
@@ -75,10 +75,9 @@ void ProxySet::Impl::AppendMoving(std::span<const OverlapPair> moving_pairs) {
   next_.Advance(KeepPassing(moving_pairs, moving, end));
 }
 
-// Once in kResolvesPerFreeing calls, frees memory that was not needed since the previous time. The
-// next change frees that of the rows: until then the caller may use the boxes.
+// Frees memory that was not needed since the previous call. The next change frees that of the rows:
+// until then the caller may use the boxes.
 void ProxySet::Impl::FreeUnused() {
-  if (++resolve_count_ < kResolvesPerFreeing) return;
   resolve_count_ = 0;
   const size_t room =
       std::max(pairs_.capacity_bytes(), next_.capacity_bytes()) / sizeof(OverlapPair);
@@ -313,6 +312,11 @@ void ProxySet::PrepareQueries() {
 }
 uint64_t ProxySet::refit_count() const {
   return impl_->moving_.refit_count() + impl_->resting_.refit_count();
+}
+void ProxySet::FreeUnused() {
+  impl_->events_.Clear();
+  impl_->FreeUnused();
+  impl_->ShrinkRows();
 }
 size_t ProxySet::native_bytes() const { return impl_->native_bytes(); }
 

@@ -54,6 +54,8 @@ class ProxySet::Impl {
   void SetStatic(ProxyKind& kind, uint32_t row, bool is_static);
   void SetSleeping(ProxyKind& kind, uint32_t row, bool is_sleeping);
 
+  void FreeUnused();
+  void ShrinkRows();
   std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs);
   void RefreshTrees() {
     moving_.RefreshTrees(splitter_);
@@ -91,9 +93,6 @@ class ProxySet::Impl {
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive);
   void AppendMoving(std::span<const OverlapPair> moving_pairs);
-  void FreeUnused();
-  void ShrinkRows();
-
   ProxySetOptions options_;
   FilterGroups groups_;
   KdOrder splitter_;  // sorts one tree at a time

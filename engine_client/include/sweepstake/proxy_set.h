@@ -337,6 +337,10 @@ class ProxySet {
   // search.
   uint64_t refit_count() const;
   size_t native_bytes() const;
+  // Frees the memory that was not needed since the previous FreeUnused, which every 256th Resolve
+  // calls too. Only a set that is queried without Resolve needs it. Counts as a change, and
+  // invalidates what is valid until the next Resolve.
+  void FreeUnused();
 
  private:
   class Impl;

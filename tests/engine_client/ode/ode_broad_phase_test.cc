@@ -214,6 +214,21 @@ TEST_P(OdeBroadPhaseTest, AGeomThatLeavesTheSpaceIsNotNear) {
   dGeomDestroy(a);
 }
 
+TEST_P(OdeBroadPhaseTest, GeomsThatAreGoneLeaveNoPlaces) {
+  for (int i = 0; i < 100; ++i) Cube(i * 0.7);
+  const size_t pair_count = Found().size();
+  std::vector<dGeomID> burst(3000);
+  for (size_t i = 0; i < burst.size(); ++i) burst[i] = Cube(1000 + static_cast<dReal>(i) * 2);
+  Found();
+  EXPECT_EQ(broad_phase_->place_count(), 3100U);
+  for (const dGeomID geom : burst) dGeomDestroy(geom);
+  EXPECT_EQ(Found().size(), pair_count);
+  EXPECT_EQ(broad_phase_->place_count(), 100U);
+  Cube(0.1);
+  EXPECT_GT(Found().size(), pair_count);
+  EXPECT_EQ(broad_phase_->place_count(), 101U);
+}
+
 // FrameSample::pair_count counts the pairs that the arm has found.
 TEST_P(OdeBroadPhaseTest, GeomsAtRestAreNotSearchedUntilTheyMove) {
   const dGeomID a = Cube(0);
