@@ -17,10 +17,12 @@
 // A search serves one world. With a single arm it runs only that backend, without adaptation.
 //
 // Proxies get the same fat boxes as in Box2D: enlarged by b2_aabbExtension, and by the predicted
-// movement. UpdatePairs reports the same pairs: those whose fat boxes overlap, if one of the two
-// was created, moved out of its fat box or touched since the previous UpdatePairs. Box2D thus makes
-// the same contacts. The pairs are in ascending order of the ids, whatever the arm and the number
-// of threads. Box2D's own order depends on its tree, so the solver may round differently.
+// movement. They are computed in the game's floating-point environment, as Box2D computes them, so
+// that they are the same in each. UpdatePairs reports the same pairs: those whose fat boxes
+// overlap, if one of the two was created, moved out of its fat box or touched since the previous
+// UpdatePairs. Box2D thus makes the same contacts. The pairs are in ascending order of the ids,
+// whatever the arm and the number of threads. Box2D's own order depends on its tree, so the solver
+// may round differently.
 //
 // Thread safety: one thread at a time, also for queries. Ownership: the search and the executor are
 // borrowed and must outlive the object. Units: the world's; z is 0. Memory: a ProxySet and 44 bytes

@@ -79,6 +79,7 @@ class OdeBroadPhase final {
   };
   static constexpr uint32_t kNoPlace = ~0U;
 
+  void Search();
   static bool IsPair(const Geom& a, const Geom& b);
   void ReadGeoms();
   uint32_t IdOf(dGeomID geom);

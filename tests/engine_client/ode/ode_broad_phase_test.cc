@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "tests/support/allocation_counter.h"
+#include "tests/support/float_modes.h"
 #include "tests/support/one_arm.h"
 
 namespace sweepstake::test_support {
@@ -212,6 +213,20 @@ TEST_P(OdeBroadPhaseTest, AGeomThatLeavesTheSpaceIsNotNear) {
   EXPECT_THAT(Found(), SizeIs(1));
   dSpaceRemove(space_, a);
   dGeomDestroy(a);
+}
+
+// The boxes of NaN and infinity would trap, and those below the range of float would be flushed.
+TEST_P(OdeBroadPhaseTest, HasTheSamePairsInEveryFloatingPointEnvironment) {
+  for (const dReal x : {dReal{0.1}, dReal{0.2}, dReal{1.3}, dReal{1e39}, dReal{1e-40}}) Cube(x);
+  Cube(std::numeric_limits<dReal>::quiet_NaN());
+  const Pairs expected = Found();
+  EXPECT_THAT(expected, SizeIs(::testing::Gt(5U)));
+  for (const FloatMode& mode : FloatModes()) {
+    broad_phase_ = std::make_unique<OdeBroadPhase>(*search_, space_);  // reads all boxes again
+    Pairs pairs;
+    EXPECT_TRUE(KeepsMode(mode, [&] { Collide(pairs); })) << mode.name;
+    EXPECT_EQ(pairs, expected) << mode.name;
+  }
 }
 
 TEST_P(OdeBroadPhaseTest, GeomsThatAreGoneLeaveNoPlaces) {
