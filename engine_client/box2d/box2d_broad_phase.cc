@@ -8,13 +8,23 @@ namespace {
 
 // A proxy sleeps after this number of searches without a change. bullet_broad_phase.cc has the
 // reason for the number.
-constexpr uint32_t kRestCount = 30;
+constexpr uint8_t kRestCount = 30;
+
+// The number of updates without a search after which unused memory is freed, as by this number of
+// searches (proxy_set.h).
+constexpr uint32_t kUpdatesPerFreeing = 256;
 
 // A query takes about as long as the search takes for this number of proxies (box2d_bench).
 constexpr size_t kSearchedPerQuery = 8;
 
 Aabb BoxOf(const b2AABB& aabb) {
   return {{aabb.lowerBound.x, aabb.lowerBound.y, 0}, {aabb.upperBound.x, aabb.upperBound.y, 0}};
+}
+
+// Frees the memory of a burst of proxies that has gone.
+template <typename T>
+void FreeIfSparse(std::vector<T>& list) {
+  if (list.capacity() > 4 * list.size() + 1024) list.shrink_to_fit();
 }
 
 b2AABB Enlarge(const b2AABB& aabb, float margin) {
@@ -51,12 +61,36 @@ int32 Box2dBroadPhase::CreateProxy(const b2AABB& aabb, void* user_data) {
 
 void Box2dBroadPhase::DestroyProxy(int32 id) {
   if (At(id).is_changed) std::erase(changed_, id);
-  proxies_.Remove(At(id).handle);
+  Rest(id);
+  proxies_.Remove(std::exchange(At(id).handle, {}));
+  while (!proxies_by_id_.empty() && proxies_by_id_.back().handle.is_null()) {
+    proxies_by_id_.pop_back();
+  }
+  FreeIfSparse(proxies_by_id_);
+  FreeIfSparse(awake_);
+}
+
+// Adds the proxy to those not at rest.
+void Box2dBroadPhase::Wake(int32 id) {
+  At(id).rest_count = 0;
+  if (At(id).awake_at != kNotAwake) return;
+  awake_.push_back(id);
+  At(id).awake_at = static_cast<uint32_t>(awake_.size() - 1);
+}
+
+void Box2dBroadPhase::Rest(int32 id) {
+  const uint32_t at = std::exchange(At(id).awake_at, kNotAwake);
+  if (at == kNotAwake) return;
+  const int32 last = awake_.back();
+  awake_.pop_back();
+  if (last == id) return;
+  awake_[at] = last;
+  At(last).awake_at = at;
 }
 
 void Box2dBroadPhase::TouchProxy(int32 id) {
   if (!std::exchange(At(id).is_changed, true)) changed_.push_back(id);
-  At(id).rest_count = 0;
+  Wake(id);
 }
 
 // Keeps the fat box while it contains the box and is not much larger than a new one, as Box2D does.
@@ -87,9 +121,12 @@ void Box2dBroadPhase::Search() {
     const bool is_new = proxies_by_id_[pair.a].is_changed || proxies_by_id_[pair.b].is_changed;
     if (is_new) pairs_.push_back(pair);
   }
-  for (Proxy& proxy : proxies_by_id_) {
-    if (proxy.is_changed || proxy.rest_count == kRestCount) continue;
-    if (++proxy.rest_count == kRestCount) proxies_.SetSleeping(proxy.handle, true);
+  for (size_t k = awake_.size(); k-- > 0;) {  // backwards, since Rest moves the last one to k
+    const int32 id = awake_[k];
+    Proxy& proxy = At(id);
+    if (proxy.is_changed || ++proxy.rest_count < kRestCount) continue;
+    proxies_.SetSleeping(proxy.handle, true);
+    Rest(id);
   }
 }
 
@@ -103,6 +140,7 @@ void Box2dBroadPhase::QueryChanged() {
       pairs_.push_back({std::min(own, other), std::max(own, other)});
     }
   }
+  if (++query_update_count_ % kUpdatesPerFreeing == 0) proxies_.FreeUnused();
 }
 
 std::vector<ProxyHandle> Box2dBroadPhase::InBox(const b2AABB& aabb) const {

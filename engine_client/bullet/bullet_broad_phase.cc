@@ -5,6 +5,8 @@
 #include <span>
 #include <utility>
 
+#include "engine_client/broad_phase/host/float_environment.h"
+
 namespace sweepstake {
 namespace {
 
@@ -78,6 +80,7 @@ void BulletBroadPhase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher* disp
 
 void BulletBroadPhase::setAabb(btBroadphaseProxy* proxy, const btVector3& min, const btVector3& max,
                                btDispatcher* /*dispatcher*/) {
+  const FloatEnvironmentScope environment;
   auto& own = static_cast<Proxy&>(*proxy);
   TakeFilter(own);
   const Aabb box = BoxOf(min, max);
@@ -179,24 +182,27 @@ void BulletBroadPhase::Refilter(std::span<const OverlapPair> pairs, btDispatcher
 }
 
 // Collects all results before the first call of the callback, since the callback may change the
-// proxies.
+// proxies. The callback runs in the game's floating-point environment.
 template <typename Found, typename Query>
 void BulletBroadPhase::PassFound(const Query& query, btBroadphaseAabbCallback& callback) {
   std::array<Found, 64> few;
   std::vector<Found> many;
   std::span<Found> found = few;
   size_t count = 0;
-  Status status = query(found, count);
-  if (status.code() == StatusCode::kFailedPrecondition) {  // the first query after a change
-    proxies_.PrepareQueries();
-    status = query(found, count);
+  {
+    const FloatEnvironmentScope environment;
+    Status status = query(found, count);
+    if (status.code() == StatusCode::kFailedPrecondition) {  // the first query after a change
+      proxies_.PrepareQueries();
+      status = query(found, count);
+    }
+    if (status.ok() && count > found.size()) {
+      many.resize(count);
+      found = many;
+      status = query(found, count);
+    }
+    if (!status.ok()) return;  // a query with infinite values finds nothing
   }
-  if (status.ok() && count > found.size()) {
-    many.resize(count);
-    found = many;
-    status = query(found, count);
-  }
-  if (!status.ok()) return;  // a query with infinite values finds nothing
   for (const Found& one : found.first(count)) {
     if (const Proxy* const proxy = Find(HandleOf(one))) callback.process(proxy);
   }
@@ -206,20 +212,17 @@ void BulletBroadPhase::rayTest(const btVector3& from, const btVector3& to,
                                btBroadphaseRayCallback& callback, const btVector3& min,
                                const btVector3& max) {
   const ProxySet& proxies = proxies_;
-  const btVector3 way = to - from;
-  const auto cast = [&](std::span<RayHit> hits, size_t& count) {
-    const Ray ray{{from.x(), from.y(), from.z()}, {way.x(), way.y(), way.z()}, /*max_distance=*/1};
-    return proxies.CastRay(ray, kEverything, hits, count);
-  };
-  const auto sweep = [&](std::span<RayHit> hits, size_t& count) {
+  const auto query = [&](std::span<RayHit> hits, size_t& count) {
+    const btVector3 way = to - from;
+    if (min.isZero() && max.isZero()) {
+      const Ray ray{
+          {from.x(), from.y(), from.z()}, {way.x(), way.y(), way.z()}, /*max_distance=*/1};
+      return proxies.CastRay(ray, kEverything, hits, count);
+    }
     const BoxSweep box{BoxOf(from + min, from + max), {way.x(), way.y(), way.z()}};
     return proxies.SweepBox(box, kEverything, hits, count);
   };
-  if (min.isZero() && max.isZero()) {
-    PassFound<RayHit>(cast, callback);
-  } else {
-    PassFound<RayHit>(sweep, callback);
-  }
+  PassFound<RayHit>(query, callback);
 }
 
 void BulletBroadPhase::aabbTest(const btVector3& min, const btVector3& max,
@@ -232,6 +235,7 @@ void BulletBroadPhase::aabbTest(const btVector3& min, const btVector3& max,
 }
 
 void BulletBroadPhase::getBroadphaseAabb(btVector3& min, btVector3& max) const {
+  const FloatEnvironmentScope environment;
   min.setZero();
   max.setZero();
   bool first = true;

@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "engine_client/broad_phase/host/float_environment.h"
+
 namespace sweepstake {
 namespace {
 
@@ -53,6 +55,15 @@ OdeBroadPhase::OdeBroadPhase(AdaptiveBroadPhase& search, dSpaceID space, Executo
     : search_(search), space_(space), proxies_({.executor = executor}) {}
 
 void OdeBroadPhase::Collide(void* data, dNearCallback* callback) {
+  dSpaceClean(space_);  // computes boxes in the game's environment, as dSpaceCollide does
+  Search();
+  for (const auto& [first, second] : pairs_) {
+    callback(data, geoms_[order_[first]].geom, geoms_[order_[second]].geom);
+  }
+}
+
+void OdeBroadPhase::Search() {
+  const FloatEnvironmentScope environment;
   ReadGeoms();
   pairs_.clear();
   for (const auto& [a, b] : proxies_.Resolve(search_.FindPairs(proxies_.moving_boxes()))) {
@@ -61,9 +72,6 @@ void OdeBroadPhase::Collide(void* data, dNearCallback* callback) {
     pairs_.push_back({first, second});
   }
   sorter_.Sort(pairs_);
-  for (const auto& [first, second] : pairs_) {
-    callback(data, geoms_[order_[first]].geom, geoms_[order_[second]].geom);
-  }
 }
 
 // Decides as ODE's function collideAABBs. The boxes of the search are rounded to float, and
@@ -81,7 +89,6 @@ bool OdeBroadPhase::IsPair(const Geom& a, const Geom& b) {
 // Reads the list of the space. ODE moves the geoms that have moved to the front, so it often has
 // the same order as in the previous search; a geom is first looked for behind its predecessor.
 void OdeBroadPhase::ReadGeoms() {
-  dSpaceClean(space_);
   last_order_.swap(order_);
   order_.clear();
   uint32_t next = 0;
@@ -123,16 +130,17 @@ void OdeBroadPhase::ReadBox(Geom& geom) {
   }
 }
 
-// Removes the geoms that this search did not find in the list.
+// Removes the geoms that the previous search found in the list and this one did not.
 void OdeBroadPhase::RemoveAbsent() {
-  for (uint32_t id = 0; id < geoms_.size(); ++id) {
+  for (const uint32_t id : last_order_) {
     Geom& geom = geoms_[id];
     const bool is_present = geom.place < order_.size() && order_[geom.place] == id;
-    if (geom.geom == nullptr || is_present) continue;
+    if (is_present) continue;
     ids_.erase(geom.geom);
     proxies_.Remove(geom.proxy);
     geom = {};
   }
+  while (!geoms_.empty() && geoms_.back().geom == nullptr) geoms_.pop_back();
 }
 
 }  // namespace sweepstake

@@ -29,7 +29,7 @@ endif()
 
 run(${CMAKE_COMMAND} -S ${CONSUMER_SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
   -DCMAKE_C_FLAGS=${C_FLAGS} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DWITH_TELEMETRY=${WITH_TELEMETRY}
-  -DWITH_ODE=${WITH_ODE})
+  -DWITH_bullet=${WITH_bullet} -DWITH_ode=${WITH_ode} -DWITH_box2d=${WITH_box2d})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/cxx_consumer)
 run(${WORK}/build/proxies_consumer)
@@ -37,9 +37,11 @@ run(${WORK}/build/c_consumer)
 if(WITH_TELEMETRY)
   run(${WORK}/build/session_consumer)
 endif()
-if(WITH_ODE)
-  run(${WORK}/build/ode_consumer)
-endif()
+foreach(engine IN ITEMS bullet ode box2d)
+  if(WITH_${engine})
+    run(${WORK}/build/${engine}_consumer)
+  endif()
+endforeach()
 
 run(${CMAKE_COMMAND} -S ${CONSUMER_SOURCE} -B ${WORK}/build_c -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
   -DCMAKE_C_FLAGS=${C_FLAGS} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DONLY_C=ON -DWITH_ARCHIVE=${WITH_ARCHIVE} -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)

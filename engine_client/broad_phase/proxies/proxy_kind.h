@@ -14,8 +14,8 @@
 //
 // Thread safety: const calls may run at the same time. Owns its memory. Cost and memory: see
 // proxy_table.h and box_tree.h; a population takes no memory until it has had a proxy. Errors:
-// std::bad_alloc from Add, ChangePopulation and FreeUnused, which then change nothing, and from
-// RefreshTrees, after which the next call tries again.
+// std::bad_alloc from Add, ChangePopulation, FreeUnused and ShrinkRows, which then change nothing,
+// and from RefreshTrees, after which the next call tries again.
 #pragma once
 
 #include <array>
@@ -75,9 +75,11 @@ class ProxyKind {
   void RefreshTrees(KdOrder& splitter);
   // Moves the origin of all coordinates. Invalid boxes stay unchanged.
   void ShiftOrigin(const float offset[3]);
-  // Frees the memory that was not needed since the previous call. Returns whether that was at least
-  // half of the rows.
+  // Frees the memory that was not needed since the previous call, except that of the rows. Returns
+  // whether fewer than half as many rows were needed as before that.
   bool FreeUnused();
+  // Frees the memory of rows that were not needed (ProxyTable::ShrinkRows).
+  void ShrinkRows() { table_.ShrinkRows(); }
   bool trees_are_fresh() const { return changed_ == 0; }
   // Returns the tree of a population. REQUIRES, here and in NoteSearch: count(population) > 0.
   const LeafTree& tree(uint32_t population) const { return trees_[population]->leaves(); }

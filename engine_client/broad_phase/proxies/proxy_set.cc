@@ -47,7 +47,7 @@ bool IsSame(const Aabb& a, const Aabb& b) { return std::memcmp(&a, &b, sizeof a)
 std::span<const OverlapPair> ProxySet::Impl::Resolve(std::span<const OverlapPair> moving_pairs) {
   const Zone zone(kZoneResolveProxies);
   events_.Clear();  // if memory runs out below, no old events remain
-  FreeUnused();
+  if (++resolve_count_ == kResolvesPerFreeing) FreeUnused();
   const ProxyTable& moving = moving_.table();
   const bool any_joins = joins_.Plan();
   if (moving.all_pass() && moving.ids_are_rows() && !any_joins && !wants_sorted()) {
@@ -75,15 +75,16 @@ void ProxySet::Impl::AppendMoving(std::span<const OverlapPair> moving_pairs) {
   next_.Advance(KeepPassing(moving_pairs, moving, end));
 }
 
-// Once in kResolvesPerFreeing calls, frees memory that was not needed since the previous time.
+// Frees memory that was not needed since the previous call. The next change frees that of the rows:
+// until then the caller may use the boxes.
 void ProxySet::Impl::FreeUnused() {
-  if (++resolve_count_ < kResolvesPerFreeing) return;
   resolve_count_ = 0;
   const size_t room =
       std::max(pairs_.capacity_bytes(), next_.capacity_bytes()) / sizeof(OverlapPair);
   is_oversized_ |= room > std::max(kFewPairs, 3 * peak_pair_count_);
   is_oversized_ |= moving_.FreeUnused();
   is_oversized_ |= resting_.FreeUnused();
+  may_shrink_rows_ = true;
   peak_pair_count_ = pairs_.size();
   if (!is_oversized_) return;
   events_.FreeUnused();
@@ -95,17 +96,27 @@ void ProxySet::Impl::FreeUnused() {
   is_oversized_ = false;
 }
 
+// Must be called at the beginning of a change.
+void ProxySet::Impl::ShrinkRows() {
+  if (!may_shrink_rows_) return;
+  moving_.ShrinkRows();
+  resting_.ShrinkRows();
+  may_shrink_rows_ = false;
+}
+
 ProxyHandle ProxySet::Impl::Add(const Aabb& box, const ProxyOptions& options) {
   ProxyKind& kind = options.is_static ? resting_ : moving_;
   const uint32_t group = options.is_static ? 0 : groups_.GroupFor(options.filter);
   const uint8_t population = options.is_static ? kStaticPopulation : static_cast<uint8_t>(group);
-  const Aabb copy = box;  // the caller's may be one of the set, which moves if the table grows
+  const Aabb copy = box;  // the caller's may be one of the set, which moves with the table
+  ShrinkRows();
   const uint32_t row = kind.Add(copy, options.filter, options.user, population);
   groups_.Join(group, options.filter);
   return kind.table().handle(row);
 }
 
 void ProxySet::Impl::Remove(ProxyKind& kind, uint32_t row) {
+  ShrinkRows();
   groups_.Leave(GroupOf(kind.table().population(row)));
   kind.Remove(row);
 }
@@ -302,6 +313,11 @@ void ProxySet::PrepareQueries() {
 }
 uint64_t ProxySet::refit_count() const {
   return impl_->moving_.refit_count() + impl_->resting_.refit_count();
+}
+void ProxySet::FreeUnused() {
+  impl_->events_.Clear();
+  impl_->FreeUnused();
+  impl_->ShrinkRows();
 }
 size_t ProxySet::native_bytes() const { return impl_->native_bytes(); }
 

@@ -54,6 +54,8 @@ class ProxySet::Impl {
   void SetStatic(ProxyKind& kind, uint32_t row, bool is_static);
   void SetSleeping(ProxyKind& kind, uint32_t row, bool is_sleeping);
 
+  void FreeUnused();
+  void ShrinkRows();
   std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs);
   void RefreshTrees() {
     moving_.RefreshTrees(splitter_);
@@ -91,8 +93,6 @@ class ProxySet::Impl {
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive);
   void AppendMoving(std::span<const OverlapPair> moving_pairs);
-  void FreeUnused();
-
   ProxySetOptions options_;
   FilterGroups groups_;
   KdOrder splitter_;  // sorts one tree at a time
@@ -102,7 +102,8 @@ class ProxySet::Impl {
   // The largest number of pairs since the latest FreeUnused, and the number of Resolves since then.
   size_t peak_pair_count_ = 0;
   uint32_t resolve_count_ = 0;
-  bool is_oversized_ = false;  // whether a FreeUnused has found much unused memory
+  bool is_oversized_ = false;     // whether a FreeUnused has found much unused memory
+  bool may_shrink_rows_ = false;  // whether no change has followed the latest FreeUnused
   PairSorter sorter_;
 };
 

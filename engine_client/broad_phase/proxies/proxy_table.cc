@@ -117,7 +117,13 @@ void ProxyTable::Reserve(size_t rows) {
 
 bool ProxyTable::FreeUnused() {
   row_of_.FreeUnused();
-  const size_t capacity = CapacityFor(peak_count_);
+  const size_t needed_before = std::exchange(needed_count_, peak_count_);
+  peak_count_ = boxes_.size();
+  return CapacityFor(needed_count_) < CapacityFor(needed_before);
+}
+
+void ProxyTable::ShrinkRows() {
+  const size_t capacity = CapacityFor(std::max(needed_count_, peak_count_));
   const bool is_oversized = populations_.capacity() > capacity;
   const auto shrink = [&](auto& column) {
     if (column.capacity() <= capacity) return;
@@ -139,8 +145,6 @@ bool ProxyTable::FreeUnused() {
     holes_.shrink_to_fit();
   }
   shrink(populations_);
-  peak_count_ = boxes_.size();
-  return is_oversized;
 }
 
 void ProxyTable::FinishRestore() {

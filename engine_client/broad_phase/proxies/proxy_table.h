@@ -6,7 +6,7 @@
 //
 // Not thread-safe. Owns its memory. Cost: O(1) per call unless its comment says otherwise. Memory:
 // 53 bytes per row, a bit for each hole, and the memory of the ids (proxy_ids.h). Errors:
-// std::bad_alloc from EnsureRoomForOne and FreeUnused, which then change nothing.
+// std::bad_alloc from EnsureRoomForOne, FreeUnused and ShrinkRows, which then change nothing.
 #pragma once
 
 #include <algorithm>
@@ -96,9 +96,13 @@ class ProxyTable {
   bool any_removed() const { return any_removed_; }
   void MarkSeen() { any_removed_ = false; }
 
-  // Frees the memory that was not needed since the previous call. Returns whether that was at least
-  // half of the rows. Cost: O(proxies) if so, and O(pages of ids).
+  // Frees the ids' memory that was not needed since the previous call. Returns whether fewer than
+  // half as many rows were needed as before that. ShrinkRows may then free their memory. Cost:
+  // O(pages of ids).
   bool FreeUnused();
+  // Frees the memory of rows that were not needed since the call of FreeUnused before the latest.
+  // Invalidates the columns. Cost: O(proxies) if that is at least half of the rows.
+  void ShrinkRows();
 
   // Passes the fields of a snapshot to `archive` (snapshot.h). FinishRestore must follow a restore.
   template <typename Self, typename Archive>
@@ -147,6 +151,7 @@ class ProxyTable {
   size_t filtered_count_ = 0;
   size_t displaced_count_ = 0;  // the number of rows that are not their proxy's id
   size_t peak_count_ = 0;       // the largest number of rows since the latest FreeUnused
+  size_t needed_count_ = 0;     // the same of the time between the two latest FreeUnused
   uint32_t latest_generation_ = 0;
   bool any_removed_ = false;
 };

@@ -17,20 +17,22 @@
 // A search serves one world. With a single arm it runs only that backend, without adaptation.
 //
 // Proxies get the same fat boxes as in Box2D: enlarged by b2_aabbExtension, and by the predicted
-// movement. UpdatePairs reports the same pairs: those whose fat boxes overlap, if one of the two
-// was created, moved out of its fat box or touched since the previous UpdatePairs. Box2D thus makes
-// the same contacts. The pairs are in ascending order of the ids, whatever the arm and the number
-// of threads. Box2D's own order depends on its tree, so the solver may round differently.
+// movement. They are computed in the game's floating-point environment, as Box2D computes them, so
+// that they are the same in each. UpdatePairs reports the same pairs: those whose fat boxes
+// overlap, if one of the two was created, moved out of its fat box or touched since the previous
+// UpdatePairs. Box2D thus makes the same contacts. The pairs are in ascending order of the ids,
+// whatever the arm and the number of threads. Box2D's own order depends on its tree, so the solver
+// may round differently.
 //
 // Thread safety: one thread at a time, also for queries. Ownership: the search and the executor are
-// borrowed and must outlive the object. Units: the world's; z is 0. Memory: a ProxySet and 40 bytes
+// borrowed and must outlive the object. Units: the world's; z is 0. Memory: a ProxySet and 44 bytes
 // per proxy. Errors: an invalid box overlaps nothing; after std::bad_alloc the object may only be
 // destroyed.
 //
-// Cost: MoveProxy is O(1). UpdatePairs is one search and O(proxies). A proxy costs little once its
-// fat box was the same for thirty searches (proxy_set.h). If less than one proxy in eight has
-// changed, as for a time of impact, UpdatePairs makes a query for each instead. A frame without a
-// search has detection time 0, and the decider learns nothing from it.
+// Cost: MoveProxy is O(1). UpdatePairs is one search and O(proxies not at rest). A proxy costs
+// little once its fat box was the same for thirty searches (proxy_set.h). If less than one proxy in
+// eight has changed, as for a time of impact, UpdatePairs makes a query for each instead. A frame
+// without a search has detection time 0, and the decider learns nothing from it.
 #pragma once
 
 #include <box2d/b2_collision.h>
@@ -98,18 +100,31 @@ class Box2dBroadPhase {
 
   void ShiftOrigin(const b2Vec2& new_origin);
 
+  // Returns the number of proxies that an UpdatePairs with a search visits: those not at rest.
+  size_t awake_count() const { return awake_.size(); }
+  // Returns the memory of the proxies in bytes, without that for one call.
+  size_t native_bytes() const {
+    return proxies_.native_bytes() + proxies_by_id_.capacity() * sizeof(Proxy) +
+           awake_.capacity() * sizeof(int32);
+  }
+
  private:
+  static constexpr uint32_t kNotAwake = ~0U;
+
   struct Proxy {
     b2AABB fat = {};
     void* user_data = nullptr;
-    ProxyHandle handle;
-    uint32_t rest_count = 0;  // searches without a change, up to a limit
-    bool is_changed = false;  // created, moved or touched since the previous update
+    ProxyHandle handle;             // null: this place is free
+    uint32_t awake_at = kNotAwake;  // the index in awake_
+    uint8_t rest_count = 0;         // searches without a change, up to a limit
+    bool is_changed = false;        // created, moved or touched since the previous update
   };
 
   Proxy& At(int32 id) { return proxies_by_id_[static_cast<size_t>(id)]; }
   const Proxy& At(int32 id) const { return proxies_by_id_[static_cast<size_t>(id)]; }
   std::span<const OverlapPair> NewPairs();
+  void Wake(int32 id);
+  void Rest(int32 id);
   void Search();
   void QueryChanged();
   std::vector<ProxyHandle> InBox(const b2AABB& aabb) const;
@@ -119,7 +134,9 @@ class Box2dBroadPhase {
   mutable ProxySet proxies_;  // the first query after a change updates its trees
   PairSorter sorter_;
   std::vector<Proxy> proxies_by_id_;
-  std::vector<int32> changed_;  // the ids with is_changed
+  std::vector<int32> awake_;         // the ids of the proxies not at rest, in any order
+  std::vector<int32> changed_;       // the ids with is_changed
+  uint32_t query_update_count_ = 0;  // updates without a search
   std::vector<OverlapPair> pairs_;
   std::vector<ProxyHandle> found_;
 };

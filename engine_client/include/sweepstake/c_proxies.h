@@ -169,7 +169,8 @@ SWP_API swp_result swp_proxies_get(const swp_proxies* proxies, swp_proxy proxy, 
 /* Writes the handle of the proxy that has this id now. */
 SWP_API swp_result swp_proxies_handle(const swp_proxies* proxies, uint32_t id, swp_proxy* proxy);
 /* The numbers of living proxies, and the memory that the set holds, in bytes. Every 256th resolve
- * frees memory that was not needed since then. Each output may be NULL. */
+ * frees memory that was not needed since then; the next add or removal frees that of the proxies.
+ * Each output may be NULL. */
 SWP_API swp_result swp_proxies_counts(const swp_proxies* proxies, uint32_t* moving_count,
                                       uint32_t* static_count, uint64_t* native_bytes);
 

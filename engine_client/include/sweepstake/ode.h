@@ -64,6 +64,9 @@ class OdeBroadPhase final {
   // geoms of the space.
   void Collide(void* data, dNearCallback* callback);
 
+  // Returns the number of places for geoms, one for each id up to the highest in use.
+  size_t place_count() const { return geoms_.size(); }
+
  private:
   using Bounds = std::array<dReal, 6>;  // min and max of x, then of y, then of z
 
@@ -76,6 +79,7 @@ class OdeBroadPhase final {
   };
   static constexpr uint32_t kNoPlace = ~0U;
 
+  void Search();
   static bool IsPair(const Geom& a, const Geom& b);
   void ReadGeoms();
   uint32_t IdOf(dGeomID geom);

@@ -38,8 +38,8 @@
 //   up to four times that after many removals. The first query searches all trees
 // - 36 per proxy of the largest such tree, to sort it
 // - 16 bytes per pair, 24 if pairs are sorted, 56 with events, and 8 per kept pair
-// Every 256th Resolve frees the memory that the latest 256 have not needed. It copies the proxies
-// if that is at least half.
+// Every 256th Resolve frees the memory that the latest 256 have not needed. The next Add or Remove
+// frees that of the proxies: it copies them if at least half of the memory is unused.
 //
 // Cost: measured by tests/bench/programs/proxies_bench.cc on one thread of AMD Zen 5, with 10,000
 // moving boxes of suite-b and 14,500 pairs. The measurement is without sleeping proxies and without
@@ -337,6 +337,10 @@ class ProxySet {
   // search.
   uint64_t refit_count() const;
   size_t native_bytes() const;
+  // Frees the memory that was not needed since the previous FreeUnused, which every 256th Resolve
+  // calls too. Only a set that is queried without Resolve needs it. Counts as a change, and
+  // invalidates what is valid until the next Resolve.
+  void FreeUnused();
 
  private:
   class Impl;

@@ -84,6 +84,31 @@ class Box2dBroadPhaseTest : public ::testing::TestWithParam<std::string_view> {
     return pairs.found;
   }
 
+  void ExpectNothingLeftOfABurst(size_t changed_count, size_t awake_count) {
+    for (int i = 0; i < 100; ++i) Add(static_cast<float>(i) * 0.7F, 0);
+    // More updates than until unused memory is freed, and a change, which frees that of the boxes.
+    const auto play = [&] {
+      for (int update = 0; update < 600; ++update) {
+        for (size_t id = 0; id < changed_count; ++id) ours_.TouchProxy(static_cast<int32>(id));
+        NewPairs();
+      }
+      ours_.DestroyProxy(ours_.CreateProxy(BoxAt(0, 100), numbers_.data()));
+    };
+    play();
+    EXPECT_EQ(ours_.awake_count(), awake_count);
+    const size_t bytes = ours_.native_bytes();
+    std::vector<int32> burst(5000);
+    for (size_t i = 0; i < burst.size(); ++i) {
+      burst[i] = ours_.CreateProxy(BoxAt(static_cast<float>(i) * 2, 100), numbers_.data());
+    }
+    NewPairs();
+    EXPECT_GT(ours_.native_bytes(), 10 * bytes);
+    for (const int32 id : burst) ours_.DestroyProxy(id);
+    play();
+    EXPECT_EQ(ours_.awake_count(), awake_count);
+    EXPECT_LT(ours_.native_bytes(), 2 * bytes);
+  }
+
   const std::unique_ptr<AdaptiveBroadPhase> search_ =
       std::move(*AdaptiveBroadPhase::Create(OneArm(GetParam()), nullptr));
   Box2dBroadPhase ours_{*search_};
@@ -277,6 +302,15 @@ TEST_P(Box2dBroadPhaseTest, InvalidBoxesRaysAndOffsetsFindNothing) {
   const b2AABB before = ours_.GetFatAABB(a);
   ours_.ShiftOrigin({kNan, 0});
   EXPECT_TRUE(AreEqual(ours_.GetFatAABB(a), before));
+}
+
+// With 20 changed proxies of 100 an update searches, with 2 it makes queries.
+TEST_P(Box2dBroadPhaseTest, ABurstLeavesNoWorkAndNoMemoryIfUpdatesSearch) {
+  ExpectNothingLeftOfABurst(/*changed_count=*/20, /*awake_count=*/20);
+}
+
+TEST_P(Box2dBroadPhaseTest, ABurstLeavesNoWorkAndNoMemoryIfUpdatesQuery) {
+  ExpectNothingLeftOfABurst(/*changed_count=*/2, /*awake_count=*/100);
 }
 
 // FrameSample::pair_count counts the pairs that the arm has found.

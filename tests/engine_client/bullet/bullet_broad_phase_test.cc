@@ -14,6 +14,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/bullet/adaptive_bullet_game.h"
 #include "tests/support/bullet/bullet_broad_phase_fixture.h"
+#include "tests/support/float_modes.h"
 
 namespace sweepstake::test_support {
 namespace {
@@ -251,6 +252,37 @@ TEST_F(BulletBroadPhaseTest, ARayThatIsNotFiniteFindsNothing) {
   broad_phase_.rayTest({0.5F, 0.5F, 0.5F}, {5, 0.5F, 0.5F}, ray);
   broad_phase_.rayTest({0.5F, 0.5F, 0.5F}, {std::numeric_limits<float>::infinity(), 0, 0}, ray);
   EXPECT_EQ(ray.found.size(), 1U);
+}
+
+// All boxes are within one subnormal number of zero.
+TEST_F(BulletBroadPhaseTest, HasTheSameResultsInEveryFloatingPointEnvironment) {
+  constexpr float kTiny = std::numeric_limits<float>::denorm_min();
+  constexpr float kThird = 1.0F / 3;
+  const btVector3 zero(0, 0, 0);
+  const btVector3 tiny(kTiny, kTiny, kTiny);
+  const btVector3 three(3 * kTiny, 3 * kTiny, 3 * kTiny);
+  const btVector3 from(-kThird, 0, 0);
+  const btVector3 to(1e9F + kThird, kTiny, 0);
+  for (const FloatMode& mode : FloatModes()) {
+    btBroadphaseProxy* const a = broad_phase_.createProxy(zero, zero, 0, nullptr, 1, 1, nullptr);
+    btBroadphaseProxy* const b = broad_phase_.createProxy(tiny, tiny, 0, nullptr, 1, 1, nullptr);
+    btVector3 min;
+    btVector3 max;
+    Collector ray;
+    EXPECT_TRUE(KeepsMode(mode, [&] {
+      Step();
+      broad_phase_.setAabb(a, tiny, tiny, nullptr);
+      broad_phase_.setAabb(b, tiny, three, nullptr);
+      Step();
+      broad_phase_.getBroadphaseAabb(min, max);
+      broad_phase_.rayTest(from, to, ray, zero, tiny);
+    })) << mode.name;
+    EXPECT_TRUE(AreKept(a, b)) << mode.name;
+    EXPECT_TRUE(min == tiny && max == three) << mode.name;
+    EXPECT_EQ(ray.found.size(), 2U) << mode.name;
+    broad_phase_.destroyProxy(a, nullptr);
+    broad_phase_.destroyProxy(b, nullptr);
+  }
 }
 
 TEST_F(BulletBroadPhaseTest, TheBoundsContainAllBoxes) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "tests/support/allocation_counter.h"
+#include "tests/support/float_modes.h"
 #include "tests/support/one_arm.h"
 
 namespace sweepstake::test_support {
@@ -212,6 +213,35 @@ TEST_P(OdeBroadPhaseTest, AGeomThatLeavesTheSpaceIsNotNear) {
   EXPECT_THAT(Found(), SizeIs(1));
   dSpaceRemove(space_, a);
   dGeomDestroy(a);
+}
+
+// The boxes of NaN and infinity would trap, and those below the range of float would be flushed.
+TEST_P(OdeBroadPhaseTest, HasTheSamePairsInEveryFloatingPointEnvironment) {
+  for (const dReal x : {dReal{0.1}, dReal{0.2}, dReal{1.3}, dReal{1e39}, dReal{1e-40}}) Cube(x);
+  Cube(std::numeric_limits<dReal>::quiet_NaN());
+  const Pairs expected = Found();
+  EXPECT_THAT(expected, SizeIs(::testing::Gt(5U)));
+  for (const FloatMode& mode : FloatModes()) {
+    broad_phase_ = std::make_unique<OdeBroadPhase>(*search_, space_);  // reads all boxes again
+    Pairs pairs;
+    EXPECT_TRUE(KeepsMode(mode, [&] { Collide(pairs); })) << mode.name;
+    EXPECT_EQ(pairs, expected) << mode.name;
+  }
+}
+
+TEST_P(OdeBroadPhaseTest, GeomsThatAreGoneLeaveNoPlaces) {
+  for (int i = 0; i < 100; ++i) Cube(i * 0.7);
+  const size_t pair_count = Found().size();
+  std::vector<dGeomID> burst(3000);
+  for (size_t i = 0; i < burst.size(); ++i) burst[i] = Cube(1000 + static_cast<dReal>(i) * 2);
+  Found();
+  EXPECT_EQ(broad_phase_->place_count(), 3100U);
+  for (const dGeomID geom : burst) dGeomDestroy(geom);
+  EXPECT_EQ(Found().size(), pair_count);
+  EXPECT_EQ(broad_phase_->place_count(), 100U);
+  Cube(0.1);
+  EXPECT_GT(Found().size(), pair_count);
+  EXPECT_EQ(broad_phase_->place_count(), 101U);
 }
 
 // FrameSample::pair_count counts the pairs that the arm has found.

@@ -50,7 +50,10 @@ class BurstGame {
   // last frame.
   FrameCost Settle() {
     for (int k = 0; k < 24 || frame_ % 8 != 0; ++k) Step();
+    const Aabb* const boxes = proxies_.moving_boxes().data();
     for (int k = 0; k < kManyResolves; ++k) proxies_.Resolve(found_.pairs());
+    EXPECT_EQ(proxies_.moving_boxes().data(), boxes);  // no change has moved them
+    EXPECT_TRUE(proxies_.Remove(proxies_.Add({})));
     const size_t pair_count = Step();
     return {proxies_.moving_boxes().size(), backend_->aabb_check_count(), pair_count,
             proxies_.native_bytes(), proxies_.snapshot_bytes()};
