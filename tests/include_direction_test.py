@@ -48,6 +48,7 @@ ALLOWED = {
     "engine_client/telemetry/tls": set(),
     "engine_client/c_api": ENGINE | {"engine_client/decider/embedded", "engine_client/telemetry"},
     "engine_client/c_api/flavours": set(),
+    "engine_client/c_api/grpc": ENGINE | {"engine_client/c_api", "engine_client/telemetry"},
     "engine_client/cli": DECIDER | ENGINE | {
         "engine_client/decider/embedded", "engine_client/telemetry", "engine_client/telemetry/conversion", "proto"},
     "server/dashboard": set(),
@@ -100,6 +101,7 @@ PUBLIC_HEADERS = {
     "c_deciders.h": "engine_client/c_api",
     "c_proxies.h": "engine_client/c_api",
     "c_link.h": "engine_client/c_api",
+    "c_daemon.h": "engine_client/c_api",
     "c_scenes.h": "engine_client/c_api",
     "c_hooks.h": "engine_client/c_api",
 }

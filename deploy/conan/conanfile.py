@@ -123,6 +123,11 @@ class SweepstakeConan(ConanFile):
             # A C compiler may link the archive.
             if runtime := stdcpp_library(self):
                 archive.system_libs.append(runtime)
+        # It exists only with gRPC, and not on Windows.
+        if "sweepstake_grpc" in collect_libs(self):
+            connection = self.cpp_info.components["c_grpc"]
+            connection.libs = ["sweepstake_grpc"]
+            connection.requires = ["c", "grpc::grpc", "openssl::openssl"]
         libraries = dict(LIBRARIES)
         if self.options.telemetry:
             libraries.update(TELEMETRY)

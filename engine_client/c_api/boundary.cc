@@ -1,13 +1,10 @@
 #include "engine_client/c_api/boundary.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 
 namespace sweepstake::c_api {
 namespace {
-
-thread_local std::array<char, 1024> last_error{};
 
 static_assert(SWP_OK == static_cast<int>(StatusCode::kOk));
 static_assert(SWP_INVALID_ARGUMENT == static_cast<int>(StatusCode::kInvalidArgument));
@@ -21,9 +18,7 @@ static_assert(SWP_INTERNAL == static_cast<int>(StatusCode::kInternal));
 }  // namespace
 
 swp_result Fail(swp_result result, std::string_view message) noexcept {
-  const size_t length = std::min(message.size(), last_error.size() - 1);
-  std::copy_n(message.begin(), length, last_error.begin());
-  last_error[length] = '\0';
+  swp_set_last_error(message.data(), message.size());
   return result;
 }
 
@@ -40,5 +35,3 @@ swp_result NullArgument(std::string_view name) noexcept {
 }
 
 }  // namespace sweepstake::c_api
-
-const char* swp_last_error(void) { return sweepstake::c_api::last_error.data(); }

@@ -34,9 +34,9 @@ struct Link : LinkedSession {
   static constexpr std::string_view kName = "link";
 
   Link(swp_session& owner, const SessionOptions& options, std::string daemon, uint64_t jitter_seed)
-      : LinkedSession{&owner},
-        protocol(options, std::move(daemon), jitter_seed, owner.content->queue,
+      : protocol(options, std::move(daemon), jitter_seed, owner.content->queue,
                  *owner.content->adaptive) {
+    session = &owner;
     owner.content->link = this;
   }
   ~Link() {
@@ -48,8 +48,7 @@ struct Link : LinkedSession {
     owner->content->link = nullptr;  // last: from now on a decider may be attached
   }
 
-  std::mutex mutex;  // guards the members below
-  SessionLink protocol;
+  SessionLink protocol;  // guarded by `mutex`
 };
 
 }  // namespace sweepstake::c_api
@@ -134,6 +133,7 @@ swp_result CreateLink(swp_session& session, const swp_link_options& given, swp_l
 template <typename Body>
 swp_result UseLink(swp_link* link, const Body& body) noexcept {
   return Use(link, [&](Link& live) {
+    const std::lock_guard lock(live.mutex);
     swp_session* const session = live.session;
     if (session == nullptr) {
       return Fail(SWP_FAILED_PRECONDITION, "the session of this link has ended: destroy the link");
@@ -141,7 +141,6 @@ swp_result UseLink(swp_link* link, const Body& body) noexcept {
     if (!session->Enter()) return Ended(*link, LiveSession::kName);
     const auto leave = [](swp_session* entered) { entered->Leave(); };
     const std::unique_ptr<swp_session, decltype(leave)> stay(session, leave);
-    const std::lock_guard lock(live.mutex);
     return swp_result{body(live)};
   });
 }

@@ -4,9 +4,11 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 
+#include "engine_client/broad_phase/host/hook_points.h"
 #include "engine_client/c_api/live.h"
 #include "engine_client/telemetry/common/decider_loop.h"
 #include "engine_client/telemetry/common/sample_queue.h"
@@ -18,6 +20,9 @@ namespace sweepstake::c_api {
 // whichever is destroyed first clears the other's pointer. Either may be first, because a garbage
 // collector runs finalizers in any order.
 struct LinkedSession {
+  // Held during every call of the link, so that the session does not end during the call.
+  std::mutex mutex;
+  const uint64_t process_id = ProcessId();
   std::atomic<swp_session*> session;  // null: the session has ended
 };
 
@@ -28,7 +33,12 @@ struct LiveSession {
 
   explicit LiveSession(uint32_t queue_frames) : queue(queue_frames) {}
   ~LiveSession() {
-    if (LinkedSession* const attached = link) attached->session = nullptr;
+    LinkedSession* const attached = link;
+    if (attached == nullptr) return;
+    std::unique_lock lock(attached->mutex, std::defer_lock);
+    // In a forked child, a thread of the parent may hold the mutex for ever.
+    if (attached->process_id == ProcessId()) lock.lock();
+    attached->session = nullptr;
   }
 
   SampleQueue queue;

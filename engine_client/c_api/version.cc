@@ -3,6 +3,7 @@
 
 #include "engine_client/c_api/boundary.h"
 #include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/c_daemon.h"
 #include "sweepstake/frame_sample.h"
 
 namespace {
@@ -55,6 +56,7 @@ constexpr std::pair<swp_struct, uint32_t> kStructSizes[] = {
     {SWP_STRUCT_AABB, sizeof(swp_aabb)},
     {SWP_STRUCT_PAIR, sizeof(swp_pair)},
     {SWP_STRUCT_COUNTERS, sizeof(swp_counters)},
+    {SWP_STRUCT_DAEMON_OPTIONS, sizeof(swp_daemon_options)},
     {SWP_STRUCT_HOOKS, sizeof(swp_hooks)},
     {SWP_STRUCT_LINK_OPTIONS, sizeof(swp_link_options)},
     {SWP_STRUCT_LINK_STATS, sizeof(swp_link_stats)},

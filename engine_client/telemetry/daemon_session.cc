@@ -1,9 +1,6 @@
 // The session with a daemon. Its sender thread moves bytes between a SessionLink, which implements
-// the protocol, and a gRPC stream.
-//
-// Each step of the sender thread reads the daemon's responses, sends the link's messages, and
-// connects or disconnects if the link requires it. The thread polls, because the frame thread never
-// wakes it. gRPC's threads and Stop do wake it.
+// the protocol, and a gRPC stream. The thread polls, because the frame thread never wakes it.
+// gRPC's threads and Stop do wake it.
 #include "engine_client/telemetry/daemon_session.h"
 
 #include <chrono>
@@ -13,14 +10,13 @@
 
 #include "engine_client/broad_phase/host/thread_owned.h"
 #include "engine_client/telemetry/common/session_base.h"
-#include "engine_client/telemetry/daemon_connection.h"
+#include "engine_client/telemetry/daemon_transport.h"
 #include "engine_client/telemetry/protocol/session_link.h"
 
 namespace sweepstake {
 namespace {
 
 constexpr std::chrono::milliseconds kPollInterval{5};
-constexpr uint64_t kNever = UINT64_MAX;
 
 uint64_t NowNs() { return SteadyClock().NowNs(); }
 
@@ -32,9 +28,8 @@ class DaemonSession final : public SessionBase {
  public:
   DaemonSession(std::string address, const SessionOptions& options, TlsNames names)
       : SessionBase(options),
-        address_(std::move(address)),
-        options_(options),
-        names_(std::move(names)) {}
+        target_{std::move(address), options.tls, options.token, std::move(names)},
+        options_(options) {}
   ~DaemonSession() override { Stop(0); }
 
  private:
@@ -42,81 +37,27 @@ class DaemonSession final : public SessionBase {
   bool Step(bool stopping) override;
   std::chrono::milliseconds poll_interval() const override { return kPollInterval; }
 
-  void Connect(uint64_t now_ns);
-  void Receive(uint64_t now_ns);
-  void Send(uint64_t now_ns);
-  void OnClosed(const StreamEnd& end, uint64_t now_ns);
-
-  const std::string address_;
+  const DaemonTarget target_;
   const SessionOptions options_;
-  const TlsNames names_;
 
   // Used only by the sender thread, after Prepare.
   ThreadOwned<std::optional<SessionLink>> owned_link_;
   std::optional<SessionLink>& link_ = *owned_link_;
-  ThreadOwned<std::unique_ptr<DaemonConnection>> owned_connection_;
-  std::unique_ptr<DaemonConnection>& connection_ = *owned_connection_;  // null: none
-  uint64_t next_attempt_ns_ = 0;
+  ThreadOwned<std::optional<DaemonTransport<SessionLink>>> owned_transport_;
+  std::optional<DaemonTransport<SessionLink>>& transport_ = *owned_transport_;
 };
 
 Status DaemonSession::Prepare(AdaptiveBroadPhase& adaptive) {
-  link_.emplace(options_, "the daemon at " + address_, JitterSeed(), queue(), adaptive);
+  link_.emplace(options_, "the daemon at " + target_.address, JitterSeed(), queue(), adaptive);
+  transport_.emplace(target_, [this] { Wake(); });
   return {};
 }
 
 bool DaemonSession::Step(bool stopping) {
-  const uint64_t now_ns = NowNs();
   if (stopping) link_->Goodbye(stop_deadline_ns());
-  if (connection_) Receive(now_ns);
-  Send(now_ns);
-  if (!connection_ && !stopping && now_ns >= next_attempt_ns_) Connect(now_ns);
+  transport_->Step(*link_, NowNs(), stopping);
   UpdateStats([this](SessionStats& stats) { stats = link_->stats(); });
   return !link_->finished();
-}
-
-void DaemonSession::Connect(uint64_t now_ns) {
-  auto channel = DaemonConnection::MakeChannel(address_, options_.tls, options_.token, names_);
-  // The certificate and token files were valid when the session was made, so a failure to read them
-  // now may be temporary.
-  if (!channel.ok())
-    return OnClosed({.code = 0, .message = channel.status().message(), .details = ""}, now_ns);
-  connection_ = std::make_unique<DaemonConnection>(*std::move(channel), [this] { Wake(); });
-  link_->Connected(now_ns);
-  Send(now_ns);
-}
-
-void DaemonSession::Receive(uint64_t now_ns) {
-  // After a message that cannot be parsed, the link cancels the stream and reports why.
-  while (const auto response = connection_->TakeResponse())
-    (void)link_->OnMessage(*response, now_ns);
-  const std::optional<grpc::Status> status = connection_->closed();
-  if (!status) return;
-  connection_.reset();
-  const std::string& message = status->error_message();
-  OnClosed({.code = static_cast<uint32_t>(status->error_code()),
-            .message = message,
-            .details = status->error_details(),
-            .advice = ConnectionAdvice(message, options_.tls.has_value(), names_)},
-           now_ns);
-}
-
-void DaemonSession::OnClosed(const StreamEnd& end, uint64_t now_ns) {
-  const std::optional<uint32_t> delay_ms = link_->Disconnected(end, now_ns);
-  next_attempt_ns_ = delay_ms ? now_ns + *delay_ms * kNsPerMs : kNever;
-}
-
-// Sends the link's messages until a write is in flight or nothing is left, then performs its
-// action.
-void DaemonSession::Send(uint64_t now_ns) {
-  LinkAction action = link_->Advance(now_ns);
-  for (; action == LinkAction::kSend && connection_->writable(); action = link_->Advance(now_ns))
-    connection_->Write(link_->Take(now_ns));
-  if (action == LinkAction::kFinish && connection_->writable()) {
-    link_->Take(now_ns);
-    connection_->HalfClose();
-  }
-  if (action == LinkAction::kCancel) connection_->Cancel();
-  if (link_->finished()) connection_.reset();
 }
 
 }  // namespace

@@ -192,6 +192,13 @@ class ConanTest(unittest.TestCase):
             self.assertEqual((archive.libs, archive.defines, archive.requires), ([installed], [definition], []))
             self.assertEqual(archive.system_libs, libraries)
 
+    def test_the_connection_of_the_c_abi_is_a_component_if_it_is_installed(self):
+        cmake = (SOURCE / "engine_client/c_api/grpc/grpc.cmake").read_text()
+        installed, component = re.search(r"OUTPUT_NAME (\w+) EXPORT_NAME (c_\w+)", cmake).groups()
+        self.assertNotIn(component, self.made(telemetry=True).cpp_info.components)
+        connection = self.made(telemetry=True, installed=["sweepstake", installed]).cpp_info.components[component]
+        self.assertEqual((connection.libs, connection.requires), ([installed], ["c", "grpc::grpc", "openssl::openssl"]))
+
     def test_it_sets_only_options_that_cmake_has(self):
         known = cmake_options() | {"CMAKE_DISABLE_FIND_PACKAGE_gRPC", "PROTOZERO_INCLUDE_DIR"}
         self.assertLessEqual(set(self.made().cache_variables), known)

@@ -44,28 +44,34 @@ foreach(engine IN ITEMS bullet ode box2d)
 endforeach()
 
 run(${CMAKE_COMMAND} -S ${CONSUMER_SOURCE} -B ${WORK}/build_c -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
-  -DCMAKE_C_FLAGS=${C_FLAGS} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DONLY_C=ON -DWITH_ARCHIVE=${WITH_ARCHIVE} -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)
+  -DCMAKE_C_FLAGS=${C_FLAGS} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DONLY_C=ON -DWITH_ARCHIVE=${WITH_ARCHIVE} -DWITH_C_GRPC=${WITH_C_GRPC} -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)
 run(${CMAKE_COMMAND} --build ${WORK}/build_c)
 run(${WORK}/build_c/c_consumer)
+if(WITH_C_GRPC)
+  run(${WORK}/build_c/c_grpc_consumer)
+endif()
 
-# flavour_by_pkg_config(NAME): compiles main.c with pkg-config, as a makefile does.
-function(flavour_by_pkg_config name)
+# flavour_by_pkg_config(NAME SOURCE): compiles the source with pkg-config, as a makefile does.
+function(flavour_by_pkg_config name source)
   set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/${LIBRARY_FOLDER}/pkgconfig)
   execute_process(COMMAND ${PKG_CONFIG} --cflags --libs ${name} OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE
     COMMAND_ERROR_IS_FATAL ANY)
   separate_arguments(flags UNIX_COMMAND "${flags}")
-  run(${C_COMPILER} -o ${WORK}/${name} ${CONSUMER_SOURCE}/main.c ${flags})
+  run(${C_COMPILER} -o ${WORK}/${name} ${CONSUMER_SOURCE}/${source} ${flags})
   run(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${WORK}/prefix/${LIBRARY_FOLDER} ${WORK}/${name})
 endfunction()
 if(PKG_CONFIG)
-  flavour_by_pkg_config(sweepstake)
+  flavour_by_pkg_config(sweepstake main.c)
+  if(WITH_C_GRPC)
+    flavour_by_pkg_config(sweepstake-grpc daemon.c)
+  endif()
 endif()
 
 # Only with a static Highway: the archive, and the plug-in in the folder of the Unity package.
 if(WITH_ARCHIVE)
   run(${WORK}/build_c/c_static_consumer)
   if(PKG_CONFIG)
-    flavour_by_pkg_config(sweepstake-static)
+    flavour_by_pkg_config(sweepstake-static main.c)
   endif()
 endif()
 if(PLUGIN_HOST)

@@ -29,6 +29,8 @@ STRUCTS = {
 }
 # Structs that contain callbacks. Functions that take them are left out of the C# imports.
 LEFT_OUT = {"swp_executor", "swp_hooks"}
+# Headers of libraries that the Unity package does not contain.
+OTHER_LIBRARIES = {"c_daemon.h"}
 HANDLES = {"swp_world", "swp_session", "swp_proxies", "swp_scene", "swp_link"}
 SCALARS = {
     "void": "void", "char": "byte", "int32_t": "int", "uint32_t": "uint", "uint64_t": "ulong", "float": "float", "double": "double",
@@ -85,6 +87,8 @@ def parameters(text):
 def functions(root):
     """Yields (header, return type, name, parameters) of each function without callbacks."""
     for header in sorted((root / HEADERS).glob("c_*.h")):
+        if header.name in OTHER_LIBRARIES:
+            continue
         text = COMMENT.sub(" ", header.read_text(encoding="utf-8"))
         for returned, name, arguments in FUNCTION.findall(text):
             if any(left_out in arguments for left_out in LEFT_OUT):
@@ -126,6 +130,8 @@ class Layouts:
     def __init__(self, root):
         self.sizes, self.fields, self.numbers, self.abi = {}, {}, {}, None
         for golden in sorted((root / GOLDEN).glob("*.c")):
+            if golden.stem + ".h" in OTHER_LIBRARIES:
+                continue
             for line in golden.read_text(encoding="utf-8").splitlines():
                 self.read(line)
 

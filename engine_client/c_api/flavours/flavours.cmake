@@ -130,4 +130,4 @@ if(EXISTS ${metas}/Plugins/${platform}.meta)
   install(DIRECTORY ${metas}/Plugins/${platform} DESTINATION Runtime/Plugins COMPONENT plugin EXCLUDE_FROM_ALL)
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/engine_client/include/sweepstake DESTINATION Native~/include
-  COMPONENT plugin EXCLUDE_FROM_ALL FILES_MATCHING PATTERN "c_*.h")
+  COMPONENT plugin EXCLUDE_FROM_ALL FILES_MATCHING PATTERN "c_*.h" PATTERN "c_daemon.h" EXCLUDE)

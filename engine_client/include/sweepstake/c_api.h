@@ -1,6 +1,7 @@
 /* The C ABI of Sweepstake, which Unity and other engines load from the shared library `sweepstake`.
  * This header has the rules for the whole ABI, and includes one header per topic: c_hooks.h,
- * c_worlds.h, c_sessions.h, c_deciders.h, c_link.h, c_proxies.h and c_scenes.h.
+ * c_worlds.h, c_sessions.h, c_deciders.h, c_link.h, c_proxies.h and c_scenes.h. c_daemon.h belongs
+ * to a library of its own and is included separately.
  *
  * Threads: distinct objects are independent. An object has one caller at a time. A call may begin
  * only after the object's previous call has returned; the two may be on different threads. "The
@@ -89,6 +90,9 @@ enum {
 /* One line about the latest failed call on this thread, "" if none has failed. Valid until the next
  * failure on this thread. */
 SWP_API const char* swp_last_error(void);
+/* Sets swp_last_error() of this thread to a text of `size` bytes, cut to 1,023. It is for libraries
+ * that add functions to the ABI, such as that of c_daemon.h. */
+SWP_API void swp_set_last_error(const char* text, uint64_t size);
 
 /* Writes one line about the latest failed call of one object, on whichever thread it ran: jobs
  * migrate between threads. It is "" if no call has failed. It is cut to 255 bytes and to
@@ -171,7 +175,8 @@ enum {
   SWP_STRUCT_DECISION = 23,
   SWP_STRUCT_SPHERE = 24,
   SWP_STRUCT_BOX_SWEEP = 25,
-  SWP_STRUCT_HOOKS = 26
+  SWP_STRUCT_HOOKS = 26,
+  SWP_STRUCT_DAEMON_OPTIONS = 27
 };
 
 /* The size in bytes of a struct in this library, for bindings of other languages; 0 for an unknown

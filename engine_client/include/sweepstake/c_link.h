@@ -18,8 +18,11 @@
  *     wait for delay_ms, calling swp_link_next_message as before
  *   }
  *
+ * c_daemon.h has such a caller: a thread with gRPC.
+ *
  * Threads: any thread may call any function except create and destroy at any time, even beside the
- * frame thread's calls of the session. The calls share one lock; the frame thread never takes it.
+ * frame thread's calls of the session. The calls share one lock. Of the frame thread's calls, only
+ * swp_session_destroy takes it.
  * Times are of a steady clock of the caller that never goes back: the same clock in all calls, from
  * any origin. */
 #ifndef SWEEPSTAKE_C_LINK_H_

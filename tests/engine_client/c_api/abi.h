@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "sweepstake/c_api.h"
+#include "sweepstake/c_daemon.h"
 
 #define ABI_CHANGED "the C ABI is not as it was: run abi_test.py, which says what to do"
 

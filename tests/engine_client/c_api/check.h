@@ -38,6 +38,16 @@ int same_pairs(swp_pair* found, uint64_t found_count, const swp_pair* right, uin
 /* Creates a scene of the library; ends the program if it does not exist. */
 swp_scene* make_scene(const char* name, uint32_t object_count);
 
+/* A struct with a struct_size that the library reads. */
+typedef struct options_struct {
+  uint32_t size;
+  swp_result (*init)(void* options);
+  swp_result (*take)(void* options);
+} options_struct;
+
+/* Checks sizes of the struct that are shorter, longer or invalid. */
+void check_taken(const options_struct* type);
+
 void test_version(void);
 void test_worlds(void);
 void test_world_rules(void);
@@ -48,6 +58,7 @@ void test_frames(void);
 void test_queue(void);
 void test_decider(void);
 void test_link(void);
+void test_daemon(void);
 void test_hooks(void);
 void test_structs(void);
 void test_arguments(void);

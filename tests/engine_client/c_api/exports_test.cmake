@@ -1,5 +1,5 @@
 # cmake -DNM=… -DLIBRARY=… -DHEADERS=… -P exports_test.cmake: fails unless every exported symbol is a function of the C ABI,
-# and every function of the headers is exported. An archive exports its global symbols. For a DLL use -DOBJDUMP=… instead of NM.
+# and every function of the HEADERS (a list of files) is exported. An archive exports its global symbols. For a DLL use -DOBJDUMP=… instead of NM.
 cmake_minimum_required(VERSION 3.25)
 
 # Returns lines, each of which ends with the name of an exported symbol.
@@ -36,8 +36,7 @@ foreach(line IN LISTS lines)
 endforeach()
 
 set(declarations)
-file(GLOB headers ${HEADERS}/c_*.h)
-foreach(name IN LISTS headers)
+foreach(name IN LISTS HEADERS)
   file(READ ${name} header)
   string(REGEX MATCHALL "SWP_API[^(]*swp_[a-z_]+\\(" found "${header}")
   list(APPEND declarations ${found})

@@ -81,4 +81,48 @@ TEST(LinkThreadsTest, TheFrameThreadNeitherBlocksNorAllocatesForALink) {
   swp_session_destroy(session);
 }
 
+// Returns the number of locks that the end of a session takes.
+uint64_t LocksOfTheEnd(bool has_link) {
+  swp_session_options options{};
+  options.struct_size = sizeof options;
+  EXPECT_EQ(swp_session_options_init(&options), SWP_OK);
+  options.shadow = SWP_SHADOW_OFF;
+  swp_session* session = nullptr;
+  swp_link* link = nullptr;
+  EXPECT_EQ(swp_session_create(&options, &session), SWP_OK);
+  if (has_link) {
+    EXPECT_EQ(swp_link_create(session, nullptr, &link), SWP_OK);
+  }
+  const WaitCounter waits;
+  swp_session_destroy(session);
+  const uint64_t count = waits.count();
+  swp_link_destroy(link);
+  return count;
+}
+
+TEST(LinkThreadsTest, TheEndOfASessionTakesTheLockOfItsLink) {
+  if (!WaitCounter::Works()) GTEST_SKIP();
+  EXPECT_GT(LocksOfTheEnd(true), LocksOfTheEnd(false));
+}
+
+// A sanitizer reports a call of the link that uses the session after its end.
+TEST(LinkThreadsTest, TheEndOfASessionWaitsForTheCallOfItsLink) {
+  for (int round = 0; round < 200; ++round) {
+    swp_session* session = nullptr;
+    swp_link* link = nullptr;
+    ASSERT_EQ(swp_session_create(nullptr, &session), SWP_OK);
+    ASSERT_EQ(swp_link_create(session, nullptr, &link), SWP_OK);
+    std::atomic<int> call_count = 0;
+    std::thread transport([&] {
+      uint64_t size = 0;
+      swp_link_action action = SWP_LINK_NONE;
+      while (swp_link_next_message(link, 0, nullptr, 0, &size, &action) == SWP_OK) ++call_count;
+    });
+    while (call_count < 10) std::this_thread::yield();
+    swp_session_destroy(session);
+    transport.join();
+    swp_link_destroy(link);
+  }
+}
+
 }  // namespace

@@ -95,12 +95,6 @@ static swp_result fill_link_stats(void* out) {
   return result;
 }
 
-typedef struct options_struct {
-  uint32_t size;
-  swp_result (*init)(void* options);
-  swp_result (*take)(void* options);
-} options_struct;
-
 typedef struct output_struct {
   uint32_t size;
   swp_result (*fill)(void* out);
@@ -153,7 +147,7 @@ static void refuse_sizes(uint32_t size, swp_result (*call)(void*)) {
   }
 }
 
-static void check_taken(const options_struct* type) {
+void check_taken(const options_struct* type) {
   const uint32_t longer = type->size + 24;
   unsigned char* options = make_struct(longer, longer, 0);
   refuse_sizes(type->size, type->take);

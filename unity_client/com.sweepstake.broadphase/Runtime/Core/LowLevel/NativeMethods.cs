@@ -24,6 +24,10 @@ namespace Sweepstake.LowLevel
 
         /// <summary>See c_api.h.</summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern void swp_set_last_error(byte* text, ulong size);
+
+        /// <summary>See c_api.h.</summary>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern ResultCode swp_last_error_of(void* @object, byte* text, uint capacity);
 
         /// <summary>See c_api.h.</summary>
