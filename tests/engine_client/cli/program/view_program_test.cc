@@ -42,7 +42,7 @@ class ProgramInTerminal {
   ProgramInTerminal& operator=(const ProgramInTerminal&) = delete;
 
   // Reads until the output after `from` contains `text`. Returns where that is, or npos if the
-  // program ended before or wrote nothing for a minute.
+  // program ended before. A run ends after a minute.
   size_t ReadUntil(const std::string& text, size_t from = 0) {
     size_t at = std::string::npos;
     while ((at = output_.find(text, from)) == std::string::npos && ReadSome()) {
@@ -83,7 +83,7 @@ constexpr char kManualGame[] =
     "run --scene suite-b --objects 60 --mode manual --arm SAP --embedded ";
 
 TEST(ViewProgram, DrawsTheSceneUntilCtrlCAndRestoresTheTerminal) {
-  ProgramInTerminal program(kManualGame + std::string("--view --duration 1h"), kUsualSize);
+  ProgramInTerminal program(kManualGame + std::string("--view"), kUsualSize);
   const size_t first = program.ReadUntil("\x1b[H");
   ASSERT_NE(program.ReadUntil("\x1b[H", first + 1), std::string::npos) << program.output();
   EXPECT_THAT(program.output(), testing::StartsWith(kEnter));
@@ -104,12 +104,22 @@ TEST(ViewProgram, DrawsTheSceneUntilCtrlCAndRestoresTheTerminal) {
 }
 
 TEST(ViewProgram, FollowsTheSizeOfTheTerminal) {
-  ProgramInTerminal program("run --scene suite-b --objects 60 --embedded --view --duration 1h",
-                            kUsualSize);
+  ProgramInTerminal program("run --scene suite-b --objects 60 --embedded --view", kUsualSize);
   ASSERT_NE(program.ReadUntil("P(best)"), std::string::npos) << program.output();
   program.Resize({.ws_row = 5, .ws_col = 20, .ws_xpixel = 0, .ws_ypixel = 0});
   // The title is cut to 19 columns.
   ASSERT_NE(program.ReadUntil("\x1b[Hsuite-b, 60 objects\x1b[K"), std::string::npos);
+  program.Type(kCtrlC);
+  EXPECT_EQ(program.Await(), 0);
+}
+
+TEST(ViewProgram, NamesTheLatestSwitch) {
+  ProgramInTerminal program(
+      "run --scene suite-b --objects 60 --embedded --policy paper --time-scale 1000 --view",
+      kUsualSize);
+  // The paper's policy explores all arms, regardless of their costs.
+  EXPECT_NE(program.ReadUntil(", because the policy measures "), std::string::npos)
+      << program.output();
   program.Type(kCtrlC);
   EXPECT_EQ(program.Await(), 0);
 }
