@@ -1,14 +1,17 @@
 // `sweepstake run`: runs a scene on the frame path. The arm is chosen by a daemon, the embedded
 // decider or the user.
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 
 #include "engine_client/cli/command.h"
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/daemon_client.h"
 #include "engine_client/cli/game/game_run.h"
+#include "engine_client/cli/game/live_view.h"
 #include "engine_client/cli/game/run_report.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/duration.h"
@@ -25,6 +28,7 @@ namespace sweepstake::cli {
 namespace {
 
 constexpr uint32_t kStopDeadlineMs = 2000;
+constexpr uint32_t kViewFps = 60;  // a step of a scene is 1/60 s, so it moves at its own speed
 constexpr std::array<std::string_view, 2> kModes = {"ai", "manual"};
 constexpr std::array<std::string_view, 3> kShadowModes = {"auto", "on", "off"};
 
@@ -36,11 +40,13 @@ struct RunOptions {
   bool embedded = false;
   std::string priors;
   std::string duration = "60s";
-  uint32_t fps = 0;  // 0: frames follow each other without waiting
+  // 0: frames follow each other without waiting. Absent: 0, or kViewFps with --view.
+  std::optional<uint32_t> fps;
   SessionOptions session = DefaultSession();
   std::string shadow = "auto";
   std::string csv;
   bool json = false;
+  bool view = false;
 
   static SessionOptions DefaultSession() {
     SessionOptions session;
@@ -128,7 +134,8 @@ Result<RunLogs> MakeLogs(const RunOptions& options) {
 }
 
 uint64_t FrameIntervalNs(const RunOptions& options) {
-  return options.fps == 0 ? 0 : 1'000'000'000 / options.fps;
+  const uint32_t fps = options.fps.value_or(options.view ? kViewFps : 0);
+  return fps == 0 ? 0 : 1'000'000'000 / fps;
 }
 
 ShadowMode ToShadowMode(const std::string& word) {
@@ -152,19 +159,28 @@ std::string StateText(const SessionStats& stats) {
   return "";
 }
 
-// Runs the frame loop, and prints events and the progress.
+// Returns whether the terminal may show colours (https://no-color.org).
+bool HasColours() {
+  const char* const no_color = std::getenv("NO_COLOR");
+  return no_color == nullptr || *no_color == '\0';
+}
+
+// Runs the frame loop, and prints events and the progress. With a view, it shows the scene instead,
+// and prints the events at the end.
 class Player {
  public:
   Player(const RunSetup& setup, GameRun& run, const Session& session, WholeFile* log,
-         Terminal& terminal, uint64_t duration_ns, bool json)
+         Terminal& terminal, uint64_t duration_ns, const RunOptions& options)
       : setup_(setup),
         run_(run),
         session_(session),
         log_(log),
         terminal_(terminal),
         duration_ns_(duration_ns),
-        json_(json),
-        progress_(terminal, "run", duration_ns / 1'000'000) {}
+        json_(options.json),
+        progress_(terminal, "run", duration_ns / 1'000'000) {
+    if (options.view) view_.emplace(terminal.out, terminal.out_size, HasColours(), run);
+  }
 
   void Play() {
     while (run_.elapsed_ns() < duration_ns_ && !StopRequested() && refusal_.empty()) {
@@ -172,8 +188,15 @@ class Player {
       if (run_.verdicts().size() > said_verdict_count_) SayVerdict();
       if (log_ != nullptr) WriteFrame(run_.adaptive().last_sample(), run_.adaptive(), *log_);
       if (!priors_said_ && run_.elapsed_ns() >= next_look_ns_) LookForAnswer();
-      if (progress_.due()) ShowProgress();
+      if (view_) {
+        if (view_->due()) DrawView();
+      } else if (progress_.due()) {
+        ShowProgress();
+      }
     }
+    if (!view_) return;
+    view_.reset();
+    PrintText(terminal_, events_);
   }
 
   // Call it after the session has stopped. In a short run, the decider's answer about priors may
@@ -199,7 +222,9 @@ class Player {
 
   void SaySwitch() {
     Say(SwitchText(ToRow(run_.switches().back(), run_.adaptive())));
-    const std::string beliefs = BeliefsText(session_.stats().beliefs);
+    const SessionStats stats = session_.stats();
+    if (view_) view_->NoteSwitch(stats);
+    const std::string beliefs = BeliefsText(stats.beliefs);
     if (!beliefs.empty()) Say("       " + beliefs);
   }
 
@@ -207,6 +232,11 @@ class Player {
     const VerdictEvent& event = run_.verdicts().back();
     said_verdict_count_ = run_.verdicts().size();
     Say(VerdictChangeText(ToRow(event, run_.adaptive())));
+  }
+
+  void DrawView() {
+    const SessionStats stats = session_.stats();
+    view_->Draw(stats, StateText(stats));
   }
 
   void ShowProgress() {
@@ -223,7 +253,9 @@ class Player {
   }
 
   void Say(const std::string& line) {
-    if (json_) {
+    if (view_) {
+      events_ += line + '\n';
+    } else if (json_) {
       progress_.Line(line);
     } else {
       progress_.ClearBar();
@@ -239,6 +271,8 @@ class Player {
   const uint64_t duration_ns_;
   const bool json_;
   Progress progress_;
+  std::optional<LiveView> view_;
+  std::string events_;  // lines to print after the view
   uint64_t next_look_ns_ = 0;
   // Frame count and time at the latest update of the progress.
   uint64_t shown_frames_ = 0;
@@ -265,7 +299,11 @@ int Report(const RunOptions& options, const RunSummary& summary, RunLogs& logs,
                  "with sweepstaked --listen HOST:PORT, or use --embedded"));
 }
 
-Status CheckRun(const RunOptions& options) {
+Status CheckRun(const RunOptions& options, const Terminal& terminal) {
+  if (options.view && !terminal.out_is_tty) {
+    return {StatusCode::kInvalidArgument,
+            "--view needs a terminal on stdout; run it in a terminal, or leave --view out"};
+  }
   if (options.embedded == !options.daemon.address.empty()) {
     return {StatusCode::kInvalidArgument, "give either --daemon HOST:PORT or --embedded"};
   }
@@ -285,7 +323,8 @@ Status CheckRun(const RunOptions& options) {
 }
 
 int RunRun(const RunOptions& options, Terminal& terminal) {
-  if (const Status status = CheckRun(options); !status.ok()) return Fail(terminal, status);
+  if (const Status status = CheckRun(options, terminal); !status.ok())
+    return Fail(terminal, status);
   const auto duration_ns = ParseDuration(options.duration);
   if (!duration_ns.ok()) return Fail(terminal, duration_ns.status());
   auto scene = OpenScene(options.scene);
@@ -312,7 +351,7 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   const Status started = (*session)->Start((*run)->adaptive());
   if (!started.ok()) return Fail(terminal, started);
   InstallStopSignal();
-  Player player(setup, **run, **session, logs->frames.get(), terminal, *duration_ns, options.json);
+  Player player(setup, **run, **session, logs->frames.get(), terminal, *duration_ns, options);
   player.Play();
   (*session)->Stop(kStopDeadlineMs);
   player.End();
@@ -355,8 +394,10 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--duration", options.duration,
                      "Duration of the run, such as 500ms, 60s or 15m");
   command
-      .add_option("--fps", options.fps,
-                  "Maximum frames per second, as with vertical sync; 0: unlimited")
+      .add_option(
+          "--fps", options.fps,
+          "Maximum frames per second, as with vertical sync; 0: unlimited (default: 0, with --view "
+          "60)")
       ->check(WholeUpTo(1000));
   command.add_option("--policy", options.session.policy, "Policy (default: the decider's)");
   command
@@ -386,6 +427,10 @@ void Declare(CLI::App& command, RunOptions& options) {
       "--csv", options.csv,
       "Folder for frames.csv, switches.csv, posteriors.csv and, with --embedded, decisions.csv");
   AddJsonFlag(command, options.json);
+  command
+      .add_flag("--view", options.view,
+                "Draw the scene in the terminal: boxes, active arm, P(best) of each arm")
+      ->excludes("--json");
 }
 
 }  // namespace
@@ -394,12 +439,14 @@ void AddRunCommand(const CommandContext& context) {
   AddCommand<RunOptions>(
       context, "run", "Run a scene on the frame path and let a decider choose the arm",
       "  sweepstake run --scene hurricane --objects 3000 --mode ai --embedded --duration 60s\n"
+      "  sweepstake run --scene hurricane --objects 2000 --arm BruteForce --embedded --view\n"
       "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433\n"
       "  sweepstake run --scene h.aabbs --mode manual --arm SAP --embedded --csv out\n"
       "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433 --allow-orders\n"
       "  sweepstake run --scene suite-h --objects 1000 --daemon 127.0.0.1:7433 --fps 60 --duration "
       "1h\n"
-      "Ctrl-C ends the run and prints the report.\n"
+      "Ctrl-C ends the run and prints the report. --view draws between frames, so that no\n"
+      "frame time or detection time includes it. NO_COLOR=1 turns its colours off.\n"
       "Exit code 3 if the daemon was never reached; the run continues without it. Exit code 2\n"
       "if the daemon refuses the session, for example because it has no such policy.",
       Declare, RunRun);

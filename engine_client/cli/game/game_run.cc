@@ -52,7 +52,7 @@ bool GameRun::Frame() {
   scene_.Step();
   const uint64_t stepped_ns = SteadyClock().NowNs();
   adaptive_->BeginFrame();
-  adaptive_->FindPairs(scene_.aabbs());
+  pairs_ = adaptive_->FindPairs(scene_.aabbs());
   const uint64_t work_end_ns = SteadyClock().NowNs();
   const uint64_t frame_end_ns = Pace(work_end_ns);
   adaptive_->EndFrame({.frame_time_ns = frame_end_ns - begin_ns + end_cost_ns_});

@@ -62,6 +62,9 @@ class GameRun final : private FrameSink {
   // then has one more event.
   bool Frame();
 
+  const Scene& scene() const { return scene_; }
+  // Returns the pairs of the latest frame, valid until the next one.
+  std::span<const OverlapPair> pairs() const { return pairs_; }
   AdaptiveBroadPhase& adaptive() { return *adaptive_; }
   const AdaptiveBroadPhase& adaptive() const { return *adaptive_; }
   uint64_t frame_count() const { return frame_count_; }
@@ -101,6 +104,7 @@ class GameRun final : private FrameSink {
   const uint64_t frame_interval_ns_;
   uint64_t next_frame_ns_ = 0;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
+  std::span<const OverlapPair> pairs_;
   uint64_t start_ns_ = 0;
   uint64_t end_cost_ns_ = 0;  // time of the latest EndFrame, added to the next frame's time
   uint64_t frame_count_ = 0;

@@ -11,12 +11,12 @@
 namespace sweepstake::cli {
 namespace {
 
-constexpr size_t kDefaultColumns = 80;
-
-size_t ColumnsOfStderr() {
+// Returns the default of ScreenSize if the size is unknown.
+ScreenSize SizeOf(int descriptor) {
   winsize size{};
-  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return known ? size.ws_col : kDefaultColumns;
+  const bool known =
+      ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0;
+  return known ? ScreenSize{size.ws_col, size.ws_row} : ScreenSize{};
 }
 
 volatile std::sig_atomic_t stop_requested = 0;
@@ -36,7 +36,8 @@ int RunMain(int argc, char** argv, int (*run)(std::span<char* const> words, Term
                     .err = std::cerr,
                     .out_is_tty = isatty(STDOUT_FILENO) == 1,
                     .err_is_tty = err_is_tty,
-                    .err_columns = err_is_tty ? ColumnsOfStderr() : 0};
+                    .err_columns = err_is_tty ? SizeOf(STDERR_FILENO).columns : 0,
+                    .out_size = [] { return SizeOf(STDOUT_FILENO); }};
   try {
     return run({argv, static_cast<size_t>(argc)}, terminal);
   } catch (const std::exception& error) {

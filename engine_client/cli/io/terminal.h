@@ -15,14 +15,21 @@ namespace sweepstake::cli {
 // The exit codes that the README documents.
 enum ExitCode : int { kDone = 0, kCheckFailed = 1, kBadUsage = 2, kUnreachable = 3 };
 
+// The size of a terminal in characters.
+struct ScreenSize {
+  size_t columns = 80;
+  size_t rows = 24;
+};
+
 // The streams of a command: `out` for results, `err` for everything else. Both are borrowed.
 struct Terminal {
   std::ostream& out;
   std::ostream& err;
   bool out_is_tty = false;
   bool err_is_tty = false;
-  size_t err_columns = 0;              // 0: `err` is not a terminal
-  std::string program = "sweepstake";  // begins each message
+  size_t err_columns = 0;                     // 0: `err` is not a terminal
+  std::function<ScreenSize()> out_size = {};  // returns the present size, if `out` is a terminal
+  std::string program = "sweepstake";         // begins each message
 };
 
 // Prints "PROGRAM: MESSAGE". Returns the exit code: kUnreachable for kUnavailable, kCheckFailed for

@@ -217,6 +217,8 @@ TEST(RunProgram, BadUsageGivesExitCodeTwoAndListsValidValues) {
       {"run --scene suite-b --embedded --mode auto", "manual"},
       {"run --scene suite-b --embedded --policy coin", "paper"},
       {"run --scene suite-b --embedded --time-scale 0", "--time-scale"},
+      {"run --scene suite-b --embedded --view", "--view needs a terminal"},
+      {"run --scene suite-b --embedded --view --json", "--json excludes --view"},
       {"run --scene nowhere --embedded", "hurricane"},
   };
   for (const auto& [arguments, said] : cases) {
