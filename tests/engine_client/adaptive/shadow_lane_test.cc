@@ -16,6 +16,7 @@ using test_support::kMs;
 using test_support::LaneBackend;
 using test_support::LaneScript;
 using test_support::RecordingSink;
+using test_support::ScriptedClock;
 using test_support::ThreeMsAtATime;
 using Preparation = ShadowLane::Preparation;
 using ShadowLaneTest = test_support::DrivenLane;
