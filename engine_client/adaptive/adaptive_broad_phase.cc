@@ -121,9 +121,19 @@ Status AdaptiveBroadPhase::Impl::StartLane() {
 void AdaptiveBroadPhase::Impl::BeginFrame() {
   const Zone zone(kZoneBeginFrame);
   KeepBudgetOfGrowing();
-  if (const std::optional<SwitchCommand> commanded = mailbox.Take()) TakeCommand(*commanded);
+  const std::optional<SwitchCommand> commanded = mailbox.Take();
   std::optional<OperatorOrder> order = orders.Take();
   if (frozen()) order.reset();
+  if (commanded || order || local_command_ || pending_) ExecuteOne(commanded, order);
+  sample_.arm = arm();
+  sample_.switch_epoch = epoch();
+}
+
+// Only frames with something to execute pay for the scope.
+void AdaptiveBroadPhase::Impl::ExecuteOne(const std::optional<SwitchCommand>& commanded,
+                                          const std::optional<OperatorOrder>& order) {
+  const FloatEnvironmentScope environment;
+  if (commanded) TakeCommand(*commanded);
   if (order) TakeOrder(*order);
   if (const auto local = std::exchange(local_command_, std::nullopt)) {
     Execute(*local);
@@ -134,8 +144,6 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
     ExecutePending();
   }
   if (order) ReportMode(order->order_id);
-  sample_.arm = arm();
-  sample_.switch_epoch = epoch();
 }
 
 // Executes an operator's order. manual_by_order_ is not set if the game itself chose kManual
@@ -454,10 +462,7 @@ AdaptiveBroadPhase::~AdaptiveBroadPhase() {
   if (impl_->attachment != nullptr) impl_->attachment->End(/*deadline_ms=*/0);
 }
 
-void AdaptiveBroadPhase::BeginFrame() {
-  const FloatEnvironmentScope environment;
-  impl_->BeginFrame();
-}
+void AdaptiveBroadPhase::BeginFrame() { impl_->BeginFrame(); }
 std::span<const OverlapPair> AdaptiveBroadPhase::FindPairs(std::span<const Aabb> boxes) {
   const FloatEnvironmentScope environment;
   return impl_->FindPairs(boxes);

@@ -82,6 +82,8 @@ class AdaptiveBroadPhase::Impl {
     uint64_t waited_ns = 0;
   };
 
+  void ExecuteOne(const std::optional<SwitchCommand>& commanded,
+                  const std::optional<OperatorOrder>& order);
   void TakeCommand(const SwitchCommand& command);
   void TakeOrder(const OperatorOrder& order);
   void ChangeMode(Mode chosen);

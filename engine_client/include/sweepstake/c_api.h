@@ -12,8 +12,8 @@
  *
  * Ownership: the object that a _create function returns is ended by the matching _destroy, which
  * accepts NULL as free() does. Using it afterwards is undefined. A forked child process may destroy
- * its parent's objects, and do nothing else with them. Memory that a function returns belongs to the
- * library and is valid as long as its comment says.
+ * its parent's objects, and do nothing else with them. Memory that a function returns belongs to
+ * the library and is valid as long as its comment says.
  *
  * Units: lengths are in world units of the caller, times in nanoseconds, text is UTF-8 and ends
  * with NUL. Truth values are uint32_t, 0 or 1. Only scalars and pointers are passed by value.

@@ -73,8 +73,8 @@ typedef struct swp_session_options {
   uint64_t bail_out_ns;    /* a longer frame is flagged, and the decider judges whether it is a
                               bail-out. Without a decider, and to end an operator's order, it is one
                               if its arm is to blame: detection took at least half of it, and it was
-                              neither paused, loading nor suspended. > 0. A daemon's welcome replaces the value
-                              while a link is attached */
+                              neither paused, loading nor suspended. > 0. A daemon's welcome replaces
+                              the value while a link is attached */
   uint64_t settling_ns;    /* the time after a switch whose extra frame time is part of the switch's
                               cost; nothing is learnt from these frames. A trial lasts for twice
                               this time; with 0 no trials are made. At most 100 days if a decider is
@@ -114,7 +114,7 @@ typedef struct swp_frame_sample {
   uint32_t invalid_box_count; /* objects that overlap nothing because their boxes are NaN, infinite
                                  or inverted; a box with min > max on all axes is an unused place
                                  and does not count. Boxes that were added count at once; a box that
-                                 changes later counts within object_count / 8 frames */
+                                 changes later counts within object_count / 4 frames */
 } swp_frame_sample;
 
 typedef struct swp_switch_command {

@@ -38,7 +38,7 @@ struct FrameSample {
   uint32_t switch_epoch = 0;  // executed switches before this frame
   uint32_t flags = 0;         // FrameFlag bits
   // Objects whose boxes are invalid but not empty (aabb.h), so that they overlap nothing. Boxes
-  // that were added count at once. A box that changes later counts within object_count ÷ 8 frames.
+  // that were added count at once. A box that changes later counts within object_count ÷ 4 frames.
   uint32_t invalid_box_count = 0;
 };
 static_assert(sizeof(FrameSample) == 64);
