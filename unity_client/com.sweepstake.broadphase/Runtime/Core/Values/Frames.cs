@@ -65,7 +65,7 @@ namespace Sweepstake
         public FrameFlags Flags;
         /// <summary>
         /// Number of objects that overlap nothing because their boxes are NaN, infinite or inverted. Boxes that were added count at once;
-        /// a box that changes later counts within <see cref="ObjectCount"/> / 8 frames.
+        /// a box that changes later counts within <see cref="ObjectCount"/> / 4 frames.
         /// </summary>
         public uint InvalidBoxCount;
     }
