@@ -20,7 +20,8 @@ class SessionAttachment {
   // `end` ends the session's thread within the deadline, and its use of the AdaptiveBroadPhase.
   // `limit` shortens the deadline of an `end` in progress.
   void Begin(Call end, Call limit) {
-    const std::scoped_lock lock(mutex_, limit_mutex_);
+    const std::lock_guard lock(mutex_);
+    const std::lock_guard limit_lock(limit_mutex_);
     end_ = std::move(end);
     limit_ = std::move(limit);
   }
