@@ -58,10 +58,10 @@ TEST(InvalidBoxCounter, CountsAddedBoxesAtOnceAndChangedOnesInTurn) {
   counter.Follow(boxes);
   EXPECT_EQ(counter.count(), 2U);
 
-  boxes[100] = kPlane;
+  boxes[70] = kPlane;
   for (int frame = 0; frame < 11; ++frame) counter.Follow(boxes);
   EXPECT_EQ(counter.count(), 3U);
-  boxes[7] = boxes[100] = kUnit;
+  boxes[7] = boxes[70] = kUnit;
   for (int frame = 0; frame < 22; ++frame) counter.Follow(boxes);
   EXPECT_EQ(counter.count(), 1U);
   boxes.resize(kCount);
