@@ -79,9 +79,10 @@ void PairEvents::Update(std::span<const OverlapPair> now, float margin) {
 }
 
 void PairEvents::FreeUnused() {
-  added_.shrink_to_fit();
-  removed_.shrink_to_fit();
-  begun_.shrink_to_fit();
+  // shrink_to_fit would ignore a failed allocation, and the memory would never be freed.
+  HookedVector<ProxyPair>(begun_).swap(begun_);
+  HookedVector<ProxyPair>(added_).swap(added_);
+  HookedVector<ProxyPair>(removed_).swap(removed_);
   next_begun_ = HookedVector<ProxyPair>();
 }
 

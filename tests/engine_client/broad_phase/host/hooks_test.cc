@@ -172,8 +172,11 @@ TEST(HooksTest, ProxiesWhoseMemoryCannotBeFreedStayUnchanged) {
   }
   EXPECT_GT(blocks, 2U);
   ASSERT_TRUE(resolve_with(GameMemory::kPlenty));
-  // A change frees the rows, whose addresses a Resolve does not change.
+  // Changes of both kinds free the rows, whose addresses a Resolve does not change, and the trees.
   ASSERT_TRUE(proxies.Remove(proxies.Add(scene->aabbs()[0])));
+  ASSERT_TRUE(proxies.Remove(proxies.Add(scene->aabbs()[0], {.is_static = true})));
+  ASSERT_TRUE(resolve_with(GameMemory::kPlenty));
+  proxies.PrepareQueries();
   EXPECT_LE(memory.held_bytes(), bytes + bytes / 10);
 }
 
