@@ -35,11 +35,11 @@ namespace aabb_detail {
 inline constexpr int32_t kInfinity = 0x7F80'0000;
 
 // Returns an integer in the order of the floats. Both zeros give 0, infinities ±kInfinity, and NaN
-// a value beyond them.
+// a value beyond them. Without a branch, because signs are hard to predict.
 constexpr int32_t OrderedBits(float value) {
-  const auto bits = std::bit_cast<uint32_t>(value);
-  const auto magnitude = static_cast<int32_t>(bits & 0x7FFF'FFFFU);
-  return (bits >> 31) != 0 ? -magnitude : magnitude;
+  const auto bits = std::bit_cast<int32_t>(value);
+  const int32_t sign = bits >> 31;  // -1 for a negative value, otherwise 0
+  return ((bits & 0x7FFF'FFFF) ^ sign) - sign;
 }
 
 // Returns the float whose bits are the float nearest to |value| that is not above it, or not below
@@ -76,9 +76,9 @@ constexpr float RoundToward(double value, bool up) {
 
 // As OrderedBits; NaN gives a value beyond the infinities.
 constexpr int64_t OrderedBits(double value) {
-  const auto bits = std::bit_cast<uint64_t>(value);
-  const auto magnitude = static_cast<int64_t>(bits & ~(uint64_t{1} << 63));
-  return (bits >> 63) != 0 ? -magnitude : magnitude;
+  const auto bits = std::bit_cast<int64_t>(value);
+  const int64_t sign = bits >> 63;
+  return ((bits & 0x7FFF'FFFF'FFFF'FFFF) ^ sign) - sign;
 }
 
 }  // namespace aabb_detail
