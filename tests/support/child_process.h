@@ -1,4 +1,6 @@
-// A program that runs as a child process of the test.
+// Child processes of a test: a program, and a fork of the test itself. SWEEPSTAKE_CAN_FORK is 1
+// where a test can fork; not with ThreadSanitizer, which does not support it in programs with
+// threads.
 #pragma once
 
 #include <sys/types.h>
@@ -6,6 +8,16 @@
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "tests/support/sanitizers/active.h"
+
+#if defined(__unix__) && !SWEEPSTAKE_TSAN
+#define SWEEPSTAKE_CAN_FORK 1
+#include <sys/wait.h>
+#include <unistd.h>
+#else
+#define SWEEPSTAKE_CAN_FORK 0
+#endif
 
 namespace sweepstake::test_support {
 
@@ -36,5 +48,21 @@ class ChildProcess {
   std::filesystem::path log_;
   pid_t pid_ = -1;  // -1 after its end
 };
+
+#if SWEEPSTAKE_CAN_FORK
+// Returns the status of a forked child that calls `body`; 0 if `body` returns. If `body` waits for
+// something that the child lacks, a signal ends the child after a minute.
+template <typename Body>
+int StatusOfChild(const Body& body) {
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(60);
+    body();
+    _exit(0);
+  }
+  int status = -1;
+  return waitpid(child, &status, 0) == child ? status : -1;
+}
+#endif
 
 }  // namespace sweepstake::test_support

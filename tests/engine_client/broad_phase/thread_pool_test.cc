@@ -9,14 +9,13 @@
 #include <vector>
 
 #if defined(__linux__)
-#include <sys/wait.h>
 #include <unistd.h>
 #endif
 
 #include "engine_client/broad_phase/common/parallel.h"
 #include "gtest/gtest.h"
 #include "sweepstake/executor.h"
-#include "tests/support/sanitizers/active.h"
+#include "tests/support/child_process.h"
 
 namespace sweepstake {
 namespace {
@@ -131,7 +130,7 @@ TEST(PairPartsTest, StartsNoPartAfterAStop) {
   EXPECT_LE(pairs.size(), 1U) << "only pairs of other parts remain";
 }
 
-#if defined(__linux__) && !SWEEPSTAKE_TSAN
+#if defined(__linux__) && SWEEPSTAKE_CAN_FORK
 // Returns the state of a thread of this process, as in the manual page proc(5).
 char StateOfThread(pid_t thread) {
   std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/stat");
@@ -156,15 +155,7 @@ TEST(ThreadPoolTest, AForkedChildDestroysThePoolWithoutWaiting) {
   ASSERT_NE(worker, 0);
   // From here on, the thread blocks only where it waits for the next job.
   while (StateOfThread(worker) != 'S') std::this_thread::yield();
-  const pid_t child = fork();
-  if (child == 0) {
-    alarm(60);  // ends a child that waits
-    pool.reset();
-    _exit(0);
-  }
-  int status = -1;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_EQ(status, 0);
+  EXPECT_EQ(test_support::StatusOfChild([&] { pool.reset(); }), 0);
 }
 #endif
 

@@ -6,13 +6,9 @@
 #include <cmath>
 #include <thread>
 
-#if defined(__unix__)
-#include <sys/wait.h>
-#include <unistd.h>
-#endif
-
 #include "engine_client/adaptive/adaptive_factory.h"
 #include "sweepstake/session.h"
+#include "tests/support/child_process.h"
 #include "tests/support/fake_daemon.h"
 #include "tests/support/scripted_broad_phase.h"
 #include "tests/support/wait_counter.h"
@@ -506,21 +502,16 @@ TEST(MakeDaemonSession, RefusesBadAddressesAndOptions) {
             StatusCode::kInvalidArgument);
 }
 
-#if defined(__unix__) && !defined(__SANITIZE_THREAD__)
+#if SWEEPSTAKE_CAN_FORK
 // The child has none of the threads of the session and of gRPC.
 TEST_F(DaemonSessionTest, AForkedChildDestroysItWithoutWaiting) {
   FakeDaemon daemon;
   GoOnline(daemon);
-  const pid_t child = fork();
-  if (child == 0) {
-    alarm(60);  // ends a child that waits
-    session_.reset();
-    adaptive_.reset();
-    _exit(0);
-  }
-  int status = -1;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_EQ(status, 0);
+  EXPECT_EQ(test_support::StatusOfChild([&] {
+              session_.reset();
+              adaptive_.reset();
+            }),
+            0);
 }
 #endif
 

@@ -8,14 +8,9 @@
 #include <utility>
 #include <vector>
 
-#if defined(__unix__)
-#include <sys/wait.h>
-#include <unistd.h>
-#endif
-
 #include "sweepstake/scene.h"
+#include "tests/support/child_process.h"
 #include "tests/support/recording_sink.h"
-#include "tests/support/sanitizers/active.h"
 
 namespace sweepstake {
 namespace {
@@ -167,7 +162,7 @@ TEST(AdaptiveSessionTest, ReturnsTheErrorOfEachPart) {
             StatusCode::kNotFound);
 }
 
-#if defined(__unix__) && !SWEEPSTAKE_TSAN
+#if SWEEPSTAKE_CAN_FORK
 // A child has neither the session's thread nor the lane's. Some of the forks happen while one of
 // them holds a lock.
 TEST(AdaptiveSessionTest, AForkedChildDestroysItWithoutWaiting) {
@@ -177,15 +172,7 @@ TEST(AdaptiveSessionTest, AForkedChildDestroysItWithoutWaiting) {
   std::optional<AdaptiveSession> owned = std::move(*game);
   for (int round = 0; round < 20; ++round) {
     boxes.Play(*owned, 5);
-    const pid_t child = fork();
-    if (child == 0) {
-      alarm(60);  // ends a child that waits
-      owned.reset();
-      _exit(0);
-    }
-    int status = -1;
-    ASSERT_EQ(waitpid(child, &status, 0), child);
-    ASSERT_EQ(status, 0);
+    ASSERT_EQ(test_support::StatusOfChild([&] { owned.reset(); }), 0);
   }
 }
 #endif
