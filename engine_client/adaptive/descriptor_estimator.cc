@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/math/hash.h"
 
 namespace sweepstake {
@@ -82,7 +83,7 @@ void DescriptorEstimator::StoreSample(std::span<const Aabb> boxes) {
   for (uint32_t i = 0; i < kObjectsPerStep; ++i) {
     step_index_[i] = NextIndex(object_count_);
     step_box_[i] = boxes[step_index_[i]];
-    if (IsValid(step_box_[i])) AddShape(step_box_[i]);
+    if (IsValidFast(step_box_[i])) AddShape(step_box_[i]);
   }
 }
 
@@ -91,7 +92,7 @@ void DescriptorEstimator::MeasureMotion(std::span<const Aabb> boxes) {
   for (uint32_t i = 0; i < kObjectsPerStep; ++i) {
     const Aabb& before = step_box_[i];
     const Aabb& now = boxes[step_index_[i]];
-    if (!IsValid(before) || !IsValid(now)) continue;
+    if (!IsValidFast(before) || !IsValidFast(now)) continue;
     speed_.Add(CentreDistance(before, now));
     static_count_ += before == now ? 1 : 0;
   }

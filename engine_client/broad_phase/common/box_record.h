@@ -1,6 +1,8 @@
 // BoxRecord stores a box for exact overlap tests: two vectors of four floats, half a cache line.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -27,8 +29,21 @@ inline constexpr BoxRecord kInvalidRecord = {{kInfinity, kInfinity, kInfinity, 0
 inline constexpr Aabb kInvalidAabb = {{kInfinity, kInfinity, kInfinity},
                                       {-kInfinity, -kInfinity, -kInfinity}};
 
+// As IsValid, in half the time for most valid boxes. REQUIRES: the library's floating-point
+// environment (float_environment.h).
+inline bool IsValidFast(const Aabb& box) {
+  constexpr uint32_t kInfinityBits = 0x7F80'0000;
+  uint32_t largest = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    // Negative values, infinities and NaN have larger bits than any finite value from 0 on.
+    largest = std::max(largest, std::bit_cast<uint32_t>(box.max[axis] - box.min[axis]));
+  }
+  // The difference of two finite coordinates may be infinite.
+  return largest < kInfinityBits || IsValid(box);
+}
+
 inline BoxRecord RecordOf(const Aabb& box) {
-  if (!IsValid(box)) return kInvalidRecord;
+  if (!IsValidFast(box)) return kInvalidRecord;
   return {{box.min[0], box.min[1], box.min[2], 0}, {box.max[0], box.max[1], box.max[2], 0}};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/broad_phase/common/parallel.h"
 #include "engine_client/broad_phase/common/stop_poll.h"
 
@@ -114,7 +115,7 @@ void KdOrder::MoveToClasses(std::span<const uint32_t> of_slots,
 
 // Inline: a call would take as long as the function's work.
 inline void KdOrder::Collect(const Aabb& box, uint32_t index) {
-  if (!IsValid(box)) {
+  if (!IsValidFast(box)) {
     result_[capacity_ - ++invalid_count_] = index;
     return;
   }

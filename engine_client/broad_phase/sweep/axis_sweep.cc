@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/broad_phase/common/byte_scan.h"
 #include "engine_client/broad_phase/common/parallel.h"
 #include "engine_client/broad_phase/sweep/sorted_endpoints.h"
@@ -186,7 +187,7 @@ double AxisSweep::ExpectedSwaps(std::span<const Aabb> boxes) const {
   double density[3];
   for (size_t axis = 0; axis < 3; ++axis) density[axis] = axes_[axis].Density(records());
   for (size_t i = 0; i < count_; i += stride, ++sampled) {
-    if (!IsValid(boxes[i]) || RecordOf(boxes[i]) == records_[i]) continue;
+    if (!IsValidFast(boxes[i]) || RecordOf(boxes[i]) == records_[i]) continue;
     for (size_t axis = 0; axis < 3; ++axis) {
       const double distance = std::abs(double{boxes[i].min[axis]} - records_[i].min[axis]) +
                               std::abs(double{boxes[i].max[axis]} - records_[i].max[axis]);

@@ -89,7 +89,7 @@ void Sap::CountSteps(std::span<const Aabb> boxes, size_t axis) {
     ForEachBlock(stop(), range.begin, range.end, [&](size_t from, size_t to) {
       for (size_t i = from; i < to; ++i) {
         const Aabb& box = boxes[i];
-        const uint32_t step = sweep.Step(IsValid(box) ? box.min[axis] : kInfinity);
+        const uint32_t step = sweep.Step(IsValidFast(box) ? box.min[axis] : kInfinity);
         steps_[i] = step;
         ++counts[step];
       }
@@ -128,7 +128,7 @@ void Sap::SortExactly(std::span<const Aabb> boxes, size_t axis) {
   const std::span<uint64_t> items = sort_.Items(boxes.size());
   const bool is_loaded = ForEachBlock(stop(), 0, boxes.size(), [&](size_t from, size_t to) {
     for (size_t i = from; i < to; ++i) {
-      const float position = IsValid(boxes[i]) ? boxes[i].min[axis] : kInfinity;
+      const float position = IsValidFast(boxes[i]) ? boxes[i].min[axis] : kInfinity;
       items[i] = PackSortItem(SortableKey(position), static_cast<uint32_t>(i));
     }
   });
