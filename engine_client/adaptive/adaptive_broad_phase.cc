@@ -285,7 +285,7 @@ void AdaptiveBroadPhase::Impl::Search() {
   const Zone zone(kZoneSearch);
   pairs_.Clear();
   BroadPhase& backend = *backends_[sample_.arm].backend;
-  backend.FindPairs(pairs_);
+  backend.Search(pairs_);
   pairs_exceeded_ = backend.pairs_exceeded();
   if (pairs_exceeded_) sample_.flags |= kFramePairsExceeded;
   built_ = !pairs_exceeded_;
@@ -311,14 +311,14 @@ void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
 void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns) {
   const Zone zone(kZoneUpdate);
   if (std::exchange(built_, false)) {
-    backends_[sample_.arm].backend->Update(boxes);
+    backends_[sample_.arm].backend->DoUpdate(boxes);
   } else {
     Rebuild(boxes, start_ns);
   }
 }
 
 void AdaptiveBroadPhase::Impl::Rebuild(std::span<const Aabb> boxes, uint64_t start_ns) {
-  backends_[sample_.arm].backend->Build(boxes);
+  backends_[sample_.arm].backend->DoBuild(boxes);
   sample_.flags |= kFrameRebuild;
   if (switch_cost.awaits_rebuild()) switch_cost.OnRebuild(NowNs() - start_ns);
 }
@@ -339,7 +339,8 @@ uint64_t AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes,
 }
 
 // Completes the frame's sample and passes it to the sink. Sets kFrameSuspended if the game was
-// suspended, otherwise kFrameBailOut if the frame is over the limit.
+// suspended, otherwise kFrameBailOut if the frame is over the limit. Few frames compute with
+// floating-point numbers here, and only these pay for a FloatEnvironmentScope.
 void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   sample_.frame_time_ns = frame.frame_time_ns;
   sample_.flags |= frame.flags & (kFramePaused | kFrameLoading);
@@ -369,6 +370,7 @@ void AdaptiveBroadPhase::Impl::Emit() {
   if (sink_ != nullptr) sink_->OnFrame(last_sample);
   Report(switch_cost.OnFrame(last_sample));
   if (!descriptors_.ready()) return;
+  const FloatEnvironmentScope environment;
   const SceneDescriptor descriptor = descriptors_.Take();
   if (sink_ != nullptr) sink_->OnDescriptor(descriptor);
 }
@@ -393,6 +395,7 @@ void AdaptiveBroadPhase::Impl::ReportTrialEnd() {
 }
 
 void AdaptiveBroadPhase::Impl::GuardLocally() {
+  if ((last_sample.flags & kFrameBailOut) == 0) return;
   if (mode.load(std::memory_order_relaxed) != Mode::kAi || local_command_) return;
   const std::optional<uint32_t> fallback = guard.LocalChoice(last_sample);
   if (fallback) local_command_ = SwitchCommand{.arm = *fallback, .reason = SwitchReason::kBailOut};
@@ -468,10 +471,7 @@ std::span<const OverlapPair> AdaptiveBroadPhase::FindPairs(std::span<const Aabb>
   return impl_->FindPairs(boxes);
 }
 bool AdaptiveBroadPhase::pairs_exceeded() const { return impl_->pairs_exceeded(); }
-void AdaptiveBroadPhase::EndFrame(const FrameEnd& frame) {
-  const FloatEnvironmentScope environment;
-  impl_->EndFrame(frame);
-}
+void AdaptiveBroadPhase::EndFrame(const FrameEnd& frame) { impl_->EndFrame(frame); }
 void AdaptiveBroadPhase::Trim() { impl_->Trim(); }
 uint64_t AdaptiveBroadPhase::memory_bytes() const { return impl_->memory_bytes(); }
 

@@ -19,7 +19,7 @@ namespace sweepstake {
 
 class InvalidBoxCounter {
  public:
-  static constexpr size_t kBoxesPerFrame = 8;
+  static constexpr size_t kBoxesPerFrame = 4;
 
   // Reads all boxes.
   void CountAll(std::span<const Aabb> boxes);

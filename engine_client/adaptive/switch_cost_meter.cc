@@ -1,5 +1,7 @@
 #include "engine_client/adaptive/switch_cost_meter.h"
 
+#include "engine_client/broad_phase/host/float_environment.h"
+
 namespace sweepstake {
 
 std::optional<SwitchOutcome> SwitchCostMeter::Begin(const SwitchCommand& command,
@@ -47,6 +49,7 @@ SwitchOutcome SwitchCostMeter::Finish() {
 
 uint64_t SwitchCostMeter::SettlingCostNs() const {
   if (late_.frame_count == 0) return 0;
+  const FloatEnvironmentScope environment;
   const double settled_mean_ns =
       static_cast<double>(late_.time_ns) / static_cast<double>(late_.frame_count);
   const double lost_ns = static_cast<double>(early_.time_ns) -

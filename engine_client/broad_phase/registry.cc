@@ -64,6 +64,10 @@ void BroadPhase::Update(std::span<const Aabb> boxes) {
 
 void BroadPhase::FindPairs(PairBuffer& out) {
   const FloatEnvironmentScope scope;
+  Search(out);
+}
+
+void BroadPhase::Search(PairBuffer& out) {
   pairs_exceeded_ = false;
   if (max_pairs_ == 0) return DoFindPairs(out);
   const size_t before = out.size();

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "engine_client/broad_phase/host/float_environment.h"
+
 namespace sweepstake {
 namespace {
 
@@ -53,6 +55,7 @@ std::optional<uint32_t> BailOutGuard::LocalChoice(const FrameSample& sample) con
 }
 
 uint32_t BailOutGuard::BestOther(uint32_t active) const {
+  const FloatEnvironmentScope environment;
   uint32_t best = active == 0 ? 1 : 0;
   for (uint32_t arm = best + 1; arm < arm_count_; ++arm) {
     if (arm == active) continue;

@@ -11,10 +11,10 @@
 // steady, none allocates; the only system calls are those of the clock, whose CPU times are read at
 // most every 250 ms and after a long frame. With an executor the frame thread also waits for the
 // parts of its own search. The sink is called in the default floating-point environment
-// (broad_phase.h). Ownership: the clock must outlive the object. So must the sink, unless a
-// std::shared_ptr owns it; the object then keeps the sink alive, as it does the sink of a session
-// (session.h). Such a sink must not own the object, because then neither would be destroyed.
-// AdaptiveSession (adaptive_session.h) makes and owns all of it.
+// (broad_phase.h) or in the caller's. Ownership: the clock must outlive the object. So must the
+// sink, unless a std::shared_ptr owns it; the object then keeps the sink alive, as it does the sink
+// of a session (session.h). Such a sink must not own the object, because then neither would be
+// destroyed. AdaptiveSession (adaptive_session.h) makes and owns all of it.
 //
 // Memory: an arm that was active keeps its buffers, so that switching back is cheap. Trim or
 // memory_budget_bytes frees them. FrameSample::native_bytes counts the active arm alone. Errors: if

@@ -90,6 +90,8 @@ class BroadPhase {
 
  private:
   class StopScope;
+  // Calls the virtual functions and Search in its own FloatEnvironmentScope.
+  friend class AdaptiveBroadPhase;
   // Sets max_pairs_.
   friend Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
                                                             const BroadPhaseOptions& options);
@@ -98,6 +100,8 @@ class BroadPhase {
   virtual void DoBuild(std::span<const Aabb> boxes) = 0;
   virtual void DoUpdate(std::span<const Aabb> boxes) = 0;
   virtual void DoFindPairs(PairBuffer& out) = 0;
+  // FindPairs without the change of the floating-point environment.
+  void Search(PairBuffer& out);
 
   StopRequest* stop_ = nullptr;
   uint64_t max_pairs_ = 0;

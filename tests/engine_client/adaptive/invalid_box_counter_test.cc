@@ -44,7 +44,8 @@ TEST(InvalidBoxCounter, CountsInfiniteInvertedAndUndefinedBoxesButNoEmptyOnes) {
 }
 
 TEST(InvalidBoxCounter, CountsAddedBoxesAtOnceAndChangedOnesInTurn) {
-  constexpr size_t kCount = 10 * InvalidBoxCounter::kBoxesPerFrame;
+  constexpr size_t kCount = 80;
+  constexpr size_t kFramesPerPass = kCount / InvalidBoxCounter::kBoxesPerFrame + 1;
   std::vector<Aabb> boxes(kCount, kUnit);
   boxes[7] = kPlane;
   InvalidBoxCounter counter;
@@ -59,13 +60,13 @@ TEST(InvalidBoxCounter, CountsAddedBoxesAtOnceAndChangedOnesInTurn) {
   EXPECT_EQ(counter.count(), 2U);
 
   boxes[70] = kPlane;
-  for (int frame = 0; frame < 11; ++frame) counter.Follow(boxes);
+  for (size_t frame = 0; frame < kFramesPerPass; ++frame) counter.Follow(boxes);
   EXPECT_EQ(counter.count(), 3U);
   boxes[7] = boxes[70] = kUnit;
-  for (int frame = 0; frame < 22; ++frame) counter.Follow(boxes);
+  for (size_t frame = 0; frame < 2 * kFramesPerPass; ++frame) counter.Follow(boxes);
   EXPECT_EQ(counter.count(), 1U);
   boxes.resize(kCount);
-  for (int frame = 0; frame < 22; ++frame) counter.Follow(boxes);
+  for (size_t frame = 0; frame < 2 * kFramesPerPass; ++frame) counter.Follow(boxes);
   EXPECT_EQ(counter.count(), 0U);
 }
 
