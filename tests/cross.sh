@@ -182,10 +182,11 @@ check_platform() {
   say "$platform"
   build_libraries "$platform" || return
   [[ $platform != windows ]] || quietly build/cross-wine.log wineboot -i || return
-  local precompiled=ON
-  [[ $platform != aarch64 || -n $quick ]] || precompiled=OFF  # missing includes are errors
+  local compiled=(-DSWEEPSTAKE_PCH=ON -UCMAKE_UNITY_BUILD)
+  # Here missing includes are errors.
+  [[ $platform != aarch64 || -n $quick ]] || compiled=(-DSWEEPSTAKE_PCH=OFF -DCMAKE_UNITY_BUILD=OFF)
   configure_and_build "$platform" all -DCMAKE_TOOLCHAIN_FILE="$root/tests/cross/$platform.cmake" \
-    -DCROSS_ROOT="$packages/$platform" -DSWEEPSTAKE_PCH="$precompiled" || return
+    -DCROSS_ROOT="$packages/$platform" "${compiled[@]}" || return
   local failed=0
   run_tests "$platform" || failed=1
   "compare_$platform" || failed=1

@@ -8,8 +8,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 deploy/install_packages.sh clang libc++-dev libc++abi-dev
 launcher=()
 [[ -z ${CCACHE_PROGRAM:-} ]] || launcher=("-DCMAKE_CXX_COMPILER_LAUNCHER=$CCACHE_PROGRAM")
-# One instruction set is sufficient and compiles faster.
-cmake -S tests/portable_consumer -B build/portable -G Ninja "${launcher[@]}" -DCMAKE_BUILD_TYPE=Debug \
+# One instruction set is sufficient and compiles faster. Each source is compiled alone, so that a missing include is an error.
+cmake -S tests/portable_consumer -B build/portable -G Ninja "${launcher[@]}" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_UNITY_BUILD=OFF \
   -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_EXPORT_COMPILE_COMMANDS=ON \
   -DCMAKE_CXX_FLAGS='-stdlib=libc++ -O0 -DHWY_COMPILE_ONLY_STATIC' -DCMAKE_CXX_FLAGS_DEBUG=
 tests/headers_test.py --self-test

@@ -16,6 +16,7 @@ import conan_stub
 
 SOURCE, BUILD = (pathlib.Path(folder).resolve() for folder in sys.argv[1:3])
 CMAKE = (SOURCE / "CMakeLists.txt").read_text()
+FETCHED = (SOURCE / "engine_client/packages.cmake").read_text()
 VERSION = re.search(r"project\(sweepstake VERSION ([0-9.]+)", CMAKE).group(1)
 PORT = SOURCE / "deploy/vcpkg/ports/sweepstake"
 
@@ -43,7 +44,7 @@ PART_OF_THE_SYSTEM = {"Threads", "PkgConfig"}
 
 def asked_for():
     found = set(re.findall(r"find_package\(([\w-]+)", CMAKE)) | set(re.findall(r"pkg_check_modules\(([\w-]+)", CMAKE))
-    found |= {name.lower() for name in re.findall(r"find_path\((\w+)_INCLUDE_DIR", CMAKE)}
+    found |= set(re.findall(r"^sweepstake_fetch\(NAME (\w+)", FETCHED, re.M))
     return found - PART_OF_THE_SYSTEM
 
 
@@ -166,6 +167,11 @@ class ConanTest(unittest.TestCase):
                                   ({"daemon": True}, {None, "telemetry", "daemon"})):
             required = {reference.partition("/")[0] for reference in self.made(**options).required}
             self.assertEqual(required, {name for _, name, feature in PACKAGES.values() if feature in features}, options)
+
+    def test_cmake_downloads_the_versions_that_the_recipe_requires(self):
+        downloaded = {(PACKAGES[name][1], version) for name, version in
+                      re.findall(r"^sweepstake_fetch\(NAME (\w+) .*\n +URL \D+([\d.]*\d)", FETCHED, re.M)}
+        self.assertEqual({f"{name}/{version}" for name, version in downloaded}, set(self.made().required))
 
     def test_every_requirement_is_used_by_a_component(self):
         for options in ({}, {"telemetry": True}, {"daemon": True}):

@@ -1,49 +1,93 @@
 # As a folder of another project, Sweepstake must not add tests, a launcher, warnings as errors, settings of the whole build, or a
-# daemon. Variables: SWEEPSTAKE_SOURCE, WORK (emptied first), GENERATOR, WITH_TELEMETRY (gRPC is installed).
+# daemon. It compiles in few steps, needs no installed package, and the game links only Highway. Variables: SWEEPSTAKE_SOURCE, WORK
+# (emptied first), GENERATOR, WITH_TELEMETRY (gRPC is installed), X_HEADERS for X = EIGEN3, NLOHMANN_JSON, PROTOZERO (folders that contain
+# the headers), HIGHWAY_SOURCE (used if it exists).
 cmake_minimum_required(VERSION 3.25)
+set(build ${WORK}/build)
 
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+set(configure ${CMAKE_COMMAND} -E env --unset=CMAKE_CXX_COMPILER_LAUNCHER --unset=CMAKE_C_COMPILER_LAUNCHER --unset=CMAKE_BUILD_TYPE
+  --unset=CXXFLAGS https_proxy=http://127.0.0.1:9  # nothing can be downloaded
+  ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -G ${GENERATOR} -DSWEEPSTAKE_SOURCE=${SWEEPSTAKE_SOURCE} -DCMAKE_EXPORT_COMPILE_COMMANDS=ON)
 file(REMOVE_RECURSE ${WORK})
-execute_process(
-  COMMAND ${CMAKE_COMMAND} -E env --unset=CMAKE_CXX_COMPILER_LAUNCHER --unset=CMAKE_C_COMPILER_LAUNCHER
-    --unset=CMAKE_BUILD_TYPE --unset=CXXFLAGS
-    ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK} -G ${GENERATOR} -DSWEEPSTAKE_SOURCE=${SWEEPSTAKE_SOURCE}
-    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
-  RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-if(NOT result EQUAL 0)
-  message(FATAL_ERROR "${output}")
+
+# A package that is neither installed nor can be downloaded: the error says what to install.
+execute_process(COMMAND ${configure} -B ${WORK}/missing -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON OUTPUT_QUIET ERROR_VARIABLE output)
+if(NOT output MATCHES "Eigen3 is neither installed nor.*libeigen3-dev.*FETCHCONTENT_SOURCE_DIR_EIGEN3")
+  message(FATAL_ERROR "Without Eigen the error does not say what to install: ${output}")
 endif()
 
-file(READ ${WORK}/compile_commands.json commands)
-if(NOT commands MATCHES "broad_phase/registry\\.cc")
+# The sources of the packages, as if they were downloaded. An installed package is not used then.
+set(sources)
+function(source_of package folder headers)
+  file(MAKE_DIRECTORY ${WORK}/packages/${package}/${folder})
+  file(CREATE_LINK ${${package}_HEADERS}/${headers} ${WORK}/packages/${package}/${folder}/${headers} SYMBOLIC)
+  set(sources ${sources} -DFETCHCONTENT_SOURCE_DIR_${package}=${WORK}/packages/${package} PARENT_SCOPE)
+endfunction()
+source_of(EIGEN3 "" Eigen)
+source_of(NLOHMANN_JSON include nlohmann)
+source_of(PROTOZERO include protozero)
+set(highway libhwy)
+if(EXISTS ${HIGHWAY_SOURCE})
+  list(APPEND sources -DFETCHCONTENT_SOURCE_DIR_HWY=${HIGHWAY_SOURCE})
+  set(highway sweepstake/libsweepstake_hwy)
+endif()
+run(${configure} -B ${build} ${sources})
+
+file(READ ${build}/compile_commands.json commands)
+if(NOT commands MATCHES "sweepstake_broad_phase\\.dir")
   message(FATAL_ERROR "The broad phases are not part of the build that added Sweepstake")
 endif()
-if(WITH_TELEMETRY AND NOT commands MATCHES "telemetry/daemon_session\\.cc")
+if(WITH_TELEMETRY AND NOT commands MATCHES "sweepstake_telemetry\\.dir")
   message(FATAL_ERROR "The session with a daemon is not part of the build that added Sweepstake")
 endif()
+foreach(used EIGEN3 NLOHMANN_JSON/include PROTOZERO/include)
+  if(NOT commands MATCHES "-isystem ${WORK}/packages/${used} ")
+    message(FATAL_ERROR "The headers in packages/${used} are not used")
+  endif()
+endforeach()
 foreach(unwanted "-Werror" "ccache" "_test\\.cc" "server/(daemon|rpc|storage|web)")
   if(commands MATCHES "[^\"\n]*${unwanted}[^\"\n]*")
     message(FATAL_ERROR "As a folder of another project, Sweepstake added '${unwanted}': ${CMAKE_MATCH_0}")
   endif()
 endforeach()
 # The daemon's libraries must not be searched for.
-file(STRINGS ${WORK}/CMakeCache.txt asked REGEX "^(SQLite3|CLI11|spdlog|tomlplusplus|Boost|prometheus-cpp|libsystemd)_")
+file(STRINGS ${build}/CMakeCache.txt asked REGEX "^(SQLite3|CLI11|spdlog|tomlplusplus|Boost|prometheus-cpp|libsystemd)_")
 if(asked)
   message(FATAL_ERROR "As a folder of another project, Sweepstake searches for libraries that only the daemon needs: ${asked}")
 endif()
-file(GLOB_RECURSE test_lists ${WORK}/CTestTestfile.cmake ${WORK}/DartConfiguration.tcl)
+file(GLOB_RECURSE test_lists ${build}/CTestTestfile.cmake ${build}/DartConfiguration.tcl)
 if(test_lists)
   message(FATAL_ERROR "Sweepstake added tests to the project that added it: ${test_lists}")
 endif()
 
-# The game compiles, and installs only its own files.
-execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK} --target CMakeFiles/game.dir/game.cc.o
-  RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-if(NOT result EQUAL 0)
-  message(FATAL_ERROR "${output}")
+if(GENERATOR STREQUAL "Ninja")
+  run(${CMAKE_COMMAND} --build ${build} --target sweepstake_adaptive sweepstake_embedded -- -n)
+  if(NOT output MATCHES "\\[1/([0-9]+)\\]" OR CMAKE_MATCH_1 GREATER 60)
+    message(FATAL_ERROR "sweepstake::adaptive and sweepstake::embedded take more than 60 steps:\n${output}")
+  endif()
+  run(${CMAKE_COMMAND} --build ${build} -- -t commands game)
+  string(REGEX MATCH " -o game .*$" linked "${output}")
+  string(REGEX MATCHALL "[^ /]+\\.(a|so)[^ /]*|-l[^ ]+|[^ ]*${highway}[^ ]*" linked "${linked}")
+  list(FILTER linked EXCLUDE REGEX "^libsweepstake_(adaptive|broad_phase|decider|embedded|embedded_decider|math|scene|text)\\.a$|${highway}")
+  if(linked)
+    message(FATAL_ERROR "The game links more than Highway: ${linked}")
+  endif()
 endif()
-execute_process(COMMAND ${CMAKE_COMMAND} --install ${WORK} --prefix ${WORK}/installed
-  RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+
+# The game compiles, with one instruction set to save time, and runs. It installs only its own files.
+run(${CMAKE_COMMAND} -DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC ${build})
+run(${CMAKE_COMMAND} --build ${build} --target game)
+run(${build}/game)
+run(${CMAKE_COMMAND} --install ${build} --prefix ${WORK}/installed)
 file(GLOB_RECURSE installed ${WORK}/installed/*)
-if(NOT result EQUAL 0 OR installed)
-  message(FATAL_ERROR "With EXCLUDE_FROM_ALL Sweepstake installs files of its own: ${installed} ${output}")
+if(installed)
+  message(FATAL_ERROR "With EXCLUDE_FROM_ALL Sweepstake installs files of its own: ${installed}")
 endif()

@@ -91,10 +91,10 @@ void SoaBoxes::Resize(size_t count) {
 
 // Replaces invalid boxes and fills the padding behind the last box.
 void SoaBoxes::Finish() {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kAboveAll = std::numeric_limits<float>::infinity();
   for (size_t axis = 0; axis < 3; ++axis) {
-    std::fill(Column(axis) + count_, Column(axis) + stride_, kInfinity);
-    std::fill(Column(axis + 3) + count_, Column(axis + 3) + stride_, -kInfinity);
+    std::fill(Column(axis) + count_, Column(axis) + stride_, kAboveAll);
+    std::fill(Column(axis + 3) + count_, Column(axis + 3) + stride_, -kAboveAll);
   }
   std::fill(ids_.data() + count_, ids_.data() + stride_, 0U);
   float* const columns[6] = {Column(0), Column(1), Column(2), Column(3), Column(4), Column(5)};

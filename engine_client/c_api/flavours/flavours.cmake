@@ -44,6 +44,7 @@ endfunction()
 sweepstake_c_objects(sweepstake_c_static_objects SWP_STATIC)
 set(objects $<TARGET_OBJECTS:sweepstake_c_static_objects>)
 sweepstake_c_parts(all_parts ${parts})
+list(REMOVE_ITEM all_parts sweepstake_hwy)  # it is ${highway}
 list(TRANSFORM all_parts REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE archives)
 
 set(linker_help)

@@ -1,6 +1,5 @@
 #include "engine_client/decider/policy/reward.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -8,9 +7,6 @@ namespace sweepstake::decision {
 namespace {
 
 double ScoreBelow(double value, double limit) { return 1 - std::clamp(value / limit, 0.0, 1.0); }
-
-Eigen::Array4d ToArray(const RewardScores& s) { return {s.fps, s.detection, s.memory, s.checks}; }
-Eigen::Array4d ToArray(const RewardWeights& w) { return {w.fps, w.detection, w.memory, w.checks}; }
 
 }  // namespace
 
@@ -58,9 +54,10 @@ RewardWeights WeightsAt(const RewardWeights& weights, double fps) {
 std::optional<double> Reward(const WindowMetrics& metrics, const FpsReference& reference,
                              const RewardWeights& weights) {
   if (!metrics.IsFinite()) return std::nullopt;
-  const Eigen::Array4d weighted =
-      ToArray(WeightsAt(weights, metrics.fps)) * ToArray(Score(metrics, reference));
-  const double reward = weighted.sum();
+  const RewardWeights w = WeightsAt(weights, metrics.fps);
+  const RewardScores s = Score(metrics, reference);
+  const double reward =
+      (w.fps * s.fps + w.detection * s.detection) + (w.memory * s.memory + w.checks * s.checks);
   if (!std::isfinite(reward)) return std::nullopt;
   return std::clamp(reward, 0.0, 1.0);
 }

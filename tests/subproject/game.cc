@@ -1,1 +1,0 @@
-#include "sweepstake/adaptive_broad_phase.h"
