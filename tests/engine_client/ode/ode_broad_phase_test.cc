@@ -6,8 +6,12 @@
 #include <gtest/gtest.h>
 #include <ode/ode.h>
 
+#include <algorithm>
+#include <deque>
 #include <limits>
 #include <memory>
+#include <random>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -276,6 +280,110 @@ TEST_P(OdeBroadPhaseTest, AStepAllocatesNothingInSteadyState) {
     Collide(pairs);
   }
   EXPECT_EQ(ThreadAllocationCount(), before);
+}
+
+struct Space {
+  const char* name;
+  dSpaceID (*make)();
+};
+
+const Space kSpaces[] = {
+    {"Hash", [] { return dHashSpaceCreate(nullptr); }},
+    {"SweepAndPrune", [] { return dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XYZ); }},
+    {"QuadTree",
+     [] {
+       const dVector3 center = {0, 0, 0};
+       const dVector3 extents = {8, 8, 8};
+       return dQuadTreeSpaceCreate(nullptr, center, extents, 3);
+     }},
+};
+
+// The same geoms in a space of each kind and in a simple space, which is the reference: the other
+// spaces miss some pairs, or add some.
+class OdeSpaceTest : public ::testing::TestWithParam<Space> {
+ protected:
+  using Numbers = std::set<std::pair<int, int>>;
+
+  OdeSpaceTest() {
+    dInitODE2(0);
+    dAllocateODEDataForThread(dAllocateMaskAll);
+    space_ = GetParam().make();
+    reference_ = dSimpleSpaceCreate(nullptr);
+  }
+  ~OdeSpaceTest() override {
+    dSpaceDestroy(space_);
+    dSpaceDestroy(reference_);
+    dCloseODE();
+  }
+
+  dReal Random() { return std::uniform_real_distribution<dReal>(-12, 12)(random_); }
+
+  void Add() {
+    const bool is_plane = numbers_.size() % 20 == 0;
+    numbers_.push_back(static_cast<int>(numbers_.size()));
+    for (const dSpaceID space : {space_, reference_}) {
+      const dGeomID geom =
+          is_plane ? dCreatePlane(space, 0, 0, 1, -12) : dCreateBox(space, 3, 3, 3);
+      dGeomSetData(geom, &numbers_.back());
+      (space == space_ ? geoms_ : reference_geoms_).push_back(geom);
+    }
+    if (!is_plane) Move(geoms_.size() - 1);
+  }
+
+  void Move(size_t at) {
+    const dReal place[3] = {Random(), Random(), Random()};
+    for (const dGeomID geom : {geoms_[at], reference_geoms_[at]}) {
+      if (dGeomGetClass(geom) != dPlaneClass) {
+        dGeomSetPosition(geom, place[0], place[1], place[2]);
+      }
+    }
+  }
+
+  void RemoveFirst() {
+    for (auto* const geoms : {&geoms_, &reference_geoms_}) {
+      dGeomDestroy(geoms->front());
+      geoms->erase(geoms->begin());
+    }
+  }
+
+  static void Append(void* numbers, dGeomID a, dGeomID b) {
+    const auto [low, high] = std::minmax({NumberOf(a), NumberOf(b)});
+    EXPECT_TRUE(static_cast<Numbers*>(numbers)->emplace(low, high).second);
+  }
+  static int NumberOf(dGeomID geom) { return *static_cast<const int*>(dGeomGetData(geom)); }
+
+  dSpaceID space_;
+  dSpaceID reference_;
+  std::deque<int> numbers_;
+  std::vector<dGeomID> geoms_;
+  std::vector<dGeomID> reference_geoms_;
+  std::minstd_rand random_{1};
+};
+
+INSTANTIATE_TEST_SUITE_P(Each, OdeSpaceTest, ::testing::ValuesIn(kSpaces),
+                         [](const auto& space) { return std::string(space.param.name); });
+
+TEST_P(OdeSpaceTest, HasThePairsOfASimpleSpace) {
+  const auto search = std::move(*AdaptiveBroadPhase::Create(OneArm("KDTree"), nullptr));
+  OdeBroadPhase broad_phase(*search, space_);
+  for (int i = 0; i < 80; ++i) Add();
+  for (size_t step = 0; step < 100; ++step) {
+    for (size_t at = step % 7; at < geoms_.size(); at += 7) Move(at);
+    if (step % 3 == 0) Add();
+    if (step % 3 == 1) RemoveFirst();
+    const size_t switched = random_() % geoms_.size();
+    for (const dGeomID geom : {geoms_[switched], reference_geoms_[switched]}) {
+      dGeomIsEnabled(geom) != 0 ? dGeomDisable(geom) : dGeomEnable(geom);
+    }
+    Numbers ours;
+    Numbers theirs;
+    search->BeginFrame();
+    broad_phase.Collide(&ours, Append);
+    search->EndFrame({});
+    dSpaceCollide(reference_, &theirs, Append);
+    ASSERT_EQ(ours, theirs) << "step " << step;
+    EXPECT_GT(ours.size(), 10U);
+  }
 }
 
 }  // namespace
