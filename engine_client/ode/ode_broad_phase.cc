@@ -77,13 +77,33 @@ void OdeBroadPhase::Collide(void* data, dNearCallback* callback) {
 void OdeBroadPhase::Search() {
   const FloatEnvironmentScope environment;
   ReadGeoms();
-  pairs_.clear();
-  for (const auto& [a, b] : proxies_.Resolve(search_.FindPairs(proxies_.moving_boxes()))) {
-    if (!IsPair(geoms_[a], geoms_[b])) continue;
-    const auto [first, second] = std::minmax(geoms_[a].place, geoms_[b].place);
-    pairs_.push_back({first, second});
+  const auto found = search_.FindPairs(proxies_.moving_boxes());
+  if (search_.pairs_exceeded()) {
+    AddPreviousPairs(std::exchange(pairs_, {}));
+  } else {
+    pairs_.clear();
+    for (const auto& [a, b] : proxies_.Resolve(found)) AddPair(a, b);
   }
   sorter_.Sort(pairs_);
+}
+
+// Adds the geoms with these ids to the pairs if they are a pair.
+void OdeBroadPhase::AddPair(uint32_t a, uint32_t b) {
+  if (!IsPair(geoms_[a], geoms_[b])) return;
+  const auto [first, second] = std::minmax(geoms_[a].place, geoms_[b].place);
+  pairs_.push_back({first, second});
+}
+
+// Adds the pairs of the previous search, of those geoms that are still in the space.
+void OdeBroadPhase::AddPreviousPairs(const std::vector<OverlapPair>& pairs) {
+  const auto is_present = [&](uint32_t id) {
+    return id < geoms_.size() && geoms_[id].geom != nullptr;
+  };
+  for (const auto& [first, second] : pairs) {
+    const uint32_t a = last_order_[first];
+    const uint32_t b = last_order_[second];
+    if (is_present(a) && is_present(b)) AddPair(a, b);
+  }
 }
 
 // Decides as ODE's function collideAABBs. The boxes of the search are rounded to float, and

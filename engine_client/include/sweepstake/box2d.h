@@ -66,7 +66,9 @@ class Box2dBroadPhase {
   bool TestOverlap(int32 a, int32 b) const { return b2TestOverlap(At(a).fat, At(b).fat); }
   int32 GetProxyCount() const { return static_cast<int32>(proxies_.moving_count()); }
 
-  // REQUIRES: called between BeginFrame and EndFrame of the search.
+  // If the search exceeds AdaptiveOptions::max_pairs, reports no pair, and the next call reports
+  // what is missing; pairs_exceeded() of the search is then true. Box2D keeps its contacts
+  // meanwhile. REQUIRES: called between BeginFrame and EndFrame of the search.
   template <typename T>
   void UpdatePairs(T* callback) {
     for (const auto& [a, b] : NewPairs()) {

@@ -28,6 +28,9 @@
 // A space in the space is one geom with one box, as in dSpaceCollide. The callback passes such a
 // pair to dSpaceCollide2.
 //
+// If a search exceeds AdaptiveOptions::max_pairs, Collide makes the calls of the previous pairs
+// that still are pairs. The search's pairs_exceeded() is then true.
+//
 // A geom at rest costs little: after thirty searches with the same box it counts as sleeping
 // (proxy_set.h).
 //
@@ -85,6 +88,8 @@ class OdeBroadPhase final {
   };
 
   void Search();
+  void AddPair(uint32_t a, uint32_t b);
+  void AddPreviousPairs(const std::vector<OverlapPair>& pairs);
   static bool IsPair(const Geom& a, const Geom& b);
   void ListGeoms();
   void ReadGeoms();

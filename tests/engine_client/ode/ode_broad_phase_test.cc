@@ -69,7 +69,7 @@ class OdeBroadPhaseTest : public ::testing::TestWithParam<std::string_view> {
   }
 
   std::unique_ptr<AdaptiveBroadPhase> search_ =
-      std::move(*AdaptiveBroadPhase::Create(OneArm(GetParam()), nullptr));
+      std::move(*AdaptiveBroadPhase::Create(OneArm(GetParam(), nullptr, kMaxPairs), nullptr));
   dSpaceID space_;
   dWorldID world_;
   std::unique_ptr<OdeBroadPhase> broad_phase_;
@@ -265,6 +265,28 @@ TEST_P(OdeBroadPhaseTest, GeomsAtRestAreNotSearchedUntilTheyMove) {
   }
   dGeomSetPosition(b, 1.6, 0, 1);
   EXPECT_THAT(Found(), IsEmpty());
+}
+
+TEST_P(OdeBroadPhaseTest, ASearchWithTooManyPairsKeepsThePreviousOnes) {
+  const dGeomID a = Cube(0);
+  const dGeomID b = Cube(0.5);
+  const dGeomID moved = Cube(0.6);
+  const dGeomID gone = Cube(0.7);
+  EXPECT_THAT(Found(), SizeIs(6));
+  std::vector<dGeomID> crowd(kTooManyBoxes);
+  for (dGeomID& geom : crowd) geom = Cube(50);
+  dGeomSetPosition(moved, 5, 0, 0);
+  dGeomDestroy(gone);
+  for (int step = 0; step < 2; ++step) {
+    Pairs pairs;
+    Collide(pairs);
+    EXPECT_TRUE(search_->pairs_exceeded());
+    ASSERT_THAT(pairs, SizeIs(1));
+    EXPECT_EQ(std::minmax(pairs[0].first, pairs[0].second), std::minmax(a, b));
+  }
+  for (const dGeomID geom : crowd) dGeomDestroy(geom);
+  EXPECT_THAT(Found(), SizeIs(1));
+  EXPECT_FALSE(search_->pairs_exceeded());
 }
 
 TEST_P(OdeBroadPhaseTest, AStepAllocatesNothingInSteadyState) {
