@@ -2,10 +2,12 @@
 // broad phase, so a built library cannot use this class. A game that compiles Box2D, as C++20,
 // replaces box2d/b2_broad_phase.h by these lines, and leaves out b2_broad_phase.cpp:
 //
+//   #pragma once
 //   #include "sweepstake/box2d.h"
+//   sweepstake::AdaptiveBroadPhase& GameSearch();  // the game defines it, in any source
 //   class b2BroadPhase : public sweepstake::Box2dBroadPhase {
 //    public:
-//     b2BroadPhase() : Box2dBroadPhase(GameSearch()) {}  // the game's AdaptiveBroadPhase
+//     b2BroadPhase() : Box2dBroadPhase(GameSearch()) {}
 //   };
 //
 // It marks the frames:
