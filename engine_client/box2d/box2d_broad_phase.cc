@@ -109,6 +109,7 @@ std::span<const OverlapPair> Box2dBroadPhase::NewPairs() {
     QueryChanged();
   } else {
     Search();
+    if (search_.pairs_exceeded()) return pairs_;
   }
   for (const int32 id : changed_) At(id).is_changed = false;
   changed_.clear();
@@ -117,7 +118,9 @@ std::span<const OverlapPair> Box2dBroadPhase::NewPairs() {
 }
 
 void Box2dBroadPhase::Search() {
-  for (const auto& pair : proxies_.Resolve(search_.FindPairs(proxies_.moving_boxes()))) {
+  const auto found = search_.FindPairs(proxies_.moving_boxes());
+  if (search_.pairs_exceeded()) return;
+  for (const auto& pair : proxies_.Resolve(found)) {
     const bool is_new = proxies_by_id_[pair.a].is_changed || proxies_by_id_[pair.b].is_changed;
     if (is_new) pairs_.push_back(pair);
   }

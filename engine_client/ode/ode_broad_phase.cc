@@ -49,10 +49,22 @@ bool HasZeroSize(dGeomID geom) {
   return size[0] == 0 || size[1] == 0 || size[2] == 0;
 }
 
+dGeomID AsGeom(dSpaceID space) { return reinterpret_cast<dGeomID>(space); }
+
+// dSpaceGetGeom ends the program for a quadtree. Its geoms are therefore listed by a collision with
+// a tilted plane, whose box is infinite. Returns null for other spaces.
+dGeomID PlaneForQuadTree(dSpaceID space) {
+  const bool is_quad_tree = dGeomGetClass(AsGeom(space)) == dQuadTreeSpaceClass;
+  return is_quad_tree ? dCreatePlane(nullptr, 0.6, 0, 0.8, 0) : nullptr;
+}
+
 }  // namespace
 
 OdeBroadPhase::OdeBroadPhase(AdaptiveBroadPhase& search, dSpaceID space, Executor* executor)
-    : search_(search), space_(space), proxies_({.executor = executor}) {}
+    : search_(search),
+      space_(space),
+      everywhere_(PlaneForQuadTree(space)),
+      proxies_({.executor = executor}) {}
 
 void OdeBroadPhase::Collide(void* data, dNearCallback* callback) {
   dSpaceClean(space_);  // computes boxes in the game's environment, as dSpaceCollide does
@@ -65,13 +77,33 @@ void OdeBroadPhase::Collide(void* data, dNearCallback* callback) {
 void OdeBroadPhase::Search() {
   const FloatEnvironmentScope environment;
   ReadGeoms();
-  pairs_.clear();
-  for (const auto& [a, b] : proxies_.Resolve(search_.FindPairs(proxies_.moving_boxes()))) {
-    if (!IsPair(geoms_[a], geoms_[b])) continue;
-    const auto [first, second] = std::minmax(geoms_[a].place, geoms_[b].place);
-    pairs_.push_back({first, second});
+  const auto found = search_.FindPairs(proxies_.moving_boxes());
+  if (search_.pairs_exceeded()) {
+    AddPreviousPairs(std::exchange(pairs_, {}));
+  } else {
+    pairs_.clear();
+    for (const auto& [a, b] : proxies_.Resolve(found)) AddPair(a, b);
   }
   sorter_.Sort(pairs_);
+}
+
+// Adds the geoms with these ids to the pairs if they are a pair.
+void OdeBroadPhase::AddPair(uint32_t a, uint32_t b) {
+  if (!IsPair(geoms_[a], geoms_[b])) return;
+  const auto [first, second] = std::minmax(geoms_[a].place, geoms_[b].place);
+  pairs_.push_back({first, second});
+}
+
+// Adds the pairs of the previous search, of those geoms that are still in the space.
+void OdeBroadPhase::AddPreviousPairs(const std::vector<OverlapPair>& pairs) {
+  const auto is_present = [&](uint32_t id) {
+    return id < geoms_.size() && geoms_[id].geom != nullptr;
+  };
+  for (const auto& [first, second] : pairs) {
+    const uint32_t a = last_order_[first];
+    const uint32_t b = last_order_[second];
+    if (is_present(a) && is_present(b)) AddPair(a, b);
+  }
 }
 
 // Decides as ODE's function collideAABBs. The boxes of the search are rounded to float, and
@@ -86,14 +118,30 @@ bool OdeBroadPhase::IsPair(const Geom& a, const Geom& b) {
          (dGeomGetCategoryBits(b.geom) & dGeomGetCollideBits(a.geom)) != 0;
 }
 
+// Lists the geoms of the space in its order. The callback does not allocate: ODE would keep the
+// space locked if it threw.
+void OdeBroadPhase::ListGeoms() {
+  const int geom_count = dSpaceGetNumGeoms(space_);
+  listed_.clear();
+  listed_.reserve(static_cast<size_t>(geom_count));
+  if (everywhere_ == nullptr) {
+    for (int i = 0; i < geom_count; ++i) listed_.push_back(dSpaceGetGeom(space_, i));
+    return;
+  }
+  dSpaceCollide2(everywhere_.get(), AsGeom(space_), this, [](void* self, dGeomID a, dGeomID b) {
+    auto& own = *static_cast<OdeBroadPhase*>(self);
+    own.listed_.push_back(a == own.everywhere_.get() ? b : a);
+  });
+}
+
 // Reads the list of the space. ODE moves the geoms that have moved to the front, so it often has
 // the same order as in the previous search; a geom is first looked for behind its predecessor.
 void OdeBroadPhase::ReadGeoms() {
+  ListGeoms();
   last_order_.swap(order_);
   order_.clear();
   uint32_t next = 0;
-  for (int i = 0; i < dSpaceGetNumGeoms(space_); ++i) {
-    const dGeomID geom = dSpaceGetGeom(space_, i);
+  for (const dGeomID geom : listed_) {
     if (dGeomIsEnabled(geom) == 0 || HasZeroSize(geom)) continue;
     const bool is_next = next < last_order_.size() && geoms_[last_order_[next]].geom == geom;
     const uint32_t id = is_next ? last_order_[next] : IdOf(geom);

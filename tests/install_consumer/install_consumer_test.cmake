@@ -40,6 +40,7 @@ run(${CMAKE_COMMAND} -S ${CONSUMER_SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCM
   -DWITH_bullet=${WITH_bullet} -DWITH_ode=${WITH_ode} -DWITH_box2d=${WITH_box2d})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/cxx_consumer)
+run(${WORK}/build/cxx_no_exceptions_consumer)
 run(${WORK}/build/proxies_consumer)
 run(${WORK}/build/c_consumer)
 if(WITH_TELEMETRY)

@@ -2,10 +2,12 @@
 // broad phase, so a built library cannot use this class. A game that compiles Box2D, as C++20,
 // replaces box2d/b2_broad_phase.h by these lines, and leaves out b2_broad_phase.cpp:
 //
+//   #pragma once
 //   #include "sweepstake/box2d.h"
+//   sweepstake::AdaptiveBroadPhase& GameSearch();  // the game defines it, in any source
 //   class b2BroadPhase : public sweepstake::Box2dBroadPhase {
 //    public:
-//     b2BroadPhase() : Box2dBroadPhase(GameSearch()) {}  // the game's AdaptiveBroadPhase
+//     b2BroadPhase() : Box2dBroadPhase(GameSearch()) {}
 //   };
 //
 // It marks the frames:
@@ -66,7 +68,9 @@ class Box2dBroadPhase {
   bool TestOverlap(int32 a, int32 b) const { return b2TestOverlap(At(a).fat, At(b).fat); }
   int32 GetProxyCount() const { return static_cast<int32>(proxies_.moving_count()); }
 
-  // REQUIRES: called between BeginFrame and EndFrame of the search.
+  // If the search exceeds AdaptiveOptions::max_pairs, reports no pair, and the next call reports
+  // what is missing; pairs_exceeded() of the search is then true. Box2D keeps its contacts
+  // meanwhile. REQUIRES: called between BeginFrame and EndFrame of the search.
   template <typename T>
   void UpdatePairs(T* callback) {
     for (const auto& [a, b] : NewPairs()) {

@@ -2,7 +2,7 @@
 // dSpaceID; the game calls Collide where it called dSpaceCollide, and marks the frames:
 //
 //   auto search = AdaptiveBroadPhase::Create({}, sink);
-//   OdeBroadPhase broad_phase(**search, space);  // any space except a quadtree
+//   OdeBroadPhase broad_phase(**search, space);  // any kind of space
 //   ... each frame ...
 //   (*search)->BeginFrame();
 //   broad_phase.Collide(data, &NearCallback);    // again before each further step of the world
@@ -16,7 +16,8 @@
 // geoms, in the same order. The contacts therefore do not depend on the arm or the number of
 // threads. With a dSimpleSpace the simulation is the same bit for bit as with dSpaceCollide.
 // dHashSpace of ODE 0.16.2 misses a few of the pairs, and dSweepAndPruneSpace adds pairs of planes
-// whose boxes do not overlap. The rules are those of ODE:
+// whose boxes do not overlap. A dQuadTreeSpace has no list; its geoms count in the order in which
+// it passes them to dSpaceCollide2. The rules are those of ODE:
 // - The geoms are enabled and not of zero size.
 // - They do not belong to the same body.
 // - The category bits of one meet the collide bits of the other.
@@ -26,6 +27,9 @@
 //
 // A space in the space is one geom with one box, as in dSpaceCollide. The callback passes such a
 // pair to dSpaceCollide2.
+//
+// If a search exceeds AdaptiveOptions::max_pairs, Collide makes the calls of the previous pairs
+// that still are pairs. The search's pairs_exceeded() is then true.
 //
 // A geom at rest costs little: after thirty searches with the same box it counts as sleeping
 // (proxy_set.h).
@@ -43,6 +47,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
@@ -55,8 +60,7 @@ namespace sweepstake {
 class OdeBroadPhase final {
  public:
   // `executor` runs the parts of the search among geoms at rest. The search among moving geoms uses
-  // the executor of AdaptiveOptions. REQUIRES: the space is not a quadtree, whose geoms ODE cannot
-  // list.
+  // the executor of AdaptiveOptions.
   OdeBroadPhase(AdaptiveBroadPhase& search, dSpaceID space, Executor* executor = nullptr);
 
   // Searches, then calls the callback for each pair. REQUIRES: called between BeginFrame and
@@ -79,8 +83,15 @@ class OdeBroadPhase final {
   };
   static constexpr uint32_t kNoPlace = ~0U;
 
+  struct DestroyGeom {
+    void operator()(dGeomID geom) const { dGeomDestroy(geom); }
+  };
+
   void Search();
+  void AddPair(uint32_t a, uint32_t b);
+  void AddPreviousPairs(const std::vector<OverlapPair>& pairs);
   static bool IsPair(const Geom& a, const Geom& b);
+  void ListGeoms();
   void ReadGeoms();
   uint32_t IdOf(dGeomID geom);
   void ReadBox(Geom& geom);
@@ -88,9 +99,11 @@ class OdeBroadPhase final {
 
   AdaptiveBroadPhase& search_;
   const dSpaceID space_;
+  std::unique_ptr<dxGeom, DestroyGeom> everywhere_;  // overlaps each geom of a quadtree
   ProxySet proxies_;
   PairSorter sorter_;
-  std::vector<Geom> geoms_;  // by the id of the proxy
+  std::vector<dGeomID> listed_;  // the geoms of the space
+  std::vector<Geom> geoms_;      // by the id of the proxy
   std::unordered_map<dGeomID, uint32_t> ids_;
   std::vector<uint32_t> order_;       // the ids in the order of the space's list
   std::vector<uint32_t> last_order_;  // the same of the previous search

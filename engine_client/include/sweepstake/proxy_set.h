@@ -270,6 +270,9 @@ class ProxySet {
   // ascending (ProxySetOptions). Valid until the next Resolve, and only while `moving_pairs` is.
   // REQUIRES: no change of the set since the broad phase received the boxes. SetFilter, SetStatic,
   // SetSleeping, ShiftOrigin and Restore count as changes.
+  //
+  // Skip it, and the events, after a search that exceeded max_pairs (pairs_exceeded): the next
+  // Resolve then reports all changes since the previous one, so no pair ends in between.
   std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs);
 
   // Returns the pairs that began and ended between the latest two Resolves, ascending; empty

@@ -110,7 +110,7 @@ class Box2dBroadPhaseTest : public ::testing::TestWithParam<std::string_view> {
   }
 
   const std::unique_ptr<AdaptiveBroadPhase> search_ =
-      std::move(*AdaptiveBroadPhase::Create(OneArm(GetParam()), nullptr));
+      std::move(*AdaptiveBroadPhase::Create(OneArm(GetParam(), nullptr, kMaxPairs), nullptr));
   Box2dBroadPhase ours_{*search_};
   std::vector<int> numbers_ = [] {
     std::vector<int> numbers(1000);
@@ -351,6 +351,21 @@ TEST_P(Box2dBroadPhaseTest, AProxyInAReusedPlaceIsReportedOnce) {
   ours_.DestroyProxy(5);
   EXPECT_EQ(Add(7.5F, 0), 5);
   EXPECT_THAT(NewPairs(), ElementsAre(std::pair(20, 7), std::pair(20, 8)));
+}
+
+TEST_P(Box2dBroadPhaseTest, ReportsThePairsOfASearchWithTooManyInTheNextUpdate) {
+  Add(0, 0);
+  Add(0.5F, 0);
+  EXPECT_THAT(NewPairs(), ElementsAre(std::pair(0, 1)));
+  std::vector<int32> crowd;
+  for (size_t i = 0; i < kTooManyBoxes; ++i) crowd.push_back(Add(100, 0));
+  const int number = static_cast<int>(next_);
+  Add(0.2F, 0);
+  EXPECT_THAT(NewPairs(), IsEmpty());
+  EXPECT_TRUE(search_->pairs_exceeded());
+  for (const int32 id : crowd) ours_.DestroyProxy(id);
+  EXPECT_THAT(NewPairs(), ElementsAre(std::pair(0, number), std::pair(1, number)));
+  EXPECT_FALSE(search_->pairs_exceeded());
 }
 
 TEST_P(Box2dBroadPhaseTest, AnUpdateAllocatesNothingInSteadyState) {

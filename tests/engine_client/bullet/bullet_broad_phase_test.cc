@@ -345,6 +345,28 @@ TEST(BulletMemoryTest, AProxyThatCannotBeAllocatedUsesNoId) {
   EXPECT_TRUE(SetHooks({}).ok());
 }
 
+TEST_F(BulletBroadPhaseTest, ASearchWithTooManyPairsKeepsTheCache) {
+  btBroadphaseProxy* const a = Add(0);
+  btBroadphaseProxy* const b = Add(0.5F);
+  btBroadphaseProxy* const c = Add(0.7F);
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 3);
+  std::vector<btBroadphaseProxy*> crowd;
+  for (size_t i = 0; i < kTooManyBoxes; ++i) crowd.push_back(Add(50));
+  broad_phase_.destroyProxy(c, nullptr);
+  Step();
+  EXPECT_TRUE(search_->pairs_exceeded());
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 1);
+  EXPECT_TRUE(AreKept(a, b));
+  for (btBroadphaseProxy* const proxy : crowd) broad_phase_.destroyProxy(proxy, nullptr);
+  Move(a, 5);
+  btBroadphaseProxy* const d = Add(0.7F);
+  Step();
+  EXPECT_FALSE(search_->pairs_exceeded());
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 1);
+  EXPECT_TRUE(AreKept(b, d));
+}
+
 TEST(BulletGhostTest, AGhostObjectFindsObjectsInItsBox) {
   btGhostPairCallback callback;  // The destructor of the world uses it, too.
   AdaptiveBulletGame played(OneArm("DBVT"), {.stack_height = 1});

@@ -6,8 +6,12 @@
 #include <gtest/gtest.h>
 #include <ode/ode.h>
 
+#include <algorithm>
+#include <deque>
 #include <limits>
 #include <memory>
+#include <random>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -65,7 +69,7 @@ class OdeBroadPhaseTest : public ::testing::TestWithParam<std::string_view> {
   }
 
   std::unique_ptr<AdaptiveBroadPhase> search_ =
-      std::move(*AdaptiveBroadPhase::Create(OneArm(GetParam()), nullptr));
+      std::move(*AdaptiveBroadPhase::Create(OneArm(GetParam(), nullptr, kMaxPairs), nullptr));
   dSpaceID space_;
   dWorldID world_;
   std::unique_ptr<OdeBroadPhase> broad_phase_;
@@ -263,6 +267,28 @@ TEST_P(OdeBroadPhaseTest, GeomsAtRestAreNotSearchedUntilTheyMove) {
   EXPECT_THAT(Found(), IsEmpty());
 }
 
+TEST_P(OdeBroadPhaseTest, ASearchWithTooManyPairsKeepsThePreviousOnes) {
+  const dGeomID a = Cube(0);
+  const dGeomID b = Cube(0.5);
+  const dGeomID moved = Cube(0.6);
+  const dGeomID gone = Cube(0.7);
+  EXPECT_THAT(Found(), SizeIs(6));
+  std::vector<dGeomID> crowd(kTooManyBoxes);
+  for (dGeomID& geom : crowd) geom = Cube(50);
+  dGeomSetPosition(moved, 5, 0, 0);
+  dGeomDestroy(gone);
+  for (int step = 0; step < 2; ++step) {
+    Pairs pairs;
+    Collide(pairs);
+    EXPECT_TRUE(search_->pairs_exceeded());
+    ASSERT_THAT(pairs, SizeIs(1));
+    EXPECT_EQ(std::minmax(pairs[0].first, pairs[0].second), std::minmax(a, b));
+  }
+  for (const dGeomID geom : crowd) dGeomDestroy(geom);
+  EXPECT_THAT(Found(), SizeIs(1));
+  EXPECT_FALSE(search_->pairs_exceeded());
+}
+
 TEST_P(OdeBroadPhaseTest, AStepAllocatesNothingInSteadyState) {
   std::vector<dGeomID> cubes(200);
   for (size_t i = 0; i < cubes.size(); ++i) cubes[i] = Cube(static_cast<dReal>(i) * 0.7);
@@ -276,6 +302,110 @@ TEST_P(OdeBroadPhaseTest, AStepAllocatesNothingInSteadyState) {
     Collide(pairs);
   }
   EXPECT_EQ(ThreadAllocationCount(), before);
+}
+
+struct Space {
+  const char* name;
+  dSpaceID (*make)();
+};
+
+const Space kSpaces[] = {
+    {"Hash", [] { return dHashSpaceCreate(nullptr); }},
+    {"SweepAndPrune", [] { return dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XYZ); }},
+    {"QuadTree",
+     [] {
+       const dVector3 center = {0, 0, 0};
+       const dVector3 extents = {8, 8, 8};
+       return dQuadTreeSpaceCreate(nullptr, center, extents, 3);
+     }},
+};
+
+// The same geoms in a space of each kind and in a simple space, which is the reference: the other
+// spaces miss some pairs, or add some.
+class OdeSpaceTest : public ::testing::TestWithParam<Space> {
+ protected:
+  using Numbers = std::set<std::pair<int, int>>;
+
+  OdeSpaceTest() {
+    dInitODE2(0);
+    dAllocateODEDataForThread(dAllocateMaskAll);
+    space_ = GetParam().make();
+    reference_ = dSimpleSpaceCreate(nullptr);
+  }
+  ~OdeSpaceTest() override {
+    dSpaceDestroy(space_);
+    dSpaceDestroy(reference_);
+    dCloseODE();
+  }
+
+  dReal Random() { return std::uniform_real_distribution<dReal>(-12, 12)(random_); }
+
+  void Add() {
+    const bool is_plane = numbers_.size() % 20 == 0;
+    numbers_.push_back(static_cast<int>(numbers_.size()));
+    for (const dSpaceID space : {space_, reference_}) {
+      const dGeomID geom =
+          is_plane ? dCreatePlane(space, 0, 0, 1, -12) : dCreateBox(space, 3, 3, 3);
+      dGeomSetData(geom, &numbers_.back());
+      (space == space_ ? geoms_ : reference_geoms_).push_back(geom);
+    }
+    if (!is_plane) Move(geoms_.size() - 1);
+  }
+
+  void Move(size_t at) {
+    const dReal place[3] = {Random(), Random(), Random()};
+    for (const dGeomID geom : {geoms_[at], reference_geoms_[at]}) {
+      if (dGeomGetClass(geom) != dPlaneClass) {
+        dGeomSetPosition(geom, place[0], place[1], place[2]);
+      }
+    }
+  }
+
+  void RemoveFirst() {
+    for (auto* const geoms : {&geoms_, &reference_geoms_}) {
+      dGeomDestroy(geoms->front());
+      geoms->erase(geoms->begin());
+    }
+  }
+
+  static void Append(void* numbers, dGeomID a, dGeomID b) {
+    const auto [low, high] = std::minmax({NumberOf(a), NumberOf(b)});
+    EXPECT_TRUE(static_cast<Numbers*>(numbers)->emplace(low, high).second);
+  }
+  static int NumberOf(dGeomID geom) { return *static_cast<const int*>(dGeomGetData(geom)); }
+
+  dSpaceID space_;
+  dSpaceID reference_;
+  std::deque<int> numbers_;
+  std::vector<dGeomID> geoms_;
+  std::vector<dGeomID> reference_geoms_;
+  std::minstd_rand random_{1};
+};
+
+INSTANTIATE_TEST_SUITE_P(Each, OdeSpaceTest, ::testing::ValuesIn(kSpaces),
+                         [](const auto& space) { return std::string(space.param.name); });
+
+TEST_P(OdeSpaceTest, HasThePairsOfASimpleSpace) {
+  const auto search = std::move(*AdaptiveBroadPhase::Create(OneArm("KDTree"), nullptr));
+  OdeBroadPhase broad_phase(*search, space_);
+  for (int i = 0; i < 80; ++i) Add();
+  for (size_t step = 0; step < 100; ++step) {
+    for (size_t at = step % 7; at < geoms_.size(); at += 7) Move(at);
+    if (step % 3 == 0) Add();
+    if (step % 3 == 1) RemoveFirst();
+    const size_t switched = random_() % geoms_.size();
+    for (const dGeomID geom : {geoms_[switched], reference_geoms_[switched]}) {
+      dGeomIsEnabled(geom) != 0 ? dGeomDisable(geom) : dGeomEnable(geom);
+    }
+    Numbers ours;
+    Numbers theirs;
+    search->BeginFrame();
+    broad_phase.Collide(&ours, Append);
+    search->EndFrame({});
+    dSpaceCollide(reference_, &theirs, Append);
+    ASSERT_EQ(ours, theirs) << "step " << step;
+    EXPECT_GT(ours.size(), 10U);
+  }
 }
 
 }  // namespace

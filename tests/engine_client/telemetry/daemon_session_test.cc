@@ -239,6 +239,21 @@ TEST_F(DaemonSessionTest, EndsWithItsBroadPhase) {
   EXPECT_EQ(session_->stats().state, ConnectionState::kClosed);
 }
 
+TEST_F(DaemonSessionTest, MayEndDuringAFrameBeforeOrAfterItsBroadPhase) {
+  for (const bool session_first : {false, true}) {
+    FakeDaemon daemon;
+    GoOnline(daemon);
+    adaptive_->BeginFrame();
+    adaptive_->FindPairs(boxes_);
+    if (session_first) {
+      session_.reset();
+      adaptive_->EndFrame({.frame_time_ns = 10 * kMs});
+    }
+    adaptive_.reset();
+    session_.reset();
+  }
+}
+
 TEST_F(DaemonSessionTest, SendsAModeChangeInOrderWithTheFrames) {
   FakeDaemon daemon;
   GoOnline(daemon);

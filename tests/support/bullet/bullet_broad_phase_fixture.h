@@ -45,7 +45,7 @@ class BulletBroadPhaseTest : public ::testing::Test {
   }
 
   std::unique_ptr<AdaptiveBroadPhase> search_ =
-      std::move(*AdaptiveBroadPhase::Create(OneArm("Grid"), nullptr));
+      std::move(*AdaptiveBroadPhase::Create(OneArm("Grid", nullptr, kMaxPairs), nullptr));
   BulletBroadPhase broad_phase_{*search_};
 };
 

@@ -372,5 +372,32 @@ TEST(ProxySetInSteadyState, AllocatesNothing) {
   EXPECT_EQ(proxies.native_bytes(), bytes);
 }
 
+TEST(PairEvents, EndNoPairIfResolveIsSkippedAfterTooManyPairs) {
+  const auto search = std::move(*AdaptiveBroadPhase::Create(
+      {.arms = {"KDTree"}, .mode = Mode::kManual, .max_pairs = 3}, nullptr));
+  ProxySet proxies({.pair_events = true});
+  const ProxyHandle a = proxies.Add(kUnit);
+  const ProxyHandle b = proxies.Add(kUnit);
+  const auto is_resolved = [&] {
+    search->BeginFrame();
+    const auto found = search->FindPairs(proxies.moving_boxes());
+    if (!search->pairs_exceeded()) proxies.Resolve(found);
+    search->EndFrame({});
+    return !search->pairs_exceeded();
+  };
+  EXPECT_TRUE(is_resolved());
+  EXPECT_EQ(proxies.added().size(), 1U);
+  for (const bool stays : {true, false}) {
+    const ProxyHandle crowd[] = {proxies.Add(kUnit), proxies.Add(kUnit)};
+    EXPECT_FALSE(is_resolved());
+    proxies.RemoveMany(crowd);
+    if (!stays) proxies.Remove(a);
+    EXPECT_TRUE(is_resolved());
+    EXPECT_TRUE(proxies.added().empty());
+    EXPECT_EQ(proxies.removed().size(), stays ? 0U : 1U);
+  }
+  EXPECT_EQ(proxies.removed()[0], (ProxyPair{a, b}));
+}
+
 }  // namespace
 }  // namespace sweepstake

@@ -34,19 +34,33 @@ class Boxes {
     }
   }
 
-  // Loops until a switch. If there is none, the test ends by its time limit.
+  // Makes the calls of three frames from number `first` up to `end`, which is not made.
   template <typename FramePath>
-  void PlayUntilASwitch(FramePath& path, const AdaptiveBroadPhase& broad_phase) {
-    while (broad_phase.switch_epoch() == 0) Play(path, 1);
+  void Call(FramePath& path, int first, int end) {
+    for (int call = first; call < end; ++call) {
+      if (call % 3 == 0) path.BeginFrame();
+      if (call % 3 == 1) path.FindPairs(scene_->aabbs());
+      if (call % 3 == 2) path.EndFrame({.frame_time_ns = 16'000'000});
+    }
   }
+  static constexpr int kCallCount = 9;
 
  private:
   std::unique_ptr<Scene> scene_ = std::move(*MakeScene("suite-b", {.object_count = 300}));
 };
 
+// Waits until the session's thread has posted a command. The policy "paper" begins by trying every
+// arm, so its first decision after 50 frames has one, whatever the frames cost.
+void AwaitACommand(const Session& session) {
+  while (session.stats().command_count == 0) std::this_thread::yield();
+}
+
+const AdaptiveOptions kWithLane = {.shadow = {.enabled = ShadowMode::kOn}};
+// Commands are executed in the next frame, because no lane prepares their arms.
+const AdaptiveOptions kWithoutLane = {.shadow = {.enabled = ShadowMode::kOff}};
+
 std::unique_ptr<AdaptiveBroadPhase> MakeSearch(Session& session) {
-  return std::move(
-      *AdaptiveBroadPhase::Create({.shadow = {.enabled = ShadowMode::kOn}}, &session.sink()));
+  return std::move(*AdaptiveBroadPhase::Create(kWithLane, &session.sink()));
 }
 
 // A session and its broad phase, each of which a test may destroy at any time.
@@ -54,7 +68,9 @@ class SessionLifetimeTest : public ::testing::Test {
  protected:
   void Start() {
     ASSERT_TRUE(session_->Start(*search_).ok());
-    boxes_.PlayUntilASwitch(*search_, *search_);
+    boxes_.Play(*search_);
+    AwaitACommand(*session_);
+    boxes_.Play(*search_, 1);  // the lane begins to prepare the commanded arm
   }
 
   Boxes boxes_;
@@ -125,19 +141,64 @@ TEST_F(SessionLifetimeTest, ASessionThatFailedToStartDoesNotEndWithTheBroadPhase
   EXPECT_EQ(session_->stats().state, ConnectionState::kEmbedded);
 }
 
+// Where a game may return early: after any number of calls.
+class EarlyReturnTest : public ::testing::TestWithParam<int> {
+ protected:
+  Boxes boxes_;
+};
+
+INSTANTIATE_TEST_SUITE_P(After, EarlyReturnTest, ::testing::Range(0, Boxes::kCallCount + 1));
+
+TEST_P(EarlyReturnTest, EndsTheObjectThatOwnsBoth) {
+  auto game = AdaptiveSession::Create(QuickSession(), kWithLane);
+  ASSERT_TRUE(game.ok());
+  boxes_.Call(*game, 0, GetParam());
+}
+
+TEST_P(EarlyReturnTest, MayFollowAMove) {
+  std::optional<AdaptiveSession> game =
+      std::move(*AdaptiveSession::Create(QuickSession(), kWithLane));
+  boxes_.Call(*game, 0, GetParam());
+  AdaptiveSession moved = std::move(*game);
+  game.reset();
+  boxes_.Call(moved, GetParam(), Boxes::kCallCount);
+}
+
+TEST_P(EarlyReturnTest, DestroysTheBroadPhaseFirst) {
+  const auto session = std::move(*QuickSession());
+  const auto search = MakeSearch(*session);
+  ASSERT_TRUE(session->Start(*search).ok());
+  boxes_.Call(*search, 0, GetParam());
+}
+
+TEST_P(EarlyReturnTest, DestroysTheSessionFirstWhileTheFrameGoesOn) {
+  auto session = std::move(*QuickSession());
+  const auto search = MakeSearch(*session);
+  ASSERT_TRUE(session->Start(*search).ok());
+  boxes_.Call(*search, 0, GetParam());
+  session.reset();
+  boxes_.Call(*search, GetParam(), Boxes::kCallCount);
+}
+
 TEST(AdaptiveSessionTest, DecidesAndEndsByItself) {
-  auto game = AdaptiveSession::Create(QuickSession());
+  auto game = AdaptiveSession::Create(QuickSession(), kWithoutLane);
   ASSERT_TRUE(game.ok()) << game.status().message();
-  Boxes().PlayUntilASwitch(*game, game->broad_phase());
+  Boxes boxes;
+  boxes.Play(*game);
+  AwaitACommand(game->session());
+  boxes.Play(*game, 1);
+  EXPECT_GT(game->broad_phase().switch_epoch(), 0U);
 }
 
 TEST(AdaptiveSessionTest, MayBeMovedWhileItRuns) {
   Boxes boxes;
-  std::optional<AdaptiveSession> game = std::move(*AdaptiveSession::Create(QuickSession()));
+  std::optional<AdaptiveSession> game =
+      std::move(*AdaptiveSession::Create(QuickSession(), kWithoutLane));
   boxes.Play(*game);
   AdaptiveSession moved = std::move(*game);
   game.reset();
-  boxes.PlayUntilASwitch(moved, moved.broad_phase());
+  AwaitACommand(moved.session());
+  boxes.Play(moved, 1);
   AdaptiveSession other = std::move(*AdaptiveSession::Create(QuickSession()));
   boxes.Play(other);
   other = std::move(moved);
@@ -167,7 +228,7 @@ TEST(AdaptiveSessionTest, ReturnsTheErrorOfEachPart) {
 // them holds a lock.
 TEST(AdaptiveSessionTest, AForkedChildDestroysItWithoutWaiting) {
   Boxes boxes;
-  auto game = AdaptiveSession::Create(QuickSession(), {.shadow = {.enabled = ShadowMode::kOn}});
+  auto game = AdaptiveSession::Create(QuickSession(), kWithLane);
   ASSERT_TRUE(game.ok());
   std::optional<AdaptiveSession> owned = std::move(*game);
   for (int round = 0; round < 20; ++round) {
