@@ -23,7 +23,8 @@ extern "C" {
 
 int failure_count = 0;
 
-// ThreadSanitizer intercepts pthread_create, too, and needs its real caller.
+// The same as in thread_limit_test.cc, which is another program. ThreadSanitizer intercepts
+// pthread_create, too, and needs its real caller.
 #if !SWEEPSTAKE_TSAN
 
 static std::atomic<bool> has_threads = true;
