@@ -272,6 +272,24 @@ TEST_F(TelemetryTest, ASuspendedFrameIsCountedAndLoggedButIsNotEvidence) {
   EXPECT_EQ(Stored().arms[0].live.window_count, 1u);
 }
 
+TEST_F(TelemetryTest, InvalidBoxesAreCountedAndLoggedOncePerMinute) {
+  TelemetryClient client(channel_);
+  const std::string session_id = client.Open(OneArmHello()).session_id();
+  for (uint64_t sequence = 1; sequence <= 3; ++sequence) {
+    v1::StreamTelemetryRequest frames = Frames(sequence, 3, 10);
+    frames.mutable_frame_batch()->set_invalid_box_count(sequence == 1 ? 0 : 7);
+    client.Send(frames);
+    ASSERT_TRUE(Applied(sequence));
+    Tick();  // the log is written after the message was applied
+    ASSERT_EQ(client.AwaitAcknowledgement(sequence), sequence);
+    EXPECT_EQ(server_->counters().invalid_box_batch_count, sequence - 1);
+    const std::string note =
+        "session " + session_id + ": 7 objects of the game have invalid boxes (infinite";
+    EXPECT_EQ(logged_->text().find(note) != std::string::npos, sequence == 2);
+    logged_->Clear();
+  }
+}
+
 TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyChangesThePriors) {
   const auto mean_at_start = [this] {
     const v1::Welcome welcome = TelemetryClient(channel_).Open(OneArmHello());
