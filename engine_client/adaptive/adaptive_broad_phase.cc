@@ -88,7 +88,7 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
   if (options.sorted_pairs) sorter_.emplace();
   sample_.arm = initial_arm;
   if (lane_state_ != ShadowState::kRunning) return;
-  lane_ = std::make_unique<ShadowLane>(
+  lane_ = MakeThreadOwned<ShadowLane>(
       ShadowLane::Setup{.options = LaneOptions(options),
                         .arm_count = static_cast<uint32_t>(backends_.size()),
                         .make = lane.make,

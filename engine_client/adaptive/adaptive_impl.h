@@ -139,8 +139,7 @@ class AdaptiveBroadPhase::Impl {
   std::atomic<uint64_t> cold_switch_count_{0};
   const ShadowState lane_state_;  // kRunning if there is a lane, otherwise why there is none
   // The last member: the lane's thread uses the members above.
-  ThreadOwned<std::unique_ptr<ShadowLane>> owned_lane_;
-  std::unique_ptr<ShadowLane>& lane_ = *owned_lane_;
+  ThreadOwned<ShadowLane> lane_;
 };
 
 }  // namespace sweepstake

@@ -53,6 +53,9 @@ class ShadowLane::Watch final : public StopRequest {
   void EndByPairs() {
     if (end_ == End::kNone) end_ = End::kMemory;
   }
+  // The game was suspended during the call, and only a coarse CPU time is known of it.
+  void NoteSuspended() { was_suspended_ = true; }
+  bool was_suspended() const { return was_suspended_; }
 
   bool WantsStop(uint64_t grown_bytes, uint64_t /*found_pairs*/) noexcept override {
     held_bytes_ += grown_bytes;
@@ -74,6 +77,7 @@ class ShadowLane::Watch final : public StopRequest {
   uint64_t begin_ns_ = 0;
   uint64_t held_bytes_;
   End end_ = End::kNone;
+  bool was_suspended_ = false;
 };
 
 // Measures a stretch of the lane's work (LaneCost) and charges its cost to the schedule. The
@@ -82,15 +86,15 @@ class ShadowLane::Watch final : public StopRequest {
 class ShadowLane::Work {
  public:
   explicit Work(ShadowLane& lane)
-      : lane_(lane), begin_ns_(lane.setup_.clock.NowNs()), work_begin_ns_(lane.WorkNs()) {
+      : lane_(lane),
+        begin_ns_(lane.setup_.clock.NowNs()),
+        cpu_begin_ns_(lane.setup_.clock.ThreadCpuNs()) {
     lane_.cost_.BeginWork();
   }
   ~Work() {
-    const uint64_t work_ns = lane_.WorkNs() - work_begin_ns_;
     const uint64_t now_ns = lane_.setup_.clock.NowNs();
-    const uint64_t wall_ns = now_ns - begin_ns_;
-    const bool was_suspended = SuspensionGuard::IsSuspended(wall_ns, work_ns);
-    lane_.schedule_.Charge(now_ns, lane_.cost_.EndWork(was_suspended ? work_ns : wall_ns));
+    const uint64_t time_ns = lane_.WithoutSuspension(now_ns - begin_ns_, cpu_begin_ns_);
+    lane_.schedule_.Charge(now_ns, lane_.cost_.EndWork(time_ns));
   }
   Work(const Work&) = delete;
   Work& operator=(const Work&) = delete;
@@ -98,7 +102,7 @@ class ShadowLane::Work {
  private:
   ShadowLane& lane_;
   const uint64_t begin_ns_;
-  const uint64_t work_begin_ns_;
+  const uint64_t cpu_begin_ns_;
 };
 
 ShadowLane::ShadowLane(Setup setup)
@@ -249,7 +253,8 @@ void ShadowLane::Sweep() {
 // ran for most of the time cap counts, because the cap is then a lower bound of its cost. If the
 // time cap ended a frame that computed for less than half of its time, the arm is not slow: the
 // lane was kept waiting for a core, or the game was suspended. The frames before it then count only
-// if some of them come after the warm-up.
+// if some of them come after the warm-up. The same holds for a suspended frame without a precise
+// thread time.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm, uint64_t cap_ns) {
   const Zone zone(kZoneLaneVisit);
   BroadPhase& backend = *BackendOf(arm).backend;
@@ -272,12 +277,14 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm, uint64_t cap_ns) {
     native_bytes = backend.native_bytes();
     if (watch.end() == Watch::End::kMemory) native_bytes = watch.held_bytes();
     const bool is_late = watch.end() == Watch::End::kTime;
-    kept_waiting = is_late && time_ns < (cap_ns - (busy_ns - time_ns)) / 2;
-    if (watch.end() == Watch::End::kNone || (ran == 0 && is_late && !kept_waiting)) {
+    kept_waiting =
+        watch.was_suspended() || (is_late && time_ns < (cap_ns - (busy_ns - time_ns)) / 2);
+    if (!kept_waiting && (watch.end() == Watch::End::kNone || (ran == 0 && is_late))) {
       if (ran > kShadowWarmUpFrames) check_sum += backend.aabb_check_count();
       frame_ns[ran++] = OnFastestCoreNs(time_ns);
     }
-    if (watch.end() != Watch::End::kNone || native_bytes > structure_cap_bytes()) break;
+    if (kept_waiting || watch.end() != Watch::End::kNone) break;
+    if (native_bytes > structure_cap_bytes()) break;
   }
   const bool is_measured = ran > (kept_waiting ? 1 + kShadowWarmUpFrames : 0);
   if (ran == 0) frame_ns[ran++] = cap_ns;
@@ -387,10 +394,17 @@ uint64_t ShadowLane::WorkNs() const {
   return work_ns > 0 ? work_ns : setup_.clock.NowNs();
 }
 
+uint64_t ShadowLane::WithoutSuspension(uint64_t time_ns, uint64_t cpu_begin_ns) const {
+  if (cpu_begin_ns == 0) return time_ns;
+  const uint64_t cpu_ns = setup_.clock.ThreadCpuNs() - cpu_begin_ns;
+  return SuspensionGuard::IsSuspended(time_ns, cpu_ns) ? cpu_ns : time_ns;
+}
+
 // Builds or updates the structure and searches for pairs, so that all buffers grow to the size that
 // the scene needs. Returns the time that this took, in ns.
 uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes,
                           Watch& watch) {
+  const uint64_t cpu_begin_ns = setup_.clock.ThreadCpuNs();
   watch.Begin(setup_.clock.NowNs());
   const uint64_t start_ns = WorkNs();
   backend.SetStop(&watch);
@@ -403,7 +417,9 @@ uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb>
   if (watch.end() == Watch::End::kNone) backend.FindPairs(pairs_);
   backend.SetStop(nullptr);
   if (backend.pairs_exceeded()) watch.EndByPairs();
-  const uint64_t time_ns = WorkNs() - start_ns;
+  const uint64_t work_ns = WorkNs() - start_ns;
+  const uint64_t time_ns = WithoutSuspension(work_ns, cpu_begin_ns);
+  if (time_ns < work_ns) watch.NoteSuspended();
   AddAsOnlyWriter(counters_.busy_time_ns, time_ns);
   CountMemory();
   return time_ns;

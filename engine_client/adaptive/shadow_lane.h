@@ -62,7 +62,8 @@ class ShadowLane {
     const std::atomic<Mode>& mode;
     const std::atomic<bool>* frozen = nullptr;  // the lane rests while it is true; null: never
     // Returns the CPU time of the lane's thread, which measures the visits. It excludes time in
-    // which another thread had the core. Null: the clock is used.
+    // which another thread had the core. Null, or the result 0: the clock is used, and its coarse
+    // CPU time shows whether the game was suspended.
     uint64_t (*thread_time_ns)() noexcept = nullptr;
     // Returns (speed of the core that the lane's thread is on) ÷ (speed of the fastest core). Null:
     // all cores are equal.
@@ -162,6 +163,9 @@ class ShadowLane {
   bool Follow(const SwitchHandover::Order& order);
 
   uint64_t WorkNs() const;
+  // Returns `time_ns`, the duration of work that began at the thread's CPU time `cpu_begin_ns`. If
+  // the game was suspended during the work, returns the CPU time since then, which may be coarse.
+  uint64_t WithoutSuspension(uint64_t time_ns, uint64_t cpu_begin_ns) const;
   // Converts a time to the time on the fastest core. If the thread changed cores during the frame,
   // uses the speed of its last core.
   uint64_t OnFastestCoreNs(uint64_t time_ns) const {

@@ -179,7 +179,9 @@ class Player {
         duration_ns_(duration_ns),
         json_(options.json),
         progress_(terminal, "run", duration_ns / 1'000'000) {
-    if (options.view) view_.emplace(terminal.out, terminal.out_size, HasColours(), run);
+    if (!options.view) return;
+    CatchSuspendSignal();
+    view_.emplace(terminal.out, terminal.out_size, HasColours(), run);
   }
 
   void Play() {
@@ -189,6 +191,7 @@ class Player {
       if (log_ != nullptr) WriteFrame(run_.adaptive().last_sample(), run_.adaptive(), *log_);
       if (!priors_said_ && run_.elapsed_ns() >= next_look_ns_) LookForAnswer();
       if (view_) {
+        if (SuspendRequested()) view_->Suspend();
         if (view_->due()) DrawView();
       } else if (progress_.due()) {
         ShowProgress();

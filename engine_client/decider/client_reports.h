@@ -21,6 +21,7 @@ struct FrameBatch {
   std::optional<SceneDescriptor> scene_descriptor;  // only its values >= 0 are sent
   uint64_t dropped_frame_count = 0;
   std::vector<ShadowSample> shadow_samples;
+  uint32_t invalid_box_count = 0;  // the largest of these frames
 };
 
 // A frame over the bail-out limit.

@@ -4,7 +4,6 @@
 #include "engine_client/telemetry/daemon_session.h"
 
 #include <chrono>
-#include <optional>
 #include <random>
 #include <utility>
 
@@ -41,15 +40,14 @@ class DaemonSession final : public SessionBase {
   const SessionOptions options_;
 
   // Used only by the sender thread, after Prepare.
-  ThreadOwned<std::optional<SessionLink>> owned_link_;
-  std::optional<SessionLink>& link_ = *owned_link_;
-  ThreadOwned<std::optional<DaemonTransport<SessionLink>>> owned_transport_;
-  std::optional<DaemonTransport<SessionLink>>& transport_ = *owned_transport_;
+  ThreadOwned<SessionLink> link_;
+  ThreadOwned<DaemonTransport<SessionLink>> transport_;
 };
 
 Status DaemonSession::Prepare(AdaptiveBroadPhase& adaptive) {
-  link_.emplace(options_, "the daemon at " + target_.address, JitterSeed(), queue(), adaptive);
-  transport_.emplace(target_, [this] { Wake(); });
+  link_ = MakeThreadOwned<SessionLink>(options_, "the daemon at " + target_.address, JitterSeed(),
+                                       queue(), adaptive);
+  transport_ = MakeThreadOwned<DaemonTransport<SessionLink>>(target_, [this] { Wake(); });
   return {};
 }
 

@@ -80,6 +80,9 @@ constexpr CounterRow kCounters[] = {
      "Frames that were accepted for learning."},
     {&Counters::suspended_frame_count, "sweepstake_suspended_frames_total",
      "Accepted frames that do not count as evidence, because the system stopped the game."},
+    {&Counters::invalid_box_batch_count, "sweepstake_invalid_box_batches_total",
+     "Batches of frames in which some objects had invalid boxes and therefore collided with "
+     "nothing."},
     {&Counters::accepted_shadow_count, "sweepstake_accepted_shadow_samples_total",
      "Shadow visits that were accepted for learning."},
     {&Counters::surplus_bail_out_count, "sweepstake_surplus_bail_outs_total",

@@ -163,6 +163,7 @@ void GameSession::ApplyMessage(protocol::FrameBatch& batch) {
     // The client sets the flag, but only the frame time decides whether the frame is a bail-out.
     if (!IsOverLimit(frame)) frame.flags &= ~kFrameBailOut;
   }
+  if (batch.invalid_box_count > 0) ++context_.counters.invalid_box_batch_count;
   Reject(batch.frames, context_.counters.rejected_frame_counts);
   Reject(batch.shadow_samples, context_.counters.rejected_shadow_counts);
   context_.counters.accepted_frame_count += batch.frames.size();

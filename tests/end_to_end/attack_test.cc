@@ -15,6 +15,7 @@
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/http_exchange.h"
+#include "tests/support/sanitizers/active.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::test_support {
@@ -78,7 +79,7 @@ TEST_F(AttackTest, TwoThousandHalfOpenConnectionsBlockNoGame) {
 }
 
 TEST_F(AttackTest, GamesConnectOnceDescriptorsAreFreeAgain) {
-#ifdef __SANITIZE_ADDRESS__
+#if SWEEPSTAKE_ASAN
   GTEST_SKIP() << "UBSan needs a pipe to check an object's type, and ends the daemon without one";
 #endif
   constexpr size_t kLeft = 20;
@@ -100,7 +101,7 @@ TEST_F(AttackTest, GamesConnectOnceDescriptorsAreFreeAgain) {
 
 // Without the daemon's limit each of these calls would take about 20 KiB.
 TEST_F(AttackTest, StreamsResetAtOnceStayWithinTheMemoryQuota) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if SWEEPSTAKE_ASAN || SWEEPSTAKE_TSAN
   GTEST_SKIP() << "a sanitizer does not release freed memory";
 #endif
   constexpr uint32_t kCalls = 20'000;

@@ -25,6 +25,7 @@
 #include "tests/server/host/no_descriptors.h"
 #include "tests/server/storage/failing_disk.h"
 #include "tests/support/http_exchange.h"
+#include "tests/support/sanitizers/active.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::server {
@@ -260,7 +261,7 @@ TEST_F(DaemonTest, AnImportDuringTheDrainIsRefusedAndStoresNothing) {
 }
 
 TEST_F(DaemonTest, IsAliveWithoutFreeDescriptorsButNotWithoutItsListener) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if SWEEPSTAKE_ASAN || SWEEPSTAKE_TSAN
   GTEST_SKIP() << "sanitizers open files to look at memory and to name functions";
 #endif
   const auto daemon = Start();

@@ -14,6 +14,8 @@
 #include <cstdarg>
 #include <cstdlib>
 
+#include "tests/support/sanitizers/active.h"
+
 namespace {
 
 thread_local constinit bool counting = false;
@@ -45,20 +47,14 @@ WaitCounter::WaitCounter() {
   counting = true;
 }
 WaitCounter::~WaitCounter() { counting = false; }
-bool WaitCounter::Works() {
-#ifdef __SANITIZE_THREAD__
-  return false;
-#else
-  return true;
-#endif
-}
+bool WaitCounter::Works() { return SWEEPSTAKE_TSAN == 0; }
 uint64_t WaitCounter::count() const { return call_count; }
 const char* WaitCounter::last_call() const { return latest_call; }
 
 }  // namespace sweepstake::test_support
 
 // ThreadSanitizer intercepts the same functions and needs their real caller.
-#ifndef __SANITIZE_THREAD__
+#if !SWEEPSTAKE_TSAN
 
 // Each definition replaces the C library's function in the whole program. The macros' arguments are
 // types, names and lists with their own parentheses.

@@ -7,17 +7,6 @@
 #include "engine_client/broad_phase/host/float_environment.h"
 
 namespace sweepstake {
-namespace {
-
-// Returns whether detection took at least half of the frame, and the game was neither paused,
-// loading nor suspended.
-bool IsCausedByDetection(const FrameSample& sample) {
-  if ((sample.flags & kFrameWithoutCost) != 0) return false;
-  const uint64_t detection_ns = std::min(sample.detection_time_ns, sample.frame_time_ns);
-  return detection_ns >= sample.frame_time_ns - detection_ns;
-}
-
-}  // namespace
 
 BailOutGuard::BailOutGuard(uint64_t limit_ns, uint32_t arm_count)
     : limit_ns_(limit_ns), arm_count_(arm_count) {

@@ -34,8 +34,7 @@ class BailOutGuard {
     return frame_time_ns > limit_ns_.load(std::memory_order_relaxed);
   }
 
-  // Returns whether the frame exceeds the limit because of its arm: detection took at least half of
-  // the frame, and the game was neither paused, loading nor suspended.
+  // Returns whether the frame exceeds the limit because of its arm (IsCausedByDetection).
   bool BlamesArm(const FrameSample& sample) const;
 
   // Returns the arm to switch to after this frame. Absent if the frame's arm is not to blame, if a

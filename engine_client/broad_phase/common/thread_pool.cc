@@ -44,7 +44,7 @@ class ThreadPool final : public Executor {
     }
   }
   ~ThreadPool() override {
-    if (workers_.is_in_child()) return;
+    if (workers_.get_deleter().is_in_child()) return;
     stopping_.store(true);
     Publish(0);
     for (std::thread& worker : workers_->threads) worker.join();
@@ -144,7 +144,7 @@ class ThreadPool final : public Executor {
   void* context_ = nullptr;
   std::atomic<size_t> sleeper_count_{0};
   std::atomic<bool> stopping_{false};
-  ThreadOwned<Workers> workers_;
+  const ThreadOwned<Workers> workers_ = MakeThreadOwned<Workers>();
 };
 
 }  // namespace

@@ -32,14 +32,8 @@ void Stretch(std::span<const Aabb> boxes, const std::array<AxisStretch::Axis, 3>
   const HWY_FULL(float) d;
   const auto nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
   HWY_ALIGN float columns[6][HWY_MAX_BYTES / sizeof(float)];
-  ForEachRegister(d, boxes, [&](const Aabb* from, size_t at) HWY_ATTR {
-    auto x = hn::Zero(d);
-    auto y = x;
-    auto z = x;
-    auto max_x = x;
-    auto max_y = x;
-    auto max_z = x;
-    const auto valid = LoadHalved(d, from, x, y, z, max_x, max_y, max_z);
+  const auto stretch = [&](size_t at, auto valid, auto x, auto y, auto z, auto max_x, auto max_y,
+                           auto max_z) HWY_ATTR {
     const auto store = [&](size_t column, auto halved) HWY_ATTR {
       const auto stretched = StretchCoordinates(d, axes[column % 3], halved);
       hn::Store(hn::IfThenElse(valid, stretched, nan), d, columns[column]);
@@ -55,7 +49,8 @@ void Stretch(std::span<const Aabb> boxes, const std::array<AxisStretch::Axis, 3>
       out[at + k] = {{columns[0][k], columns[1][k], columns[2][k]},
                      {columns[3][k], columns[4][k], columns[5][k]}};
     }
-  });
+  };
+  ForEachHalved(d, boxes, stretch);
 }
 
 }  // namespace sweepstake::HWY_NAMESPACE

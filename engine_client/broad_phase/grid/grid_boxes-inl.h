@@ -65,16 +65,6 @@ HWY_INLINE void LoadBoxes(D d, const Aabb* boxes, V& min_x, V& min_y, V& min_z, 
 #endif
 }
 
-// Loads and halves the coordinates; returns which of the boxes are valid.
-template <class D, class V>
-HWY_INLINE hn::Mask<D> LoadHalved(D d, const Aabb* boxes, V& min_x, V& min_y, V& min_z, V& max_x,
-                                  V& max_y, V& max_z) {
-  LoadBoxes(d, boxes, min_x, min_y, min_z, max_x, max_y, max_z);
-  const auto on_x = HalveAxis(d, min_x, max_x);
-  const auto on_y = HalveAxis(d, min_y, max_y);
-  return hn::And(hn::And(on_x, on_y), HalveAxis(d, min_z, max_z));
-}
-
 // Calls action(boxes, index) for each run of boxes that fills a register. The last run is filled up
 // with invalid boxes.
 template <class D, class Action>
@@ -88,6 +78,26 @@ HWY_INLINE void ForEachRegister(D d, std::span<const Aabb> boxes, const Action& 
   std::fill_n(last, step, Aabb{{kNan, kNan, kNan}, {kNan, kNan, kNan}});
   std::copy(boxes.begin() + static_cast<std::ptrdiff_t>(at), boxes.end(), last);
   action(last, at);
+}
+
+// Calls action(index, valid, min_x, min_y, min_z, max_x, max_y, max_z) for each run of boxes that
+// fills a register, with halved coordinates. `valid` marks the lanes whose box is valid.
+template <class D, class Action>
+HWY_INLINE void ForEachHalved(D d, std::span<const Aabb> boxes, const Action& action) {
+  // A copy of the action: through a reference, each access to its variables would take two steps.
+  ForEachRegister(d, boxes, [d, action](const Aabb* from, size_t at) HWY_ATTR {
+    auto x = hn::Zero(d);
+    auto y = x;
+    auto z = x;
+    auto max_x = x;
+    auto max_y = x;
+    auto max_z = x;
+    LoadBoxes(d, from, x, y, z, max_x, max_y, max_z);
+    const auto on_x = HalveAxis(d, x, max_x);
+    const auto on_y = HalveAxis(d, y, max_y);
+    const auto valid = hn::And(hn::And(on_x, on_y), HalveAxis(d, z, max_z));
+    action(at, valid, x, y, z, max_x, max_y, max_z);
+  });
 }
 
 // Returns the cell numbers of halved coordinates on one axis. Invalid boxes get arbitrary cells.

@@ -47,15 +47,8 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
   auto longest_y = longest_x;
   auto longest_z = longest_x;
   uint32_t first_class_count = 0;
-  ForEachRegister(d, boxes, [&](const Aabb* from, size_t) HWY_ATTR {
-    // Loads boxes, one per lane, with halved coordinates.
-    auto x = hn::Zero(d);
-    auto y = x;
-    auto z = x;
-    auto max_x = x;
-    auto max_y = x;
-    auto max_z = x;
-    const auto valid = LoadHalved(d, from, x, y, z, max_x, max_y, max_z);
+  const auto measure_boxes = [&](size_t, auto valid, auto x, auto y, auto z, auto max_x, auto max_y,
+                                 auto max_z) HWY_ATTR {
     // Extends the bounds of the min corners.
     low_x = hn::Min(low_x, hn::IfThenElse(valid, x, limit));
     low_y = hn::Min(low_y, hn::IfThenElse(valid, y, limit));
@@ -79,7 +72,8 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
     // Otherwise adds each box to the count of its own class.
     const auto shapes = ClassesOfSides(d, classes, side_x, side_y, side_z);
     CountShapes(d, shapes, valid, side_x, side_y, side_z, measure);
-  });
+  };
+  ForEachHalved(d, boxes, measure_boxes);
   // Reduces the registers to one value each and adds the result for class 0 to `measure`.
   const auto low = [&](auto v) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, v)); };
   const auto high = [&](auto v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, v)); };

@@ -23,14 +23,8 @@ void CountKeys(std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
   const hn::RebindToUnsigned<decltype(d)> du;
   const auto absent = hn::Set(di, static_cast<int32_t>(grids.back().last_cell()));
   const auto* const group_of_class = reinterpret_cast<const int32_t*>(choice.group_of_class);
-  ForEachRegister(d, boxes, [&](const Aabb* from, size_t at) HWY_ATTR {
-    auto x = hn::Zero(d);
-    auto y = x;
-    auto z = x;
-    auto max_x = x;
-    auto max_y = x;
-    auto max_z = x;
-    const auto valid = LoadHalved(d, from, x, y, z, max_x, max_y, max_z);
+  const auto count_keys = [&](size_t at, auto valid, auto x, auto y, auto z, auto max_x, auto max_y,
+                              auto max_z) HWY_ATTR {
     auto cells = hn::Zero(di);
     if (grids.size() == 1) {
       cells = CellOfCorner(d, grids[0], x, y, z);
@@ -43,7 +37,8 @@ void CountKeys(std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
     hn::StoreU(hn::BitCast(du, cells), du, keys + at);
     const size_t end = std::min(at + hn::Lanes(d), boxes.size());
     for (size_t k = at; k < end; ++k) ++counts[keys[k]];
-  });
+  };
+  ForEachHalved(d, boxes, count_keys);
 }
 
 }  // namespace sweepstake::HWY_NAMESPACE

@@ -39,7 +39,7 @@ class PollingThread {
   // Waits until the thread has ended, because a step returned nothing. May be called several times.
   // Returns at once if Start was not called.
   void Join();
-  bool is_in_child() const { return state_.is_in_child(); }
+  bool is_in_child() const { return state_.get_deleter().is_in_child(); }
 
  private:
   struct State {
@@ -55,7 +55,7 @@ class PollingThread {
 
   const char* const name_;
   const ThreadPriority priority_;
-  ThreadOwned<State> state_;
+  const ThreadOwned<State> state_ = MakeThreadOwned<State>();
 };
 
 }  // namespace sweepstake

@@ -50,6 +50,12 @@ uint64_t TimeNs(const FILETIME& time) noexcept {
   return (uint64_t{time.dwHighDateTime} << 32 | time.dwLowDateTime) * 100;
 }
 
+// Returns at least 1, because 0 means that the time is unknown. A thread has no tick at first.
+uint64_t CpuNs(const FILETIME& kernel, const FILETIME& user) noexcept {
+  const uint64_t time_ns = TimeNs(kernel) + TimeNs(user);
+  return time_ns > 0 ? time_ns : 1;
+}
+
 #elif defined(__APPLE__)
 
 void NameThisThread(const char* name) noexcept { pthread_setname_np(name); }
@@ -108,13 +114,13 @@ uint64_t ThreadTimeNs() noexcept { return ThreadCpuNs(); }
 uint64_t ThreadCpuNs() noexcept {
   FILETIME created, exited, kernel, user;
   if (GetThreadTimes(GetCurrentThread(), &created, &exited, &kernel, &user) == 0) return 0;
-  return TimeNs(kernel) + TimeNs(user);
+  return CpuNs(kernel, user);
 }
 
 uint64_t ProcessCpuNs() noexcept {
   FILETIME created, exited, kernel, user;
   if (GetProcessTimes(GetCurrentProcess(), &created, &exited, &kernel, &user) == 0) return 0;
-  return TimeNs(kernel) + TimeNs(user);
+  return CpuNs(kernel, user);
 }
 
 uint64_t ThreadTimeNs() noexcept { return 0; }

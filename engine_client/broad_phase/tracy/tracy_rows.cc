@@ -35,15 +35,9 @@ size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* 
   const auto long_row = static_cast<int32_t>(rows.long_row());
   const auto* const group_of_class = reinterpret_cast<const int32_t*>(rows.choice.group_of_class);
   size_t count = 0;
-  ForEachRegister(d, boxes, [&](const Aabb* from, size_t at) HWY_ATTR {
-    // Loads boxes with halved coordinates, one per lane, and computes their sides.
-    auto x = hn::Zero(d);
-    auto y = x;
-    auto z = x;
-    auto max_x = x;
-    auto max_y = x;
-    auto max_z = x;
-    const auto valid = LoadHalved(d, from, x, y, z, max_x, max_y, max_z);
+  const auto list_moved = [&](size_t at, auto valid, auto x, auto y, auto z, auto max_x, auto max_y,
+                              auto max_z) HWY_ATTR {
+    // Computes the sides of the boxes, one box per lane.
     const auto side_x = hn::Sub(max_x, x);
     const auto side_y = hn::Sub(max_y, y);
     const auto side_z = hn::Sub(max_z, z);
@@ -74,7 +68,8 @@ size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* 
     hn::StoreU(CompressLanes(index, mask), du, moved + count);
     hn::StoreU(CompressLanes(hn::BitCast(du, row), mask), du, new_rows + count);
     count += hn::CountTrue(du, mask);
-  });
+  };
+  ForEachHalved(d, boxes, list_moved);
   return count;
 }
 

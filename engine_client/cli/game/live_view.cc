@@ -4,6 +4,7 @@
 
 #include "engine_client/cli/game/run_summary.h"
 #include "engine_client/cli/game/scene_view.h"
+#include "engine_client/cli/io/process.h"
 #include "engine_client/cli/io/text_table.h"
 
 namespace sweepstake::cli {
@@ -43,6 +44,13 @@ void LiveView::Draw(const SessionStats& stats, const std::string& state) {
       .message = switch_sentence_.empty() ? NoSwitchSentence(adaptive) : switch_sentence_};
   screen_.Draw(SceneViewText(view, size_(), has_colours_));
   next_draw_ns_ = run_.elapsed_ns() + kDrawIntervalNs;
+}
+
+void LiveView::Suspend() {
+  screen_.Leave();
+  cli::Suspend();
+  screen_.Enter();
+  next_draw_ns_ = 0;
 }
 
 void LiveView::NoteSwitch(const SessionStats& stats) {

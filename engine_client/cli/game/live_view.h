@@ -26,6 +26,8 @@ class LiveView {
   bool due() const { return run_.elapsed_ns() >= next_draw_ns_; }
   // `state` describes the session, for the title.
   void Draw(const SessionStats& stats, const std::string& state);
+  // Restores the terminal while the process is suspended (Suspend in process.h). Draw is due then.
+  void Suspend();
   // Call it after each switch, with what the session knows then.
   void NoteSwitch(const SessionStats& stats);
 

@@ -20,6 +20,7 @@ ScreenSize SizeOf(int descriptor) {
 }
 
 volatile std::sig_atomic_t stop_requested = 0;
+volatile std::sig_atomic_t suspend_requested = 0;
 
 void OnStop(int signal) {
   stop_requested = 1;
@@ -52,5 +53,18 @@ void InstallStopSignal() {
 }
 
 bool StopRequested() { return stop_requested != 0; }
+
+void CatchSuspendSignal() {
+  std::signal(SIGTSTP, [](int /*signal*/) { suspend_requested = 1; });
+}
+
+bool SuspendRequested() { return suspend_requested != 0; }
+
+void Suspend() {
+  std::signal(SIGTSTP, SIG_DFL);
+  std::raise(SIGTSTP);
+  suspend_requested = 0;
+  CatchSuspendSignal();
+}
 
 }  // namespace sweepstake::cli

@@ -56,11 +56,9 @@ std::string ScreenGrid::Text(bool has_colours) const {
   return text;
 }
 
-FullScreen::FullScreen(std::ostream& out) : out_(out) {
-  out_ << kEnterAlternateScreen << std::flush;
-}
+void FullScreen::Enter() { out_ << kEnterAlternateScreen << std::flush; }
 
-FullScreen::~FullScreen() { out_ << kLeaveAlternateScreen << std::flush; }
+void FullScreen::Leave() { out_ << kLeaveAlternateScreen << std::flush; }
 
 void FullScreen::Draw(std::string_view text) {
   std::string output = kHome;

@@ -37,18 +37,21 @@ class ScreenGrid {
   std::vector<Cell> cells_;
 };
 
-// Takes the whole screen of a terminal, and gives it back with its previous content at the end of
-// its life. The stream is borrowed. Not thread-safe.
+// Takes the whole screen of a terminal and hides the cursor. Restores both, with the previous
+// content of the screen, at the end of its life. The stream is borrowed. Not thread-safe.
 class FullScreen {
  public:
-  explicit FullScreen(std::ostream& out);
-  ~FullScreen();
+  explicit FullScreen(std::ostream& out) : out_(out) { Enter(); }
+  ~FullScreen() { Leave(); }
   FullScreen(const FullScreen&) = delete;
   FullScreen& operator=(const FullScreen&) = delete;
 
   // Replaces the content by `text`, the result of ScreenGrid::Text. Waits while the terminal does
   // not accept output.
   void Draw(std::string_view text);
+  // Restores the terminal until Enter.
+  void Leave();
+  void Enter();
 
  private:
   std::ostream& out_;

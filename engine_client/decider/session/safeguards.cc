@@ -23,10 +23,7 @@ bool IsOverBailOutLimit(const FrameSample& frame, int64_t bail_out_ns) {
 }
 
 bool BlamesArm(const FrameSample& frame, int64_t bail_out_ns) {
-  if (!IsOverBailOutLimit(frame, bail_out_ns)) return false;
-  if ((frame.flags & kFrameWithoutCost) != 0) return false;
-  const uint64_t detection_ns = std::min(frame.detection_time_ns, frame.frame_time_ns);
-  return detection_ns >= frame.frame_time_ns - detection_ns;
+  return IsOverBailOutLimit(frame, bail_out_ns) && IsCausedByDetection(frame);
 }
 
 bool BailOutBudget::HasRoom(int64_t now_ns) const {

@@ -18,9 +18,8 @@ namespace sweepstake::decision {
 // client flagged it (kFrameBailOut). A suspended frame is not, because its time was not computed.
 bool IsOverBailOutLimit(const FrameSample& frame, int64_t bail_out_ns);
 
-// Returns whether the frame is over the bail-out limit and the arm is to blame. The arm is not to
-// blame if the game was paused or loading, or if detection took less than half of the frame. The
-// paper has no such exception: policies with blames_any_cause (policy.h) do not use this function.
+// Returns whether the frame is over the bail-out limit because of its arm (IsCausedByDetection).
+// The paper blames any cause: policies with blames_any_cause (policy.h) do not use this function.
 bool BlamesArm(const FrameSample& frame, int64_t bail_out_ns);
 
 // Decides which bail-outs become evidence for other sessions. Each of them takes longer than the

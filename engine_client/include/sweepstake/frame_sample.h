@@ -44,6 +44,13 @@ struct FrameSample {
 static_assert(sizeof(FrameSample) == 64);
 static_assert(std::is_trivially_copyable_v<FrameSample>);
 
+// Returns whether the frame took long because of its arm: detection took at least half of the
+// frame, and the times are the cost of the arm (kFrameWithoutCost).
+inline bool IsCausedByDetection(const FrameSample& sample) {
+  return (sample.flags & kFrameWithoutCost) == 0 &&
+         sample.detection_time_ns >= sample.frame_time_ns - sample.frame_time_ns / 2;
+}
+
 // The properties of a scene that matter to a broad phase. A negative value means "not measured".
 struct SceneDescriptor {
   float object_count = -1;

@@ -40,9 +40,8 @@ class EmbeddedSession final : public SessionBase {
 
   const StudyMaker maker_;
   const EmbeddedOptions embedded_;
-  mutable std::mutex mutex_;  // shared by the sender thread and ExportPriors
-  ThreadOwned<std::optional<DeciderLoop>> owned_loop_;
-  std::optional<DeciderLoop>& loop_ = *owned_loop_;  // guarded by mutex_; present from Prepare on
+  mutable std::mutex mutex_;       // shared by the sender thread and ExportPriors
+  ThreadOwned<DeciderLoop> loop_;  // guarded by mutex_; null before Prepare
 };
 
 Status EmbeddedSession::Prepare(AdaptiveBroadPhase& adaptive) {
@@ -53,7 +52,7 @@ Status EmbeddedSession::Prepare(AdaptiveBroadPhase& adaptive) {
   if (!decider.ok()) return decider.status();
   (*decider)->SetMode(adaptive.mode(), adaptive.active_arm(), now_ns);
   const std::lock_guard lock(mutex_);
-  loop_.emplace(queue(), adaptive, std::move(*decider));
+  loop_ = MakeThreadOwned<DeciderLoop>(queue(), adaptive, std::move(*decider));
   UpdateStats([&](SessionStats& stats) {
     stats.state = ConnectionState::kEmbedded;
     stats.prior_source_count = loop_->decider().prior_source_count();

@@ -10,9 +10,8 @@
 namespace sweepstake {
 
 SessionBase::SessionBase(const SessionOptions& options)
-    : owned_flight_(options.flight_recorder.memory_mb > 0
-                        ? std::make_shared<FlightRecorder>(options)
-                        : nullptr),
+    : flight_(options.flight_recorder.memory_mb > 0 ? MakeThreadOwned<FlightRecorder>(options)
+                                                    : nullptr),
       queue_(std::make_shared<SampleQueue>(
           options.queue_frames,
           flight_ ? std::shared_ptr<FlightRing>(flight_, &flight_->ring()) : nullptr)) {}
@@ -91,7 +90,7 @@ Result<std::string> SessionBase::ExportPriors() const {
 
 SessionStats SessionBase::stats() const {
   const std::lock_guard lock(stats_mutex_);
-  SessionStats stats = stats_;
+  SessionStats stats = *stats_;
   stats.dropped_frame_count += queue_->dropped_frame_count();
   if (flight_) {
     stats.recordings = flight_->recordings();

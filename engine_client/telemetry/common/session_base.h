@@ -50,7 +50,7 @@ class SessionBase : public Session {
   template <typename Change>
   void UpdateStats(const Change& change) {
     const std::lock_guard lock(stats_mutex_);
-    change(stats_);
+    change(*stats_);
   }
   void Wake() { thread_.Wake(); }
   SampleQueue& queue() { return *queue_; }
@@ -63,16 +63,14 @@ class SessionBase : public Session {
 
   // The AdaptiveBroadPhase shares the queue, and with it the recorder's ring, because it may use
   // both after the session's end.
-  const ThreadOwned<std::shared_ptr<FlightRecorder>> owned_flight_;
-  const std::shared_ptr<FlightRecorder>& flight_ = *owned_flight_;  // null: off
+  const std::shared_ptr<FlightRecorder> flight_;  // null: off
   const std::shared_ptr<SampleQueue> queue_;
   const std::shared_ptr<SessionAttachment> attachment_ = std::make_shared<SessionAttachment>();
   std::atomic<AdaptiveBroadPhase*> adaptive_{nullptr};
   std::atomic<uint64_t> stop_deadline_ns_{std::numeric_limits<uint64_t>::max()};
 
-  mutable std::mutex stats_mutex_;
-  ThreadOwned<SessionStats> owned_stats_;
-  SessionStats& stats_ = *owned_stats_;  // guarded by stats_mutex_
+  mutable std::mutex stats_mutex_;  // guards *stats_
+  const ThreadOwned<SessionStats> stats_ = MakeThreadOwned<SessionStats>();
   PollingThread thread_{"swp session"};
 };
 

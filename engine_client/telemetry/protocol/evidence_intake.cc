@@ -1,5 +1,6 @@
 #include "engine_client/telemetry/protocol/evidence_intake.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <utility>
@@ -55,6 +56,7 @@ void FrameBatcher::Add(const FrameSample& sample, uint64_t now_ns) {
       batch_.dropped_frame_count = sample.frame_index - next_frame_index_;
   }
   batch_.frames.push_back(sample);
+  batch_.invalid_box_count = std::max(batch_.invalid_box_count, sample.invalid_box_count);
   batch_bytes_ += WireBytes(sample);
   next_frame_index_ = sample.frame_index + 1;
 }

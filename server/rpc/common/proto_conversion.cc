@@ -344,6 +344,7 @@ void Read(const v1::FrameBatch& message, protocol::FrameBatch& batch) {
   for (const v1::ShadowSample& sample : message.shadow_samples())
     batch.shadow_samples.push_back(Read(sample));
   batch.dropped_frame_count = message.dropped_frame_count();
+  batch.invalid_box_count = message.invalid_box_count();
   batch.scene_descriptor.reset();
   if (message.has_scene_descriptor())
     batch.scene_descriptor = sweepstake::FromProto(message.scene_descriptor());

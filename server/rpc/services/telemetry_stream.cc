@@ -16,8 +16,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-constexpr int64_t kStoreWarningIntervalNs = 60'000'000'000;
-constexpr int64_t kSuspensionNoteIntervalNs = 60'000'000'000;
+constexpr int64_t kNoteIntervalNs = 60'000'000'000;
 
 }  // namespace
 
@@ -131,8 +130,11 @@ absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
   } else {
     FromProto(request, telemetry_);
     const uint64_t suspended_count = context_.counters.suspended_frame_count;
+    const uint64_t invalid_count = context_.counters.invalid_box_batch_count;
     session->Apply(telemetry_);
     if (context_.counters.suspended_frame_count != suspended_count) ReportSuspension(*session);
+    if (context_.counters.invalid_box_batch_count != invalid_count)
+      ReportInvalidBoxes(*session, request.frame_batch().invalid_box_count());
   }
   return absl::OkStatus();
 }
@@ -155,11 +157,16 @@ void TelemetryStream::OnOpened(const absl::StatusOr<sessions::OpenedSession>& op
   Enter(*opened);
 }
 
+bool TelemetryStream::NoteIsDue(int64_t& next_ns) const {
+  const int64_t now_ns = context_.loop.clock().NowNs();
+  if (now_ns < next_ns) return false;
+  next_ns = now_ns + kNoteIntervalNs;
+  return true;
+}
+
 void TelemetryStream::ReportMissingEvidence(const absl::Status& status) {
   const uint64_t count = ++context_.counters.degraded_start_count;
-  const int64_t now_ns = context_.loop.clock().NowNs();
-  if (now_ns < streams_.next_store_warning_ns) return;
-  streams_.next_store_warning_ns = now_ns + kStoreWarningIntervalNs;
+  if (!NoteIsDue(streams_.next_store_warning_ns)) return;
   context_.log.warn(
       "the prior store cannot be read ({}): sessions begin without its evidence, {} so far; check "
       "the disk, and restore a backup if the database is damaged",
@@ -188,13 +195,19 @@ void TelemetryStream::Enter(const sessions::OpenedSession& opened) {
 }
 
 void TelemetryStream::ReportSuspension(const sessions::GameSession& session) {
-  const int64_t now_ns = context_.loop.clock().NowNs();
-  if (now_ns < streams_.next_suspension_note_ns) return;
-  streams_.next_suspension_note_ns = now_ns + kSuspensionNoteIntervalNs;
+  if (!NoteIsDue(streams_.next_suspension_note_ns)) return;
   context_.log.info(
       "session {}: its system suspended the game in a frame, which is therefore not evidence; "
       "suspended frames of all games so far: {}",
       session.identity().id, context_.counters.suspended_frame_count.load());
+}
+
+void TelemetryStream::ReportInvalidBoxes(const sessions::GameSession& session, uint32_t count) {
+  if (!NoteIsDue(streams_.next_invalid_boxes_note_ns)) return;
+  context_.log.warn(
+      "session {}: {} objects of the game have invalid boxes (infinite, NaN or min > max) and "
+      "therefore collide with nothing",
+      session.identity().id, count);
 }
 
 void TelemetryStream::OnHalfClose() {

@@ -29,6 +29,7 @@ struct TelemetryStreams {
   bool draining = false;
   int64_t next_store_warning_ns = std::numeric_limits<int64_t>::min();
   int64_t next_suspension_note_ns = std::numeric_limits<int64_t>::min();
+  int64_t next_invalid_boxes_note_ns = std::numeric_limits<int64_t>::min();
 
   // Refuses new streams and requests the connected clients to reconnect later.
   void Drain(const RpcOptions& options);
@@ -124,12 +125,17 @@ class TelemetryStream final : public sessions::ClientStream,
   absl::Status Dispatch(v1::StreamTelemetryRequest& request);
   absl::Status Open(v1::Hello& hello);
   void OnOpened(const absl::StatusOr<sessions::OpenedSession>& opened);
+  // Returns whether the time `next_ns` of the next note in the log has come, and sets it one minute
+  // later.
+  bool NoteIsDue(int64_t& next_ns) const;
   // Counts a session that begins without some of its stored evidence, because the store could not
   // read it. Logs a warning at most once per minute for all streams.
   void ReportMissingEvidence(const absl::Status& status);
   void Enter(const sessions::OpenedSession& opened);
   // Logs that the session's game was suspended, at most once per minute for all streams.
   void ReportSuspension(const sessions::GameSession& session);
+  // Logs that `count` objects have invalid boxes, at most once per minute for all streams.
+  void ReportInvalidBoxes(const sessions::GameSession& session, uint32_t count);
   void Reject(const absl::Status& status);
   // Returns the message that the next write sends, so that the caller can set its fields.
   v1::StreamTelemetryResponse& Outbox();

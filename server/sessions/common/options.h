@@ -99,6 +99,8 @@ struct SessionCounters {
   std::atomic<uint64_t> accepted_frame_count{0};
   // Accepted frames that do not count as evidence, because the game was suspended.
   std::atomic<uint64_t> suspended_frame_count{0};
+  // Batches of frames in which some objects had invalid boxes.
+  std::atomic<uint64_t> invalid_box_batch_count{0};
   RejectionCounts rejected_frame_counts{};
   std::atomic<uint64_t> accepted_shadow_count{0};
   RejectionCounts rejected_shadow_counts{};

@@ -9,7 +9,7 @@ namespace sweepstake {
 namespace {
 
 // The value is large, so that a read takes long: without the version checks most reads would be
-// torn.
+// torn. lossy_ring_test.cc has the same.
 using Block = std::array<uint64_t, 128>;
 
 Block BlockOf(uint64_t value) {

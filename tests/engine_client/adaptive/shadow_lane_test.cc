@@ -189,11 +189,20 @@ TEST_F(ShadowLaneTest, DoesNotCapAVisitThatWaitedForACore) {
 ScriptedClock* clock_of_lane = nullptr;
 uint64_t ThreadTimeOfLane() noexcept { return clock_of_lane->ThreadCpuNs(); }
 
+// A lane with a precise thread time, or only with the clock's coarse one, as on Windows.
+class StoppedLaneTest : public ShadowLaneTest, public testing::WithParamInterface<bool> {
+ protected:
+  void SetUp() override {
+    clock_.ReportCpu();
+    clock_of_lane = &clock_;
+    if (GetParam()) thread_time_ns_ = ThreadTimeOfLane;
+    Make({});
+  }
+};
+INSTANTIATE_TEST_SUITE_P(ThreadTime, StoppedLaneTest, testing::Bool());
+
 // The process is stopped during the second, fifth or first frame of a visit to arm 0.
-TEST_F(ShadowLaneTest, AStopOfTheProcessIsNoCostOfAnArm) {
-  clock_.ReportCpu();
-  clock_of_lane = &clock_;
-  thread_time_ns_ = ThreadTimeOfLane;
+TEST_P(StoppedLaneTest, AStopOfTheProcessIsNoCostOfAnArm) {
   scripts_[0].question_count = 1;
   uint64_t stopped_search = 0;
   uint64_t searches = 0;
@@ -217,13 +226,18 @@ TEST_F(ShadowLaneTest, AStopOfTheProcessIsNoCostOfAnArm) {
   }
 }
 
+// Only the build of arm 0 is stopped, so that no check for a stop follows within the frame.
+TEST_P(StoppedLaneTest, AFrameThatWasStoppedCountsOnlyWithAPreciseTime) {
+  scripts_[0].in_build = [&] { clock_.AdvanceWaiting(6'000 * kMs); };
+  FirstSweep();
+  ASSERT_EQ(sink_.shadows.size(), GetParam() ? 3U : 2U);
+  EXPECT_EQ(lane_->stats().capped_visit_count, 0U);
+  EXPECT_EQ(sink_.shadows[1].build_time_ns, 6 * kMs) << "arm 0, or else arm 2";
+}
+
 // Each sweep costs the frame thread a part of its duration. With the stop as a part of that
 // duration, the next sweep would begin minutes later.
-TEST_F(ShadowLaneTest, SweepsAgainSoonAfterAStopOfTheProcess) {
-  clock_.ReportCpu();
-  clock_of_lane = &clock_;
-  thread_time_ns_ = ThreadTimeOfLane;
-  Make({});
+TEST_P(StoppedLaneTest, SweepsAgainSoonAfterAStopOfTheProcess) {
   MakeItCost(1);
   uint64_t searches = 0;
   scripts_[0].question_count = 1;

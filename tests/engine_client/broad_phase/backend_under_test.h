@@ -1,6 +1,7 @@
 // Creates a backend by name and checks the pairs that it finds.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -25,6 +26,18 @@ inline std::string FindPairsError(BroadPhase& backend, std::span<const Aabb> box
   pairs.Clear();
   backend.FindPairs(pairs);
   return PairDifference(pairs.pairs(), ScalarPairs(boxes));
+}
+
+// Searches with both backends and replaces `pairs` by the pairs of `backend`. The result is empty
+// if both found the same sequence of pairs with the same number of AABB checks.
+inline std::string SequenceError(BroadPhase& backend, BroadPhase& twin, PairBuffer& pairs) {
+  PairBuffer twin_pairs;
+  pairs.Clear();
+  backend.FindPairs(pairs);
+  twin.FindPairs(twin_pairs);
+  if (!std::ranges::equal(pairs.pairs(), twin_pairs.pairs()))
+    return "other pairs, or another order";
+  return backend.aabb_check_count() == twin.aabb_check_count() ? "" : "another number of checks";
 }
 
 }  // namespace sweepstake::test_support

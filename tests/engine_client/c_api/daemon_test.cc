@@ -18,12 +18,14 @@ extern "C" {
 
 #include "tests/engine_client/c_api/daemon_game.h"
 #include "tests/support/fake_daemon.h"
+#include "tests/support/sanitizers/active.h"
 #include "tests/support/wait_counter.h"
 
 int failure_count = 0;
 
-// ThreadSanitizer intercepts pthread_create, too, and needs its real caller.
-#ifndef __SANITIZE_THREAD__
+// The same as in thread_limit_test.cc, which is another program. ThreadSanitizer intercepts
+// pthread_create, too, and needs its real caller.
+#if !SWEEPSTAKE_TSAN
 
 static std::atomic<bool> has_threads = true;
 
@@ -147,7 +149,7 @@ TEST_F(DaemonGameTest, AForkedChildMayDestroyItsCopies) {
   EXPECT_EQ(ArrivedFrameCount(), 100U);
 }
 
-#ifndef __SANITIZE_THREAD__
+#if !SWEEPSTAKE_TSAN
 TEST_F(DaemonGameTest, ASystemWithoutThreadsIsAnError) {
   swp_session* session = nullptr;
   swp_daemon* daemon = nullptr;

@@ -11,9 +11,10 @@
 #include <thread>
 
 #include "sweepstake/c_api.h"
+#include "tests/support/sanitizers/active.h"
 
 // ThreadSanitizer intercepts pthread_create, too, and needs its real caller.
-#ifndef __SANITIZE_THREAD__
+#if !SWEEPSTAKE_TSAN
 
 namespace {
 

@@ -65,6 +65,11 @@ TEST_F(DaemonMetricsTest, SuspendedFramesAreShown) {
   EXPECT_EQ(Collect().at("sweepstake_suspended_frames_total").counter.value, 3);
 }
 
+TEST_F(DaemonMetricsTest, BatchesWithInvalidBoxesAreShown) {
+  counters_.invalid_box_batch_count = 4;
+  EXPECT_EQ(Collect().at("sweepstake_invalid_box_batches_total").counter.value, 4);
+}
+
 TEST_F(DaemonMetricsTest, NamesFollowTheConventions) {
   const std::map<std::string, size_t> series_counts = {
       {"sweepstake_errors_total", static_cast<size_t>(v1::ErrorReason_descriptor()->value_count())},

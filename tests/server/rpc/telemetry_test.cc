@@ -259,7 +259,8 @@ TEST_F(TelemetryTest, ASuspendedFrameIsCountedAndLoggedButIsNotEvidence) {
   ASSERT_TRUE(Applied(3));
   EXPECT_EQ(server_->counters().accepted_frame_count, 3u);
   EXPECT_EQ(server_->counters().suspended_frame_count, 2u);
-  EXPECT_THAT(logged_->text(), HasSubstr("session " + session_id + ": its system suspended"));
+  const std::string note = "session " + session_id + ": its system suspended";
+  EXPECT_TRUE(Eventually([&] { return logged_->text().find(note) != std::string::npos; }));
   logged_->Clear();
   frames.set_sequence(4);
   client.Send(frames);
@@ -270,6 +271,24 @@ TEST_F(TelemetryTest, ASuspendedFrameIsCountedAndLoggedButIsNotEvidence) {
   EXPECT_EQ(client.AwaitAcknowledgement(4), 4u);
   EXPECT_EQ(Stored().arms[0].live.bail_out_count, 1u) << "of the frame that was not suspended";
   EXPECT_EQ(Stored().arms[0].live.window_count, 1u);
+}
+
+TEST_F(TelemetryTest, InvalidBoxesAreCountedAndLoggedOncePerMinute) {
+  TelemetryClient client(channel_);
+  const std::string session_id = client.Open(OneArmHello()).session_id();
+  for (uint64_t sequence = 1; sequence <= 3; ++sequence) {
+    v1::StreamTelemetryRequest frames = Frames(sequence, 3, 10);
+    frames.mutable_frame_batch()->set_invalid_box_count(sequence == 1 ? 0 : 7);
+    client.Send(frames);
+    ASSERT_TRUE(Applied(sequence));
+    Tick();  // the log is written after the message was applied
+    ASSERT_EQ(client.AwaitAcknowledgement(sequence), sequence);
+    EXPECT_EQ(server_->counters().invalid_box_batch_count, sequence - 1);
+    const std::string note =
+        "session " + session_id + ": 7 objects of the game have invalid boxes (infinite";
+    EXPECT_EQ(logged_->text().find(note) != std::string::npos, sequence == 2);
+    logged_->Clear();
+  }
 }
 
 TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyChangesThePriors) {

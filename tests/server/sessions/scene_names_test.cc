@@ -9,6 +9,7 @@
 #include "server/rpc/common/error_reasons.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/server/rpc/services/prompt_daemon.h"
+#include "tests/support/sanitizers/active.h"
 #include "tests/support/size_of_run.h"
 
 namespace sweepstake::rpc {
@@ -191,7 +192,7 @@ TEST_F(SceneNamesTest, AMillionSceneNamesCostNoMemory) {
     if (i % 1'000 == 0) daemon_.Advance(kSecondNs);
   }
   daemon_.Advance(daemon_.options.hello_patience_ns);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers keep freed memory
+#if !SWEEPSTAKE_ASAN && !SWEEPSTAKE_TSAN  // sanitizers keep freed memory
   EXPECT_LT(ResidentBytes(), before + kMaxGrowthBytes);
 #endif
   EXPECT_EQ(daemon_.sessions.size(), 100u);

@@ -56,27 +56,21 @@ TEST(DaemonProgram, CommandsGiveExitCodeThreeIfNoDaemonAnswers) {
 }
 
 TEST(DaemonProgram, BadUsageGivesExitCodeTwo) {
-  const struct {
-    const char* arguments;
-    const char* said;
-  } cases[] = {
-      {"watch", "--daemon"},
-      {"watch --daemon nowhere", "nowhere"},
-      {"priors",
-       "the commands of priors are list, export, import, promote, revoke, show, "
-       "doctor, diff, merge, arm"},
-      {"audit", "the commands of audit are list, export"},
-      {"audit export --daemon 127.0.0.1:1", "--out"},
-      {"audit export --daemon 127.0.0.1:1 --out no-such-folder/a.csv", "no-such-folder"},
-      {"replay --log no-such.csv", "no-such.csv cannot be read"},
-      {"replay --log a.csv --costs a.costs", "--log FILE.csv"},
-      {"priors import --daemon 127.0.0.1:1 --in no-such.json", "no-such.json"},
-  };
-  for (const auto& [arguments, said] : cases) {
-    const ProgramRun run = RunEither(arguments);
-    EXPECT_EQ(run.exit_code, 2) << arguments;
-    EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
-  }
+  ExpectBadUsage(
+      RunEither,
+      {
+          {"watch", "--daemon"},
+          {"watch --daemon nowhere", "nowhere"},
+          {"priors",
+           "the commands of priors are list, export, import, promote, revoke, show, "
+           "doctor, diff, merge, arm"},
+          {"audit", "the commands of audit are list, export"},
+          {"audit export --daemon 127.0.0.1:1", "--out"},
+          {"audit export --daemon 127.0.0.1:1 --out no-such-folder/a.csv", "no-such-folder"},
+          {"replay --log no-such.csv", "no-such.csv cannot be read"},
+          {"replay --log a.csv --costs a.costs", "--log FILE.csv"},
+          {"priors import --daemon 127.0.0.1:1 --in no-such.json", "no-such.json"},
+      });
 }
 
 TEST(DaemonProgram, AnInvalidFlagEndsTheDaemonWithExitCodeTwo) {

@@ -1,5 +1,6 @@
 #include "tests/engine_client/cli/program/program.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -45,6 +46,29 @@ ProgramRun RunEither(const std::string& arguments) {
 
 ProgramRun RunDaemonProgram(const std::string& arguments) {
   return Run(SWEEPSTAKED_PATH, arguments);
+}
+
+std::vector<std::string> ConnectingCommands(const std::string& folder) {
+  const std::string priors = folder + "/priors.json";
+  return {"run --scene suite-b --objects 100 --duration 2s",
+          "watch --once",
+          "load --streams 2 --duration 200ms",
+          "sessions list",
+          "priors list",
+          "priors export --out " + priors,
+          "priors import --in " + priors,
+          "audit list",
+          "audit export --out " + folder + "/log.csv"};
+}
+
+void ExpectBadUsage(ProgramRun (*run)(const std::string& arguments),
+                    const std::vector<BadUsage>& cases) {
+  for (const auto& [arguments, error] : cases) {
+    const ProgramRun refused = run(arguments);
+    EXPECT_EQ(refused.exit_code, 2) << arguments;
+    EXPECT_THAT(refused.err, testing::HasSubstr(error)) << arguments;
+    EXPECT_EQ(refused.out, "") << arguments;
+  }
 }
 
 std::string TemporaryPath(const std::string& name) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace sweepstake::cli {
 
@@ -24,6 +25,19 @@ ProgramRun RunEither(const std::string& arguments);
 
 // Runs `sweepstaked`; `arguments` is a line for the shell.
 ProgramRun RunDaemonProgram(const std::string& arguments);
+
+// Returns one command line, without the daemon's address, of each kind that connects to a daemon.
+// They write to files in `folder` and read them.
+std::vector<std::string> ConnectingCommands(const std::string& folder);
+
+// Arguments of a program, and a part of the error that they must cause.
+struct BadUsage {
+  std::string arguments;
+  std::string error;
+};
+// Expects that `run`, such as RunProgram, writes each error, exits with 2 and writes no result.
+void ExpectBadUsage(ProgramRun (*run)(const std::string& arguments),
+                    const std::vector<BadUsage>& cases);
 
 // Returns a path that only this test process uses.
 std::string TemporaryPath(const std::string& name);

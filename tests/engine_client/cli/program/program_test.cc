@@ -21,21 +21,13 @@ TEST(Program, HelpOfEveryCommandGivesExitCodeZeroAndShowsExamples) {
 }
 
 TEST(Program, BadUsageGivesExitCodeTwoAndListsValidValues) {
-  const struct {
-    std::string arguments;
-    std::string said;
-  } cases[] = {
-      {"", "the commands of sweepstake are run, audit, "},
-      {"frobnicate", "unknown command of sweepstake 'frobnicate', must be one of "},
-      {"bench --scene suite-b", "this command is in sweepstake-lab"},
-      {"run --colour", "--colour"},
-  };
-  for (const auto& [arguments, said] : cases) {
-    const ProgramRun run = RunProgram(arguments);
-    EXPECT_EQ(run.exit_code, 2) << arguments;
-    EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
-    EXPECT_EQ(run.out, "") << arguments;
-  }
+  ExpectBadUsage(RunProgram,
+                 {
+                     {"", "the commands of sweepstake are run, audit, "},
+                     {"frobnicate", "unknown command of sweepstake 'frobnicate', must be one of "},
+                     {"bench --scene suite-b", "this command is in sweepstake-lab"},
+                     {"run --colour", "--colour"},
+                 });
 }
 
 }  // namespace

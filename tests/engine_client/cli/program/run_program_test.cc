@@ -202,31 +202,23 @@ TEST(RunProgram, ContinuesWithoutItsDaemonAndGivesExitCodeThree) {
 }
 
 TEST(RunProgram, BadUsageGivesExitCodeTwoAndListsValidValues) {
-  const struct {
-    std::string arguments;
-    std::string said;
-  } cases[] = {
-      {"run --scene suite-b", "--embedded"},
-      {"run --scene suite-b --embedded --daemon 127.0.0.1:1", "--embedded"},
-      {"run --scene suite-b --daemon nowhere", "nowhere"},
-      {"run --scene suite-b --daemon 127.0.0.1:1 --priors x.json", "--priors"},
-      {"run --scene suite-b --embedded --priors no-such.json", "no-such.json"},
-      {"run --scene suite-b --embedded --duration soon", "60s"},
-      {"run --scene suite-b --embedded --arm Octree", "KDTree"},
-      {"run --scene suite-b --embedded --seed -1", "--seed: -1 is negative"},
-      {"run --scene suite-b --embedded --mode auto", "manual"},
-      {"run --scene suite-b --embedded --policy coin", "paper"},
-      {"run --scene suite-b --embedded --time-scale 0", "--time-scale"},
-      {"run --scene suite-b --embedded --view", "--view needs a terminal"},
-      {"run --scene suite-b --embedded --view --json", "--json excludes --view"},
-      {"run --scene nowhere --embedded", "hurricane"},
-  };
-  for (const auto& [arguments, said] : cases) {
-    const ProgramRun run = RunProgram(arguments);
-    EXPECT_EQ(run.exit_code, 2) << arguments;
-    EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
-    EXPECT_EQ(run.out, "") << arguments;
-  }
+  ExpectBadUsage(RunProgram,
+                 {
+                     {"run --scene suite-b", "--embedded"},
+                     {"run --scene suite-b --embedded --daemon 127.0.0.1:1", "--embedded"},
+                     {"run --scene suite-b --daemon nowhere", "nowhere"},
+                     {"run --scene suite-b --daemon 127.0.0.1:1 --priors x.json", "--priors"},
+                     {"run --scene suite-b --embedded --priors no-such.json", "no-such.json"},
+                     {"run --scene suite-b --embedded --duration soon", "60s"},
+                     {"run --scene suite-b --embedded --arm Octree", "KDTree"},
+                     {"run --scene suite-b --embedded --seed -1", "--seed: -1 is negative"},
+                     {"run --scene suite-b --embedded --mode auto", "manual"},
+                     {"run --scene suite-b --embedded --policy coin", "paper"},
+                     {"run --scene suite-b --embedded --time-scale 0", "--time-scale"},
+                     {"run --scene suite-b --embedded --view", "--view needs a terminal"},
+                     {"run --scene suite-b --embedded --view --json", "--json excludes --view"},
+                     {"run --scene nowhere --embedded", "hurricane"},
+                 });
 }
 
 }  // namespace

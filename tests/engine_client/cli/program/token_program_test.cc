@@ -62,17 +62,7 @@ class TokenProgram : public ::testing::Test {
 };
 
 TEST_F(TokenProgram, EveryCommandThatConnectsToADaemonSendsItsToken) {
-  const std::string out = Path("priors.json");
-  const std::vector<std::string> commands = {"run --scene suite-b --objects 100 --duration 2s",
-                                             "watch --once",
-                                             "load --streams 2 --duration 200ms",
-                                             "sessions list",
-                                             "priors list",
-                                             "priors export --out " + out,
-                                             "priors import --in " + out,
-                                             "audit list",
-                                             "audit export --out " + Path("log.csv")};
-  for (const std::string& command : commands) {
+  for (const std::string& command : ConnectingCommands(folder_.path().string())) {
     const ProgramRun run = RunEither(command + Daemon() + " --token-file " + admin_);
     EXPECT_EQ(run.exit_code, 0) << command << '\n' << run.err;
   }

@@ -18,16 +18,20 @@ using testing::HasSubstr;
 using testing::Not;
 
 constexpr char kCtrlC = 3;
+constexpr char kCtrlZ = 26;
 constexpr char kEnter[] = "\x1b[?1049h\x1b[?25l";
 constexpr char kLeave[] = "\x1b[?25h\x1b[?1049l";
 
 // `sweepstake` with a pseudo terminal as its standard streams.
 class ProgramInTerminal {
  public:
-  // `arguments` is a line for the shell. `no_color` becomes the variable NO_COLOR.
-  ProgramInTerminal(const std::string& arguments, winsize size, const std::string& no_color = "") {
-    const std::string line =
-        "NO_COLOR=" + no_color + " exec " + SWEEPSTAKE_PROGRAM + " " + arguments;
+  // `arguments` is a line for the shell. `no_color` becomes the variable NO_COLOR. With
+  // `job_control`, the shell continues the program after Ctrl-Z.
+  ProgramInTerminal(const std::string& arguments, winsize size, const std::string& no_color = "",
+                    bool job_control = false) {
+    const std::string line = "export NO_COLOR=" + no_color +
+                             (job_control ? "; set -m; " : "; exec ") + SWEEPSTAKE_PROGRAM + " " +
+                             arguments + (job_control ? "; echo suspended; fg; exit $?" : "");
     pid_ = forkpty(&terminal_, nullptr, nullptr, &size);
     if (pid_ != 0) return;
     execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
@@ -101,6 +105,21 @@ TEST(ViewProgram, DrawsTheSceneUntilCtrlCAndRestoresTheTerminal) {
   EXPECT_THAT(after, Not(HasSubstr("\x1b")));
   EXPECT_THAT(after, HasSubstr("no priors yet\r\n"));
   EXPECT_THAT(after, HasSubstr("Posteriors learnt in suite-b with 60 objects"));
+}
+
+TEST(ViewProgram, RestoresTheTerminalWhileCtrlZSuspendsIt) {
+  ProgramInTerminal program(kManualGame + std::string("--view"), kUsualSize, "",
+                            /*job_control=*/true);
+  ASSERT_NE(program.ReadUntil("\x1b[H"), std::string::npos) << program.output();
+  program.Type(kCtrlZ);
+  const size_t suspended = program.ReadUntil("suspended\r\n");
+  ASSERT_NE(suspended, std::string::npos) << program.output();
+  EXPECT_THAT(program.output().substr(0, suspended), testing::EndsWith(kLeave));
+  const size_t continued = program.ReadUntil(kEnter + std::string("\x1b[H"), suspended);
+  ASSERT_NE(continued, std::string::npos) << program.output();
+  EXPECT_THAT(program.output().substr(suspended, continued - suspended), Not(HasSubstr("\x1b")));
+  program.Type(kCtrlC);
+  EXPECT_EQ(program.Await(), 0);
 }
 
 TEST(ViewProgram, FollowsTheSizeOfTheTerminal) {

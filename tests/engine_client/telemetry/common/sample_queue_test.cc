@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/sanitizers/active.h"
+
 namespace sweepstake {
 namespace {
 
@@ -114,11 +116,8 @@ TEST(SampleQueue, DropsTheOldestNotesWhenThereAreTooMany) {
 // A torn sample needs a reader that is interrupted within a sample until the producer has wrapped
 // around. This is so rare that the test needs millions of frames. (lossy_ring_test.cc tests the
 // same with large elements, where it is common.)
-#ifdef __SANITIZE_THREAD__
-constexpr uint64_t kFrameCount = 300'000;  // with ThreadSanitizer a frame takes ten times as long
-#else
-constexpr uint64_t kFrameCount = 4'000'000;
-#endif
+// With ThreadSanitizer a frame takes ten times as long.
+constexpr uint64_t kFrameCount = SWEEPSTAKE_TSAN ? 300'000 : 4'000'000;
 
 // The capacities range from a ring that always overflows to one that rarely does.
 class SampleQueueStress : public ::testing::TestWithParam<uint32_t> {};

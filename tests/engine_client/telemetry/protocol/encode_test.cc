@@ -68,6 +68,7 @@ FrameBatch PlainOf(const v1::FrameBatch& message) {
   batch.dropped_frame_count = message.dropped_frame_count();
   for (const v1::ShadowSample& sample : message.shadow_samples())
     batch.shadow_samples.push_back(PlainOf(sample));
+  batch.invalid_box_count = message.invalid_box_count();
   return batch;
 }
 

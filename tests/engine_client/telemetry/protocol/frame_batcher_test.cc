@@ -76,6 +76,18 @@ TEST(FrameBatcher, LimitsVisitsToSixtyFourAndHalfOfTheBytes) {
   EXPECT_LE(protocol::Encode(batch).size(), 1024U);
 }
 
+TEST(FrameBatcher, SendsTheLargestCountOfInvalidBoxes) {
+  FrameBatcher batcher({});
+  for (const uint32_t count : {0U, 5U, 2U}) {
+    FrameSample sample = FrameOf(count == 0 ? 0 : count == 5 ? 1 : 2);
+    sample.invalid_box_count = count;
+    batcher.Add(sample, 0);
+  }
+  EXPECT_EQ(batcher.Take().invalid_box_count, 5U);
+  batcher.Add(FrameOf(3), 0);
+  EXPECT_EQ(batcher.Take().invalid_box_count, 0U);
+}
+
 TEST(FrameBatcher, IsDueAfterTheInterval) {
   FrameBatcher batcher({.interval_ns = 100, .frames = 30, .bytes = 16384});
   EXPECT_FALSE(batcher.Due(1000));

@@ -90,27 +90,19 @@ TEST_F(ExperimentProgram, EndsWithWhatIsThereWhenInterrupted) {
 
 TEST_F(ExperimentProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
   const std::string out = " --out " + folder_.string();
-  const struct {
-    std::string arguments;
-    std::string said;
-  } cases[] = {
-      {"experiment", "--out DIR"},
-      {"experiment --resume a --out b", "either --out"},
-      {"experiment --resume " + folder_.string(), "there is no manifest of an experiment"},
-      {"experiment --policies coin" + out, "paper"},
-      {"experiment --scenes nowhere" + out, "hurricane"},
-      {"experiment --window soon" + out, "60s"},
-      {"experiment --time-scale 0.5" + out, "--time-scale"},
-      {"experiment --runs 0" + out, "--runs"},
-      {"experiment --seed -1" + out, "negative"},
-      {"experiment --quick --out /dev/null/x", "/dev/null/x"},
-  };
-  for (const auto& [arguments, said] : cases) {
-    const ProgramRun run = RunLab(arguments);
-    EXPECT_EQ(run.exit_code, 2) << arguments;
-    EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
-    EXPECT_EQ(run.out, "") << arguments;
-  }
+  ExpectBadUsage(RunLab, {
+                             {"experiment", "--out DIR"},
+                             {"experiment --resume a --out b", "either --out"},
+                             {"experiment --resume " + folder_.string(),
+                              "there is no manifest of an experiment"},
+                             {"experiment --policies coin" + out, "paper"},
+                             {"experiment --scenes nowhere" + out, "hurricane"},
+                             {"experiment --window soon" + out, "60s"},
+                             {"experiment --time-scale 0.5" + out, "--time-scale"},
+                             {"experiment --runs 0" + out, "--runs"},
+                             {"experiment --seed -1" + out, "negative"},
+                             {"experiment --quick --out /dev/null/x", "/dev/null/x"},
+                         });
   EXPECT_FALSE(std::filesystem::exists(folder_))
       << "nothing is created before all options are valid";
 }

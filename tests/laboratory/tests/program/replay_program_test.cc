@@ -93,28 +93,21 @@ TEST_F(ReplayProgram, RowsSayTheirPriorsAndTheirPassOfWhichEachTraceMayHaveItsOw
 }
 
 TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
-  const struct {
-    std::string arguments;
-    std::string said;
-  } cases[] = {
-      {"", "give exactly one of --costs FILE.costs, --log FILE.csv and --recording FILE.aabbs"},
-      {"--costs " + Costs() + " --log x.csv", "give exactly one of --costs"},
-      {"--costs " + Costs() + " --pass 1m,2m,3m", "--pass has 3 durations for 1 traces"},
-      {"--costs " + Costs() + " --pass soon", "'soon' is not a duration"},
-      {"--costs " + Costs() + " --policy pape", "must be one of paper, default, "},
-      {"--costs " + Costs() + " --policy fixed:KDTree", "unknown traced arm 'KDTree'"},
-      {"--costs " + Costs() + " --run 1", "'1' is not a duration"},
-      {"--costs " + Costs() + " --priors wright",
-       "--priors: unknown value 'wright', must be one of right, none"},
-      {"--costs " + Costs() + " --seeds 0", "--seeds"},
-      {"--costs /nonexistent.costs", "/nonexistent.costs"},
-  };
-  for (const auto& [arguments, said] : cases) {
-    const ProgramRun run = RunLab("replay " + arguments);
-    EXPECT_EQ(run.exit_code, 2) << arguments;
-    EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
-    EXPECT_EQ(run.out, "") << arguments;
-  }
+  ExpectBadUsage(
+      [](const std::string& arguments) { return RunLab("replay " + arguments); },
+      {
+          {"", "give exactly one of --costs FILE.costs, --log FILE.csv and --recording FILE.aabbs"},
+          {"--costs " + Costs() + " --log x.csv", "give exactly one of --costs"},
+          {"--costs " + Costs() + " --pass 1m,2m,3m", "--pass has 3 durations for 1 traces"},
+          {"--costs " + Costs() + " --pass soon", "'soon' is not a duration"},
+          {"--costs " + Costs() + " --policy pape", "must be one of paper, default, "},
+          {"--costs " + Costs() + " --policy fixed:KDTree", "unknown traced arm 'KDTree'"},
+          {"--costs " + Costs() + " --run 1", "'1' is not a duration"},
+          {"--costs " + Costs() + " --priors wright",
+           "--priors: unknown value 'wright', must be one of right, none"},
+          {"--costs " + Costs() + " --seeds 0", "--seeds"},
+          {"--costs /nonexistent.costs", "/nonexistent.costs"},
+      });
 }
 
 TEST_F(ReplayProgram, TracesWithOtherArmsAreRefusedTogether) {

@@ -85,28 +85,26 @@ TEST_F(TraceProgram, MakesAFolderWithAFilePerSceneAndCount) {
 TEST_F(TraceProgram, SaysWhatIsWrongWithItsWords) {
   std::ofstream(Place("broken.costs")) << "SWPCOSTS";
   const std::string out = " --out " + Place("x.costs");
-  const std::pair<std::string, std::string> cases[] = {
-      {"trace", "give --scene to trace a scene, or --costs"},
-      {"trace --scene suite-b", "--scene needs --out"},
-      {"trace --scene suite-b --costs a.costs" + out, "give --scene to trace a scene, or --costs"},
-      {"trace --costs a.costs" + out, "--costs must be without --out"},
-      {"trace --scene nowhere" + out, "gather-and-scatter"},
-      {"trace --scene suite-b --arms Octree" + out, "AxisSweep"},
-      {"trace --scene suite-b --frames 7" + out, "--frames"},
-      {"trace --scene suite-b --repeats 0" + out, "--repeats"},
-      {"trace --scene suite-b --seed -1" + out, "--seed: -1 is negative"},
-      {"trace --scene suite-b --objects 100001 --frames 8" + out, "at most 100000 objects"},
-      {"trace --scene suite-b,suite-h" + out, "--out must be a folder"},
-      {"trace --scene suite-b --frames 100000 --out /nonexistent/x.costs", "/nonexistent/x.costs"},
-      {"trace --costs " + Place("none.costs"), "there is no cost trace"},
-      {"trace --costs " + Place("broken.costs"), "is not a valid cost trace"},
-  };
-  for (const auto& [arguments, said] : cases) {
-    const ProgramRun run = RunLab(arguments);
-    EXPECT_EQ(run.exit_code, 2) << arguments;
-    EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
-    EXPECT_EQ(run.out, "") << arguments;
-  }
+  ExpectBadUsage(
+      RunLab,
+      {
+          {"trace", "give --scene to trace a scene, or --costs"},
+          {"trace --scene suite-b", "--scene needs --out"},
+          {"trace --scene suite-b --costs a.costs" + out,
+           "give --scene to trace a scene, or --costs"},
+          {"trace --costs a.costs" + out, "--costs must be without --out"},
+          {"trace --scene nowhere" + out, "gather-and-scatter"},
+          {"trace --scene suite-b --arms Octree" + out, "AxisSweep"},
+          {"trace --scene suite-b --frames 7" + out, "--frames"},
+          {"trace --scene suite-b --repeats 0" + out, "--repeats"},
+          {"trace --scene suite-b --seed -1" + out, "--seed: -1 is negative"},
+          {"trace --scene suite-b --objects 100001 --frames 8" + out, "at most 100000 objects"},
+          {"trace --scene suite-b,suite-h" + out, "--out must be a folder"},
+          {"trace --scene suite-b --frames 100000 --out /nonexistent/x.costs",
+           "/nonexistent/x.costs"},
+          {"trace --costs " + Place("none.costs"), "there is no cost trace"},
+          {"trace --costs " + Place("broken.costs"), "is not a valid cost trace"},
+      });
   EXPECT_FALSE(std::filesystem::exists(Place("x.costs")));
 }
 

@@ -52,7 +52,7 @@ namespace Sweepstake.Protocol.V1 {
             "ZBgJIAEoCRISCgp0aW1lX3NjYWxlGAogASgBEhUKDWlnbm9yZV9wcmlvcnMY",
             "CyABKAgSDAoEc2VlZBgMIAEoBBIOCgZwb2xpY3kYDSABKAkSFAoMc3dpdGNo",
             "X2Vwb2NoGA4gASgNEhQKDHJlc3VtZV90b2tlbhgPIAEoDBIvCgxjYXBhYmls",
-            "aXRpZXMYECADKA4yGS5zd2VlcHN0YWtlLnYxLkNhcGFiaWxpdHkiwgIKCkZy",
+            "aXRpZXMYECADKA4yGS5zd2VlcHN0YWtlLnYxLkNhcGFiaWxpdHki3QIKCkZy",
             "YW1lQmF0Y2gSFQoNZnJhbWVfdGltZV9ucxgBIAMoBBIZChFkZXRlY3Rpb25f",
             "dGltZV9ucxgCIAMoBBIYChBhYWJiX2NoZWNrX2NvdW50GAMgAygEEhQKDG5h",
             "dGl2ZV9ieXRlcxgEIAMoBBIUCgxvYmplY3RfY291bnQYBSADKA0SCwoDYXJt",
@@ -60,85 +60,86 @@ namespace Sweepstake.Protocol.V1 {
             "ChBzY2VuZV9kZXNjcmlwdG9yGAkgASgLMh4uc3dlZXBzdGFrZS52MS5TY2Vu",
             "ZURlc2NyaXB0b3ISGwoTZHJvcHBlZF9mcmFtZV9jb3VudBgKIAEoBBIzCg5z",
             "aGFkb3dfc2FtcGxlcxgLIAMoCzIbLnN3ZWVwc3Rha2UudjEuU2hhZG93U2Ft",
-            "cGxlItIBCgxTaGFkb3dTYW1wbGUSGQoRZmlyc3RfZnJhbWVfaW5kZXgYASAB",
-            "KAQSCwoDYXJtGAIgASgNEhkKEWRldGVjdGlvbl90aW1lX25zGAMgASgEEhUK",
-            "DWJ1aWxkX3RpbWVfbnMYBCABKAQSGAoQYWFiYl9jaGVja19jb3VudBgFIAEo",
-            "BBIUCgxuYXRpdmVfYnl0ZXMYBiABKAQSFAoMb2JqZWN0X2NvdW50GAcgASgN",
-            "EhMKC2ZyYW1lX2NvdW50GAggASgNEg0KBWZsYWdzGAkgASgNIskCCg9TY2Vu",
-            "ZURlc2NyaXB0b3ISGQoMb2JqZWN0X2NvdW50GAEgASgCSACIAQESGgoNZGVu",
-            "c2l0eV9yYXRpbxgCIAEoAkgBiAEBEhgKC3NpemVfc3ByZWFkGAMgASgCSAKI",
-            "AQESFwoKc3BlZWRfbWVhbhgEIAEoAkgDiAEBEhkKDHNwZWVkX3NwcmVhZBgF",
-            "IAEoAkgEiAEBEh0KEGNsdXN0ZXJpbmdfcmF0aW8YBiABKAJIBYgBARIZCgxz",
-            "dGF0aWNfcmF0aW8YByABKAJIBogBAUIPCg1fb2JqZWN0X2NvdW50QhAKDl9k",
-            "ZW5zaXR5X3JhdGlvQg4KDF9zaXplX3NwcmVhZEINCgtfc3BlZWRfbWVhbkIP",
-            "Cg1fc3BlZWRfc3ByZWFkQhMKEV9jbHVzdGVyaW5nX3JhdGlvQg8KDV9zdGF0",
-            "aWNfcmF0aW8i7AEKDVN3aXRjaE91dGNvbWUSEgoKY29tbWFuZF9pZBgBIAEo",
-            "BBILCgNhcm0YAiABKA0SFAoMc3dpdGNoX2Vwb2NoGAMgASgNEhAKCGV4ZWN1",
-            "dGVkGAQgASgIEhcKD3JlYnVpbGRfdGltZV9ucxgFIAEoBBIYChBzZXR0bGlu",
-            "Z19jb3N0X25zGAYgASgEEisKBnJlYXNvbhgHIAEoDjIbLnN3ZWVwc3Rha2Uu",
-            "djEuU3dpdGNoUmVhc29uEh8KF3RyaWFsX2RldGVjdGlvbl90aW1lX25zGAgg",
-            "ASgEEhEKCXRyaWFsX2FybRgJIAEoDSKCAQoHQmFpbE91dBITCgtmcmFtZV9p",
-            "bmRleBgBIAEoBBILCgNhcm0YAiABKA0SFAoMc3dpdGNoX2Vwb2NoGAMgASgN",
-            "EhUKDWZyYW1lX3RpbWVfbnMYBCABKAQSGQoRZGV0ZWN0aW9uX3RpbWVfbnMY",
-            "BSABKAQSDQoFZmxhZ3MYBiABKA0iVQoKTW9kZUNoYW5nZRIhCgRtb2RlGAEg",
-            "ASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhIKCmFjdGl2ZV9hcm0YAiABKA0S",
-            "EAoIb3JkZXJfaWQYAyABKAQiUwoMT3JkZXJSZWZ1c2FsEhAKCG9yZGVyX2lk",
-            "GAEgASgEEjEKBnJlYXNvbhgCIAEoDjIhLnN3ZWVwc3Rha2UudjEuT3JkZXJS",
-            "ZWZ1c2FsUmVhc29uIgkKB0dvb2RieWUiyAMKB1dlbGNvbWUSEgoKc2Vzc2lv",
-            "bl9pZBgBIAEoCRIPCgdyZXN1bWVkGAIgASgIEh0KFWFja25vd2xlZGdlZF9z",
-            "ZXF1ZW5jZRgDIAEoBBIYChBtYXhfYmF0Y2hfZnJhbWVzGAQgASgNEhkKEW1h",
-            "eF9tZXNzYWdlX2J5dGVzGAUgASgNEhkKEWJhdGNoX2ludGVydmFsX21zGAYg",
-            "ASgNEhwKFGRlY2lzaW9uX2ludGVydmFsX21zGAcgASgNEhMKC3NldHRsaW5n",
-            "X21zGAggASgNEhMKC2JhaWxfb3V0X21zGAkgASgNEhYKDmRhZW1vbl92ZXJz",
-            "aW9uGAogASgJEg4KBnBvbGljeRgLIAEoCRIMCgRzZWVkGAwgASgEEiwKBnBy",
-            "aW9ycxgNIAMoCzIcLnN3ZWVwc3Rha2UudjEuQmV0YVBvc3RlcmlvchIaChJw",
-            "cmlvcl9zb3VyY2VfY291bnQYDiABKAQSFAoMcmVzdW1lX3Rva2VuGA8gASgM",
-            "EhoKEnByaW9yc191bmF2YWlsYWJsZRgQIAEoCBIvCgxjYXBhYmlsaXRpZXMY",
-            "ESADKA4yGS5zd2VlcHN0YWtlLnYxLkNhcGFiaWxpdHkiLAoNQmV0YVBvc3Rl",
-            "cmlvchINCgVhbHBoYRgBIAEoARIMCgRiZXRhGAIgASgBInoKDVN3aXRjaENv",
-            "bW1hbmQSEgoKY29tbWFuZF9pZBgBIAEoBBILCgNhcm0YAiABKA0SKwoGcmVh",
-            "c29uGAMgASgOMhsuc3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24SGwoTdHJp",
-            "YWxfbGltaXRfcGVyY2VudBgEIAEoDSI+Cg9BY2tub3dsZWRnZW1lbnQSEAoI",
-            "c2VxdWVuY2UYASABKAQSGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYAiABKA0ixwEK",
-            "EVBvc3RlcmlvclNuYXBzaG90EioKBGFybXMYASADKAsyHC5zd2VlcHN0YWtl",
-            "LnYxLkJldGFQb3N0ZXJpb3ISJwoHdmVyZGljdBgCIAEoDjIWLnN3ZWVwc3Rh",
-            "a2UudjEuVmVyZGljdBISCgpsZWFkZXJfYXJtGAMgASgNEhoKEmxlYWRlcl9w",
-            "cm9iYWJpbGl0eRgEIAEoARItCglzdGFuZGluZ3MYBSADKAsyGi5zd2VlcHN0",
-            "YWtlLnYxLkFybVN0YW5kaW5nIqoBCgtBcm1TdGFuZGluZxIZChFsaXZlX3dp",
-            "bmRvd19jb3VudBgBIAEoBBIYChBsYW5lX3Zpc2l0X2NvdW50GAIgASgEEh4K",
-            "FmVmZmVjdGl2ZV93aW5kb3dfY291bnQYAyABKAESGAoQYmVzdF9wcm9iYWJp",
-            "bGl0eRgEIAEoARIsCgpjb3N0X3JhdGlvGAUgASgLMhguc3dlZXBzdGFrZS52",
-            "MS5Db3N0UmF0aW8iNgoJQ29zdFJhdGlvEg4KBm1lZGlhbhgBIAEoARILCgNs",
-            "b3cYAiABKAESDAoEaGlnaBgDIAEoASIdCglSZWNvbm5lY3QSEAoIZGVsYXlf",
-            "bXMYASABKA0iXgoNT3BlcmF0b3JPcmRlchIQCghvcmRlcl9pZBgBIAEoBBIh",
-            "CgRtb2RlGAIgASgOMhMuc3dlZXBzdGFrZS52MS5Nb2RlEhAKA2FybRgDIAEo",
-            "DUgAiAEBQgYKBF9hcm0iRgoKQm94UmVxdWVzdBITCgtpbnRlcnZhbF9tcxgB",
-            "IAEoDRIRCgltYXhfYnl0ZXMYAiABKA0SEAoIdW50aWxfbXMYAyABKA0icgoH",
-            "Qm94VmlldxITCgtmcmFtZV9pbmRleBgBIAEoBBIUCgxvYmplY3RfY291bnQY",
-            "AiABKA0SDgoGc3RyaWRlGAMgASgNEg4KBmJvdW5kcxgEIAMoAhINCgVib3hl",
-            "cxgFIAEoDBINCgVwYWlycxgGIAEoDCo6CgRNb2RlEhQKEE1PREVfVU5TUEVD",
-            "SUZJRUQQABIPCgtNT0RFX01BTlVBTBABEgsKB01PREVfQUkQAiqcAQoMU3dp",
-            "dGNoUmVhc29uEh0KGVNXSVRDSF9SRUFTT05fVU5TUEVDSUZJRUQQABIYChRT",
-            "V0lUQ0hfUkVBU09OX1BPTElDWRABEh0KGVNXSVRDSF9SRUFTT05fRVhQTE9S",
-            "QVRJT04QAhIaChZTV0lUQ0hfUkVBU09OX0JBSUxfT1VUEAMSGAoUU1dJVENI",
-            "X1JFQVNPTl9NQU5VQUwQBCphCgpDYXBhYmlsaXR5EhoKFkNBUEFCSUxJVFlf",
-            "VU5TUEVDSUZJRUQQABIeChpDQVBBQklMSVRZX09QRVJBVE9SX09SREVSUxAB",
-            "EhcKE0NBUEFCSUxJVFlfQk9YX1ZJRVcQAipZCgpTaGFkb3dGbGFnEhsKF1NI",
-            "QURPV19GTEFHX1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZF",
-            "EAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIqwAEKCUZyYW1lRmxhZxIaChZG",
-            "UkFNRV9GTEFHX1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxE",
-            "EAESFQoRRlJBTUVfRkxBR19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJ",
-            "TkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgSGAoURlJBTUVfRkxBR19T",
-            "VVNQRU5ERUQQEBIdChlGUkFNRV9GTEFHX1BBSVJTX0VYQ0VFREVEECAqggEK",
-            "Ek9yZGVyUmVmdXNhbFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9V",
-            "TlNQRUNJRklFRBAAEiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExP",
-            "V0VEEAESIAocT1JERVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1Zl",
-            "cmRpY3QSFwoTVkVSRElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RB",
-            "QkxFEAESDwoLVkVSRElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxAD",
-            "EhQKEFZFUkRJQ1RfREVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQK",
-            "D1N0cmVhbVRlbGVtZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1l",
-            "dHJ5UmVxdWVzdBomLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVz",
-            "cG9uc2UoATABQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "cGxlEhkKEWludmFsaWRfYm94X2NvdW50GAwgASgNItIBCgxTaGFkb3dTYW1w",
+            "bGUSGQoRZmlyc3RfZnJhbWVfaW5kZXgYASABKAQSCwoDYXJtGAIgASgNEhkK",
+            "EWRldGVjdGlvbl90aW1lX25zGAMgASgEEhUKDWJ1aWxkX3RpbWVfbnMYBCAB",
+            "KAQSGAoQYWFiYl9jaGVja19jb3VudBgFIAEoBBIUCgxuYXRpdmVfYnl0ZXMY",
+            "BiABKAQSFAoMb2JqZWN0X2NvdW50GAcgASgNEhMKC2ZyYW1lX2NvdW50GAgg",
+            "ASgNEg0KBWZsYWdzGAkgASgNIskCCg9TY2VuZURlc2NyaXB0b3ISGQoMb2Jq",
+            "ZWN0X2NvdW50GAEgASgCSACIAQESGgoNZGVuc2l0eV9yYXRpbxgCIAEoAkgB",
+            "iAEBEhgKC3NpemVfc3ByZWFkGAMgASgCSAKIAQESFwoKc3BlZWRfbWVhbhgE",
+            "IAEoAkgDiAEBEhkKDHNwZWVkX3NwcmVhZBgFIAEoAkgEiAEBEh0KEGNsdXN0",
+            "ZXJpbmdfcmF0aW8YBiABKAJIBYgBARIZCgxzdGF0aWNfcmF0aW8YByABKAJI",
+            "BogBAUIPCg1fb2JqZWN0X2NvdW50QhAKDl9kZW5zaXR5X3JhdGlvQg4KDF9z",
+            "aXplX3NwcmVhZEINCgtfc3BlZWRfbWVhbkIPCg1fc3BlZWRfc3ByZWFkQhMK",
+            "EV9jbHVzdGVyaW5nX3JhdGlvQg8KDV9zdGF0aWNfcmF0aW8i7AEKDVN3aXRj",
+            "aE91dGNvbWUSEgoKY29tbWFuZF9pZBgBIAEoBBILCgNhcm0YAiABKA0SFAoM",
+            "c3dpdGNoX2Vwb2NoGAMgASgNEhAKCGV4ZWN1dGVkGAQgASgIEhcKD3JlYnVp",
+            "bGRfdGltZV9ucxgFIAEoBBIYChBzZXR0bGluZ19jb3N0X25zGAYgASgEEisK",
+            "BnJlYXNvbhgHIAEoDjIbLnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVhc29uEh8K",
+            "F3RyaWFsX2RldGVjdGlvbl90aW1lX25zGAggASgEEhEKCXRyaWFsX2FybRgJ",
+            "IAEoDSKCAQoHQmFpbE91dBITCgtmcmFtZV9pbmRleBgBIAEoBBILCgNhcm0Y",
+            "AiABKA0SFAoMc3dpdGNoX2Vwb2NoGAMgASgNEhUKDWZyYW1lX3RpbWVfbnMY",
+            "BCABKAQSGQoRZGV0ZWN0aW9uX3RpbWVfbnMYBSABKAQSDQoFZmxhZ3MYBiAB",
+            "KA0iVQoKTW9kZUNoYW5nZRIhCgRtb2RlGAEgASgOMhMuc3dlZXBzdGFrZS52",
+            "MS5Nb2RlEhIKCmFjdGl2ZV9hcm0YAiABKA0SEAoIb3JkZXJfaWQYAyABKAQi",
+            "UwoMT3JkZXJSZWZ1c2FsEhAKCG9yZGVyX2lkGAEgASgEEjEKBnJlYXNvbhgC",
+            "IAEoDjIhLnN3ZWVwc3Rha2UudjEuT3JkZXJSZWZ1c2FsUmVhc29uIgkKB0dv",
+            "b2RieWUiyAMKB1dlbGNvbWUSEgoKc2Vzc2lvbl9pZBgBIAEoCRIPCgdyZXN1",
+            "bWVkGAIgASgIEh0KFWFja25vd2xlZGdlZF9zZXF1ZW5jZRgDIAEoBBIYChBt",
+            "YXhfYmF0Y2hfZnJhbWVzGAQgASgNEhkKEW1heF9tZXNzYWdlX2J5dGVzGAUg",
+            "ASgNEhkKEWJhdGNoX2ludGVydmFsX21zGAYgASgNEhwKFGRlY2lzaW9uX2lu",
+            "dGVydmFsX21zGAcgASgNEhMKC3NldHRsaW5nX21zGAggASgNEhMKC2JhaWxf",
+            "b3V0X21zGAkgASgNEhYKDmRhZW1vbl92ZXJzaW9uGAogASgJEg4KBnBvbGlj",
+            "eRgLIAEoCRIMCgRzZWVkGAwgASgEEiwKBnByaW9ycxgNIAMoCzIcLnN3ZWVw",
+            "c3Rha2UudjEuQmV0YVBvc3RlcmlvchIaChJwcmlvcl9zb3VyY2VfY291bnQY",
+            "DiABKAQSFAoMcmVzdW1lX3Rva2VuGA8gASgMEhoKEnByaW9yc191bmF2YWls",
+            "YWJsZRgQIAEoCBIvCgxjYXBhYmlsaXRpZXMYESADKA4yGS5zd2VlcHN0YWtl",
+            "LnYxLkNhcGFiaWxpdHkiLAoNQmV0YVBvc3RlcmlvchINCgVhbHBoYRgBIAEo",
+            "ARIMCgRiZXRhGAIgASgBInoKDVN3aXRjaENvbW1hbmQSEgoKY29tbWFuZF9p",
+            "ZBgBIAEoBBILCgNhcm0YAiABKA0SKwoGcmVhc29uGAMgASgOMhsuc3dlZXBz",
+            "dGFrZS52MS5Td2l0Y2hSZWFzb24SGwoTdHJpYWxfbGltaXRfcGVyY2VudBgE",
+            "IAEoDSI+Cg9BY2tub3dsZWRnZW1lbnQSEAoIc2VxdWVuY2UYASABKAQSGQoR",
+            "YmF0Y2hfaW50ZXJ2YWxfbXMYAiABKA0ixwEKEVBvc3RlcmlvclNuYXBzaG90",
+            "EioKBGFybXMYASADKAsyHC5zd2VlcHN0YWtlLnYxLkJldGFQb3N0ZXJpb3IS",
+            "JwoHdmVyZGljdBgCIAEoDjIWLnN3ZWVwc3Rha2UudjEuVmVyZGljdBISCgps",
+            "ZWFkZXJfYXJtGAMgASgNEhoKEmxlYWRlcl9wcm9iYWJpbGl0eRgEIAEoARIt",
+            "CglzdGFuZGluZ3MYBSADKAsyGi5zd2VlcHN0YWtlLnYxLkFybVN0YW5kaW5n",
+            "IqoBCgtBcm1TdGFuZGluZxIZChFsaXZlX3dpbmRvd19jb3VudBgBIAEoBBIY",
+            "ChBsYW5lX3Zpc2l0X2NvdW50GAIgASgEEh4KFmVmZmVjdGl2ZV93aW5kb3df",
+            "Y291bnQYAyABKAESGAoQYmVzdF9wcm9iYWJpbGl0eRgEIAEoARIsCgpjb3N0",
+            "X3JhdGlvGAUgASgLMhguc3dlZXBzdGFrZS52MS5Db3N0UmF0aW8iNgoJQ29z",
+            "dFJhdGlvEg4KBm1lZGlhbhgBIAEoARILCgNsb3cYAiABKAESDAoEaGlnaBgD",
+            "IAEoASIdCglSZWNvbm5lY3QSEAoIZGVsYXlfbXMYASABKA0iXgoNT3BlcmF0",
+            "b3JPcmRlchIQCghvcmRlcl9pZBgBIAEoBBIhCgRtb2RlGAIgASgOMhMuc3dl",
+            "ZXBzdGFrZS52MS5Nb2RlEhAKA2FybRgDIAEoDUgAiAEBQgYKBF9hcm0iRgoK",
+            "Qm94UmVxdWVzdBITCgtpbnRlcnZhbF9tcxgBIAEoDRIRCgltYXhfYnl0ZXMY",
+            "AiABKA0SEAoIdW50aWxfbXMYAyABKA0icgoHQm94VmlldxITCgtmcmFtZV9p",
+            "bmRleBgBIAEoBBIUCgxvYmplY3RfY291bnQYAiABKA0SDgoGc3RyaWRlGAMg",
+            "ASgNEg4KBmJvdW5kcxgEIAMoAhINCgVib3hlcxgFIAEoDBINCgVwYWlycxgG",
+            "IAEoDCo6CgRNb2RlEhQKEE1PREVfVU5TUEVDSUZJRUQQABIPCgtNT0RFX01B",
+            "TlVBTBABEgsKB01PREVfQUkQAiqcAQoMU3dpdGNoUmVhc29uEh0KGVNXSVRD",
+            "SF9SRUFTT05fVU5TUEVDSUZJRUQQABIYChRTV0lUQ0hfUkVBU09OX1BPTElD",
+            "WRABEh0KGVNXSVRDSF9SRUFTT05fRVhQTE9SQVRJT04QAhIaChZTV0lUQ0hf",
+            "UkVBU09OX0JBSUxfT1VUEAMSGAoUU1dJVENIX1JFQVNPTl9NQU5VQUwQBCph",
+            "CgpDYXBhYmlsaXR5EhoKFkNBUEFCSUxJVFlfVU5TUEVDSUZJRUQQABIeChpD",
+            "QVBBQklMSVRZX09QRVJBVE9SX09SREVSUxABEhcKE0NBUEFCSUxJVFlfQk9Y",
+            "X1ZJRVcQAipZCgpTaGFkb3dGbGFnEhsKF1NIQURPV19GTEFHX1VOU1BFQ0lG",
+            "SUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZFEAESFgoSU0hBRE9XX0ZMQUdf",
+            "Q0FQUEVEEAIqwAEKCUZyYW1lRmxhZxIaChZGUkFNRV9GTEFHX1VOU1BFQ0lG",
+            "SUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxEEAESFQoRRlJBTUVfRkxBR19Q",
+            "QVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJTkcQBBIXChNGUkFNRV9GTEFH",
+            "X0JBSUxfT1VUEAgSGAoURlJBTUVfRkxBR19TVVNQRU5ERUQQEBIdChlGUkFN",
+            "RV9GTEFHX1BBSVJTX0VYQ0VFREVEECAqggEKEk9yZGVyUmVmdXNhbFJlYXNv",
+            "bhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklFRBAAEiQKIE9S",
+            "REVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAESIAocT1JERVJfUkVG",
+            "VVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoTVkVSRElDVF9V",
+            "TlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoLVkVSRElDVF9U",
+            "SUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJQ1RfREVHUkFE",
+            "RUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRlbGVtZXRyeRIl",
+            "LnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVzdBomLnN3ZWVw",
+            "c3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATABQhmqAhZTd2Vl",
+            "cHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -146,7 +147,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryResponse), global::Sweepstake.Protocol.V1.StreamTelemetryResponse.Parser, new[]{ "Welcome", "SwitchCommand", "Acknowledgement", "PosteriorSnapshot", "Reconnect", "OperatorOrder", "BoxRequest" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Arm), global::Sweepstake.Protocol.V1.Arm.Parser, new[]{ "Name", "BackendVersion" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Hello), global::Sweepstake.Protocol.V1.Hello.Parser, new[]{ "ProtocolVersion", "Project", "Scene", "Build", "MachineClass", "Arms", "ActiveArm", "Mode", "SessionId", "TimeScale", "IgnorePriors", "Seed", "Policy", "SwitchEpoch", "ResumeToken", "Capabilities" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameBatch), global::Sweepstake.Protocol.V1.FrameBatch.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "Arm", "SwitchEpoch", "Flags", "SceneDescriptor", "DroppedFrameCount", "ShadowSamples" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameBatch), global::Sweepstake.Protocol.V1.FrameBatch.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "Arm", "SwitchEpoch", "Flags", "SceneDescriptor", "DroppedFrameCount", "ShadowSamples", "InvalidBoxCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ShadowSample), global::Sweepstake.Protocol.V1.ShadowSample.Parser, new[]{ "FirstFrameIndex", "Arm", "DetectionTimeNs", "BuildTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "FrameCount", "Flags" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneDescriptor), global::Sweepstake.Protocol.V1.SceneDescriptor.Parser, new[]{ "ObjectCount", "DensityRatio", "SizeSpread", "SpeedMean", "SpeedSpread", "ClusteringRatio", "StaticRatio" }, new[]{ "ObjectCount", "DensityRatio", "SizeSpread", "SpeedMean", "SpeedSpread", "ClusteringRatio", "StaticRatio" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SwitchOutcome), global::Sweepstake.Protocol.V1.SwitchOutcome.Parser, new[]{ "CommandId", "Arm", "SwitchEpoch", "Executed", "RebuildTimeNs", "SettlingCostNs", "Reason", "TrialDetectionTimeNs", "TrialArm" }, null, null, null, null),
@@ -2602,6 +2603,7 @@ namespace Sweepstake.Protocol.V1 {
       sceneDescriptor_ = other.sceneDescriptor_ != null ? other.sceneDescriptor_.Clone() : null;
       droppedFrameCount_ = other.droppedFrameCount_;
       shadowSamples_ = other.shadowSamples_.Clone();
+      invalidBoxCount_ = other.invalidBoxCount_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2767,6 +2769,22 @@ namespace Sweepstake.Protocol.V1 {
       get { return shadowSamples_; }
     }
 
+    /// <summary>Field number for the "invalid_box_count" field.</summary>
+    public const int InvalidBoxCountFieldNumber = 12;
+    private uint invalidBoxCount_;
+    /// <summary>
+    /// Largest number of objects in one of these frames whose boxes are invalid but not empty. They collide with nothing. Absent
+    /// (0): none.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint InvalidBoxCount {
+      get { return invalidBoxCount_; }
+      set {
+        invalidBoxCount_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2793,6 +2811,7 @@ namespace Sweepstake.Protocol.V1 {
       if (!object.Equals(SceneDescriptor, other.SceneDescriptor)) return false;
       if (DroppedFrameCount != other.DroppedFrameCount) return false;
       if(!shadowSamples_.Equals(other.shadowSamples_)) return false;
+      if (InvalidBoxCount != other.InvalidBoxCount) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2811,6 +2830,7 @@ namespace Sweepstake.Protocol.V1 {
       if (sceneDescriptor_ != null) hash ^= SceneDescriptor.GetHashCode();
       if (DroppedFrameCount != 0UL) hash ^= DroppedFrameCount.GetHashCode();
       hash ^= shadowSamples_.GetHashCode();
+      if (InvalidBoxCount != 0) hash ^= InvalidBoxCount.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2846,6 +2866,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteUInt64(DroppedFrameCount);
       }
       shadowSamples_.WriteTo(output, _repeated_shadowSamples_codec);
+      if (InvalidBoxCount != 0) {
+        output.WriteRawTag(96);
+        output.WriteUInt32(InvalidBoxCount);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2873,6 +2897,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteUInt64(DroppedFrameCount);
       }
       shadowSamples_.WriteTo(ref output, _repeated_shadowSamples_codec);
+      if (InvalidBoxCount != 0) {
+        output.WriteRawTag(96);
+        output.WriteUInt32(InvalidBoxCount);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2898,6 +2926,9 @@ namespace Sweepstake.Protocol.V1 {
         size += 1 + pb::CodedOutputStream.ComputeUInt64Size(DroppedFrameCount);
       }
       size += shadowSamples_.CalculateSize(_repeated_shadowSamples_codec);
+      if (InvalidBoxCount != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt32Size(InvalidBoxCount);
+      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -2928,6 +2959,9 @@ namespace Sweepstake.Protocol.V1 {
         DroppedFrameCount = other.DroppedFrameCount;
       }
       shadowSamples_.Add(other.shadowSamples_);
+      if (other.InvalidBoxCount != 0) {
+        InvalidBoxCount = other.InvalidBoxCount;
+      }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -3002,6 +3036,10 @@ namespace Sweepstake.Protocol.V1 {
             shadowSamples_.AddEntriesFrom(input, _repeated_shadowSamples_codec);
             break;
           }
+          case 96: {
+            InvalidBoxCount = input.ReadUInt32();
+            break;
+          }
         }
       }
     #endif
@@ -3074,6 +3112,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 90: {
             shadowSamples_.AddEntriesFrom(ref input, _repeated_shadowSamples_codec);
+            break;
+          }
+          case 96: {
+            InvalidBoxCount = input.ReadUInt32();
             break;
           }
         }
