@@ -15,8 +15,7 @@ MOST_LINES_OF_MAIN = {"c": 40, "cpp": 12}
 ARM = r"(BruteForce|Grid|SAP|AxisSweep|DBVT|Tracy|KDTree)"
 SAID = {"c": rf"[1-9]\d{{4,}} touches, 0 invalid boxes, [1-9]\d* switches, at the end with {ARM}\n"
              r"\d+\.\d{3} ms instead of \d+\.\d{3} ms per frame\n",
-        "cpp": rf"BruteForce takes \d+\.\d{{3}} ms\n({ARM} takes \d+\.\d{{3}} ms\n){{2}}"
-               rf"(?!BruteForce){ARM} takes \d+\.\d{{3}} ms\n"}
+        "cpp": rf"({ARM}: \d+ us instead of \d+ us\n){{3}}(?!BruteForce){ARM}: \d+ us instead of \d+ us\n"}
 
 
 def check_length(program, most):

@@ -31,7 +31,8 @@ void InvalidBoxCounter::Follow(std::span<const Aabb> boxes) {
   box_count_ = boxes.size();
   next_ = std::min(next_, box_count_);
   pass_count_ = std::min(pass_count_, static_cast<uint32_t>(next_));
-  const size_t read_count = std::min(kBoxesPerFrame, box_count_ - next_);
+  const size_t share = (box_count_ + kFramesPerPass - 1) / kFramesPerPass;
+  const size_t read_count = std::min(std::max(share, kMinBoxesPerFrame), box_count_ - next_);
   pass_count_ += CountInvalid(boxes.subspan(next_, read_count));
   next_ += read_count;
   count_ = std::clamp(count_, pass_count_, static_cast<uint32_t>(box_count_));

@@ -3,8 +3,9 @@
 //
 // Reading every box in every frame would cost more than 1 % of a fast search. So all boxes are read
 // in frames that build, where this is little, and boxes that were added are read at once. Of the
-// others, kBoxesPerFrame are read in turn: a box that becomes invalid later is counted within
-// object count ÷ kBoxesPerFrame frames, and one that becomes valid within twice that.
+// others, each frame reads the next 1/kFramesPerPass, but at least kMinBoxesPerFrame: a box that
+// becomes invalid later is counted within kFramesPerPass frames, and one that becomes valid within
+// twice that.
 //
 // Not thread-safe. Allocates nothing.
 #pragma once
@@ -19,11 +20,12 @@ namespace sweepstake {
 
 class InvalidBoxCounter {
  public:
-  static constexpr size_t kBoxesPerFrame = 4;
+  static constexpr size_t kFramesPerPass = 256;
+  static constexpr size_t kMinBoxesPerFrame = 4;
 
   // Reads all boxes.
   void CountAll(std::span<const Aabb> boxes);
-  // Reads the boxes that were added since the previous call, and the next kBoxesPerFrame.
+  // Reads the boxes that were added since the previous call, and the next ones in turn.
   void Follow(std::span<const Aabb> boxes);
 
   uint32_t count() const { return count_; }

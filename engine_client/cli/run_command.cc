@@ -199,6 +199,7 @@ class Player {
     }
     if (!view_) return;
     view_.reset();
+    ReleaseSuspendSignal();
     PrintText(terminal_, events_);
   }
 

@@ -2,7 +2,7 @@
 // subnormal numbers and traps no exception. A game or a plug-in may have set another one.
 //
 // Every function of the library that a game calls, and that computes with floating-point numbers,
-// begins with
+// begins with the following line. In AdaptiveBroadPhase::EndFrame, the few computations do.
 //
 //   const FloatEnvironmentScope scope;
 //

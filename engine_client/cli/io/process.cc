@@ -67,4 +67,10 @@ void Suspend() {
   CatchSuspendSignal();
 }
 
+void ReleaseSuspendSignal() {
+  std::signal(SIGTSTP, SIG_DFL);
+  if (suspend_requested != 0) std::raise(SIGTSTP);
+  suspend_requested = 0;
+}
+
 }  // namespace sweepstake::cli

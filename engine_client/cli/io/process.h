@@ -27,5 +27,7 @@ bool SuspendRequested();
 // Stops this process as Ctrl-Z does if it is not caught. Returns when the process continues
 // (SIGCONT), or at once if no shell could continue it. REQUIRES: CatchSuspendSignal was called.
 void Suspend();
+// Ends CatchSuspendSignal. If Ctrl-Z has arrived, suspends first.
+void ReleaseSuspendSignal();
 
 }  // namespace sweepstake::cli

@@ -19,6 +19,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "sweepstake/adaptive_broad_phase.h"
@@ -47,6 +48,9 @@ class AdaptiveSession {
     return broad_phase_->FindPairs(boxes);
   }
   void EndFrame(const FrameEnd& frame) { broad_phase_->EndFrame(frame); }
+
+  // Returns the name of the active arm.
+  const std::string& arm() const { return broad_phase_->arms()[broad_phase_->active_arm()]; }
 
   AdaptiveBroadPhase& broad_phase() { return *broad_phase_; }
   const AdaptiveBroadPhase& broad_phase() const { return *broad_phase_; }

@@ -90,7 +90,7 @@ class BroadPhase {
 
  private:
   class StopScope;
-  // Calls the virtual functions and Search in its own FloatEnvironmentScope.
+  // Calls DoBuild, DoUpdate and Search, within its own FloatEnvironmentScope.
   friend class AdaptiveBroadPhase;
   // Sets max_pairs_.
   friend Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,

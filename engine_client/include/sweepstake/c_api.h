@@ -202,7 +202,7 @@ typedef struct swp_pair {
 
 /* ---- threads: large searches in parts ---- */
 
-/* Runs one part of a search; any thread of the caller may call it. */
+/* Runs one part of a search on any thread of the caller. Needs at most 48 KiB of stack. */
 typedef void (*swp_run_part)(void* job, uint64_t part);
 
 /* The caller's own job system. Call swp_executor_init, then set run_parts. The object that gets the

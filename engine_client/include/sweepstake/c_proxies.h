@@ -183,8 +183,8 @@ SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const sw
  * must be unchanged since they were read. Keeps the pairs whose filters pass, and adds the pairs of
  * moving and static proxies. SWP_INVALID_ARGUMENT unless each pair has a < b and both are indices
  * of these boxes. After SWP_RESOURCE_EXHAUSTED (memory) there are no pairs and no events. The next
- * successful resolve reports all events since the latest successful one. So skip it in a frame
- * whose search exceeded max_pairs, and no pair ends. */
+ * successful resolve reports all events since the latest successful one. Skip it in a
+ * frame whose search exceeded max_pairs; no pair ends then. */
 SWP_API swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pairs,
                                        uint64_t moving_pair_count);
 /* The pairs of the latest resolve, valid until the next one. They may share memory with

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "engine_client/text/counts.h"
 #include "server/net/peer_address.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
@@ -205,9 +206,8 @@ void TelemetryStream::ReportSuspension(const sessions::GameSession& session) {
 void TelemetryStream::ReportInvalidBoxes(const sessions::GameSession& session, uint32_t count) {
   if (!NoteIsDue(streams_.next_invalid_boxes_note_ns)) return;
   context_.log.warn(
-      "session {}: {} objects of the game have invalid boxes (infinite, NaN or min > max) and "
-      "therefore collide with nothing",
-      session.identity().id, count);
+      "session {}: invalid boxes (infinite, NaN or min > max), which collide with nothing: {}",
+      session.identity().id, text::Counted(count, "object"));
 }
 
 void TelemetryStream::OnHalfClose() {

@@ -45,7 +45,7 @@ TEST(InvalidBoxCounter, CountsInfiniteInvertedAndUndefinedBoxesButNoEmptyOnes) {
 
 TEST(InvalidBoxCounter, CountsAddedBoxesAtOnceAndChangedOnesInTurn) {
   constexpr size_t kCount = 80;
-  constexpr size_t kFramesPerPass = kCount / InvalidBoxCounter::kBoxesPerFrame + 1;
+  constexpr size_t kFramesPerPass = kCount / InvalidBoxCounter::kMinBoxesPerFrame + 1;
   std::vector<Aabb> boxes(kCount, kUnit);
   boxes[7] = kPlane;
   InvalidBoxCounter counter;
@@ -68,6 +68,15 @@ TEST(InvalidBoxCounter, CountsAddedBoxesAtOnceAndChangedOnesInTurn) {
   boxes.resize(kCount);
   for (size_t frame = 0; frame < 2 * kFramesPerPass; ++frame) counter.Follow(boxes);
   EXPECT_EQ(counter.count(), 0U);
+}
+
+TEST(InvalidBoxCounter, ReadsEveryBoxWithinAPassOfALargeScene) {
+  std::vector<Aabb> boxes(100'000, kUnit);
+  InvalidBoxCounter counter;
+  counter.CountAll(boxes);
+  boxes.front() = boxes[54'321] = boxes.back() = kPlane;
+  for (size_t frame = 0; frame < InvalidBoxCounter::kFramesPerPass; ++frame) counter.Follow(boxes);
+  EXPECT_EQ(counter.count(), 3U);
 }
 
 TEST(InvalidBoxCounter, NeverExceedsTheNumberOfBoxes) {

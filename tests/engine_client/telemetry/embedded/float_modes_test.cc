@@ -110,24 +110,31 @@ TEST(DecisionsInFloatModes, TheScriptedGameSwitchesAndLogs) {
   EXPECT_NE(log, DecisionsOf("paper"));
 }
 
-// Returns the samples, descriptors and pairs of some frames.
+// Returns the samples, descriptors, switch outcomes and pairs of some frames. Every tenth frame
+// switches; it and the next one take longer. One frame is a bail-out without a decider.
 std::string FramesOf(const std::vector<std::vector<Aabb>>& frames) {
+  constexpr size_t kBailOutFrame = 75;
   test_support::RecordingSink sink;
   test_support::ScriptedClock clock;
-  clock.SetReading(1000);
   AdaptiveOptions options;
   options.shadow.enabled = ShadowMode::kOff;
+  options.settling_ns = 64 * test_support::kMs;
   const auto adaptive = std::move(*AdaptiveBroadPhase::Create(options, &sink, clock));
+  adaptive->SetPosteriorMeans(std::vector<double>{0.1, 0.2, 0.7, 0.3, 0.4, 0.5, 0.6});
   std::string bytes;
   for (size_t frame = 0; frame < frames.size(); ++frame) {
+    const bool bails_out = frame == kBailOutFrame;
     if (frame % 10 == 9) {
       (void)adaptive->SelectArm(adaptive->arms()[frame / 10 % adaptive->arms().size()]);
     }
     adaptive->BeginFrame();
+    clock.SetReading(bails_out ? kBailOutNs : 1000);
     for (const OverlapPair& pair : adaptive->FindPairs(frames[frame])) {
       bytes.append(reinterpret_cast<const char*>(&pair), sizeof pair);
     }
-    adaptive->EndFrame({.frame_time_ns = 16 * test_support::kMs});
+    const uint64_t frame_ms = (frame + 1) % 10 < 2 ? 21 : 16;
+    adaptive->EndFrame(
+        {.frame_time_ns = bails_out ? 2 * kBailOutNs : frame_ms * test_support::kMs});
   }
   for (const FrameSample& sample : sink.frames) {
     bytes.append(reinterpret_cast<const char*>(&sample), sizeof sample);
@@ -135,7 +142,13 @@ std::string FramesOf(const std::vector<std::vector<Aabb>>& frames) {
   for (const SceneDescriptor& descriptor : sink.descriptors) {
     bytes.append(reinterpret_cast<const char*>(&descriptor), sizeof descriptor);
   }
+  for (const SwitchOutcome& outcome : sink.switches) {
+    bytes += std::to_string(outcome.arm) + ' ' + std::to_string(outcome.settling_cost_ns) + '\n';
+  }
   EXPECT_GT(sink.descriptors.size(), 0U);
+  EXPECT_TRUE(std::ranges::any_of(
+      sink.switches, [](const SwitchOutcome& outcome) { return outcome.settling_cost_ns > 0; }));
+  EXPECT_EQ(sink.frames[kBailOutFrame + 1].arm, 2U) << "the arm with the highest mean";
   return bytes;
 }
 
