@@ -13,7 +13,7 @@ namespace sweepstake::cli {
 
 // Defines the JSON conversions, in the namespace of the structs because the JSON library searches
 // there. The names of the fields are also their names in the file.
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentCell, scene, object_count, scene_seed)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentCell, scene, object_count)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RecordedSwitch, time_s, frame, from, to, reason, rebuild_ns,
                                    settling_ns)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RecordedDecision, time_s, active_arm, candidate, outcome, reason,
@@ -23,21 +23,21 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MetricWindow, time_s, arm, frame_count, frame
                                    frame_us_max, detection_us_mean, check_count_mean,
                                    pair_count_mean, native_bytes_max, object_count)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ArmActivity, frame_count, active_ns, detection_ns)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord, cell, policy, run, seed, initial_arm, time_scale,
-                                   start_utc, arms, exploration_s, end_s, switches, decisions,
-                                   windows, explored, observed, controls, time, shadow_visit_count,
-                                   warm_switch_count, dropped_frame_count)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord, cell, policy, run, scene_seed, seed, initial_arm,
+                                   time_scale, start_utc, arms, exploration_s, end_s, switches,
+                                   decisions, windows, explored, observed, controls, time,
+                                   shadow_visit_count, warm_switch_count, dropped_frame_count)
 
 namespace {
 
 constexpr const char* kManifestName = "manifest.json";
 constexpr DocumentFormat kFormat{.name = "sweepstake-experiment",
-                                 .version = 1,
+                                 .version = 2,
                                  .kind = "manifest of an experiment",
                                  .is_indented = true};
 
 constexpr DocumentFormat kRunFormat{
-    .name = "sweepstake-experiment-run", .version = 1, .kind = "record of a run"};
+    .name = "sweepstake-experiment-run", .version = 2, .kind = "record of a run"};
 
 // Returns whether all lists and arm indices match the number of arms, since later code indexes by
 // arm without checks.
@@ -93,7 +93,7 @@ Json RunsJson(const ExperimentPlan& plan) {
   Json runs = Json::array();
   for (const PlannedRun& run : plan.runs) {
     runs.push_back({{"run", run.label()},
-                    {"scene_seed", run.cell.scene_seed},
+                    {"scene_seed", run.scene_seed},
                     {"decision_seed", run.seed},
                     {"initial_arm", run.initial_arm}});
   }
@@ -106,8 +106,8 @@ std::filesystem::path ExperimentFolder::RunFile(const PlannedRun& run) const {
   return path_ / "runs" / (run.label() + ".json");
 }
 
-std::filesystem::path ExperimentFolder::TraceFile(const ExperimentCell& cell) const {
-  return path_ / "traces" / (cell.label() + ".costs");
+std::filesystem::path ExperimentFolder::TraceFile(const PlannedScene& scene) const {
+  return path_ / "traces" / (scene.label() + ".costs");
 }
 
 Status ExperimentFolder::Create() const {

@@ -4,7 +4,7 @@
 //
 //   manifest.json   options, seeds, machine, versions, command lines, state
 //   runs/           one record per finished run
-//   traces/         the costs of every arm on every frame of a cell's scene
+//   traces/         the costs of every arm on every frame of each scene
 //   *.csv, tables.txt, experiment.json, report.html
 #pragma once
 
@@ -135,7 +135,7 @@ class ExperimentFolder {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path RunFile(const PlannedRun& run) const;
-  std::filesystem::path TraceFile(const ExperimentCell& cell) const;
+  std::filesystem::path TraceFile(const PlannedScene& scene) const;
 
   // Creates the folders. Error: kInvalidArgument (a folder cannot be created, or the folder already
   // contains an experiment).

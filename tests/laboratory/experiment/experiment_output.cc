@@ -108,6 +108,7 @@ Json RunJson(const PlayedRun& run) {
   Json json = {{"cell", record.cell.label()},
                {"policy", record.policy},
                {"run", record.run},
+               {"scene_seed", record.scene_seed},
                {"arms", record.arms},
                {"exploration_s", record.exploration_s},
                {"end_s", record.end_s},
@@ -169,6 +170,7 @@ Json ComparisonJson(const PairedComparison& each) {
           {"ci95", IntervalJson(each.ci95)},
           {"p", each.wilcoxon.probability},
           {"p_corrected", each.corrected_probability},
+          {"p_smallest", each.wilcoxon.smallest_probability},
           {"effect", each.wilcoxon.rank_correlation}};
 }
 
@@ -186,6 +188,7 @@ Json AgreementJson(const Agreement& each) {
 
 Json TruthJson(const CellTruth& truth) {
   return {{"cell", truth.cell.label()},
+          {"scenes", truth.scene_count},
           {"ranking", ListJson(truth.ranking, RankedJson)},
           {"control_ratio", truth.control_ratio},
           {"headroom", truth.headroom},
@@ -352,7 +355,9 @@ Json MetricRows(const RunRecord& record) {
 }
 
 Json TimeRows(const RunRecord& record) {
-  Json row = {{"start_utc", record.start_utc},
+  Json row = {{"scene_seed", record.scene_seed},
+              {"decision_seed", record.seed},
+              {"start_utc", record.start_utc},
               {"exploration_s", record.exploration_s},
               {"end_s", record.end_s}};
   row.update(nlohmann::json(record.time));
@@ -385,9 +390,11 @@ Status WriteRunCsv(std::span<const RunRecord> records, const fs::path& folder) {
 Json RegretRows(const CellTruth& truth) {
   Json rows = Json::array();
   for (const ReplayedPlayer& player : truth.players) {
+    const size_t games_per_scene = player.row.games.size() / player.scene_regrets.size();
     for (size_t i = 0; i < player.row.games.size(); ++i) {
       rows.push_back({{"player", player.name},
-                      {"seed", i + 1},
+                      {"scene", i / games_per_scene + 1},
+                      {"seed", i % games_per_scene + 1},
                       {"regret", player.row.games[i].regret_best_fixed}});
     }
   }

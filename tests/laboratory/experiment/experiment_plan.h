@@ -28,18 +28,33 @@ struct ExperimentOptions {
 struct ExperimentCell {
   std::string scene;  // a value of --scene
   uint32_t object_count = 0;
-  uint64_t scene_seed = 0;
 
   // Returns e.g. "brownian-1000"; for a recording the file's name without folder and extension.
   std::string label() const;
   friend bool operator==(const ExperimentCell&, const ExperimentCell&) = default;
 };
 
+// One scene of a cell. Runs of a cell with different numbers have different scenes, so that their
+// spread and the paired tests include the variation between scenes. A scene whose boxes do not
+// depend on the seed, such as a recording, is the only one of its cell.
+struct PlannedScene {
+  ExperimentCell cell;
+  uint32_t run = 0;   // the first run that plays it, from 1
+  uint64_t seed = 0;  // of the scene
+
+  // Returns "brownian-1000-1".
+  std::string label() const;
+  friend bool operator==(const PlannedScene&, const PlannedScene&) = default;
+};
+
+// All policies of a run number have the same scene, seed and initial arm, so they are compared in
+// pairs.
 struct PlannedRun {
   ExperimentCell cell;
   std::string policy;
   uint32_t run = 0;          // from 1
-  uint64_t seed = 0;         // for the decider; the same for all policies of a run
+  uint64_t scene_seed = 0;   // of the scene
+  uint64_t seed = 0;         // for the decider
   uint32_t initial_arm = 0;  // index of the first active arm; differs from run to run
 
   // Returns "brownian-1000-paper-1".
@@ -52,6 +67,7 @@ struct ExperimentPlan {
   ExperimentOptions options;
   uint64_t window_ns = 0;  // in real time, that is, divided by the time scale
   std::vector<ExperimentCell> cells;
+  std::vector<PlannedScene> scenes;  // ordered by cell, then run
   // Ordered by cell, then run, then policy. Runs that are compared follow one another, so that a
   // disturbance of the machine affects them alike.
   std::vector<PlannedRun> runs;

@@ -61,14 +61,16 @@ class InterruptedExperiment : public testing::Test {
   void Finish(const PlannedRun& run) {
     EXPECT_TRUE(WriteRecord(RecordOf(run), folder_.RunFile(run)).ok());
   }
-  // Writes a trace for each cell. As in the records, KDTree is the fastest arm.
+  // Writes a trace for each scene. As in the records, KDTree is the fastest arm.
   void TraceAll() {
     constexpr uint64_t kCostsNs[] = {50'000, 25'000, 50'000};
     SyntheticTrace trace;
     trace.arms = test_support::kRecordArms;
     trace.detection_ns = [&](uint32_t, uint32_t arm) { return kCostsNs[arm]; };
-    for (const ExperimentCell& cell : plan_.cells) {
-      EXPECT_TRUE(WriteCosts(folder_.TraceFile(cell), MakeTrace(trace)).ok());
+    for (const PlannedScene& scene : plan_.scenes) {
+      CostTrace costs = MakeTrace(trace);
+      costs.seed = scene.seed;
+      EXPECT_TRUE(WriteCosts(folder_.TraceFile(scene), costs).ok());
     }
   }
   void WriteManifest(size_t finished_count) {
@@ -107,7 +109,7 @@ TEST_F(InterruptedExperiment, PlaysAgainWhatIsOfAnotherRun) {
   EXPECT_FALSE(is_found([](RunRecord& record) { record.run = 2; }));
   EXPECT_FALSE(is_found([](RunRecord& record) { record.policy = "random"; }));
   EXPECT_FALSE(is_found([](RunRecord& record) { record.cell.object_count = 80; }));
-  EXPECT_FALSE(is_found([](RunRecord& record) { record.cell.scene_seed = 2; }));
+  EXPECT_FALSE(is_found([](RunRecord& record) { ++record.scene_seed; }));
 }
 
 TEST_F(InterruptedExperiment, ARecordThatIsCutOffAnywhereIsNoRecord) {
@@ -138,7 +140,7 @@ TEST_F(InterruptedExperiment, ARecordOfAnotherFormatIsRefusedAndNamed) {
   EXPECT_EQ(message([](json&) {}), "");
   EXPECT_THAT(message([](json& d) { d["format"] = "other"; }),
               HasSubstr("its format or version is not supported"));
-  EXPECT_THAT(message([](json& d) { d["version"] = 2; }),
+  EXPECT_THAT(message([](json& d) { d["version"] = 1; }),
               HasSubstr("its format or version is not supported"));
   EXPECT_THAT(message([](json& d) { d["run"].erase("switches"); }), HasSubstr("switches"));
   EXPECT_THAT(message([](json& d) { d["run"]["arms"] = 3; }), StartsWith(path.string()));
@@ -189,7 +191,7 @@ TEST_F(InterruptedExperiment, ItsManifestBringsEveryOptionBack) {
   ASSERT_EQ(again->runs.size(), plan->runs.size());
   for (size_t i = 0; i < plan->runs.size(); ++i) {
     EXPECT_EQ(again->runs[i].label(), plan->runs[i].label());
-    EXPECT_EQ(again->runs[i].seed, plan->runs[i].seed);
+    EXPECT_EQ(again->runs[i], plan->runs[i]);
   }
   EXPECT_EQ(read->options.replay_seed_count, 2U);
   EXPECT_EQ(Manifest()["state"], "complete");
@@ -206,6 +208,7 @@ TEST_F(InterruptedExperiment, ItsManifestHoldsTheSeedsAndTheScaledParameters) {
   ASSERT_EQ(manifest["runs"].size(), plan_.runs.size());
   for (size_t i = 0; i < plan_.runs.size(); ++i) {
     EXPECT_EQ(manifest["runs"][i]["run"], plan_.runs[i].label());
+    EXPECT_EQ(manifest["runs"][i]["scene_seed"], plan_.runs[i].scene_seed);
     EXPECT_EQ(manifest["runs"][i]["decision_seed"], plan_.runs[i].seed);
     EXPECT_EQ(manifest["runs"][i]["initial_arm"], plan_.runs[i].initial_arm);
   }
@@ -239,7 +242,7 @@ TEST_F(InterruptedExperiment, ResumingACompleteOneOnlyMakesItsResults) {
   TraceAll();
   WriteManifest(0);
   const std::string record = FileText(folder_.RunFile(plan_.runs[5]));
-  const std::string trace = FileText(folder_.TraceFile(plan_.cells[1]));
+  const std::string trace = FileText(folder_.TraceFile(plan_.scenes[3]));
   const CommandRun run = RunLabCommand("experiment --json --resume " + folder_.path().string());
   ASSERT_EQ(run.exit_code, kDone) << run.err;
   const json document = json::parse(run.out);
@@ -256,9 +259,11 @@ TEST_F(InterruptedExperiment, ResumingACompleteOneOnlyMakesItsResults) {
     EXPECT_EQ(row["truly_fastest"], "KDTree") << i;
     EXPECT_EQ(row["runs"], 2) << i;
   }
-  EXPECT_EQ(document["truths"].size(), 2U);
+  ASSERT_EQ(document["truths"].size(), 2U);
+  EXPECT_EQ(document["truths"][1]["scenes"], 2);
+  EXPECT_EQ(document["truths"][1]["comparisons"][0]["p_smallest"], 0.5) << "two scenes";
   EXPECT_EQ(FileText(folder_.RunFile(plan_.runs[5])), record);
-  EXPECT_EQ(FileText(folder_.TraceFile(plan_.cells[1])), trace);
+  EXPECT_EQ(FileText(folder_.TraceFile(plan_.scenes[3])), trace);
   EXPECT_EQ(json::parse(FileText(folder_.path() / "experiment.json")), document);
   EXPECT_THAT(FileText(folder_.path() / "tables.txt"), StartsWith("\nTable 3. Dominant"));
   EXPECT_EQ(Manifest()["state"], "complete");
@@ -291,7 +296,7 @@ TEST(StoppedExperimentDeathTest, LeavesAFolderThatSaysWhatWasAskedFor) {
   EXPECT_EQ(plan->runs.size(), 2U * 2 * 2 * 3);
   EXPECT_EQ(plan->runs[1].label(), "brownian-60-adaptive-without-gate-1");
   EXPECT_EQ(plan->cells[1].object_count, 80U);
-  EXPECT_EQ(plan->cells[1].scene_seed, 5U);
+  EXPECT_EQ(plan->options.seed, 5U);
   EXPECT_EQ(plan->window_ns, 240'000'000U);
   EXPECT_EQ(plan->options.trace_frame_count, 64U);
   EXPECT_EQ(plan->options.replay_seed_count, 2U);

@@ -153,6 +153,7 @@ TEST_F(ExperimentCsv, TimeHoldsEveryShareOfTheRunsTime) {
   const auto time = Rows("time.csv", report);
   std::map<std::string, std::string> row;
   for (size_t i = 0; i < time[0].size(); ++i) row[time[0][i]] = time[1][i];
+  EXPECT_EQ(row["scene_seed"] + row["decision_seed"], "1101");
   EXPECT_EQ(row["start_utc"], "2026-01-31T12:00:00Z");
   EXPECT_EQ(row["scene_step_ns"], "30000000");
   EXPECT_EQ(row["longest_decision_ns"], "60000");
@@ -165,7 +166,7 @@ TEST_F(ExperimentCsv, TimeHoldsEveryShareOfTheRunsTime) {
 
 TEST_F(ExperimentCsv, QuotesALabelWithAComma) {
   ExperimentReport report;
-  report.records = {MakeRecord({"a,b.aabbs", 7, 1}, "paper", 1, 0, 60)};
+  report.records = {MakeRecord({"a,b.aabbs", 7}, "paper", 1, 0, 60)};
   ASSERT_TRUE(WriteExperimentCsv(report, folder_.path()).ok());
   EXPECT_THAT(test_support::FileText(folder_.path() / "final.csv"),
               HasSubstr("\r\n\"a,b-7-paper-1\",SAP,9.0,1.0,0.9,10.0,0.6,1,"));
@@ -268,6 +269,7 @@ TEST(ExperimentDocument, HasTheRunsByCellThenPolicyThenNumber) {
   EXPECT_EQ(run["arms"], json(test_support::kRecordArms));
   EXPECT_NEAR(run["active_shares"][1].get<double>(), 0.6, 1e-12);
   EXPECT_EQ(run["decisions"], 3);
+  EXPECT_EQ(run["scene_seed"], 1);
   EXPECT_EQ(run["time"].size(), 10U);
 }
 

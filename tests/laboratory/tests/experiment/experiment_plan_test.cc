@@ -117,6 +117,30 @@ TEST(ExperimentPlan, GivesEachRunOfACellItsOwnSeedAndPoliciesTheSame) {
   EXPECT_EQ(seeds.size(), plan.runs.size() / 2);
 }
 
+TEST(ExperimentPlan, GivesEachRunOfACellItsOwnSceneAndPoliciesTheSame) {
+  const ExperimentPlan plan = PlanOf(SmallOptions());
+  ASSERT_THAT(Labels(plan.scenes),
+              ElementsAre("hurricane-60-1", "hurricane-60-2", "brownian-60-1", "brownian-60-2"));
+  std::set<uint64_t> seeds;
+  for (size_t i = 0; i < plan.runs.size(); i += 2) {
+    EXPECT_EQ(plan.runs[i].scene_seed, plan.runs[i + 1].scene_seed);
+    EXPECT_EQ(plan.runs[i].scene_seed, plan.scenes[i / 2].seed);
+    EXPECT_NE(plan.runs[i].scene_seed, plan.runs[i].seed) << "scene and decisions are independent";
+    seeds.insert(plan.runs[i].scene_seed);
+  }
+  EXPECT_EQ(seeds.size(), plan.runs.size() / 2);
+}
+
+// The boxes of this scene are the same with every seed.
+TEST(ExperimentPlan, HasOneSceneIfTheSeedDoesNotMatter) {
+  ExperimentOptions options = SmallOptions();
+  options.scenes = {"suite-b"};
+  const ExperimentPlan plan = PlanOf(options);
+  ASSERT_THAT(Labels(plan.scenes), ElementsAre("suite-b-60-1"));
+  for (const PlannedRun& run : plan.runs) EXPECT_EQ(run.scene_seed, plan.scenes[0].seed);
+  EXPECT_NE(plan.runs[0].seed, plan.runs[2].seed);
+}
+
 TEST(ExperimentPlan, SeedsAreOddAndEveryReaderOfJsonKeepsThem) {
   ExperimentOptions options = SmallOptions();
   options.seed = ~uint64_t{0};
@@ -124,10 +148,11 @@ TEST(ExperimentPlan, SeedsAreOddAndEveryReaderOfJsonKeepsThem) {
   for (const PlannedRun& run : plan.runs) {
     EXPECT_LT(run.seed, uint64_t{1} << 53) << run.label();
     EXPECT_EQ(run.seed % 2, 1U) << run.label();
-    EXPECT_EQ(run.cell.scene_seed, options.seed) << run.label();
+    EXPECT_LT(run.scene_seed, uint64_t{1} << 53) << run.label();
   }
   options.seed = 7;
   EXPECT_NE(PlanOf(options).runs[0].seed, plan.runs[0].seed);
+  EXPECT_NE(PlanOf(options).runs[0].scene_seed, plan.runs[0].scene_seed);
 }
 
 TEST(ExperimentPlan, KeepsTheSeedsOfACellInAnotherGrid) {
@@ -139,7 +164,7 @@ TEST(ExperimentPlan, KeepsTheSeedsOfACellInAnotherGrid) {
   for (const PlannedRun& run : PlanOf({}).runs) {
     if (run.label() != alone.label()) continue;
     ++found;
-    EXPECT_EQ(run.seed, alone.seed);
+    EXPECT_EQ(run, alone);
   }
   EXPECT_EQ(found, 1U);
 }
@@ -166,6 +191,7 @@ TEST(ExperimentPlan, ARecordingIsACellWithItsOwnCountOfObjects) {
   const ExperimentPlan plan = PlanOf(options);
   ASSERT_THAT(Labels(plan.cells), ElementsAre("level-50"));
   EXPECT_EQ(plan.cells[0].scene, file);
+  EXPECT_EQ(plan.scenes.size(), 1U) << "a recording is the same in every run";
   EXPECT_EQ(plan.runs[1].label(), "level-50-random-1");
 }
 

@@ -20,7 +20,7 @@ using test_support::PlanOf;
 using test_support::TemporaryDirectory;
 using testing::HasSubstr;
 
-const ExperimentCell kCell{"brownian", 1000, 1};
+const ExperimentCell kCell{"brownian", 1000};
 
 TEST(RunRecordFile, ComesBackAsItWas) {
   const TemporaryDirectory folder;
@@ -32,6 +32,7 @@ TEST(RunRecordFile, ComesBackAsItWas) {
   EXPECT_EQ(FileText(folder.path() / "a.json"), FileText(folder.path() / "b.json"));
   EXPECT_EQ(read->decisions[1].best_probability, record.decisions[1].best_probability);
   EXPECT_EQ(read->seed, record.seed);
+  EXPECT_EQ(read->scene_seed, record.scene_seed);
 }
 
 TEST(PlayedRun, CountsOnlyWhatIsInTheObservationWindow) {
@@ -96,7 +97,7 @@ TEST(ExperimentTables, StandInThePapersLayoutWithItsFiguresBeside) {
   options.object_counts = {1000};
   options.policies = {"paper"};
   options.run_count = 2;
-  const ExperimentCell cell{"rotating-gravity", 1000, 1};
+  const ExperimentCell cell{"rotating-gravity", 1000};
   const std::vector<RunRecord> records{MakeRecord(cell, "paper", 1, 0, 60),
                                        MakeRecord(cell, "paper", 2, 0, 70)};
   ExperimentReport report;

@@ -39,11 +39,12 @@ TEST_F(ExperimentProgram, WritesTablesRawRowsAndManifest) {
   ASSERT_EQ(document["rows"].size(), 1U);
   EXPECT_EQ(document["rows"][0]["runs"], 2);
   EXPECT_TRUE(document["rows"][0].contains("replay_regret"));
-  for (const char* name : {"manifest.json", "tables.txt", "tables.csv", "activations.csv",
-                           "switches.csv", "decisions.csv", "posteriors.csv", "final.csv",
-                           "metrics.csv", "time.csv", "ranking.csv", "regret.csv", "agreement.csv",
-                           "comparisons.csv", "experiment.json", "traces/brownian-60.costs",
-                           "runs/brownian-60-paper-1.json", "runs/brownian-60-paper-2.json"}) {
+  for (const char* name :
+       {"manifest.json", "tables.txt", "tables.csv", "activations.csv", "switches.csv",
+        "decisions.csv", "posteriors.csv", "final.csv", "metrics.csv", "time.csv", "ranking.csv",
+        "regret.csv", "agreement.csv", "comparisons.csv", "experiment.json",
+        "traces/brownian-60-1.costs", "traces/brownian-60-2.costs", "runs/brownian-60-paper-1.json",
+        "runs/brownian-60-paper-2.json"}) {
     EXPECT_GT(FileText(folder_ / name).size(), 60U) << name;
   }
   EXPECT_EQ(json::parse(FileText(folder_ / "experiment.json")), document);

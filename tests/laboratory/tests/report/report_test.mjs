@@ -26,7 +26,7 @@ function makeReports() {
   makeReport('bench', 'bench', '--scene', 'suite-b,suite-g', '--objects', '100,300', '--frames', '10', '--arms', 'all');
   makeReport('experiment', 'experiment', '--scenes', 'brownian', '--objects', '60', '--time-scale', '1000', '--window', '3m', '--runs', '2',
     '--trace-frames', '64', '--replay-seeds', '2', '--out', file('out'));
-  makeReport('replay', 'replay', '--costs', file('out/traces/brownian-60.costs'), '--policy', 'default,paper,fixed,oracle', '--seeds', '3',
+  makeReport('replay', 'replay', '--costs', file('out/traces/brownian-60-1.costs'), '--policy', 'default,paper,fixed,oracle', '--seeds', '3',
     '--run', '1m');
 }
 

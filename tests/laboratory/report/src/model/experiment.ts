@@ -26,13 +26,14 @@ export interface Player {
 }
 export interface Comparison {
   policy: string; baseline: string; pairs: number; difference: number; ci95: Interval; p: number; p_corrected: number; effect: number;
+  p_smallest: number; // the smallest p that this number of pairs can have
 }
 export interface Agreement {
   policy: string; runs: number; regret: number; replayed_regret: Interval; regret_agrees: boolean;
   active_share: number; replayed_active_share: Interval; share_agrees: boolean; measured_regret: number;
 }
 export interface Truth {
-  cell: string; ranking: { arm: string; mean_ns: number; ratio: number }[]; control_ratio: number; headroom: number;
+  cell: string; scenes: number; ranking: { arm: string; mean_ns: number; ratio: number }[]; control_ratio: number; headroom: number;
   players: Player[]; comparisons: Comparison[]; agreements: Agreement[];
 }
 // The paper's printed values of a cell.
@@ -95,6 +96,13 @@ export function agreementCounts({ truths }: ExperimentDocument): { regret: numbe
     all: all.length, regret: all.filter((each) => each.regret_agrees).length, share: all.filter((each) => each.share_agrees).length,
     disturbed: all.filter((each) => Math.abs(each.measured_regret - each.regret) > DISTURBED).length,
   };
+}
+
+// Returns the smallest p that the comparisons of a family can have, and the same after Holm's correction. If all of them have the
+// smallest p, the correction multiplies it by the number of comparisons.
+export function smallestProbability(family: Comparison[]): { p: number; corrected: number; pairs: number } {
+  const p = Math.min(1, ...family.map((each) => each.p_smallest));
+  return { p, corrected: Math.min(1, p * family.length), pairs: Math.max(0, ...family.map((each) => each.pairs)) };
 }
 
 export const noisyCells = ({ truths }: ExperimentDocument) =>

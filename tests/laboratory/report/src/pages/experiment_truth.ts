@@ -1,10 +1,10 @@
 // Compares live runs with the traces: the ranking of the algorithms, regret by replay, significance tests, and live against replayed
 // regret.
 import { byValue, rangeChart, type RangeRow } from '../charts/range_chart';
-import { details, small, verdict, type Child } from '../dom';
-import { interval, mean, percent, probability, share, significant, times } from '../../../../../server/dashboard/src/format';
+import { details, paragraph, small, verdict, type Child } from '../dom';
+import { counted, interval, mean, percent, probability, share, significant, times } from '../../../../../server/dashboard/src/format';
 import { microseconds, shareInterval } from '../format';
-import { regretsByPlayer, replayed, type Agreement, type Comparison, type ExperimentDocument, type Truth } from '../model/experiment';
+import { regretsByPlayer, replayed, smallestProbability, type Agreement, type Comparison, type ExperimentDocument, type Truth } from '../model/experiment';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell, type Group } from '../table';
 import { armChip } from './experiment_cells';
 import type { Words } from './experiment_words';
@@ -36,7 +36,7 @@ function regretTable(truths: Truth[], words: Words): HTMLElement {
       return cell([percent(regret), small(interval(ci95)), small(percent(after_start_up))], regret, is_policy && regret === best(truth) ? 'best' : '');
     })]);
   return drawTable({ id: 'regret-table', groups: [{ rows }], head: [columns('Player', ...truths.map(({ cell: name }) => words.cellName(name)))],
-    caption: 'Mean regret of each player over its games, including start and exploration; below it the 95 % interval, and the mean after ' +
+    caption: 'Mean regret of each player over its games, including start and exploration; below it the 95 % interval over the scenes, and the mean after ' +
       'the start-up. The policy with the lowest regret in each cell is marked' });
 }
 
@@ -54,6 +54,16 @@ function comparisonGroup(title: string, comparisons: Comparison[], words: Words)
     cell(probability(each.p_corrected), each.p_corrected), cell(significant(each.effect, 2), each.effect)]) };
 }
 
+const SIGNIFICANT = 0.05;
+
+// Says how small p can be, because a few pairs cannot show a difference, however large it is.
+export function smallestText(unit: string, family: Comparison[]): string {
+  const { p, corrected, pairs } = smallestProbability(family);
+  const limit = `With ${counted(pairs, 'pair', 'pairs')} (${unit}), p is at least ${probability(p)}, and at least ${probability(corrected)} after ` +
+    `Holm’s correction for ${counted(family.length, 'comparison', 'comparisons')}.`;
+  return corrected > SIGNIFICANT ? `${limit} So no corrected p can be small here: a large p does not show that two policies are equal.` : limit;
+}
+
 export function comparisonTables(document: ExperimentDocument, words: Words): Child[] {
   const { over_cells } = document;
   if (over_cells.length === 0) return [];
@@ -61,8 +71,12 @@ export function comparisonTables(document: ExperimentDocument, words: Words): Ch
     head: [columns('Baseline', 'Pairs', 'Difference', '95 % interval', 'p', 'p, corrected', 'Effect')],
     caption: `${words.policyTitle('default')} against each baseline, paired: the difference of regret (negative: AI Decides loses less), its 95 % bootstrap ` +
       'interval, p of Wilcoxon’s signed-rank test, the same with Holm’s correction, and the rank-biserial effect size' });
-  return [draw('comparisons', [comparisonGroup('All cells; a pair per cell', over_cells, words)]), details('Each cell', draw('comparisons-by-cell', replayed(document).map((truth) =>
-    comparisonGroup(`${words.cellName(truth.cell)}; a pair per seed`, truth.comparisons, words))))];
+  const truths = replayed(document);
+  const longest = truths.reduce((a, b) => (b.scenes > a.scenes ? b : a));
+  return [draw('comparisons', [comparisonGroup('All cells; a pair per cell', over_cells, words)]), paragraph(smallestText('cells', over_cells)),
+    details('Each cell', draw('comparisons-by-cell', truths.map((truth) =>
+      comparisonGroup(`${words.cellName(truth.cell)}; a pair per scene`, truth.comparisons, words))),
+    paragraph(smallestText('scenes of a cell', longest.comparisons)))];
 }
 
 const agreementStyle = (agrees: boolean): PlayerStyle =>

@@ -90,13 +90,15 @@ export function method({ options, time_scale: scale }: ExperimentDocument): HTML
     'Each live run is a game without graphics. The scene moves, the active algorithm finds all pairs, and the decider receives the frame’s ' +
     'cost and commands switches. It starts without priors. A policy with exploration, such as the paper’s, first tries every algorithm ' +
     'once, before the observation window. The policy of AI Decides learns from its shadow lane instead.',
-    'The runs of one cell have the same scene, but different seeds of the decider and different first algorithms. Runs of two policies ' +
-    'with the same number have the same seed and the same first algorithm.',
+    'The runs of one cell have different scenes (the same kind and object count, another seed), different seeds of the decider and ' +
+    'different first algorithms. Runs of two policies with the same number have the same scene, seed and first algorithm. A recording, or a ' +
+    'scene without random parts, is the same in every run.',
     'Right after a run, every algorithm ran alone on the same scene. The regret as the clock measured it is relative to the best of these.',
-    `The ranking comes from a trace: every algorithm was timed on each of ${grouped(options.trace_frame_count)} frames of the same scene, in ` +
+    `The ranking comes from a trace per scene: every algorithm was timed on each of ${grouped(options.trace_frame_count)} frames of the same scene, in ` +
     'turn. “Same twice” is the ratio of two measurements of one algorithm, which differ only by noise.',
-    `Replay plays each policy ${options.replay_seed_count} times on the trace in virtual time, at 10 ms per frame and with the paper’s ` +
-    'unscaled intervals. Regret is frame time ÷ that of the best fixed algorithm, minus 1. Confidence intervals are bootstrapped over the seeds.',
+    `Replay plays each policy at least ${counted(options.replay_seed_count, 'time', 'times')} per cell on the traces in virtual time, at 10 ms per frame ` +
+    'and with the paper’s unscaled intervals. Regret is frame time ÷ that of the best fixed algorithm, minus 1. Games on the same scene are averaged ' +
+    'first: intervals and tests have one value per scene, or per cell. An interval from fewer than ten values is too narrow.',
     'To compare live runs with replay, replay also ran with the frame times, the other work and the time scale of the live runs. ' +
     'The predicted interval is the mean of its games ± 1.96 of their standard deviations × √(1/runs + 1/games).',
     scale > 1 && 'The time scale divides all intervals of the decider and the observation window. So a run has as many decisions and ' +
