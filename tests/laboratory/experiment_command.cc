@@ -147,6 +147,7 @@ void Declare(CLI::App& command, CommandOptions& options) {
       ->check(CLI::Range(uint32_t{2}, uint32_t{10'000}));
   command.add_option("--seed", experiment.seed, "Seed from which all other seeds are derived")
       ->check(NotNegative());
+  AddDecisionOptions(command, experiment.decision);
   command.add_flag("--quick", experiment.quick,
                    "Run only six cells (1000 and 3000 objects) once each, as a quick test");
   AddJsonFlag(command, options.json);

@@ -8,6 +8,7 @@
 #include "sweepstake/machine_class.h"
 #include "tests/laboratory/game/machine.h"
 #include "tests/laboratory/io/document_file.h"
+#include "tests/laboratory/replay/replay_output.h"
 
 namespace sweepstake::cli {
 
@@ -70,25 +71,6 @@ Json ClassedMachineJson() {
   return machine;
 }
 
-// Returns the parameters of the paper's decision rule after division by the time scale.
-Json DecisionJson(double time_scale) {
-  const decision::DecisionOptions options = decision::DecisionOptions{}.Scaled(time_scale);
-  return {{"decision_interval_ns", options.decision_interval_ns},
-          {"cooldown_ns", options.cooldown_ns},
-          {"settling_ns", options.settling_ns},
-          {"bail_out_ns", options.bail_out_ns},
-          {"exploration_warm_up_ns", options.exploration_warm_up_ns},
-          {"exploration_measure_ns", options.exploration_measure_ns},
-          {"bail_out_penalty", options.bail_out_penalty},
-          {"fps_floor", options.fps_floor},
-          {"weights",
-           {{"fps", options.weights.fps},
-            {"detection", options.weights.detection},
-            {"memory", options.weights.memory},
-            {"checks", options.weights.checks}}},
-          {"priors", "Beta(1,1)"}};
-}
-
 Json RunsJson(const ExperimentPlan& plan) {
   Json runs = Json::array();
   for (const PlannedRun& run : plan.runs) {
@@ -141,16 +123,18 @@ Result<ExperimentManifest> ExperimentFolder::ReadManifest() const {
 Status ExperimentFolder::WriteManifest(const ExperimentPlan& plan,
                                        const std::vector<ExperimentSession>& sessions,
                                        size_t finished_count) const {
-  return WriteDocument(path_ / kManifestName, kFormat,
-                       {{"state", finished_count == plan.runs.size() ? "complete" : "partial"},
-                        {"finished_runs", finished_count},
-                        {"planned_runs", plan.runs.size()},
-                        {"options", nlohmann::json(plan.options)},
-                        {"window_ns", plan.window_ns},
-                        {"decider", DecisionJson(plan.options.time_scale)},
-                        {"machine", ClassedMachineJson()},
-                        {"sittings", nlohmann::json(sessions)},
-                        {"runs", RunsJson(plan)}});
+  return WriteDocument(
+      path_ / kManifestName, kFormat,
+      {{"state", finished_count == plan.runs.size() ? "complete" : "partial"},
+       {"finished_runs", finished_count},
+       {"planned_runs", plan.runs.size()},
+       {"options", nlohmann::json(plan.options)},
+       {"window_ns", plan.window_ns},
+       {"decider", DecisionJson(plan.options.decision.Scaled(plan.options.time_scale))},
+       {"priors", "Beta(1,1)"},
+       {"machine", ClassedMachineJson()},
+       {"sittings", nlohmann::json(sessions)},
+       {"runs", RunsJson(plan)}});
 }
 
 std::vector<RunRecord> ExperimentFolder::ReadRecords(const ExperimentPlan& plan) const {

@@ -18,6 +18,15 @@
 #include "sweepstake/status.h"
 #include "tests/laboratory/experiment/experiment_plan.h"
 
+namespace sweepstake::decision {
+
+// The options of the decider that an experiment can set.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RewardWeights, fps, detection, memory, checks)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DecisionOptions, weights, decision_interval_ns, cooldown_ns,
+                                   settling_ns)
+
+}  // namespace sweepstake::decision
+
 namespace sweepstake::cli {
 
 // The record of one live run, stored as a JSON file. The tables, the CSV files and the report are
@@ -121,7 +130,7 @@ struct ExperimentSession {
 // there. The names of the fields are also their names in JSON.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentOptions, scenes, object_counts, policies, run_count,
                                    window, time_scale, seed, trace_frame_count, replay_seed_count,
-                                   quick)
+                                   decision, quick)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentSession, command_line, start_utc, end_utc)
 
 struct ExperimentManifest {

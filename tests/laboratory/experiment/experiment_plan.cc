@@ -46,11 +46,12 @@ uint64_t SeedOf(SeedPurpose purpose, uint64_t seed, const std::string& cell, uin
   return (math::Mix64(word + run) >> 11) | 1;
 }
 
-Status CheckPolicies(std::span<const std::string> policies) {
+Status CheckPolicies(const ExperimentOptions& options) {
+  const std::vector<std::string>& policies = options.policies;
   for (const std::string& policy : policies) {
-    decision::DecisionOptions options;
-    options.policy = policy;
-    if (const auto problem = decision::Validate(options, decision::StudyPolicies())) {
+    decision::DecisionOptions decision = options.decision;
+    decision.policy = policy;
+    if (const auto problem = decision::Validate(decision, decision::StudyPolicies())) {
       return {StatusCode::kInvalidArgument, *problem};
     }
     if (std::count(policies.begin(), policies.end(), policy) > 1) {
@@ -129,7 +130,7 @@ std::string PlannedRun::label() const {
 Result<ExperimentPlan> MakePlan(const ExperimentOptions& options) {
   ExperimentPlan plan;
   plan.options = WithDefaults(options);
-  if (Status status = CheckPolicies(plan.options.policies); !status.ok()) return status;
+  if (Status status = CheckPolicies(plan.options); !status.ok()) return status;
   const auto window_ns = ParseDuration(plan.options.window);
   if (!window_ns.ok()) return window_ns.status();
   plan.window_ns = static_cast<uint64_t>(static_cast<double>(*window_ns) / plan.options.time_scale);

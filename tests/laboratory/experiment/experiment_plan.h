@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/decider/options.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {
@@ -22,7 +23,8 @@ struct ExperimentOptions {
   uint64_t seed = 1;
   uint32_t trace_frame_count = 0;
   uint32_t replay_seed_count = 0;
-  bool quick = false;  // six cells, one run each
+  decision::DecisionOptions decision;  // before the time scale; `policy` is each run's
+  bool quick = false;                  // six cells, one run each
 };
 
 struct ExperimentCell {

@@ -107,7 +107,7 @@ class LiveRun {
  public:
   LiveRun(const PlannedRun& planned, const LiveOptions& options)
       : options_(options),
-        decisions_(decision::DecisionOptions{}.Scaled(options.time_scale)),
+        decisions_(options.decision.Scaled(options.time_scale)),
         meter_(static_cast<uint64_t>(decisions_.decision_interval_ns)) {
     static_cast<PlannedRun&>(record_) = planned;
     record_.time_scale = options.time_scale;
@@ -148,8 +148,12 @@ Status LiveRun::Prepare() {
   embedded.policy = record_.policy;
   embedded.seed = record_.seed;
   embedded.time_scale = options_.time_scale;
+  embedded.decision_interval_ns = static_cast<uint64_t>(options_.decision.decision_interval_ns);
+  embedded.cooldown_ns = static_cast<uint64_t>(options_.decision.cooldown_ns);
+  embedded.settling_ns = static_cast<uint64_t>(options_.decision.settling_ns);
   embedded.on_decision = [this](const DecisionEvent& event) { decision_recorder_.Add(event); };
-  auto session = MakeStudySession(decision::StudyPolicies(), embedded, options);
+  const StudyMaker maker{decision::StudyPolicies(), options_.decision.weights};
+  auto session = MakeStudySession(maker, embedded, options);
   if (!session.ok()) return session.status();
   session_ = std::move(*session);
   AdaptiveOptions adaptive;
@@ -396,7 +400,8 @@ Status PlayGrid(const ExperimentPlan& plan, const ExperimentFolder& folder,
       on_progress((static_cast<double>(done) + of_run) / static_cast<double>(missing.size()), text);
       return !StopRequested();
     };
-    const auto record = PlayLive(run, {plan.window_ns, plan.options.time_scale, go_on});
+    const auto record =
+        PlayLive(run, {plan.window_ns, plan.options.time_scale, plan.options.decision, go_on});
     if (!record.ok()) return record.status();
     if (!*record) return {};
     if (Status status = WriteRecord(**record, folder.RunFile(run)); !status.ok()) return status;
@@ -411,6 +416,7 @@ Result<ExperimentTruths> Assess(const ExperimentPlan& plan, const ExperimentFold
   options.seed_count = plan.options.replay_seed_count;
   options.thread_count = std::max(1U, std::thread::hardware_concurrency());
   options.time_scale = plan.options.time_scale;
+  options.decision = plan.options.decision;
   ExperimentTruths truths;
   for (size_t i = 0; i < plan.cells.size(); ++i) {
     const ExperimentCell& cell = plan.cells[i];

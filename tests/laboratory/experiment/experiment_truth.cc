@@ -202,7 +202,7 @@ Result<Agreement> Agree(std::span<const CostTrace> traces, const CellSummary& ce
   if (!scenes.ok()) return scenes.status();
   StudyOptions study;
   study.players = {{.name = cell.policy}};
-  study.decision = decision::DecisionOptions{}.Scaled(options.time_scale);
+  study.decision = options.decision.Scaled(options.time_scale);
   study.shadow.sweep_interval_min_ns = static_cast<uint64_t>(
       static_cast<double>(study.shadow.sweep_interval_min_ns) / options.time_scale);
   study.seed_count = GamesPerScene(options, traces.size());
@@ -271,6 +271,7 @@ Status AssessCell(std::span<const CostTrace> traces, std::span<const CellSummary
   if (!scenes.ok()) return scenes.status();
   StudyOptions study;
   study.players = JudgedPlayers(scenes->front().scene.arms());
+  study.decision = options.decision;
   study.seed_count = GamesPerScene(options, traces.size());
   study.thread_count = options.thread_count;
   const auto rows = RunStudy(*scenes, study, [&](uint64_t games, uint64_t all) {

@@ -86,7 +86,8 @@ struct ExperimentTruths {
 struct TruthOptions {
   uint32_t seed_count = 30;  // games of a player in a cell, divided evenly among its scenes
   uint32_t thread_count = 1;
-  double time_scale = 1;  // time scale of the live runs
+  double time_scale = 1;                    // time scale of the live runs
+  decision::DecisionOptions decision = {};  // before the time scale; `policy` is each player's
 };
 
 // Returns the figures that need only the traces: the ranking of the arms and the control ratio.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine_client/cli/io/duration.h"
+#include "engine_client/decider/session/session_setup.h"
 #include "engine_client/text/names.h"
 #include "tests/laboratory/policies/study_policies.h"
 #include "tests/laboratory/trace/cost_trace.h"
@@ -153,6 +154,9 @@ Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request) {
   if (!ratios.ok()) return ratios.status();
   const auto priors =
       std::find(kReplayPriorsNames.begin(), kReplayPriorsNames.end(), request.priors);
+  if (const auto problem = decision::Validate(request.study.decision, decision::StudyPolicies())) {
+    return Invalid(*problem);
+  }
   ReplayPlan plan{.scenes = std::move(*scenes), .study = request.study};
   plan.study.players = std::move(*players);
   plan.study.priors = static_cast<ReplayPriors>(priors - kReplayPriorsNames.begin());

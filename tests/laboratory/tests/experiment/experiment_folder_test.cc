@@ -179,6 +179,10 @@ TEST_F(InterruptedExperiment, ItsManifestBringsEveryOptionBack) {
   ExperimentOptions options = plan_.options;
   options.time_scale = 12.5;
   options.seed = 9;
+  options.decision.decision_interval_ns = 1'000'000'000;
+  options.decision.cooldown_ns = 8'000'000'000;
+  options.decision.settling_ns = 500'000'000;
+  options.decision.weights = {.fps = 0, .detection = 1, .memory = 0, .checks = 0};
   auto plan = MakePlan(options);
   ASSERT_TRUE(plan.ok());
   ASSERT_TRUE(folder_.WriteManifest(*plan, {}, plan->runs.size()).ok());
@@ -194,6 +198,12 @@ TEST_F(InterruptedExperiment, ItsManifestBringsEveryOptionBack) {
     EXPECT_EQ(again->runs[i], plan->runs[i]);
   }
   EXPECT_EQ(read->options.replay_seed_count, 2U);
+  EXPECT_EQ(read->options.decision.decision_interval_ns, 1'000'000'000);
+  EXPECT_EQ(read->options.decision.cooldown_ns, 8'000'000'000);
+  EXPECT_EQ(read->options.decision.settling_ns, 500'000'000);
+  EXPECT_EQ(read->options.decision.weights.detection, 1);
+  EXPECT_EQ(read->options.decision.weights.fps, 0);
+  EXPECT_EQ(Manifest()["decider"]["decision_interval_ns"], 80'000'000) << "divided by 12.5";
   EXPECT_EQ(Manifest()["state"], "complete");
 }
 
@@ -205,6 +215,7 @@ TEST_F(InterruptedExperiment, ItsManifestHoldsTheSeedsAndTheScaledParameters) {
   EXPECT_EQ(manifest["planned_runs"], 8);
   EXPECT_EQ(manifest["decider"]["decision_interval_ns"], 2'000'000'000);
   EXPECT_EQ(manifest["decider"]["weights"]["fps"], 0.55);
+  EXPECT_EQ(manifest["priors"], "Beta(1,1)");
   ASSERT_EQ(manifest["runs"].size(), plan_.runs.size());
   for (size_t i = 0; i < plan_.runs.size(); ++i) {
     EXPECT_EQ(manifest["runs"][i]["run"], plan_.runs[i].label());
@@ -279,8 +290,8 @@ TEST(StoppedExperimentDeathTest, LeavesAFolderThatSaysWhatWasAskedFor) {
   const std::string line =
       "experiment --scenes brownian,hurricane --objects 60,80 --policies "
       "paper,adaptive-without-gate --runs 3 --window 2m --time-scale 500 --seed 5 --trace-frames "
-      "64 "
-      "--replay-seeds 2 --out " +
+      "64 --replay-seeds 2 --interval 1s --cooldown 8s --settling 500ms --weights 0.1,0.2,0.3,0.4 "
+      "--out " +
       out.string();
   EXPECT_EXIT(
       {
@@ -297,6 +308,11 @@ TEST(StoppedExperimentDeathTest, LeavesAFolderThatSaysWhatWasAskedFor) {
   EXPECT_EQ(plan->runs[1].label(), "brownian-60-adaptive-without-gate-1");
   EXPECT_EQ(plan->cells[1].object_count, 80U);
   EXPECT_EQ(plan->options.seed, 5U);
+  EXPECT_EQ(plan->options.decision.decision_interval_ns, 1'000'000'000);
+  EXPECT_EQ(plan->options.decision.cooldown_ns, 8'000'000'000);
+  EXPECT_EQ(plan->options.decision.settling_ns, 500'000'000);
+  EXPECT_EQ(plan->options.decision.weights.memory, 0.3);
+  EXPECT_EQ(plan->options.decision.weights.checks, 0.4);
   EXPECT_EQ(plan->window_ns, 240'000'000U);
   EXPECT_EQ(plan->options.trace_frame_count, 64U);
   EXPECT_EQ(plan->options.replay_seed_count, 2U);

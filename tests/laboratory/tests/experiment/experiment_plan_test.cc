@@ -205,6 +205,8 @@ TEST(ExperimentPlan, NamesWhatThereIsNot) {
               HasSubstr("unknown policy 'papre', must be one of paper, default, "));
   EXPECT_THAT(message([](auto& o) { o.policies = {"paper", "paper"}; }), HasSubstr("twice"));
   EXPECT_THAT(message([](auto& o) { o.window = "long"; }), HasSubstr("60s"));
+  EXPECT_THAT(message([](auto& o) { o.decision.weights.fps = 0.5; }),
+              HasSubstr("make them sum to 1"));
   EXPECT_THAT(message([](auto& o) { o.scenes = {"nowhere"}; }), HasSubstr("hurricane"));
   EXPECT_THAT(message([](auto& o) {
                 o.scenes = {"hurricane", "hurricane"};
@@ -223,6 +225,32 @@ TEST(ExperimentPlan, AcceptsEveryAblation) {
   EXPECT_EQ(PlanOf(options).options.policies.size(), 7U);
   options.policies = {"adaptive-without-gates"};
   EXPECT_THAT(MakePlan(options).status().message(), HasSubstr("one of adaptive-without-gate,"));
+}
+
+// With the weight of the checks alone, the arm's reward is the share of pairs that it did not
+// check.
+TEST(StudyMaker, UsesTheRewardWeights) {
+  const auto reward = [](const decision::RewardWeights& weights) {
+    EmbeddedOptions options;
+    options.policy = "random";
+    const std::vector<std::string> arms = {"SAP"};
+    const std::vector<uint32_t> versions = {1};
+    const StudyMaker maker{decision::StudyPolicies(), weights};
+    const auto decider = maker.MakeDecider(options, arms, versions, 0);
+    EXPECT_TRUE(decider.ok()) << decider.status().message();
+    FrameSample frame{.frame_time_ns = 10'000'000, .object_count = 5};
+    frame.aabb_check_count = 5;  // of 10 pairs
+    uint64_t now_ns = 0;
+    for (int i = 0; i < 500; ++i) {
+      now_ns += frame.frame_time_ns;
+      frame.frame_index = static_cast<uint64_t>(i);
+      (*decider)->Observe({&frame, 1}, now_ns);
+      (*decider)->Poll(now_ns);
+    }
+    return (*decider)->last_decision()->reward;
+  };
+  EXPECT_EQ(reward({.fps = 0, .detection = 0, .memory = 0, .checks = 1}), 0.5);
+  EXPECT_EQ(reward({.fps = 0, .detection = 0, .memory = 1, .checks = 0}), 1);
 }
 
 TEST(StudyMaker, MakesADeciderForAnAblationThatAGameCannotChoose) {

@@ -103,6 +103,9 @@ TEST_F(ExperimentProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"experiment --window soon" + out, "60s"},
       {"experiment --time-scale 0.5" + out, "--time-scale"},
       {"experiment --runs 0" + out, "--runs"},
+      {"experiment --cooldown soon" + out, "60s"},
+      {"experiment --weights 1,0,0" + out, "four numbers"},
+      {"experiment --weights 1,1,0,0" + out, "make them sum to 1"},
       {"experiment --seed -1" + out, "negative"},
       {"experiment --quick --out /dev/null/x", "/dev/null/x"},
   };

@@ -8,9 +8,18 @@ import { posteriorPanels, switchTimelines } from './experiment_runs';
 import { comparisonTables, liveAgainstReplay, regretCharts, trueRanking } from './experiment_truth';
 import { lead, method, summary, wordsOf } from './experiment_words';
 
+// Returns the decider's parameters as terms. An older document does not have them.
+function deciderTerms({ decision }: ExperimentDocument['options']): [string, string][] {
+  if (!decision) return [];
+  const seconds = (ns: number) => `${compact(ns * 1e-9)} s`;
+  const { fps, detection, memory, checks } = decision.weights;
+  return [['Decision interval', seconds(decision.decision_interval_ns)], ['Cooldown', seconds(decision.cooldown_ns)], ['Settling', seconds(decision.settling_ns)],
+    ['Reward weights', `frame rate ${fps}, detection ${detection}, memory ${memory}, checks ${checks}`]];
+}
+
 function manifest({ machine, time_scale, options, sittings }: ExperimentDocument): Child[] {
   return [
-    machineList(machine, [['Time scale', compact(time_scale)], ['Window', options.window], ['Seed', String(options.seed)]]),
+    machineList(machine, [['Time scale', compact(time_scale)], ['Window', options.window], ['Seed', String(options.seed)], ...deciderTerms(options)]),
     h('h3', {}, 'Command lines'),
     sittings.map(({ command_line, start_utc, end_utc }) => [commandLine(command_line),
       h('p', { class: 'soft small' }, `From ${start_utc} to ${end_utc || 'an unknown end'}`)]),

@@ -97,7 +97,7 @@ export function method({ options, time_scale: scale }: ExperimentDocument): HTML
     `The ranking comes from a trace per scene: every algorithm was timed on each of ${grouped(options.trace_frame_count)} frames of the same scene, in ` +
     'turn. “Same twice” is the ratio of two measurements of one algorithm, which differ only by noise.',
     `Replay plays each policy at least ${counted(options.replay_seed_count, 'time', 'times')} per cell on the traces in virtual time, at 10 ms per frame ` +
-    'and with the paper’s unscaled intervals. Regret is frame time ÷ that of the best fixed algorithm, minus 1. Games on the same scene are averaged ' +
+    'and with unscaled intervals. Regret is frame time ÷ that of the best fixed algorithm, minus 1. Games on the same scene are averaged ' +
     'first: intervals and tests have one value per scene, or per cell. An interval from fewer than ten values is too narrow.',
     'To compare live runs with replay, replay also ran with the frame times, the other work and the time scale of the live runs. ' +
     'The predicted interval is the mean of its games ± 1.96 of their standard deviations × √(1/runs + 1/games).',
