@@ -141,9 +141,7 @@ std::string UnderivedText(const AuditReport& report) {
 
 std::string Signed(double value, int decimals) {
   const std::string text = Fixed(value, decimals);
-  if (!text.starts_with('-')) return '+' + text;
-  const bool is_zero = text.find_first_of("123456789") == std::string::npos;
-  return is_zero ? '+' + text.substr(1) : text;
+  return text.starts_with('-') ? text : '+' + text;
 }
 
 std::string SignedPercent(double ratio, int decimals) {

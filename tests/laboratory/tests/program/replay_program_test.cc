@@ -103,7 +103,7 @@ TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
   } cases[] = {
       {"", "give exactly one of --costs FILE.costs, --log FILE.csv and --recording FILE.aabbs"},
       {"--costs " + Costs() + " --log x.csv", "give exactly one of --costs"},
-      {"--costs " + Costs() + " --pass 1m,2m,3m", "--pass has 3 durations for 1 traces"},
+      {"--costs " + Costs() + " --pass 1m,2m,3m", "--pass has 3 durations for 1 trace;"},
       {"--costs " + Costs() + " --pass soon", "'soon' is not a duration"},
       {"--costs " + Costs() + " --policy pape", "must be one of paper, default, "},
       {"--costs " + Costs() + " --policy fixed:KDTree", "unknown traced arm 'KDTree'"},

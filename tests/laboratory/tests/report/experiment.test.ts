@@ -1,5 +1,6 @@
 import { activeShares, agreementCounts, chosenWell, meanRegret, noisyCells, smallestProbability, timeParts, verdictCounts, type Comparison, type ExperimentDocument, type Run, type Truth } from '../../report/src/model/experiment';
 import { smallestText } from '../../report/src/pages/experiment_truth';
+import { sameAsPaper, trulyFastest, wordsOf } from '../../report/src/pages/experiment_words';
 
 const player = (name: string, regret: number) => ({ name, is_policy: true, regret, ci95: [0, 0] as [number, number], after_start_up: 0, switches: 0, active_share: 1 });
 const truth = (cell: string, regret: number, more: Partial<Truth> = {}): Truth => ({
@@ -34,6 +35,13 @@ describe('an experiment', () => {
       'correction for 3 comparisons. So no corrected p can be small here: a large p does not show that two policies are equal.');
     expect(smallestText('cells', [{ pairs: 15, p_smallest: 2 ** -14 } as Comparison])).not.toContain('no corrected p');
     expect(smallestProbability([])).toEqual({ p: 1, corrected: 0, pairs: 0 });
+  });
+
+  it('counts one cell as one', () => {
+    const row = { policy: 'paper', cell: 'a', dominant: 'KDTree', scene: 'brownian', objects: 1000 };
+    const one = { truths: [truth('a', 0.1)], rows: [row], paper: [{ ...row }] } as unknown as ExperimentDocument;
+    expect(trulyFastest(one, wordsOf({ cells: [], own_policy: 'adaptive' }), 'paper')).toContain('in 1 of 1 cell.');
+    expect(sameAsPaper(one)).toContain('in 1 of 1 cell that both have.');
   });
 
   it('sums shares by algorithm, verdicts and time by part', () => {

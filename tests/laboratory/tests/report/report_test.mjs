@@ -212,6 +212,23 @@ async function checkApart(page) {
   assert.deepEqual(articles, [true, true]);
 }
 
+// On a phone the page is not wider than the screen, and no picture is scaled so that its letters become too small.
+async function checkNarrow(page) {
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+  assert.equal(wide, 0, 'the page can be scrolled sideways');
+  const pictures = await page.locator('figure .plot > svg.picture').evaluateAll((all) => all.map((svg) => ({
+    id: svg.closest('figure').id, scale: svg.getBoundingClientRect().width / svg.viewBox.baseVal.width,
+    lost: [...svg.querySelectorAll('text')].filter((text) => text.textContent.trim() && !text.closest('[aria-label*=title]')).filter((text) => {
+      const [outer, inner] = [svg.getBoundingClientRect(), text.getBoundingClientRect()];
+      return inner.left < outer.left - 1 || inner.right > outer.right + 1;
+    }).map((text) => text.textContent) })));
+  assert.ok(pictures.length > 0);
+  for (const { id, scale, lost } of pictures) {
+    assert.ok(scale > 0.9, `${id} is scaled by ${scale}`);
+    assert.deepEqual(lost, [], `${id} cuts texts off`);
+  }
+}
+
 async function handmadeInBrowser(context) {
   const show = async (name, document, check) => {
     writeReport(name, document);
@@ -252,5 +269,7 @@ await runInBrowser('report', async (browser, itsFolder) => {
   await inBrowser(context, 'sets', checkMeasuredSets);
   await inBrowser(context, 'experiment', checkExperiment);
   await inBrowser(context, 'replay', checkReplay);
+  const phone = await browser.newContext({ offline: true, viewport: { width: 390, height: 844 } });
+  for (const name of ['bench', 'experiment', 'replay']) await inBrowser(phone, name, checkNarrow);
   await handmadeInBrowser(context);
 });

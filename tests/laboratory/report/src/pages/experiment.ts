@@ -1,12 +1,13 @@
 // The page of `sweepstake-lab experiment`.
 import { h, paragraph, type Child } from '../dom';
-import { compact, percent } from '../../../../../server/dashboard/src/format';
+import { compact } from '../../../../../server/dashboard/src/format';
 import type { ExperimentDocument } from '../model/experiment';
 import { commandLine, machineList, type Page, type Section } from '../page';
 import { activeShareChart, dominanceGrid, paperTables, timeSection, verdictChart } from './experiment_cells';
 import { posteriorPanels, switchTimelines } from './experiment_runs';
 import { comparisonTables, liveAgainstReplay, regretCharts, trueRanking } from './experiment_truth';
 import { lead, method, summary, wordsOf } from './experiment_words';
+import { REGRET_SCALE } from './regret';
 
 // Returns the decider's parameters as terms. An older document does not have them.
 function deciderTerms({ decision }: ExperimentDocument['options']): [string, string][] {
@@ -47,8 +48,8 @@ export function experimentPage(document: ExperimentDocument): Page {
         'that the algorithms cost about the same, or that the policy did not find the best one.',
       some(rows, () => paperTables(document, words))),
       { id: 'ranking-section', heading: 'How fast each algorithm truly is', body: [trueRanking(document, words)] },
-      explained('regret', 'What each policy loses', `Left is better. The axis is logarithmic; a loss of ${percent(0.0001).slice(1)} or less, or a ` +
-        'gain, is drawn at its left edge. “fixed:…” is one algorithm without switches. The oracle is the best sequence of algorithms, including the cost of its switches.',
+      explained('regret', 'What each policy loses', `${REGRET_SCALE} ` +
+        '“fixed:…” is one algorithm without switches. The oracle is the best sequence of algorithms, including the cost of its switches.',
       regretCharts(document, words)),
       { id: 'tests', heading: 'Is the difference real?', body: comparisonTables(document, words) },
       explained('live-replay', 'Live against replay', 'This compares live runs with replays of the same conditions. If they differ, the replay’s ' +

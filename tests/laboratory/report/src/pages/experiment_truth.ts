@@ -43,7 +43,7 @@ function regretTable(truths: Truth[], words: Words): HTMLElement {
 export function regretCharts(document: ExperimentDocument, words: Words): Child[] {
   const truths = replayed(document);
   return truths.length === 0 ? [] : [
-    rangeChart({ id: 'regret-over-cells', title: 'All cells together', xLabel: REGRET_AXIS, rows: byValue(overviewRows(document, words)),
+    rangeChart({ id: 'regret-over-cells', title: 'All cells together', xLabel: REGRET_AXIS, scale: 'symlog', rows: byValue(overviewRows(document, words)),
       note: 'Mark: mean over the cells. Bar: from the best cell to the worst one.' }),
     regretTable(truths, words)];
 }
@@ -106,8 +106,8 @@ export function liveAgainstReplay({ truths }: ExperimentDocument, words: Words):
   if (rows.length === 0) return [];
   const note = 'Mark: live runs. Bar: the 95 % interval that the replay predicts.';
   return [
-    rangeChart({ id: 'agreement-regret', title: 'Regret', note, xLabel: REGRET_AXIS, rows: rows.map((each) => each.regret) }),
-    rangeChart({ id: 'agreement-share', title: 'Active share of the dominant algorithm', note, xLabel: 'Percent of the observation window', linear: true,
+    rangeChart({ id: 'agreement-regret', title: 'Regret', note, xLabel: REGRET_AXIS, scale: 'symlog', rows: rows.map((each) => each.regret) }),
+    rangeChart({ id: 'agreement-share', title: 'Active share of the dominant algorithm', note, xLabel: 'Percent of the observation window', scale: 'linear',
       rows: rows.map((each) => each.share) }),
     drawTable({ id: 'agreement', caption: 'Live runs against replay under the same conditions', groups: [{ rows: rows.map(({ row }) => row) }],
       head: [columns('Cell and policy', 'Live runs', 'Regret at the trace’s costs', 'Active share', 'Regret as the clock measured it')] })];

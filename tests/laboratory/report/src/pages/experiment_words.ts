@@ -38,27 +38,27 @@ function resultHeadline(document: ExperimentDocument, words: Words): Child {
   const papers = meanRegret(document, 'paper');
   if (ours === undefined) return null;
   return headline(percent(ours), `of frame time is the mean loss of ${words.policyTitle('default')} against the best fixed algorithm over ` +
-    `${document.truths.length} scenes, including start and exploration. The best algorithm is not known beforehand. Below 0 the policy is ` +
+    `${counted(document.truths.length, 'cell', 'cells')}, including start and exploration. The best algorithm is not known beforehand. Below 0 the policy is ` +
     `faster than any single algorithm.${papers !== undefined && document.own_policy !== 'paper' ? ` The paper’s policy loses ${percent(papers)}.` : ''}`);
 }
 
-function trulyFastest(document: ExperimentDocument, words: Words, policy: string): Child {
+export function trulyFastest(document: ExperimentDocument, words: Words, policy: string): Child {
   const { fastest, tied, all } = chosenWell(document, policy);
   return all > 0 && `With the policy ${words.policyTitle(policy)}, the algorithm that was active longest is also the fastest by measurement in ` +
-    `${fastest} of ${all} scenes${tied > 0 ? `, and at most 3 % slower than the fastest in ${tied} more` : ''}.`;
+    `${fastest} of ${counted(all, 'cell', 'cells')}${tied > 0 ? `, and at most 3 % slower than the fastest in ${tied} more` : ''}.`;
 }
 
-function sameAsPaper({ rows, paper = [] }: ExperimentDocument): Child {
+export function sameAsPaper({ rows, paper = [] }: ExperimentDocument): Child {
   const compared = rows.filter(({ policy }) => policy === 'paper').flatMap((row) =>
     paper.filter(({ scene, objects }) => scene === row.scene && objects === row.objects).map(({ dominant }) => dominant === row.dominant));
   return compared.length > 0 && `The same algorithm as in the paper’s Table 3 dominates in ${compared.filter(Boolean).length} of ` +
-    `${compared.length} of its scenes. A difference is not an error: machine and code of the seven algorithms differ from the paper’s, so ` +
+    `${counted(compared.length, 'cell', 'cells')} that both have. A difference is not an error: machine and code of the seven algorithms differ from the paper’s, so ` +
     'their relative speeds differ, too.';
 }
 
 function agreed(document: ExperimentDocument): Child {
   const { regret, share, disturbed, all } = agreementCounts(document);
-  return all > 0 && `Live against replay: the live regret is in the replay’s 95 % interval in ${regret} of ${all} comparisons, the active ` +
+  return all > 0 && `Live against replay: the live regret is in the replay’s 95 % interval in ${regret} of ${counted(all, 'comparison', 'comparisons')}, the active ` +
     `share in ${share} of ${all}.${disturbed > 0 ? ` In ${disturbed} of them the measured regret differs by more than 10 percentage points from the regret ` +
     'at the trace’s costs. Other work probably used the machine during these games, which a replay does not contain.' : ''}`;
 }
