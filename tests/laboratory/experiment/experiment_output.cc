@@ -441,7 +441,8 @@ Status WriteTruthCsv(const ExperimentTruths& truths, const fs::path& folder) {
   });
 }
 
-// Returns the rows of Tables 3 and 4 with the paper's values as `paper_…`.
+// Returns the rows of Tables 3 and 4 with the paper's values as `paper_…`; a value is empty if the
+// paper has none of the same quantity.
 Json TableRows(const ExperimentReport& report, const CellSummary& cell) {
   Json row = RowJson(report, cell);
   for (const char* by_trace : {"truly_fastest", "replay_regret"}) row.erase(by_trace);
@@ -449,7 +450,9 @@ Json TableRows(const ExperimentReport& report, const CellSummary& cell) {
   const Json printed = PaperJson(paper == nullptr ? PaperCells().front() : *paper);
   for (const auto& [name, value] : printed.items()) {
     if (name == "scene" || name == "objects") continue;
-    row["paper_" + name] = paper == nullptr ? Json() : value;
+    const bool is_posterior = name.starts_with("mu") || name == "n" || name == "n_sd";
+    const bool compares = paper != nullptr && (!is_posterior || HasPaperPosterior(cell));
+    row["paper_" + name] = compares ? value : Json();
   }
   return Json::array({row});
 }
@@ -488,7 +491,9 @@ void AddTable4Rows(const CellSummary& cell, TextTable& table) {
   table.AddRow({"  paper", "", std::string(paper->dominant),
                 Frequency(paper->dominant_run_count, kPaperRunCount), PaperText(paper->switches, 1),
                 PaperText(paper->active_percent, 1),
-                PaperText(paper->posterior_mean, 3) + " / " + PaperText(paper->evidence, 1)});
+                HasPaperPosterior(cell)
+                    ? PaperText(paper->posterior_mean, 3) + " / " + PaperText(paper->evidence, 1)
+                    : "–"});
 }
 
 void PrintTables(std::span<const CellSummary> cells, std::ostream& out) {
@@ -505,7 +510,9 @@ void PrintTables(std::span<const CellSummary> cells, std::ostream& out) {
   out << "\nTable 3. Dominant algorithms across the runs.\n\n"
       << table3.Text()
       << "\nTable 4. Switches over all runs; active time, posterior mean μ* and n* = α + β of the "
-         "dominant arm over its runs; mean ± sample standard deviation.\n\n"
+         "dominant arm over its runs; mean ± sample standard deviation. The paper's μ* and n* "
+         "stand "
+         "only below those of its own policy, because other policies measure other quantities.\n\n"
       << table4.Text();
 }
 

@@ -187,6 +187,10 @@ TEST_F(ExperimentCsv, TablesHaveARowPerPolicyAndCellWithThePapersValuesBeside) {
   EXPECT_EQ(value(3, "mu"), "0.9");
   EXPECT_EQ(value(3, "paper_switches"), "20.2");
   EXPECT_EQ(value(3, "paper_n_sd"), "27.5");
+  EXPECT_EQ(value(1, "paper_switches"), "20.2");
+  for (const char* column : {"paper_mu", "paper_mu_sd", "paper_n", "paper_n_sd"}) {
+    EXPECT_EQ(value(1, column), "") << "another policy's " << column << " is another quantity";
+  }
   EXPECT_EQ(value(4, "objects"), "1234");
   EXPECT_EQ(value(4, "paper_switches"), "");
 }
@@ -219,6 +223,8 @@ TEST(ExperimentText, ACellThatThePaperHasNotStandsAlone) {
                               "KDTree.  –\n"));
   EXPECT_THAT(text, HasSubstr("  paper          AxisSweep  5 / 5  20.2±0.8  45.5±6.3    "
                               "0.977±0.007 / 196.4±27.5\nBrownian  1,234"));
+  EXPECT_THAT(text, HasSubstr("\n  paper          AxisSweep  5 / 5  20.2±0.8  45.5±6.3    –\n"))
+      << "the other policy's posterior is another quantity";
   EXPECT_THAT(text, testing::EndsWith("0.900±0.000 / 10.0±0.0\n"));
 }
 

@@ -1,4 +1,5 @@
-import { activeShares, agreementCounts, chosenWell, meanRegret, noisyCells, smallestProbability, timeParts, verdictCounts, type Comparison, type ExperimentDocument, type Run, type Truth } from '../../report/src/model/experiment';
+import { activeShares, agreementCounts, chosenWell, meanRegret, noisyCells, smallestProbability, timeParts, verdictCounts, type Comparison, type ExperimentDocument, type ExperimentRow, type PaperCell, type Run, type Truth } from '../../report/src/model/experiment';
+import { paperFigure } from '../../report/src/pages/experiment_cells';
 import { smallestText } from '../../report/src/pages/experiment_truth';
 import { sameAsPaper, trulyFastest, wordsOf } from '../../report/src/pages/experiment_words';
 
@@ -42,6 +43,16 @@ describe('an experiment', () => {
     const one = { truths: [truth('a', 0.1)], rows: [row], paper: [{ ...row }] } as unknown as ExperimentDocument;
     expect(trulyFastest(one, wordsOf({ cells: [], own_policy: 'adaptive' }), 'paper')).toContain('in 1 of 1 cell.');
     expect(sameAsPaper(one)).toContain('in 1 of 1 cell that both have.');
+  });
+
+  it('compares posteriors with the paper only for the paper’s policy', () => {
+    const paper = { switches: 20.2, switches_sd: 0.8, mu: 0.977, mu_sd: 0.007, n: 196.4, n_sd: 27.5 } as PaperCell;
+    const row = (policy: string) => ({ policy }) as ExperimentRow;
+    expect(paperFigure(row('paper'), paper, 'n', 1)).toBe('196.4±27.5');
+    expect(paperFigure(row('default'), paper, 'n', 1)).toBe('–');
+    expect(paperFigure(row('default'), paper, 'mu', 3)).toBe('–');
+    expect(paperFigure(row('default'), paper, 'switches', 1)).toBe('20.2±0.8');
+    expect(paperFigure(row('paper'), undefined, 'n', 1)).toBe('–');
   });
 
   it('sums shares by algorithm, verdicts and time by part', () => {

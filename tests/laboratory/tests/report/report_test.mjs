@@ -188,6 +188,7 @@ async function checkPartial(page, { runs }) {
   for (const absent of ['regret', 'tests', 'live-replay']) assert.equal(await count(page, `#${absent}`), 0, absent);
   await checkTexts(page, '#table-3', 'KDTree 1/2; SAP 1/2', 'AxisSweep 5/5', 'Stable sweep-based preference.');
   await checkTexts(page, '#table-4', '20.2±0.8', '45.5±6.3', '0.977±0.007', '196.4±27.5');
+  assert.equal(await page.locator('#table-4 small', { hasText: '196.4±27.5' }).count(), 1, 'only beside the paper’s own policy');
   assert.equal(await count(page, '.panel svg'), runs.length);
   const texts = await page.locator('#timeline-1 svg g title').allTextContents();
   assert.equal(texts.filter((text) => text.startsWith(`bail-out from ${runs[0].arms[1]}`)).length, 1);
