@@ -243,16 +243,18 @@ std::unique_ptr<Policy> Make(const PolicySetup& setup) {
 }
 
 constexpr std::array kBaselines = {
-    PolicyEntry{{.name = "paper-one-draw"}, Make<OneDrawPolicy>},
+    PolicyEntry{{.name = "paper-one-draw", .draws_from_posteriors = true}, Make<OneDrawPolicy>},
     PolicyEntry{{.name = "random", .explores = false}, Make<RandomPolicy>},
     PolicyEntry{{.name = "thresholds", .explores = false}, Make<ThresholdsPolicy>},
     PolicyEntry{{.name = "ucb1"}, Make<Ucb1Policy>},
     PolicyEntry{{.name = "epsilon-greedy"}, Make<EpsilonGreedyPolicy>},
-    PolicyEntry{{.name = "discounted-ts"}, Make<DiscountedPolicy>},
+    PolicyEntry{{.name = "discounted-ts", .draws_from_posteriors = true}, Make<DiscountedPolicy>},
     PolicyEntry{{.name = "lin-ts"}, Make<LinTsPolicy>},
     PolicyEntry{{.name = "lane-argmin", .explores = false, .uses_shadow = true},
                 Make<LaneArgminPolicy>},
-    PolicyEntry{{.name = "calibrated", .reward_version = kLogCostRewardVersion},
+    PolicyEntry{{.name = "calibrated",
+                 .reward_version = kLogCostRewardVersion,
+                 .draws_from_posteriors = true},
                 Make<CalibratedPolicy>},
 };
 

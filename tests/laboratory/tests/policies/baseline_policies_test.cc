@@ -169,6 +169,69 @@ TEST(Random, KeepsItsArmForACooldown) {
   }
 }
 
+// Counts how often other seeds draw the candidate from the same posteriors.
+double FrequencyOfDraw(const DecisionRecord& record) {
+  constexpr uint64_t kSeeds = 4'000;
+  double count = 0;
+  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    std::vector<double> draws;
+    for (uint32_t arm = 0; arm < record.posteriors.size(); ++arm) {
+      RandomStream stream(seed, RandomPurpose::kChoice, 1, arm);
+      draws.push_back(DrawBeta(record.posteriors[arm], stream));
+    }
+    if (HighestOf(std::move(draws)).candidate == record.candidate) ++count;
+  }
+  return count / kSeeds;
+}
+
+TEST(ThompsonSampling, LogsTheProbabilityOfItsDraw) {
+  for (const char* policy : {"paper", "paper-one-draw", "discounted-ts", "calibrated"}) {
+    Game game(SetupOf(policy));
+    size_t draw_count = 0;
+    for (const auto& [record, increment, visits, command] : game.Run()) {
+      if (record.draws.empty()) {
+        ASSERT_EQ(record.propensity, 1) << policy;
+        continue;
+      }
+      const std::vector<double>& best_probability = record.diagnosis.best_probability;
+      const bool is_learnt = !best_probability.empty();
+      ASSERT_EQ(record.propensity, is_learnt ? best_probability[*record.candidate] : 0.25)
+          << policy;
+      // Five standard deviations of a frequency of 4,000 draws.
+      if (++draw_count % 10 == 1) {
+        EXPECT_NEAR(FrequencyOfDraw(record), record.propensity, 5 * 0.0079) << policy;
+      }
+    }
+    EXPECT_GT(draw_count, 10U) << policy;
+  }
+}
+
+TEST(ThompsonSampling, DrawsEachArmAlikeBeforeAnythingIsLearnt) {
+  EXPECT_EQ(PropensityOfDraw({}, 2, 4), 0.25);
+  Diagnosis diagnosis;
+  diagnosis.best_probability = {1, 0};
+  EXPECT_GT(PropensityOfDraw(diagnosis, 1, 2), 0) << "it was drawn against all odds";
+}
+
+TEST(LinTs, LogsTheProbabilityOfItsDraw) {
+  const auto policy = MakePolicy(PlainPolicy("lin-ts", {"a", "b", "c"}), ComparedPolicies());
+  Learn(*policy, 0, 10'000'000);
+  constexpr int kChoices = 4'000;
+  std::array<double, 3> counts{}, propensities{};
+  for (int i = 0; i < kChoices; ++i) {
+    ChoiceInput input;
+    input.decision_id = static_cast<uint64_t>(i);
+    const Choice choice = policy->Choose(input);
+    counts[choice.candidate] += 1.0 / kChoices;
+    propensities[choice.candidate] = choice.propensity;
+  }
+  for (size_t arm = 0; arm < 3; ++arm) {
+    EXPECT_GT(counts[arm], 0) << "each arm was drawn";
+    EXPECT_NEAR(counts[arm], propensities[arm], 5 * 0.0079);
+  }
+  EXPECT_GT(propensities[0], propensities[1]);
+}
+
 uint32_t RuleFor(const SceneDescriptor& scene, std::vector<std::string> arms) {
   const auto policy = MakePolicy(PlainPolicy("thresholds", std::move(arms)), ComparedPolicies());
   policy->LearnDescriptor(scene, 0);
