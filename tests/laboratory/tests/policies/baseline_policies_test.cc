@@ -15,8 +15,9 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr const char* kBaselines[] = {"paper-one-draw", "random",        "thresholds", "ucb1",
-                                      "epsilon-greedy", "discounted-ts", "lin-ts"};
+constexpr const char* kBaselines[] = {"paper-one-draw",    "random", "thresholds",
+                                      "thresholds-fitted", "ucb1",   "epsilon-greedy",
+                                      "discounted-ts",     "lin-ts"};
 
 SessionSetup SetupOf(const std::string& policy, uint32_t arm_count = 4, uint64_t seed = 1) {
   SessionSetup setup = PlainSetup(arm_count);
@@ -101,7 +102,7 @@ TEST(Baselines, OnlyThoseThatLearnExplore) {
   for (const char* policy : kBaselines) {
     const std::string name = policy;
     EXPECT_EQ(PolicyKindOf(policy, ComparedPolicies()).explores,
-              name != "random" && name != "thresholds")
+              name != "random" && !name.starts_with("thresholds"))
         << policy;
   }
 }
@@ -232,8 +233,9 @@ TEST(LinTs, LogsTheProbabilityOfItsDraw) {
   EXPECT_GT(propensities[0], propensities[1]);
 }
 
-uint32_t RuleFor(const SceneDescriptor& scene, std::vector<std::string> arms) {
-  const auto policy = MakePolicy(PlainPolicy("thresholds", std::move(arms)), ComparedPolicies());
+uint32_t RuleFor(const SceneDescriptor& scene, std::vector<std::string> arms,
+                 const char* name = "thresholds") {
+  const auto policy = MakePolicy(PlainPolicy(name, std::move(arms)), ComparedPolicies());
   policy->LearnDescriptor(scene, 0);
   ChoiceInput input;
   input.active_arm = 2;
@@ -248,6 +250,29 @@ TEST(Thresholds, FollowTheRowsOfTheRule) {
   EXPECT_EQ(RuleFor(SceneWith(2'500, 0.5), arms), 3u);
   EXPECT_EQ(RuleFor(SceneWith(2'501), arms), 6u);
   EXPECT_EQ(RuleFor(SceneWith(1'000, 0.51), arms), 6u);
+}
+
+TEST(FittedThresholds, FollowTheRowsOfTheRule) {
+  const std::vector<std::string> arms = {"SAP", "DBVT", "Grid", "KDTree"};
+  const auto choice = [&](float speed_mean, float static_ratio) {
+    SceneDescriptor scene = SceneWith(3'000);
+    scene.speed_mean = speed_mean;
+    scene.static_ratio = static_ratio;
+    return RuleFor(scene, arms, "thresholds-fitted");
+  };
+  EXPECT_EQ(choice(0.0008F, 0), 3u);
+  EXPECT_EQ(choice(0.0009F, 0), 1u);
+  EXPECT_EQ(choice(0.0072F, 0.99F), 0u);
+  EXPECT_EQ(choice(0.1F, 0.45F), 3u);
+  EXPECT_EQ(choice(-1, -1), 3u) << "no motion was measured, as while objects come and go";
+  EXPECT_EQ(RuleFor({}, arms, "thresholds-fitted"), 2u) << "the active arm, before a descriptor";
+}
+
+TEST(FittedThresholds, SwitchAsSoonAsAWindowAfterSettling) {
+  PolicySetup setup = PlainPolicy("thresholds-fitted", {"SAP"});
+  EXPECT_EQ(MakePolicy(setup, ComparedPolicies())->cooldown_ns(), 4 * kSecond);
+  setup.options.cooldown_ns = kSecond;
+  EXPECT_EQ(MakePolicy(setup, ComparedPolicies())->cooldown_ns(), kSecond);
 }
 
 TEST(Thresholds, TakeTheSecondArmOfARowOrStay) {
