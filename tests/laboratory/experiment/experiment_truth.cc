@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <string_view>
@@ -35,17 +36,41 @@ void CorrectByHolm(std::vector<PairedComparison>& family) {
   for (size_t i = 0; i < family.size(); ++i) family[i].corrected_probability = corrected[i];
 }
 
+// Returns whether AI Decides is compared with this player.
+bool IsBaseline(const ReplayedPlayer& player) {
+  const bool is_always = player.name == "fixed:" + std::string(kAlwaysArm);
+  return (player.is_policy && player.name != OwnPolicyName("default")) || is_always;
+}
+
 std::vector<PairedComparison> CompareInCell(const std::vector<ReplayedPlayer>& players) {
   const std::string own = OwnPolicyName("default");
   std::vector<PairedComparison> comparisons;
   const auto ours = std::find_if(players.begin(), players.end(),
                                  [&](const ReplayedPlayer& each) { return each.name == own; });
   for (const ReplayedPlayer& theirs : players) {
-    if (!theirs.is_policy || theirs.name == own) continue;
+    if (!IsBaseline(theirs)) continue;
     comparisons.push_back(Compare(own, ours->scene_regrets, theirs.name, theirs.scene_regrets));
   }
   CorrectByHolm(comparisons);
   return comparisons;
+}
+
+std::optional<Worth> WorthOf(const std::vector<ReplayedPlayer>& players) {
+  Worth worth;
+  worth.best_ms = std::numeric_limits<double>::infinity();
+  constexpr std::string_view kFixed = "fixed:";
+  for (const ReplayedPlayer& player : players) {
+    const double ms = player.row.ms.detection;
+    if (player.name == "oracle") worth.oracle_ms = ms;
+    if (player.name == OwnPolicyName("default")) worth.decided_ms = ms;
+    if (!player.name.starts_with(kFixed)) continue;
+    const std::string arm = player.name.substr(kFixed.size());
+    if (arm == kAlwaysArm) worth.always_ms = ms;
+    if (ms >= worth.best_ms) continue;
+    worth.best_ms = ms;
+    worth.best_arm = arm;
+  }
+  return worth.always_ms > 0 ? std::optional(worth) : std::nullopt;
 }
 
 // Returns the cell's games on each of its traces, as scenes of a study.
@@ -230,6 +255,13 @@ bool Holds(const Interval& interval, double value) {
 
 }  // namespace
 
+bool Worth::is_nothing() const {
+  const auto is_little = [](double saved_ms, double of_ms) {
+    return saved_ms < std::max(kMinHeadroom * of_ms, kMinWorthMs);
+  };
+  return is_little(saved_to_best_ms(), best_ms) && is_little(saved_to_always_ms(), always_ms);
+}
+
 bool Agreement::regret_agrees() const { return Holds(replayed_regret, regret); }
 bool Agreement::share_agrees() const { return Holds(replayed_active_share, active_share); }
 
@@ -286,6 +318,7 @@ Status AssessCell(std::span<const CostTrace> traces, std::span<const CellSummary
     truth.players.push_back(Joined(study.players[player], by_scene));
   }
   truth.headroom = truth.players.front().row.headroom;
+  truth.worth = WorthOf(truth.players);
   truth.comparisons = CompareInCell(truth.players);
   truth.agreements.clear();
   for (const CellSummary* cell : cells) {
@@ -303,8 +336,9 @@ std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths
   std::map<std::string, std::vector<double>> means;  // by policy: one mean per cell
   for (const CellTruth& truth : truths) {
     for (const ReplayedPlayer& player : truth.players) {
-      if (!player.is_policy) continue;
-      if (means[player.name].empty() && player.name != own) order.push_back(player.name);
+      const bool is_baseline = IsBaseline(player);
+      if (!is_baseline && player.name != own) continue;
+      if (is_baseline && means[player.name].empty()) order.push_back(player.name);
       means[player.name].push_back(player.row.regret_best_fixed);
     }
   }

@@ -11,8 +11,10 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine_client/cli/io/statistics.h"
@@ -61,6 +63,26 @@ struct Agreement {
   bool share_agrees() const;
 };
 
+// What a choice of the arm is worth in a cell. All times are milliseconds of detection per frame at
+// the speed of the traces, means over the games.
+struct Worth {
+  std::string best_arm;   // the single arm with the least time, which is not known beforehand
+  double best_ms = 0;     // always best_arm
+  double always_ms = 0;   // always kAlwaysArm
+  double oracle_ms = 0;   // the best sequence of arms, including its switches
+  double decided_ms = 0;  // AI Decides
+
+  double saved_to_best_ms() const { return best_ms - oracle_ms; }
+  double saved_to_always_ms() const { return always_ms - oracle_ms; }
+  // Whether the oracle saves less than kMinHeadroom of the time, or less than kMinWorthMs, against
+  // both single arms.
+  bool is_nothing() const;
+};
+// 0.06 % of a frame at 60 Hz.
+inline constexpr double kMinWorthMs = 0.01;
+// The arm of the baseline that never chooses: the fastest one in most scenes.
+inline constexpr std::string_view kAlwaysArm = "KDTree";
+
 struct CellTruth {
   ExperimentCell cell;
   uint32_t scene_count = 0;
@@ -68,10 +90,12 @@ struct CellTruth {
   // Time of a second structure of one arm ÷ time of the first; differs from 1 by noise only. The
   // ratio of the scene in which it differs most.
   double control_ratio = 1;
-  double headroom = 0;                        // StudyGame::headroom (replay_study.h)
-  std::vector<ReplayedPlayer> players;        // empty if not replayed
-  std::vector<PairedComparison> comparisons;  // AI Decides against each other policy
-  std::vector<Agreement> agreements;          // one per policy with live runs
+  double headroom = 0;                  // StudyGame::headroom (replay_study.h)
+  std::optional<Worth> worth;           // absent if not replayed, or without kAlwaysArm
+  std::vector<ReplayedPlayer> players;  // empty if not replayed
+  // AI Decides against each other policy and against always kAlwaysArm.
+  std::vector<PairedComparison> comparisons;
+  std::vector<Agreement> agreements;  // one per policy with live runs
 };
 
 // All traced cells, and the comparisons of AI Decides with each baseline over them.
@@ -101,8 +125,8 @@ Status AssessCell(std::span<const CostTrace> traces, std::span<const CellSummary
                   const TruthOptions& options, const std::function<void(double share)>& done,
                   CellTruth& truth);
 
-// Compares AI Decides with every other policy by paired tests over the cells. The two values of a
-// pair are the mean regrets of the two policies in the same cell.
+// Compares AI Decides with every other policy and with always kAlwaysArm by paired tests over the
+// cells. The two values of a pair are the mean regrets of both in the same cell.
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths);
 
 // Returns the name of the policy. For "default", returns the name of the policy that is the

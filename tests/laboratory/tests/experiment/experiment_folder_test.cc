@@ -27,6 +27,7 @@ using nlohmann::json;
 using test_support::FileText;
 using test_support::MakeRecord;
 using test_support::TemporaryDirectory;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -276,7 +277,11 @@ TEST_F(InterruptedExperiment, ResumingACompleteOneOnlyMakesItsResults) {
   EXPECT_EQ(FileText(folder_.RunFile(plan_.runs[5])), record);
   EXPECT_EQ(FileText(folder_.TraceFile(plan_.scenes[3])), trace);
   EXPECT_EQ(json::parse(FileText(folder_.path() / "experiment.json")), document);
-  EXPECT_THAT(FileText(folder_.path() / "tables.txt"), StartsWith("\nTable 3. Dominant"));
+  EXPECT_THAT(FileText(folder_.path() / "tables.txt"),
+              AllOf(StartsWith("\nThe best sequence of algorithms saves "),
+                    HasSubstr("Choosing is worth nothing (less than "),
+                    HasSubstr("in 2 of 2 cells"), HasSubstr("\nTable 3. Dominant")));
+  EXPECT_THAT(document["worth_text"].get<std::string>(), StartsWith("The best sequence"));
   EXPECT_EQ(Manifest()["state"], "complete");
   ASSERT_EQ(Manifest()["sittings"].size(), 2U);
   EXPECT_EQ(Manifest()["sittings"][0]["end_utc"], "") << "the first session was killed";

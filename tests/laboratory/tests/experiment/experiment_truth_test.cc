@@ -214,6 +214,21 @@ TEST(CellTruth, ReplaysPoliciesArmsAndOracleAndComparesThem) {
     EXPECT_LE(each.wilcoxon.pair_count, 2U) << "a pair per scene, not per game";
   }
   EXPECT_EQ(report.truths.over_cells.size(), truth.comparisons.size());
+  EXPECT_EQ(truth.comparisons.back().baseline, "fixed:KDTree");
+}
+
+TEST(CellTruth, SaysWhatChoosingIsWorth) {
+  const CellTruth& truth = AssessedReport().truths.cells[0];
+  ASSERT_TRUE(truth.worth);
+  EXPECT_EQ(truth.worth->best_arm, "KDTree");
+  EXPECT_NEAR(truth.worth->best_ms, 0.02, 1e-4);
+  EXPECT_EQ(truth.worth->always_ms, truth.worth->best_ms);
+  EXPECT_NEAR(truth.worth->oracle_ms, 0.02, 1e-4);
+  EXPECT_GT(truth.worth->decided_ms, 0.02);
+  EXPECT_TRUE(truth.worth->is_nothing()) << "one arm is always the fastest";
+  EXPECT_FALSE((Worth{"SAP", 2, 3, 1.999, 2}).is_nothing()) << "KDTree is slower";
+  EXPECT_TRUE((Worth{"SAP", 0.009, 0.01, 0.001, 0.009}).is_nothing()) << "all arms are fast";
+  EXPECT_FALSE((Worth{"SAP", 0.03, 0.03, 0.01, 0.03}).is_nothing());
 }
 
 TEST(Agreement, ComparesTheLiveRunsWithReplaysInterval) {
@@ -242,6 +257,7 @@ TEST(TruthCsv, HasRowsOfEveryPart) {
   ASSERT_TRUE(WriteExperimentCsv(AssessedReport(), folder.path()).ok());
   for (const auto& [name, header] :
        {std::pair{"ranking.csv", "cell,arm,mean_ns,ratio\r\n"},
+        {"worth.csv", "cell,best_arm,best_ms,always_ms,oracle_ms,decided_ms,nothing\r\n"},
         {"regret.csv", "cell,player,scene,seed,regret\r\n"},
         {"agreement.csv", "cell,policy,runs,regret,replayed_regret_low,replayed_regret_high,"},
         {"live_regret.csv", "cell,policy,run,measured_regret,regret_by_trace,active_share\r\n"},

@@ -85,13 +85,15 @@ async function checkSorting(page) {
   assert.equal(await count(page, '#rows [aria-sort=ascending]'), 1);
 }
 
-async function checkExperiment(page, { rows, runs, truths, arms, over_cells, paper }) {
+async function checkExperiment(page, { rows, runs, truths, arms, over_cells, paper, worth_text }) {
   assert.equal(paper.length, 9, 'the cells of the paper’s grid');
   assert.equal(rows.length, 2);
   assert.equal(await count(page, '.panel svg'), runs.length, 'a panel of posteriors per run');
   assert.equal(await marks(page, '#timeline-1'), runs.reduce((sum, { periods, bail_outs }) => sum + periods.length + bail_outs.length, 0));
   assert.equal(await marks(page, '#regret-over-cells'), truths[0].players.length);
   assert.equal(await rowsOf(page, 'regret-table'), truths[0].players.length);
+  assert.equal(await rowsOf(page, 'worth-table'), truths.length);
+  assert.ok((await page.locator('main').innerText()).includes(worth_text), 'the first paragraph says what choosing is worth');
   assert.equal(await count(page, '#ranking tbody .chip'), arms.length);
   const compared = await page.locator('#comparisons tbody').first().locator('tr:not(.heading)').count();
   assert.equal(compared, over_cells.length);

@@ -32,7 +32,10 @@ export interface Agreement {
   policy: string; runs: number; regret: number; replayed_regret: Interval; regret_agrees: boolean;
   active_share: number; replayed_active_share: Interval; share_agrees: boolean; measured_regret: number;
 }
+// Milliseconds of detection per frame: the best single algorithm, always KDTree, the best sequence of algorithms, and AI Decides.
+export interface Worth { best_arm: string; best_ms: number; always_ms: number; oracle_ms: number; decided_ms: number; nothing: boolean }
 export interface Truth {
+  worth?: Worth | null;
   cell: string; scenes: number; ranking: { arm: string; mean_ns: number; ratio: number }[]; control_ratio: number; headroom: number;
   players: Player[]; comparisons: Comparison[]; agreements: Agreement[];
 }
@@ -50,6 +53,7 @@ export interface ExperimentDocument {
   cells: { cell: string; scene: string; objects: number }[];
   rows: ExperimentRow[]; runs: Run[]; truths: Truth[]; over_cells: Comparison[];
   paper?: PaperCell[]; // Tables 3 and 4 as printed
+  worth_text?: string; // says what choosing is worth; empty if nothing was replayed
 }
 
 export const VERDICTS = ['unknown', 'stable', 'tie', 'ambiguous', 'degraded'];

@@ -5,7 +5,7 @@ import type { ExperimentDocument } from '../model/experiment';
 import { commandLine, machineList, type Page, type Section } from '../page';
 import { activeShareChart, dominanceGrid, paperTables, timeSection, verdictChart } from './experiment_cells';
 import { posteriorPanels, switchTimelines } from './experiment_runs';
-import { comparisonTables, liveAgainstReplay, regretCharts, trueRanking } from './experiment_truth';
+import { comparisonTables, liveAgainstReplay, regretCharts, trueRanking, worthTable } from './experiment_truth';
 import { lead, method, summary, wordsOf } from './experiment_words';
 import { REGRET_SCALE } from './regret';
 
@@ -41,6 +41,8 @@ export function experimentPage(document: ExperimentDocument): Page {
     lead: lead(document),
     sections: [
       { id: 'summary', heading: 'Summary', body: [summary(document, words)] },
+      explained('worth', 'What choosing is worth', 'Milliseconds of detection per frame. The best single algorithm is not known beforehand. “Best sequence” is ' +
+        'the oracle, which knows all costs and pays for its switches: no policy can save more.', worthTable(document, words)),
       explained('dominant', 'Who won where', 'Each cell names the algorithms that were active longest in a run, and the number of such runs. The small line ' +
         'shows the active share, and the algorithm that was the fastest in a separate measurement.', some(rows, () => dominanceGrid(document, words))),
       explained('tables', 'Tables 3 and 4 of the paper', 'The paper’s tables with the figures of this experiment. The paper’s figures are beside or below them. ' +

@@ -3,7 +3,7 @@
 import { byValue, rangeChart, type RangeRow } from '../charts/range_chart';
 import { details, paragraph, small, verdict, type Child } from '../dom';
 import { counted, interval, mean, percent, probability, share, significant, times } from '../../../../../server/dashboard/src/format';
-import { microseconds, shareInterval } from '../format';
+import { microseconds, shareInterval, signedMs } from '../format';
 import { regretsByPlayer, replayed, smallestProbability, type Agreement, type Comparison, type ExperimentDocument, type Truth } from '../model/experiment';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell, type Group } from '../table';
 import { armChip } from './experiment_cells';
@@ -18,6 +18,19 @@ export function trueRanking({ truths }: ExperimentDocument, words: Words): HTMLE
     cell(percent(truth.control_ratio - 1)), truth.players.length === 0 ? noValue() : cell(share(Math.max(0, truth.headroom)))]);
   return drawTable({ id: 'ranking', groups: [{ rows }], head: [columns('Cell', ...places, 'Same twice', 'Headroom')],
     caption: 'Mean time of each algorithm to update and search a frame, on the same frames: the fastest one’s time, and the ratios of the others to it' });
+}
+
+export function worthTable({ truths }: ExperimentDocument, words: Words): HTMLElement | null {
+  const known = truths.flatMap(({ cell: name, worth }) => (worth ? [{ name, worth }] : []));
+  if (known.length === 0) return null;
+  const saved = (ms: number, of: number) => cell([signedMs(ms), small(percent(ms / of))], ms);
+  const rows = known.map(({ name, worth: { best_arm, best_ms, always_ms, oracle_ms, decided_ms, nothing } }) => [cell(words.cellName(name)),
+    cell([significant(best_ms), small(best_arm)], best_ms), cell(significant(always_ms), always_ms), cell(significant(oracle_ms), oracle_ms),
+    cell(significant(decided_ms), decided_ms), saved(best_ms - oracle_ms, best_ms), saved(always_ms - oracle_ms, always_ms),
+    saved(always_ms - decided_ms, always_ms), textCell(nothing ? 'nothing' : 'something')]);
+  return drawTable({ id: 'worth-table', groups: [{ rows }], caption: 'Detection per frame in milliseconds, and what is saved',
+    head: [columns('Cell', 'Best single', 'Always KDTree', 'Best sequence', words.policyShort('default'), 'Sequence against best single',
+      'Sequence against KDTree', `${words.policyShort('default')} against KDTree`, text('Choosing is worth'))] });
 }
 
 function overviewRows(document: ExperimentDocument, words: Words): RangeRow[] {

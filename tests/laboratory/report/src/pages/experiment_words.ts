@@ -25,8 +25,9 @@ export function wordsOf({ cells, own_policy: own }: Pick<ExperimentDocument, 'ce
   };
 }
 
-export function lead({ sittings, machine }: ExperimentDocument): Child[] {
+export function lead({ sittings, machine, worth_text }: ExperimentDocument): Child[] {
   return [
+    worth_text ? paragraph(worth_text) : null,
     paragraph('A game must find, in every frame, all pairs of its objects whose boxes overlap. There are several algorithms for that, ' +
       'and the scene determines which is the fastest. Sweepstake measures them while the game runs and chooses one. This page ' +
       'repeats the experiment of the paper that Sweepstake follows, and compares its choices with separate measurements of all algorithms.'),
