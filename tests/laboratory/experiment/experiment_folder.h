@@ -130,7 +130,7 @@ struct ExperimentSession {
 // there. The names of the fields are also their names in JSON.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentOptions, scenes, object_counts, policies, run_count,
                                    window, time_scale, seed, trace_frame_count, replay_seed_count,
-                                   decision, quick)
+                                   decision, grid, other_work, quick)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentSession, command_line, start_utc, end_utc)
 
 struct ExperimentManifest {

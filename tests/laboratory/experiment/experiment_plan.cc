@@ -22,6 +22,15 @@ void Default(std::vector<Value>& values, std::vector<Value> defaults) {
 }
 
 ExperimentOptions WithDefaults(ExperimentOptions options) {
+  const bool crosses = options.grid == "crossovers";
+  if (crosses) {
+    // Objects at rest, teleporting, in storms, clustered, and two scenes whose count grows.
+    Default(options.scenes,
+            {"nearly-resting", "teleporting", "storms", "clusters", "arrivals", "waves"});
+    if (!options.quick) Default(options.object_counts, {1000, 10'000, 100'000});
+    // Two regimes of storms.
+    if (options.trace_frame_count == 0) options.trace_frame_count = 800;
+  }
   Default(options.scenes, {"brownian", "rotating-gravity", "hurricane"});
   if (options.quick) Default(options.object_counts, {1000, 3000});
   // The paper's object counts, and two larger ones, where a wrong choice costs more.
@@ -134,6 +143,11 @@ Result<ExperimentPlan> MakePlan(const ExperimentOptions& options) {
   const auto window_ns = ParseDuration(plan.options.window);
   if (!window_ns.ok()) return window_ns.status();
   plan.window_ns = static_cast<uint64_t>(static_cast<double>(*window_ns) / plan.options.time_scale);
+  if (!plan.options.other_work.empty()) {
+    const auto other_work_ns = ParseDuration(plan.options.other_work);
+    if (!other_work_ns.ok()) return other_work_ns.status();
+    plan.other_work_ns = *other_work_ns;
+  }
   auto cells = MakeCells(plan.options);
   if (!cells.ok()) return cells.status();
   plan.cells = std::move(*cells);

@@ -2,8 +2,10 @@
 // the order of execution. Plain values and pure functions, safe from any thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine_client/decider/options.h"
@@ -14,6 +16,7 @@ namespace sweepstake::cli {
 // The options as the user gave them. For empty lists and zeros, MakePlan uses the defaults of
 // `--quick` or of the paper's grid.
 struct ExperimentOptions {
+  std::string grid = "paper";  // one of kExperimentGrids; determines the defaults
   std::vector<std::string> scenes;
   std::vector<uint32_t> object_counts;
   std::vector<std::string> policies;
@@ -24,8 +27,15 @@ struct ExperimentOptions {
   uint32_t trace_frame_count = 0;
   uint32_t replay_seed_count = 0;
   decision::DecisionOptions decision;  // before the time scale; `policy` is each run's
-  bool quick = false;                  // six cells, one run each
+  // Duration of the game's work in each frame besides the scene's motion and the search; empty:
+  // none. Not divided by the time scale.
+  std::string other_work;
+  bool quick = false;  // fewer object counts, one run each
 };
+
+// The paper's grid with two larger object counts, and a grid in which different arms are the
+// fastest, also within a cell.
+inline constexpr std::array<std::string_view, 2> kExperimentGrids = {"paper", "crossovers"};
 
 struct ExperimentCell {
   std::string scene;  // a value of --scene
@@ -68,6 +78,7 @@ struct PlannedRun {
 struct ExperimentPlan {
   ExperimentOptions options;
   uint64_t window_ns = 0;  // in real time, that is, divided by the time scale
+  uint64_t other_work_ns = 0;
   std::vector<ExperimentCell> cells;
   std::vector<PlannedScene> scenes;  // ordered by cell, then run
   // Ordered by cell, then run, then policy. Runs that are compared follow one another, so that a

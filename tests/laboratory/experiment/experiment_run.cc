@@ -13,6 +13,7 @@
 #include "engine_client/decider/options.h"
 #include "engine_client/telemetry/common/study_session.h"
 #include "sweepstake/session.h"
+#include "tests/laboratory/game/busy_scene.h"
 #include "tests/laboratory/game/machine.h"
 #include "tests/laboratory/policies/study_policies.h"
 #include "tests/laboratory/trace/cost_trace.h"
@@ -141,7 +142,7 @@ class LiveRun {
 Status LiveRun::Prepare() {
   auto scene = OpenScene({record_.cell.scene, record_.cell.object_count, record_.scene_seed});
   if (!scene.ok()) return scene.status();
-  scene_ = std::move(*scene);
+  scene_ = std::make_unique<BusyScene>(std::move(*scene), options_.other_work_ns);
   SessionOptions options;
   options.queue_frames = kQueueFrames;
   EmbeddedOptions embedded;
@@ -400,8 +401,8 @@ Status PlayGrid(const ExperimentPlan& plan, const ExperimentFolder& folder,
       on_progress((static_cast<double>(done) + of_run) / static_cast<double>(missing.size()), text);
       return !StopRequested();
     };
-    const auto record =
-        PlayLive(run, {plan.window_ns, plan.options.time_scale, plan.options.decision, go_on});
+    const auto record = PlayLive(run, {plan.window_ns, plan.options.time_scale,
+                                       plan.options.decision, plan.other_work_ns, go_on});
     if (!record.ok()) return record.status();
     if (!*record) return {};
     if (Status status = WriteRecord(**record, folder.RunFile(run)); !status.ok()) return status;

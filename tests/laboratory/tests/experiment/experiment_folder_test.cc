@@ -180,6 +180,8 @@ TEST_F(InterruptedExperiment, ItsManifestBringsEveryOptionBack) {
   ExperimentOptions options = plan_.options;
   options.time_scale = 12.5;
   options.seed = 9;
+  options.grid = "crossovers";
+  options.other_work = "2ms";
   options.decision.decision_interval_ns = 1'000'000'000;
   options.decision.cooldown_ns = 8'000'000'000;
   options.decision.settling_ns = 500'000'000;
@@ -202,6 +204,8 @@ TEST_F(InterruptedExperiment, ItsManifestBringsEveryOptionBack) {
   EXPECT_EQ(read->options.decision.decision_interval_ns, 1'000'000'000);
   EXPECT_EQ(read->options.decision.cooldown_ns, 8'000'000'000);
   EXPECT_EQ(read->options.decision.settling_ns, 500'000'000);
+  EXPECT_EQ(read->options.grid, "crossovers");
+  EXPECT_EQ(again->other_work_ns, 2'000'000U) << "the time scale does not divide it";
   EXPECT_EQ(read->options.decision.weights.detection, 1);
   EXPECT_EQ(read->options.decision.weights.fps, 0);
   EXPECT_EQ(Manifest()["decider"]["decision_interval_ns"], 80'000'000) << "divided by 12.5";

@@ -52,6 +52,20 @@ TEST(ExperimentPlan, IsThePapersGridAndTwoSizesBeyond) {
   EXPECT_EQ(PlanOf(options).runs.size(), 6U);
 }
 
+TEST(ExperimentPlan, HasAGridInWhichTheFastestArmChanges) {
+  ExperimentOptions options;
+  options.grid = "crossovers";
+  options.quick = true;
+  const ExperimentPlan quick = PlanOf(options);
+  EXPECT_EQ(quick.cells.size(), 12U);
+  EXPECT_EQ(quick.options.trace_frame_count, 800U) << "two regimes of storms";
+  options.quick = false;
+  options.scenes = {"storms"};
+  options.run_count = 1;
+  EXPECT_THAT(Labels(PlanOf(options).cells),
+              ElementsAre("storms-1000", "storms-10000", "storms-100000"));
+}
+
 TEST(ExperimentPlan, HoldsEveryCellOfThePapersTables) {
   const ExperimentPlan plan = PlanOf({});
   for (const PaperCell& paper : PaperCells()) {
@@ -205,6 +219,7 @@ TEST(ExperimentPlan, NamesWhatThereIsNot) {
               HasSubstr("unknown policy 'papre', must be one of paper, default, "));
   EXPECT_THAT(message([](auto& o) { o.policies = {"paper", "paper"}; }), HasSubstr("twice"));
   EXPECT_THAT(message([](auto& o) { o.window = "long"; }), HasSubstr("60s"));
+  EXPECT_THAT(message([](auto& o) { o.other_work = "much"; }), HasSubstr("60s"));
   EXPECT_THAT(message([](auto& o) { o.decision.weights.fps = 0.5; }),
               HasSubstr("make them sum to 1"));
   EXPECT_THAT(message([](auto& o) { o.scenes = {"nowhere"}; }), HasSubstr("hurricane"));

@@ -57,6 +57,19 @@ TEST_F(ExperimentProgram, WritesTablesRawRowsAndManifest) {
   EXPECT_NE(manifest["sittings"][0]["end_utc"], "");
 }
 
+TEST_F(ExperimentProgram, PlaysATinyGridWithCrossoversAndOtherWork) {
+  const ProgramRun run = RunLab(
+      "experiment --grid crossovers --scenes storms --objects 60 --policies default --other-work "
+      "1ms --time-scale 1000 --window 1m --trace-frames 64 --replay-seeds 2 --runs 1 --json "
+      "--out " +
+      folder_.string());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json document = json::parse(run.out);
+  EXPECT_THAT(document["worth_text"].get<std::string>(), HasSubstr("on average over 1 cell"));
+  EXPECT_TRUE(document["truths"][0]["worth"]["oracle_ms"].is_number());
+  EXPECT_EQ(document["options"]["other_work"], "1ms");
+}
+
 TEST_F(ExperimentProgram, GoesOnWithWhatIsMissing) {
   ASSERT_EQ(RunLab(kTiny + std::string("--runs 2 --out ") + folder_.string()).exit_code, 0);
   const std::filesystem::path kept = folder_ / "runs" / "brownian-60-paper-1.json";
@@ -103,6 +116,7 @@ TEST_F(ExperimentProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"experiment --window soon" + out, "60s"},
       {"experiment --time-scale 0.5" + out, "--time-scale"},
       {"experiment --runs 0" + out, "--runs"},
+      {"experiment --grid large" + out, "crossovers"},
       {"experiment --cooldown soon" + out, "60s"},
       {"experiment --weights 1,0,0" + out, "four numbers"},
       {"experiment --weights 1,1,0,0" + out, "make them sum to 1"},
