@@ -115,6 +115,15 @@ void Declare(CLI::App& command, CommandOptions& options) {
       "options");
   command
       .add_option(
+          "--grid", experiment.grid,
+          "Default cells: paper (its grid and two larger object counts), or crossovers "
+          "(resting, teleporting, storm, clustered and growing scenes up to 100,000 objects)")
+      ->check(OneOf(kExperimentGrids));
+  command.add_option(
+      "--other-work", experiment.other_work,
+      "Work of the game in each frame besides the search, such as 2ms (default: none)");
+  command
+      .add_option(
           "--time-scale", experiment.time_scale,
           "Divisor of the window and of all intervals of the decider except the bail-out limit")
       ->check(RealFrom(1.0, 1000.0));
@@ -147,8 +156,9 @@ void Declare(CLI::App& command, CommandOptions& options) {
       ->check(CLI::Range(uint32_t{2}, uint32_t{10'000}));
   command.add_option("--seed", experiment.seed, "Seed from which all other seeds are derived")
       ->check(NotNegative());
+  AddDecisionOptions(command, experiment.decision);
   command.add_flag("--quick", experiment.quick,
-                   "Run only six cells (1000 and 3000 objects) once each, as a quick test");
+                   "Run only cells with 1000 and 3000 objects, once each, as a quick test");
   AddJsonFlag(command, options.json);
 }
 
@@ -162,6 +172,7 @@ void AddExperimentCommand(const CommandContext& context) {
       "  sweepstake-lab experiment --time-scale 60 --quick --out quick\n"
       "  sweepstake-lab experiment --scenes hurricane --objects 3000,10000 --policies paper --out "
       "h\n"
+      "  sweepstake-lab experiment --grid crossovers --other-work 2ms --time-scale 30 --out c\n"
       "  sweepstake-lab experiment --resume results\n"
       "Default: 3 scenes × (1000, 2000, 3000, 10000, 50000 objects) × 2 policies × 5 runs with "
       "fixed\n"

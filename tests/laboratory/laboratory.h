@@ -10,6 +10,7 @@
 #include "engine_client/cli/command.h"
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/decider/options.h"
 
 namespace sweepstake::cli {
 
@@ -34,6 +35,10 @@ CLI::Option* AddSceneOptions(CLI::App& command, std::vector<std::string>& scenes
 void AddArmsOption(CLI::App& command, std::vector<std::string>& arms);
 // Adds --scene (required), --objects and --seed, for commands with one scene.
 void AddSceneChoice(CLI::App& command, SceneChoice& scene);
+
+// Adds --interval, --cooldown, --settling and --weights, for commands that run policies. The
+// numbers are checked by decision::Validate, after parsing.
+void AddDecisionOptions(CLI::App& command, decision::DecisionOptions& options);
 
 // Returns "1 h 12 min", "3 min" or "40 s".
 std::string DurationText(double seconds);

@@ -92,6 +92,7 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
                   "Virtual time of one pass through the trace (default: the run), for all traces "
                   "or one for each")
       ->delimiter(',');
+  AddDecisionOptions(command, study.decision);
   command.add_flag("--no-shadow", request.no_shadow,
                    "Disable the shadow lane of the policies that learn from it");
   LaneErrors& errors = study.lane_errors;

@@ -120,12 +120,15 @@ WilcoxonResult WilcoxonSignedRank(std::span<const double> differences) {
     total += ranks[i];
     if (kept[i] > 0) positive += ranks[i];
   }
-  const size_t smaller = std::min(positive, total - positive);
-  const double doubled = kept.size() <= kMaxExactWilcoxon
-                             ? 2 * ShareAtMost(ranks, smaller)
-                             : NormalProbability(ranks, static_cast<double>(smaller) / 2);
+  const auto probability_of = [&](size_t smaller) {
+    const double doubled = kept.size() <= kMaxExactWilcoxon
+                               ? 2 * ShareAtMost(ranks, smaller)
+                               : NormalProbability(ranks, static_cast<double>(smaller) / 2);
+    return std::min(1.0, doubled);
+  };
   result.positive_ranks = static_cast<double>(positive) / 2;
-  result.probability = std::min(1.0, doubled);
+  result.probability = probability_of(std::min(positive, total - positive));
+  result.smallest_probability = probability_of(0);
   result.rank_correlation =
       (2 * static_cast<double>(positive) - static_cast<double>(total)) / static_cast<double>(total);
   return result;

@@ -58,6 +58,9 @@ struct WilcoxonResult {
   double positive_ranks = 0;
   // Probability that a result at least as extreme occurs by chance; 1 if all differences are 0.
   double probability = 1;
+  // The smallest probability that this many pairs can have: all differences have the same sign. It
+  // is 2^(1 − pair_count) where the probability is exact.
+  double smallest_probability = 1;
   // (W⁺ − W⁻) ÷ (W⁺ + W⁻), the matched-pairs rank-biserial effect size.
   double rank_correlation = 0;
 };

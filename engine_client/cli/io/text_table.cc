@@ -65,7 +65,9 @@ std::string TextTable::Text() const {
 std::string Fixed(double value, int decimals) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
+  const std::string_view all = text;
+  const bool is_zero = all.starts_with('-') && all.find_first_not_of("-0.") == all.npos;
+  return text + (is_zero ? 1 : 0);  // 0 has no sign
 }
 
 std::string Percent(double ratio, int decimals) { return Fixed(100 * ratio, decimals) + " %"; }

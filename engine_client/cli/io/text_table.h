@@ -34,7 +34,7 @@ class TextTable {
   std::vector<std::vector<std::string>> rows_;
 };
 
-// Returns `value` with `decimals` digits after the point.
+// Returns `value` with `decimals` digits after the point. A value that rounds to 0 has no sign.
 std::string Fixed(double value, int decimals);
 
 // Returns 100 times `ratio` with `decimals` digits after the point: "12.3 %".

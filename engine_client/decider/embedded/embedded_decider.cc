@@ -32,8 +32,10 @@ int64_t ToSigned(uint64_t interval_ns) {
   return static_cast<int64_t>(std::min(interval_ns, kBeyond));
 }
 
-decision::DecisionOptions UnscaledOptions(const EmbeddedOptions& options) {
+decision::DecisionOptions UnscaledOptions(const EmbeddedOptions& options,
+                                          const decision::RewardWeights& weights) {
   decision::DecisionOptions unscaled;
+  unscaled.weights = weights;
   unscaled.policy = options.policy;
   unscaled.decision_interval_ns = ToSigned(options.decision_interval_ns);
   unscaled.cooldown_ns = ToSigned(options.cooldown_ns);
@@ -42,7 +44,8 @@ decision::DecisionOptions UnscaledOptions(const EmbeddedOptions& options) {
   return unscaled;
 }
 
-Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t version_count) {
+Status ValidateEmbedded(const EmbeddedOptions& options, const decision::RewardWeights& weights,
+                        size_t arm_count, size_t version_count) {
   const auto invalid = [](std::string message) {
     return Status(StatusCode::kInvalidArgument, std::move(message));
   };
@@ -53,7 +56,8 @@ Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t
   if (options.mode != Mode::kManual && options.mode != Mode::kAi) {
     return invalid("mode is neither kManual (1) nor kAi (2)");
   }
-  const std::vector<std::string> problems = decision::NumberProblems(UnscaledOptions(options));
+  const std::vector<std::string> problems =
+      decision::NumberProblems(UnscaledOptions(options, weights));
   if (!problems.empty()) return invalid(problems.front());
   for (const auto& [field, name] :
        {std::pair{"project", &options.project}, {"scene", &options.scene}}) {
@@ -124,10 +128,11 @@ decision::PriorKey PriorKeyOf(const EmbeddedOptions& options, const decision::Po
           .compares_sources = policy.starts_from_priors};
 }
 
-decision::SessionSetup MakeSetup(const EmbeddedOptions& options, std::span<const std::string> arms,
-                                 uint64_t now_ns) {
+decision::SessionSetup MakeSetup(const EmbeddedOptions& options,
+                                 const decision::RewardWeights& weights,
+                                 std::span<const std::string> arms, uint64_t now_ns) {
   decision::SessionSetup setup;
-  setup.options = UnscaledOptions(options).Scaled(options.time_scale);
+  setup.options = UnscaledOptions(options, weights).Scaled(options.time_scale);
   setup.arms.assign(arms.begin(), arms.end());
   setup.seed = options.seed;
   setup.mode = options.mode;
@@ -227,10 +232,9 @@ Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
 Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
     const EmbeddedOptions& options, std::span<const std::string> arms,
     std::span<const uint32_t> arm_versions, uint64_t now_ns) const {
-  if (Status status = ValidateEmbedded(options, arms.size(), arm_versions.size()); !status.ok()) {
-    return status;
-  }
-  decision::SessionSetup setup = MakeSetup(options, arms, now_ns);
+  Status status = ValidateEmbedded(options, weights, arms.size(), arm_versions.size());
+  if (!status.ok()) return status;
+  decision::SessionSetup setup = MakeSetup(options, weights, arms, now_ns);
   if (const std::optional<std::string> error = decision::Validate(setup, policies)) {
     return Status(StatusCode::kInvalidArgument, *error);
   }

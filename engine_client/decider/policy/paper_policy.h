@@ -33,7 +33,8 @@ class RewardPolicy : public Policy {
 // first one if several have it.
 class ThompsonPolicy : public RewardPolicy {
  public:
-  static constexpr PolicyKind kKind{.name = "paper", .blames_any_cause = true};
+  static constexpr PolicyKind kKind{
+      .name = "paper", .draws_from_posteriors = true, .blames_any_cause = true};
 
   using RewardPolicy::RewardPolicy;
   Choice Choose(const ChoiceInput& input) const override;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <utility>
 
 #include "engine_client/decider/policy/diagnosis.h"
@@ -28,6 +29,11 @@ Choice HighestOf(std::vector<double> draws) {
   choice.candidate = static_cast<uint32_t>(highest - draws.begin());
   choice.draws = std::move(draws);
   return choice;
+}
+
+double PropensityOfDraw(const Diagnosis& diagnosis, uint32_t arm, size_t arm_count) {
+  if (diagnosis.best_probability.empty()) return 1 / static_cast<double>(arm_count);
+  return std::clamp(diagnosis.best_probability[arm], std::numeric_limits<double>::min(), 1.0);
 }
 
 Choice ChoiceOf(uint32_t arm) {

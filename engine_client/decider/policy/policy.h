@@ -48,7 +48,7 @@ struct Choice {
   std::vector<double> draws;            // the values that were compared, one per arm; may be empty
   std::optional<DecisionOutcome> hold;  // why the policy holds this switch back
   std::optional<GateTerms> gate;
-  double propensity = 1;
+  double propensity = 1;             // unused for a draw of Thompson sampling (PolicyKind)
   uint32_t trial_limit_percent = 0;  // trial limit of the switch (SwitchCommand)
 };
 
@@ -92,6 +92,9 @@ struct PolicyKind {
   bool explores = true;             // begins with the live exploration of all arms (paper §6.3)
   bool starts_from_priors = false;  // if it has priors, decides before the first frame
   bool uses_shadow = false;         // learns from the shadow lane
+  // Thompson sampling: a choice with draws takes the highest of one draw from each posterior. The
+  // session computes its propensity, which is the candidate's probability of being the best.
+  bool draws_from_posteriors = false;
   // true: every frame over the bail-out limit is blamed on the active arm, whatever took the time,
   // as in the paper (§4). false: BlamesArm in session/safeguards.h decides.
   bool blames_any_cause = false;
@@ -107,6 +110,11 @@ struct PolicySetup {
 // Returns the choice of the arm with the highest draw; the first one if several have it. REQUIRES:
 // not empty, no NaN.
 Choice HighestOf(std::vector<double> draws);
+
+// Returns the probability with which Thompson sampling draws this arm: that of being the best,
+// which `diagnosis` has. It is above 0, because the arm was drawn. Without a diagnosis nothing was
+// learnt, and all arms have the same probability.
+double PropensityOfDraw(const Diagnosis& diagnosis, uint32_t arm, size_t arm_count);
 
 // Returns a choice of this arm that contains no draws.
 Choice ChoiceOf(uint32_t arm);

@@ -244,6 +244,11 @@ void DecisionSession::UpdateStandings() {
 }
 
 Decision DecisionSession::Close(Decision decision) {
+  // The diagnosis is of the same posteriors as the draws.
+  if (policy_kind_.draws_from_posteriors && !decision.record.draws.empty()) {
+    decision.record.propensity =
+        PropensityOfDraw(diagnosis_, *decision.record.candidate, setup_.arms.size());
+  }
   decision.record.posteriors = policy_->posteriors();
   decision.record.diagnosis = diagnosis_;
   UpdateStandings();

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "engine_client/broad_phase/host/thread_owned.h"
-#include "engine_client/decider/embedded/study_maker.h"
 #include "engine_client/decider/session/policy_registry.h"
 #include "engine_client/telemetry/common/decider_loop.h"
 #include "engine_client/telemetry/common/session_base.h"
@@ -108,15 +107,14 @@ void EmbeddedSession::PublishBeliefs() {
 
 Result<std::unique_ptr<Session>> MakeEmbeddedSession(const EmbeddedOptions& embedded,
                                                      const SessionOptions& options) {
-  return MakeStudySession(decision::ShippedPolicies(), embedded, options);
+  return MakeStudySession({decision::ShippedPolicies()}, embedded, options);
 }
 
-Result<std::unique_ptr<Session>> MakeStudySession(decision::PolicyRegistry policies,
+Result<std::unique_ptr<Session>> MakeStudySession(const StudyMaker& maker,
                                                   const EmbeddedOptions& embedded,
                                                   const SessionOptions& options) {
   if (Status status = ValidateSessionOptions(options); !status.ok()) return status;
-  return std::unique_ptr<Session>(
-      std::make_unique<EmbeddedSession>(StudyMaker{policies}, embedded, options));
+  return std::unique_ptr<Session>(std::make_unique<EmbeddedSession>(maker, embedded, options));
 }
 
 }  // namespace sweepstake

@@ -8,12 +8,13 @@
 #include "sweepstake/machine_class.h"
 #include "tests/laboratory/game/machine.h"
 #include "tests/laboratory/io/document_file.h"
+#include "tests/laboratory/replay/replay_output.h"
 
 namespace sweepstake::cli {
 
 // Defines the JSON conversions, in the namespace of the structs because the JSON library searches
 // there. The names of the fields are also their names in the file.
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentCell, scene, object_count, scene_seed)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentCell, scene, object_count)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RecordedSwitch, time_s, frame, from, to, reason, rebuild_ns,
                                    settling_ns)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RecordedDecision, time_s, active_arm, candidate, outcome, reason,
@@ -23,21 +24,21 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MetricWindow, time_s, arm, frame_count, frame
                                    frame_us_max, detection_us_mean, check_count_mean,
                                    pair_count_mean, native_bytes_max, object_count)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ArmActivity, frame_count, active_ns, detection_ns)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord, cell, policy, run, seed, initial_arm, time_scale,
-                                   start_utc, arms, exploration_s, end_s, switches, decisions,
-                                   windows, explored, observed, controls, time, shadow_visit_count,
-                                   warm_switch_count, dropped_frame_count)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord, cell, policy, run, scene_seed, seed, initial_arm,
+                                   time_scale, start_utc, arms, exploration_s, end_s, switches,
+                                   decisions, windows, explored, observed, controls, time,
+                                   shadow_visit_count, warm_switch_count, dropped_frame_count)
 
 namespace {
 
 constexpr const char* kManifestName = "manifest.json";
 constexpr DocumentFormat kFormat{.name = "sweepstake-experiment",
-                                 .version = 1,
+                                 .version = 2,
                                  .kind = "manifest of an experiment",
                                  .is_indented = true};
 
 constexpr DocumentFormat kRunFormat{
-    .name = "sweepstake-experiment-run", .version = 1, .kind = "record of a run"};
+    .name = "sweepstake-experiment-run", .version = 2, .kind = "record of a run"};
 
 // Returns whether all lists and arm indices match the number of arms, since later code indexes by
 // arm without checks.
@@ -70,30 +71,11 @@ Json ClassedMachineJson() {
   return machine;
 }
 
-// Returns the parameters of the paper's decision rule after division by the time scale.
-Json DecisionJson(double time_scale) {
-  const decision::DecisionOptions options = decision::DecisionOptions{}.Scaled(time_scale);
-  return {{"decision_interval_ns", options.decision_interval_ns},
-          {"cooldown_ns", options.cooldown_ns},
-          {"settling_ns", options.settling_ns},
-          {"bail_out_ns", options.bail_out_ns},
-          {"exploration_warm_up_ns", options.exploration_warm_up_ns},
-          {"exploration_measure_ns", options.exploration_measure_ns},
-          {"bail_out_penalty", options.bail_out_penalty},
-          {"fps_floor", options.fps_floor},
-          {"weights",
-           {{"fps", options.weights.fps},
-            {"detection", options.weights.detection},
-            {"memory", options.weights.memory},
-            {"checks", options.weights.checks}}},
-          {"priors", "Beta(1,1)"}};
-}
-
 Json RunsJson(const ExperimentPlan& plan) {
   Json runs = Json::array();
   for (const PlannedRun& run : plan.runs) {
     runs.push_back({{"run", run.label()},
-                    {"scene_seed", run.cell.scene_seed},
+                    {"scene_seed", run.scene_seed},
                     {"decision_seed", run.seed},
                     {"initial_arm", run.initial_arm}});
   }
@@ -106,8 +88,8 @@ std::filesystem::path ExperimentFolder::RunFile(const PlannedRun& run) const {
   return path_ / "runs" / (run.label() + ".json");
 }
 
-std::filesystem::path ExperimentFolder::TraceFile(const ExperimentCell& cell) const {
-  return path_ / "traces" / (cell.label() + ".costs");
+std::filesystem::path ExperimentFolder::TraceFile(const PlannedScene& scene) const {
+  return path_ / "traces" / (scene.label() + ".costs");
 }
 
 Status ExperimentFolder::Create() const {
@@ -141,16 +123,18 @@ Result<ExperimentManifest> ExperimentFolder::ReadManifest() const {
 Status ExperimentFolder::WriteManifest(const ExperimentPlan& plan,
                                        const std::vector<ExperimentSession>& sessions,
                                        size_t finished_count) const {
-  return WriteDocument(path_ / kManifestName, kFormat,
-                       {{"state", finished_count == plan.runs.size() ? "complete" : "partial"},
-                        {"finished_runs", finished_count},
-                        {"planned_runs", plan.runs.size()},
-                        {"options", nlohmann::json(plan.options)},
-                        {"window_ns", plan.window_ns},
-                        {"decider", DecisionJson(plan.options.time_scale)},
-                        {"machine", ClassedMachineJson()},
-                        {"sittings", nlohmann::json(sessions)},
-                        {"runs", RunsJson(plan)}});
+  return WriteDocument(
+      path_ / kManifestName, kFormat,
+      {{"state", finished_count == plan.runs.size() ? "complete" : "partial"},
+       {"finished_runs", finished_count},
+       {"planned_runs", plan.runs.size()},
+       {"options", nlohmann::json(plan.options)},
+       {"window_ns", plan.window_ns},
+       {"decider", DecisionJson(plan.options.decision.Scaled(plan.options.time_scale))},
+       {"priors", "Beta(1,1)"},
+       {"machine", ClassedMachineJson()},
+       {"sittings", nlohmann::json(sessions)},
+       {"runs", RunsJson(plan)}});
 }
 
 std::vector<RunRecord> ExperimentFolder::ReadRecords(const ExperimentPlan& plan) const {

@@ -4,7 +4,7 @@
 //
 //   manifest.json   options, seeds, machine, versions, command lines, state
 //   runs/           one record per finished run
-//   traces/         the costs of every arm on every frame of a cell's scene
+//   traces/         the costs of every arm on every frame of each scene
 //   *.csv, tables.txt, experiment.json, report.html
 #pragma once
 
@@ -17,6 +17,15 @@
 #include "engine_client/cli/game/game_run.h"
 #include "sweepstake/status.h"
 #include "tests/laboratory/experiment/experiment_plan.h"
+
+namespace sweepstake::decision {
+
+// The options of the decider that an experiment can set.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RewardWeights, fps, detection, memory, checks)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DecisionOptions, weights, decision_interval_ns, cooldown_ns,
+                                   settling_ns)
+
+}  // namespace sweepstake::decision
 
 namespace sweepstake::cli {
 
@@ -121,7 +130,7 @@ struct ExperimentSession {
 // there. The names of the fields are also their names in JSON.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentOptions, scenes, object_counts, policies, run_count,
                                    window, time_scale, seed, trace_frame_count, replay_seed_count,
-                                   quick)
+                                   decision, grid, other_work, quick)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentSession, command_line, start_utc, end_utc)
 
 struct ExperimentManifest {
@@ -135,7 +144,7 @@ class ExperimentFolder {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path RunFile(const PlannedRun& run) const;
-  std::filesystem::path TraceFile(const ExperimentCell& cell) const;
+  std::filesystem::path TraceFile(const PlannedScene& scene) const;
 
   // Creates the folders. Error: kInvalidArgument (a folder cannot be created, or the folder already
   // contains an experiment).

@@ -1,6 +1,7 @@
 #include "tests/laboratory/experiment/experiment_output.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -108,6 +109,7 @@ Json RunJson(const PlayedRun& run) {
   Json json = {{"cell", record.cell.label()},
                {"policy", record.policy},
                {"run", record.run},
+               {"scene_seed", record.scene_seed},
                {"arms", record.arms},
                {"exploration_s", record.exploration_s},
                {"end_s", record.end_s},
@@ -169,6 +171,7 @@ Json ComparisonJson(const PairedComparison& each) {
           {"ci95", IntervalJson(each.ci95)},
           {"p", each.wilcoxon.probability},
           {"p_corrected", each.corrected_probability},
+          {"p_smallest", each.wilcoxon.smallest_probability},
           {"effect", each.wilcoxon.rank_correlation}};
 }
 
@@ -184,11 +187,19 @@ Json AgreementJson(const Agreement& each) {
           {"measured_regret", each.measured_regret}};
 }
 
+Json WorthJson(const Worth& worth) {
+  return {{"best_arm", worth.best_arm},     {"best_ms", worth.best_ms},
+          {"always_ms", worth.always_ms},   {"oracle_ms", worth.oracle_ms},
+          {"decided_ms", worth.decided_ms}, {"nothing", worth.is_nothing()}};
+}
+
 Json TruthJson(const CellTruth& truth) {
   return {{"cell", truth.cell.label()},
+          {"scenes", truth.scene_count},
           {"ranking", ListJson(truth.ranking, RankedJson)},
           {"control_ratio", truth.control_ratio},
           {"headroom", truth.headroom},
+          {"worth", truth.worth ? WorthJson(*truth.worth) : Json()},
           {"players", ListJson(truth.players, PlayerJson)},
           {"comparisons", ListJson(truth.comparisons, ComparisonJson)},
           {"agreements", ListJson(truth.agreements, AgreementJson)}};
@@ -352,7 +363,9 @@ Json MetricRows(const RunRecord& record) {
 }
 
 Json TimeRows(const RunRecord& record) {
-  Json row = {{"start_utc", record.start_utc},
+  Json row = {{"scene_seed", record.scene_seed},
+              {"decision_seed", record.seed},
+              {"start_utc", record.start_utc},
               {"exploration_s", record.exploration_s},
               {"end_s", record.end_s}};
   row.update(nlohmann::json(record.time));
@@ -385,9 +398,11 @@ Status WriteRunCsv(std::span<const RunRecord> records, const fs::path& folder) {
 Json RegretRows(const CellTruth& truth) {
   Json rows = Json::array();
   for (const ReplayedPlayer& player : truth.players) {
+    const size_t games_per_scene = player.row.games.size() / player.scene_regrets.size();
     for (size_t i = 0; i < player.row.games.size(); ++i) {
       rows.push_back({{"player", player.name},
-                      {"seed", i + 1},
+                      {"scene", i / games_per_scene + 1},
+                      {"seed", i % games_per_scene + 1},
                       {"regret", player.row.games[i].regret_best_fixed}});
     }
   }
@@ -410,6 +425,10 @@ Json LiveRegretRows(const CellTruth& truth) {
 
 Status WriteTruthCsv(const ExperimentTruths& truths, const fs::path& folder) {
   const std::pair<const char*, Json (*)(const CellTruth&)> files[] = {
+      {"worth.csv",
+       [](const CellTruth& truth) {
+         return truth.worth ? Json::array({WorthJson(*truth.worth)}) : Json::array();
+       }},
       {"ranking.csv", [](const CellTruth& truth) { return ListJson(truth.ranking, RankedJson); }},
       {"regret.csv", RegretRows},
       {"agreement.csv",
@@ -434,7 +453,8 @@ Status WriteTruthCsv(const ExperimentTruths& truths, const fs::path& folder) {
   });
 }
 
-// Returns the rows of Tables 3 and 4 with the paper's values as `paper_…`.
+// Returns the rows of Tables 3 and 4 with the paper's values as `paper_…`; a value is empty if the
+// paper has none of the same quantity.
 Json TableRows(const ExperimentReport& report, const CellSummary& cell) {
   Json row = RowJson(report, cell);
   for (const char* by_trace : {"truly_fastest", "replay_regret"}) row.erase(by_trace);
@@ -442,7 +462,9 @@ Json TableRows(const ExperimentReport& report, const CellSummary& cell) {
   const Json printed = PaperJson(paper == nullptr ? PaperCells().front() : *paper);
   for (const auto& [name, value] : printed.items()) {
     if (name == "scene" || name == "objects") continue;
-    row["paper_" + name] = paper == nullptr ? Json() : value;
+    const bool is_posterior = name.starts_with("mu") || name == "n" || name == "n_sd";
+    const bool compares = paper != nullptr && (!is_posterior || HasPaperPosterior(cell));
+    row["paper_" + name] = compares ? value : Json();
   }
   return Json::array({row});
 }
@@ -463,6 +485,15 @@ std::string Frequency(uint32_t count, size_t of) {
   return std::to_string(count) + " / " + std::to_string(of);
 }
 
+// Returns milliseconds with three significant digits, as far as they show a thousandth.
+std::string MsText(double ms) {
+  return Fixed(ms, std::abs(ms) < 1 ? 3 : std::abs(ms) < 10 ? 2 : 1) + " ms";
+}
+
+std::string CellName(const ExperimentCell& cell) {
+  return PaperSceneName(cell.scene) + " " + text::Grouped(cell.object_count);
+}
+
 void AddTable3Row(const CellSummary& cell, TextTable& table) {
   const PaperCell* paper = PaperOf(cell);
   table.AddRow({PaperSceneName(cell.cell.scene), text::Grouped(cell.cell.object_count),
@@ -481,7 +512,9 @@ void AddTable4Rows(const CellSummary& cell, TextTable& table) {
   table.AddRow({"  paper", "", std::string(paper->dominant),
                 Frequency(paper->dominant_run_count, kPaperRunCount), PaperText(paper->switches, 1),
                 PaperText(paper->active_percent, 1),
-                PaperText(paper->posterior_mean, 3) + " / " + PaperText(paper->evidence, 1)});
+                HasPaperPosterior(cell)
+                    ? PaperText(paper->posterior_mean, 3) + " / " + PaperText(paper->evidence, 1)
+                    : "–"});
 }
 
 void PrintTables(std::span<const CellSummary> cells, std::ostream& out) {
@@ -498,7 +531,9 @@ void PrintTables(std::span<const CellSummary> cells, std::ostream& out) {
   out << "\nTable 3. Dominant algorithms across the runs.\n\n"
       << table3.Text()
       << "\nTable 4. Switches over all runs; active time, posterior mean μ* and n* = α + β of the "
-         "dominant arm over its runs; mean ± sample standard deviation.\n\n"
+         "dominant arm over its runs; mean ± sample standard deviation. The paper's μ* and n* "
+         "stand "
+         "only below those of its own policy, because other policies measure other quantities.\n\n"
       << table4.Text();
 }
 
@@ -509,10 +544,52 @@ std::string SpreadText(const Spread& spread, int decimals) {
   return spread.count > 1 ? mean + "±" + Fixed(spread.deviation, decimals) : mean;
 }
 
+std::string WorthText(const ExperimentTruths& truths) {
+  std::vector<const CellTruth*> cells;
+  for (const CellTruth& truth : truths.cells) {
+    if (truth.worth) cells.push_back(&truth);
+  }
+  if (cells.empty()) return "";
+  double best_ms = 0, always_ms = 0, decided_ms = 0;
+  std::string nothing;
+  size_t nothing_count = 0;
+  const CellTruth* most = cells.front();
+  for (const CellTruth* cell : cells) {
+    const Worth& worth = *cell->worth;
+    const double share = 1 / static_cast<double>(cells.size());
+    best_ms += share * worth.saved_to_best_ms();
+    always_ms += share * worth.saved_to_always_ms();
+    decided_ms += share * (worth.always_ms - worth.decided_ms);
+    if (worth.saved_to_always_ms() > most->worth->saved_to_always_ms()) most = cell;
+    if (!worth.is_nothing()) continue;
+    ++nothing_count;
+    nothing += (nothing.empty() ? "" : ", ") + CellName(cell->cell);
+  }
+  const std::string always = "always " + std::string(kAlwaysArm);
+  std::string text = "The best sequence of algorithms saves " + MsText(always_ms) +
+                     " of detection per frame against " + always + " and " + MsText(best_ms) +
+                     " against the best single algorithm of each cell, on average over " +
+                     text::Counted(cells.size(), "cell") + ". AI Decides saves " +
+                     MsText(decided_ms) + " against " + always + ". ";
+  if (nothing_count < cells.size()) {
+    text += "Choosing is worth most in " + CellName(most->cell) + ": " +
+            MsText(most->worth->saved_to_always_ms()) + " of " + MsText(most->worth->always_ms) +
+            " against " + always + ". ";
+  }
+  if (nothing_count == 0) return text + "Choosing is worth something in every cell.";
+  return text + "Choosing is worth nothing (less than " + Percent(kMinHeadroom, 1) +
+         " of detection, or less than " + MsText(kMinWorthMs) + ") in " +
+         std::to_string(nothing_count) + " of " + text::Counted(cells.size(), "cell") + ": " +
+         nothing + ".";
+}
+
 void PrintExperiment(const ExperimentReport& report, const fs::path& folder, std::ostream& out) {
   if (!report.complete()) {
     out << "PARTIAL: " << report.records.size() << " of " << report.plan.runs.size()
         << " runs are finished; continue with --resume " << folder.string() << "\n";
+  }
+  if (const std::string worth = WorthText(report.truths); !worth.empty()) {
+    out << '\n' << worth << '\n';
   }
   PrintTables(report.cells, out);
 }
@@ -545,6 +622,7 @@ void PrintExperimentJson(const ExperimentReport& report, const fs::path& folder,
                          {"cells", ListJson(report.plan.cells, cell_json)},
                          {"runs", RunsJson(report)},
                          {"truths", ListJson(report.truths.cells, TruthJson)},
+                         {"worth_text", WorthText(report.truths)},
                          {"over_cells", ListJson(report.truths.over_cells, ComparisonJson)},
                          {"paper", ListJson(PaperCells(), PaperJson)}};
   PrintJson(document, out);

@@ -30,7 +30,12 @@ struct ExperimentReport {
 // Returns "12.2±2.8" with this number of decimals, or only "12.2" for a single value.
 std::string SpreadText(const Spread& spread, int decimals);
 
-// Prints Tables 3 and 4 in the paper's layout for each policy, beside the paper's own figures.
+// Says what choosing an arm is worth over the cells, in ms per frame, and where it is worth
+// nothing. Empty if no cell was replayed.
+std::string WorthText(const ExperimentTruths& truths);
+
+// Prints what choosing is worth, then Tables 3 and 4 in the paper's layout for each policy, beside
+// the paper's own figures.
 // `folder` is the path of the experiment.
 void PrintExperiment(const ExperimentReport& report, const std::filesystem::path& folder,
                      std::ostream& out);
@@ -39,7 +44,7 @@ void PrintExperiment(const ExperimentReport& report, const std::filesystem::path
 // - Tables 3 and 4: tables.csv
 // - rows of the runs: activations.csv, switches.csv, decisions.csv, posteriors.csv, final.csv,
 //   metrics.csv, time.csv
-// - truth: ranking.csv, regret.csv, live_regret.csv, agreement.csv, comparisons.csv
+// - truth: worth.csv, ranking.csv, regret.csv, live_regret.csv, agreement.csv, comparisons.csv
 Status WriteExperimentCsv(const ExperimentReport& report, const std::filesystem::path& folder);
 
 // Prints the document of `--json`: a row per cell and policy, then the runs and the figures of

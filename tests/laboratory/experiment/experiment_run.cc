@@ -13,6 +13,7 @@
 #include "engine_client/decider/options.h"
 #include "engine_client/telemetry/common/study_session.h"
 #include "sweepstake/session.h"
+#include "tests/laboratory/game/busy_scene.h"
 #include "tests/laboratory/game/machine.h"
 #include "tests/laboratory/policies/study_policies.h"
 #include "tests/laboratory/trace/cost_trace.h"
@@ -107,7 +108,7 @@ class LiveRun {
  public:
   LiveRun(const PlannedRun& planned, const LiveOptions& options)
       : options_(options),
-        decisions_(decision::DecisionOptions{}.Scaled(options.time_scale)),
+        decisions_(options.decision.Scaled(options.time_scale)),
         meter_(static_cast<uint64_t>(decisions_.decision_interval_ns)) {
     static_cast<PlannedRun&>(record_) = planned;
     record_.time_scale = options.time_scale;
@@ -139,17 +140,21 @@ class LiveRun {
 };
 
 Status LiveRun::Prepare() {
-  auto scene = OpenScene({record_.cell.scene, record_.cell.object_count, record_.cell.scene_seed});
+  auto scene = OpenScene({record_.cell.scene, record_.cell.object_count, record_.scene_seed});
   if (!scene.ok()) return scene.status();
-  scene_ = std::move(*scene);
+  scene_ = std::make_unique<BusyScene>(std::move(*scene), options_.other_work_ns);
   SessionOptions options;
   options.queue_frames = kQueueFrames;
   EmbeddedOptions embedded;
   embedded.policy = record_.policy;
   embedded.seed = record_.seed;
   embedded.time_scale = options_.time_scale;
+  embedded.decision_interval_ns = static_cast<uint64_t>(options_.decision.decision_interval_ns);
+  embedded.cooldown_ns = static_cast<uint64_t>(options_.decision.cooldown_ns);
+  embedded.settling_ns = static_cast<uint64_t>(options_.decision.settling_ns);
   embedded.on_decision = [this](const DecisionEvent& event) { decision_recorder_.Add(event); };
-  auto session = MakeStudySession(decision::StudyPolicies(), embedded, options);
+  const StudyMaker maker{decision::StudyPolicies(), options_.decision.weights};
+  auto session = MakeStudySession(maker, embedded, options);
   if (!session.ok()) return session.status();
   session_ = std::move(*session);
   AdaptiveOptions adaptive;
@@ -277,24 +282,38 @@ bool LiveRun::ControlBlock(uint32_t arm) {
   return true;
 }
 
-// Returns the finished share of the experiment if `cells` cells are complete and `share` of the
-// next cell is done.
-double Share(const ExperimentPlan& plan, size_t cells, double share) {
-  return (static_cast<double>(cells) + share) / static_cast<double>(plan.cells.size());
+// Returns the finished share if `done` of `all` parts are complete and `share` of the next one is.
+double Share(size_t done, size_t all, double share) {
+  return (static_cast<double>(done) + share) / static_cast<double>(all);
 }
 
-// Returns whether the trace was made with this experiment's options. If not, the scene is traced
-// again.
-bool IsTraceOf(const Result<CostTrace>& trace, const ExperimentPlan& plan) {
-  return trace.ok() && trace->frame_count == plan.options.trace_frame_count;
+// Returns whether the trace is of this scene and was made with this experiment's options. If not,
+// the scene is traced again.
+bool IsTraceOf(const Result<CostTrace>& trace, const ExperimentPlan& plan,
+               const PlannedScene& scene) {
+  return trace.ok() && trace->frame_count == plan.options.trace_frame_count &&
+         trace->seed == scene.seed;
 }
 
-TraceOptions OptionsOf(const ExperimentPlan& plan, const ExperimentCell& cell) {
+TraceOptions OptionsOf(const ExperimentPlan& plan, const PlannedScene& scene) {
   TraceOptions options;
-  options.scene = {cell.scene, cell.object_count, cell.scene_seed};
+  options.scene = {scene.cell.scene, scene.cell.object_count, scene.seed};
   options.arms = *ChooseArms({"all"});
   options.frame_count = plan.options.trace_frame_count;
   return options;
+}
+
+// Returns the traces of the cell's scenes; empty if one is missing.
+std::vector<CostTrace> TracesOf(const ExperimentPlan& plan, const ExperimentFolder& folder,
+                                const ExperimentCell& cell) {
+  std::vector<CostTrace> traces;
+  for (const PlannedScene& scene : plan.scenes) {
+    if (scene.cell != cell) continue;
+    auto trace = ReadCosts(folder.TraceFile(scene));
+    if (!IsTraceOf(trace, plan, scene)) return {};
+    traces.push_back(std::move(*trace));
+  }
+  return traces;
 }
 
 std::vector<const CellSummary*> CellsOf(std::span<const CellSummary> summaries,
@@ -352,14 +371,14 @@ Result<std::optional<RunRecord>> PlayLive(const PlannedRun& planned, const LiveO
 
 Status TraceCells(const ExperimentPlan& plan, const ExperimentFolder& folder,
                   const ExperimentProgress& on_progress) {
-  for (size_t i = 0; i < plan.cells.size() && !StopRequested(); ++i) {
-    const ExperimentCell& cell = plan.cells[i];
-    if (IsTraceOf(ReadCosts(folder.TraceFile(cell)), plan)) continue;
-    const auto trace = RunTrace(OptionsOf(plan, cell), [&](double share) {
-      on_progress(Share(plan, i, share), cell.label());
+  for (size_t i = 0; i < plan.scenes.size() && !StopRequested(); ++i) {
+    const PlannedScene& scene = plan.scenes[i];
+    if (IsTraceOf(ReadCosts(folder.TraceFile(scene)), plan, scene)) continue;
+    const auto trace = RunTrace(OptionsOf(plan, scene), [&](double share) {
+      on_progress(Share(i, plan.scenes.size(), share), scene.label());
     });
     if (!trace.ok()) return trace.status();
-    if (Status status = WriteCosts(folder.TraceFile(cell), *trace); !status.ok()) return status;
+    if (Status status = WriteCosts(folder.TraceFile(scene), *trace); !status.ok()) return status;
   }
   return {};
 }
@@ -382,7 +401,8 @@ Status PlayGrid(const ExperimentPlan& plan, const ExperimentFolder& folder,
       on_progress((static_cast<double>(done) + of_run) / static_cast<double>(missing.size()), text);
       return !StopRequested();
     };
-    const auto record = PlayLive(run, {plan.window_ns, plan.options.time_scale, go_on});
+    const auto record = PlayLive(run, {plan.window_ns, plan.options.time_scale,
+                                       plan.options.decision, plan.other_work_ns, go_on});
     if (!record.ok()) return record.status();
     if (!*record) return {};
     if (Status status = WriteRecord(**record, folder.RunFile(run)); !status.ok()) return status;
@@ -397,15 +417,18 @@ Result<ExperimentTruths> Assess(const ExperimentPlan& plan, const ExperimentFold
   options.seed_count = plan.options.replay_seed_count;
   options.thread_count = std::max(1U, std::thread::hardware_concurrency());
   options.time_scale = plan.options.time_scale;
+  options.decision = plan.options.decision;
   ExperimentTruths truths;
   for (size_t i = 0; i < plan.cells.size(); ++i) {
     const ExperimentCell& cell = plan.cells[i];
-    const auto trace = ReadCosts(folder.TraceFile(cell));
-    if (!IsTraceOf(trace, plan)) continue;
-    truths.cells.push_back(RankArms(cell, *trace));
+    const std::vector<CostTrace> traces = TracesOf(plan, folder, cell);
+    if (traces.empty()) continue;
+    truths.cells.push_back(RankArms(cell, traces));
     if (StopRequested()) continue;
-    const auto done = [&](double share) { on_progress(Share(plan, i, share), cell.label()); };
-    Status status = AssessCell(*trace, CellsOf(cells, cell), options, done, truths.cells.back());
+    const auto done = [&](double share) {
+      on_progress(Share(i, plan.cells.size(), share), cell.label());
+    };
+    Status status = AssessCell(traces, CellsOf(cells, cell), options, done, truths.cells.back());
     if (!status.ok()) return status;
   }
   truths.over_cells = CompareOverCells(truths.cells);

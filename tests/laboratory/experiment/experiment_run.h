@@ -45,6 +45,8 @@ Result<ExperimentTruths> Assess(const ExperimentPlan& plan, const ExperimentFold
 struct LiveOptions {
   uint64_t window_ns = 0;  // in real time
   double time_scale = 1;
+  decision::DecisionOptions decision = {};  // before the time scale; `policy` is the run's
+  uint64_t other_work_ns = 0;               // of the game, in each frame
   // Called between frames with the real time since the run began. The run stops if it returns
   // false.
   std::function<bool(uint64_t elapsed_ns)> go_on;

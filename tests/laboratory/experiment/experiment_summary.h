@@ -97,5 +97,8 @@ const PaperCell* FindPaperCell(std::string_view scene, uint32_t object_count);
 inline const PaperCell* PaperOf(const CellSummary& summary) {
   return FindPaperCell(summary.cell.scene, summary.cell.object_count);
 }
+// Returns whether μ* and n* of this row are the same quantities as in the paper. Other policies
+// have another reward or count a window as another number of observations.
+inline bool HasPaperPosterior(const CellSummary& summary) { return summary.policy == "paper"; }
 
 }  // namespace sweepstake::cli

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <string_view>
@@ -35,18 +36,75 @@ void CorrectByHolm(std::vector<PairedComparison>& family) {
   for (size_t i = 0; i < family.size(); ++i) family[i].corrected_probability = corrected[i];
 }
 
+// Returns whether AI Decides is compared with this player.
+bool IsBaseline(const ReplayedPlayer& player) {
+  const bool is_always = player.name == "fixed:" + std::string(kAlwaysArm);
+  return (player.is_policy && player.name != OwnPolicyName("default")) || is_always;
+}
+
 std::vector<PairedComparison> CompareInCell(const std::vector<ReplayedPlayer>& players) {
   const std::string own = OwnPolicyName("default");
   std::vector<PairedComparison> comparisons;
   const auto ours = std::find_if(players.begin(), players.end(),
                                  [&](const ReplayedPlayer& each) { return each.name == own; });
   for (const ReplayedPlayer& theirs : players) {
-    if (!theirs.is_policy || theirs.name == own) continue;
-    comparisons.push_back(Compare(own, ours->row.Values(&StudyGame::regret_best_fixed), theirs.name,
-                                  theirs.row.Values(&StudyGame::regret_best_fixed)));
+    if (!IsBaseline(theirs)) continue;
+    comparisons.push_back(Compare(own, ours->scene_regrets, theirs.name, theirs.scene_regrets));
   }
   CorrectByHolm(comparisons);
   return comparisons;
+}
+
+std::optional<Worth> WorthOf(const std::vector<ReplayedPlayer>& players) {
+  Worth worth;
+  worth.best_ms = std::numeric_limits<double>::infinity();
+  constexpr std::string_view kFixed = "fixed:";
+  for (const ReplayedPlayer& player : players) {
+    const double ms = player.row.ms.detection;
+    if (player.name == "oracle") worth.oracle_ms = ms;
+    if (player.name == OwnPolicyName("default")) worth.decided_ms = ms;
+    if (!player.name.starts_with(kFixed)) continue;
+    const std::string arm = player.name.substr(kFixed.size());
+    if (arm == kAlwaysArm) worth.always_ms = ms;
+    if (ms >= worth.best_ms) continue;
+    worth.best_ms = ms;
+    worth.best_arm = arm;
+  }
+  return worth.always_ms > 0 ? std::optional(worth) : std::nullopt;
+}
+
+// Returns the cell's games on each of its traces, as scenes of a study.
+Result<std::vector<StudyScene>> ReplayScenes(std::span<const CostTrace> traces, GameOptions game,
+                                             bool in_real_time) {
+  std::vector<StudyScene> scenes;
+  for (const CostTrace& trace : traces) {
+    if (in_real_time) game.pass_ns = std::min(game.run_ns, game.frame_ns * trace.frame_count);
+    auto scene = ReplayScene::Create(trace, game);
+    if (!scene.ok()) return scene.status();
+    scenes.push_back({std::to_string(trace.seed), std::move(*scene)});
+  }
+  return scenes;
+}
+
+// Returns the games per scene, so that all scenes together have at least seed_count games.
+uint32_t GamesPerScene(const TruthOptions& options, size_t scene_count) {
+  const auto count = static_cast<uint32_t>(scene_count);
+  return (options.seed_count + count - 1) / count;
+}
+
+// Joins the rows of one player on the scenes of a cell.
+ReplayedPlayer Joined(const ReplayPlayer& player, std::span<const StudyRow* const> rows) {
+  ReplayedPlayer joined{player.name, player.kind == ReplayPlayer::Kind::kPolicy, {}, {}};
+  std::vector<double> paper_ms;
+  for (const StudyRow* row : rows) {
+    joined.row.games.insert(joined.row.games.end(), row->games.begin(), row->games.end());
+    joined.scene_regrets.push_back(row->regret_best_fixed);
+    paper_ms.push_back(*row->paper_ms);
+  }
+  SummarizeGames(joined.row);
+  joined.row.paper_ms = Mean(paper_ms);
+  joined.row.ci95 = BootstrapMean(joined.scene_regrets);
+  return joined;
 }
 
 // The frame times and the length of the live runs of one cell and policy. The virtual game of the
@@ -105,6 +163,7 @@ double RegretByTrace(const RunRecord& record, std::span<const double> costs_ns,
   return ns / frames / best_ns - 1;
 }
 
+// Returns the mean cost of each arm over the frames of a trace, in ns.
 std::vector<double> MeanCosts(const CostTrace& trace) {
   std::vector<double> costs(trace.arm_count());
   for (uint32_t frame = 0; frame < trace.frame_count; ++frame) {
@@ -113,6 +172,11 @@ std::vector<double> MeanCosts(const CostTrace& trace) {
     }
   }
   return costs;
+}
+
+double ControlRatio(const CostTrace& trace) {
+  const auto control = std::accumulate(trace.control_ns.begin(), trace.control_ns.end(), 0.0);
+  return control / trace.frame_count / MeanCosts(trace)[trace.control_arm];
 }
 
 Interval Predicted(const std::vector<double>& games, size_t run_count) {
@@ -130,13 +194,16 @@ std::vector<double> Column(const std::vector<LiveRegret>& runs, double LiveRegre
 }
 
 // Computes the figures of the live runs. The intervals that replay expects are added by Agree.
-Agreement LiveFigures(const CellSummary& cell, const CostTrace& trace, double other_work_ns) {
-  const std::vector<double> costs = MeanCosts(trace);
-  const auto best =
-      static_cast<uint32_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
+Agreement LiveFigures(const CellSummary& cell, std::span<const CostTrace> traces,
+                      double other_work_ns) {
+  std::map<uint64_t, std::vector<double>> scene_costs;  // by the scene's seed
+  for (const CostTrace& trace : traces) scene_costs[trace.seed] = MeanCosts(trace);
   Agreement agreement;
   agreement.policy = cell.policy;
   for (const PlayedRun& run : cell.runs) {
+    const std::vector<double>& costs = scene_costs.at(run.record->scene_seed);
+    const auto best =
+        static_cast<uint32_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
     agreement.runs.push_back({run.record->run, MeasuredRegret(*run.record, best),
                               RegretByTrace(*run.record, costs, other_work_ns),
                               run.active_shares[run.dominant]});
@@ -149,30 +216,34 @@ Agreement LiveFigures(const CellSummary& cell, const CostTrace& trace, double ot
 
 // Replays the policy under the conditions of the live runs: their frame time, other work, window
 // and time scale.
-Result<Agreement> Agree(const CostTrace& trace, const CellSummary& cell,
+Result<Agreement> Agree(std::span<const CostTrace> traces, const CellSummary& cell,
                         const TruthOptions& options) {
   const LiveScale scale = ScaleOf(cell.runs);
   GameOptions game;
   game.frame_ns = scale.frame_ns;
   game.other_work_ns = scale.other_work_ns;
   game.run_ns = std::max(scale.run_ns, scale.frame_ns);
-  game.pass_ns = std::min(game.run_ns, scale.frame_ns * trace.frame_count);
-  auto scene = ReplayScene::Create(trace, game);
-  if (!scene.ok()) return scene.status();
+  const auto scenes = ReplayScenes(traces, game, true);
+  if (!scenes.ok()) return scenes.status();
   StudyOptions study;
   study.players = {{.name = cell.policy}};
-  study.decision = decision::DecisionOptions{}.Scaled(options.time_scale);
+  study.decision = options.decision.Scaled(options.time_scale);
   study.shadow.sweep_interval_min_ns = static_cast<uint64_t>(
       static_cast<double>(study.shadow.sweep_interval_min_ns) / options.time_scale);
-  study.seed_count = options.seed_count;
+  study.seed_count = GamesPerScene(options, traces.size());
   study.thread_count = options.thread_count;
-  const std::vector<StudyScene> scenes{{cell.cell.label(), std::move(*scene)}};
-  const auto rows = RunStudy(scenes, study, [](uint64_t, uint64_t) {});
-  Agreement agreement = LiveFigures(cell, trace, static_cast<double>(scale.other_work_ns));
-  agreement.replayed_regret =
-      Predicted(rows.front().Values(&StudyGame::regret_best_fixed), cell.runs.size());
-  agreement.replayed_active_share =
-      Predicted(rows.front().Values(&StudyGame::active_share), cell.runs.size());
+  const auto rows = RunStudy(*scenes, study, [](uint64_t, uint64_t) {});
+  Agreement agreement = LiveFigures(cell, traces, static_cast<double>(scale.other_work_ns));
+  const auto predicted = [&](double StudyGame::*figure) {
+    std::vector<double> games;
+    for (const StudyRow& row : rows) {
+      const std::vector<double> values = row.Values(figure);
+      games.insert(games.end(), values.begin(), values.end());
+    }
+    return Predicted(games, cell.runs.size());
+  };
+  agreement.replayed_regret = predicted(&StudyGame::regret_best_fixed);
+  agreement.replayed_active_share = predicted(&StudyGame::active_share);
   agreement.replayed_active_share.low = std::max(0.0, agreement.replayed_active_share.low);
   agreement.replayed_active_share.high = std::min(1.0, agreement.replayed_active_share.high);
   return agreement;
@@ -183,6 +254,13 @@ bool Holds(const Interval& interval, double value) {
 }
 
 }  // namespace
+
+bool Worth::is_nothing() const {
+  const auto is_little = [](double saved_ms, double of_ms) {
+    return saved_ms < std::max(kMinHeadroom * of_ms, kMinWorthMs);
+  };
+  return is_little(saved_to_best_ms(), best_ms) && is_little(saved_to_always_ms(), always_ms);
+}
 
 bool Agreement::regret_agrees() const { return Holds(replayed_regret, regret); }
 bool Agreement::share_agrees() const { return Holds(replayed_active_share, active_share); }
@@ -197,44 +275,54 @@ std::string OwnPolicyName(const std::string& policy) {
   return std::string(decision::PolicyKindOf(policy, decision::StudyPolicies()).name);
 }
 
-CellTruth RankArms(const ExperimentCell& cell, const CostTrace& trace) {
+CellTruth RankArms(const ExperimentCell& cell, std::span<const CostTrace> traces) {
   CellTruth truth;
   truth.cell = cell;
-  const std::vector<double> costs = MeanCosts(trace);
-  for (uint32_t arm = 0; arm < trace.arm_count(); ++arm) {
-    truth.ranking.push_back({trace.arms[arm].name, costs[arm], 1});
+  truth.scene_count = static_cast<uint32_t>(traces.size());
+  for (const TracedArm& arm : traces.front().arms) truth.ranking.push_back({arm.name, 0, 1});
+  for (const CostTrace& trace : traces) {
+    const std::vector<double> costs = MeanCosts(trace);
+    for (size_t arm = 0; arm < costs.size(); ++arm) {
+      truth.ranking[arm].mean_ns += costs[arm] / static_cast<double>(traces.size());
+    }
+    const double control_ratio = ControlRatio(trace);
+    if (std::abs(control_ratio - 1) > std::abs(truth.control_ratio - 1)) {
+      truth.control_ratio = control_ratio;
+    }
   }
   std::sort(truth.ranking.begin(), truth.ranking.end(),
             [](const ArmCost& a, const ArmCost& b) { return a.mean_ns < b.mean_ns; });
   for (ArmCost& each : truth.ranking) each.ratio = each.mean_ns / truth.ranking.front().mean_ns;
-  const auto control = std::accumulate(trace.control_ns.begin(), trace.control_ns.end(), 0.0);
-  truth.control_ratio = control / trace.frame_count / costs[trace.control_arm];
   return truth;
 }
 
-Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> cells,
+Status AssessCell(std::span<const CostTrace> traces, std::span<const CellSummary* const> cells,
                   const TruthOptions& options, const std::function<void(double share)>& done,
                   CellTruth& truth) {
-  auto scene = ReplayScene::Create(trace, {});
-  if (!scene.ok()) return scene.status();
+  const auto scenes = ReplayScenes(traces, {}, false);
+  if (!scenes.ok()) return scenes.status();
   StudyOptions study;
-  study.players = JudgedPlayers(scene->arms());
-  study.seed_count = options.seed_count;
+  study.players = JudgedPlayers(scenes->front().scene.arms());
+  study.decision = options.decision;
+  study.seed_count = GamesPerScene(options, traces.size());
   study.thread_count = options.thread_count;
-  const std::vector<StudyScene> scenes{{truth.cell.label(), std::move(*scene)}};
-  const auto rows = RunStudy(scenes, study, [&](uint64_t games, uint64_t all) {
+  const auto rows = RunStudy(*scenes, study, [&](uint64_t games, uint64_t all) {
     done(static_cast<double>(games) / static_cast<double>(all));
   });
   truth.players.clear();
-  for (const StudyRow& row : rows) {
-    const ReplayPlayer& player = study.players[row.player];
-    truth.players.push_back({player.name, player.kind == ReplayPlayer::Kind::kPolicy, row});
-    truth.headroom = row.headroom;
+  for (uint32_t player = 0; player < study.players.size(); ++player) {
+    std::vector<const StudyRow*> by_scene;
+    for (const StudyRow& row : rows) {
+      if (row.player == player) by_scene.push_back(&row);
+    }
+    truth.players.push_back(Joined(study.players[player], by_scene));
   }
+  truth.headroom = truth.players.front().row.headroom;
+  truth.worth = WorthOf(truth.players);
   truth.comparisons = CompareInCell(truth.players);
   truth.agreements.clear();
   for (const CellSummary* cell : cells) {
-    auto agreement = Agree(trace, *cell, options);
+    auto agreement = Agree(traces, *cell, options);
     if (!agreement.ok()) return agreement.status();
     truth.agreements.push_back(*agreement);
   }
@@ -248,8 +336,9 @@ std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths
   std::map<std::string, std::vector<double>> means;  // by policy: one mean per cell
   for (const CellTruth& truth : truths) {
     for (const ReplayedPlayer& player : truth.players) {
-      if (!player.is_policy) continue;
-      if (means[player.name].empty() && player.name != own) order.push_back(player.name);
+      const bool is_baseline = IsBaseline(player);
+      if (!is_baseline && player.name != own) continue;
+      if (is_baseline && means[player.name].empty()) order.push_back(player.name);
       means[player.name].push_back(player.row.regret_best_fixed);
     }
   }

@@ -6,6 +6,7 @@
 #include <cmath>  // std::sqrt, exactly rounded by IEEE 754
 #include <utility>
 
+#include "engine_client/decider/policy/diagnosis.h"
 #include "engine_client/math/portable_math.h"
 #include "engine_client/math/random.h"
 
@@ -92,12 +93,19 @@ LinTsPolicy::Belief LinTsPolicy::BeliefOf(const Model& model) const {
 
 Choice LinTsPolicy::Choose(const ChoiceInput& input) const {
   std::vector<double> draws;
+  // The distributions of the negative draws, because Diagnose takes the lowest value as the best.
+  std::vector<double> means, variances;
   for (uint32_t arm = 0; arm < models_.size(); ++arm) {
     const Belief belief = BeliefOf(models_[arm]);
+    means.push_back(-belief.mean);
+    variances.push_back(kSpread * kSpread * belief.variance);
     RandomStream stream(input.seed, RandomPurpose::kChoice, input.decision_id, arm);
     draws.push_back(belief.mean + kSpread * std::sqrt(belief.variance) * DrawNormal(stream));
   }
-  return HighestOf(std::move(draws));
+  Choice choice = HighestOf(std::move(draws));
+  const Diagnosis diagnosis = DiagnoseLogCosts(means, variances);
+  choice.propensity = PropensityOfDraw(diagnosis, choice.candidate, models_.size());
+  return choice;
 }
 
 }  // namespace sweepstake::decision

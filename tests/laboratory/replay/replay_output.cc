@@ -141,9 +141,7 @@ std::string UnderivedText(const AuditReport& report) {
 
 std::string Signed(double value, int decimals) {
   const std::string text = Fixed(value, decimals);
-  if (!text.starts_with('-')) return '+' + text;
-  const bool is_zero = text.find_first_of("123456789") == std::string::npos;
-  return is_zero ? '+' + text.substr(1) : text;
+  return text.starts_with('-') ? text : '+' + text;
 }
 
 std::string SignedPercent(double ratio, int decimals) {
@@ -152,6 +150,22 @@ std::string SignedPercent(double ratio, int decimals) {
 
 std::string IntervalText(const Interval& interval) {
   return SignedPercent(interval.low) + " to " + SignedPercent(interval.high);
+}
+
+Json DecisionJson(const decision::DecisionOptions& options) {
+  return {{"decision_interval_ns", options.decision_interval_ns},
+          {"cooldown_ns", options.cooldown_ns},
+          {"settling_ns", options.settling_ns},
+          {"bail_out_ns", options.bail_out_ns},
+          {"exploration_warm_up_ns", options.exploration_warm_up_ns},
+          {"exploration_measure_ns", options.exploration_measure_ns},
+          {"bail_out_penalty", options.bail_out_penalty},
+          {"fps_floor", options.fps_floor},
+          {"weights",
+           {{"fps", options.weights.fps},
+            {"detection", options.weights.detection},
+            {"memory", options.weights.memory},
+            {"checks", options.weights.checks}}}};
 }
 
 Json FrameMsJson(const FrameMs& ms, const std::optional<double>& paper) {
@@ -199,6 +213,7 @@ void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
       {"command", "replay"},
       {"seeds", report.options.seed_count},
       {"own_policy", decision::PolicyKindOf("default", decision::ShippedPolicies()).name},
+      {"decider", DecisionJson(report.options.decision)},
       {"scenes", Json::array()},
       {"rows", Json::array()},
       {"calibration", CalibrationJson(report)}};

@@ -29,6 +29,9 @@ std::string IntervalText(const Interval& interval);
 void PrintReplayTable(const ReplayReport& report, std::ostream& out);
 void PrintReplayJson(const ReplayReport& report, std::ostream& out);
 
+// Returns the parameters of the decision rule as JSON.
+nlohmann::ordered_json DecisionJson(const decision::DecisionOptions& options);
+
 // Returns the times of a frame as JSON. `paper` is the detection time of the policy `paper`.
 nlohmann::ordered_json FrameMsJson(const FrameMs& ms, const std::optional<double>& paper);
 

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "engine_client/cli/io/duration.h"
+#include "engine_client/decider/session/session_setup.h"
+#include "engine_client/text/counts.h"
 #include "engine_client/text/names.h"
 #include "tests/laboratory/policies/study_policies.h"
 #include "tests/laboratory/trace/cost_trace.h"
@@ -83,9 +85,9 @@ Status CheckSameArms(const std::vector<StudyScene>& scenes) {
 
 Result<std::vector<StudyScene>> ReadScenes(const ReplayRequest& request) {
   if (request.passes.size() > 1 && request.passes.size() != request.costs.size()) {
-    return Invalid("--pass has " + std::to_string(request.passes.size()) + " durations for " +
-                   std::to_string(request.costs.size()) +
-                   " traces; give one, or one for each of --costs");
+    return Invalid("--pass has " + text::Counted(request.passes.size(), "duration") + " for " +
+                   text::Counted(request.costs.size(), "trace") +
+                   "; give one, or one for each of --costs");
   }
   std::vector<StudyScene> scenes;
   for (size_t trace = 0; trace < request.costs.size(); ++trace) {
@@ -153,6 +155,9 @@ Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request) {
   if (!ratios.ok()) return ratios.status();
   const auto priors =
       std::find(kReplayPriorsNames.begin(), kReplayPriorsNames.end(), request.priors);
+  if (const auto problem = decision::Validate(request.study.decision, decision::StudyPolicies())) {
+    return Invalid(*problem);
+  }
   ReplayPlan plan{.scenes = std::move(*scenes), .study = request.study};
   plan.study.players = std::move(*players);
   plan.study.priors = static_cast<ReplayPriors>(priors - kReplayPriorsNames.begin());

@@ -178,7 +178,9 @@ uint32_t MostOften(const std::vector<StudyGame>& games) {
   return static_cast<uint32_t>(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
-void Summarize(StudyRow& row) {
+}  // namespace
+
+void SummarizeGames(StudyRow& row) {
   const auto& games = row.games;
   for (double StudyGame::*const figure :
        {&StudyGame::regret_best_fixed, &StudyGame::regret_oracle, &StudyGame::headroom,
@@ -213,8 +215,6 @@ void Summarize(StudyRow& row) {
     }
   }
 }
-
-}  // namespace
 
 PairedComparison Compare(const std::string& policy, std::span<const double> ours,
                          const std::string& baseline, std::span<const double> theirs) {
@@ -258,7 +258,7 @@ std::vector<StudyRow> RunStudy(std::span<const StudyScene> scenes, const StudyOp
       [&](uint64_t done) { on_game(done * player_count, job_count * player_count); });
   const auto paper = std::find_if(options.players.begin(), options.players.end(),
                                   [](const ReplayPlayer& each) { return each.name == "paper"; });
-  for (StudyRow& row : rows) Summarize(row);
+  for (StudyRow& row : rows) SummarizeGames(row);
   if (paper == options.players.end()) return rows;
   const auto paper_player = static_cast<size_t>(paper - options.players.begin());
   for (StudyRow& row : rows) {

@@ -121,6 +121,10 @@ struct StudyRow : StudyGame {
 
 inline constexpr double kMinHeadroom = 0.005;
 
+// Computes the figures of a row from its games. Leaves scene, player and the comparison with the
+// paper unchanged. REQUIRES: at least one game.
+void SummarizeGames(StudyRow& row);
+
 // Plays all games. The rows are ordered by scene, then by player. `on_game` is called on the
 // calling thread with the number of games done. REQUIRES: the decision options are valid; all
 // scenes have the same arms.

@@ -76,6 +76,7 @@ TEST(WilcoxonSignedRank, FivePairsOfOneSignGiveOneSixteenth) {
   EXPECT_EQ(result.pair_count, 5U);
   EXPECT_EQ(result.positive_ranks, 15);
   EXPECT_DOUBLE_EQ(result.probability, 2.0 / 32);
+  EXPECT_DOUBLE_EQ(result.smallest_probability, 2.0 / 32);
   EXPECT_DOUBLE_EQ(result.rank_correlation, 1);
 }
 
@@ -85,6 +86,7 @@ TEST(WilcoxonSignedRank, AgreesWithTheTextbookExampleOfTenPairs) {
   const WilcoxonResult result = WilcoxonSignedRank(differences);
   EXPECT_EQ(result.positive_ranks, 47);
   EXPECT_DOUBLE_EQ(result.probability, 50.0 / 1024);
+  EXPECT_DOUBLE_EQ(result.smallest_probability, 2.0 / 1024);
 }
 
 TEST(WilcoxonSignedRank, SharesRanksAmongTiesAndOmitsZeros) {
@@ -100,6 +102,7 @@ TEST(WilcoxonSignedRank, SharesRanksAmongTiesAndOmitsZeros) {
 TEST(WilcoxonSignedRank, HasProbabilityOneWithoutDifferences) {
   const std::vector<double> differences{0, 0};
   EXPECT_EQ(WilcoxonSignedRank(differences).probability, 1);
+  EXPECT_EQ(WilcoxonSignedRank(differences).smallest_probability, 1);
   EXPECT_EQ(WilcoxonSignedRank({}).probability, 1);
 }
 

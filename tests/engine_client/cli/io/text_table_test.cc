@@ -59,6 +59,8 @@ TEST(Fixed, RoundsToTheDecimals) {
   EXPECT_EQ(Fixed(3.5, 0), "4");
   EXPECT_EQ(Fixed(-1.005, 1), "-1.0");
   EXPECT_EQ(Fixed(1e6, 3), "1000000.000");
+  EXPECT_EQ(Fixed(-2.78e-17, 2), "0.00");
+  EXPECT_EQ(Fixed(-0.4, 0), "0");
 }
 
 TEST(LetterCount, CountsCharacters) {

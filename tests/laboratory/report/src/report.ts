@@ -3,6 +3,7 @@ import { append, h } from './dom';
 import type { BenchDocument } from './model/bench';
 import type { ExperimentDocument } from './model/experiment';
 import type { ReplayDocument } from './model/replay';
+import { onNarrowChange } from './charts/figure';
 import { drawPage, type Page } from './page';
 import { benchPage } from './pages/bench';
 import { experimentPage } from './pages/experiment';
@@ -35,12 +36,17 @@ function readDocuments(): Document[] {
   return JSON.parse(text) as Document[];
 }
 
-const main = document.getElementById('report')!;
-try {
-  const pages = readDocuments().map(pageOrError);
-  document.title = [...new Set(pages.map(({ title }) => title))].join(', ');
-  main.replaceChildren();
-  append(main, pages.map((page, i) => drawPage(page, i === 0 ? '' : `d${i + 1}-`)));
-} catch (error) {
-  main.replaceChildren(h('h1', {}, 'Sweepstake report'), h('p', {}, `This page cannot be drawn: ${(error as Error).message}.`));
+function draw(): void {
+  const main = document.getElementById('report')!;
+  try {
+    const pages = readDocuments().map(pageOrError);
+    document.title = [...new Set(pages.map(({ title }) => title))].join(', ');
+    main.replaceChildren();
+    append(main, pages.map((page, i) => drawPage(page, i === 0 ? '' : `d${i + 1}-`)));
+  } catch (error) {
+    main.replaceChildren(h('h1', {}, 'Sweepstake report'), h('p', {}, `This page cannot be drawn: ${(error as Error).message}.`));
+  }
 }
+
+draw();
+onNarrowChange(draw);

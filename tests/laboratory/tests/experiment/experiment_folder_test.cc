@@ -27,6 +27,7 @@ using nlohmann::json;
 using test_support::FileText;
 using test_support::MakeRecord;
 using test_support::TemporaryDirectory;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -61,14 +62,16 @@ class InterruptedExperiment : public testing::Test {
   void Finish(const PlannedRun& run) {
     EXPECT_TRUE(WriteRecord(RecordOf(run), folder_.RunFile(run)).ok());
   }
-  // Writes a trace for each cell. As in the records, KDTree is the fastest arm.
+  // Writes a trace for each scene. As in the records, KDTree is the fastest arm.
   void TraceAll() {
     constexpr uint64_t kCostsNs[] = {50'000, 25'000, 50'000};
     SyntheticTrace trace;
     trace.arms = test_support::kRecordArms;
     trace.detection_ns = [&](uint32_t, uint32_t arm) { return kCostsNs[arm]; };
-    for (const ExperimentCell& cell : plan_.cells) {
-      EXPECT_TRUE(WriteCosts(folder_.TraceFile(cell), MakeTrace(trace)).ok());
+    for (const PlannedScene& scene : plan_.scenes) {
+      CostTrace costs = MakeTrace(trace);
+      costs.seed = scene.seed;
+      EXPECT_TRUE(WriteCosts(folder_.TraceFile(scene), costs).ok());
     }
   }
   void WriteManifest(size_t finished_count) {
@@ -107,7 +110,7 @@ TEST_F(InterruptedExperiment, PlaysAgainWhatIsOfAnotherRun) {
   EXPECT_FALSE(is_found([](RunRecord& record) { record.run = 2; }));
   EXPECT_FALSE(is_found([](RunRecord& record) { record.policy = "random"; }));
   EXPECT_FALSE(is_found([](RunRecord& record) { record.cell.object_count = 80; }));
-  EXPECT_FALSE(is_found([](RunRecord& record) { record.cell.scene_seed = 2; }));
+  EXPECT_FALSE(is_found([](RunRecord& record) { ++record.scene_seed; }));
 }
 
 TEST_F(InterruptedExperiment, ARecordThatIsCutOffAnywhereIsNoRecord) {
@@ -138,7 +141,7 @@ TEST_F(InterruptedExperiment, ARecordOfAnotherFormatIsRefusedAndNamed) {
   EXPECT_EQ(message([](json&) {}), "");
   EXPECT_THAT(message([](json& d) { d["format"] = "other"; }),
               HasSubstr("its format or version is not supported"));
-  EXPECT_THAT(message([](json& d) { d["version"] = 2; }),
+  EXPECT_THAT(message([](json& d) { d["version"] = 1; }),
               HasSubstr("its format or version is not supported"));
   EXPECT_THAT(message([](json& d) { d["run"].erase("switches"); }), HasSubstr("switches"));
   EXPECT_THAT(message([](json& d) { d["run"]["arms"] = 3; }), StartsWith(path.string()));
@@ -177,6 +180,12 @@ TEST_F(InterruptedExperiment, ItsManifestBringsEveryOptionBack) {
   ExperimentOptions options = plan_.options;
   options.time_scale = 12.5;
   options.seed = 9;
+  options.grid = "crossovers";
+  options.other_work = "2ms";
+  options.decision.decision_interval_ns = 1'000'000'000;
+  options.decision.cooldown_ns = 8'000'000'000;
+  options.decision.settling_ns = 500'000'000;
+  options.decision.weights = {.fps = 0, .detection = 1, .memory = 0, .checks = 0};
   auto plan = MakePlan(options);
   ASSERT_TRUE(plan.ok());
   ASSERT_TRUE(folder_.WriteManifest(*plan, {}, plan->runs.size()).ok());
@@ -189,9 +198,17 @@ TEST_F(InterruptedExperiment, ItsManifestBringsEveryOptionBack) {
   ASSERT_EQ(again->runs.size(), plan->runs.size());
   for (size_t i = 0; i < plan->runs.size(); ++i) {
     EXPECT_EQ(again->runs[i].label(), plan->runs[i].label());
-    EXPECT_EQ(again->runs[i].seed, plan->runs[i].seed);
+    EXPECT_EQ(again->runs[i], plan->runs[i]);
   }
   EXPECT_EQ(read->options.replay_seed_count, 2U);
+  EXPECT_EQ(read->options.decision.decision_interval_ns, 1'000'000'000);
+  EXPECT_EQ(read->options.decision.cooldown_ns, 8'000'000'000);
+  EXPECT_EQ(read->options.decision.settling_ns, 500'000'000);
+  EXPECT_EQ(read->options.grid, "crossovers");
+  EXPECT_EQ(again->other_work_ns, 2'000'000U) << "the time scale does not divide it";
+  EXPECT_EQ(read->options.decision.weights.detection, 1);
+  EXPECT_EQ(read->options.decision.weights.fps, 0);
+  EXPECT_EQ(Manifest()["decider"]["decision_interval_ns"], 80'000'000) << "divided by 12.5";
   EXPECT_EQ(Manifest()["state"], "complete");
 }
 
@@ -203,9 +220,11 @@ TEST_F(InterruptedExperiment, ItsManifestHoldsTheSeedsAndTheScaledParameters) {
   EXPECT_EQ(manifest["planned_runs"], 8);
   EXPECT_EQ(manifest["decider"]["decision_interval_ns"], 2'000'000'000);
   EXPECT_EQ(manifest["decider"]["weights"]["fps"], 0.55);
+  EXPECT_EQ(manifest["priors"], "Beta(1,1)");
   ASSERT_EQ(manifest["runs"].size(), plan_.runs.size());
   for (size_t i = 0; i < plan_.runs.size(); ++i) {
     EXPECT_EQ(manifest["runs"][i]["run"], plan_.runs[i].label());
+    EXPECT_EQ(manifest["runs"][i]["scene_seed"], plan_.runs[i].scene_seed);
     EXPECT_EQ(manifest["runs"][i]["decision_seed"], plan_.runs[i].seed);
     EXPECT_EQ(manifest["runs"][i]["initial_arm"], plan_.runs[i].initial_arm);
   }
@@ -239,7 +258,7 @@ TEST_F(InterruptedExperiment, ResumingACompleteOneOnlyMakesItsResults) {
   TraceAll();
   WriteManifest(0);
   const std::string record = FileText(folder_.RunFile(plan_.runs[5]));
-  const std::string trace = FileText(folder_.TraceFile(plan_.cells[1]));
+  const std::string trace = FileText(folder_.TraceFile(plan_.scenes[3]));
   const CommandRun run = RunLabCommand("experiment --json --resume " + folder_.path().string());
   ASSERT_EQ(run.exit_code, kDone) << run.err;
   const json document = json::parse(run.out);
@@ -256,11 +275,17 @@ TEST_F(InterruptedExperiment, ResumingACompleteOneOnlyMakesItsResults) {
     EXPECT_EQ(row["truly_fastest"], "KDTree") << i;
     EXPECT_EQ(row["runs"], 2) << i;
   }
-  EXPECT_EQ(document["truths"].size(), 2U);
+  ASSERT_EQ(document["truths"].size(), 2U);
+  EXPECT_EQ(document["truths"][1]["scenes"], 2);
+  EXPECT_EQ(document["truths"][1]["comparisons"][0]["p_smallest"], 0.5) << "two scenes";
   EXPECT_EQ(FileText(folder_.RunFile(plan_.runs[5])), record);
-  EXPECT_EQ(FileText(folder_.TraceFile(plan_.cells[1])), trace);
+  EXPECT_EQ(FileText(folder_.TraceFile(plan_.scenes[3])), trace);
   EXPECT_EQ(json::parse(FileText(folder_.path() / "experiment.json")), document);
-  EXPECT_THAT(FileText(folder_.path() / "tables.txt"), StartsWith("\nTable 3. Dominant"));
+  EXPECT_THAT(FileText(folder_.path() / "tables.txt"),
+              AllOf(StartsWith("\nThe best sequence of algorithms saves "),
+                    HasSubstr("Choosing is worth nothing (less than "),
+                    HasSubstr("in 2 of 2 cells"), HasSubstr("\nTable 3. Dominant")));
+  EXPECT_THAT(document["worth_text"].get<std::string>(), StartsWith("The best sequence"));
   EXPECT_EQ(Manifest()["state"], "complete");
   ASSERT_EQ(Manifest()["sittings"].size(), 2U);
   EXPECT_EQ(Manifest()["sittings"][0]["end_utc"], "") << "the first session was killed";
@@ -274,8 +299,8 @@ TEST(StoppedExperimentDeathTest, LeavesAFolderThatSaysWhatWasAskedFor) {
   const std::string line =
       "experiment --scenes brownian,hurricane --objects 60,80 --policies "
       "paper,adaptive-without-gate --runs 3 --window 2m --time-scale 500 --seed 5 --trace-frames "
-      "64 "
-      "--replay-seeds 2 --out " +
+      "64 --replay-seeds 2 --interval 1s --cooldown 8s --settling 500ms --weights 0.1,0.2,0.3,0.4 "
+      "--out " +
       out.string();
   EXPECT_EXIT(
       {
@@ -291,7 +316,12 @@ TEST(StoppedExperimentDeathTest, LeavesAFolderThatSaysWhatWasAskedFor) {
   EXPECT_EQ(plan->runs.size(), 2U * 2 * 2 * 3);
   EXPECT_EQ(plan->runs[1].label(), "brownian-60-adaptive-without-gate-1");
   EXPECT_EQ(plan->cells[1].object_count, 80U);
-  EXPECT_EQ(plan->cells[1].scene_seed, 5U);
+  EXPECT_EQ(plan->options.seed, 5U);
+  EXPECT_EQ(plan->options.decision.decision_interval_ns, 1'000'000'000);
+  EXPECT_EQ(plan->options.decision.cooldown_ns, 8'000'000'000);
+  EXPECT_EQ(plan->options.decision.settling_ns, 500'000'000);
+  EXPECT_EQ(plan->options.decision.weights.memory, 0.3);
+  EXPECT_EQ(plan->options.decision.weights.checks, 0.4);
   EXPECT_EQ(plan->window_ns, 240'000'000U);
   EXPECT_EQ(plan->options.trace_frame_count, 64U);
   EXPECT_EQ(plan->options.replay_seed_count, 2U);

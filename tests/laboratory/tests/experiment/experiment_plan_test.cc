@@ -52,6 +52,20 @@ TEST(ExperimentPlan, IsThePapersGridAndTwoSizesBeyond) {
   EXPECT_EQ(PlanOf(options).runs.size(), 6U);
 }
 
+TEST(ExperimentPlan, HasAGridInWhichTheFastestArmChanges) {
+  ExperimentOptions options;
+  options.grid = "crossovers";
+  options.quick = true;
+  const ExperimentPlan quick = PlanOf(options);
+  EXPECT_EQ(quick.cells.size(), 12U);
+  EXPECT_EQ(quick.options.trace_frame_count, 800U) << "two regimes of storms";
+  options.quick = false;
+  options.scenes = {"storms"};
+  options.run_count = 1;
+  EXPECT_THAT(Labels(PlanOf(options).cells),
+              ElementsAre("storms-1000", "storms-10000", "storms-100000"));
+}
+
 TEST(ExperimentPlan, HoldsEveryCellOfThePapersTables) {
   const ExperimentPlan plan = PlanOf({});
   for (const PaperCell& paper : PaperCells()) {
@@ -117,6 +131,30 @@ TEST(ExperimentPlan, GivesEachRunOfACellItsOwnSeedAndPoliciesTheSame) {
   EXPECT_EQ(seeds.size(), plan.runs.size() / 2);
 }
 
+TEST(ExperimentPlan, GivesEachRunOfACellItsOwnSceneAndPoliciesTheSame) {
+  const ExperimentPlan plan = PlanOf(SmallOptions());
+  ASSERT_THAT(Labels(plan.scenes),
+              ElementsAre("hurricane-60-1", "hurricane-60-2", "brownian-60-1", "brownian-60-2"));
+  std::set<uint64_t> seeds;
+  for (size_t i = 0; i < plan.runs.size(); i += 2) {
+    EXPECT_EQ(plan.runs[i].scene_seed, plan.runs[i + 1].scene_seed);
+    EXPECT_EQ(plan.runs[i].scene_seed, plan.scenes[i / 2].seed);
+    EXPECT_NE(plan.runs[i].scene_seed, plan.runs[i].seed) << "scene and decisions are independent";
+    seeds.insert(plan.runs[i].scene_seed);
+  }
+  EXPECT_EQ(seeds.size(), plan.runs.size() / 2);
+}
+
+// The boxes of this scene are the same with every seed.
+TEST(ExperimentPlan, HasOneSceneIfTheSeedDoesNotMatter) {
+  ExperimentOptions options = SmallOptions();
+  options.scenes = {"suite-b"};
+  const ExperimentPlan plan = PlanOf(options);
+  ASSERT_THAT(Labels(plan.scenes), ElementsAre("suite-b-60-1"));
+  for (const PlannedRun& run : plan.runs) EXPECT_EQ(run.scene_seed, plan.scenes[0].seed);
+  EXPECT_NE(plan.runs[0].seed, plan.runs[2].seed);
+}
+
 TEST(ExperimentPlan, SeedsAreOddAndEveryReaderOfJsonKeepsThem) {
   ExperimentOptions options = SmallOptions();
   options.seed = ~uint64_t{0};
@@ -124,10 +162,11 @@ TEST(ExperimentPlan, SeedsAreOddAndEveryReaderOfJsonKeepsThem) {
   for (const PlannedRun& run : plan.runs) {
     EXPECT_LT(run.seed, uint64_t{1} << 53) << run.label();
     EXPECT_EQ(run.seed % 2, 1U) << run.label();
-    EXPECT_EQ(run.cell.scene_seed, options.seed) << run.label();
+    EXPECT_LT(run.scene_seed, uint64_t{1} << 53) << run.label();
   }
   options.seed = 7;
   EXPECT_NE(PlanOf(options).runs[0].seed, plan.runs[0].seed);
+  EXPECT_NE(PlanOf(options).runs[0].scene_seed, plan.runs[0].scene_seed);
 }
 
 TEST(ExperimentPlan, KeepsTheSeedsOfACellInAnotherGrid) {
@@ -139,7 +178,7 @@ TEST(ExperimentPlan, KeepsTheSeedsOfACellInAnotherGrid) {
   for (const PlannedRun& run : PlanOf({}).runs) {
     if (run.label() != alone.label()) continue;
     ++found;
-    EXPECT_EQ(run.seed, alone.seed);
+    EXPECT_EQ(run, alone);
   }
   EXPECT_EQ(found, 1U);
 }
@@ -166,6 +205,7 @@ TEST(ExperimentPlan, ARecordingIsACellWithItsOwnCountOfObjects) {
   const ExperimentPlan plan = PlanOf(options);
   ASSERT_THAT(Labels(plan.cells), ElementsAre("level-50"));
   EXPECT_EQ(plan.cells[0].scene, file);
+  EXPECT_EQ(plan.scenes.size(), 1U) << "a recording is the same in every run";
   EXPECT_EQ(plan.runs[1].label(), "level-50-random-1");
 }
 
@@ -179,6 +219,9 @@ TEST(ExperimentPlan, NamesWhatThereIsNot) {
               HasSubstr("unknown policy 'papre', must be one of paper, default, "));
   EXPECT_THAT(message([](auto& o) { o.policies = {"paper", "paper"}; }), HasSubstr("twice"));
   EXPECT_THAT(message([](auto& o) { o.window = "long"; }), HasSubstr("60s"));
+  EXPECT_THAT(message([](auto& o) { o.other_work = "much"; }), HasSubstr("60s"));
+  EXPECT_THAT(message([](auto& o) { o.decision.weights.fps = 0.5; }),
+              HasSubstr("make them sum to 1"));
   EXPECT_THAT(message([](auto& o) { o.scenes = {"nowhere"}; }), HasSubstr("hurricane"));
   EXPECT_THAT(message([](auto& o) {
                 o.scenes = {"hurricane", "hurricane"};
@@ -197,6 +240,32 @@ TEST(ExperimentPlan, AcceptsEveryAblation) {
   EXPECT_EQ(PlanOf(options).options.policies.size(), 7U);
   options.policies = {"adaptive-without-gates"};
   EXPECT_THAT(MakePlan(options).status().message(), HasSubstr("one of adaptive-without-gate,"));
+}
+
+// With the weight of the checks alone, the arm's reward is the share of pairs that it did not
+// check.
+TEST(StudyMaker, UsesTheRewardWeights) {
+  const auto reward = [](const decision::RewardWeights& weights) {
+    EmbeddedOptions options;
+    options.policy = "random";
+    const std::vector<std::string> arms = {"SAP"};
+    const std::vector<uint32_t> versions = {1};
+    const StudyMaker maker{decision::StudyPolicies(), weights};
+    const auto decider = maker.MakeDecider(options, arms, versions, 0);
+    EXPECT_TRUE(decider.ok()) << decider.status().message();
+    FrameSample frame{.frame_time_ns = 10'000'000, .object_count = 5};
+    frame.aabb_check_count = 5;  // of 10 pairs
+    uint64_t now_ns = 0;
+    for (int i = 0; i < 500; ++i) {
+      now_ns += frame.frame_time_ns;
+      frame.frame_index = static_cast<uint64_t>(i);
+      (*decider)->Observe({&frame, 1}, now_ns);
+      (*decider)->Poll(now_ns);
+    }
+    return (*decider)->last_decision()->reward;
+  };
+  EXPECT_EQ(reward({.fps = 0, .detection = 0, .memory = 0, .checks = 1}), 0.5);
+  EXPECT_EQ(reward({.fps = 0, .detection = 0, .memory = 1, .checks = 0}), 1);
 }
 
 TEST(StudyMaker, MakesADeciderForAnAblationThatAGameCannotChoose) {

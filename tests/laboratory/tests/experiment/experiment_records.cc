@@ -42,6 +42,7 @@ RunRecord MakeRecord(const ExperimentCell& cell, const std::string& policy, uint
   record.cell = cell;
   record.policy = policy;
   record.run = run;
+  record.scene_seed = run;
   record.seed = 100 + run;
   record.start_utc = "2026-01-31T12:00:00Z";
   record.arms = kRecordArms;

@@ -11,7 +11,8 @@ namespace sweepstake::test_support {
 
 inline const std::vector<std::string> kRecordArms{"SAP", "KDTree", "Grid"};
 
-// After the exploration `arm` runs for `share_percent` of the window and the next arm for the rest.
+// The scene's seed is the number of the run. After the exploration `arm` runs for `share_percent`
+// of the window and the next arm for the rest.
 cli::RunRecord MakeRecord(const cli::ExperimentCell& cell, const std::string& policy, uint32_t run,
                           uint32_t arm, double share_percent);
 

@@ -20,7 +20,7 @@ using test_support::PlanOf;
 using test_support::TemporaryDirectory;
 using testing::HasSubstr;
 
-const ExperimentCell kCell{"brownian", 1000, 1};
+const ExperimentCell kCell{"brownian", 1000};
 
 TEST(RunRecordFile, ComesBackAsItWas) {
   const TemporaryDirectory folder;
@@ -32,6 +32,7 @@ TEST(RunRecordFile, ComesBackAsItWas) {
   EXPECT_EQ(FileText(folder.path() / "a.json"), FileText(folder.path() / "b.json"));
   EXPECT_EQ(read->decisions[1].best_probability, record.decisions[1].best_probability);
   EXPECT_EQ(read->seed, record.seed);
+  EXPECT_EQ(read->scene_seed, record.scene_seed);
 }
 
 TEST(PlayedRun, CountsOnlyWhatIsInTheObservationWindow) {
@@ -96,7 +97,7 @@ TEST(ExperimentTables, StandInThePapersLayoutWithItsFiguresBeside) {
   options.object_counts = {1000};
   options.policies = {"paper"};
   options.run_count = 2;
-  const ExperimentCell cell{"rotating-gravity", 1000, 1};
+  const ExperimentCell cell{"rotating-gravity", 1000};
   const std::vector<RunRecord> records{MakeRecord(cell, "paper", 1, 0, 60),
                                        MakeRecord(cell, "paper", 2, 0, 70)};
   ExperimentReport report;
@@ -113,7 +114,9 @@ TEST(ExperimentTables, StandInThePapersLayoutWithItsFiguresBeside) {
       "Rotating Grav  1,000    SAP 2/2              Stable preference for SAP.  SAP 3/5; "
       "AxisSweep 2/5\n"
       "\nTable 4. Switches over all runs; active time, posterior mean μ* and n* = α + β of the "
-      "dominant arm over its runs; mean ± sample standard deviation.\n\n"
+      "dominant arm over its runs; mean ± sample standard deviation. The paper's μ* and n* stand "
+      "only "
+      "below those of its own policy, because other policies measure other quantities.\n\n"
       "Scenario       Obj.   Dominant  Freq.  Switches  Active (%)  μ* / n*\n"
       "\nPolicy paper\n"
       "Rotating Grav  1,000  SAP       2 / 2  2.0±0.0   65.0±7.1    0.900±0.000 / 10.0±0.0\n"

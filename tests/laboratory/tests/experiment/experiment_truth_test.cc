@@ -21,16 +21,17 @@ using testing::Not;
 
 constexpr uint32_t kFrames = 400;
 
-// Returns a trace in which KDTree takes 20 µs, SAP 30 µs and Grid 60 µs, varied a little from frame
-// to frame.
-CostTrace Trace() {
+// Returns the trace of a scene in which KDTree takes 20 µs and Grid 60 µs, varied a little from
+// frame to frame.
+CostTrace Trace(uint64_t seed, uint64_t sap_ns) {
   CostTrace trace;
+  trace.seed = seed;
   trace.scene = "brownian";
   trace.arms = {{"SAP", 1}, {"KDTree", 1}, {"Grid", 1}};
   trace.frame_count = kFrames;
   trace.control_arm = 1;
   trace.burst_frame_count = 8;
-  const uint64_t costs_ns[] = {30'000, 20'000, 60'000};
+  const uint64_t costs_ns[] = {sap_ns, 20'000, 60'000};
   for (uint32_t frame = 0; frame < kFrames; ++frame) {
     trace.object_count.push_back(1000);
     trace.pair_count.push_back(10);
@@ -49,6 +50,10 @@ CostTrace Trace() {
   trace.bursts = {burst};
   return trace;
 }
+
+// Returns the traces of two scenes, in which SAP takes 30 µs and 40 µs. The runs 1 and 2 have their
+// seeds.
+std::vector<CostTrace> Traces() { return {Trace(1, 30'000), Trace(2, 40'000)}; }
 
 ExperimentPlan TruthPlan() {
   ExperimentOptions options;
@@ -85,9 +90,9 @@ ExperimentReport Assess() {
   for (const CellSummary& cell : report.cells) {
     if (cell.cell == report.plan.cells[0]) cells.push_back(&cell);
   }
-  CellTruth truth = RankArms(report.plan.cells[0], Trace());
+  CellTruth truth = RankArms(report.plan.cells[0], Traces());
   const Status status = AssessCell(
-      Trace(), cells, {.seed_count = 4}, [](double) {}, truth);
+      Traces(), cells, {.seed_count = 4}, [](double) {}, truth);
   EXPECT_TRUE(status.ok()) << status.message();
   report.truths.cells.push_back(std::move(truth));
   report.truths.over_cells = CompareOverCells(report.truths.cells);
@@ -160,6 +165,7 @@ TEST(ExperimentJson, HoldsTheTruthWhereThereIsOne) {
   ASSERT_EQ(document["truths"].size(), 1U);
   const nlohmann::json& truth = document["truths"][0];
   EXPECT_EQ(truth["cell"], "brownian-1000");
+  EXPECT_EQ(truth["scenes"], 2);
   EXPECT_EQ(truth["ranking"][0]["arm"], "KDTree");
   EXPECT_EQ(truth["agreements"].size(), 2U);
   EXPECT_EQ(truth["comparisons"].size(), document["over_cells"].size());
@@ -167,13 +173,17 @@ TEST(ExperimentJson, HoldsTheTruthWhereThereIsOne) {
 }
 
 TEST(CellTruth, RanksTheArmsAndComparesATwin) {
-  const CellTruth truth = RankArms({"brownian", 1000, 1}, Trace());
+  std::vector<CostTrace> traces = Traces();
+  for (uint64_t& control_ns : traces[1].control_ns) control_ns = 19'000;
+  const CellTruth truth = RankArms({"brownian", 1000}, traces);
+  EXPECT_EQ(truth.scene_count, 2U);
   ASSERT_EQ(truth.ranking.size(), 3U);
   EXPECT_EQ(truth.ranking[0].arm, "KDTree");
   EXPECT_EQ(truth.ranking[0].ratio, 1);
   EXPECT_EQ(truth.ranking[1].arm, "SAP");
+  EXPECT_NEAR(truth.ranking[1].mean_ns, 35'030, 1) << "the mean over the scenes";
   EXPECT_NEAR(truth.ranking[2].ratio, 3, 0.01);
-  EXPECT_NEAR(truth.control_ratio, 1.0085, 0.001);
+  EXPECT_NEAR(truth.control_ratio, 0.9486, 0.001) << "the scene with the larger difference";
 }
 
 TEST(CellTruth, ReplaysPoliciesArmsAndOracleAndComparesThem) {
@@ -184,7 +194,12 @@ TEST(CellTruth, ReplaysPoliciesArmsAndOracleAndComparesThem) {
                          [&](const ReplayedPlayer& each) { return each.name == name; });
   };
   EXPECT_NEAR(player("fixed:KDTree").row.regret_best_fixed, 0, 1e-9);
-  EXPECT_NEAR(player("fixed:SAP").row.regret_best_fixed, 0.5, 0.01);
+  EXPECT_NEAR(player("fixed:SAP").row.regret_best_fixed, 0.75, 0.01);
+  ASSERT_EQ(player("fixed:SAP").scene_regrets.size(), 2U);
+  EXPECT_NEAR(player("fixed:SAP").scene_regrets[0], 0.5, 0.01);
+  EXPECT_NEAR(player("fixed:SAP").scene_regrets[1], 1, 0.01);
+  EXPECT_EQ(player("paper").row.ci95.low, BootstrapMean(player("paper").scene_regrets).low)
+      << "the interval is over the scenes";
   EXPECT_GT(player("paper").row.regret_best_fixed, 0);
   EXPECT_EQ(player("paper").row.games.size(), 4U);
   EXPECT_LT(player("adaptive").row.regret_best_fixed, player("paper").row.regret_best_fixed);
@@ -196,8 +211,24 @@ TEST(CellTruth, ReplaysPoliciesArmsAndOracleAndComparesThem) {
     EXPECT_EQ(each.policy, OwnPolicyName("default"));
     EXPECT_NE(each.baseline, each.policy);
     EXPECT_GE(each.corrected_probability, each.wilcoxon.probability);
+    EXPECT_LE(each.wilcoxon.pair_count, 2U) << "a pair per scene, not per game";
   }
   EXPECT_EQ(report.truths.over_cells.size(), truth.comparisons.size());
+  EXPECT_EQ(truth.comparisons.back().baseline, "fixed:KDTree");
+}
+
+TEST(CellTruth, SaysWhatChoosingIsWorth) {
+  const CellTruth& truth = AssessedReport().truths.cells[0];
+  ASSERT_TRUE(truth.worth);
+  EXPECT_EQ(truth.worth->best_arm, "KDTree");
+  EXPECT_NEAR(truth.worth->best_ms, 0.02, 1e-4);
+  EXPECT_EQ(truth.worth->always_ms, truth.worth->best_ms);
+  EXPECT_NEAR(truth.worth->oracle_ms, 0.02, 1e-4);
+  EXPECT_GT(truth.worth->decided_ms, 0.02);
+  EXPECT_TRUE(truth.worth->is_nothing()) << "one arm is always the fastest";
+  EXPECT_FALSE((Worth{"SAP", 2, 3, 1.999, 2}).is_nothing()) << "KDTree is slower";
+  EXPECT_TRUE((Worth{"SAP", 0.009, 0.01, 0.001, 0.009}).is_nothing()) << "all arms are fast";
+  EXPECT_FALSE((Worth{"SAP", 0.03, 0.03, 0.01, 0.03}).is_nothing());
 }
 
 TEST(Agreement, ComparesTheLiveRunsWithReplaysInterval) {
@@ -207,9 +238,11 @@ TEST(Agreement, ComparesTheLiveRunsWithReplaysInterval) {
   EXPECT_EQ(paper.policy, "paper");
   EXPECT_EQ(paper.runs.size(), 2U);
   EXPECT_NEAR(paper.active_share, 0.6, 1e-9);
-  // Each of the three arms ran as many frames as the others, at 20, 30 and 60 µs plus 35 µs of
-  // other work.
-  EXPECT_NEAR(paper.regret, (110.0 / 3 + 35) / 55 - 1, 0.01);
+  // Each of the three arms ran as many frames as the others, at 20, 30 (in the second scene 40) and
+  // 60 µs plus 35 µs of other work.
+  EXPECT_NEAR(paper.runs[0].by_trace, (110.0 / 3 + 35) / 55 - 1, 0.01);
+  EXPECT_NEAR(paper.runs[1].by_trace, (120.0 / 3 + 35) / 55 - 1, 0.01);
+  EXPECT_NEAR(paper.regret, (115.0 / 3 + 35) / 55 - 1, 0.01);
   EXPECT_NEAR(paper.measured_regret, 40.0 / 60 - 1, 1e-9);
   Agreement agreement;
   agreement.regret = 0.1;
@@ -224,7 +257,8 @@ TEST(TruthCsv, HasRowsOfEveryPart) {
   ASSERT_TRUE(WriteExperimentCsv(AssessedReport(), folder.path()).ok());
   for (const auto& [name, header] :
        {std::pair{"ranking.csv", "cell,arm,mean_ns,ratio\r\n"},
-        {"regret.csv", "cell,player,seed,regret\r\n"},
+        {"worth.csv", "cell,best_arm,best_ms,always_ms,oracle_ms,decided_ms,nothing\r\n"},
+        {"regret.csv", "cell,player,scene,seed,regret\r\n"},
         {"agreement.csv", "cell,policy,runs,regret,replayed_regret_low,replayed_regret_high,"},
         {"live_regret.csv", "cell,policy,run,measured_regret,regret_by_trace,active_share\r\n"},
         {"comparisons.csv", "cell,policy,baseline,pairs,difference,ci95_low,ci95_high,p,"}}) {

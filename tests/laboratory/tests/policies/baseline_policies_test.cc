@@ -15,8 +15,9 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr const char* kBaselines[] = {"paper-one-draw", "random",        "thresholds", "ucb1",
-                                      "epsilon-greedy", "discounted-ts", "lin-ts"};
+constexpr const char* kBaselines[] = {"paper-one-draw",    "random", "thresholds",
+                                      "thresholds-fitted", "ucb1",   "epsilon-greedy",
+                                      "discounted-ts",     "lin-ts"};
 
 SessionSetup SetupOf(const std::string& policy, uint32_t arm_count = 4, uint64_t seed = 1) {
   SessionSetup setup = PlainSetup(arm_count);
@@ -101,7 +102,7 @@ TEST(Baselines, OnlyThoseThatLearnExplore) {
   for (const char* policy : kBaselines) {
     const std::string name = policy;
     EXPECT_EQ(PolicyKindOf(policy, ComparedPolicies()).explores,
-              name != "random" && name != "thresholds")
+              name != "random" && !name.starts_with("thresholds"))
         << policy;
   }
 }
@@ -169,8 +170,72 @@ TEST(Random, KeepsItsArmForACooldown) {
   }
 }
 
-uint32_t RuleFor(const SceneDescriptor& scene, std::vector<std::string> arms) {
-  const auto policy = MakePolicy(PlainPolicy("thresholds", std::move(arms)), ComparedPolicies());
+// Counts how often other seeds draw the candidate from the same posteriors.
+double FrequencyOfDraw(const DecisionRecord& record) {
+  constexpr uint64_t kSeeds = 4'000;
+  double count = 0;
+  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    std::vector<double> draws;
+    for (uint32_t arm = 0; arm < record.posteriors.size(); ++arm) {
+      RandomStream stream(seed, RandomPurpose::kChoice, 1, arm);
+      draws.push_back(DrawBeta(record.posteriors[arm], stream));
+    }
+    if (HighestOf(std::move(draws)).candidate == record.candidate) ++count;
+  }
+  return count / kSeeds;
+}
+
+TEST(ThompsonSampling, LogsTheProbabilityOfItsDraw) {
+  for (const char* policy : {"paper", "paper-one-draw", "discounted-ts", "calibrated"}) {
+    Game game(SetupOf(policy));
+    size_t draw_count = 0;
+    for (const auto& [record, increment, visits, command] : game.Run()) {
+      if (record.draws.empty()) {
+        ASSERT_EQ(record.propensity, 1) << policy;
+        continue;
+      }
+      const std::vector<double>& best_probability = record.diagnosis.best_probability;
+      const bool is_learnt = !best_probability.empty();
+      ASSERT_EQ(record.propensity, is_learnt ? best_probability[*record.candidate] : 0.25)
+          << policy;
+      // Five standard deviations of a frequency of 4,000 draws.
+      if (++draw_count % 10 == 1) {
+        EXPECT_NEAR(FrequencyOfDraw(record), record.propensity, 5 * 0.0079) << policy;
+      }
+    }
+    EXPECT_GT(draw_count, 10U) << policy;
+  }
+}
+
+TEST(ThompsonSampling, DrawsEachArmAlikeBeforeAnythingIsLearnt) {
+  EXPECT_EQ(PropensityOfDraw({}, 2, 4), 0.25);
+  Diagnosis diagnosis;
+  diagnosis.best_probability = {1, 0};
+  EXPECT_GT(PropensityOfDraw(diagnosis, 1, 2), 0) << "it was drawn against all odds";
+}
+
+TEST(LinTs, LogsTheProbabilityOfItsDraw) {
+  const auto policy = MakePolicy(PlainPolicy("lin-ts", {"a", "b", "c"}), ComparedPolicies());
+  Learn(*policy, 0, 10'000'000);
+  constexpr int kChoices = 4'000;
+  std::array<double, 3> counts{}, propensities{};
+  for (int i = 0; i < kChoices; ++i) {
+    ChoiceInput input;
+    input.decision_id = static_cast<uint64_t>(i);
+    const Choice choice = policy->Choose(input);
+    counts[choice.candidate] += 1.0 / kChoices;
+    propensities[choice.candidate] = choice.propensity;
+  }
+  for (size_t arm = 0; arm < 3; ++arm) {
+    EXPECT_GT(counts[arm], 0) << "each arm was drawn";
+    EXPECT_NEAR(counts[arm], propensities[arm], 5 * 0.0079);
+  }
+  EXPECT_GT(propensities[0], propensities[1]);
+}
+
+uint32_t RuleFor(const SceneDescriptor& scene, std::vector<std::string> arms,
+                 const char* name = "thresholds") {
+  const auto policy = MakePolicy(PlainPolicy(name, std::move(arms)), ComparedPolicies());
   policy->LearnDescriptor(scene, 0);
   ChoiceInput input;
   input.active_arm = 2;
@@ -185,6 +250,29 @@ TEST(Thresholds, FollowTheRowsOfTheRule) {
   EXPECT_EQ(RuleFor(SceneWith(2'500, 0.5), arms), 3u);
   EXPECT_EQ(RuleFor(SceneWith(2'501), arms), 6u);
   EXPECT_EQ(RuleFor(SceneWith(1'000, 0.51), arms), 6u);
+}
+
+TEST(FittedThresholds, FollowTheRowsOfTheRule) {
+  const std::vector<std::string> arms = {"SAP", "DBVT", "Grid", "KDTree"};
+  const auto choice = [&](float speed_mean, float static_ratio) {
+    SceneDescriptor scene = SceneWith(3'000);
+    scene.speed_mean = speed_mean;
+    scene.static_ratio = static_ratio;
+    return RuleFor(scene, arms, "thresholds-fitted");
+  };
+  EXPECT_EQ(choice(0.0008F, 0), 3u);
+  EXPECT_EQ(choice(0.0009F, 0), 1u);
+  EXPECT_EQ(choice(0.0072F, 0.99F), 0u);
+  EXPECT_EQ(choice(0.1F, 0.45F), 3u);
+  EXPECT_EQ(choice(-1, -1), 3u) << "no motion was measured, as while objects come and go";
+  EXPECT_EQ(RuleFor({}, arms, "thresholds-fitted"), 2u) << "the active arm, before a descriptor";
+}
+
+TEST(FittedThresholds, SwitchAsSoonAsAWindowAfterSettling) {
+  PolicySetup setup = PlainPolicy("thresholds-fitted", {"SAP"});
+  EXPECT_EQ(MakePolicy(setup, ComparedPolicies())->cooldown_ns(), 4 * kSecond);
+  setup.options.cooldown_ns = kSecond;
+  EXPECT_EQ(MakePolicy(setup, ComparedPolicies())->cooldown_ns(), kSecond);
 }
 
 TEST(Thresholds, TakeTheSecondArmOfARowOrStay) {

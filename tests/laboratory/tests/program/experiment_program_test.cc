@@ -39,11 +39,12 @@ TEST_F(ExperimentProgram, WritesTablesRawRowsAndManifest) {
   ASSERT_EQ(document["rows"].size(), 1U);
   EXPECT_EQ(document["rows"][0]["runs"], 2);
   EXPECT_TRUE(document["rows"][0].contains("replay_regret"));
-  for (const char* name : {"manifest.json", "tables.txt", "tables.csv", "activations.csv",
-                           "switches.csv", "decisions.csv", "posteriors.csv", "final.csv",
-                           "metrics.csv", "time.csv", "ranking.csv", "regret.csv", "agreement.csv",
-                           "comparisons.csv", "experiment.json", "traces/brownian-60.costs",
-                           "runs/brownian-60-paper-1.json", "runs/brownian-60-paper-2.json"}) {
+  for (const char* name :
+       {"manifest.json", "tables.txt", "tables.csv", "activations.csv", "switches.csv",
+        "decisions.csv", "posteriors.csv", "final.csv", "metrics.csv", "time.csv", "ranking.csv",
+        "regret.csv", "agreement.csv", "comparisons.csv", "experiment.json",
+        "traces/brownian-60-1.costs", "traces/brownian-60-2.costs", "runs/brownian-60-paper-1.json",
+        "runs/brownian-60-paper-2.json"}) {
     EXPECT_GT(FileText(folder_ / name).size(), 60U) << name;
   }
   EXPECT_EQ(json::parse(FileText(folder_ / "experiment.json")), document);
@@ -54,6 +55,19 @@ TEST_F(ExperimentProgram, WritesTablesRawRowsAndManifest) {
   EXPECT_EQ(manifest["runs"].size(), 2U);
   EXPECT_THAT(manifest["sittings"][0]["command_line"].get<std::string>(), HasSubstr("--runs 2"));
   EXPECT_NE(manifest["sittings"][0]["end_utc"], "");
+}
+
+TEST_F(ExperimentProgram, PlaysATinyGridWithCrossoversAndOtherWork) {
+  const ProgramRun run = RunLab(
+      "experiment --grid crossovers --scenes storms --objects 60 --policies default --other-work "
+      "1ms --time-scale 1000 --window 1m --trace-frames 64 --replay-seeds 2 --runs 1 --json "
+      "--out " +
+      folder_.string());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json document = json::parse(run.out);
+  EXPECT_THAT(document["worth_text"].get<std::string>(), HasSubstr("on average over 1 cell"));
+  EXPECT_TRUE(document["truths"][0]["worth"]["oracle_ms"].is_number());
+  EXPECT_EQ(document["options"]["other_work"], "1ms");
 }
 
 TEST_F(ExperimentProgram, GoesOnWithWhatIsMissing) {
@@ -100,6 +114,10 @@ TEST_F(ExperimentProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
                              {"experiment --window soon" + out, "60s"},
                              {"experiment --time-scale 0.5" + out, "--time-scale"},
                              {"experiment --runs 0" + out, "--runs"},
+                             {"experiment --grid large" + out, "crossovers"},
+                             {"experiment --cooldown soon" + out, "60s"},
+                             {"experiment --weights 1,0,0" + out, "four numbers"},
+                             {"experiment --weights 1,1,0,0" + out, "make them sum to 1"},
                              {"experiment --seed -1" + out, "negative"},
                              {"experiment --quick --out /dev/null/x", "/dev/null/x"},
                          });

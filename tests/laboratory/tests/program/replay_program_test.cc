@@ -83,9 +83,13 @@ TEST_F(ReplayProgram, TheSameWhateverTheNumberOfThreads) {
 TEST_F(ReplayProgram, RowsSayTheirPriorsAndTheirPassOfWhichEachTraceMayHaveItsOwn) {
   const ProgramRun run =
       RunLab("replay --costs " + Costs() + "," + Costs() +
-             " --pass 90s,30s --policy random --seeds 2 --run 20s --priors wrong --json");
+             " --pass 90s,30s --policy random --seeds 2 --run 20s --priors wrong --interval 1s "
+             "--settling 250ms --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const json rows = json::parse(run.out)["rows"];
+  const json document = json::parse(run.out);
+  EXPECT_EQ(document["decider"]["decision_interval_ns"], 1'000'000'000);
+  EXPECT_EQ(document["decider"]["settling_ns"], 250'000'000);
+  const json rows = document["rows"];
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0]["pass_ns"], 90'000'000'000);
   EXPECT_EQ(rows[1]["pass_ns"], 30'000'000'000);
@@ -98,11 +102,13 @@ TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {
           {"", "give exactly one of --costs FILE.costs, --log FILE.csv and --recording FILE.aabbs"},
           {"--costs " + Costs() + " --log x.csv", "give exactly one of --costs"},
-          {"--costs " + Costs() + " --pass 1m,2m,3m", "--pass has 3 durations for 1 traces"},
+          {"--costs " + Costs() + " --pass 1m,2m,3m", "--pass has 3 durations for 1 trace;"},
           {"--costs " + Costs() + " --pass soon", "'soon' is not a duration"},
           {"--costs " + Costs() + " --policy pape", "must be one of paper, default, "},
           {"--costs " + Costs() + " --policy fixed:KDTree", "unknown traced arm 'KDTree'"},
           {"--costs " + Costs() + " --run 1", "'1' is not a duration"},
+          {"--costs " + Costs() + " --interval 1", "--interval: '1' is not a duration"},
+          {"--costs " + Costs() + " --weights 1,1,0,0", "make them sum to 1"},
           {"--costs " + Costs() + " --priors wright",
            "--priors: unknown value 'wright', must be one of right, none"},
           {"--costs " + Costs() + " --seeds 0", "--seeds"},

@@ -73,6 +73,16 @@ TEST_F(ReplayPlanTest, ThePassIsTheRunsOrOneForAllTracesOrEachTracesOwn) {
   EXPECT_THAT(passes({"90s", "1m"}), testing::ElementsAre(90U, 60U));
 }
 
+TEST_F(ReplayPlanTest, ChecksTheNumbersOfTheDecider) {
+  ReplayRequest request = Request();
+  request.study.decision.cooldown_ns = 8'000'000'000;
+  const auto plan = MakeReplayPlan(request);
+  ASSERT_TRUE(plan.ok()) << plan.status().message();
+  EXPECT_EQ(plan->study.decision.cooldown_ns, 8'000'000'000);
+  request.study.decision.weights.fps = 1;
+  EXPECT_THAT(Problem(request), HasSubstr("make them sum to 1"));
+}
+
 TEST_F(ReplayPlanTest, PriorsAndTheLaneAreWhatTheWordsSay) {
   ReplayRequest request = Request();
   request.priors = "wrong";

@@ -26,7 +26,7 @@ function makeReports() {
   makeReport('bench', 'bench', '--scene', 'suite-b,suite-g', '--objects', '100,300', '--frames', '10', '--arms', 'all');
   makeReport('experiment', 'experiment', '--scenes', 'brownian', '--objects', '60', '--time-scale', '1000', '--window', '3m', '--runs', '2',
     '--trace-frames', '64', '--replay-seeds', '2', '--out', file('out'));
-  makeReport('replay', 'replay', '--costs', file('out/traces/brownian-60.costs'), '--policy', 'default,paper,fixed,oracle', '--seeds', '3',
+  makeReport('replay', 'replay', '--costs', file('out/traces/brownian-60-1.costs'), '--policy', 'default,paper,fixed,oracle', '--seeds', '3',
     '--run', '1m');
 }
 
@@ -85,13 +85,15 @@ async function checkSorting(page) {
   assert.equal(await count(page, '#rows [aria-sort=ascending]'), 1);
 }
 
-async function checkExperiment(page, { rows, runs, truths, arms, over_cells, paper }) {
+async function checkExperiment(page, { rows, runs, truths, arms, over_cells, paper, worth_text }) {
   assert.equal(paper.length, 9, 'the cells of the paper’s grid');
   assert.equal(rows.length, 2);
   assert.equal(await count(page, '.panel svg'), runs.length, 'a panel of posteriors per run');
   assert.equal(await marks(page, '#timeline-1'), runs.reduce((sum, { periods, bail_outs }) => sum + periods.length + bail_outs.length, 0));
   assert.equal(await marks(page, '#regret-over-cells'), truths[0].players.length);
   assert.equal(await rowsOf(page, 'regret-table'), truths[0].players.length);
+  assert.equal(await rowsOf(page, 'worth-table'), truths.length);
+  assert.ok((await page.locator('main').innerText()).includes(worth_text), 'the first paragraph says what choosing is worth');
   assert.equal(await count(page, '#ranking tbody .chip'), arms.length);
   const compared = await page.locator('#comparisons tbody').first().locator('tr:not(.heading)').count();
   assert.equal(compared, over_cells.length);
@@ -188,6 +190,7 @@ async function checkPartial(page, { runs }) {
   for (const absent of ['regret', 'tests', 'live-replay']) assert.equal(await count(page, `#${absent}`), 0, absent);
   await checkTexts(page, '#table-3', 'KDTree 1/2; SAP 1/2', 'AxisSweep 5/5', 'Stable sweep-based preference.');
   await checkTexts(page, '#table-4', '20.2±0.8', '45.5±6.3', '0.977±0.007', '196.4±27.5');
+  assert.equal(await page.locator('#table-4 small', { hasText: '196.4±27.5' }).count(), 1, 'only beside the paper’s own policy');
   assert.equal(await count(page, '.panel svg'), runs.length);
   const texts = await page.locator('#timeline-1 svg g title').allTextContents();
   assert.equal(texts.filter((text) => text.startsWith(`bail-out from ${runs[0].arms[1]}`)).length, 1);
@@ -210,6 +213,23 @@ async function checkApart(page) {
   const articles = await page.locator('article').evaluateAll((all) => all.map((article) =>
     [...article.querySelectorAll('nav a')].every((link) => article.querySelector(link.getAttribute('href')) !== null)));
   assert.deepEqual(articles, [true, true]);
+}
+
+// On a phone the page is not wider than the screen, and no picture is scaled so that its letters become too small.
+async function checkNarrow(page) {
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+  assert.equal(wide, 0, 'the page can be scrolled sideways');
+  const pictures = await page.locator('figure .plot > svg.picture').evaluateAll((all) => all.map((svg) => ({
+    id: svg.closest('figure').id, scale: svg.getBoundingClientRect().width / svg.viewBox.baseVal.width,
+    lost: [...svg.querySelectorAll('text')].filter((text) => text.textContent.trim() && !text.closest('[aria-label*=title]')).filter((text) => {
+      const [outer, inner] = [svg.getBoundingClientRect(), text.getBoundingClientRect()];
+      return inner.left < outer.left - 1 || inner.right > outer.right + 1;
+    }).map((text) => text.textContent) })));
+  assert.ok(pictures.length > 0);
+  for (const { id, scale, lost } of pictures) {
+    assert.ok(scale > 0.9, `${id} is scaled by ${scale}`);
+    assert.deepEqual(lost, [], `${id} cuts texts off`);
+  }
 }
 
 async function handmadeInBrowser(context) {
@@ -252,5 +272,7 @@ await runInBrowser('report', async (browser, itsFolder) => {
   await inBrowser(context, 'sets', checkMeasuredSets);
   await inBrowser(context, 'experiment', checkExperiment);
   await inBrowser(context, 'replay', checkReplay);
+  const phone = await browser.newContext({ offline: true, viewport: { width: 390, height: 844 } });
+  for (const name of ['bench', 'experiment', 'replay']) await inBrowser(phone, name, checkNarrow);
   await handmadeInBrowser(context);
 });

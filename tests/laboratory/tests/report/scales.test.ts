@@ -1,4 +1,6 @@
-import { logDomain, logTicks, spreadOut } from '../../report/src/charts/scales';
+import { linearTicks, logDomain, logTicks, spreadOut, symlogDomain, symlogTicks } from '../../report/src/charts/scales';
+import { axisOf } from '../../report/src/charts/range_chart';
+import { regretRow } from '../../report/src/pages/regret';
 import { segmentsOf } from '../../report/src/charts/stacked_bars';
 
 describe('a logarithmic axis', () => {
@@ -18,6 +20,40 @@ describe('a logarithmic axis', () => {
   it('has ticks at 1, 2 and 5, or at decades where it is long', () => {
     expect(logTicks([0.04, 3])).toEqual([0.05, 0.1, 0.2, 0.5, 1, 2]);
     expect(logTicks([0.5, 20_000])).toEqual([1, 10, 100, 1000, 10_000]);
+  });
+});
+
+describe('a linear axis', () => {
+  it('has ticks at round numbers, whatever its ends are', () => {
+    expect(linearTicks([0, 87.3])).toEqual([0, 10, 20, 30, 40, 50, 60, 70, 80]);
+    expect(linearTicks([0, 100])).toEqual([0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100]);
+    expect(linearTicks([0, 0.0347])).toEqual([0, 0.005, 0.01, 0.015, 0.02, 0.025, 0.03]);
+    expect(linearTicks([-0.3, 0.3], 5)).toEqual([-0.2, 0, 0.2]);
+  });
+});
+
+describe('a symmetric logarithmic axis', () => {
+  it('has room for negative values and for 0', () => {
+    const [low, high] = symlogDomain([-13.4, -16.6, 0, 22.7], 1.25);
+    expect(low).toBeCloseTo(-20.75);
+    expect(high).toBeCloseTo(28.375);
+    expect(symlogDomain([0, 0])).toEqual([0, 0.1]);
+    expect(symlogDomain([NaN, 8], 1)).toEqual([0, 8]);
+    expect(symlogDomain([-8], 1)).toEqual([-8, 0]);
+  });
+
+  it('has ticks at 0 and at powers of ten on both sides', () => {
+    expect(symlogTicks([-20, 30])).toEqual([-10, -1, -0.1, 0, 0.1, 1, 10]);
+    expect(symlogTicks([0, 2])).toEqual([0, 0.1, 1]);
+    expect(symlogTicks([0, 0.1])).toEqual([0, 0.02, 0.04, 0.06, 0.08, 0.1]);
+  });
+
+  it('draws every value at its own place', () => {
+    const row = (regret: number) => regretRow('a', { colour: '', symbol: 'circle', solid: true }, regret, [regret, regret], '');
+    const values = [-0.166, -0.134, 0].map((regret) => row(regret).value);
+    expect(new Set(values).size).toBe(3);
+    const { domain: [low, high] } = axisOf('symlog', values);
+    for (const value of values) expect(value).toSatisfy((at: number) => at > low && at <= high);
   });
 });
 

@@ -1,7 +1,7 @@
-// A line chart with two logarithmic axes. Each line has its name at its right end.
+// A line chart with two logarithmic axes. Each line has its name at its right end, or in a legend if the page is narrow.
 import * as Plot from '@observablehq/plot';
 import { compact, significant } from '../../../../../server/dashboard/src/format';
-import { figure } from './figure';
+import { axisNote, chartWidth, chips, figure, isNarrow } from './figure';
 import { axes, logDomain, logTicks, spreadOut } from './scales';
 
 export interface Point { x: number; y: number; text: string }
@@ -10,8 +10,7 @@ export interface Series {
 }
 export interface LineChart { id: string; title: string; note?: string | undefined; xLabel: string; yLabel: string; series: Series[] }
 
-const WIDTH = 1080;
-const MARGIN = { top: 16, right: 190, bottom: 48, left: 64 };
+const MARGIN = { top: 16, bottom: 48, left: 64 };
 const NAME_HEIGHT = 15;
 
 // Draws the names at the right edge, as near to the ends of their lines as possible without overlap. A dotted line leads to each name.
@@ -43,14 +42,15 @@ function picture({ xLabel, yLabel, series }: LineChart): SVGElement | HTMLElemen
   const x = logDomain(points.map((point) => point.x), 1.08);
   const y = logDomain(points.map((point) => point.y), 1.4);
   const height = Math.max(470, MARGIN.top + MARGIN.bottom + 18 * series.length);
+  const narrow = isNarrow();
   return Plot.plot({
-    width: WIDTH, height, marginTop: MARGIN.top, marginRight: MARGIN.right, marginBottom: MARGIN.bottom, marginLeft: MARGIN.left,
+    width: chartWidth(), height, marginTop: MARGIN.top, marginRight: narrow ? 24 : 190, marginBottom: MARGIN.bottom, marginLeft: MARGIN.left,
     className: 'picture',
     x: { type: 'log', domain: x, axis: null },
     y: { type: 'log', domain: y, axis: null },
-    marks: [...axes('x', [...new Set(points.map((point) => point.x))], compact, xLabel),
-      ...axes('y', logTicks(y), (tick) => significant(tick, 1), yLabel), ...series.flatMap(lineMarks), ...endNames(series, height, x[1], y)],
+    marks: [...axes('x', [...new Set(points.map((point) => point.x))], compact, narrow ? '' : xLabel),
+      ...axes('y', logTicks(y), (tick) => significant(tick, 1), yLabel), ...series.flatMap(lineMarks), ...(narrow ? [] : endNames(series, height, x[1], y))],
   });
 }
 
-export const lineChart = (chart: LineChart): HTMLElement => figure(chart, picture(chart));
+export const lineChart = (chart: LineChart): HTMLElement => figure(chart, picture(chart), axisNote(chart.xLabel), isNarrow() && chips(chart.series));

@@ -1,7 +1,7 @@
 // Reliability diagram: the observed frequency against the predicted probability, with a line per policy and the diagonal of perfect
 // calibration.
 import * as Plot from '@observablehq/plot';
-import { figure, widest } from './figure';
+import { axisNote, chartWidth, chips, figure, isNarrow, widest } from './figure';
 import { axes } from './scales';
 
 export interface ReliabilityPoint { predicted: number; observed: number; weight: number; text: string }
@@ -15,18 +15,19 @@ const percentOf = (tick: number) => `${Math.round(100 * tick)} %`;
 function picture({ xLabel, yLabel, lines }: ReliabilityChart): SVGElement | HTMLElement {
   const most = Math.max(...lines.flatMap(({ points }) => points.map(({ weight }) => weight)));
   const radius = ({ weight }: ReliabilityPoint) => 3 + 9 * Math.sqrt(weight / most);
+  const narrow = isNarrow();
   return Plot.plot({
-    width: 1080, height: 560, marginTop: 16, marginRight: widest(lines.map(({ name }) => name)), marginBottom: 48, marginLeft: 64, className: 'picture',
+    width: chartWidth(), height: narrow ? 340 : 560, marginTop: 16, marginRight: narrow ? 24 : widest(lines.map(({ name }) => name)), marginBottom: 48, marginLeft: 64, className: 'picture',
     x: { domain: [0, 1], axis: null }, y: { domain: [0, 1], axis: null },
-    marks: [...axes('x', TICKS, percentOf, xLabel), ...axes('y', TICKS, percentOf, yLabel),
+    marks: [...axes('x', TICKS, percentOf, narrow ? '' : xLabel), ...axes('y', TICKS, percentOf, yLabel),
       Plot.line([[0, 0], [1, 1]], { stroke: 'currentColor', strokeDasharray: '4 4', strokeOpacity: 0.6 }),
       ...lines.flatMap(({ name, colour, points }) => [
         Plot.line(points, { x: 'predicted', y: 'observed', stroke: colour, strokeWidth: 2 }),
         Plot.dot(points, { x: 'predicted', y: 'observed', r: radius, fill: colour, fillOpacity: 0.75, stroke: 'var(--card)',
           title: ({ text }: ReliabilityPoint) => `${name}\n${text}` }),
-        Plot.text(points.slice(-1), { x: 1, y: 'observed', text: () => name, dx: 16, textAnchor: 'start', fill: colour, fontWeight: 650 })])],
+        ...(narrow ? [] : [Plot.text(points.slice(-1), { x: 1, y: 'observed', text: () => name, dx: 16, textAnchor: 'start', fill: colour, fontWeight: 650 })])])],
     r: { type: 'identity' },
   });
 }
 
-export const reliabilityChart = (chart: ReliabilityChart): HTMLElement => figure(chart, picture(chart));
+export const reliabilityChart = (chart: ReliabilityChart): HTMLElement => figure(chart, picture(chart), axisNote(chart.xLabel), isNarrow() && chips(chart.lines));

@@ -33,8 +33,33 @@ export function logTicks([low, high]: [number, number]): number[] {
   return ticks;
 }
 
-export const linearTicks = ([low, high]: [number, number]) =>
-  Array.from({ length: 11 }, (_, i) => low + (i * (high - low)) / 10).map((tick) => Number(tick.toPrecision(3)));
+// Returns multiples of 1, 2 or 5 times a power of ten in the range, at most `most` + 1 of them.
+export function linearTicks([low, high]: [number, number], most = 10): number[] {
+  const exact = (high - low) / most;
+  const decade = 10 ** Math.floor(Math.log10(exact));
+  const step = decade * [1, 2, 5, 10].find((digit) => digit * decade >= exact * (1 - 1e-9))!;
+  const ticks: number[] = [];
+  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + step * 1e-9; ++i) ticks.push(Number((i * step).toPrecision(12)) + 0);
+  return ticks;
+}
+
+// A symmetric logarithmic axis has negative values, too. It is about linear from −SYMLOG_LINEAR to SYMLOG_LINEAR and logarithmic beyond.
+export const SYMLOG_LINEAR = 0.1;
+
+// Returns a range slightly larger than that of the values and 0.
+export function symlogDomain(values: number[], margin = 1.25): [number, number] {
+  const finite = values.filter(Number.isFinite);
+  const low = Math.min(0, ...finite) * margin;
+  return [low, Math.max(0, ...finite) * margin || (low < 0 ? 0 : SYMLOG_LINEAR)];
+}
+
+// Returns 0 and the powers of ten from ±SYMLOG_LINEAR on in the range, or round numbers if the range is short.
+export function symlogTicks([low, high]: [number, number]): number[] {
+  if (Math.max(high, -low) < 2 * SYMLOG_LINEAR) return linearTicks([low, high], 5);
+  const powers: number[] = [];
+  for (let power = SYMLOG_LINEAR; power <= Math.max(high, -low); power *= 10) powers.push(Number(power.toPrecision(1)));
+  return [...powers.map((power) => -power).reverse(), 0, ...powers].filter((tick) => tick >= low && tick <= high);
+}
 
 // Returns an axis with labels at `ticks`, and grid lines across the picture.
 export function axes(side: 'x' | 'y', ticks: number[], format: (tick: number) => string, label: string): Plot.Markish[] {

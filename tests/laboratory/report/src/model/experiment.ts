@@ -26,13 +26,17 @@ export interface Player {
 }
 export interface Comparison {
   policy: string; baseline: string; pairs: number; difference: number; ci95: Interval; p: number; p_corrected: number; effect: number;
+  p_smallest: number; // the smallest p that this number of pairs can have
 }
 export interface Agreement {
   policy: string; runs: number; regret: number; replayed_regret: Interval; regret_agrees: boolean;
   active_share: number; replayed_active_share: Interval; share_agrees: boolean; measured_regret: number;
 }
+// Milliseconds of detection per frame: the best single algorithm, always KDTree, the best sequence of algorithms, and AI Decides.
+export interface Worth { best_arm: string; best_ms: number; always_ms: number; oracle_ms: number; decided_ms: number; nothing: boolean }
 export interface Truth {
-  cell: string; ranking: { arm: string; mean_ns: number; ratio: number }[]; control_ratio: number; headroom: number;
+  worth?: Worth | null;
+  cell: string; scenes: number; ranking: { arm: string; mean_ns: number; ratio: number }[]; control_ratio: number; headroom: number;
   players: Player[]; comparisons: Comparison[]; agreements: Agreement[];
 }
 // The paper's printed values of a cell.
@@ -43,11 +47,13 @@ export interface PaperCell {
 export interface ExperimentDocument {
   command: 'experiment'; folder: string; complete: boolean; finished_runs: number; planned_runs: number; time_scale: number;
   own_policy: string; machine: Machine; arms: string[];
-  options: { policies: string[]; run_count: number; window: string; seed: number; trace_frame_count: number; replay_seed_count: number };
+  options: { policies: string[]; run_count: number; window: string; seed: number; trace_frame_count: number; replay_seed_count: number;
+    decision?: { decision_interval_ns: number; cooldown_ns: number; settling_ns: number; weights: Record<'fps' | 'detection' | 'memory' | 'checks', number> } };
   sittings: { command_line: string; start_utc: string; end_utc: string }[];
   cells: { cell: string; scene: string; objects: number }[];
   rows: ExperimentRow[]; runs: Run[]; truths: Truth[]; over_cells: Comparison[];
   paper?: PaperCell[]; // Tables 3 and 4 as printed
+  worth_text?: string; // says what choosing is worth; empty if nothing was replayed
 }
 
 export const VERDICTS = ['unknown', 'stable', 'tie', 'ambiguous', 'degraded'];
@@ -95,6 +101,13 @@ export function agreementCounts({ truths }: ExperimentDocument): { regret: numbe
     all: all.length, regret: all.filter((each) => each.regret_agrees).length, share: all.filter((each) => each.share_agrees).length,
     disturbed: all.filter((each) => Math.abs(each.measured_regret - each.regret) > DISTURBED).length,
   };
+}
+
+// Returns the smallest p that the comparisons of a family can have, and the same after Holm's correction. If all of them have the
+// smallest p, the correction multiplies it by the number of comparisons.
+export function smallestProbability(family: Comparison[]): { p: number; corrected: number; pairs: number } {
+  const p = Math.min(1, ...family.map((each) => each.p_smallest));
+  return { p, corrected: Math.min(1, p * family.length), pairs: Math.max(0, ...family.map((each) => each.pairs)) };
 }
 
 export const noisyCells = ({ truths }: ExperimentDocument) =>

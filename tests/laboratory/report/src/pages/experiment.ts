@@ -1,16 +1,26 @@
 // The page of `sweepstake-lab experiment`.
 import { h, paragraph, type Child } from '../dom';
-import { compact, percent } from '../../../../../server/dashboard/src/format';
+import { compact } from '../../../../../server/dashboard/src/format';
 import type { ExperimentDocument } from '../model/experiment';
 import { commandLine, machineList, type Page, type Section } from '../page';
 import { activeShareChart, dominanceGrid, paperTables, timeSection, verdictChart } from './experiment_cells';
 import { posteriorPanels, switchTimelines } from './experiment_runs';
-import { comparisonTables, liveAgainstReplay, regretCharts, trueRanking } from './experiment_truth';
+import { comparisonTables, liveAgainstReplay, regretCharts, trueRanking, worthTable } from './experiment_truth';
 import { lead, method, summary, wordsOf } from './experiment_words';
+import { REGRET_SCALE } from './regret';
+
+// Returns the decider's parameters as terms. An older document does not have them.
+function deciderTerms({ decision }: ExperimentDocument['options']): [string, string][] {
+  if (!decision) return [];
+  const seconds = (ns: number) => `${compact(ns * 1e-9)} s`;
+  const { fps, detection, memory, checks } = decision.weights;
+  return [['Decision interval', seconds(decision.decision_interval_ns)], ['Cooldown', seconds(decision.cooldown_ns)], ['Settling', seconds(decision.settling_ns)],
+    ['Reward weights', `frame rate ${fps}, detection ${detection}, memory ${memory}, checks ${checks}`]];
+}
 
 function manifest({ machine, time_scale, options, sittings }: ExperimentDocument): Child[] {
   return [
-    machineList(machine, [['Time scale', compact(time_scale)], ['Window', options.window], ['Seed', String(options.seed)]]),
+    machineList(machine, [['Time scale', compact(time_scale)], ['Window', options.window], ['Seed', String(options.seed)], ...deciderTerms(options)]),
     h('h3', {}, 'Command lines'),
     sittings.map(({ command_line, start_utc, end_utc }) => [commandLine(command_line),
       h('p', { class: 'soft small' }, `From ${start_utc} to ${end_utc || 'an unknown end'}`)]),
@@ -31,6 +41,8 @@ export function experimentPage(document: ExperimentDocument): Page {
     lead: lead(document),
     sections: [
       { id: 'summary', heading: 'Summary', body: [summary(document, words)] },
+      explained('worth', 'What choosing is worth', 'Milliseconds of detection per frame. The best single algorithm is not known beforehand. “Best sequence” is ' +
+        'the oracle, which knows all costs and pays for its switches: no policy can save more.', worthTable(document, words)),
       explained('dominant', 'Who won where', 'Each cell names the algorithms that were active longest in a run, and the number of such runs. The small line ' +
         'shows the active share, and the algorithm that was the fastest in a separate measurement.', some(rows, () => dominanceGrid(document, words))),
       explained('tables', 'Tables 3 and 4 of the paper', 'The paper’s tables with the figures of this experiment. The paper’s figures are beside or below them. ' +
@@ -38,8 +50,8 @@ export function experimentPage(document: ExperimentDocument): Page {
         'that the algorithms cost about the same, or that the policy did not find the best one.',
       some(rows, () => paperTables(document, words))),
       { id: 'ranking-section', heading: 'How fast each algorithm truly is', body: [trueRanking(document, words)] },
-      explained('regret', 'What each policy loses', `Left is better. The axis is logarithmic; a loss of ${percent(0.0001).slice(1)} or less, or a ` +
-        'gain, is drawn at its left edge. “fixed:…” is one algorithm without switches. The oracle is the best sequence of algorithms, including the cost of its switches.',
+      explained('regret', 'What each policy loses', `${REGRET_SCALE} ` +
+        '“fixed:…” is one algorithm without switches. The oracle is the best sequence of algorithms, including the cost of its switches.',
       regretCharts(document, words)),
       { id: 'tests', heading: 'Is the difference real?', body: comparisonTables(document, words) },
       explained('live-replay', 'Live against replay', 'This compares live runs with replays of the same conditions. If they differ, the replay’s ' +

@@ -44,10 +44,17 @@ function table3Row(row: ExperimentRow, paper?: PaperCell): Cell[] {
     textCell(row.interpretation, 'text wrap'), textCell(paper?.dominance ?? '–', 'text wrap'), textCell(paper?.interpretation ?? '–', 'text wrap')];
 }
 
+// Returns the paper's figure as text, or a dash if the paper has none of the same quantity: μ* and n* of other policies are posteriors of
+// another reward.
+export function paperFigure(row: ExperimentRow, paper: PaperCell | undefined, key: 'switches' | 'active_percent' | 'mu' | 'n', decimals: number): string {
+  const compares = row.policy === 'paper' || (key !== 'mu' && key !== 'n');
+  return paper && compares ? spread(paper[key], paper[`${key}_sd`], 2, decimals) : '–';
+}
+
 function table4Row(row: ExperimentRow, paper?: PaperCell): Cell[] {
   const dominantRuns = row.dominant_runs[0]!.runs;
   const figure = (key: 'switches' | 'active_percent' | 'mu' | 'n', count: number, decimals: number) => cell(
-    [spread(row[key], row[`${key}_sd`], count, decimals), small(paper ? spread(paper[key], paper[`${key}_sd`], 2, decimals) : '–')], row[key]);
+    [spread(row[key], row[`${key}_sd`], count, decimals), small(paperFigure(row, paper, key, decimals))], row[key]);
   return [cell(sceneName(row.scene)), cell(grouped(row.objects), row.objects),
     textCell([armChip(row.dominant), small(paper?.dominant ?? '–')]),
     cell([`${dominantRuns} / ${row.runs}`, small(paper ? `${paper.dominant_runs} / ${paper.runs}` : '–')]),
@@ -63,7 +70,8 @@ export function paperTables(document: ExperimentDocument, words: Words): HTMLEle
     drawTable({ id: 'table-3', caption: 'Table 3. Dominant algorithms across the runs of each scenario and size', groups: groups(table3Row),
       head: [columns('Scenario', 'Objects', text('Dominance frequency'), text('Interpretation'), text('Paper: frequency'), text('Paper: interpretation'))] }),
     drawTable({ id: 'table-4', groups: groups(table4Row), caption: 'Table 4. Switches over all runs; active time, μ* and n* over the runs in which ' +
-      'the arm dominated; mean ± sample standard deviation. The paper’s figure is below each figure',
+      'the arm dominated; mean ± sample standard deviation. The paper’s figure is below each figure; μ* and n* only with its own policy, because other ' +
+      'policies measure other quantities',
       head: [columns('Scenario', 'Obj.', text('Dominant'), 'Freq.', 'Switches', 'Active (%)', 'μ*', 'n*')] })];
 }
 

@@ -1,10 +1,10 @@
 // Compares live runs with the traces: the ranking of the algorithms, regret by replay, significance tests, and live against replayed
 // regret.
 import { byValue, rangeChart, type RangeRow } from '../charts/range_chart';
-import { details, small, verdict, type Child } from '../dom';
-import { interval, mean, percent, probability, share, significant, times } from '../../../../../server/dashboard/src/format';
-import { microseconds, shareInterval } from '../format';
-import { regretsByPlayer, replayed, type Agreement, type Comparison, type ExperimentDocument, type Truth } from '../model/experiment';
+import { details, paragraph, small, verdict, type Child } from '../dom';
+import { counted, interval, mean, percent, probability, share, significant, times } from '../../../../../server/dashboard/src/format';
+import { microseconds, shareInterval, signedMs } from '../format';
+import { regretsByPlayer, replayed, smallestProbability, type Agreement, type Comparison, type ExperimentDocument, type Truth } from '../model/experiment';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell, type Group } from '../table';
 import { armChip } from './experiment_cells';
 import type { Words } from './experiment_words';
@@ -18,6 +18,19 @@ export function trueRanking({ truths }: ExperimentDocument, words: Words): HTMLE
     cell(percent(truth.control_ratio - 1)), truth.players.length === 0 ? noValue() : cell(share(Math.max(0, truth.headroom)))]);
   return drawTable({ id: 'ranking', groups: [{ rows }], head: [columns('Cell', ...places, 'Same twice', 'Headroom')],
     caption: 'Mean time of each algorithm to update and search a frame, on the same frames: the fastest one’s time, and the ratios of the others to it' });
+}
+
+export function worthTable({ truths }: ExperimentDocument, words: Words): HTMLElement | null {
+  const known = truths.flatMap(({ cell: name, worth }) => (worth ? [{ name, worth }] : []));
+  if (known.length === 0) return null;
+  const saved = (ms: number, of: number) => cell([signedMs(ms), small(percent(ms / of))], ms);
+  const rows = known.map(({ name, worth: { best_arm, best_ms, always_ms, oracle_ms, decided_ms, nothing } }) => [cell(words.cellName(name)),
+    cell([significant(best_ms), small(best_arm)], best_ms), cell(significant(always_ms), always_ms), cell(significant(oracle_ms), oracle_ms),
+    cell(significant(decided_ms), decided_ms), saved(best_ms - oracle_ms, best_ms), saved(always_ms - oracle_ms, always_ms),
+    saved(always_ms - decided_ms, always_ms), textCell(nothing ? 'nothing' : 'something')]);
+  return drawTable({ id: 'worth-table', groups: [{ rows }], caption: 'Detection per frame in milliseconds, and what is saved',
+    head: [columns('Cell', 'Best single', 'Always KDTree', 'Best sequence', words.policyShort('default'), 'Sequence against best single',
+      'Sequence against KDTree', `${words.policyShort('default')} against KDTree`, text('Choosing is worth'))] });
 }
 
 function overviewRows(document: ExperimentDocument, words: Words): RangeRow[] {
@@ -36,14 +49,14 @@ function regretTable(truths: Truth[], words: Words): HTMLElement {
       return cell([percent(regret), small(interval(ci95)), small(percent(after_start_up))], regret, is_policy && regret === best(truth) ? 'best' : '');
     })]);
   return drawTable({ id: 'regret-table', groups: [{ rows }], head: [columns('Player', ...truths.map(({ cell: name }) => words.cellName(name)))],
-    caption: 'Mean regret of each player over its games, including start and exploration; below it the 95 % interval, and the mean after ' +
+    caption: 'Mean regret of each player over its games, including start and exploration; below it the 95 % interval over the scenes, and the mean after ' +
       'the start-up. The policy with the lowest regret in each cell is marked' });
 }
 
 export function regretCharts(document: ExperimentDocument, words: Words): Child[] {
   const truths = replayed(document);
   return truths.length === 0 ? [] : [
-    rangeChart({ id: 'regret-over-cells', title: 'All cells together', xLabel: REGRET_AXIS, rows: byValue(overviewRows(document, words)),
+    rangeChart({ id: 'regret-over-cells', title: 'All cells together', xLabel: REGRET_AXIS, scale: 'symlog', rows: byValue(overviewRows(document, words)),
       note: 'Mark: mean over the cells. Bar: from the best cell to the worst one.' }),
     regretTable(truths, words)];
 }
@@ -54,6 +67,16 @@ function comparisonGroup(title: string, comparisons: Comparison[], words: Words)
     cell(probability(each.p_corrected), each.p_corrected), cell(significant(each.effect, 2), each.effect)]) };
 }
 
+const SIGNIFICANT = 0.05;
+
+// Says how small p can be, because a few pairs cannot show a difference, however large it is.
+export function smallestText(unit: string, family: Comparison[]): string {
+  const { p, corrected, pairs } = smallestProbability(family);
+  const limit = `With ${counted(pairs, 'pair', 'pairs')} (${unit}), p is at least ${probability(p)}, and at least ${probability(corrected)} after ` +
+    `Holm’s correction for ${counted(family.length, 'comparison', 'comparisons')}.`;
+  return corrected > SIGNIFICANT ? `${limit} So no corrected p can be small here: a large p does not show that two policies are equal.` : limit;
+}
+
 export function comparisonTables(document: ExperimentDocument, words: Words): Child[] {
   const { over_cells } = document;
   if (over_cells.length === 0) return [];
@@ -61,8 +84,12 @@ export function comparisonTables(document: ExperimentDocument, words: Words): Ch
     head: [columns('Baseline', 'Pairs', 'Difference', '95 % interval', 'p', 'p, corrected', 'Effect')],
     caption: `${words.policyTitle('default')} against each baseline, paired: the difference of regret (negative: AI Decides loses less), its 95 % bootstrap ` +
       'interval, p of Wilcoxon’s signed-rank test, the same with Holm’s correction, and the rank-biserial effect size' });
-  return [draw('comparisons', [comparisonGroup('All cells; a pair per cell', over_cells, words)]), details('Each cell', draw('comparisons-by-cell', replayed(document).map((truth) =>
-    comparisonGroup(`${words.cellName(truth.cell)}; a pair per seed`, truth.comparisons, words))))];
+  const truths = replayed(document);
+  const longest = truths.reduce((a, b) => (b.scenes > a.scenes ? b : a));
+  return [draw('comparisons', [comparisonGroup('All cells; a pair per cell', over_cells, words)]), paragraph(smallestText('cells', over_cells)),
+    details('Each cell', draw('comparisons-by-cell', truths.map((truth) =>
+      comparisonGroup(`${words.cellName(truth.cell)}; a pair per scene`, truth.comparisons, words))),
+    paragraph(smallestText('scenes of a cell', longest.comparisons)))];
 }
 
 const agreementStyle = (agrees: boolean): PlayerStyle =>
@@ -92,8 +119,8 @@ export function liveAgainstReplay({ truths }: ExperimentDocument, words: Words):
   if (rows.length === 0) return [];
   const note = 'Mark: live runs. Bar: the 95 % interval that the replay predicts.';
   return [
-    rangeChart({ id: 'agreement-regret', title: 'Regret', note, xLabel: REGRET_AXIS, rows: rows.map((each) => each.regret) }),
-    rangeChart({ id: 'agreement-share', title: 'Active share of the dominant algorithm', note, xLabel: 'Percent of the observation window', linear: true,
+    rangeChart({ id: 'agreement-regret', title: 'Regret', note, xLabel: REGRET_AXIS, scale: 'symlog', rows: rows.map((each) => each.regret) }),
+    rangeChart({ id: 'agreement-share', title: 'Active share of the dominant algorithm', note, xLabel: 'Percent of the observation window', scale: 'linear',
       rows: rows.map((each) => each.share) }),
     drawTable({ id: 'agreement', caption: 'Live runs against replay under the same conditions', groups: [{ rows: rows.map(({ row }) => row) }],
       head: [columns('Cell and policy', 'Live runs', 'Regret at the trace’s costs', 'Active share', 'Regret as the clock measured it')] })];

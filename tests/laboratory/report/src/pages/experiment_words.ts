@@ -25,8 +25,9 @@ export function wordsOf({ cells, own_policy: own }: Pick<ExperimentDocument, 'ce
   };
 }
 
-export function lead({ sittings, machine }: ExperimentDocument): Child[] {
+export function lead({ sittings, machine, worth_text }: ExperimentDocument): Child[] {
   return [
+    worth_text ? paragraph(worth_text) : null,
     paragraph('A game must find, in every frame, all pairs of its objects whose boxes overlap. There are several algorithms for that, ' +
       'and the scene determines which is the fastest. Sweepstake measures them while the game runs and chooses one. This page ' +
       'repeats the experiment of the paper that Sweepstake follows, and compares its choices with separate measurements of all algorithms.'),
@@ -38,27 +39,27 @@ function resultHeadline(document: ExperimentDocument, words: Words): Child {
   const papers = meanRegret(document, 'paper');
   if (ours === undefined) return null;
   return headline(percent(ours), `of frame time is the mean loss of ${words.policyTitle('default')} against the best fixed algorithm over ` +
-    `${document.truths.length} scenes, including start and exploration. The best algorithm is not known beforehand. Below 0 the policy is ` +
+    `${counted(document.truths.length, 'cell', 'cells')}, including start and exploration. The best algorithm is not known beforehand. Below 0 the policy is ` +
     `faster than any single algorithm.${papers !== undefined && document.own_policy !== 'paper' ? ` The paper’s policy loses ${percent(papers)}.` : ''}`);
 }
 
-function trulyFastest(document: ExperimentDocument, words: Words, policy: string): Child {
+export function trulyFastest(document: ExperimentDocument, words: Words, policy: string): Child {
   const { fastest, tied, all } = chosenWell(document, policy);
   return all > 0 && `With the policy ${words.policyTitle(policy)}, the algorithm that was active longest is also the fastest by measurement in ` +
-    `${fastest} of ${all} scenes${tied > 0 ? `, and at most 3 % slower than the fastest in ${tied} more` : ''}.`;
+    `${fastest} of ${counted(all, 'cell', 'cells')}${tied > 0 ? `, and at most 3 % slower than the fastest in ${tied} more` : ''}.`;
 }
 
-function sameAsPaper({ rows, paper = [] }: ExperimentDocument): Child {
+export function sameAsPaper({ rows, paper = [] }: ExperimentDocument): Child {
   const compared = rows.filter(({ policy }) => policy === 'paper').flatMap((row) =>
     paper.filter(({ scene, objects }) => scene === row.scene && objects === row.objects).map(({ dominant }) => dominant === row.dominant));
   return compared.length > 0 && `The same algorithm as in the paper’s Table 3 dominates in ${compared.filter(Boolean).length} of ` +
-    `${compared.length} of its scenes. A difference is not an error: machine and code of the seven algorithms differ from the paper’s, so ` +
+    `${counted(compared.length, 'cell', 'cells')} that both have. A difference is not an error: machine and code of the seven algorithms differ from the paper’s, so ` +
     'their relative speeds differ, too.';
 }
 
 function agreed(document: ExperimentDocument): Child {
   const { regret, share, disturbed, all } = agreementCounts(document);
-  return all > 0 && `Live against replay: the live regret is in the replay’s 95 % interval in ${regret} of ${all} comparisons, the active ` +
+  return all > 0 && `Live against replay: the live regret is in the replay’s 95 % interval in ${regret} of ${counted(all, 'comparison', 'comparisons')}, the active ` +
     `share in ${share} of ${all}.${disturbed > 0 ? ` In ${disturbed} of them the measured regret differs by more than 10 percentage points from the regret ` +
     'at the trace’s costs. Other work probably used the machine during these games, which a replay does not contain.' : ''}`;
 }
@@ -90,13 +91,15 @@ export function method({ options, time_scale: scale }: ExperimentDocument): HTML
     'Each live run is a game without graphics. The scene moves, the active algorithm finds all pairs, and the decider receives the frame’s ' +
     'cost and commands switches. It starts without priors. A policy with exploration, such as the paper’s, first tries every algorithm ' +
     'once, before the observation window. The policy of AI Decides learns from its shadow lane instead.',
-    'The runs of one cell have the same scene, but different seeds of the decider and different first algorithms. Runs of two policies ' +
-    'with the same number have the same seed and the same first algorithm.',
+    'The runs of one cell have different scenes (the same kind and object count, another seed), different seeds of the decider and ' +
+    'different first algorithms. Runs of two policies with the same number have the same scene, seed and first algorithm. A recording, or a ' +
+    'scene without random parts, is the same in every run.',
     'Right after a run, every algorithm ran alone on the same scene. The regret as the clock measured it is relative to the best of these.',
-    `The ranking comes from a trace: every algorithm was timed on each of ${grouped(options.trace_frame_count)} frames of the same scene, in ` +
+    `The ranking comes from a trace per scene: every algorithm was timed on each of ${grouped(options.trace_frame_count)} frames of the same scene, in ` +
     'turn. “Same twice” is the ratio of two measurements of one algorithm, which differ only by noise.',
-    `Replay plays each policy ${options.replay_seed_count} times on the trace in virtual time, at 10 ms per frame and with the paper’s ` +
-    'unscaled intervals. Regret is frame time ÷ that of the best fixed algorithm, minus 1. Confidence intervals are bootstrapped over the seeds.',
+    `Replay plays each policy at least ${counted(options.replay_seed_count, 'time', 'times')} per cell on the traces in virtual time, at 10 ms per frame ` +
+    'and with unscaled intervals. Regret is frame time ÷ that of the best fixed algorithm, minus 1. Games on the same scene are averaged ' +
+    'first: intervals and tests have one value per scene, or per cell. An interval from fewer than ten values is too narrow.',
     'To compare live runs with replay, replay also ran with the frame times, the other work and the time scale of the live runs. ' +
     'The predicted interval is the mean of its games ± 1.96 of their standard deviations × √(1/runs + 1/games).',
     scale > 1 && 'The time scale divides all intervals of the decider and the observation window. So a run has as many decisions and ' +

@@ -1,12 +1,11 @@
 // Charts and texts about regret, shared by the pages of experiment and replay.
 import type { RangeRow } from '../charts/range_chart';
+import { SYMLOG_LINEAR } from '../charts/scales';
 import { percent, type Interval } from '../../../../../server/dashboard/src/format';
 
 export const REGRET_AXIS = 'Percent of frame time lost to the best fixed algorithm';
-const MIN_PERCENT = 0.01;
-
-// Smaller or negative regrets are drawn at the left edge of the logarithmic axis.
-export const onAxis = (ratio: number) => Math.max(100 * ratio, MIN_PERCENT);
+// Explains the axis of a chart of regretRow, which has the scale `symlog`.
+export const REGRET_SCALE = `Left is better; left of 0 is a gain. The axis is logarithmic beyond ±${SYMLOG_LINEAR} % and linear between.`;
 
 export type PlayerStyle = Required<Pick<RangeRow, 'colour' | 'symbol' | 'solid'>>;
 
@@ -18,5 +17,5 @@ export function styleOf(name: string, isPolicy: boolean, own: string): PlayerSty
 }
 
 export function regretRow(name: string, style: PlayerStyle, regret: number, [low, high]: Interval, text: string): RangeRow {
-  return { name, ...style, low: onAxis(low), value: onAxis(regret), high: onAxis(high), label: percent(regret), text };
+  return { name, ...style, low: 100 * low, value: 100 * regret, high: 100 * high, label: percent(regret), text };
 }

@@ -4,15 +4,15 @@ import { chip } from '../charts/figure';
 import { reliabilityChart } from '../charts/reliability_chart';
 import { stackedBars } from '../charts/stacked_bars';
 import { headline, list, paragraph, small, verdict, type Child } from '../dom';
-import { grouped, interval, mean, percent, probability, share, significant } from '../../../../../server/dashboard/src/format';
-import { spread } from '../format';
+import { counted, grouped, interval, mean, percent, probability, share, significant } from '../../../../../server/dashboard/src/format';
+import { signedMs, spread } from '../format';
 import { VERDICTS } from '../model/experiment';
 import { costsOf, fileName, isFixed, meanRegretOf, type ReplayDocument, type ReplayRow } from '../model/replay';
 import { commandLine, type Page } from '../page';
 import { colourOf } from '../../../../../server/dashboard/src/palette';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell } from '../table';
 import { verdictKinds } from './experiment_cells';
-import { REGRET_AXIS, regretRow, styleOf } from './regret';
+import { REGRET_AXIS, REGRET_SCALE, regretRow, styleOf } from './regret';
 
 const sceneOf = ({ scenes = [] }: ReplayDocument, costs: string) => scenes.find((scene) => scene.costs === costs);
 const rowsOf = ({ rows }: ReplayDocument, costs: string) => rows.filter((row) => row.costs === costs);
@@ -26,7 +26,7 @@ function results(document: ReplayDocument): Child[] {
   const traces = costsOf(document).length;
   return [
     typeof ours === 'number' && headline(percent(ours), `of frame time is the mean loss of the policy ${policy} against the best fixed algorithm over ` +
-      `${traces} ${traces === 1 ? 'trace' : 'traces'} and ${document.seeds} seeds, including start and exploration. Below 0 it is faster than any ` +
+      `${counted(traces, 'trace', 'traces')} and ${counted(document.seeds, 'seed', 'seeds')}, including start and exploration. Below 0 it is faster than any ` +
       `single algorithm.${papers === undefined ? '' : ` The paper’s policy loses ${percent(papers)}.`}`)];
 }
 
@@ -45,7 +45,7 @@ function regretChart(document: ReplayDocument, costs: string, number: number): H
   const first = rowsOf(document, costs)[0]!;
   const rows = rowsOf(document, costs).map(({ policy, regret_best_fixed: regret, ci95, regret_after_start }) => regretRow(policy,
     styleOf(policy, !isFixed(policy), ownOf(document)), regret, ci95, `${percent(regret)} (95 %: ${interval(ci95)})\nafter start-up ${percent(regret_after_start)}`));
-  return rangeChart({ id: `regret-${number + 1}`, title: fileName(costs), rows: byValue(rows), xLabel: `${REGRET_AXIS}; bar: 95 % interval`,
+  return rangeChart({ id: `regret-${number + 1}`, title: fileName(costs), rows: byValue(rows), xLabel: `${REGRET_AXIS}; bar: 95 % interval`, scale: 'symlog',
     note: `The best sequence of algorithms would gain ${percent(first.headroom)} including its switches, ${percent(first.headroom_frame)} without their cost` +
       (scene ? `; noise floor (one algorithm measured twice) ${percent(Math.abs(scene.control_regret))}` : '') });
 }
@@ -59,7 +59,7 @@ function overview(document: ReplayDocument): HTMLElement | null {
     return regretRow(policy, styleOf(policy, !isFixed(policy), ownOf(document)), mean(regrets), [low, high],
       `mean ${percent(mean(regrets))}, from ${percent(low)} to ${percent(high)}`);
   });
-  return rangeChart({ id: 'regret-over-traces', title: 'All traces together', xLabel: REGRET_AXIS, rows: byValue(rows),
+  return rangeChart({ id: 'regret-over-traces', title: 'All traces together', xLabel: REGRET_AXIS, scale: 'symlog', rows: byValue(rows),
     note: 'Mark: mean over the traces. Bar: from the best trace to the worst one.' });
 }
 
@@ -77,7 +77,7 @@ function rowCells(row: ReplayRow): Cell[] {
 }
 
 function rowTable(document: ReplayDocument): HTMLElement {
-  return drawTable({ id: 'rows', caption: `Mean of ${document.seeds} games of each policy on each trace, with the 95 % interval. Captured: share of the oracle’s gain that the policy reached.`,
+  return drawTable({ id: 'rows', caption: `Mean of ${counted(document.seeds, 'game', 'games')} of each policy on each trace, with the 95 % interval. Captured: share of the oracle’s gain that the policy reached.`,
     head: [columns('Policy', 'Regret', 'After start-up', 'Against the oracle', 'Captured', 'Switches', 'Active share', text('Dominant'), 'Bail-outs',
       'First on the best', 'Shadow lane', 'Against the paper')],
     groups: costsOf(document).map((costs) => ({ title: costs, rows: rowsOf(document, costs).map(rowCells) })) });
@@ -88,8 +88,6 @@ function verdicts(document: ReplayDocument): Child[] {
   return known.length === 0 ? [] : [stackedBars({ id: 'verdict-shares', title: 'Verdicts of the policies', note: 'Share of the decisions with each verdict.', kinds: verdictKinds,
     rows: known.map(({ costs, policy, verdicts: counts }) => ({ name: `${fileName(costs)} · ${policy}`, values: VERDICTS.map((name) => counts[name] ?? 0) })) })];
 }
-
-const signedMs = (ms: number) => (ms === 0 ? '0' : (ms < 0 ? '−' : '+') + significant(Math.abs(ms)));
 
 function msCells({ policy, ms_per_frame: ms, regret_detection: ofDetection, regret_60hz: of60Hz }: ReplayRow): Cell[] {
   if (!ms) return [];
@@ -147,7 +145,7 @@ export function replayPage(document: ReplayDocument): Page {
       { id: 'results', heading: 'Results', body: results(document) },
       { id: 'judged', heading: 'Goals', body: goals(document) },
       { id: 'regret', heading: 'What each policy loses', body: [
-        paragraph('Left is better. The axis is logarithmic; a loss of 0.01 % or less, or a gain, is drawn at its left edge.'),
+        paragraph(REGRET_SCALE),
         overview(document), ...traces.map((costs, i) => regretChart(document, costs, i))] },
       { id: 'policies', heading: 'Policies', body: [rowTable(document)] },
       { id: 'ms', heading: 'In milliseconds', body: msTable(document) },
