@@ -54,6 +54,9 @@ std::vector<std::string> Names(const char* list) {
 }
 
 swp_result CheckOptions(const swp_session_options& options) {
+  if (options.mode == 0)
+    return Fail(SWP_INVALID_ARGUMENT,
+                "mode is 0: call swp_session_options_init before you set members");
   if (!IsMode(options.mode)) return WrongMode();
   if (!std::has_single_bit(options.queue_frames) || options.queue_frames < 2 ||
       options.queue_frames > SampleQueue::kMaxFrameCapacity) {

@@ -53,6 +53,9 @@ swp_result Take(const swp_decider_options* given, EmbeddedOptions& options) {
   swp_decider_options known = DefaultDeciderOptions();
   if (swp_result wrong = TakeOptions("swp_decider_options", given, known); wrong != SWP_OK)
     return wrong;
+  if (known.time_scale == 0)
+    return Fail(SWP_INVALID_ARGUMENT,
+                "time_scale is 0: call swp_decider_options_init before you set members");
   if (known.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
   if (known.priors_data == nullptr && known.priors_data_bytes > 0)
     return NullArgument("if priors_data_bytes is over 0, priors_data");

@@ -384,7 +384,7 @@ void DeclareFlightRecorder(CLI::App& command, FlightRecorderOptions& options) {
 }
 
 void Declare(CLI::App& command, RunOptions& options) {
-  command.add_option("--scene", options.scene.name, "Scene or .aabbs file")->required();
+  command.add_option("--scene", options.scene.name, "Scene or .aabbs file");
   command.add_option("--objects", options.scene.object_count, "Object count");
   AddSeedOption(command, options.scene.seed, "the scene and of the decisions");
   command

@@ -10,6 +10,7 @@
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
 #include "engine_client/decider/types.h"
+#include "engine_client/text/counts.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -307,8 +308,8 @@ std::string ShadowText(const RunSummary& summary) {
   const ShadowStats& shadow = summary.shadow;
   std::string text = "Shadow lane: " + StateName(shadow.state);
   if (shadow.visit_count > 0) {
-    text += ", " + std::to_string(shadow.visit_count) + " visits in " +
-            std::to_string(shadow.sweep_count) + " sweeps, " +
+    text += ", " + text::Counted(shadow.visit_count, "visit") + " in " +
+            text::Counted(shadow.sweep_count, "sweep") + ", " +
             Fixed(100 * summary.shadow_busy_ratio(), 1) +
             " % of its thread's time, slowed the frame thread by " +
             Fixed(100 * summary.shadow_frame_share(), 2) + " %, copying took " +

@@ -268,6 +268,7 @@ static void check_attach_errors(void) {
   options.priors_file = NULL;
   options.time_scale = 0;
   CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "call swp_decider_options_init") != NULL);
   options.time_scale = 1;
   options.decision_interval_ns = 0;
   CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);

@@ -220,6 +220,9 @@ static void check_shadow_lane(swp_scene* scene) {
   CHECK(stats.state == SWP_SHADOW_STATE_RUNNING || stats.state == SWP_SHADOW_STATE_NO_SPARE_CORE);
   swp_session_destroy(session);
   CHECK_OK(swp_session_options_init(&options));
+  options.mode = 0;
+  CHECK(swp_session_create(&options, &session) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "call swp_session_options_init") != NULL);
   options.mode = SWP_MODE_MANUAL;
   options.shadow = 3;
   CHECK(swp_session_create(&options, &session) == SWP_INVALID_ARGUMENT);
