@@ -27,6 +27,7 @@ void InvalidBoxCounter::CountAll(std::span<const Aabb> boxes) {
 }
 
 void InvalidBoxCounter::Follow(std::span<const Aabb> boxes) {
+  if (boxes.size() < box_count_ && count_ > 0) return CountAll(boxes);
   if (boxes.size() > box_count_) count_ += CountInvalid(boxes.subspan(box_count_));
   box_count_ = boxes.size();
   next_ = std::min(next_, box_count_);

@@ -14,7 +14,7 @@ thread_local std::array<char, 1024> last_error{};
 const char* swp_last_error(void) { return last_error.data(); }
 
 void swp_set_last_error(const char* text, uint64_t size) {
-  const uint64_t length = std::min<uint64_t>(size, last_error.size() - 1);
+  const uint64_t length = text == nullptr ? 0 : std::min<uint64_t>(size, last_error.size() - 1);
   std::copy_n(text, length, last_error.begin());
   last_error[length] = '\0';
 }

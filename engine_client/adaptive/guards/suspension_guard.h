@@ -33,7 +33,7 @@ namespace sweepstake {
 
 class SuspensionGuard {
  public:
-  static constexpr uint64_t kBaselineNs = 250'000'000;
+  static constexpr uint64_t kBaselineNs = 50'000'000;
   static constexpr uint64_t kSuspiciousSearchNs = 100'000'000;
   static constexpr uint64_t kSuspiciousFrameNs = 1'000'000'000;
   static constexpr uint64_t kComputedShare = 8;

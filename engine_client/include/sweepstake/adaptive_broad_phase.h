@@ -9,7 +9,7 @@
 // Functions are called on one thread, the frame thread, except SwitchMailbox::Post and functions
 // marked "any thread". No function waits or locks. Between switches, and while the object count is
 // steady, none allocates; the only system calls are those of the clock, whose CPU times are read at
-// most every 250 ms and after a long frame. With an executor the frame thread also waits for the
+// most every 50 ms and after a long frame. With an executor the frame thread also waits for the
 // parts of its own search. The sink is called in the default floating-point environment
 // (broad_phase.h) or in the caller's. Ownership: the clock must outlive the object. So must the
 // sink, unless a std::shared_ptr owns it; the object then keeps the sink alive, as it does the sink
