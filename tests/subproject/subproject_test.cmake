@@ -17,6 +17,7 @@ set(configure ${CMAKE_COMMAND} -E env --unset=CMAKE_CXX_COMPILER_LAUNCHER --unse
   --unset=CXXFLAGS https_proxy=http://127.0.0.1:9  # nothing can be downloaded
   ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -G ${GENERATOR} -DSWEEPSTAKE_SOURCE=${SWEEPSTAKE_SOURCE} -DCMAKE_EXPORT_COMPILE_COMMANDS=ON)
 file(REMOVE_RECURSE ${WORK})
+include(${CMAKE_CURRENT_LIST_DIR}/download/download_test.cmake)
 
 # A package that is neither installed nor can be downloaded: the error says what to install.
 execute_process(COMMAND ${configure} -B ${WORK}/missing -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON OUTPUT_QUIET ERROR_VARIABLE output)
