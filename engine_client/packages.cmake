@@ -56,10 +56,17 @@ function(sweepstake_fetch)
   endif()
 endfunction()
 
+if(TARGET hwy AND NOT TARGET hwy::hwy)  # compiled by the project that contains this tree
+  add_library(hwy::hwy ALIAS hwy)
+endif()
 sweepstake_fetch(NAME hwy TARGET hwy::hwy APT libhwy-dev SOURCES hwy/per_target.cc hwy/targets.cc
   URL https://github.com/google/highway/archive/refs/tags/1.0.7.tar.gz
   SHA256 5434488108186c170a5e2fca5e3c9b6ef59a1caa4d520b008a9b8be6b8abe6c5)
+# The Highway that libraries link. Our own is exported with them. Any other is exported by its name: install(EXPORT) would refuse the
+# target of a project that does not install it, but it does not look into a generator expression.
+set(SWEEPSTAKE_HIGHWAY $<1:hwy::hwy>)
 if(TARGET sweepstake_hwy)
+  set(SWEEPSTAKE_HIGHWAY sweepstake_hwy)
   target_compile_definitions(sweepstake_hwy PUBLIC HWY_STATIC_DEFINE)
 endif()
 sweepstake_fetch(NAME Eigen3 TARGET Eigen3::Eigen APT libeigen3-dev
