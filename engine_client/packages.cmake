@@ -5,30 +5,39 @@ include(FetchContent)
 
 # sweepstake_fetch(NAME hwy TARGET hwy::hwy APT libhwy-dev URL ... SHA256 ... [INCLUDE /folder] [SOURCES files...])
 # makes TARGET from the source of a package if no such target exists and none is installed. INCLUDE is the folder of the headers within the
-# source. APT is Debian's name of the package, for the error without a network.
+# source. APT is Debian's name of the package, for the error without a network. A downloaded file with another hash is never kept.
 function(sweepstake_fetch)
   cmake_parse_arguments(ARG "" "NAME;TARGET;INCLUDE;APT;URL;SHA256" "SOURCES" ${ARGN})
   string(TOLOWER ${ARG_NAME} name)
   string(TOUPPER ${ARG_NAME} upper)
-  set(archive ${PROJECT_BINARY_DIR}/downloads/${name}.tar)  # FetchContent detects the compression, but needs an extension
   if(NOT TARGET ${ARG_TARGET} AND NOT FETCHCONTENT_SOURCE_DIR_${upper})
     find_package(${ARG_NAME} QUIET CONFIG)
-    if(NOT TARGET ${ARG_TARGET} AND NOT EXISTS ${archive})
-      set(status 1 "FETCHCONTENT_FULLY_DISCONNECTED is on")
-      if(NOT FETCHCONTENT_FULLY_DISCONNECTED)
-        message(STATUS "${ARG_NAME} is not installed: downloading ${ARG_URL}")
-        file(DOWNLOAD ${ARG_URL} ${archive} STATUS status)
-      endif()
-      list(POP_FRONT status code)
-      if(NOT code EQUAL 0)
-        file(REMOVE ${archive})
-        message(FATAL_ERROR "${ARG_NAME} is neither installed nor could it be downloaded (${status}). Install it (Debian and Ubuntu: "
-          "${ARG_APT}), or set FETCHCONTENT_SOURCE_DIR_${upper} to the folder of its source.")
-      endif()
-    endif()
   endif()
   if(TARGET ${ARG_TARGET})
     return()
+  endif()
+
+  set(archive ${PROJECT_BINARY_DIR}/downloads/${name}.tar)  # FetchContent detects the compression, but needs an extension
+  set(hash "")
+  if(EXISTS ${archive})
+    file(SHA256 ${archive} hash)
+  endif()
+  if(NOT hash STREQUAL ARG_SHA256 AND NOT FETCHCONTENT_SOURCE_DIR_${upper})
+    set(error "FETCHCONTENT_FULLY_DISCONNECTED is on")
+    if(NOT FETCHCONTENT_FULLY_DISCONNECTED)
+      message(STATUS "${ARG_NAME} is not installed: downloading ${ARG_URL}")
+      file(DOWNLOAD ${ARG_URL} ${archive} STATUS status INACTIVITY_TIMEOUT 30)
+      list(POP_FRONT status code error)
+      if(code EQUAL 0)
+        file(SHA256 ${archive} hash)
+        set(error "the SHA-256 of ${ARG_URL} is ${hash} instead of ${ARG_SHA256}")
+      endif()
+    endif()
+    if(NOT hash STREQUAL ARG_SHA256)
+      file(REMOVE ${archive})
+      message(FATAL_ERROR "${ARG_NAME} is neither installed nor could it be downloaded (${error}). Install it (Debian and Ubuntu: "
+        "${ARG_APT}), or set FETCHCONTENT_SOURCE_DIR_${upper} to the folder of its source.")
+    endif()
   endif()
 
   # The package's own CMakeLists.txt is not used, because it adds tests and installation rules.
@@ -47,10 +56,17 @@ function(sweepstake_fetch)
   endif()
 endfunction()
 
+if(TARGET hwy AND NOT TARGET hwy::hwy)  # compiled by the project that contains this tree
+  add_library(hwy::hwy ALIAS hwy)
+endif()
 sweepstake_fetch(NAME hwy TARGET hwy::hwy APT libhwy-dev SOURCES hwy/per_target.cc hwy/targets.cc
   URL https://github.com/google/highway/archive/refs/tags/1.0.7.tar.gz
   SHA256 5434488108186c170a5e2fca5e3c9b6ef59a1caa4d520b008a9b8be6b8abe6c5)
+# The Highway that libraries link. Our own is exported with them. Any other is exported by its name: install(EXPORT) would refuse the
+# target of a project that does not install it, but it does not look into a generator expression.
+set(SWEEPSTAKE_HIGHWAY $<1:hwy::hwy>)
 if(TARGET sweepstake_hwy)
+  set(SWEEPSTAKE_HIGHWAY sweepstake_hwy)
   target_compile_definitions(sweepstake_hwy PUBLIC HWY_STATIC_DEFINE)
 endif()
 sweepstake_fetch(NAME Eigen3 TARGET Eigen3::Eigen APT libeigen3-dev

@@ -1,9 +1,17 @@
 # As a folder of another project, Sweepstake must not add tests, a launcher, warnings as errors, settings of the whole build, or a
 # daemon. It compiles in few steps, needs no installed package, and the game links only Highway. Variables: SWEEPSTAKE_SOURCE, WORK
 # (emptied first), GENERATOR, WITH_TELEMETRY (gRPC is installed), X_HEADERS for X = EIGEN3, NLOHMANN_JSON, PROTOZERO (folders that contain
-# the headers), HIGHWAY_SOURCE (used if it exists).
+# the headers), HIGHWAY_SOURCE (where tests/run.sh puts the source; without it and apt the test is skipped).
 cmake_minimum_required(VERSION 3.25)
 set(build ${WORK}/build)
+if(NOT EXISTS ${HIGHWAY_SOURCE})
+  find_program(APT_GET apt-get)
+  if(APT_GET)
+    message(FATAL_ERROR "The source of Highway is missing: deploy/static_highway.sh puts it into ${HIGHWAY_SOURCE}")
+  endif()
+  message("LEFT OUT: the source of Highway is missing in ${HIGHWAY_SOURCE}")
+  return()
+endif()
 
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -17,6 +25,7 @@ set(configure ${CMAKE_COMMAND} -E env --unset=CMAKE_CXX_COMPILER_LAUNCHER --unse
   --unset=CXXFLAGS https_proxy=http://127.0.0.1:9  # nothing can be downloaded
   ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -G ${GENERATOR} -DSWEEPSTAKE_SOURCE=${SWEEPSTAKE_SOURCE} -DCMAKE_EXPORT_COMPILE_COMMANDS=ON)
 file(REMOVE_RECURSE ${WORK})
+include(${CMAKE_CURRENT_LIST_DIR}/download/download_test.cmake)
 
 # A package that is neither installed nor can be downloaded: the error says what to install.
 execute_process(COMMAND ${configure} -B ${WORK}/missing -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON OUTPUT_QUIET ERROR_VARIABLE output)
@@ -34,14 +43,15 @@ endfunction()
 source_of(EIGEN3 "" Eigen)
 source_of(NLOHMANN_JSON include nlohmann)
 source_of(PROTOZERO include protozero)
-set(highway libhwy)
-if(EXISTS ${HIGHWAY_SOURCE})
-  list(APPEND sources -DFETCHCONTENT_SOURCE_DIR_HWY=${HIGHWAY_SOURCE})
-  set(highway sweepstake/libsweepstake_hwy)
-endif()
-run(${configure} -B ${build} ${sources})
+list(APPEND sources -DFETCHCONTENT_SOURCE_DIR_HWY=${HIGHWAY_SOURCE})
 
-file(READ ${build}/compile_commands.json commands)
+# A game that compiles Highway itself, and does not install it: Sweepstake uses that Highway, once.
+set(game_highway ${WORK}/game_highway)
+run(${configure} -B ${game_highway} ${sources} -DGAME_HIGHWAY=${HIGHWAY_SOURCE})
+file(READ ${game_highway}/compile_commands.json commands)
+if(commands MATCHES "sweepstake_hwy")
+  message(FATAL_ERROR "Sweepstake adds a second Highway to a game that has one")
+endif()
 if(NOT commands MATCHES "sweepstake_broad_phase\\.dir")
   message(FATAL_ERROR "The broad phases are not part of the build that added Sweepstake")
 endif()
@@ -59,15 +69,27 @@ foreach(unwanted "-Werror" "ccache" "_test\\.cc" "server/(daemon|rpc|storage|web
   endif()
 endforeach()
 # The daemon's libraries must not be searched for.
-file(STRINGS ${build}/CMakeCache.txt asked REGEX "^(SQLite3|CLI11|spdlog|tomlplusplus|Boost|prometheus-cpp|libsystemd)_")
+file(STRINGS ${game_highway}/CMakeCache.txt asked REGEX "^(SQLite3|CLI11|spdlog|tomlplusplus|Boost|prometheus-cpp|libsystemd)_")
 if(asked)
   message(FATAL_ERROR "As a folder of another project, Sweepstake searches for libraries that only the daemon needs: ${asked}")
 endif()
-file(GLOB_RECURSE test_lists ${build}/CTestTestfile.cmake ${build}/DartConfiguration.tcl)
+file(GLOB_RECURSE test_lists ${game_highway}/CTestTestfile.cmake ${game_highway}/DartConfiguration.tcl)
 if(test_lists)
   message(FATAL_ERROR "Sweepstake added tests to the project that added it: ${test_lists}")
 endif()
 
+if(GENERATOR STREQUAL "Ninja")
+  run(${CMAKE_COMMAND} --build ${game_highway} -- -t commands sweepstake_plugin)
+  string(REGEX MATCH "-shared [^\n]*libsweepstake_broad_phase[^\n]*" linked "${output}")
+  string(REGEX MATCHALL "libhwy" linked "${linked}")
+  if(linked AND NOT linked STREQUAL "libhwy")
+    message(FATAL_ERROR "The plug-in links Highway more than once: ${linked}")
+  endif()
+endif()
+
+# A game without Highway. To save time, it has neither gRPC nor the adapters, whose engines pkg-config would find.
+set(ENV{PKG_CONFIG_LIBDIR} ${WORK})
+run(${configure} -B ${build} ${sources} -DCMAKE_DISABLE_FIND_PACKAGE_gRPC=ON)
 if(GENERATOR STREQUAL "Ninja")
   run(${CMAKE_COMMAND} --build ${build} --target sweepstake_adaptive sweepstake_embedded -- -n)
   if(NOT output MATCHES "\\[1/([0-9]+)\\]" OR CMAKE_MATCH_1 GREATER 60)
@@ -75,8 +97,8 @@ if(GENERATOR STREQUAL "Ninja")
   endif()
   run(${CMAKE_COMMAND} --build ${build} -- -t commands game)
   string(REGEX MATCH " -o game .*$" linked "${output}")
-  string(REGEX MATCHALL "[^ /]+\\.(a|so)[^ /]*|-l[^ ]+|[^ ]*${highway}[^ ]*" linked "${linked}")
-  list(FILTER linked EXCLUDE REGEX "^libsweepstake_(adaptive|broad_phase|decider|embedded|embedded_decider|math|scene|text)\\.a$|${highway}")
+  string(REGEX MATCHALL "[^ /]+\\.(a|so)[^ /]*|-l[^ ]+" linked "${linked}")
+  list(FILTER linked EXCLUDE REGEX "^libsweepstake_(adaptive|broad_phase|decider|embedded|embedded_decider|math|scene|text|hwy)\\.a$")
   if(linked)
     message(FATAL_ERROR "The game links more than Highway: ${linked}")
   endif()
@@ -91,3 +113,11 @@ file(GLOB_RECURSE installed ${WORK}/installed/*)
 if(installed)
   message(FATAL_ERROR "With EXCLUDE_FROM_ALL Sweepstake installs files of its own: ${installed}")
 endif()
+
+# The package that contains this Highway: a project that installs it needs no other.
+run(${CMAKE_COMMAND} --build ${build} --target sweepstake_c sweepstake_c_static)
+run(${CMAKE_COMMAND} --install ${build}/sweepstake --prefix ${WORK}/prefix)
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/../install_consumer -B ${WORK}/consumer -G ${GENERATOR}
+  -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)
+run(${CMAKE_COMMAND} --build ${WORK}/consumer --target cxx_consumer)
+run(${WORK}/consumer/cxx_consumer)

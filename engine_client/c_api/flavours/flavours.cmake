@@ -44,7 +44,7 @@ endfunction()
 sweepstake_c_objects(sweepstake_c_static_objects SWP_STATIC)
 set(objects $<TARGET_OBJECTS:sweepstake_c_static_objects>)
 sweepstake_c_parts(all_parts ${parts})
-list(REMOVE_ITEM all_parts sweepstake_hwy)  # it is ${highway}
+list(REMOVE_ITEM all_parts sweepstake_hwy)  # it is ${highway}; any other Highway is linked by a generator expression, which is not followed
 list(TRANSFORM all_parts REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE archives)
 
 set(linker_help)
