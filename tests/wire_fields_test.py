@@ -36,6 +36,7 @@ OTHERS = {
     "ExportDecisionsRequest.after_row": "the dashboard reads the new part of a log",
     "AuditRow.": READ_BY_NAME,
     "AuditSetup.": READ_BY_NAME,
+    "AuditRegimeSpan.": READ_BY_NAME,
     "AuditRuns.": READ_BY_NAME,
     "AuditRun.": READ_BY_NAME,
     "AuditWindow.": READ_BY_NAME,

@@ -69,6 +69,7 @@ DecisionOptions DecisionOptions::Scaled(double time_scale) const {
   scaled.decision_interval_ns = Divided(decision_interval_ns, time_scale);
   scaled.cooldown_ns = Divided(cooldown_ns, time_scale);
   scaled.settling_ns = Divided(settling_ns, time_scale);
+  scaled.regime_interval_ns = Divided(regime_interval_ns, time_scale);
   scaled.exploration_warm_up_ns = Divided(exploration_warm_up_ns, time_scale);
   scaled.exploration_measure_ns = Divided(exploration_measure_ns, time_scale);
   return scaled;

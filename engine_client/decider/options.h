@@ -26,6 +26,9 @@ struct DecisionOptions {
   int64_t cooldown_ns = 40'000'000'000;
   // Frame time after the first frame on the new arm during which nothing is learnt, >= 0.
   int64_t settling_ns = 2'000'000'000;
+  // The maximum of the two times above for a policy with PolicyKind::keeps_regimes, > 0. Such a
+  // policy corrects a wrong choice soon, because it decides again when the regime changes.
+  int64_t regime_interval_ns = 1'000'000'000;
   // A frame longer than this is a bail-out. Must be > 0. Scaled() leaves it unchanged.
   int64_t bail_out_ns = kBailOutNs;
   int64_t exploration_warm_up_ns = 2'000'000'000;  // time per arm, >= 0

@@ -49,6 +49,21 @@ void Window::AddCalm(double detection_ns) {
   typical_ns = detection_ns > typical_ns ? typical_ns * kTypicalStep : typical_ns / kTypicalStep;
 }
 
+void Window::Add(const Window& later) {
+  frame_count_ += later.frame_count_;
+  ordinary_frame_count_ += later.ordinary_frame_count_;
+  time_ns_ += later.time_ns_;
+  ordinary_detection_ns_ += later.ordinary_detection_ns_;
+  calm_detection_ns_ += later.calm_detection_ns_;
+  calm_frame_count_ += later.calm_frame_count_;
+  long_frame_count_ += later.long_frame_count_;
+  typical_detection_ns_ = later.typical_detection_ns_;
+  rebuild_detection_ns_ += later.rebuild_detection_ns_;
+  check_count_ += later.check_count_;
+  pair_count_ += later.pair_count_;
+  peak_bytes_ = std::max(peak_bytes_, later.peak_bytes_);
+}
+
 void Window::Clear() {
   const double typical_ns = typical_detection_ns_;
   *this = Window();

@@ -33,6 +33,8 @@ class Window {
   // which describe ordinary frames. If every frame of the window is a rebuild frame (the object
   // count changes all the time), the means are over all frames.
   void Add(const FrameSample& frame);
+  // Adds the frames of a later window of the same run.
+  void Add(const Window& later);
   // Begins the next window of the same run and keeps the typical time.
   void Clear();
 

@@ -173,7 +173,10 @@ void GameSession::ApplyMessage(protocol::FrameBatch& batch) {
   decisions_.ObserveFrames(batch.frames);
   if (measured_) Measure(batch.frames);
   decisions_.ObserveShadow(batch.shadow_samples);
-  if (batch.scene_descriptor) decisions_.ObserveDescriptor(*batch.scene_descriptor);
+  if (!batch.scene_descriptor) return;
+  const int64_t due_ns = decisions_.next_tick_ns();
+  decisions_.ObserveDescriptor(*batch.scene_descriptor);
+  if (decisions_.next_tick_ns() < due_ns) ScheduleTick(decisions_.next_tick_ns());
 }
 
 void GameSession::Measure(std::span<const FrameSample> frames) {

@@ -213,7 +213,8 @@ decision::DecisionOptions OptionsOf(const SessionRequest& hello,
                                     const HostedSessionOptions& options) {
   decision::DecisionOptions scaled = options.decision;
   scaled.policy = hello.policy;
-  return hello.time_scale > 1 ? scaled.Scaled(hello.time_scale) : scaled;
+  if (hello.time_scale > 1) scaled = scaled.Scaled(hello.time_scale);
+  return OptionsFor(decision::PolicyKindOf(hello.policy, decision::ShippedPolicies()), scaled);
 }
 
 SessionIdentity IdentityOf(const SessionRequest& hello, const StoredStart& start, int64_t token_id,

@@ -144,9 +144,10 @@ void VisitFields(T& logged, Visit&& visit) {
   visit("prior_sources", prior_sources);
   auto& [options, arms, priors, seed, mode, active_arm, switch_epoch, start_ns, explored_arm_count,
          decision_count] = logged.setup;
-  auto& [policy, weights, decision_interval_ns, cooldown_ns, settling_ns, bail_out_ns,
-         exploration_warm_up_ns, exploration_measure_ns, explore, bail_out_penalty, fps_floor] =
-      options;
+  // The two other times are logged as the session uses them, so regime_interval_ns is left out.
+  auto& [policy, weights, decision_interval_ns, cooldown_ns, settling_ns, regime_interval_ns,
+         bail_out_ns, exploration_warm_up_ns, exploration_measure_ns, explore, bail_out_penalty,
+         fps_floor] = options;
   auto& [weight_fps, weight_detection, weight_memory, weight_checks] = weights;
   visit("arms", arms);
   visit("policy", policy);

@@ -110,6 +110,8 @@ Result Segment::Apply(const AuditRow& row) {
   if (Result problem = ReadTime(row)) return problem;
   if (row.kind == AuditKind::kSetup) return Begin(row);
   if (row.kind == AuditKind::kOrder) return ApplyOrder(row);
+  // The row's runs are those after its descriptor.
+  if (row.kind == AuditKind::kTick && row.scene) session_->ObserveDescriptor(*row.scene);
   if (Result problem = RestoreRuns(row)) return problem;
   switch (row.kind) {
     case AuditKind::kTick:
@@ -147,7 +149,6 @@ Result Segment::ApplyTick(const AuditRow& row) {
                                   std::to_string(session_->next_tick_ns())};
   }
   session_->ObserveShadow(row.shadow);
-  if (row.scene) session_->ObserveDescriptor(*row.scene);
   session_->Tick(now_ns_);
   return std::nullopt;
 }

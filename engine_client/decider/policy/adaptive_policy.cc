@@ -26,7 +26,7 @@ constexpr double kContradiction = 0.3;
 constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit: 3 s of 5 s
 constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal distribution
 // Constants of the gate: see Assess.
-constexpr double kHorizonCooldowns = 5;
+constexpr double kHorizonCooldowns = 2.5;
 constexpr double kTie = 0.005;  // smaller expected gains (log-cost) cause no switch
 // Replaces kTie for another trial of an arm whose first trial ended early.
 constexpr double kEndedTrialTie = 0.05;
@@ -150,10 +150,23 @@ Increment AdaptivePolicy::VisitIncrement(uint32_t arm, double log_cost) const {
   return LogCostIncrement(arm, RewardOf(log_cost), filter().shadow_noise());
 }
 
+DescriptorMatch AdaptivePolicy::Match(const SceneDescriptor& descriptor) const {
+  return components_.regimes ? beliefs_.Match(descriptor) : DescriptorMatch::kPresent;
+}
+
 void AdaptivePolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t now_ns) {
   if (!components_.regimes) return;
   AdvanceTo(now_ns);
-  if (beliefs_.Observe(descriptor)) UpdatePosteriors();
+  const double intervals =
+      last_descriptor_ns_ ? IntervalsSince(*last_descriptor_ns_, now_ns) : kMaxAdvance;
+  last_descriptor_ns_ = now_ns;
+  if (beliefs_.Observe(descriptor, intervals)) UpdatePosteriors();
+}
+
+// Returns the time in decision intervals, at most kMaxAdvance.
+double AdaptivePolicy::IntervalsSince(int64_t earlier_ns, int64_t now_ns) const {
+  const double passed_ns = static_cast<double>(now_ns) - static_cast<double>(earlier_ns);
+  return std::min(passed_ns / static_cast<double>(options_.decision_interval_ns), kMaxAdvance);
 }
 
 // Sets the arm's cost in the beliefs of all regimes, because a bail-out counts in every regime.
@@ -163,9 +176,7 @@ void AdaptivePolicy::Assume(uint32_t arm, double log_cost) {
 
 void AdaptivePolicy::AdvanceTo(int64_t now_ns) {
   if (last_advance_ns_ && now_ns > *last_advance_ns_) {
-    const double passed_ns = static_cast<double>(now_ns) - static_cast<double>(*last_advance_ns_);
-    const double intervals = passed_ns / static_cast<double>(options_.decision_interval_ns);
-    const double advance = std::min(intervals, kMaxAdvance);
+    const double advance = IntervalsSince(*last_advance_ns_, now_ns);
     for (RelativeCostFilter& filter : beliefs_.filters()) filter.Advance(advance);
     AdvanceBans(advance);
   }

@@ -31,9 +31,9 @@
 // - The first early end of a trial may have another cause than the arm and is not evidence. A later
 //   early end gives a lower bound of the arm's cost. A visit that the lane cut off at its time
 //   limit does too. After an early end, another trial needs an E⁺ of 5 %.
-// - Each regime of the scene has separate beliefs, which are used again when the regime returns. If
-//   regimes change faster than choices take effect, choices use a mixture of them
-//   (regime_beliefs.h).
+// - Each regime of the scene has separate beliefs, which are used again when the regime returns.
+//   Evidence belongs to the regime in which it was measured (regime_span.h). If regimes change
+//   faster than choices take effect, choices use a mixture of them (regime_beliefs.h).
 //
 // The policy draws no random numbers: the same observations give the same choices for every seed.
 // All constants that are times are multiples of the options' intervals, so choices do not depend on
@@ -67,7 +67,8 @@ class AdaptivePolicy : public Policy {
                                        .reward_version = kLogCostRewardVersion,
                                        .explores = false,
                                        .starts_from_priors = true,
-                                       .uses_shadow = true};
+                                       .uses_shadow = true,
+                                       .keeps_regimes = true};
   // The ban after an arm's first bail-out, in decision intervals. Each later ban of the arm is four
   // times as long as the previous one.
   static constexpr double kFirstBan = 200;
@@ -83,6 +84,7 @@ class AdaptivePolicy : public Policy {
                                      int64_t now_ns) override;
   void LearnSwitchCost(uint32_t arm, const SwitchCost& cost) override;
   void LearnTrialEnd(const TrialEnd& end, int64_t now_ns) override;
+  DescriptorMatch Match(const SceneDescriptor& descriptor) const override;
   void LearnDescriptor(const SceneDescriptor& descriptor, int64_t now_ns) override;
 
   Choice Choose(const ChoiceInput& input) const override;
@@ -124,6 +126,7 @@ class AdaptivePolicy : public Policy {
   RelativeCostFilter& filter() { return beliefs_.filter(); }
   const RelativeCostFilter& filter() const { return beliefs_.filter(); }
   void Assume(uint32_t arm, double log_cost);
+  double IntervalsSince(int64_t earlier_ns, int64_t now_ns) const;
   void AdvanceTo(int64_t now_ns);
   void AdvanceBans(double intervals);
   void UpdatePosteriors();
@@ -150,6 +153,7 @@ class AdaptivePolicy : public Policy {
   std::vector<std::optional<Visit>> first_visits_;
   std::vector<BetaPosterior> posteriors_;
   std::optional<int64_t> last_advance_ns_;
+  std::optional<int64_t> last_descriptor_ns_;
   std::optional<int64_t> last_shadow_ns_;
   uint64_t window_count_ = 0;
   double switch_cost_s_;

@@ -23,7 +23,7 @@ inline constexpr double kMaxLogCost = 23;  // about 3 hours
 // The variance, between arms, of ln(cost that the shadow lane measures ÷ live cost). On an AMD Zen
 // 4 without other load, the lane took 0.83 (DBVT) to 1.21 (Tracy) of the frame thread's time. The
 // factor that all arms share (1.1 to 1.4 on a Zen 3) is not included here; the filter estimates it.
-inline constexpr double kLaneBiasVariance = 0.15 * 0.15;
+inline constexpr double kLaneBiasVariance = 0.2 * 0.2;
 
 struct NormalBelief {
   double mean = 0;

@@ -22,6 +22,13 @@ uint64_t CooldownsBetween(int64_t from_ns, int64_t to_ns, int64_t cooldown_ns) {
 
 Diagnosis Policy::Diagnose() const { return decision::Diagnose(posteriors()); }
 
+DecisionOptions OptionsFor(const PolicyKind& kind, DecisionOptions options) {
+  if (!kind.keeps_regimes) return options;
+  for (int64_t* time_ns : {&options.decision_interval_ns, &options.settling_ns})
+    *time_ns = std::min(*time_ns, options.regime_interval_ns);
+  return options;
+}
+
 Choice HighestOf(std::vector<double> draws) {
   assert(!draws.empty());
   Choice choice;

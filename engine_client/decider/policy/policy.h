@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "engine_client/decider/options.h"
+#include "engine_client/decider/regime_span.h"
 #include "engine_client/decider/types.h"
 #include "engine_client/decider/window.h"
 
@@ -59,14 +60,21 @@ class Policy {
   // Learns from a window. If a metric is not finite, it changes nothing and returns nothing.
   virtual std::optional<WindowUpdate> LearnWindow(const WindowObservation& observation) = 0;
   virtual Increment LearnBailOut(uint32_t arm) = 0;
-  // The session calls the following functions before LearnWindow of the same tick. A policy that
-  // learns only from live windows leaves them empty.
+  // A policy that learns only from live windows leaves the following functions empty. In a tick,
+  // the session calls LearnDescriptor, LearnShadow and LearnWindow in this order. If the regime has
+  // ended, it calls LearnDescriptor last, because the evidence belongs to the regime before.
   //
   // Learns from visits of the lane. Returns their evidence, which the session stores.
   virtual std::vector<Increment> LearnShadow(std::span<const ShadowSample> /*samples*/,
                                              int64_t /*now_ns*/) {
     return {};
   }
+  // Returns which regime the descriptor matches. Called only if PolicyKind::keeps_regimes.
+  virtual DescriptorMatch Match(const SceneDescriptor& /*descriptor*/) const {
+    return DescriptorMatch::kPresent;
+  }
+  // Learns from a descriptor, and makes its regime the present one. A descriptor that matches no
+  // known regime begins a new one.
   virtual void LearnDescriptor(const SceneDescriptor& /*descriptor*/, int64_t /*now_ns*/) {}
   virtual void LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& /*cost*/) {}
   // Learns that a trial of an arm ended early. `end` has a lower bound of that arm's cost.
@@ -92,6 +100,7 @@ struct PolicyKind {
   bool explores = true;             // begins with the live exploration of all arms (paper §6.3)
   bool starts_from_priors = false;  // if it has priors, decides before the first frame
   bool uses_shadow = false;         // learns from the shadow lane
+  bool keeps_regimes = false;       // learns each regime of the scene apart (regime_span.h)
   // Thompson sampling: a choice with draws takes the highest of one draw from each posterior. The
   // session computes its propensity, which is the candidate's probability of being the best.
   bool draws_from_posteriors = false;
@@ -99,6 +108,10 @@ struct PolicyKind {
   // as in the paper (§4). false: BlamesArm in session/safeguards.h decides.
   bool blames_any_cause = false;
 };
+
+// Returns the options with the times that a policy of this kind uses
+// (DecisionOptions::regime_interval_ns).
+DecisionOptions OptionsFor(const PolicyKind& kind, DecisionOptions options);
 
 struct PolicySetup {
   DecisionOptions options;

@@ -8,7 +8,7 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr double kNewVariance = 0.3 * 0.3;  // added to the beliefs of a new regime
-constexpr double kTickWeight = 1.0 / 12;    // weight of a tick in shares and rates
+constexpr double kMemoryIntervals = 12;     // time constant of shares and rates
 constexpr double kMaxChangeRate = 0.4;
 
 template <typename Weights>
@@ -20,19 +20,20 @@ double TotalOf(const Weights& weights) {
 
 }  // namespace
 
-bool RegimeBeliefs::Observe(const SceneDescriptor& descriptor) {
+bool RegimeBeliefs::Observe(const SceneDescriptor& descriptor, double intervals) {
+  const double kept = math::Exp(-intervals / kMemoryIntervals);
+  for (double& share : shares_) share *= kept;
+  shares_[regime_] += 1 - kept;
   const auto [regime, is_new] = memory_.Observe(descriptor);
   if (is_new && regime != regime_) {
     RelativeCostFilter beliefs = filter();
     beliefs.Widen(kNewVariance);
     if (regime == filters_.size()) filters_.push_back(beliefs);
     filters_[regime] = std::move(beliefs);
-    tick_shares_[regime] = 0;
+    shares_[regime] = 0;
   }
   const bool changed = regime != std::exchange(regime_, regime);
-  change_rate_ += kTickWeight * ((changed ? 1 : 0) - change_rate_);
-  for (double& share : tick_shares_) share *= 1 - kTickWeight;
-  tick_shares_[regime] += kTickWeight;
+  change_rate_ = change_rate_ * kept + (changed ? 1 / kMemoryIntervals : 0);
   const bool mixed = std::exchange(mixes_, change_rate_ > kMaxChangeRate);
   return changed || mixed || mixes_;
 }
@@ -40,13 +41,13 @@ bool RegimeBeliefs::Observe(const SceneDescriptor& descriptor) {
 RegimeBeliefs::Weights RegimeBeliefs::CostsOf(uint32_t arm) const {
   Weights costs{};
   for (uint32_t regime = 0; regime < filters_.size(); ++regime)
-    costs[regime] = tick_shares_[regime] * math::Exp(filters_[regime].LogCost(arm).mean);
+    costs[regime] = shares_[regime] * math::Exp(filters_[regime].LogCost(arm).mean);
   return costs;
 }
 
 NormalBelief RegimeBeliefs::LogCost(uint32_t arm) const {
   if (!mixes_) return filter().LogCost(arm);
-  return {.mean = math::Log(TotalOf(CostsOf(arm)) / TotalOf(tick_shares_)),
+  return {.mean = math::Log(TotalOf(CostsOf(arm)) / TotalOf(shares_)),
           .variance = Covariance(arm, arm)};
 }
 

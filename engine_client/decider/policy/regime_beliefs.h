@@ -2,9 +2,9 @@
 // returns, its beliefs are used again. A new regime starts from the beliefs of the present one,
 // widened because every cost may have changed.
 //
-// A choice lasts for several ticks. It cannot follow regimes that change in two of five ticks or
-// more often. In that case choices use a mixture: per arm, the logarithm of its mean cost over the
-// regimes, weighted by how often each regime occurred recently.
+// A choice lasts for several intervals. It cannot follow regimes that change twice in five
+// intervals or more often. In that case choices use a mixture: per arm, the logarithm of its mean
+// cost over the regimes, weighted by how often each regime occurred recently.
 #pragma once
 
 #include <array>
@@ -22,9 +22,13 @@ class RegimeBeliefs {
  public:
   explicit RegimeBeliefs(RelativeCostFilter first) : filters_(1, std::move(first)) {}
 
-  // Assigns the tick's descriptor to a regime and makes that regime the present one. Returns
-  // whether the beliefs that choices use have changed.
-  bool Observe(const SceneDescriptor& descriptor);
+  DescriptorMatch Match(const SceneDescriptor& descriptor) const {
+    return memory_.Match(descriptor);
+  }
+  // Assigns the descriptor to a regime and makes that regime the present one. `intervals` is the
+  // time since the previous call, in decision intervals. Returns whether the beliefs that choices
+  // use have changed.
+  bool Observe(const SceneDescriptor& descriptor, double intervals);
 
   // The filter of the present regime, which is the only one that learns.
   RelativeCostFilter& filter() { return filters_[regime_]; }
@@ -48,8 +52,8 @@ class RegimeBeliefs {
   RegimeMemory memory_;
   std::vector<RelativeCostFilter> filters_;  // one per regime
   uint32_t regime_ = 0;
-  Weights tick_shares_{};   // decayed counts of each regime's ticks; not normalised
-  double change_rate_ = 0;  // changes of the regime per tick
+  Weights shares_{};        // recent time in each regime; not normalised
+  double change_rate_ = 0;  // changes of the regime per decision interval
   bool mixes_ = false;
 };
 

@@ -48,17 +48,18 @@ std::optional<uint32_t> RegimeMemory::Find(const Features& features) const {
   return found;
 }
 
+DescriptorMatch RegimeMemory::Match(const SceneDescriptor& descriptor) const {
+  if (regimes_.empty()) return DescriptorMatch::kPresent;
+  const std::optional<uint32_t> found = Find(FeaturesOf(descriptor));
+  if (!found) return DescriptorMatch::kUnknown;
+  return *found == current_ ? DescriptorMatch::kPresent : DescriptorMatch::kOther;
+}
+
 RegimeMemory::Recognition RegimeMemory::Observe(const SceneDescriptor& descriptor) {
   const Features features = FeaturesOf(descriptor);
   ++count_;
   const std::optional<uint32_t> found = Find(features);
-  const bool is_mixture = found != current_ && !regimes_.empty() && regimes_[current_].count == 1;
-  if (!found) {
-    if (!is_mixture) return Begin(features);
-    regimes_[current_] = {.centre = features, .count = 1, .last = count_};
-    return {.regime = current_};
-  }
-  if (is_mixture) regimes_[current_].last = 0;
+  if (!found) return Begin(features);
   current_ = *found;
   Regime& regime = regimes_[current_];
   regime.last = count_;
@@ -69,18 +70,20 @@ RegimeMemory::Recognition RegimeMemory::Observe(const SceneDescriptor& descripto
   return {.regime = current_};
 }
 
-// Begins a regime and returns its number. It takes the place of a mixture, else a free place, else
-// the place of the regime whose latest descriptor is the oldest.
+// Begins a regime. If there are kMaxRegimes, it replaces the one whose latest descriptor is the
+// oldest.
 RegimeMemory::Recognition RegimeMemory::Begin(const Features& features) {
-  const auto oldest =
-      std::min_element(regimes_.begin(), regimes_.end(),
-                       [](const Regime& a, const Regime& b) { return a.last < b.last; });
-  const bool is_full = regimes_.size() == kMaxRegimes || (!regimes_.empty() && oldest->last == 0);
-  const auto regime = static_cast<uint32_t>((is_full ? oldest : regimes_.end()) - regimes_.begin());
-  if (!is_full) regimes_.emplace_back();
-  current_ = regime;
-  regimes_[regime] = {.centre = features, .count = 1, .last = count_};
-  return {.regime = regime, .is_new = true};
+  current_ = static_cast<uint32_t>(regimes_.size());
+  if (current_ == kMaxRegimes) {
+    const auto oldest =
+        std::min_element(regimes_.begin(), regimes_.end(),
+                         [](const Regime& a, const Regime& b) { return a.last < b.last; });
+    current_ = static_cast<uint32_t>(oldest - regimes_.begin());
+  } else {
+    regimes_.emplace_back();
+  }
+  regimes_[current_] = {.centre = features, .count = 1, .last = count_};
+  return {.regime = current_, .is_new = true};
 }
 
 }  // namespace sweepstake::decision

@@ -4,9 +4,7 @@
 // differs by a factor below two, its mean speed by a factor below e, and its static ratio by less
 // than 0.3. A feature that was not measured matches only a feature that was not measured.
 //
-// A descriptor that belongs to no known regime begins a new one. It may be a mixture of the regimes
-// before and after a change. So a regime with a single descriptor is replaced when the next new
-// regime begins.
+// A descriptor that belongs to no known regime begins a new one.
 //
 // At most kMaxRegimes are kept. If all places are taken, a new regime replaces the regime whose
 // latest descriptor is the oldest. Not thread-safe. Deterministic.
@@ -17,6 +15,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine_client/decider/regime_span.h"
 #include "engine_client/decider/types.h"
 
 namespace sweepstake::decision {
@@ -29,14 +28,18 @@ class RegimeMemory {
     uint32_t regime = 0;  // < kMaxRegimes; a new regime may reuse the number of a forgotten one
     bool is_new = false;
   };
+  // Assigns the descriptor to a regime, which becomes the present one.
   Recognition Observe(const SceneDescriptor& descriptor);
+  // Returns which regime Observe would assign the descriptor to. The first descriptor matches the
+  // present regime.
+  DescriptorMatch Match(const SceneDescriptor& descriptor) const;
 
  private:
   using Features = std::array<double, 3>;
   struct Regime {
     Features centre{};
     uint64_t count = 0;  // number of descriptors assigned to it
-    uint64_t last = 0;   // number of its latest descriptor; 0: may be a mixture
+    uint64_t last = 0;   // number of its latest descriptor
   };
 
   static Features FeaturesOf(const SceneDescriptor& descriptor);

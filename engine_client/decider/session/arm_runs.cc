@@ -29,11 +29,17 @@ bool ArmRun::Observe(const FrameSample& frame, uint64_t rebuild_settling_ns) {
     return false;
   }
   measured_ns_ = SaturatingSum(measured_ns_, frame.frame_time_ns);
-  window_.Add(frame);
+  new_frames_.Add(frame);
   return true;
 }
 
 void ArmRun::Pass(const FrameSample& frame) { Advance(frame); }
+
+void ArmRun::FileNewFrames() {
+  if (new_frames_.empty()) return;
+  window_.Add(new_frames_);
+  new_frames_.Clear();
+}
 
 void ArmRun::ClearWindow() {
   window_.Clear();
@@ -73,6 +79,14 @@ void ArmRuns::Activate(const ArmRun& run) {
   active_ = run;
   later_.reset();
   active_frames_seen_ = false;
+}
+
+void ArmRuns::ObserveDescriptor(DescriptorMatch match) {
+  regime_span_.ObserveDescriptor(match);
+  for (ArmRun* run : {&active_, later_ ? &*later_ : nullptr}) {
+    if (run == nullptr) continue;
+    regime_span_.is_in_doubt() ? run->DropNewFrames() : run->FileNewFrames();
+  }
 }
 
 void ArmRuns::ClearWindow() {

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "engine_client/decider/regime_span.h"
 #include "engine_client/decider/types.h"
 #include "engine_client/decider/window.h"
 
@@ -37,13 +38,19 @@ class ArmRun {
 
   // Starts settling again, as if the run began with the next frame.
   void Restart(uint64_t settling_ns) { *this = ArmRun(arm_, switch_epoch_, settling_ns); }
-  // Begins the window of the next tick.
+  // Adds the new frames to the window of the next tick.
+  void FileNewFrames();
+  // Drops the new frames: they may belong to several regimes.
+  void DropNewFrames() { new_frames_.Clear(); }
+  // Begins the window of the next tick. New frames are kept.
   void ClearWindow();
 
   uint32_t arm() const { return arm_; }
   uint32_t switch_epoch() const { return switch_epoch_; }
   uint64_t elapsed_ns() const { return elapsed_ns_; }
+  // The measured frames since the last tick that were filed, and those after them.
   const Window& window() const { return window_; }
+  const Window& new_frames() const { return new_frames_; }
   // Returns whether this run had settling frames since the last tick.
   bool settling_frames_seen() const { return settling_frames_seen_; }
 
@@ -51,7 +58,7 @@ class ArmRun {
   template <typename Self, typename Visit>
   static void VisitFields(Self& run, Visit& visit) {
     auto& [arm, switch_epoch, started, settling_frames_seen, elapsed_ns, settling_end_ns,
-           measured_ns, window] = run;
+           measured_ns, window, new_frames] = run;
     visit("arm", arm);
     visit("switch_epoch", switch_epoch);
     visit("started", started);
@@ -60,6 +67,7 @@ class ArmRun {
     visit("settling_end_ns", settling_end_ns);
     visit("measured_ns", measured_ns);
     visit("window", window);
+    visit("new_frames", new_frames);
   }
 
  private:
@@ -74,6 +82,7 @@ class ArmRun {
   uint64_t settling_end_ns_;
   uint64_t measured_ns_ = 0;  // frame time measured since the last settling
   Window window_;
+  Window new_frames_;
 };
 
 // Returns whether `epoch` comes after `than`. Epochs are uint32_t and wrap around: the later one is
@@ -99,6 +108,12 @@ class ArmRuns {
   // Makes `run` the active run and drops the later run.
   void Activate(const ArmRun& run);
 
+  // Applies a descriptor: files the new frames in the present regime, or drops them if they may
+  // belong to another one.
+  void ObserveDescriptor(DescriptorMatch match);
+  RegimeSpan& regime_span() { return regime_span_; }
+  const RegimeSpan& regime_span() const { return regime_span_; }
+
   // Begins the window of the next tick.
   void ClearWindow();
   // Returns whether frames of the active run, measured or settling, arrived since the last tick.
@@ -109,15 +124,17 @@ class ArmRuns {
     active_ = runs.active_;
     later_ = runs.later_;
     active_frames_seen_ = runs.active_frames_seen_;
+    regime_span_ = runs.regime_span_;
   }
 
   // Calls visit(name, member) for every member except the number of arms, for the audit log.
   template <typename Self, typename Visit>
   static void VisitFields(Self& runs, Visit& visit) {
-    auto& [arm_count, active, later, active_frames_seen] = runs;
+    auto& [arm_count, active, later, active_frames_seen, regime_span] = runs;
     visit("active", active);
     visit("later", later);
     visit("active_frames_seen", active_frames_seen);
+    visit("regime_span", regime_span);
   }
 
  private:
@@ -125,6 +142,7 @@ class ArmRuns {
   ArmRun active_;
   std::optional<ArmRun> later_;
   bool active_frames_seen_ = false;
+  RegimeSpan regime_span_;
 };
 
 }  // namespace sweepstake::decision

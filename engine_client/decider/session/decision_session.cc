@@ -39,11 +39,16 @@ int64_t FirstTickOf(const SessionSetup& setup, const PolicyKind& kind) {
 
 uint32_t ArmCount(const SessionSetup& setup) { return static_cast<uint32_t>(setup.arms.size()); }
 
+SessionSetup Resolved(SessionSetup setup, const PolicyKind& kind) {
+  setup.options = OptionsFor(kind, std::move(setup.options));
+  return setup;
+}
+
 }  // namespace
 
 DecisionSession::DecisionSession(SessionSetup setup, PolicyRegistry policies)
-    : setup_(std::move(setup)),
-      policy_kind_(PolicyKindOf(setup_.options.policy, policies)),
+    : policy_kind_(PolicyKindOf(setup.options.policy, policies)),
+      setup_(Resolved(std::move(setup), policy_kind_)),
       policy_(PolicyOf(setup_, policies)),
       standings_(setup_.arms.size()),
       frame_rate_floor_(setup_.options.fps_floor, ArmCount(setup_)),
@@ -79,6 +84,7 @@ bool DecisionSession::RestoreRuns(const ArmRuns& runs) {
 }
 
 void DecisionSession::ObserveFrame(const FrameSample& frame) {
+  runs_.regime_span().ObserveFrame(frame.frame_index);
   ArmRun* run = runs_.Find(frame, SettlingOfNewRun());
   if (run == nullptr) {
     ++counts_.other_epoch_frame_count;
@@ -167,6 +173,7 @@ void DecisionSession::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
   if (observer_) observer_->OnMode(mode, active_arm, now_ns, runs_);
   AdoptLaterRun(now_ns);
   mode_ = mode;
+  runs_.active().DropNewFrames();
   runs_.ClearWindow();
   if (active_arm != run().arm()) {
     Activate(ArmRun(active_arm, run().switch_epoch(), SettlingOfNewRun()), SwitchReason::kManual,
@@ -175,20 +182,27 @@ void DecisionSession::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
 }
 
 Decision DecisionSession::Tick(int64_t now_ns) {
-  assert(now_ns >= next_tick_ns_);
+  assert(now_ns >= next_tick_ns());
   if (observer_) observer_->OnTick({now_ns, shadow_samples_, descriptor_}, runs_);
   ScheduleNextTick(now_ns);
   AdoptLaterRun(now_ns);
   gate_.OnTick(runs_.active_frames_seen(), now_ns);
+  const bool regime_ends = runs_.regime_span().has_ended();
+  if (run().window().empty() && !runs_.regime_span().is_in_doubt()) runs_.active().FileNewFrames();
   Decision decision = Open(now_ns);
-  LearnScene(decision);
-  if (mode_ == Mode::kManual) {
-    decision.record.outcome = DecisionOutcome::kManual;
-  } else if (exploring()) {
-    TickExploration(decision);
-  } else {
-    const std::optional<DecisionOutcome> hold = Learn(decision);
+  // If the regime ends, the evidence since the last tick belongs to it, and the descriptor to the
+  // next one.
+  if (!regime_ends) LearnDescriptor(now_ns);
+  LearnVisits(decision);
+  const bool chooses = mode_ == Mode::kAi && !exploring();
+  const std::optional<DecisionOutcome> hold = chooses ? Learn(decision) : std::nullopt;
+  if (regime_ends) LearnDescriptor(now_ns);
+  if (chooses) {
     SampleAndGate(decision, hold);
+  } else if (mode_ == Mode::kManual) {
+    decision.record.outcome = DecisionOutcome::kManual;
+  } else {
+    TickExploration(decision);
   }
   Diagnose(window_teaches() ? std::optional(run().window().Metrics().fps) : std::nullopt);
   shadow_samples_.clear();
@@ -198,13 +212,26 @@ Decision DecisionSession::Tick(int64_t now_ns) {
   return Close(std::move(decision));
 }
 
-// Learns from the scene descriptor and the visits of the shadow lane. The policy learns in manual
-// mode too, but nothing becomes stored evidence.
-void DecisionSession::LearnScene(Decision& decision) {
-  const int64_t now_ns = decision.record.time_ns;
-  if (descriptor_) policy_->LearnDescriptor(*descriptor_, now_ns);
+void DecisionSession::ObserveDescriptor(const SceneDescriptor& descriptor) {
+  descriptor_ = descriptor;
+  if (policy_kind_.keeps_regimes) runs_.ObserveDescriptor(policy_->Match(descriptor));
+}
+
+int64_t DecisionSession::next_tick_ns() const {
+  if (!runs_.regime_span().has_ended()) return next_tick_ns_;
+  const int64_t early_ns = SaturatingSum(last_tick_ns_, setup_.options.decision_interval_ns / 4);
+  return std::min(next_tick_ns_, early_ns);
+}
+
+// Learns from the lane's visits to frames of the present regime. The policy learns in manual mode
+// too, but nothing becomes stored evidence.
+void DecisionSession::LearnVisits(Decision& decision) {
+  std::erase_if(shadow_samples_, [&](const ShadowSample& sample) {
+    return !runs_.regime_span().Contains(sample.first_frame_index);
+  });
   if (shadow_samples_.empty()) return;
-  std::vector<Increment> increments = policy_->LearnShadow(shadow_samples_, now_ns);
+  std::vector<Increment> increments =
+      policy_->LearnShadow(shadow_samples_, decision.record.time_ns);
   // Drop visits beyond the number that a lane can make in one interval.
   std::vector<uint32_t> counts(setup_.arms.size());
   std::erase_if(increments,
@@ -213,10 +240,19 @@ void DecisionSession::LearnScene(Decision& decision) {
   if (mode_ == Mode::kAi) decision.lane_increments = std::move(increments);
 }
 
+// Learns from the scene descriptor. A descriptor in doubt may be a mixture of two regimes.
+void DecisionSession::LearnDescriptor(int64_t now_ns) {
+  RegimeSpan& span = runs_.regime_span();
+  if (descriptor_ && (span.has_ended() || !span.is_in_doubt()))
+    policy_->LearnDescriptor(*descriptor_, now_ns);
+  if (span.has_ended()) span.BeginNext();
+}
+
 void DecisionSession::ScheduleNextTick(int64_t now_ns) {
   const int64_t interval_ns = setup_.options.decision_interval_ns;
   const int64_t due_ns = SaturatingSum(next_tick_ns_, interval_ns);
-  next_tick_ns_ = due_ns > now_ns ? due_ns : SaturatingSum(now_ns, interval_ns);
+  next_tick_ns_ = SaturatingSum(now_ns, interval_ns);
+  if (due_ns > now_ns) next_tick_ns_ = std::min(next_tick_ns_, due_ns);
 }
 
 Decision DecisionSession::Open(int64_t now_ns) {

@@ -107,8 +107,10 @@ class DecisionSession {
   // Maximum lane visits per arm and tick that count as evidence.
   static constexpr uint32_t kMaxVisitsPerTick = 8;
   void ObserveShadow(std::span<const ShadowSample> samples);
-  // Sets the descriptor of the scene. The next tick learns from the latest one.
-  void ObserveDescriptor(const SceneDescriptor& descriptor) { descriptor_ = descriptor; }
+  // Sets the descriptor of the scene, which covers the frames since the previous one. The next tick
+  // learns from the latest one. If it shows that the regime of the scene has changed, the next tick
+  // is due earlier.
+  void ObserveDescriptor(const SceneDescriptor& descriptor);
 
   // Records an executed switch: the answer to a command, or a switch that the game made itself.
   // From this epoch on, the new arm is active. If the epoch is already active, only the switch cost
@@ -131,9 +133,10 @@ class DecisionSession {
     if (observer_) observer_->OnOrder(order);
   }
 
-  // Time at which the next tick is due: one decision interval after the last tick was due. If that
-  // time had passed when the last tick was made, it is one interval after that tick.
-  int64_t next_tick_ns() const { return next_tick_ns_; }
+  // Time at which the next tick is due: one decision interval after the last tick was due. If the
+  // last tick was made early, or more than an interval late, it is one interval after that tick.
+  // If the regime has changed, the tick is due a quarter of an interval after the last tick.
+  int64_t next_tick_ns() const;
   // Returns whether the session has decided nothing yet and needs frames for its first decision,
   // because it has no priors.
   bool waits_for_frames() const;
@@ -150,6 +153,7 @@ class DecisionSession {
   // The policy in use; "default" is already resolved.
   const PolicyKind& policy_kind() const { return policy_kind_; }
   std::string_view policy() const { return policy_kind_.name; }
+  // The setup, with the times that the policy uses (DecisionOptions::regime_interval_ns).
   const SessionSetup& setup() const { return setup_; }
   const std::vector<std::string>& arms() const { return setup_.arms; }
   uint32_t active_arm() const { return run().arm(); }
@@ -178,7 +182,8 @@ class DecisionSession {
   void ScheduleNextTick(int64_t now_ns);
   Decision Open(int64_t now_ns);
   Decision Close(Decision decision);
-  void LearnScene(Decision& decision);
+  void LearnVisits(Decision& decision);
+  void LearnDescriptor(int64_t now_ns);
   // Returns whether the policy's rewards depend on the cost only.
   bool goes_by_cost() const;
   bool window_teaches() const;
@@ -203,8 +208,8 @@ class DecisionSession {
 
   // Frames change only runs_, among the members that decisions depend on. That is why observers
   // receive runs_ instead of the frames.
-  const SessionSetup setup_;
   const PolicyKind& policy_kind_;
+  const SessionSetup setup_;
   const std::unique_ptr<Policy> policy_;
   std::unique_ptr<DecisionObserver> observer_;  // may be null
   Diagnosis diagnosis_;

@@ -84,15 +84,14 @@ struct EmbeddedOptions {
   std::string source_id = {};
   uint64_t seed = 1;
   double time_scale = 1;  // 1–1000: divides every interval except the bail-out limit
-  // Time between decisions, 1 ns to 100 days. A decision learns from the mean over this time. With
-  // half the time, the variance of the mean and the cost of deciding double, but a change is
-  // detected twice as fast.
+  // Time between decisions, 1 ns to 100 days. A decision learns from the mean over this time. AI
+  // Decides (policy `adaptive`) decides at least every second, and when the scene changes.
   uint64_t decision_interval_ns = 2'000'000'000;
   // Minimum time from an executed switch to the next one that the policy chooses, at most 100 days.
   // Some policies wait less after a cheap switch. Bail-outs do not wait.
   uint64_t cooldown_ns = 40'000'000'000;
-  // Frame time after a switch that is excluded from learning, at most 100 days. A trial lasts for
-  // twice this time; with 0 no trials are made.
+  // Frame time after a switch that is excluded from learning, at most 100 days; AI Decides: at most
+  // 1 s. A trial lasts for twice this time; with 0 no trials are made.
   uint64_t settling_ns = 2'000'000'000;
   // The frame-rate floor in frames/s, 0–1000. A scene whose best arm is slower gets the verdict
   // kDegraded. With 0, no scene gets it.
@@ -141,7 +140,7 @@ class EmbeddedDecider {
   // come from an earlier bail-out. The caller must post it into the mailbox.
   std::optional<SwitchCommand> Poll(uint64_t now_ns);
 
-  // Returns the settling time divided by the time scale, for AdaptiveBroadPhase::SetSettling.
+  // Returns the settling time of the policy, divided by the time scale, for AdaptiveBroadPhase::SetSettling.
   uint64_t settling_ns() const;
   std::vector<ArmBelief> beliefs() const;
   // Returns the verdict of the latest decision.

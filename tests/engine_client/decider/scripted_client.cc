@@ -26,6 +26,7 @@ ScriptedClient::ScriptedClient(const SessionSetup& setup)
 
 void ScriptedClient::RunFrame() {
   FrameSample next = frame;
+  next.frame_index = frame_index++;
   next.arm = arm;
   next.switch_epoch = epoch;
   now_ns += static_cast<int64_t>(frame.frame_time_ns);

@@ -20,7 +20,7 @@ SessionSetup SetupThatWantsArmOne();
 
 class ScriptedClient {
  public:
-  // The next frame, without arm and epoch, which the client fills in. By default it is cheap, at
+  // The next frame, without index, arm and epoch, which the client fills in. By default it is cheap, at
   // 100 FPS.
   FrameSample frame{.frame_time_ns = 10'000'000,
                     .detection_time_ns = 1'667'000,
@@ -46,6 +46,7 @@ class ScriptedClient {
   int64_t now_ns;
   uint32_t arm;
   uint32_t epoch;
+  uint64_t frame_index = 0;  // of the next frame
   bool obedient = true;
   std::vector<Decision> log;
   std::vector<SwitchCommand> commands;

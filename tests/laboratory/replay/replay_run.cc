@@ -114,7 +114,7 @@ Game::Game(const ReplayScene& scene, const ReplaySetup& setup)
       setup_(setup),
       session_(SetupOf(scene, setup), decision::StudyPolicies()),
       load_(setup.frame_load, setup.seed),
-      meter_(static_cast<uint64_t>(setup.options.settling_ns)),
+      meter_(static_cast<uint64_t>(session_.setup().options.settling_ns)),
       since_tick_(scene.arm_count()),
       arm_(session_.active_arm()) {
   const bool learns_from_lane = session_.policy_kind().uses_shadow;
@@ -161,7 +161,7 @@ void Game::PlayFrame() {
 
 void Game::ExecuteSwitch() {
   const PendingSwitch pending = *std::exchange(pending_, std::nullopt);
-  trial_.Begin(arm_, pending.command, 2 * static_cast<uint64_t>(setup_.options.settling_ns));
+  trial_.Begin(arm_, pending.command, 2 * static_cast<uint64_t>(session_.setup().options.settling_ns));
   arm_ = pending.command.arm;
   ++epoch_;
   slowdown_ = scene_.slowdown(trace_frame_, arm_);
@@ -318,6 +318,7 @@ void Game::Report(const SwitchOutcome& outcome) {
 void Game::ObserveScene() {
   if (game_frame_ % DescriptorEstimator::kPeriodFrames == DescriptorEstimator::kPeriodFrames - 1) {
     if (const auto* descriptor = scene_.descriptor(trace_frame_)) {
+      Flush();
       session_.ObserveDescriptor(*descriptor);
     }
   }

@@ -21,7 +21,7 @@ void Learn(RegimeBeliefs& beliefs, bool rests) {
 }
 
 bool ObserveTick(RegimeBeliefs& beliefs, bool rests) {
-  const bool changed = beliefs.Observe(DescriptorOf(rests ? 0.001 : 1));
+  const bool changed = beliefs.Observe(DescriptorOf(rests ? 0.001 : 1), /*intervals=*/1);
   Learn(beliefs, rests);
   return changed;
 }

@@ -55,32 +55,15 @@ TEST(RegimeMemory, AnUnmeasuredPropertyMatchesOnlyItself) {
   EXPECT_FALSE(memory.Observe(Moving(0.1)).is_new);
 }
 
-// If mixtures stayed in the memory, they would displace regimes from it.
-TEST(RegimeMemory, ForgetsMixtures) {
+TEST(RegimeMemory, MatchesDescriptorsWithoutAssigningThem) {
   RegimeMemory memory;
-  const uint32_t rest = memory.Observe(Moving(0.001)).regime;
+  EXPECT_EQ(memory.Match(Moving(0.001)), DescriptorMatch::kPresent);
   memory.Observe(Moving(0.001));
+  EXPECT_EQ(memory.Match(Moving(0.1)), DescriptorMatch::kUnknown);
+  EXPECT_EQ(memory.Match(Moving(0.1)), DescriptorMatch::kUnknown);
   memory.Observe(Moving(0.1));
-  memory.Observe(Moving(0.1));
-  for (const SceneDescriptor& mixture :
-       {Moving(0.004), Moving(0.02), Moving(0.01, 3'000), Moving(0.01, 300)}) {
-    memory.Observe(mixture);
-    memory.Observe(Moving(0.1));
-  }
-  const auto back = memory.Observe(Moving(0.001));
-  EXPECT_FALSE(back.is_new);
-  EXPECT_EQ(back.regime, rest);
-}
-
-TEST(RegimeMemory, AMixtureBecomesTheRegimeThatFollowsIt) {
-  RegimeMemory memory;
-  memory.Observe(Moving(0.001));
-  memory.Observe(Moving(0.001));
-  const auto mixture = memory.Observe(Moving(0.01));
-  const auto motion = memory.Observe(Moving(0.1));
-  EXPECT_TRUE(mixture.is_new);
-  EXPECT_FALSE(motion.is_new);
-  EXPECT_EQ(motion.regime, mixture.regime);
+  EXPECT_EQ(memory.Match(Moving(0.1)), DescriptorMatch::kPresent);
+  EXPECT_EQ(memory.Match(Moving(0.001)), DescriptorMatch::kOther);
 }
 
 TEST(RegimeMemory, ForgetsTheLeastRecentRegime) {

@@ -93,7 +93,7 @@ TEST(PriorFor, FillsASceneWithoutEvidenceFromTheOtherScenesOfTheProject) {
   for (const char* scene : {"desert", "forest", "mine", "tower", "sea"}) {
     for (ArmRecord record :
          {VisitsOf("studio", "SAP", 0.5),
-          VisitsOf("studio", "DBVT", scene == std::string("sea") ? 0.485 : 0.515)}) {
+          VisitsOf("studio", "DBVT", scene == std::string("sea") ? 0.47 : 0.53)}) {
       record.scene = scene;
       records.push_back(record);
     }
@@ -103,6 +103,10 @@ TEST(PriorFor, FillsASceneWithoutEvidenceFromTheOtherScenesOfTheProject) {
   EXPECT_EQ(prior.source_count, 5u);
   EXPECT_EQ(prior.other_scene_count, 5u);
   EXPECT_GT(prior.posteriors()[1].mean(), prior.posteriors()[0].mean());
+  for (ArmRecord record : {VisitsOf("player", "SAP", 0.5), VisitsOf("player", "DBVT", 0.53)}) {
+    record.scene = "desert";
+    records.push_back(record);
+  }
   key.scene = "desert";
   EXPECT_LT(prior.posteriors()[1].evidence(), PriorFor(records, key).posteriors()[1].evidence())
       << "evidence of other scenes is less certain";
