@@ -140,7 +140,8 @@ class EmbeddedDecider {
   // come from an earlier bail-out. The caller must post it into the mailbox.
   std::optional<SwitchCommand> Poll(uint64_t now_ns);
 
-  // Returns the settling time of the policy, divided by the time scale, for AdaptiveBroadPhase::SetSettling.
+  // Returns the settling time of the policy, divided by the time scale, for
+  // AdaptiveBroadPhase::SetSettling.
   uint64_t settling_ns() const;
   std::vector<ArmBelief> beliefs() const;
   // Returns the verdict of the latest decision.

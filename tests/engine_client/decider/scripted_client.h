@@ -20,8 +20,8 @@ SessionSetup SetupThatWantsArmOne();
 
 class ScriptedClient {
  public:
-  // The next frame, without index, arm and epoch, which the client fills in. By default it is cheap, at
-  // 100 FPS.
+  // The next frame, without index, arm and epoch, which the client fills in. By default it is
+  // cheap, at 100 FPS.
   FrameSample frame{.frame_time_ns = 10'000'000,
                     .detection_time_ns = 1'667'000,
                     .aabb_check_count = 49'950,

@@ -161,7 +161,8 @@ void Game::PlayFrame() {
 
 void Game::ExecuteSwitch() {
   const PendingSwitch pending = *std::exchange(pending_, std::nullopt);
-  trial_.Begin(arm_, pending.command, 2 * static_cast<uint64_t>(session_.setup().options.settling_ns));
+  trial_.Begin(arm_, pending.command,
+               2 * static_cast<uint64_t>(session_.setup().options.settling_ns));
   arm_ = pending.command.arm;
   ++epoch_;
   slowdown_ = scene_.slowdown(trace_frame_, arm_);
