@@ -74,6 +74,7 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
       switch_cost(options.settling_ns),
       backends_(std::move(backends)),
       make_(lane.make),
+      max_pairs_(options.max_pairs),
       memory_budget_bytes_(options.memory_budget_bytes),
       sink_(sink),
       shared_sink_(sink == nullptr ? nullptr : sink->weak_from_this().lock()),
@@ -281,6 +282,18 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
   return std::as_const(pairs_).pairs();
 }
 
+std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(ProxySet& proxies) {
+  const auto found = FindPairs(proxies.moving_boxes());
+  if (pairs_exceeded_) {
+    proxies.SkipResolve();
+    return {};
+  }
+  const auto pairs = proxies.Resolve(found, max_pairs_);
+  pairs_exceeded_ = proxies.pairs_exceeded();
+  if (pairs_exceeded_) sample_.flags |= kFramePairsExceeded;
+  return pairs;
+}
+
 void AdaptiveBroadPhase::Impl::Search() {
   const Zone zone(kZoneSearch);
   pairs_.Clear();
@@ -470,7 +483,12 @@ std::span<const OverlapPair> AdaptiveBroadPhase::FindPairs(std::span<const Aabb>
   const FloatEnvironmentScope environment;
   return impl_->FindPairs(boxes);
 }
+std::span<const OverlapPair> AdaptiveBroadPhase::FindPairs(ProxySet& proxies) {
+  const FloatEnvironmentScope environment;
+  return impl_->FindPairs(proxies);
+}
 bool AdaptiveBroadPhase::pairs_exceeded() const { return impl_->pairs_exceeded(); }
+uint64_t AdaptiveBroadPhase::max_pairs() const { return impl_->max_pairs(); }
 void AdaptiveBroadPhase::EndFrame(const FrameEnd& frame) { impl_->EndFrame(frame); }
 void AdaptiveBroadPhase::Trim() { impl_->Trim(); }
 uint64_t AdaptiveBroadPhase::memory_bytes() const { return impl_->memory_bytes(); }

@@ -26,6 +26,7 @@
 #include "engine_client/broad_phase/host/thread_owned.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/pair_sorter.h"
+#include "sweepstake/proxy_set.h"
 
 namespace sweepstake {
 
@@ -44,7 +45,9 @@ class AdaptiveBroadPhase::Impl {
   Status StartLane();
   void BeginFrame();
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
+  std::span<const OverlapPair> FindPairs(ProxySet& proxies);
   bool pairs_exceeded() const { return pairs_exceeded_; }
+  uint64_t max_pairs() const { return max_pairs_; }
   void EndFrame(const FrameEnd& frame);
   void Trim();
   uint64_t memory_bytes() const;
@@ -113,6 +116,7 @@ class AdaptiveBroadPhase::Impl {
 
   std::vector<ArmBackend> backends_;
   const ArmBackendFactory make_;  // null: the memory of inactive arms is never freed
+  const uint64_t max_pairs_;
   const uint64_t memory_budget_bytes_;
   uint64_t budgeted_bytes_ = 0;  // the active arm's bytes when the budget was last checked
   FrameSink* const sink_;

@@ -105,9 +105,10 @@ void Box2dBroadPhase::MoveProxy(int32 id, const b2AABB& aabb, const b2Vec2& disp
 
 std::span<const OverlapPair> Box2dBroadPhase::NewPairs() {
   pairs_.clear();
-  if (changed_.size() * kSearchedPerQuery < proxies_.moving_count()) {
-    QueryChanged();
-  } else {
+  // A query would leave pairs_exceeded() of the previous search.
+  const bool may_query =
+      !search_.pairs_exceeded() && changed_.size() * kSearchedPerQuery < proxies_.moving_count();
+  if (!may_query || !QueryChanged()) {
     Search();
     if (search_.pairs_exceeded()) return pairs_;
   }
@@ -118,9 +119,9 @@ std::span<const OverlapPair> Box2dBroadPhase::NewPairs() {
 }
 
 void Box2dBroadPhase::Search() {
-  const auto found = search_.FindPairs(proxies_.moving_boxes());
+  const auto found = search_.FindPairs(proxies_);
   if (search_.pairs_exceeded()) return;
-  for (const auto& pair : proxies_.Resolve(found)) {
+  for (const auto& pair : found) {
     const bool is_new = proxies_by_id_[pair.a].is_changed || proxies_by_id_[pair.b].is_changed;
     if (is_new) pairs_.push_back(pair);
   }
@@ -133,7 +134,10 @@ void Box2dBroadPhase::Search() {
   }
 }
 
-void Box2dBroadPhase::QueryChanged() {
+// Returns false without a result if there are more pairs than max_pairs. A search then has more
+// pairs too.
+bool Box2dBroadPhase::QueryChanged() {
+  const uint64_t max_pairs = search_.max_pairs();
   for (const int32 id : changed_) {
     const uint32_t own = At(id).handle.index;
     proxies_.QueryBox(BoxOf(At(id).fat), {}, found_);
@@ -142,8 +146,12 @@ void Box2dBroadPhase::QueryChanged() {
       if (other == own || (proxies_by_id_[other].is_changed && other > own)) continue;
       pairs_.push_back({std::min(own, other), std::max(own, other)});
     }
+    if (max_pairs == 0 || pairs_.size() <= max_pairs) continue;
+    pairs_.clear();
+    return false;
   }
   if (++query_update_count_ % kUpdatesPerFreeing == 0) proxies_.FreeUnused();
+  return true;
 }
 
 std::vector<ProxyHandle> Box2dBroadPhase::InBox(const b2AABB& aabb) const {

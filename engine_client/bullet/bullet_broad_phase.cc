@@ -154,9 +154,8 @@ BulletBroadPhase::Proxy* BulletBroadPhase::Find(ProxyHandle handle) const {
 // does not depend on the arm (the broad phase in use).
 void BulletBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   TakeFilterCallback();
-  const auto found = search_.FindPairs(proxies_.moving_boxes());
+  const auto pairs = search_.FindPairs(proxies_);
   if (search_.pairs_exceeded()) return;
-  const auto pairs = proxies_.Resolve(found);
   for (const ProxyPair& pair : proxies_.removed()) {
     Proxy* const a = Find(pair.a);
     Proxy* const b = Find(pair.b);

@@ -43,11 +43,14 @@ struct Proxies {
   static constexpr swp_kind kKind = SWP_KIND_PROXIES;
   static constexpr std::string_view kName = "proxies";
 
-  Proxies(std::unique_ptr<sweepstake::Executor> threads, ProxySetOptions options)
-      : executor(std::move(threads)), set((options.executor = executor.get(), options)) {}
+  Proxies(std::unique_ptr<sweepstake::Executor> threads, ProxySetOptions options, uint64_t most)
+      : executor(std::move(threads)),
+        set((options.executor = executor.get(), options)),
+        max_pairs(most) {}
 
   std::unique_ptr<sweepstake::Executor> executor;  // outlives the set
   ProxySet set;
+  const uint64_t max_pairs;                           // of a resolve; 0: no limit
   std::optional<std::span<const OverlapPair>> pairs;  // absent: there was no resolve yet
 };
 
@@ -76,7 +79,7 @@ swp_result CheckOptions(const swp_proxies_options& options) {
 }
 
 constexpr swp_proxies_options kProxyDefaults = {
-    sizeof(swp_proxies_options), 0, 0, 0, nullptr, 0, 0};
+    sizeof(swp_proxies_options), 0, 0, 0, nullptr, 0, 0, 0};
 
 swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxies) {
   std::unique_ptr<sweepstake::Executor> executor;
@@ -86,7 +89,7 @@ swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxi
   chosen.sorted_pairs = options.sorted_pairs != 0;
   chosen.pair_events = options.pair_events != 0;
   chosen.event_margin = options.event_margin;
-  Publish(std::make_unique<Proxies>(std::move(executor), chosen), proxies);
+  Publish(std::make_unique<Proxies>(std::move(executor), chosen, options.max_pairs), proxies);
   return SWP_OK;
 }
 
@@ -371,7 +374,9 @@ swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pair
     const swp_result wrong = CheckMovingPairs(given, live.set.moving_boxes().size());
     if (wrong != SWP_OK) return wrong;
     live.pairs.reset();
-    live.pairs = live.set.Resolve(given);
+    const auto pairs = live.set.Resolve(given, live.max_pairs);
+    if (live.set.pairs_exceeded()) return TooManyPairs();
+    live.pairs = pairs;
     return kOk;
   });
 }

@@ -77,12 +77,12 @@ void OdeBroadPhase::Collide(void* data, dNearCallback* callback) {
 void OdeBroadPhase::Search() {
   const FloatEnvironmentScope environment;
   ReadGeoms();
-  const auto found = search_.FindPairs(proxies_.moving_boxes());
+  const auto found = search_.FindPairs(proxies_);
   if (search_.pairs_exceeded()) {
     AddPreviousPairs(std::exchange(pairs_, {}));
   } else {
     pairs_.clear();
-    for (const auto& [a, b] : proxies_.Resolve(found)) AddPair(a, b);
+    for (const auto& [a, b] : found) AddPair(a, b);
   }
   sorter_.Sort(pairs_);
 }

@@ -38,7 +38,7 @@ int main() {
     touched.clear();
     adaptive->BeginFrame();
     proxies.Move(ball, moved_box);
-    for (const OverlapPair& pair : proxies.Resolve(adaptive->FindPairs(proxies.moving_boxes()))) {
+    for (const OverlapPair& pair : adaptive->FindPairs(proxies)) {
       Touch(proxies.handle(pair.a), proxies.handle(pair.b));
     }
     for (const ProxyPair& pair : proxies.added()) Begin(pair.a, pair.b);

@@ -43,56 +43,72 @@ bool PopulationJoins::Plan() {
   return !of_moving_.empty() || !of_resting_.empty();
 }
 
-void PopulationJoins::FindPairs(KdOrder& splitter, PairBuffer& out) {
+void PopulationJoins::FindPairs(KdOrder& splitter, StopRequest& stop, PairBuffer& out) {
   moving_.RefreshTrees(splitter);
   resting_.RefreshTrees(splitter);
-  SearchAndNote(of_moving_, out);
+  SearchAndNote(of_moving_, stop, out);
   if (moving_.any_resting_changed() || resting_.any_resting_changed()) {
-    kept_.Clear();
-    for (const Join& join : of_resting_) Search(join, kept_);
-    moving_.MarkRestingSeen();
-    resting_.MarkRestingSeen();
+    SearchResting(stop);
+  } else {
+    stop.WantsStop(0, kept_.size());
   }
-  Append(kept_.pairs(), out);
+  if (!IsStopped(&stop)) Append(kept_.pairs(), out);
+}
+
+// After a stop, no pairs are kept, and the next call searches again.
+void PopulationJoins::SearchResting(StopRequest& stop) {
+  kept_.Clear();
+  for (const Join& join : of_resting_) Search(join, stop, kept_);
+  if (IsStopped(&stop)) return kept_.Clear();
+  moving_.MarkRestingSeen();
+  resting_.MarkRestingSeen();
 }
 
 // Searches all joins, each for the pairs of two populations `a` and `b`. Joins with the same `a`
-// are consecutive, and the sum of their checks is reported to the tree of `a`.
-void PopulationJoins::SearchAndNote(std::span<const Join> joins, PairBuffer& out) {
+// are consecutive, and the sum of their checks is reported to the tree of `a`, unless the search
+// was stopped.
+void PopulationJoins::SearchAndNote(std::span<const Join> joins, StopRequest& stop,
+                                    PairBuffer& out) {
   for (size_t k = 0; k < joins.size();) {
     const Population& a = joins[k].a;
     uint64_t checks = 0;
     for (; k < joins.size() && joins[k].a.kind == a.kind && joins[k].a.number == a.number; ++k) {
-      checks += Search(joins[k], out);
+      checks += Search(joins[k], stop, out);
     }
+    if (IsStopped(&stop)) return;
     a.kind->NoteSearch(a.number, checks);
   }
 }
 
-uint64_t PopulationJoins::Search(const Join& join, PairBuffer& out) {
+uint64_t PopulationJoins::Search(const Join& join, StopRequest& stop, PairBuffer& out) {
+  if (IsStopped(&stop)) return 0;
   const size_t first = out.size();
   uint64_t checks = 0;
   if (join.within_one()) {
     const LeafTree& tree = join.a.tree();
-    checks = parts_.Run(executor_, tree.block_count(), kMinBlocksPerPart, 1, out,
-                        [&](size_t begin, size_t end, PairBuffer& pairs) {
-                          return tree.FindPairs(begin, end, pairs);
-                        });
+    checks = parts_.Run(
+        executor_, tree.block_count(), kMinBlocksPerPart, 1, out,
+        [&](size_t begin, size_t end, PairBuffer& pairs) {
+          return tree.FindPairs(begin, end, pairs, &stop);
+        },
+        &stop);
   } else {
-    checks = SearchBetween(join, out);
+    checks = SearchBetween(join, stop, out);
   }
   FinishPairs(join, first, out);
   return checks;
 }
 
-uint64_t PopulationJoins::SearchBetween(const Join& join, PairBuffer& out) {
+uint64_t PopulationJoins::SearchBetween(const Join& join, StopRequest& stop, PairBuffer& out) {
   const LeafTree::View& leaves = join.a.tree().view();
   const LeafTree::View& tree = join.b.tree().view();
   const uint32_t other_bit = join.a.kind == join.b.kind ? 0 : join.b.kind->id_bit();
-  return parts_.Run(executor_, leaves.levels[1].count, kMinLeavesPerPart, LeafTree::kWidth, out,
-                    [&](size_t begin, size_t end, PairBuffer& pairs) {
-                      return FindPairsBetween(leaves, begin, end, tree, other_bit, pairs);
-                    });
+  return parts_.Run(
+      executor_, leaves.levels[1].count, kMinLeavesPerPart, LeafTree::kWidth, out,
+      [&](size_t begin, size_t end, PairBuffer& pairs) {
+        return FindPairsBetween(leaves, begin, end, tree, other_bit, pairs, &stop);
+      },
+      &stop);
 }
 
 // Replaces the rows that a search has found by ids. Drops pairs that do not pass the filters.

@@ -25,6 +25,7 @@
 #include "engine_client/broad_phase/kd/kd_order.h"
 #include "engine_client/broad_phase/proxies/proxy_kind.h"
 #include "engine_client/broad_phase/proxies/snapshot.h"
+#include "sweepstake/broad_phase.h"
 #include "sweepstake/executor.h"
 #include "sweepstake/pair_buffer.h"
 
@@ -39,8 +40,10 @@ class PopulationJoins {
   // kept, so that FindPairs would find nothing. Must be called before FindPairs.
   bool Plan();
   // Appends all pairs that pass their filters, as ids with a < b. The order is the same for any
-  // number of threads. Refreshes the trees.
-  void FindPairs(KdOrder& splitter, PairBuffer& out);
+  // number of threads. Refreshes the trees. Reports the number of pairs to `stop`: found pairs
+  // before the filters, and kept pairs. After a stop, `out` is undefined, and the next call may
+  // follow.
+  void FindPairs(KdOrder& splitter, StopRequest& stop, PairBuffer& out);
 
   // Frees its memory, except that of the kept pairs. Changes nothing if memory runs out.
   void FreeUnused();
@@ -72,10 +75,11 @@ class PopulationJoins {
 
   static bool MayForm(const Join& join);
   void PlanWith(const Population& a, const Population& b);
-  uint64_t Search(const Join& join, PairBuffer& out);
-  uint64_t SearchBetween(const Join& join, PairBuffer& out);
+  uint64_t Search(const Join& join, StopRequest& stop, PairBuffer& out);
+  uint64_t SearchBetween(const Join& join, StopRequest& stop, PairBuffer& out);
   void FinishPairs(const Join& join, size_t first, PairBuffer& out) const;
-  void SearchAndNote(std::span<const Join> joins, PairBuffer& out);
+  void SearchAndNote(std::span<const Join> joins, StopRequest& stop, PairBuffer& out);
+  void SearchResting(StopRequest& stop);
 
   ProxyKind& moving_;
   ProxyKind& resting_;

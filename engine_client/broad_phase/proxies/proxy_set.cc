@@ -5,8 +5,10 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <utility>
 
+#include "engine_client/broad_phase/common/pair_limit.h"
 #include "engine_client/broad_phase/host/float_environment.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 #include "engine_client/broad_phase/proxies/proxy_set_impl.h"
@@ -44,19 +46,25 @@ bool IsSame(const Aabb& a, const Aabb& b) { return std::memcmp(&a, &b, sizeof a)
 
 }  // namespace
 
-std::span<const OverlapPair> ProxySet::Impl::Resolve(std::span<const OverlapPair> moving_pairs) {
+std::span<const OverlapPair> ProxySet::Impl::Resolve(std::span<const OverlapPair> moving_pairs,
+                                                     uint64_t max_pairs) {
   const Zone zone(kZoneResolveProxies);
-  events_.Clear();  // if memory runs out below, no old events remain
+  events_.Clear();  // if memory or max_pairs ends the call below, no old events remain
   if (++resolve_count_ == kResolvesPerFreeing) FreeUnused();
   const ProxyTable& moving = moving_.table();
+  pairs_.Clear();
+  PairLimit limit(nullptr, max_pairs == 0 ? std::numeric_limits<uint64_t>::max() : max_pairs);
+  pairs_exceeded_ = limit.WantsStop(0, moving_pairs.size());
+  if (pairs_exceeded_) return {};
   const bool any_joins = joins_.Plan();
   if (moving.all_pass() && moving.ids_are_rows() && !any_joins && !wants_sorted()) {
-    pairs_.Clear();
     return moving_pairs;
   }
   next_.Clear();
   AppendMoving(moving_pairs);
-  if (any_joins) joins_.FindPairs(splitter_, next_);
+  if (any_joins) joins_.FindPairs(splitter_, limit, next_);
+  pairs_exceeded_ = limit.is_exceeded();
+  if (pairs_exceeded_) return {};
   if (wants_sorted()) sorter_.Sort(next_.pairs());
   if (options_.pair_events) {
     events_.Update(next_.pairs(), options_.event_margin);
@@ -300,10 +308,13 @@ size_t ProxySet::static_count() const {
 }
 std::span<const Aabb> ProxySet::moving_boxes() const { return impl_->moving_.searched_boxes(); }
 
-std::span<const OverlapPair> ProxySet::Resolve(std::span<const OverlapPair> moving_pairs) {
+std::span<const OverlapPair> ProxySet::Resolve(std::span<const OverlapPair> moving_pairs,
+                                               uint64_t max_pairs) {
   const FloatEnvironmentScope environment;
-  return impl_->Resolve(moving_pairs);
+  return impl_->Resolve(moving_pairs, max_pairs);
 }
+void ProxySet::SkipResolve() { impl_->SkipResolve(); }
+bool ProxySet::pairs_exceeded() const { return impl_->pairs_exceeded(); }
 std::span<const ProxyPair> ProxySet::added() const { return impl_->events_.added(); }
 std::span<const ProxyPair> ProxySet::removed() const { return impl_->events_.removed(); }
 

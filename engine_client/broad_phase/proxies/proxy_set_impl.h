@@ -56,7 +56,13 @@ class ProxySet::Impl {
 
   void FreeUnused();
   void ShrinkRows();
-  std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs);
+  std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs,
+                                       uint64_t max_pairs);
+  void SkipResolve() {
+    events_.Clear();
+    pairs_exceeded_ = true;
+  }
+  bool pairs_exceeded() const { return pairs_exceeded_; }
   void RefreshTrees() {
     moving_.RefreshTrees(splitter_);
     resting_.RefreshTrees(splitter_);
@@ -102,6 +108,7 @@ class ProxySet::Impl {
   // The largest number of pairs since the latest FreeUnused, and the number of Resolves since then.
   size_t peak_pair_count_ = 0;
   uint32_t resolve_count_ = 0;
+  bool pairs_exceeded_ = false;   // by the latest Resolve
   bool is_oversized_ = false;     // whether a FreeUnused has found much unused memory
   bool may_shrink_rows_ = false;  // whether no change has followed the latest FreeUnused
   PairSorter sorter_;

@@ -31,8 +31,8 @@ Aabb BoundsOfLeaves(const BoxLanes& leaves, size_t begin, size_t end) {
 class TreeJoin {
  public:
   TreeJoin(const LeafTree::View& leaves, const LeafTree::View& tree, uint32_t other_bit,
-           PairBuffer& out)
-      : own_(leaves), tree_(tree), search_(leaves, tree, other_bit, out) {}
+           PairBuffer& out, StopRequest* stop)
+      : own_(leaves), tree_(tree), search_(leaves, tree, other_bit, out, stop) {}
 
   // Finds the pairs of the leaves [begin, end), at most 16.
   void Run(size_t begin, size_t end) {
@@ -43,6 +43,7 @@ class TreeJoin {
     }
   }
 
+  bool Ends() { return search_.Ends(); }
   uint64_t Finish() { return search_.Finish(); }
 
  private:
@@ -95,7 +96,7 @@ class TreeJoin {
   // the leaves that a box overlaps.
   void SearchApart(size_t leaf) {
     const BoxLanes boxes = LanesOf(own_.leaves[leaf]);
-    for (uint32_t lane = 0; lane < LeafTree::kWidth; ++lane) {
+    for (uint32_t lane = 0; lane < LeafTree::kWidth && !Ends(); ++lane) {
       const Aabb box = BoxAt(boxes, lane);
       if (!IsValid(box)) continue;
       const uint64_t groups = Descend(
@@ -133,9 +134,10 @@ class TreeJoin {
 };
 
 uint64_t JoinTrees(const LeafTree::View& leaves, size_t begin, size_t end,
-                   const LeafTree::View& tree, uint32_t other_bit, PairBuffer& out) {
-  TreeJoin join(leaves, tree, other_bit, out);
-  for (size_t first = begin; first < end; first += LeafTree::kWidth) {
+                   const LeafTree::View& tree, uint32_t other_bit, PairBuffer& out,
+                   StopRequest* stop) {
+  TreeJoin join(leaves, tree, other_bit, out, stop);
+  for (size_t first = begin; first < end && !join.Ends(); first += LeafTree::kWidth) {
     join.Run(first, std::min(end, first + LeafTree::kWidth));
   }
   return join.Finish();
@@ -151,9 +153,10 @@ namespace sweepstake {
 HWY_EXPORT(JoinTrees);
 
 uint64_t FindPairsBetween(const LeafTree::View& leaves, size_t begin, size_t end,
-                          const LeafTree::View& tree, uint32_t other_bit, PairBuffer& out) {
+                          const LeafTree::View& tree, uint32_t other_bit, PairBuffer& out,
+                          StopRequest* stop) {
   if (tree.top == 0 || begin == end) return 0;
-  return HWY_DYNAMIC_DISPATCH(JoinTrees)(leaves, begin, end, tree, other_bit, out);
+  return HWY_DYNAMIC_DISPATCH(JoinTrees)(leaves, begin, end, tree, other_bit, out, stop);
 }
 
 }  // namespace sweepstake

@@ -12,6 +12,7 @@
 #include "engine_client/broad_phase/kd/leaf_tree.h"
 #include "engine_client/broad_phase/proxies/query_shapes.h"
 #include "sweepstake/aabb.h"
+#include "sweepstake/broad_phase.h"
 #include "sweepstake/pair_buffer.h"
 
 namespace sweepstake {
@@ -49,8 +50,10 @@ bool FindNearestHit(const LeafTree::View& tree, const Slabs& slabs, const IdPred
 // Appends {id of `leaves`, other_bit | id of `tree`} for the boxes of the leaves [begin, end) of
 // `leaves` that overlap boxes of `tree`. Returns the AABB checks. If the boxes are far apart, there
 // are O(log boxes of `tree`) checks per box and 16 per leaf found. Keeps its lists on the stack (53
-// KiB or less). REQUIRES: begin is a multiple of 16; other_bit is above all ids.
+// KiB or less). `stop` may be null; after a stop, pairs are missing. REQUIRES: begin is a multiple
+// of 16; other_bit is above all ids.
 uint64_t FindPairsBetween(const LeafTree::View& leaves, size_t begin, size_t end,
-                          const LeafTree::View& tree, uint32_t other_bit, PairBuffer& out);
+                          const LeafTree::View& tree, uint32_t other_bit, PairBuffer& out,
+                          StopRequest* stop = nullptr);
 
 }  // namespace sweepstake

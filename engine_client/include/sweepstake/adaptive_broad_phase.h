@@ -56,6 +56,7 @@
 
 namespace sweepstake {
 
+class ProxySet;
 class SessionAttachment;
 class ViewTap;
 
@@ -170,10 +171,16 @@ class AdaptiveBroadPhase {
   // from the latest search (frame_sample.h). Scene descriptors and the shadow lane use only the
   // first search of each frame. A frame without a search (a paused game) has detection time 0.
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
+  // Searches the set's moving_boxes() and returns the pairs of ProxySet::Resolve, both with
+  // max_pairs. If either has more pairs, returns none, the set has no events, and pairs_exceeded()
+  // is true. The time of Resolve is not measured.
+  std::span<const OverlapPair> FindPairs(ProxySet& proxies);
   // Returns whether the latest FindPairs found more pairs than AdaptiveOptions::max_pairs. It then
   // ended early and returned none. The frame gets kFramePairsExceeded and is not evidence about its
-  // arm; the next search rebuilds.
+  // arm. The next search rebuilds, unless only the pairs of a ProxySet were too many.
   bool pairs_exceeded() const;
+  // Returns AdaptiveOptions::max_pairs.
+  uint64_t max_pairs() const;
   // Completes the sample and passes it to the sink.
   void EndFrame(const FrameEnd& frame);
 

@@ -68,9 +68,10 @@ class Box2dBroadPhase {
   bool TestOverlap(int32 a, int32 b) const { return b2TestOverlap(At(a).fat, At(b).fat); }
   int32 GetProxyCount() const { return static_cast<int32>(proxies_.moving_count()); }
 
-  // If the search exceeds AdaptiveOptions::max_pairs, reports no pair, and the next call reports
-  // what is missing; pairs_exceeded() of the search is then true. Box2D keeps its contacts
-  // meanwhile. REQUIRES: called between BeginFrame and EndFrame of the search.
+  // If there are more pairs than AdaptiveOptions::max_pairs, proxies at rest included, reports no
+  // pair, and the next call reports what is missing; pairs_exceeded() of the search is then true.
+  // Box2D keeps its contacts meanwhile. REQUIRES: called between BeginFrame and EndFrame of the
+  // search.
   template <typename T>
   void UpdatePairs(T* callback) {
     for (const auto& [a, b] : NewPairs()) {
@@ -130,7 +131,7 @@ class Box2dBroadPhase {
   void Wake(int32 id);
   void Rest(int32 id);
   void Search();
-  void QueryChanged();
+  bool QueryChanged();
   std::vector<ProxyHandle> InBox(const b2AABB& aabb) const;
   std::vector<RayHit> OnRay(const b2RayCastInput& input) const;
 

@@ -89,8 +89,9 @@ class BulletBroadPhase final : public btBroadphaseInterface {
   void aabbTest(const btVector3& min, const btVector3& max,
                 btBroadphaseAabbCallback& callback) override;
 
-  // Searches and updates the pair cache. If the search exceeds AdaptiveOptions::max_pairs, the
-  // cache keeps its pairs until the next search, and the search's pairs_exceeded() is true.
+  // Searches and updates the pair cache. If there are more pairs than AdaptiveOptions::max_pairs,
+  // proxies at rest included, the cache keeps its pairs until the next search, and the search's
+  // pairs_exceeded() is true.
   // REQUIRES: called between BeginFrame and EndFrame of the search.
   void calculateOverlappingPairs(btDispatcher* dispatcher) override;
 

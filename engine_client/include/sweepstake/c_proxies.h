@@ -102,6 +102,10 @@ typedef struct swp_proxies_options {
   float event_margin;           /* a pair ends when its boxes are farther apart than this on an
                                  * axis; the pairs themselves stay exact; not negative */
   uint32_t reserved;            /* 0 */
+  uint64_t max_pairs;           /* the maximum number of pairs of a resolve, before the filters;
+                                 * 0: no limit, even if the world or session has one. With more
+                                 * pairs, swp_proxies_resolve ends early and returns
+                                 * SWP_RESOURCE_EXHAUSTED */
 } swp_proxies_options;
 
 /* Sets the defaults: no events, unsorted pairs, and the calling thread alone. */
@@ -182,18 +186,19 @@ SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const sw
 /* Call it once per frame with all pairs found in the boxes of swp_proxies_moving_boxes; the set
  * must be unchanged since they were read. Keeps the pairs whose filters pass, and adds the pairs of
  * moving and static proxies. SWP_INVALID_ARGUMENT unless each pair has a < b and both are indices
- * of these boxes. After SWP_RESOURCE_EXHAUSTED (memory) there are no pairs and no events. The next
- * successful resolve reports all events since the latest successful one. Skip it in a
- * frame whose search exceeded max_pairs; no pair ends then. */
+ * of these boxes. After SWP_RESOURCE_EXHAUSTED (memory or max_pairs) there are no pairs and no
+ * events. The next successful resolve reports all events since the latest successful one. Skip it
+ * in a frame whose search exceeded max_pairs; no pair ends then. */
 SWP_API swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pairs,
                                        uint64_t moving_pair_count);
 /* The pairs of the latest resolve, valid until the next one. They may share memory with
  * moving_pairs, and are then valid only while that memory is. SWP_FAILED_PRECONDITION before the
- * first resolve, and after restore or a resolve that ran out of memory. */
+ * first resolve, and after restore or a resolve with SWP_RESOURCE_EXHAUSTED. */
 SWP_API swp_result swp_proxies_pairs(const swp_proxies* proxies, const swp_pair** pairs,
                                      uint64_t* count);
-/* The pairs that began (added) and ended (removed) between the latest two resolves, ascending;
- * empty without pair_events. Pairs of a removed proxy have ended. Valid until the next resolve. */
+/* The pairs that began (added) and ended (removed) between the latest two successful resolves,
+ * ascending; empty without pair_events. Pairs of a removed proxy have ended. Valid until the next
+ * resolve. */
 SWP_API swp_result swp_proxies_added(const swp_proxies* proxies, const swp_proxy_pair** added,
                                      uint64_t* count);
 SWP_API swp_result swp_proxies_removed(const swp_proxies* proxies, const swp_proxy_pair** removed,

@@ -28,8 +28,8 @@
 // A space in the space is one geom with one box, as in dSpaceCollide. The callback passes such a
 // pair to dSpaceCollide2.
 //
-// If a search exceeds AdaptiveOptions::max_pairs, Collide makes the calls of the previous pairs
-// that still are pairs. The search's pairs_exceeded() is then true.
+// If there are more pairs than AdaptiveOptions::max_pairs, geoms at rest included, Collide makes
+// the calls of the previous pairs that still are pairs. The search's pairs_exceeded() is then true.
 //
 // A geom at rest costs little: after thirty searches with the same box it counts as sleeping
 // (proxy_set.h).

@@ -6,7 +6,7 @@
 //   const ProxyHandle player = proxies.Add(box, {.filter = {.category = 2, .mask = 5}});
 //   ... each frame ...
 //   proxies.Move(player, box);
-//   const auto pairs = proxies.Resolve(adaptive.FindPairs(proxies.moving_boxes()));
+//   const auto pairs = adaptive.FindPairs(proxies);
 //   for (const ProxyPair& pair : proxies.added()) ...
 //
 // The living moving proxies are in one dense array, which is the input of the broad phase. A
@@ -179,6 +179,8 @@ struct ProxySetOptions {
   Executor* executor = nullptr;
 };
 
+class AdaptiveBroadPhase;
+
 class ProxySet {
  public:
   explicit ProxySet(const ProxySetOptions& options = {});
@@ -271,13 +273,20 @@ class ProxySet {
   // REQUIRES: no change of the set since the broad phase received the boxes. SetFilter, SetStatic,
   // SetSleeping, ShiftOrigin and Restore count as changes.
   //
-  // Skip it, and the events, after a search that exceeded max_pairs (pairs_exceeded): the next
-  // Resolve then reports all changes since the previous one, so no pair ends in between.
-  std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs);
+  // `max_pairs` is the maximum number of pairs; 0: no limit. `moving_pairs` and the pairs that the
+  // set finds itself count, before the filters. With more pairs the search ends early, as that of
+  // BroadPhaseOptions::max_pairs. There are then no pairs and no events, and pairs_exceeded() is
+  // true. The next successful Resolve reports all changes since the latest successful one, so that
+  // no pair ends in between. Skip Resolve and the events after a search that exceeded its own
+  // limit, or call AdaptiveBroadPhase::FindPairs(ProxySet&), which does all this.
+  std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs,
+                                       uint64_t max_pairs = 0);
+  // Returns whether the latest Resolve ended because of max_pairs.
+  bool pairs_exceeded() const;
 
-  // Returns the pairs that began and ended between the latest two Resolves, ascending; empty
-  // without pair_events. If a proxy was removed or the filters no longer pass, removed() contains
-  // the pair too, with the handles it began with. Valid until the next Resolve.
+  // Returns the pairs that began and ended between the latest two successful Resolves, ascending;
+  // empty without pair_events. If a proxy was removed or the filters no longer pass, removed()
+  // contains the pair too, with the handles it began with. Valid until the next Resolve.
   std::span<const ProxyPair> added() const;
   std::span<const ProxyPair> removed() const;
 
@@ -346,6 +355,10 @@ class ProxySet {
   void FreeUnused();
 
  private:
+  friend class AdaptiveBroadPhase;  // calls SkipResolve
+  // Replaces the Resolve after a search that exceeded max_pairs: there are no events.
+  void SkipResolve();
+
   class Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -22,6 +22,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 // The user value of a proxy is the address of its number.
 int NumberOf(const void* user_data) { return *static_cast<const int*>(user_data); }
@@ -365,6 +366,46 @@ TEST_P(Box2dBroadPhaseTest, ReportsThePairsOfASearchWithTooManyInTheNextUpdate) 
   EXPECT_TRUE(search_->pairs_exceeded());
   for (const int32 id : crowd) ours_.DestroyProxy(id);
   EXPECT_THAT(NewPairs(), ElementsAre(std::pair(0, number), std::pair(1, number)));
+  EXPECT_FALSE(search_->pairs_exceeded());
+}
+
+TEST_P(Box2dBroadPhaseTest, CountsThePairsOfProxiesAtRest) {
+  for (size_t i = 0; i < kTooManyBoxes - 20; ++i) Add(100, 0);
+  std::vector<int32> apart;
+  for (int i = 0; i < 40; ++i) apart.push_back(Add(static_cast<float>(i) * 3, 50));
+  for (int update = 0; update < 32; ++update) {
+    NewPairs();
+    ASSERT_FALSE(search_->pairs_exceeded());
+    for (const int32 id : apart) ours_.TouchProxy(id);
+  }
+  ASSERT_EQ(ours_.awake_count(), 40U);
+  std::vector<int32> crowd;
+  for (int i = 0; i < 40; ++i) crowd.push_back(Add(100, 0));
+  EXPECT_THAT(NewPairs(), IsEmpty());
+  EXPECT_TRUE(search_->pairs_exceeded());
+  while (crowd.size() > 1) {
+    ours_.DestroyProxy(crowd.back());
+    crowd.pop_back();
+  }
+  EXPECT_THAT(NewPairs(), SizeIs(kTooManyBoxes - 20));
+  EXPECT_FALSE(search_->pairs_exceeded());
+}
+
+// An update with few changed proxies makes queries instead of a search.
+TEST_P(Box2dBroadPhaseTest, CountsThePairsThatQueriesFind) {
+  const auto create = [&](float x, float half) {
+    return ours_.CreateProxy(BoxAt(x, 0, half), numbers_.data());
+  };
+  for (int i = 0; i < 2000; ++i) create(static_cast<float>(i) * 3, 0.5F);
+  EXPECT_THAT(NewPairs(), IsEmpty());
+  const int32 first = create(0, 1e4F);
+  create(0, 1e4F);
+  for (int i = 0; i < 4; ++i) create(0, 1e4F);
+  EXPECT_THAT(NewPairs(), IsEmpty());
+  EXPECT_TRUE(search_->pairs_exceeded());
+  ours_.DestroyProxy(first);
+  ours_.DestroyProxy(first + 1);
+  EXPECT_THAT(NewPairs(), SizeIs(4 * 2000 + 6));
   EXPECT_FALSE(search_->pairs_exceeded());
 }
 

@@ -92,6 +92,7 @@ TEST(Defaults, OfAProxySetAreEqualInCAndCxx) {
   EXPECT_EQ(c.sorted_pairs != 0, cxx.sorted_pairs);
   EXPECT_EQ(c.executor == nullptr, cxx.executor == nullptr);
   EXPECT_EQ(c.event_margin, cxx.event_margin);
+  EXPECT_EQ(c.max_pairs, 0U);
 }
 
 TEST(Defaults, OfASceneAreEqualInCAndCxx) {

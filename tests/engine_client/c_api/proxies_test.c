@@ -458,6 +458,37 @@ static void check_shapes(void) {
   swp_proxies_destroy(proxies);
 }
 
+/* A resolve with more pairs than max_pairs fails; the next one reports all events. */
+static void check_max_pairs(void) {
+  swp_proxies_options options = {.struct_size = sizeof options};
+  swp_proxies* proxies = NULL;
+  swp_proxy sleeping[4];
+  const swp_pair* pairs = NULL;
+  const swp_proxy_pair* events = NULL;
+  uint64_t count = 0;
+  CHECK_OK(swp_proxies_options_init(&options));
+  CHECK(options.max_pairs == 0);
+  options.pair_events = 1;
+  options.max_pairs = 5;
+  CHECK_OK(swp_proxies_create(&options, &proxies));
+  for (int i = 0; i < 4; ++i) {
+    sleeping[i] = add(proxies, &kUnit, NULL);
+    CHECK_OK(swp_proxies_set_sleeping(proxies, sleeping[i], 1));
+  }
+  CHECK(swp_proxies_resolve(proxies, NULL, 0) == SWP_RESOURCE_EXHAUSTED);
+  CHECK(strstr(swp_last_error(), "max_pairs") != NULL);
+  CHECK(swp_proxies_pairs(proxies, &pairs, &count) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_proxies_added(proxies, &events, &count));
+  CHECK(count == 0);
+  CHECK_OK(swp_proxies_remove_many(proxies, &sleeping[3], 1));
+  CHECK_OK(swp_proxies_resolve(proxies, NULL, 0));
+  CHECK_OK(swp_proxies_pairs(proxies, &pairs, &count));
+  CHECK(count == 3);
+  CHECK_OK(swp_proxies_added(proxies, &events, &count));
+  CHECK(count == 3);
+  swp_proxies_destroy(proxies);
+}
+
 void test_proxies(void) {
   swp_proxies* proxies = NULL;
   check_game();
@@ -469,5 +500,6 @@ void test_proxies(void) {
   swp_proxies_destroy(proxies);
   check_rest();
   check_snapshot();
+  check_max_pairs();
   check_shapes();
 }

@@ -80,6 +80,20 @@ TEST(AJoinOfBoxesThatStandApart, NeedsFewMoreChecksAmongSixteenTimesAsManyBoxes)
   EXPECT_LT(many, 200U * 600);
 }
 
+TEST(AJoin, SearchesNoFurtherBlockAfterAStop) {
+  class Stop final : public StopRequest {
+   public:
+    bool WantsStop(uint64_t, uint64_t) noexcept override { return true; }
+  } stop;
+  const std::vector<Aabb> boxes(20 * LeafTree::kBlockSlots, Aabb{{0, 0, 0}, {1, 1, 1}});
+  const LeafTree tree = TreeOf(boxes);
+  const auto checks_of = [&](size_t leaf_count) {
+    PairBuffer pairs;
+    return FindPairsBetween(tree.view(), 0, leaf_count, tree.view(), kStaticProxyBit, pairs, &stop);
+  };
+  EXPECT_EQ(checks_of(20 * LeafTree::kWidth), checks_of(LeafTree::kWidth));
+}
+
 TEST(AJoin, FindsAllPairsWithTheSameChecksOnEachInstructionSet) {
   const std::vector<Aabb> others = BoxesWithin(32, 20'000, 3);
   std::vector<Aabb> movers = BoxesWithin(32, 300, 4);  // apart

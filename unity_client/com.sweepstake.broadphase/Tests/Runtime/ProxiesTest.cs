@@ -125,6 +125,28 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void ASearchWithTooManyPairsThrowsAndTheNextOneHasAllEvents()
+        {
+            using var world = new BroadPhaseWorld("DBVT");
+            ProxySetOptions options = ProxySetOptions.Default;
+            options.HasPairEvents = true;
+            options.MaxPairs = 5;
+            using var proxies = new ProxySet(options);
+            ProxyHandle last = default;
+            for (int i = 0; i < 4; i++)
+            {
+                last = proxies.Add(Unit, Passing(0));
+                proxies.SetSleeping(last, true);
+            }
+            var refused = Assert.Throws<SweepstakeException>(() => proxies.FindPairs(world));
+            Assert.That(refused!.Code, Is.EqualTo(ResultCode.ResourceExhausted));
+            Assert.That(proxies.Added.Length, Is.EqualTo(0));
+            proxies.Remove(last);
+            proxies.FindPairs(world);
+            Assert.That(proxies.Added.Length, Is.EqualTo(3));
+        }
+
+        [Test]
         public void ABoxOfDoublesIsRoundedOutward()
         {
             Aabb box = Aabb.RoundOutward(new[] { 0.1, 0.1, 0.1 }, new[] { 0.1, 0.2, 0.3 });

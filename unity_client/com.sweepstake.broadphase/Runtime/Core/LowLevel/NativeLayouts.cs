@@ -223,7 +223,7 @@ namespace Sweepstake.LowLevel
             byte* start;
             var proxySetOptions = default(ProxySetOptions);
             start = (byte*)&proxySetOptions;
-            problems.Size("ProxySetOptions", 14, sizeof(ProxySetOptions), 32, true);
+            problems.Size("ProxySetOptions", 14, sizeof(ProxySetOptions), 40, true);
             problems.Field("ProxySetOptions.StructSize", (byte*)&proxySetOptions.StructSize - start, 0);
             problems.Field("ProxySetOptions.PairEvents", (byte*)&proxySetOptions.PairEvents - start, 4);
             problems.Field("ProxySetOptions.SortedPairs", (byte*)&proxySetOptions.SortedPairs - start, 8);
@@ -231,6 +231,7 @@ namespace Sweepstake.LowLevel
             problems.Field("ProxySetOptions.Executor", (byte*)&proxySetOptions.Executor - start, 16);
             problems.Field("ProxySetOptions.EventMargin", (byte*)&proxySetOptions.EventMargin - start, 24);
             problems.Field("ProxySetOptions.Reserved", (byte*)&proxySetOptions.Reserved - start, 28);
+            problems.Field("ProxySetOptions.MaxPairs", (byte*)&proxySetOptions.MaxPairs - start, 32);
         }
 
         private static void CheckProxyFilter(LayoutProblems problems)

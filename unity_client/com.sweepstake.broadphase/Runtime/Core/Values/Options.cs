@@ -59,6 +59,11 @@ namespace Sweepstake
         /// </summary>
         public float EventMargin;
         internal uint Reserved;
+        /// <summary>
+        /// The maximum number of pairs, before the filters; 0: no limit. With more pairs, FindPairs ends early and throws a
+        /// <see cref="SweepstakeException"/>, and there are no pairs and no events. The next search reports all events since then.
+        /// </summary>
+        public ulong MaxPairs;
 
         /// <summary>Whether <see cref="ProxySet.Added"/> and <see cref="ProxySet.Removed"/> are filled.</summary>
         public bool HasPairEvents
