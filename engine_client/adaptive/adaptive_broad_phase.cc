@@ -324,14 +324,14 @@ void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
 void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns) {
   const Zone zone(kZoneUpdate);
   if (std::exchange(built_, false)) {
-    backends_[sample_.arm].backend->DoUpdate(boxes);
+    backends_[sample_.arm].backend->Advance(boxes);
   } else {
     Rebuild(boxes, start_ns);
   }
 }
 
 void AdaptiveBroadPhase::Impl::Rebuild(std::span<const Aabb> boxes, uint64_t start_ns) {
-  backends_[sample_.arm].backend->DoBuild(boxes);
+  backends_[sample_.arm].backend->Start(boxes);
   sample_.flags |= kFrameRebuild;
   if (switch_cost.awaits_rebuild()) switch_cost.OnRebuild(NowNs() - start_ns);
 }

@@ -1,4 +1,5 @@
 // The interface's functions and the only list of all backends. Add a line here for a new backend.
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -30,6 +31,14 @@ constexpr std::array kFamilies = {
     Family{"KDTree", MakeKdTree},
 };
 
+// A backend starts again if more than 1 in 8 boxes have gone. Without that, Tracy's frames took 1.4
+// times as long for 160 frames after 1 in 5 had gone; after 1 in 9 had gone, no frame took longer
+// (2,000 boxes, AMD Zen 5).
+constexpr uint32_t kBoxesPerGone = 8;
+// The minimum number of frames between two starts. A start costs one to three frames, so that a
+// number of boxes that rises and falls all the time costs a tenth more at most.
+constexpr uint8_t kFramesPerStart = 32;
+
 constexpr auto kNames = [] {
   std::array<std::string_view, kFamilies.size()> names;
   for (size_t i = 0; i < names.size(); ++i) names[i] = kFamilies[i].name;
@@ -54,17 +63,33 @@ class BroadPhase::StopScope {
 
 void BroadPhase::Build(std::span<const Aabb> boxes) {
   const FloatEnvironmentScope scope;
-  DoBuild(boxes);
+  Start(boxes);
 }
 
 void BroadPhase::Update(std::span<const Aabb> boxes) {
   const FloatEnvironmentScope scope;
-  DoUpdate(boxes);
+  Advance(boxes);
 }
 
 void BroadPhase::FindPairs(PairBuffer& out) {
   const FloatEnvironmentScope scope;
   Search(out);
+}
+
+void BroadPhase::Start(std::span<const Aabb> boxes) {
+  frames_to_start_ = kFramesPerStart;
+  peak_count_ = static_cast<uint32_t>(boxes.size());
+  DoBuild(boxes);
+}
+
+// Starts again after many boxes have gone. Backends keep decisions and estimates that were made for
+// those boxes: grids, the cost of a sweep, waits before margins are tried again.
+void BroadPhase::Advance(std::span<const Aabb> boxes) {
+  peak_count_ = std::max(peak_count_, static_cast<uint32_t>(boxes.size()));
+  if (frames_to_start_ > 0) --frames_to_start_;
+  const bool are_many_gone = boxes.size() < peak_count_ - peak_count_ / kBoxesPerGone;
+  if (frames_to_start_ == 0 && are_many_gone) return Start(boxes);
+  DoUpdate(boxes);
 }
 
 void BroadPhase::Search(PairBuffer& out) {

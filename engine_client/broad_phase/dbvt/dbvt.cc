@@ -45,7 +45,7 @@ class Dbvt final : public BroadPhase {
  public:
   explicit Dbvt(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "DBVT"; }
-  uint32_t version() const override { return 5; }
+  uint32_t version() const override { return 6; }
   void DoBuild(std::span<const Aabb> boxes) override;
   void DoUpdate(std::span<const Aabb> boxes) override;
   void DoFindPairs(PairBuffer& out) override;

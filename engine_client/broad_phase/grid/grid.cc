@@ -16,7 +16,7 @@ class Grid final : public BroadPhase {
  public:
   explicit Grid(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "Grid"; }
-  uint32_t version() const override { return 5; }
+  uint32_t version() const override { return 6; }
   void DoBuild(std::span<const Aabb> boxes) override {
     plan_.Reset();
     DoUpdate(boxes);

@@ -34,7 +34,7 @@ class KdTree final : public BroadPhase {
  public:
   explicit KdTree(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "KDTree"; }
-  uint32_t version() const override { return 5; }
+  uint32_t version() const override { return 6; }
   void DoBuild(std::span<const Aabb> boxes) override;
   void DoUpdate(std::span<const Aabb> boxes) override;
   void DoFindPairs(PairBuffer& out) override;

@@ -57,6 +57,9 @@ void BoxTree::Remove(uint32_t slot) {
   }
   if (IsMoved(order_[slot])) --moved_count_;
   order_[slot] = kHole;
+  // The next Update would sort all members anyway, unless others are added before it. If that is
+  // settled now, FreeUnused may free the slots without a change of results.
+  if (IsOversized(order_.size())) is_sorted_ = false;
   Mark(slot / kBlock, BlockState::kChanged);
 }
 
@@ -245,6 +248,7 @@ float BoxTree::ExtentOf(size_t leaf) const {
 }
 
 void BoxTree::FreeUnused(std::span<uint32_t> slots) {
+  if (!is_sorted_ && IsOversized(order_.capacity())) return StartAgain(slots);
   if (!IsOversized(new_.capacity())) return;
   HookedVector<uint32_t> smaller;
   smaller.reserve(new_count_);

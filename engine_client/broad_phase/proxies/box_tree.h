@@ -27,9 +27,10 @@
 // allocation. Update O(changes · block · log block) amortized; without a sort of all members at
 // worst O(branch) per change. With a refit of the tree O(n), with a new order O(n log n). Memory: 4
 // bytes per slot, and 30 more from the first Update on. There are 16 slots for 15 members after a
-// sort, room for an eighth more in large trees, and at most four slots per member. A sort frees the
-// memory of former members. Errors: std::bad_alloc from EnsureRoomFor and FreeUnused, which then
-// change nothing, and from Update, which must then be called again.
+// sort, room for an eighth more in large trees, and at most four slots per member. A sort, or
+// FreeUnused before it, frees the memory of former members. Errors: std::bad_alloc from
+// EnsureRoomFor and FreeUnused, which then change nothing, and from Update, which must then be
+// called again.
 #pragma once
 
 #include <cstddef>
@@ -100,9 +101,9 @@ class BoxTree {
   }
   void Refit(std::span<const Aabb> boxes);
 
-  // Frees the memory of former new members. The other memory of former members is freed when all
-  // members are sorted again. Cost: O(new members) if there is much to free. Changes nothing if
-  // memory runs out.
+  // Frees the memory of former new members, and that of all former members if the next Update sorts
+  // all members. Otherwise a sort frees it. Cost: O(members) if there is much to free. Changes
+  // nothing if memory runs out.
   void FreeUnused(std::span<uint32_t> slots);
   size_t native_bytes() const;
 
@@ -173,7 +174,7 @@ class BoxTree {
   size_t new_count_ = 0;                   // the number of members in `new_`
   size_t moved_count_ = 0;                 // the number of members marked in `order_`
   size_t inserted_count_ = 0;              // members inserted into blocks since the latest sort
-  bool is_sorted_ = false;                 // whether `tree_` holds the members in `order_`
+  bool is_sorted_ = false;                 // whether the next Update may keep the order
   LeafTree tree_;
   RebuildDebt debt_;  // extra checks since the latest sort
 

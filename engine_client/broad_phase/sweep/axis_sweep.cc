@@ -49,7 +49,7 @@ class AxisSweep final : public BroadPhase {
  public:
   explicit AxisSweep(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "AxisSweep"; }
-  uint32_t version() const override { return 4; }
+  uint32_t version() const override { return 5; }
   void DoBuild(std::span<const Aabb> boxes) override;
   void DoUpdate(std::span<const Aabb> boxes) override;
   void DoFindPairs(PairBuffer& out) override;

@@ -47,7 +47,7 @@ class Tracy final : public BroadPhase {
  public:
   explicit Tracy(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "Tracy"; }
-  uint32_t version() const override { return 5; }
+  uint32_t version() const override { return 6; }
   void DoBuild(std::span<const Aabb> boxes) override;
   void DoUpdate(std::span<const Aabb> boxes) override;
   void DoFindPairs(PairBuffer& out) override;

@@ -1,12 +1,14 @@
-// Tests the costs of a frame other than time: no allocation in steady state, and correct counts of
-// bytes and checks.
+// Tests the costs of a frame other than time: no allocation in steady state, no cost of boxes that
+// have gone, and correct counts of bytes and checks.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "engine_client/scene/box_scenes.h"
+#include "engine_client/scene/random.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/allocation_counter.h"
 
@@ -14,6 +16,7 @@ namespace sweepstake {
 namespace {
 
 using test_support::MakeOrThrow;
+using test_support::SequenceError;
 using test_support::ThreadAllocationCount;
 
 constexpr std::string_view kSteadyScenes[] = {"brownian",     "nearly-resting", "all-coincident",
@@ -70,6 +73,110 @@ INSTANTIATE_TEST_SUITE_P(, SteadyState,
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
+
+// Boxes that come all at once and go soon.
+struct Burst {
+  std::string_view name;
+  size_t count;
+  float side;      // they are in the cube from 0 to this
+  float box_side;  // their length
+};
+
+void PrintTo(const Burst& burst, std::ostream* out) { *out << burst.name; }
+
+constexpr Burst kBursts[] = {{"AFewMore", 400, 40, 1},
+                             {"FarAround", 8000, 400, 1},
+                             {"VeryFarAround", 4000, 10'000, 1},
+                             {"InOnePlace", 1000, 2, 1},
+                             {"OfLargeBoxes", 1000, 40, 8}};
+
+class AfterABurst : public testing::TestWithParam<std::tuple<std::string_view, Burst>> {
+ protected:
+  static constexpr size_t kLiving = 1000;
+  static constexpr float kLivingSide = 32;
+  // The minimum number of frames from one start to the next (broad_phase.h).
+  static constexpr int kFramesPerStart = 32;
+
+  AfterABurst() {
+    const Burst& burst = std::get<1>(GetParam());
+    for (size_t k = 0; k < kLiving; ++k) AddBox(kLivingSide, 1);
+    for (size_t k = 0; k < burst.count; ++k) AddBox(burst.side, burst.box_side);
+  }
+
+  // Moves the living boxes a little and returns the boxes of the next frame.
+  std::span<const Aabb> NextBoxes(size_t count) {
+    for (size_t k = 0; k < kLiving; ++k) {
+      const float along = random_.Between(-0.02F, 0.02F);
+      boxes_[k].min[k % 3] += along;
+      boxes_[k].max[k % 3] += along;
+    }
+    return std::span(boxes_).first(count);
+  }
+  void RunFrames(int frames, size_t count) {
+    for (int frame = 0; frame < frames; ++frame) {
+      backend_->Update(NextBoxes(count));
+      pairs_.Clear();
+      backend_->FindPairs(pairs_);
+    }
+  }
+  // From the next frame on, expects the pairs, their order and the checks of a backend that is
+  // built in that frame.
+  void ExpectAStart() {
+    const auto fresh = MakeOrThrow(std::get<0>(GetParam()));
+    for (int frame = 0; frame < 80; ++frame) {
+      const std::span<const Aabb> living = NextBoxes(kLiving);
+      backend_->Update(living);
+      frame == 0 ? fresh->Build(living) : fresh->Update(living);
+      ASSERT_EQ(SequenceError(*backend_, *fresh, pairs_), "") << frame;
+    }
+  }
+
+  std::unique_ptr<BroadPhase> backend_ = MakeOrThrow(std::get<0>(GetParam()));
+  std::vector<Aabb> boxes_;
+  PairBuffer pairs_;
+
+ private:
+  void AddBox(float side, float box_side) {
+    Aabb box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.min[axis] = random_.Between(0, side);
+      box.max[axis] = box.min[axis] + box_side;
+    }
+    boxes_.push_back(box);
+  }
+
+  SequentialRandom random_{5};
+};
+
+TEST_P(AfterABurst, ABackendStartsAgain) {
+  backend_->Build(NextBoxes(kLiving));
+  RunFrames(kFramesPerStart, kLiving);
+  RunFrames(70, boxes_.size());
+  ExpectAStart();
+}
+
+TEST_P(AfterABurst, ABackendStartsAgainAtMostEvery32Frames) {
+  backend_->Build(NextBoxes(kLiving));
+  RunFrames(3, boxes_.size());
+  RunFrames(kFramesPerStart - 4, kLiving);
+  ExpectAStart();
+}
+
+// The frames in which some boxes go also count.
+TEST_P(AfterABurst, ABackendStartsAgainIfTheBoxesGoOneByOne) {
+  backend_->Build(NextBoxes(boxes_.size()));
+  for (int frame = 1; frame < kFramesPerStart; ++frame)
+    RunFrames(1, boxes_.size() - (boxes_.size() - kLiving) * frame / kFramesPerStart);
+  ExpectAStart();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , AfterABurst,
+    testing::Combine(testing::ValuesIn(BroadPhaseNames().begin(), BroadPhaseNames().end()),
+                     testing::ValuesIn(kBursts)),
+    [](const auto& test) {
+      return std::string(std::get<0>(test.param)).append("_").append(std::get<1>(test.param).name);
+    });
 
 class MemoryOf : public testing::TestWithParam<std::string_view> {};
 

@@ -225,7 +225,8 @@ TEST_F(BoxTreeTest, HasTheNewIdsOfMembersAtOnce) {
 }
 
 TEST_F(BoxTreeTest, FreesTheMemoryOfFormerMembers) {
-  for (const bool is_used : {true, false}) {
+  // Whether the tree is updated, and whether the memory is freed before the next update.
+  for (const auto& [is_used, is_freed] : {std::pair{true, false}, {true, true}, {false, true}}) {
     AddSome(2000);
     if (is_used) Update();
     const size_t bytes = tree_.native_bytes();
@@ -233,8 +234,7 @@ TEST_F(BoxTreeTest, FreesTheMemoryOfFormerMembers) {
     if (is_used) Update();
     while (members_.size() > 2000) Remove(members_.size() - 1);
     EXPECT_GT(tree_.native_bytes(), 4 * bytes);
-    if (!is_used) tree_.FreeUnused(slots_);
-    if (is_used) Update();
+    is_freed ? tree_.FreeUnused(slots_) : Update();
     EXPECT_LE(tree_.native_bytes(), bytes + bytes / 10);
     Update();
     ExpectWhole();
