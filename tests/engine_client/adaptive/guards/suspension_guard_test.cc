@@ -137,12 +137,12 @@ TEST_F(SuspensionGuardTest, FindsNothingIfCpuTimesAreUnknown) {
   EXPECT_FALSE(guard.EndFrame({.frame_time_ns = 6 * kSecond}));
 }
 
-TEST_F(SuspensionGuardTest, ReadsCpuTimesFourTimesASecondAndAfterALongSearch) {
+TEST_F(SuspensionGuardTest, ReadsCpuTimesTwentyTimesASecondAndAfterALongSearch) {
   SuspensionGuard guard(clock_, false);
   for (int frame = 0; frame < 100; ++frame) Frame(guard, 9 * kMs);  // one second
-  EXPECT_EQ(clock_.cpu_reading_count, 2U * 4U);
+  EXPECT_EQ(clock_.cpu_reading_count, 2U * 20U);
   Search(guard, 6 * kSecond, 0);
-  EXPECT_EQ(clock_.cpu_reading_count, 2U * 6U);
+  EXPECT_EQ(clock_.cpu_reading_count, 2U * 22U);
 }
 
 // The search begins after the CPU times are read, so that its time does not include the reading.
