@@ -23,7 +23,7 @@ bool FindsTheOnePair(std::string_view name) {
   return pairs.size() == 1 && pairs.pairs()[0] == sweepstake::OverlapPair{0, 1};
 }
 
-// Plays 200 frames of 16 ms, in which one decision is due, and expects that both callbacks are
+// Plays 100 frames of 16 ms, in which one decision is due, and expects that both callbacks are
 // called.
 bool ReportsADecision() {
   std::vector<sweepstake::DecisionEvent> events;
@@ -38,7 +38,7 @@ bool ReportsADecision() {
                                                      (*adaptive)->arm_versions(), 0);
   if (!decider.ok()) return false;
   bool finds_pairs = true;
-  for (uint64_t frame = 1; frame <= 200; ++frame) {
+  for (uint64_t frame = 1; frame <= 100; ++frame) {
     (*adaptive)->BeginFrame();
     finds_pairs = finds_pairs && !(*adaptive)->FindPairs((*scene)->aabbs()).empty();
     (*adaptive)->EndFrame({16'000'000, 0});

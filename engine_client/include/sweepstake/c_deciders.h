@@ -45,7 +45,8 @@ typedef struct swp_decider_options {
   uint64_t priors_data_bytes; /* 0 if priors_data is NULL */
   uint64_t seed;
   double time_scale;             /* 1 to 1000: divides every interval except the bail-out limit */
-  uint64_t decision_interval_ns; /* time between decisions, 1 to 8.64e15 (100 days); default: 2 s */
+  uint64_t decision_interval_ns; /* time between decisions, 1 ns to 100 days; default: 2 s; AI
+                                    Decides decides at least every second */
   uint64_t cooldown_ns; /* minimum time between switches that the policy chooses, at most 100
                                days; default: 40 s */
   double fps_floor;     /* frame-rate floor in frames/s, 0 to 1000; a scene whose best arm is slower

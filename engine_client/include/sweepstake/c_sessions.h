@@ -78,8 +78,8 @@ typedef struct swp_session_options {
   uint64_t settling_ns;    /* the time after a switch whose extra frame time is part of the switch's
                               cost; nothing is learnt from these frames. A trial lasts for twice
                               this time; with 0 no trials are made. At most 100 days if a decider is
-                              attached. A daemon's welcome replaces the value while a link is
-                              attached */
+                              attached; AI Decides uses at most 1 s of it. A daemon's welcome replaces
+                              the value while a link is attached */
   const swp_executor* executor; /* as in swp_world_options */
   uint32_t thread_count;        /* as in swp_world_options */
   uint32_t queue_frames;  /* samples kept for a decider or a link, a power of two, 2 to 2^20; if

@@ -226,22 +226,23 @@ static void check_settling(void) {
   enum { kTimeScale = 2 };
   swp_decider_options decider = {.struct_size = sizeof decider};
   swp_decision decision = {.struct_size = sizeof decision};
-  game played = {make_session(20000000000), make_scene("suite-b", kObjects), 0, 0, {0, 0, 0}};
+  game played = {make_session(800000000), make_scene("suite-b", kObjects), 0, 0, {0, 0, 0}};
   CHECK_OK(swp_decider_options_init(&decider));
   decider.time_scale = kTimeScale;
+  decider.decision_interval_ns = 200000000;
   CHECK_OK(swp_session_attach_decider(played.session, &decider, played.now_ns));
-  for (int frame = 0; frame < 9 * 50; ++frame) {
+  for (int frame = 0; frame < 19; ++frame) {
     run_frame(&played, 20000000);
     CHECK_OK(swp_session_last_decision(played.session, &decision));
     CHECK(decision.decision_id == 0 || decision.outcome == SWP_DECISION_HELD_SETTLING);
   }
   CHECK(decision.decision_id > 1);
-  for (int frame = 0; frame < 3 * 50; ++frame) run_frame(&played, 20000000);
+  for (int frame = 0; frame < 12; ++frame) run_frame(&played, 20000000);
   CHECK_OK(swp_session_last_decision(played.session, &decision));
   CHECK(decision.outcome != SWP_DECISION_HELD_SETTLING);
-  check_settled_frames(&played, 20000000000 / kTimeScale);
+  check_settled_frames(&played, 800000000 / kTimeScale);
   CHECK_OK(swp_session_detach_decider(played.session));
-  check_settled_frames(&played, 20000000000);
+  check_settled_frames(&played, 800000000);
   swp_session_destroy(played.session);
 
   played.session = make_session(UINT64_MAX);

@@ -322,8 +322,8 @@ TEST(DaemonProgram, OfflineEvidenceCountsOnceHoweverOftenItIsImported) {
     ASSERT_EQ(scenes.size(), 1U);
     EXPECT_EQ(scenes[0]["sources"], 1) << "one player whose record grows";
     const json& arm = scenes[0]["arms"][0];
-    EXPECT_GT(arm["windows"], 25 * run);
-    EXPECT_LT(arm["windows"], 35 * run);
+    EXPECT_GT(arm["windows"], 50 * run);
+    EXPECT_LT(arm["windows"], 70 * run);
   }
 }
 

@@ -208,8 +208,8 @@ TEST(Replay, AColdSwitchIsChargedOnce) {
   EXPECT_EQ(result.first_active_ns[0], 4'000'000'000);
   EXPECT_EQ(result.dominant_arm(), 0U);
   // The session counts the switch as executed only when the batch with its first frame arrives,
-  // which is 250 ms later.
-  EXPECT_NEAR(result.active_share(), 1 - 4.285 / 902.035, 1e-4);
+  // which is 130 ms later.
+  EXPECT_NEAR(result.active_share(), 1 - 4.165 / 902.035, 1e-4);
 }
 
 TEST(Replay, AWarmSwitchWaitsForTheLaneAndCostsItsLastFrame) {
