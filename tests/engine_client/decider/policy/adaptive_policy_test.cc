@@ -349,7 +349,7 @@ TEST(AdaptivePolicy, WithoutALaneOneBailOutExcludesAnArmOnlyForMinutes) {
   game.RunTicks(20);
   ASSERT_EQ(game.client.arm, 0u);
   game.client.Execute(game.BailOut().command->arm, SwitchReason::kBailOut);
-  EXPECT_EQ(game.TicksOn(0, 150), 0) << "five minutes";
+  EXPECT_EQ(game.TicksOn(0, 150), 0) << "two and a half minutes";
   EXPECT_GT(game.TicksOn(0, 100), 40);
   game.client.Execute(game.BailOut().command->arm, SwitchReason::kBailOut);
   EXPECT_EQ(game.TicksOn(0, 600), 0) << "a second bail-out counts four times as much";
@@ -461,9 +461,12 @@ TEST(AdaptivePolicy, LearnsEvidenceInTheRegimeInWhichItWasMeasured) {
   game.PlayFrames(1, 6'000);
   EXPECT_GT(game.last.record.time_ns, last_tick_ns);
   EXPECT_LT(game.last.record.time_ns, last_tick_ns + kSecond);
+  EXPECT_EQ(game.client.session.next_tick_ns(), game.last.record.time_ns + kSecond);
   ASSERT_TRUE(game.last.record.reward);
   EXPECT_NEAR(*game.last.record.reward, RewardOf(LogCostOf(1'000)), 1e-6) << "frames at rest only";
   EXPECT_EQ(game.last.lane_increments.size(), 1U) << "the visit in the mixture does not count";
+  EXPECT_NEAR(LogCostOfReward(game.last.record.posteriors[0].mean()), LogCostOf(6'000), 0.01)
+      << "the beliefs in motion, without the window at rest";
   game.PlayMotion(10);
   EXPECT_NEAR(*game.last.record.reward, RewardOf(LogCostOf(6'000)), 1e-6);
 }

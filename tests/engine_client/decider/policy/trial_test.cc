@@ -185,7 +185,7 @@ TEST(Trial, AnArmWithOnlyCappedVisitsIsNotTried) {
   EXPECT_GT(measured.frame_counts[1], 0u);
 }
 
-// After a visit, the lane counts as present for five cooldowns of 40 s, that is 100 ticks.
+// After a visit, the lane counts as present for 2.5 cooldowns of 40 s, that is 100 ticks.
 TEST(Trial, ALaneWithRareVisitsCountsAsPresent) {
   TrialGame game({10'000, 500'000}, {10'000, 9'000});
   game.lane_flags[1] = kShadowCapped;
