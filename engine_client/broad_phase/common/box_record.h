@@ -32,14 +32,13 @@ inline constexpr Aabb kInvalidAabb = {{kInfinity, kInfinity, kInfinity},
 // As IsValid, in half the time for most valid boxes. REQUIRES: the library's floating-point
 // environment (float_environment.h).
 inline bool IsValidFast(const Aabb& box) {
-  constexpr uint32_t kInfinityBits = 0x7F80'0000;
   uint32_t largest = 0;
   for (int axis = 0; axis < 3; ++axis) {
     // Negative values, infinities and NaN have larger bits than any finite value from 0 on.
     largest = std::max(largest, std::bit_cast<uint32_t>(box.max[axis] - box.min[axis]));
   }
   // The difference of two finite coordinates may be infinite.
-  return largest < kInfinityBits || IsValid(box);
+  return largest < uint32_t{aabb_detail::kInfinity} || IsValid(box);
 }
 
 inline BoxRecord RecordOf(const Aabb& box) {
