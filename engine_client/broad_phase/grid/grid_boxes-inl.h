@@ -66,18 +66,23 @@ HWY_INLINE void LoadBoxes(D d, const Aabb* boxes, V& min_x, V& min_y, V& min_z, 
 }
 
 // Calls action(boxes, index) for each run of boxes that fills a register. The last run is filled up
-// with invalid boxes.
+// with invalid boxes. The action is called at one place, so that it is inlined: gcc does not clear
+// the registers' upper halves after a call with vectors as arguments, and then all SSE code that
+// follows takes twice as long.
 template <class D, class Action>
 HWY_INLINE void ForEachRegister(D d, std::span<const Aabb> boxes, const Action& action) {
   const size_t step = hn::Lanes(d);
-  size_t at = 0;
-  for (; at + step <= boxes.size(); at += step) action(boxes.data() + at, at);
-  if (at == boxes.size()) return;
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   Aabb last[HWY_MAX_BYTES / sizeof(float)];
-  std::fill_n(last, step, Aabb{{kNan, kNan, kNan}, {kNan, kNan, kNan}});
-  std::copy(boxes.begin() + static_cast<std::ptrdiff_t>(at), boxes.end(), last);
-  action(last, at);
+  for (size_t at = 0; at < boxes.size(); at += step) {
+    const Aabb* from = boxes.data() + at;
+    if (at + step > boxes.size()) {
+      constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+      std::fill_n(last, step, Aabb{{kNan, kNan, kNan}, {kNan, kNan, kNan}});
+      std::copy(boxes.begin() + static_cast<std::ptrdiff_t>(at), boxes.end(), last);
+      from = last;
+    }
+    action(from, at);
+  }
 }
 
 // Calls action(index, valid, min_x, min_y, min_z, max_x, max_y, max_z) for each run of boxes that

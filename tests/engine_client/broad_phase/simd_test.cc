@@ -1,12 +1,16 @@
 // Each kernel is compiled for several instruction sets; all must find the pairs of the scalar
-// definition.
+// definition, and must clear the upper halves of the vector registers.
 #include "sweepstake/simd.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
+#include <fstream>
+#include <string>
+#include <string_view>
 
 #include "engine_client/broad_phase/common/compress_table.h"
 #include "engine_client/scene/box_scenes.h"
@@ -47,6 +51,57 @@ class OnEachInstructionSet : public testing::TestWithParam<std::string_view> {
 TEST_P(OnEachInstructionSet, FindsTheSamePairs) {
   OnEachSimdTarget([this] { EXPECT_EQ(Verdict(), ""); });
 }
+
+#if defined(__x86_64__)
+
+// XGETBV with index 1 shows which register states are in use (Intel SDM vol. 1, 13.1).
+bool ShowsStatesInUse() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string word; info >> word;) {
+    if (word == "xgetbv1") return true;
+  }
+  return false;
+}
+
+bool AreUpperHalvesInUse() {
+  constexpr uint32_t kUpperHalves = 1U << 2 | 1U << 6;  // of ymm0-15 and of zmm0-15
+  uint32_t states = 0;
+  asm volatile("xgetbv" : "=a"(states) : "c"(1) : "edx");
+  return (states & kUpperHalves) != 0;
+}
+
+void ClearUpperHalves() { asm volatile("vzeroupper"); }
+
+// If values stay in the upper halves, all SSE code that follows, of the library and of the game,
+// takes up to twice as long.
+TEST_P(OnEachInstructionSet, ClearsTheUpperHalvesOfRegisters) {
+  if (!ShowsStatesInUse()) GTEST_SKIP() << "this processor does not show which states are in use";
+  OnEachSimdTarget([this] {
+    const auto backend = MakeOrThrow(GetParam());
+    const auto expect_clear = [](std::string_view call) {
+      EXPECT_FALSE(AreUpperHalvesInUse()) << call;
+      ClearUpperHalves();
+    };
+    // Grid and Tracy stretch the axes of crowds.
+    for (const std::string_view kind : {"brownian", "far-crowds"}) {
+      BoxScene scene(kind, kBoxes, 1);
+      ClearUpperHalves();
+      backend->Build(scene.boxes());
+      expect_clear("Build");
+      for (int frame = 0; frame < 20; ++frame) {
+        scene.Step();
+        ClearUpperHalves();
+        backend->Update(scene.boxes());
+        expect_clear("Update");
+        pairs_.Clear();
+        backend->FindPairs(pairs_);
+        expect_clear("FindPairs");
+      }
+    }
+  });
+}
+
+#endif
 
 INSTANTIATE_TEST_SUITE_P(, OnEachInstructionSet,
                          testing::ValuesIn(BroadPhaseNames().begin(), BroadPhaseNames().end()),
