@@ -25,18 +25,10 @@ constexpr double kContradiction = 0.3;
 // Constants of the safety limit: see IsSafe.
 constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit: 3 s of 5 s
 constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal distribution
-// Constants of the gate: see Assess.
-constexpr double kHorizonCooldowns = 2.5;
-constexpr double kTie = 0.005;  // smaller expected gains (log-cost) cause no switch
-// Replaces kTie for another trial of an arm whose first trial ended early.
-constexpr double kEndedTrialTie = 0.05;
-constexpr double kCostsPerCooldown = 20;  // cooldown ÷ cost: switching takes up to 5 %
-constexpr double kFirstCostShare = 0.05;  // assumed switch cost ÷ settling time, until measured
-constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
+constexpr double kTie = 0.005;               // smaller expected gains (log-cost) cause no switch
+constexpr double kFirstCostShare = 0.05;     // assumed switch cost ÷ settling time, until measured
+constexpr double kCostRate = 0.3;            // weight of a new measurement of the switch cost
 constexpr uint32_t kTrialLimitPercent = 120;
-// An arm that was live before is chosen again only if its expected log-cost is lower than the
-// active arm's by this number of standard deviations of the difference.
-constexpr double kReturnDeviations = 0.25;
 // An arm is tried only if it costs more than twice as much as the active arm with a probability
 // below 10 %. kTrialDeviations is the 90 % quantile of a normal distribution, kMaxTrialLogRatio is
 // ln 2.
@@ -157,10 +149,7 @@ DescriptorMatch AdaptivePolicy::Match(const SceneDescriptor& descriptor) const {
 void AdaptivePolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t now_ns) {
   if (!components_.regimes) return;
   AdvanceTo(now_ns);
-  const double intervals =
-      last_descriptor_ns_ ? IntervalsSince(*last_descriptor_ns_, now_ns) : kMaxAdvance;
-  last_descriptor_ns_ = now_ns;
-  if (beliefs_.Observe(descriptor, intervals)) UpdatePosteriors();
+  if (beliefs_.Observe(descriptor)) UpdatePosteriors();
 }
 
 // Returns the time in decision intervals, at most kMaxAdvance.
@@ -217,7 +206,7 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
   const double log_cost = LogCostOf(metrics.calm_detection_ms * 1e3);
   const int64_t lane_ns = kLaneIntervals * options_.decision_interval_ns;
   const bool is_at_work = last_shadow_ns_ && observation.now_ns - *last_shadow_ns_ <= lane_ns;
-  const bool has_one_regime = components_.regimes && !beliefs_.scene_changes();
+  const bool has_one_regime = components_.regimes && beliefs_.filters().size() == 1;
   filter().ObserveLive(observation.arm, log_cost, is_at_work && has_one_regime);
   observed_[observation.arm] = true;
   was_live_[observation.arm] = true;
@@ -272,20 +261,27 @@ void AdaptivePolicy::LearnTrialEnd(const TrialEnd& end, int64_t now_ns) {
 
 std::optional<int64_t> AdaptivePolicy::cooldown_ns() const {
   if (!components_.short_cooldown) return std::nullopt;
-  const int64_t min_ns = options_.settling_ns + options_.decision_interval_ns;
-  const auto earned_ns = static_cast<int64_t>(kCostsPerCooldown * switch_cost_s_ * 1e9);
-  return std::min(std::max(min_ns, earned_ns), options_.cooldown_ns);
+  return std::min(options_.settling_ns + options_.decision_interval_ns, options_.cooldown_ns);
 }
 
-// Returns the time over which the gate sums up the gain of a switch: kHorizonCooldowns cooldowns. A
-// cooldown shorter than settling plus one window counts as that long.
-double AdaptivePolicy::HorizonSeconds() const {
+// Returns the cooldown of the options. A cooldown shorter than settling plus one window counts as
+// that long.
+double AdaptivePolicy::LongestHorizonSeconds() const {
   const int64_t shortest_ns = options_.settling_ns + options_.decision_interval_ns;
-  return kHorizonCooldowns * Seconds(std::max(options_.cooldown_ns, shortest_ns));
+  return Seconds(std::max(options_.cooldown_ns, shortest_ns));
+}
+
+// Returns the time over which the gate sums up the gain of a switch: the mean length of the scene's
+// regimes so far, as if one regime of the longest horizon had preceded them.
+double AdaptivePolicy::HorizonSeconds(int64_t now_ns, int64_t start_ns) const {
+  const double longest_s = LongestHorizonSeconds();
+  const double passed_s = std::max(Seconds(now_ns) - Seconds(start_ns), 0.0);
+  const auto regimes = static_cast<double>(beliefs_.change_count() + 1);
+  return std::min(longest_s, (longest_s + passed_s) / regimes);
 }
 
 bool AdaptivePolicy::LaneReports(int64_t now_ns) const {
-  return last_shadow_ns_ && Seconds(now_ns) - Seconds(*last_shadow_ns_) <= HorizonSeconds();
+  return last_shadow_ns_ && Seconds(now_ns) - Seconds(*last_shadow_ns_) <= LongestHorizonSeconds();
 }
 
 // Returns whether enough is known about the arm to choose it. One of these must hold:
@@ -314,16 +310,20 @@ bool AdaptivePolicy::IsTrial(const ChoiceInput& input, uint32_t arm) const {
   return !was_live_[arm] && !input.bailed_out && options_.settling_ns > 0;
 }
 
+// Looks one step ahead: the candidate runs for the cooldown, its windows show its cost, and the
+// policy then keeps it or returns. E⁺ and E⁻ are the expected gain and loss under the belief about
+// the mean difference after the next window (P. Frazier, W. Powell, S. Dayanik, "A
+// knowledge-gradient policy for sequential information collection", SIAM J. Control Optim. 47,
+// 2008). They differ from the present mean only as far as there is something to learn.
 AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
                                                   uint32_t candidate) const {
-  // Expected gain and loss of the switch.
-  const NormalBelief difference = beliefs_.Difference(input.active_arm, candidate);
-  const double deviation = std::sqrt(difference.variance);
+  const double mean = filter().Difference(input.active_arm, candidate).mean;
+  const double deviation = std::sqrt(filter().ResolvedVariance(input.active_arm, candidate));
   Assessment result{.arm = candidate};
   GateTerms& terms = result.terms;
-  terms.gain = ExpectedGain(difference.mean, deviation);
-  terms.loss = ExpectedGain(-difference.mean, deviation);
-  terms.horizon_s = HorizonSeconds();
+  terms.gain = ExpectedGain(mean, deviation);
+  terms.loss = ExpectedGain(-mean, deviation);
+  terms.horizon_s = HorizonSeconds(input.now_ns, input.start_ns);
   if (!observed_[candidate]) {
     // Mix the belief with a flat one that ignores the prior, because the arm was not observed.
     const double flat = ExpectedGain(0, kUnknownDeviation);
@@ -331,7 +331,6 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
     terms.gain += share * (flat - terms.gain);
     terms.loss += share * (flat - terms.loss);
   }
-  // The gate compares the gain over the horizon with the loss over the cooldown plus the cost.
   terms.cooldown_s = Seconds(cooldown_ns().value_or(options_.cooldown_ns));
   terms.cost_s = switch_cost_s_ / detection_share_;
   result.advantage = terms.gain - terms.loss;
@@ -339,8 +338,7 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
     terms.loss = std::min(terms.loss, kTrialBudget / detection_share_);
   }
   result.worth_s = terms.horizon_s * terms.gain - terms.cooldown_s * terms.loss - terms.cost_s;
-  const bool again = IsTrial(input, candidate) && trial_ended_[candidate];
-  result.matters = !components_.gate || terms.gain >= (again ? kEndedTrialTie : kTie);
+  if (terms.gain < kTie) result.worth_s = std::min(result.worth_s, 0.0);
   if (!components_.gate) result.worth_s = result.advantage;
   return result;
 }
@@ -349,16 +347,15 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
 // - Without a reporting lane: always.
 // - After a bail-out: if the arm was not live yet, or is believed to be cheaper than the active
 //   arm.
-// - An arm that was live: if it is cheaper by kReturnDeviations deviations. The margin keeps the
-//   policy from switching back and forth.
+// - An arm that was live: if it is believed to be cheaper.
 // - An arm that was not live: if it costs at most twice the active arm with a probability of 90 %.
 //   Its first live window would show the lane's bias for it, but a trial costs several frames.
 bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
   if (!LaneReports(input.now_ns)) return true;
-  const NormalBelief difference = beliefs_.Difference(input.active_arm, arm);
+  const NormalBelief difference = filter().Difference(input.active_arm, arm);
   const double deviation = std::sqrt(difference.variance);
   if (input.bailed_out) return !was_live_[arm] || difference.mean > 0;
-  if (was_live_[arm]) return difference.mean > kReturnDeviations * deviation;
+  if (was_live_[arm]) return difference.mean > 0;
   return kTrialDeviations * deviation - difference.mean < kMaxTrialLogRatio;
 }
 
@@ -370,7 +367,7 @@ std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
     if (!input.bailed_out && (!IsKnownEnough(arm, input.now_ns) || !IsSafe(arm, input))) continue;
     if (!IsContender(input, arm)) continue;
     const Assessment assessment = Assess(input, arm);
-    if (!best || assessment.rank() > best->rank()) best = assessment;
+    if (!best || assessment.worth_s > best->worth_s) best = assessment;
   }
   return best;
 }
@@ -388,7 +385,6 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
   if (worthwhile || better) choice.candidate = best->arm;
   if (IsTrial(input, choice.candidate)) choice.trial_limit_percent = kTrialLimitPercent;
   if (!worthwhile) choice.hold = DecisionOutcome::kHeldGate;
-  if (worthwhile && !best->matters) choice.hold = DecisionOutcome::kHeldTie;
   return choice;
 }
 
@@ -396,9 +392,9 @@ Diagnosis AdaptivePolicy::Diagnose() const {
   std::vector<double> means;
   std::vector<double> covariance;
   for (uint32_t a = 0; a < filter().arm_count(); ++a) {
-    means.push_back(beliefs_.LogCost(a).mean);
+    means.push_back(filter().LogCost(a).mean);
     for (uint32_t b = 0; b < filter().arm_count(); ++b)
-      covariance.push_back(beliefs_.Covariance(a, b));
+      covariance.push_back(filter().Covariance(a, b));
   }
   return DiagnoseCorrelatedLogCosts(means, covariance);
 }
@@ -409,18 +405,18 @@ Diagnosis AdaptivePolicy::Diagnose() const {
 void AdaptivePolicy::UpdatePosteriors() {
   uint32_t leader = 0;
   for (uint32_t arm = 1; arm < filter().arm_count(); ++arm) {
-    if (beliefs_.LogCost(arm).mean < beliefs_.LogCost(leader).mean) leader = arm;
+    if (filter().LogCost(arm).mean < filter().LogCost(leader).mean) leader = arm;
   }
   // The leader gets half of the smallest variance of a difference, and every other arm gets the
   // rest of its own difference's variance.
   double smallest = SquareOf(kUnknownDeviation);
   for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
-    if (arm != leader) smallest = std::min(smallest, beliefs_.Difference(arm, leader).variance);
+    if (arm != leader) smallest = std::min(smallest, filter().Difference(arm, leader).variance);
   }
   for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
     const double variance =
-        arm == leader ? smallest / 2 : beliefs_.Difference(arm, leader).variance - smallest / 2;
-    posteriors_[arm] = BetaOf({beliefs_.LogCost(arm).mean, variance});
+        arm == leader ? smallest / 2 : filter().Difference(arm, leader).variance - smallest / 2;
+    posteriors_[arm] = BetaOf({filter().LogCost(arm).mean, variance});
   }
 }
 

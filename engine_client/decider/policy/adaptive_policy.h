@@ -5,10 +5,10 @@
 //   filter in relative_cost_filter.h holds the beliefs about them. It separates the load of other
 //   work on the frame thread's core from the cost of an arm. Watchers see the beliefs as one Beta
 //   distribution per arm. The difference of each arm to the leader has the filter's variance.
-// - A switch must pass the gate of GateTerms: horizon · E⁺ − cooldown · E⁻ − cost > 0, where the
-//   cost is the measured cost of earlier switches. E⁺ must also exceed 0.5 %; a smaller gain is a
-//   tie. The cooldown is long enough to pay for the switches. It is at least settling plus one
-//   window, and at most the cooldown of the options.
+// - A switch must pass the gate of GateTerms: horizon · E⁺ − cooldown · E⁻ − cost > 0. E⁺ and E⁻
+//   are the expected gain and loss after the next window of the candidate, the horizon is the
+//   cooldown of the options, and the cost is the measured cost of earlier switches. The policy's
+//   own cooldown is settling plus one window, and at most the cooldown of the options.
 // - An arm is not chosen if its frames exceed 3 s (three fifths of the bail-out limit) with a
 //   probability above 1 %. There are two exceptions. After a bail-out of the active arm, any arm
 //   may be chosen. Without the lane, an arm never seen may be chosen if its expected cost is not
@@ -17,8 +17,7 @@
 //   that is believed to be worse may be tried live once, because the lane's bias for it is unknown
 //   until then. The gate decides whether the trial is worth its cost. An arm that costs twice as
 //   much as the active arm with a probability above 10 % is not tried. An arm that was live must be
-//   better by a quarter of the standard deviation of the difference, so that the policy does not
-//   switch back and forth.
+//   believed to be cheaper.
 // - Without the lane, the expected gain E⁺ of an arm never seen is large, because its cost is
 //   uncertain. So every arm is tried live.
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
@@ -30,10 +29,9 @@
 //   the gate therefore limits the loss to that budget.
 // - The first early end of a trial may have another cause than the arm and is not evidence. A later
 //   early end gives a lower bound of the arm's cost. A visit that the lane cut off at its time
-//   limit does too. After an early end, another trial needs an E⁺ of 5 %.
+//   limit does too.
 // - Each regime of the scene has separate beliefs, which are used again when the regime returns.
-//   Evidence belongs to the regime in which it was measured (regime_span.h). If regimes change
-//   faster than choices take effect, choices use a mixture of them (regime_beliefs.h).
+//   Evidence belongs to the regime in which it was measured (regime_span.h).
 //
 // The policy draws no random numbers: the same observations give the same choices for every seed.
 // All constants that are times are multiples of the options' intervals, so choices do not depend on
@@ -113,9 +111,6 @@ class AdaptivePolicy : public Policy {
     GateTerms terms{};
     double advantage = 0;  // gain − loss, without a trial's limit on the loss
     double worth_s = 0;    // the gate passes if this is above 0
-    bool matters = true;   // the gain is not so small that it is a tie
-    // Sort key: switches that pass the gate come first.
-    std::pair<bool, double> rank() const { return {matters && worth_s > 0, worth_s}; }
   };
 
   void SetPriors(const std::vector<BetaPosterior>& priors);
@@ -130,7 +125,8 @@ class AdaptivePolicy : public Policy {
   void AdvanceTo(int64_t now_ns);
   void AdvanceBans(double intervals);
   void UpdatePosteriors();
-  double HorizonSeconds() const;
+  double LongestHorizonSeconds() const;
+  double HorizonSeconds(int64_t now_ns, int64_t start_ns) const;
   bool LaneReports(int64_t now_ns) const;
   bool IsKnownEnough(uint32_t arm, int64_t now_ns) const;
   bool IsSafe(uint32_t arm, const ChoiceInput& input) const;
@@ -153,7 +149,6 @@ class AdaptivePolicy : public Policy {
   std::vector<std::optional<Visit>> first_visits_;
   std::vector<BetaPosterior> posteriors_;
   std::optional<int64_t> last_advance_ns_;
-  std::optional<int64_t> last_descriptor_ns_;
   std::optional<int64_t> last_shadow_ns_;
   uint64_t window_count_ = 0;
   double switch_cost_s_;

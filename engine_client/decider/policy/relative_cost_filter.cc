@@ -320,4 +320,9 @@ NormalBelief RelativeCostFilter::Difference(uint32_t a, uint32_t b) const {
   return {mean_[a] - mean_[b], std::max(variance, 0.0)};
 }
 
+double RelativeCostFilter::ResolvedVariance(uint32_t a, uint32_t b) const {
+  const Eigen::VectorXd column = LiveColumn(b);
+  return Square(column[a] - column[b]) / (column[b] + column[load()] + live_noise_);
+}
+
 }  // namespace sweepstake::decision

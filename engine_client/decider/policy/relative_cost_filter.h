@@ -74,6 +74,9 @@ class RelativeCostFilter {
   double Covariance(uint32_t a, uint32_t b) const { return covariance_(a, b); }
   // The belief about x_a − x_b.
   NormalBelief Difference(uint32_t a, uint32_t b) const;
+  // By how much the next live window of arm b will reduce the variance of x_a − x_b. This is the
+  // variance of the change of its mean that the window will cause.
+  double ResolvedVariance(uint32_t a, uint32_t b) const;
   // By how much the lane's visits of the arm are expected to exceed its log-cost. REQUIRES: there
   // was a visit.
   double LaneBias(uint32_t arm) const { return mean_[bias(arm)]; }

@@ -185,7 +185,7 @@ TEST(AdaptivePolicy, StaysIfAnotherArmCostsAlmostTheSame) {
     std::swap(game.cost_us[0], game.cost_us[1]);
     game.RunTicks(30);
   }
-  EXPECT_LE(game.client.commands.size() - switch_count, 6u);
+  EXPECT_LE(game.client.commands.size() - switch_count, 12u);
 }
 
 // Other work repeatedly uses the frame thread's core for 10 s.
@@ -494,22 +494,38 @@ TEST(AdaptivePolicy, ATimeScaleChangesNoDecision) {
   }
 }
 
-TEST(AdaptivePolicy, TheCooldownGrowsWithTheCostOfSwitches) {
-  const auto cooldown_s = [](uint64_t cost_ns) {
-    Game game({20'000, 10'000, 10'500}, /*lane=*/false);
-    game.RunTicks(40);  // ends after all trials, which have their own budget
+// The horizon is a cooldown of 40 s, in which 3 % save 1.2 s. A switch costs at most 2 s, settling
+// and one interval.
+TEST(AdaptivePolicy, AGainMustPayForTheMeasuredCostOfSwitches) {
+  const auto switch_count = [](uint64_t cost_ns) {
+    Game game({10'000, 12'000, 30'000});
+    game.RunTicks(60);
     const SwitchCost cost{.rebuild_time_ns = cost_ns};
     for (int i = 0; i < 20; ++i) {
       game.client.session.ObserveSwitch(game.client.arm, game.client.epoch, SwitchReason::kPolicy,
                                         game.client.now_ns, cost);
     }
-    game.RunToTick();
-    game.RunToTick();
-    return game.RunToTick().record.gate->cooldown_s;
+    const size_t before = game.client.commands.size();
+    game.cost_us = {12'000, 11'640, 30'000};
+    game.RunTicks(60);
+    return game.client.commands.size() - before;
   };
-  EXPECT_EQ(cooldown_s(1'000'000), 2);              // settling and one window
-  EXPECT_NEAR(cooldown_s(500'000'000), 10, 0.1);    // twenty times the cost of a switch
-  EXPECT_NEAR(cooldown_s(kSecond * 100), 40, 0.1);  // never longer than in the paper
+  EXPECT_EQ(switch_count(1'000'000), 1u);
+  EXPECT_EQ(switch_count(kSecond * 100), 0u);
+}
+
+TEST(AdaptivePolicy, TheHorizonIsTheMeanLengthOfTheRegimes) {
+  RegimeGame game;
+  game.Visit(0);
+  game.PlayMotion(25);
+  ASSERT_TRUE(game.last.record.gate);
+  EXPECT_EQ(game.last.record.gate->horizon_s, 40);
+  for (int i = 0; i < 20; ++i) {
+    game.PlayRest(25);
+    game.PlayMotion(25);
+  }
+  ASSERT_TRUE(game.last.record.gate);
+  EXPECT_NEAR(game.last.record.gate->horizon_s, 6, 0.3) << "40 regimes of 5 s after one of 40 s";
 }
 
 TEST(AdaptivePolicy, CountsARebuildAmongTheSettlingFramesOnce) {
