@@ -60,9 +60,9 @@ inline constexpr std::array<std::string_view, 3> kModeNames = {"", "manual", "ai
 inline constexpr std::array<std::string_view, 5> kSwitchReasonNames = {"", "policy", "exploration",
                                                                        "bail-out", "manual"};
 
-inline constexpr std::array<std::string_view, 11> kOutcomeNames = {
-    "",       "kept",      "switched", "held-cooldown", "held-settling", "no-frames",
-    "manual", "exploring", "rejected", "held-gate",     "held-tie"};
+inline constexpr std::array<std::string_view, 10> kOutcomeNames = {
+    "",          "kept",   "switched",  "held-cooldown", "held-settling",
+    "no-frames", "manual", "exploring", "rejected",      "held-gate"};
 
 inline constexpr std::array<std::string_view, 5> kVerdictNames = {"unknown", "stable", "tie",
                                                                   "ambiguous", "degraded"};

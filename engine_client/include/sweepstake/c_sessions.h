@@ -186,8 +186,7 @@ enum {
   SWP_DECISION_MANUAL = 6,        /* the mode is SWP_MODE_MANUAL */
   SWP_DECISION_EXPLORING = 7,     /* no candidate; the command goes to the next arm to try */
   SWP_DECISION_REJECTED = 8,      /* a metric is not finite */
-  SWP_DECISION_HELD_GATE = 9,     /* the expected gain is less than the cost of the switch */
-  SWP_DECISION_HELD_TIE = 10      /* the candidate's expected gain is too small to matter */
+  SWP_DECISION_HELD_GATE = 9      /* the expected gain is less than the cost of the switch */
 };
 
 enum { SWP_MAX_ARMS = 32 };

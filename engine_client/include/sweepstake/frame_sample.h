@@ -167,7 +167,6 @@ enum class DecisionOutcome : uint32_t {
   kExploring = 7,     // no candidate; a command goes to the next arm of the exploration
   kRejected = 8,      // a metric of the window is not finite
   kHeldGate = 9,      // the expected gain is less than the cost of the switch
-  kHeldTie = 10,      // the candidate's expected gain is too small to matter
 };
 
 // The latest decision and its reasons, for a game that shows or logs them

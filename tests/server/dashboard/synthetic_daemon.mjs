@@ -5,7 +5,7 @@ import { createServer } from 'node:http';
 import { extname, join } from 'node:path';
 
 const ARMS = ['BruteForce', 'Grid', 'SAP', 'AxisSweep', 'DBVT', 'Tracy', 'KDTree'];
-const OUTCOMES = ['KEPT', 'KEPT', 'KEPT', 'HELD_COOLDOWN', 'HELD_GATE', 'HELD_TIE', 'SWITCHED', 'HELD_SETTLING'];
+const OUTCOMES = ['KEPT', 'KEPT', 'KEPT', 'HELD_COOLDOWN', 'HELD_GATE', 'SWITCHED', 'HELD_SETTLING'];
 const TICK_MS = 250;
 const WINDOW_MS = 2000;
 // The log of a real game: the row of the setup and one of a decision.

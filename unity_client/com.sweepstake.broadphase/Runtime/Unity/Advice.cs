@@ -28,7 +28,6 @@ namespace Sweepstake.Unity
             DecisionOutcome.Exploring => "trying each backend",
             DecisionOutcome.Rejected => "a measurement was not finite",
             DecisionOutcome.HeldGate => "held: not worth the cost of a switch",
-            DecisionOutcome.HeldTie => "held: the advantage is too small to matter",
             _ => "a reason that this version of the package does not know",
         };
     }

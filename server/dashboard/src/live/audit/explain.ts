@@ -42,7 +42,6 @@ function whatHappened({ activeArm, candidate, outcome, reason, cooldownMs }: Tol
       return `${other} looks better, but ${activeArm} stays: after a switch `
         + (cooldownMs === undefined ? 'the cooldown has to pass' : `${durationText(cooldownMs)} have to pass`) + ' before the next one.';
     case DecisionOutcome.HELD_GATE: return `${other} looks better, but ${activeArm} stays: the change would not pay for itself.`;
-    case DecisionOutcome.HELD_TIE: return `${other} looks better, but by too little to matter, so ${activeArm} stays.`;
     case DecisionOutcome.EXPLORING:
       return reason === SwitchReason.EXPLORATION
         ? `${activeArm} has been measured, and the next arm follows. At the start every arm is measured once.`

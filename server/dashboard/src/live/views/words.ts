@@ -37,7 +37,6 @@ const OUTCOMES: Readonly<Record<DecisionOutcome, Word>> = {
   [DecisionOutcome.EXPLORING]: word('exploring', '⌕', 'At the start every arm is measured once before any is preferred.'),
   [DecisionOutcome.REJECTED]: word('rejected', '✗', 'A measurement was not a finite number, so the whole window was discarded.'),
   [DecisionOutcome.HELD_GATE]: word('held: does not pay', '○', 'Another arm looks better, but not by enough to pay for the switch.'),
-  [DecisionOutcome.HELD_TIE]: word('held: tie', '○', 'Another arm looks better, but the difference is too small to matter.'),
 };
 
 const REASONS: Readonly<Record<SwitchReason, Word>> = {
@@ -99,4 +98,4 @@ export const kindWord = (value: AuditKind) => KINDS[value] ?? UNKNOWN;
 
 /** Whether another arm looked better but was not chosen. */
 export const isHeldBack = (outcome: DecisionOutcome) =>
-  [DecisionOutcome.HELD_COOLDOWN, DecisionOutcome.HELD_GATE, DecisionOutcome.HELD_TIE].includes(outcome);
+  [DecisionOutcome.HELD_COOLDOWN, DecisionOutcome.HELD_GATE].includes(outcome);

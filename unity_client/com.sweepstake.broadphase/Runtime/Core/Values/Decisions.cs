@@ -52,8 +52,6 @@ namespace Sweepstake
         Rejected = 8,
         /// <summary>No switch: the expected gain is lower than the cost of the switch.</summary>
         HeldGate = 9,
-        /// <summary>No switch: the candidate's expected gain is too small to matter.</summary>
-        HeldTie = 10,
     }
 
     /// <summary>A decision and its reasons, for logs and debug views.</summary>

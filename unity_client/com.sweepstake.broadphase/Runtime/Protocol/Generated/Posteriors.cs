@@ -73,7 +73,7 @@ namespace Sweepstake.Protocol.V1 {
             "ZXRlY3Rpb25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlz",
             "dG9ncmFtEjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVwc3Rha2UudjEu",
             "TG9nSGlzdG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNrZXRfc3RlcHMY",
-            "ASADKA0SDgoGY291bnRzGAIgAygNKvACCg9EZWNpc2lvbk91dGNvbWUSIAoc",
+            "ASADKA0SDgoGY291bnRzGAIgAygNKtECCg9EZWNpc2lvbk91dGNvbWUSIAoc",
             "REVDSVNJT05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURFQ0lTSU9OX09V",
             "VENPTUVfS0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJVENIRUQQAhIi",
             "Ch5ERUNJU0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIiCh5ERUNJU0lP",
@@ -81,15 +81,14 @@ namespace Sweepstake.Protocol.V1 {
             "X05PX0ZSQU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFOVUFMEAYSHgoa",
             "REVDSVNJT05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJU0lPTl9PVVRD",
             "T01FX1JFSkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9IRUxEX0dBVEUQ",
-            "CRIdChlERUNJU0lPTl9PVVRDT01FX0hFTERfVElFEAoyrwIKEVBvc3Rlcmlv",
-            "cnNTZXJ2aWNlEl0KDkxpc3RQb3N0ZXJpb3JzEiQuc3dlZXBzdGFrZS52MS5M",
-            "aXN0UG9zdGVyaW9yc1JlcXVlc3QaJS5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0",
-            "ZXJpb3JzUmVzcG9uc2USVwoMR2V0UG9zdGVyaW9yEiIuc3dlZXBzdGFrZS52",
-            "MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5HZXRQb3N0",
-            "ZXJpb3JSZXNwb25zZRJiCg9XYXRjaFBvc3RlcmlvcnMSJS5zd2VlcHN0YWtl",
-            "LnYxLldhdGNoUG9zdGVyaW9yc1JlcXVlc3QaJi5zd2VlcHN0YWtlLnYxLldh",
-            "dGNoUG9zdGVyaW9yc1Jlc3BvbnNlMAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9j",
-            "b2wuVjFiBnByb3RvMw=="));
+            "CTKvAgoRUG9zdGVyaW9yc1NlcnZpY2USXQoOTGlzdFBvc3RlcmlvcnMSJC5z",
+            "d2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVxdWVzdBolLnN3ZWVwc3Rh",
+            "a2UudjEuTGlzdFBvc3RlcmlvcnNSZXNwb25zZRJXCgxHZXRQb3N0ZXJpb3IS",
+            "Ii5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlcXVlc3QaIy5zd2VlcHN0",
+            "YWtlLnYxLkdldFBvc3RlcmlvclJlc3BvbnNlEmIKD1dhdGNoUG9zdGVyaW9y",
+            "cxIlLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVxdWVzdBomLnN3",
+            "ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2UwAUIZqgIWU3dl",
+            "ZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -155,10 +154,6 @@ namespace Sweepstake.Protocol.V1 {
     /// The expected gain is less than the cost of the switch.
     /// </summary>
     [pbr::OriginalName("DECISION_OUTCOME_HELD_GATE")] HeldGate = 9,
-    /// <summary>
-    /// The candidate's expected gain is too small to matter.
-    /// </summary>
-    [pbr::OriginalName("DECISION_OUTCOME_HELD_TIE")] HeldTie = 10,
   }
 
   #endregion

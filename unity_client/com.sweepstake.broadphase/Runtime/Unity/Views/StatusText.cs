@@ -71,8 +71,7 @@ namespace Sweepstake.Unity
         }
 
         private static bool IsHeld(DecisionOutcome outcome) =>
-            outcome == DecisionOutcome.HeldCooldown || outcome == DecisionOutcome.HeldSettling || outcome == DecisionOutcome.HeldGate ||
-            outcome == DecisionOutcome.HeldTie;
+            outcome == DecisionOutcome.HeldCooldown || outcome == DecisionOutcome.HeldSettling || outcome == DecisionOutcome.HeldGate;
 
         private static string NameOf(SweepstakeManager manager, uint arm) => arm < manager.Backends.Count ? manager.Backends[(int)arm] : "?";
     }
