@@ -56,7 +56,7 @@ namespace Sweepstake.Protocol.V1 {
             "X2NvdW50GAcgASgBEhgKEHVuaXhfbGFzdF9zZWVuX3MYCCABKAMSEwoLaXNf",
             "b3V0ZGF0ZWQYCSABKAgSHQoQYmVzdF9wcm9iYWJpbGl0eRgKIAEoAUgAiAEB",
             "EiwKCmNvc3RfcmF0aW8YCyABKAsyGC5zd2VlcHN0YWtlLnYxLkNvc3RSYXRp",
-            "b0ITChFfYmVzdF9wcm9iYWJpbGl0eSKOBAoNRGVjaXNpb25FdmVudBISCgpz",
+            "b0ITChFfYmVzdF9wcm9iYWJpbGl0eSKmBAoNRGVjaXNpb25FdmVudBISCgpz",
             "ZXNzaW9uX2lkGAEgASgJEg8KB3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyAB",
             "KAkSEwoLZGVjaXNpb25faWQYBCABKAQSEgoKYWN0aXZlX2FybRgFIAEoCRIV",
             "Cg1jYW5kaWRhdGVfYXJtGAYgASgJEi8KB291dGNvbWUYByABKA4yHi5zd2Vl",
@@ -68,28 +68,28 @@ namespace Sweepstake.Protocol.V1 {
             "CRI2CgxtZWFzdXJlbWVudHMYDyABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1l",
             "TWVhc3VyZW1lbnRzEgwKBGFybXMYECADKAkSLQoJc3RhbmRpbmdzGBEgAygL",
             "Mhouc3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZxIPCgd1bml4X21zGBIgASgD",
-            "QgkKB19yZXdhcmQisgEKEUZyYW1lTWVhc3VyZW1lbnRzEjIKDWZyYW1lX3Rp",
-            "bWVfbnMYASABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbRI2ChFk",
-            "ZXRlY3Rpb25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlz",
-            "dG9ncmFtEjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVwc3Rha2UudjEu",
-            "TG9nSGlzdG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNrZXRfc3RlcHMY",
-            "ASADKA0SDgoGY291bnRzGAIgAygNKvACCg9EZWNpc2lvbk91dGNvbWUSIAoc",
-            "REVDSVNJT05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURFQ0lTSU9OX09V",
-            "VENPTUVfS0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJVENIRUQQAhIi",
-            "Ch5ERUNJU0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIiCh5ERUNJU0lP",
-            "Tl9PVVRDT01FX0hFTERfU0VUVExJTkcQBBIeChpERUNJU0lPTl9PVVRDT01F",
-            "X05PX0ZSQU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFOVUFMEAYSHgoa",
-            "REVDSVNJT05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJU0lPTl9PVVRD",
-            "T01FX1JFSkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9IRUxEX0dBVEUQ",
-            "CRIdChlERUNJU0lPTl9PVVRDT01FX0hFTERfVElFEAoyrwIKEVBvc3Rlcmlv",
-            "cnNTZXJ2aWNlEl0KDkxpc3RQb3N0ZXJpb3JzEiQuc3dlZXBzdGFrZS52MS5M",
-            "aXN0UG9zdGVyaW9yc1JlcXVlc3QaJS5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0",
-            "ZXJpb3JzUmVzcG9uc2USVwoMR2V0UG9zdGVyaW9yEiIuc3dlZXBzdGFrZS52",
-            "MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5HZXRQb3N0",
-            "ZXJpb3JSZXNwb25zZRJiCg9XYXRjaFBvc3RlcmlvcnMSJS5zd2VlcHN0YWtl",
-            "LnYxLldhdGNoUG9zdGVyaW9yc1JlcXVlc3QaJi5zd2VlcHN0YWtlLnYxLldh",
-            "dGNoUG9zdGVyaW9yc1Jlc3BvbnNlMAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9j",
-            "b2wuVjFiBnByb3RvMw=="));
+            "EhYKDnJld2FyZF92ZXJzaW9uGBMgASgNQgkKB19yZXdhcmQisgEKEUZyYW1l",
+            "TWVhc3VyZW1lbnRzEjIKDWZyYW1lX3RpbWVfbnMYASABKAsyGy5zd2VlcHN0",
+            "YWtlLnYxLkxvZ0hpc3RvZ3JhbRI2ChFkZXRlY3Rpb25fdGltZV9ucxgCIAEo",
+            "CzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtEjEKDG5hdGl2ZV9ieXRl",
+            "cxgDIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtIjQKDExvZ0hp",
+            "c3RvZ3JhbRIUCgxidWNrZXRfc3RlcHMYASADKA0SDgoGY291bnRzGAIgAygN",
+            "KvACCg9EZWNpc2lvbk91dGNvbWUSIAocREVDSVNJT05fT1VUQ09NRV9VTlNQ",
+            "RUNJRklFRBAAEhkKFURFQ0lTSU9OX09VVENPTUVfS0VQVBABEh0KGURFQ0lT",
+            "SU9OX09VVENPTUVfU1dJVENIRUQQAhIiCh5ERUNJU0lPTl9PVVRDT01FX0hF",
+            "TERfQ09PTERPV04QAxIiCh5ERUNJU0lPTl9PVVRDT01FX0hFTERfU0VUVExJ",
+            "TkcQBBIeChpERUNJU0lPTl9PVVRDT01FX05PX0ZSQU1FUxAFEhsKF0RFQ0lT",
+            "SU9OX09VVENPTUVfTUFOVUFMEAYSHgoaREVDSVNJT05fT1VUQ09NRV9FWFBM",
+            "T1JJTkcQBxIdChlERUNJU0lPTl9PVVRDT01FX1JFSkVDVEVEEAgSHgoaREVD",
+            "SVNJT05fT1VUQ09NRV9IRUxEX0dBVEUQCRIdChlERUNJU0lPTl9PVVRDT01F",
+            "X0hFTERfVElFEAoyrwIKEVBvc3RlcmlvcnNTZXJ2aWNlEl0KDkxpc3RQb3N0",
+            "ZXJpb3JzEiQuc3dlZXBzdGFrZS52MS5MaXN0UG9zdGVyaW9yc1JlcXVlc3Qa",
+            "JS5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVzcG9uc2USVwoMR2V0",
+            "UG9zdGVyaW9yEiIuc3dlZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0",
+            "GiMuc3dlZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXNwb25zZRJiCg9XYXRj",
+            "aFBvc3RlcmlvcnMSJS5zd2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1Jl",
+            "cXVlc3QaJi5zd2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1Jlc3BvbnNl",
+            "MAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -102,7 +102,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount", "Verdict", "LeaderArm", "ExpectedLossRatio", "ValueRemainingRatio" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RewardPosterior), global::Sweepstake.Protocol.V1.RewardPosterior.Parser, new[]{ "Alpha", "Beta", "Low95", "Low50", "High50", "High95" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount", "UnixLastSeenS", "IsOutdated", "BestProbability", "CostRatio" }, new[]{ "BestProbability" }, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings", "UnixMs" }, new[]{ "Reward" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings", "UnixMs", "RewardVersion" }, new[]{ "Reward" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameMeasurements), global::Sweepstake.Protocol.V1.FrameMeasurements.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "NativeBytes" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.LogHistogram), global::Sweepstake.Protocol.V1.LogHistogram.Parser, new[]{ "BucketSteps", "Counts" }, null, null, null, null)
           }));
@@ -1861,7 +1861,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int RewardVersionFieldNumber = 4;
     private uint rewardVersion_;
     /// <summary>
-    /// Version of the reward that the evidence was measured with. Absent: 0.
+    /// Version of the reward that the evidence was measured with. From 2^30 on, the version of weights other than the default
+    /// (RewardVersionOf in engine_client/decider/session/policy_registry.h). Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3452,6 +3453,7 @@ namespace Sweepstake.Protocol.V1 {
       arms_ = other.arms_.Clone();
       standings_ = other.standings_.Clone();
       unixMs_ = other.unixMs_;
+      rewardVersion_ = other.rewardVersion_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -3744,6 +3746,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "reward_version" field.</summary>
+    public const int RewardVersionFieldNumber = 19;
+    private uint rewardVersion_;
+    /// <summary>
+    /// Version of the session's rewards, as in ScenePosterior. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint RewardVersion {
+      get { return rewardVersion_; }
+      set {
+        rewardVersion_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -3777,6 +3794,7 @@ namespace Sweepstake.Protocol.V1 {
       if(!arms_.Equals(other.arms_)) return false;
       if(!standings_.Equals(other.standings_)) return false;
       if (UnixMs != other.UnixMs) return false;
+      if (RewardVersion != other.RewardVersion) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -3802,6 +3820,7 @@ namespace Sweepstake.Protocol.V1 {
       hash ^= arms_.GetHashCode();
       hash ^= standings_.GetHashCode();
       if (UnixMs != 0L) hash ^= UnixMs.GetHashCode();
+      if (RewardVersion != 0) hash ^= RewardVersion.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -3883,6 +3902,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(144, 1);
         output.WriteInt64(UnixMs);
       }
+      if (RewardVersion != 0) {
+        output.WriteRawTag(152, 1);
+        output.WriteUInt32(RewardVersion);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -3956,6 +3979,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(144, 1);
         output.WriteInt64(UnixMs);
       }
+      if (RewardVersion != 0) {
+        output.WriteRawTag(152, 1);
+        output.WriteUInt32(RewardVersion);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -4013,6 +4040,9 @@ namespace Sweepstake.Protocol.V1 {
       size += standings_.CalculateSize(_repeated_standings_codec);
       if (UnixMs != 0L) {
         size += 2 + pb::CodedOutputStream.ComputeInt64Size(UnixMs);
+      }
+      if (RewardVersion != 0) {
+        size += 2 + pb::CodedOutputStream.ComputeUInt32Size(RewardVersion);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -4076,6 +4106,9 @@ namespace Sweepstake.Protocol.V1 {
       standings_.Add(other.standings_);
       if (other.UnixMs != 0L) {
         UnixMs = other.UnixMs;
+      }
+      if (other.RewardVersion != 0) {
+        RewardVersion = other.RewardVersion;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -4172,6 +4205,10 @@ namespace Sweepstake.Protocol.V1 {
             UnixMs = input.ReadInt64();
             break;
           }
+          case 152: {
+            RewardVersion = input.ReadUInt32();
+            break;
+          }
         }
       }
     #endif
@@ -4265,6 +4302,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 144: {
             UnixMs = input.ReadInt64();
+            break;
+          }
+          case 152: {
+            RewardVersion = input.ReadUInt32();
             break;
           }
         }
