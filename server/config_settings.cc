@@ -186,7 +186,9 @@ void AddDecision(Table& table, decision::DecisionOptions& options) {
     table.Whole(key, field, 0, kYearMs, help, rpc::kNsPerMs);
   };
   table.Group(kDecisionGroup);
-  table.Text("decision.policy", options.policy, "policy of sessions that request none");
+  table.Text("decision.policy", options.policy,
+             "policy of sessions that request none: adaptive (compares expected costs), or paper "
+             "(Thompson sampling)");
   table.Real("decision.weight_fps", options.weights.fps, "weight of the FPS score");
   table.Real("decision.weight_detection", options.weights.detection,
              "weight of the detection time score");

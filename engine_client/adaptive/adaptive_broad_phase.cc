@@ -97,6 +97,7 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
                         .clock = SteadyClock(),
                         .mode = mode,
                         .frozen = &frozen_,
+                        .is_used = &lane_is_used_,
                         .thread_time_ns = ThreadTimeNs,
                         .core_speed = CoreSpeed,
                         .engine_threads = EngineThreads(options),
@@ -444,6 +445,11 @@ void AdaptiveBroadPhase::Impl::Freeze() {
   if (local_command_ && local_command_->reason == SwitchReason::kBailOut) DropLocalCommand();
 }
 
+void AdaptiveBroadPhase::Impl::SetLaneUse(bool used) {
+  lane_is_used_.store(used, std::memory_order_relaxed);
+  if (!used && lane_ != nullptr) lane_->Trim();
+}
+
 void AdaptiveBroadPhase::Impl::CancelTrial() {
   trial_.Cancel();
   if (trial_end_) DropLocalCommand();
@@ -517,7 +523,7 @@ void AdaptiveBroadPhase::SetPosteriorMeans(std::span<const double> means) {
 void AdaptiveBroadPhase::SetSettling(uint64_t settling_ns) {
   impl_->switch_cost.SetSettling(settling_ns);
 }
-
+void AdaptiveBroadPhase::SetLaneUse(bool used) { impl_->SetLaneUse(used); }
 void AdaptiveBroadPhase::SetBailOutLimit(uint64_t limit_ns) { impl_->guard.SetLimit(limit_ns); }
 
 void AdaptiveBroadPhase::SetVerdict(const SceneVerdict& verdict) { impl_->verdict.Set(verdict); }

@@ -110,7 +110,9 @@ Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveBroadPhase::Create(
   const std::vector<std::string>& arms = options.arms;
   if (Status status = ValidateArms(arms); !status.ok()) return status;
   std::vector<ArmBackend> backends;
+  const std::vector<std::string> names(BroadPhaseNames().begin(), BroadPhaseNames().end());
   for (const std::string& arm : arms) {
+    if (!IndexOfArm(arm, names)) return UnknownArm(arm, names);
     Result<ArmBackend> made = MakeArm(arm, options.executor, options.max_pairs);
     if (!made.ok()) return made.status();
     backends.push_back(std::move(*made));

@@ -55,6 +55,7 @@ class AdaptiveBroadPhase::Impl {
   Status SelectArm(std::string_view name);
   void SetMode(Mode chosen);
   void Freeze();
+  void SetLaneUse(bool used);
   bool frozen() const { return frozen_.load(std::memory_order_relaxed); }
 
   uint32_t arm() const {
@@ -129,11 +130,12 @@ class AdaptiveBroadPhase::Impl {
   std::optional<TrialGuard::End> trial_end_;  // measurements that ended the trial; else absent
   bool keeps_structure_ = false;              // in a trial, the previous arm's structure is kept
   std::optional<PendingSwitch> pending_;
-  std::atomic<bool> frozen_ = false;  // written by the frame thread
-  bool manual_by_order_ = false;      // kManual is in force because an operator ordered it
-  bool searched_ = false;             // the current frame has searched
-  bool built_ = false;                // the active structure holds the latest frame's boxes
-  bool pairs_exceeded_ = false;       // by the latest search
+  std::atomic<bool> frozen_ = false;       // written by the frame thread
+  std::atomic<bool> lane_is_used_ = true;  // the decider learns from the lane
+  bool manual_by_order_ = false;           // kManual is in force because an operator ordered it
+  bool searched_ = false;                  // the current frame has searched
+  bool built_ = false;                     // the active structure holds the latest frame's boxes
+  bool pairs_exceeded_ = false;            // by the latest search
   PairBuffer pairs_;
   std::optional<PairSorter> sorter_;  // absent: pairs stay in the backend's order
   DescriptorEstimator descriptors_;

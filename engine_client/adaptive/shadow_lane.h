@@ -61,6 +61,8 @@ class ShadowLane {
     Clock& clock;
     const std::atomic<Mode>& mode;
     const std::atomic<bool>* frozen = nullptr;  // the lane rests while it is true; null: never
+    // A lane with ShadowMode::kAuto rests while it is false; null: never.
+    const std::atomic<bool>* is_used = nullptr;
     // Returns the CPU time of the lane's thread, which measures the visits. It excludes time in
     // which another thread had the core. Null, or the result 0: the clock is used, and its coarse
     // CPU time shows whether the game was suspended.
@@ -142,7 +144,9 @@ class ShadowLane {
   std::chrono::microseconds StepWithMemory();
   bool enabled() const {
     if (setup_.frozen != nullptr && setup_.frozen->load(std::memory_order_relaxed)) return false;
-    return setup_.options.enabled == ShadowMode::kOn || was_ai_.load(std::memory_order_relaxed) ||
+    if (setup_.options.enabled == ShadowMode::kOn) return true;
+    if (setup_.is_used != nullptr && !setup_.is_used->load(std::memory_order_relaxed)) return false;
+    return was_ai_.load(std::memory_order_relaxed) ||
            setup_.mode.load(std::memory_order_relaxed) == Mode::kAi;
   }
   bool HasCore();

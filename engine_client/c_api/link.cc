@@ -12,7 +12,9 @@
 #include "engine_client/text/names.h"
 
 using sweepstake::ConnectionState;
+using sweepstake::DecisionRules;
 using sweepstake::LinkAction;
+using sweepstake::RewardWeights;
 using sweepstake::SessionLink;
 using sweepstake::SessionOptions;
 using sweepstake::SessionStats;
@@ -44,6 +46,7 @@ struct Link : LinkedSession {
     if (owner == nullptr) return;
     owner->content->adaptive->SetDeciderPresent(false);
     owner->content->adaptive->SetSettling(owner->content->settling_ns);
+    owner->content->adaptive->SetLaneUse(true);
     owner->content->adaptive->SetBailOutLimit(owner->content->bail_out_ns);
     owner->content->link = nullptr;  // last: from now on a decider may be attached
   }
@@ -72,7 +75,22 @@ swp_link_options DefaultLinkOptions() {
   options.unacknowledged_messages = defaults.unacknowledged_messages;
   options.backoff_min_ms = defaults.backoff_min_ms;
   options.backoff_max_ms = defaults.backoff_max_ms;
+  options.decision_interval_ns = SWP_DAEMON_VALUE;
+  options.cooldown_ns = SWP_DAEMON_VALUE;
+  options.settling_ns = SWP_DAEMON_VALUE;
   return options;
+}
+
+DecisionRules RulesOf(const swp_link_options& given) {
+  const auto chosen = [](uint64_t interval_ns) {
+    return interval_ns == SWP_DAEMON_VALUE ? std::nullopt : std::optional(interval_ns);
+  };
+  DecisionRules rules = {.decision_interval_ns = chosen(given.decision_interval_ns),
+                         .cooldown_ns = chosen(given.cooldown_ns),
+                         .settling_ns = chosen(given.settling_ns)};
+  constexpr RewardWeights kDaemons = {.fps = 0, .detection = 0, .memory = 0, .checks = 0};
+  if (ToWeights(given.weights) != kDaemons) rules.weights = ToWeights(given.weights);
+  return rules;
 }
 
 SessionOptions ToSessionOptions(const swp_link_options& given) {
@@ -92,6 +110,7 @@ SessionOptions ToSessionOptions(const swp_link_options& given) {
   options.unacknowledged_messages = given.unacknowledged_messages;
   options.backoff_min_ms = given.backoff_min_ms;
   options.backoff_max_ms = given.backoff_max_ms;
+  options.rules = RulesOf(given);
   return options;
 }
 

@@ -58,6 +58,10 @@ struct LiveSession {
   std::atomic<LinkedSession*> link = nullptr;  // null: no link is attached
 };
 
+inline RewardWeights ToWeights(const swp_reward_weights& given) {
+  return {given.fps, given.detection, given.memory, given.checks};
+}
+
 // Copies the beliefs to the caller's array, which has `capacity` elements. Sets `count` even if the
 // array is too small.
 inline swp_result GiveBeliefs(std::span<const ArmBelief> known, swp_belief* beliefs,

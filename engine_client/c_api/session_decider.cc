@@ -34,6 +34,7 @@ EmbeddedOptions ToEmbeddedOptions(const swp_decider_options& given) {
   options.decision_interval_ns = given.decision_interval_ns;
   options.cooldown_ns = given.cooldown_ns;
   options.fps_floor = given.fps_floor;
+  options.weights = ToWeights(given.weights);
   return options;
 }
 
@@ -46,6 +47,8 @@ swp_decider_options DefaultDeciderOptions() {
   options.decision_interval_ns = defaults.decision_interval_ns;
   options.cooldown_ns = defaults.cooldown_ns;
   options.fps_floor = defaults.fps_floor;
+  options.weights = {defaults.weights.fps, defaults.weights.detection, defaults.weights.memory,
+                     defaults.weights.checks};
   return options;
 }
 
@@ -142,6 +145,7 @@ swp_result swp_session_detach_decider(swp_session* session) {
     if (!live.decider_loop) return NoDecider();
     live.adaptive->SetDeciderPresent(false);
     live.adaptive->SetSettling(live.settling_ns);
+    live.adaptive->SetLaneUse(true);
     live.decider_loop.reset();
     return kOk;
   });

@@ -80,6 +80,7 @@ constexpr std::pair<swp_struct, uint32_t> kStructSizes[] = {
     {SWP_STRUCT_SHADOW_STATS, sizeof(swp_shadow_stats)},
     {SWP_STRUCT_DECISION, sizeof(swp_decision)},
     {SWP_STRUCT_VERDICT, sizeof(swp_verdict)},
+    {SWP_STRUCT_REWARD_WEIGHTS, sizeof(swp_reward_weights)},
 };
 
 }  // namespace

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <string_view>
+#include <utility>
 
+#include "engine_client/cli/io/duration.h"
 #include "engine_client/text/names.h"
 
 namespace sweepstake::cli {
@@ -119,6 +121,37 @@ CLI::Option* AddDaemonOptions(CLI::App& command, DaemonOptions& daemon) {
           "token")
       ->envname("SWEEPSTAKE_CLIENT_TOKEN_FILE");
   return address->required();
+}
+
+void AddIntervalOption(CLI::App& command, const std::string& name, const std::string& help,
+                       std::function<void(int64_t ns)> set) {
+  command
+      .add_option_function<std::string>(
+          name,
+          [name, set = std::move(set)](const std::string& text) {
+            const auto duration_ns = ParseDuration(text);
+            if (!duration_ns.ok()) throw CLI::ValidationError(name, duration_ns.status().message());
+            set(static_cast<int64_t>(*duration_ns));
+          },
+          help)
+      ->type_name("DURATION");
+}
+
+void AddWeightsOption(CLI::App& command, std::function<void(const RewardWeights&)> set) {
+  command
+      .add_option_function<std::vector<double>>(
+          "--weights",
+          [set = std::move(set)](const std::vector<double>& given) {
+            if (given.size() != 4) {
+              throw CLI::ValidationError("--weights",
+                                         "give four numbers, such as 0.55,0.25,0.12,0.08");
+            }
+            set({given[0], given[1], given[2], given[3]});
+          },
+          "Weights of the paper's reward, whose sum is 1: frame rate, detection time, memory, "
+          "checks; for policy paper (default: the decider's, 0.55,0.25,0.12,0.08)")
+      ->delimiter(',')
+      ->type_name("W,W,W,W");
 }
 
 void AddJsonFlag(CLI::App& command, bool& json) {

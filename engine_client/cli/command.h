@@ -13,6 +13,7 @@
 
 #include "engine_client/cli/daemon/daemon_options.h"
 #include "engine_client/cli/io/terminal.h"
+#include "sweepstake/frame_sample.h"
 
 namespace sweepstake::cli {
 
@@ -36,6 +37,30 @@ CLI::Validator OneOf(std::span<const std::string_view> words);
 // --tls, the --tls-... options (which imply --tls), and --token-file. The --tls-... options and
 // --token-file can also be set by environment variables.
 CLI::Option* AddDaemonOptions(CLI::App& command, DaemonOptions& daemon);
+// Add an option with a duration, and --weights. `set` receives the value, which is not checked.
+void AddIntervalOption(CLI::App& command, const std::string& name, const std::string& help,
+                       std::function<void(int64_t ns)> set);
+void AddWeightsOption(CLI::App& command, std::function<void(const RewardWeights&)> set);
+// Adds --interval, --cooldown, --settling and --weights for the fields of `options`, which is a
+// decision::DecisionOptions or a DecisionRules. decision::NumberProblems checks the values, after
+// parsing.
+template <typename Options>
+void AddDecisionOptions(CLI::App& command, Options& options) {
+  AddIntervalOption(command, "--interval",
+                    "Time between two decisions; AI Decides decides at least every second "
+                    "(default: the decider's, 2s)",
+                    [&options](int64_t ns) { options.decision_interval_ns = ns; });
+  AddIntervalOption(command, "--cooldown",
+                    "Minimum time between two switches; AI Decides may wait less (default: the "
+                    "decider's, 40s)",
+                    [&options](int64_t ns) { options.cooldown_ns = ns; });
+  AddIntervalOption(command, "--settling",
+                    "Frame time after a switch that is excluded from learning; AI Decides: at most "
+                    "1s (default: the decider's, 2s)",
+                    [&options](int64_t ns) { options.settling_ns = ns; });
+  AddWeightsOption(command,
+                   [&options](const RewardWeights& weights) { options.weights = weights; });
+}
 // Adds --json.
 void AddJsonFlag(CLI::App& command, bool& json);
 // Adds --seed, which must not be negative. Its help text is "Seed of " + `purpose`.

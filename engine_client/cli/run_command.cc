@@ -86,6 +86,12 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   if (!session.ignore_priors) embedded.priors_file = options.priors;
   embedded.seed = session.seed;
   embedded.time_scale = session.time_scale;
+  const DecisionRules& rules = session.rules;
+  embedded.weights = rules.weights.value_or(embedded.weights);
+  embedded.decision_interval_ns =
+      rules.decision_interval_ns.value_or(embedded.decision_interval_ns);
+  embedded.cooldown_ns = rules.cooldown_ns.value_or(embedded.cooldown_ns);
+  embedded.settling_ns = rules.settling_ns.value_or(embedded.settling_ns);
   embedded.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
   if (decisions != nullptr) {
     embedded.on_audit_row = [decisions](std::string_view row) {
@@ -300,7 +306,8 @@ int Report(const RunOptions& options, const RunSummary& summary, RunLogs& logs,
       Status(StatusCode::kUnavailable,
              "no session with " + options.daemon.address + ": " + summary.session.last_error +
                  ". The run continued without a decider. If no daemon is running there, start one "
-                 "with sweepstaked --listen HOST:PORT, or use --embedded"));
+                 "with sweepstaked --listen " +
+                 options.daemon.address + ", or use --embedded"));
 }
 
 Status CheckRun(const RunOptions& options, const Terminal& terminal) {
@@ -403,12 +410,15 @@ void Declare(CLI::App& command, RunOptions& options) {
           "Maximum frames per second, as with vertical sync; 0: unlimited (default: 0, with --view "
           "60)")
       ->check(WholeUpTo(1000));
-  command.add_option("--policy", options.session.policy, "Policy (default: the decider's)");
+  command.add_option("--policy", options.session.policy,
+                     "Policy: adaptive (compares expected costs), or paper (Thompson sampling) "
+                     "(default: the decider's, adaptive)");
   command
       .add_option("--time-scale", options.session.time_scale,
                   "Divides every interval of the decider except the bail-out limit; a daemon must "
                   "allow it with --max-time-scale")
       ->check(RealFrom(1.0, 1000.0));
+  AddDecisionOptions(command, options.session.rules);
   command.add_option("--project", options.session.project, "Project the priors belong to");
   command.add_option("--scene-name", options.session.scene,
                      "Scene the priors belong to (default: SCENE-OBJECTS)");
@@ -424,8 +434,9 @@ void Declare(CLI::App& command, RunOptions& options) {
   DeclareFlightRecorder(command, options.session.flight_recorder);
   command
       .add_option("--shadow", options.shadow,
-                  "Shadow lane, which measures inactive arms; auto: in mode ai, if a core is free; "
-                  "on: in mode manual too")
+                  "Shadow lane, which measures inactive arms and prepares switches; auto: in mode "
+                  "ai, if a core is free and the policy learns from it (paper does not); on: in "
+                  "mode manual and with paper too")
       ->check(OneOf(kShadowModes));
   command.add_option(
       "--csv", options.csv,

@@ -75,6 +75,19 @@ DecisionOptions DecisionOptions::Scaled(double time_scale) const {
   return scaled;
 }
 
+DecisionOptions DecisionOptions::With(const DecisionRules& rules) const {
+  const auto set = [](const std::optional<uint64_t>& given_ns, int64_t& interval_ns) {
+    if (given_ns)
+      interval_ns = static_cast<int64_t>(std::min(*given_ns, uint64_t{kMaxIntervalNs} + 1));
+  };
+  DecisionOptions changed = *this;
+  changed.weights = rules.weights.value_or(weights);
+  set(rules.decision_interval_ns, changed.decision_interval_ns);
+  set(rules.cooldown_ns, changed.cooldown_ns);
+  set(rules.settling_ns, changed.settling_ns);
+  return changed;
+}
+
 std::vector<std::string> NumberProblems(const DecisionOptions& options) {
   std::vector<std::string> problems;
   if (Problem problem = CheckWeights(options.weights)) problems.push_back(*std::move(problem));

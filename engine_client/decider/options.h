@@ -9,14 +9,6 @@
 
 namespace sweepstake::decision {
 
-// Weights of the reward's four scores. Each is finite and >= 0; their sum is 1 ± 1e-9 (paper §4).
-struct RewardWeights {
-  double fps = 0.55;
-  double detection = 0.25;
-  double memory = 0.12;
-  double checks = 0.08;
-};
-
 struct DecisionOptions {
   std::string policy = "default";  // one of PolicyNames() (session/policy_registry.h)
   RewardWeights weights;
@@ -40,6 +32,9 @@ struct DecisionOptions {
   // Returns the options with every interval except bail_out_ns divided by `time_scale`. An interval
   // above 0 stays above 0. REQUIRES: 1 <= time_scale <= 1000.
   DecisionOptions Scaled(double time_scale) const;
+  // Returns the options with the rules that a game has set. An interval above kMaxIntervalNs stays
+  // invalid.
+  DecisionOptions With(const DecisionRules& rules) const;
 };
 
 // The largest values that NumberProblems accepts.

@@ -23,6 +23,7 @@ struct SessionRequest {
   std::string session_id;                  // id of the session to resume; empty for a new one
   std::string resume_token;                // proves that the client owns the session
   std::string policy;                      // never empty
+  DecisionRules rules;                     // before the time scale
   Mode mode = Mode::kManual;
   uint32_t active_arm = 0;
   uint32_t switch_epoch = 0;

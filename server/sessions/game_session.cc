@@ -223,7 +223,7 @@ void GameSession::ApplyMessage(protocol::BailOut& bail_out) {
 }
 
 bool GameSession::IsOverLimit(const FrameSample& frame) const {
-  return frame.frame_time_ns > static_cast<uint64_t>(identity_.decision.bail_out_ns);
+  return frame.frame_time_ns > static_cast<uint64_t>(decisions_.setup().options.bail_out_ns);
 }
 
 void GameSession::ApplyMessage(ModeChange& change) {

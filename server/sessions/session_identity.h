@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/decider/options.h"
 #include "server/sessions/prior_store.h"
 
 namespace sweepstake::sessions {
@@ -18,7 +17,7 @@ struct SessionIdentity {
   std::vector<std::string> arms;
   std::vector<uint32_t> backend_versions;  // one per arm
   uint64_t seed = 0;
-  decision::DecisionOptions decision;      // with its intervals divided by the time scale
+  std::string policy;                      // its name in the registry of policies
   uint32_t audit_segment = 1;              // segment of the session's audit log
   std::vector<std::string> prior_sources;  // describes the sources of its prior in the audit log
 };

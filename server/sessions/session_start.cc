@@ -211,10 +211,9 @@ void CheckQuota(priors::PriorReader& store, const SessionRequest& hello,
 
 decision::DecisionOptions OptionsOf(const SessionRequest& hello,
                                     const HostedSessionOptions& options) {
-  decision::DecisionOptions scaled = options.decision;
-  scaled.policy = hello.policy;
-  if (hello.time_scale > 1) scaled = scaled.Scaled(hello.time_scale);
-  return OptionsFor(decision::PolicyKindOf(hello.policy, decision::ShippedPolicies()), scaled);
+  decision::DecisionOptions chosen = options.decision.With(hello.rules);
+  chosen.policy = hello.policy;
+  return chosen.Scaled(hello.time_scale);
 }
 
 SessionIdentity IdentityOf(const SessionRequest& hello, const StoredStart& start, int64_t token_id,
@@ -235,14 +234,15 @@ SessionIdentity IdentityOf(const SessionRequest& hello, const StoredStart& start
     identity.seed = start.source->progress.seed;
     identity.audit_segment = start.source->audit_segment + 1;
   }
-  identity.decision = OptionsOf(hello, options);
+  identity.policy = decision::PolicyKindOf(hello.policy, decision::ShippedPolicies()).name;
   return identity;
 }
 
 decision::SessionSetup SetupOf(const SessionRequest& hello, const SessionIdentity& identity,
-                               const StoredStart& start, int64_t now_ns) {
+                               const StoredStart& start, const HostedSessionOptions& options,
+                               int64_t now_ns) {
   decision::SessionSetup setup;
-  setup.options = identity.decision;
+  setup.options = OptionsOf(hello, options);
   setup.arms = identity.arms;
   setup.priors = start.prior.posteriors();
   setup.seed = identity.seed;
@@ -290,7 +290,7 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(const SessionContext& c
                                                          int64_t token_id) {
   SessionIdentity identity = IdentityOf(hello, start, token_id, context.options);
   const decision::SessionSetup setup =
-      SetupOf(hello, identity, start, context.loop.clock().NowNs());
+      SetupOf(hello, identity, start, context.options, context.loop.clock().NowNs());
   if (const auto problem = decision::Validate(setup, decision::ShippedPolicies()))
     return Refused(reasons::kInvalidMessage, *problem);
   StoredSession stored;

@@ -3,8 +3,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "engine_client/cli/io/duration.h"
-
 namespace sweepstake::cli {
 namespace {
 
@@ -18,19 +16,6 @@ void AddCommands(const CommandContext& context) {
   AddReplayCommand(context);
   AddReportCommand(context);
   AddTraceCommand(context);
-}
-
-void AddInterval(CLI::App& command, const char* name, int64_t& interval_ns, const char* help) {
-  command
-      .add_option_function<std::string>(
-          name,
-          [name, &interval_ns](const std::string& text) {
-            const auto duration_ns = ParseDuration(text);
-            if (!duration_ns.ok()) throw CLI::ValidationError(name, duration_ns.status().message());
-            interval_ns = static_cast<int64_t>(*duration_ns);
-          },
-          help)
-      ->type_name("DURATION");
 }
 
 }  // namespace
@@ -62,29 +47,6 @@ void AddSceneChoice(CLI::App& command, SceneChoice& scene) {
   command.add_option("--objects", scene.object_count,
                      "Object count; ignored for a file, which has its own");
   AddSeedOption(command, scene.seed, "spawn and motion");
-}
-
-void AddDecisionOptions(CLI::App& command, decision::DecisionOptions& options) {
-  AddInterval(command, "--interval", options.decision_interval_ns,
-              "Time between two decisions (default: 2s)");
-  AddInterval(command, "--cooldown", options.cooldown_ns,
-              "Minimum time between two switches; some policies wait less (default: 40s)");
-  AddInterval(command, "--settling", options.settling_ns,
-              "Frame time after a switch that is excluded from learning (default: 2s)");
-  command
-      .add_option_function<std::vector<double>>(
-          "--weights",
-          [&weights = options.weights](const std::vector<double>& given) {
-            if (given.size() != 4) {
-              throw CLI::ValidationError("--weights",
-                                         "give four numbers, such as 0.55,0.25,0.12,0.08");
-            }
-            weights = {given[0], given[1], given[2], given[3]};
-          },
-          "Weights of the paper's reward, whose sum is 1: frame rate, detection time, memory, "
-          "checks (default: 0.55,0.25,0.12,0.08)")
-      ->delimiter(',')
-      ->type_name("W,W,W,W");
 }
 
 std::string DurationText(double seconds) {

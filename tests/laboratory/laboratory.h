@@ -36,10 +36,6 @@ void AddArmsOption(CLI::App& command, std::vector<std::string>& arms);
 // Adds --scene (required), --objects and --seed, for commands with one scene.
 void AddSceneChoice(CLI::App& command, SceneChoice& scene);
 
-// Adds --interval, --cooldown, --settling and --weights, for commands that run policies. The
-// numbers are checked by decision::Validate, after parsing.
-void AddDecisionOptions(CLI::App& command, decision::DecisionOptions& options);
-
 // Returns "1 h 12 min", "3 min" or "40 s".
 std::string DurationText(double seconds);
 

@@ -26,6 +26,7 @@ STRUCTS = {
     "swp_filter": "ProxyFilter", "swp_proxy_options": "ProxyOptions", "swp_proxy_pair": "ProxyPair", "swp_ray": "RayQuery",
     "swp_ray_hit": "QueryHit", "swp_scene_options": "SceneOptions", "swp_link_options": "NativeLinkOptions",
     "swp_link_stats": "LinkStats", "swp_decision": "Decision", "swp_sphere": "SphereQuery", "swp_box_sweep": "BoxSweepQuery",
+    "swp_reward_weights": "RewardWeights",
 }
 # Structs that contain callbacks. Functions that take them are left out of the C# imports.
 LEFT_OUT = {"swp_executor", "swp_hooks"}

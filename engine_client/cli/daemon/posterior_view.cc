@@ -89,7 +89,7 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
        << " active, evidence from " << scene.source_count() << " in total\n"
        << "verdict " << VerdictText(scene) << '\n';
   TextTable table({"arm", "0" + std::string(kBarWidth - 2, ' ') + "1", "mean", "95_low", "95_high",
-                   "cost", "95_low", "95_high", "best", "n", "windows", "visits", "bail-outs"});
+                   "cost", "95_low", "95_high", "best", "equiv", "windows", "visits", "bail-outs"});
   for (const v1::ArmPosterior& arm : scene.arms()) {
     const decision::CredibleInterval interval = {arm.posterior().low_95(),
                                                  arm.posterior().high_95()};

@@ -4,7 +4,6 @@
 
 #include "engine_client/cli/daemon/posterior_view.h"
 #include "engine_client/cli/io/duration.h"
-#include "engine_client/decider/session/policy_registry.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -15,13 +14,8 @@ constexpr std::chrono::milliseconds kRedrawInterval{150};
 constexpr char kHomeAndClear[] = "\x1b[H\x1b[2J";
 constexpr char kLegend[] =
     "|: mean, -: central 95 % of the posterior, cost: ratio to the leader's,\n"
-    "best: probability of being the best arm, n: effective number of live windows. Ctrl-C ends.\n";
-
-// Returns the reward version of a policy, or 0 if this program does not have the policy.
-uint32_t RewardVersionOf(const std::string& policy) {
-  const decision::PolicyEntry* known = decision::FindPolicy(policy, decision::ShippedPolicies());
-  return known == nullptr ? 0 : known->kind.reward_version;
-}
+    "best: probability of being the best arm, equiv: equivalent number of live windows.\n"
+    "Ctrl-C ends.\n";
 
 }  // namespace
 
@@ -32,7 +26,7 @@ void WatchScreen::Show(const v1::WatchPosteriorsResponse& event, TimePoint now) 
     // On a terminal the session's id is left out to save space.
     const std::string session = redraws_ ? "" : decision.session_id() + " of ";
     latest_[{decision.project(), decision.scene(), decision.machine_class(),
-             RewardVersionOf(decision.policy())}] = decision;
+             decision.reward_version()}] = decision;
     ShowDecision(UtcText(decision.unix_ms()) + " " + session + DecisionText(decision));
   }
   if (!redraws_) out_ << std::flush;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/standing_cells.h"
 #include "engine_client/cli/io/text_table.h"
@@ -23,7 +24,7 @@ constexpr std::array<std::string_view, 6> kShadowStateNames = {
     "off",
     "off, there is only one arm",
     "off, no core to spare",
-    "paused in manual mode",
+    "paused, because the mode is manual or the policy does not use it",
     "running",
     "off, the scene is too big for the lane's memory"};
 
@@ -63,6 +64,26 @@ bool IsNothingKnown(std::span<const ArmRow> arms) {
 // last_error, so an error after the first connection means that the connection is lost now.
 bool IsLost(const SessionStats& session) {
   return session.connection_count > 0 && !session.last_error.empty();
+}
+
+// Returns whether the run had a daemon's address but never a session with it.
+bool IsUnreached(const RunSummary& summary) {
+  return summary.setup.decider != "embedded" && summary.session.connection_count == 0;
+}
+
+// Returns what was learnt: a table of the arms, or why there is none.
+std::string LearntText(const RunSummary& summary) {
+  const RunSetup& setup = summary.setup;
+  if (IsUnreached(summary)) {
+    return "\nNothing was learnt, because no daemon decided: start one with sweepstaked --listen " +
+           setup.decider + ", or use --embedded\n";
+  }
+  std::string text = "\nPosteriors learnt in " + setup.scene.name + " with " +
+                     std::to_string(setup.scene.object_count) + " objects (" +
+                     PriorsText(setup, summary.session) + ")\n" + ArmTable(summary);
+  if (IsNothingKnown(summary.arms))
+    text += "Nothing was learnt yet: all posteriors are Beta(1,1)\n";
+  return text;
 }
 
 std::string DropCause(const SessionStats& session) {
@@ -159,9 +180,16 @@ std::string InvalidBoxesText(uint32_t count) {
 // a string, because a JSON number cannot represent all 64 bits.
 Json DaemonJson(const SessionStats& session) {
   if (session.daemon_version.empty()) return nullptr;
-  return {{"version", session.daemon_version},
-          {"policy", session.policy},
-          {"seed", std::to_string(session.seed)}};
+  Json document = {{"version", session.daemon_version},
+                   {"policy", session.policy},
+                   {"seed", std::to_string(session.seed)},
+                   {"interval_s", Seconds(session.rules.decision_interval_ns.value_or(0))},
+                   {"cooldown_s", Seconds(session.rules.cooldown_ns.value_or(0))},
+                   {"settling_s", Seconds(session.rules.settling_ns.value_or(0))}};
+  if (const std::optional<RewardWeights>& weights = session.rules.weights) {
+    document["weights"] = {weights->fps, weights->detection, weights->memory, weights->checks};
+  }
+  return document;
 }
 
 Json RecordingsJson(const SessionStats& session) {
@@ -288,7 +316,7 @@ std::string BeliefsText(std::span<const ArmBelief> beliefs) {
     const std::string n = standing ? Fixed(standing->effective_window_count, 1) : "";
     text += (text.empty() ? "" : " · ") + belief.arm + " " +
             (has_ratio ? "×" + RatioText(standing->cost_ratio->median) : Fixed(mean(belief), 2)) +
-            (n.empty() ? "" : (text.empty() ? " (n " : " (") + n + ")");
+            (n.empty() ? "" : " (" + n + (text.empty() ? " equivalent windows)" : ")"));
   }
   return text;
 }
@@ -338,14 +366,8 @@ std::string RecordingsText(const SessionStats& session) {
 }
 
 std::string RunReportText(const RunSummary& summary) {
-  const SceneChoice& scene = summary.setup.scene;
-  std::string text = "\nPosteriors learnt in " + scene.name + " with " +
-                     std::to_string(scene.object_count) + " objects (" +
-                     PriorsText(summary.setup, summary.session) + ")\n" + ArmTable(summary);
-  if (IsNothingKnown(summary.arms))
-    text += "Nothing was learnt yet: all posteriors are Beta(1,1)\n";
-  return text + std::to_string(summary.frame_count) + " frames in " + Fixed(summary.active_s(), 1) +
-         " s, " + Fixed(summary.fps(), 0) + " frames/s\n" +
+  return LearntText(summary) + std::to_string(summary.frame_count) + " frames in " +
+         Fixed(summary.active_s(), 1) + " s, " + Fixed(summary.fps(), 0) + " frames/s\n" +
          InvalidBoxesText(summary.invalid_box_count) +
          DroppedText(summary.session, summary.frame_count) + '\n' +
          SuspendedText(summary.suspended_frame_count) +
@@ -353,7 +375,8 @@ std::string RunReportText(const RunSummary& summary) {
               ? "The session did not end properly: " + summary.session.last_error + '\n'
               : "") +
          SwitchCountsText(summary) + '\n' + ShadowText(summary) + '\n' + FrameCostText(summary) +
-         '\n' + "Verdict: " + VerdictText(summary.verdict) + '\n' + RecordingsText(summary.session);
+         '\n' + (IsUnreached(summary) ? "" : "Verdict: " + VerdictText(summary.verdict) + '\n') +
+         RecordingsText(summary.session);
 }
 
 Json RunReportJson(const RunSummary& summary) {

@@ -22,9 +22,10 @@ std::string SwitchText(const SwitchRow& row);
 std::string VerdictText(const VerdictRow& row);
 // Returns, for example, "12.3 s  frame 4567: verdict stable: …".
 std::string VerdictChangeText(const VerdictChangeRow& row);
-// Returns each arm's cost ÷ the leader's cost, the best arm first, with the effective number of
-// live windows: "KDTree ×1.00 (n 24.2) · Grid ×1.31 (6.0)". If the costs are unknown, returns the
-// posterior means: "KDTree 0.81 (n 24.2)". Empty if there are no beliefs yet.
+// Returns each arm's cost ÷ the leader's cost, the best arm first, with the equivalent number of
+// live windows: "KDTree ×1.00 (24.2 equivalent windows) · Grid ×1.31 (6.0)". If the costs are
+// unknown, returns the posterior means: "KDTree 0.81 (24.2 equivalent windows)". Empty if there are
+// no beliefs yet.
 std::string BeliefsText(std::span<const ArmBelief> beliefs);
 // Returns the work and the cost of the shadow lane as text, or the reason why there is no lane.
 std::string ShadowText(const RunSummary& summary);

@@ -11,7 +11,7 @@ std::string RatioText(double ratio) {
 }
 
 std::vector<std::string> StandingHeader() {
-  return {"cost", "95_low", "95_high", "best", "n", "live", "lane"};
+  return {"cost", "95_low", "95_high", "best", "equiv", "live", "lane"};
 }
 
 std::vector<std::string> StandingCells(const std::optional<ArmStanding>& standing) {
@@ -26,8 +26,11 @@ std::vector<std::string> StandingCells(const std::optional<ArmStanding>& standin
 std::string StandingLegend() {
   return "cost: ratio to the leader's, with its 95 % interval; best: probability of being the best "
          "arm;\n"
-         "n: effective number of live windows; live, lane: live windows and shadow-lane visits in "
-         "the evidence\n";
+         "live, lane: live windows and shadow-lane visits in the evidence; equiv: the number of "
+         "live "
+         "windows\nthat would be as informative as all of them and the priors; a few visits of the "
+         "lane "
+         "are less than 1\n";
 }
 
 void AddStanding(const std::optional<ArmStanding>& standing, Json& document) {

@@ -14,12 +14,12 @@ namespace sweepstake::cli {
 // Returns the header cells:
 // - "cost", "95_low", "95_high": the cost ÷ the leader's cost, and its 95 % interval
 // - "best": the probability of being the best arm
-// - "n": the effective number of live windows
+// - "equiv": the equivalent number of live windows (ArmStanding::effective_window_count)
 // - "live", "lane": the live windows and the shadow lane's visits in the evidence
 std::vector<std::string> StandingHeader();
 // Returns the cells below that header. "-" stands for an unknown value.
 std::vector<std::string> StandingCells(const std::optional<ArmStanding>& standing);
-// Returns two lines that explain the header.
+// Returns three lines that explain the header.
 std::string StandingLegend();
 
 // Adds the keys cost_ratio, cost_ratio_95, best_probability, n, live_windows and lane_visits to

@@ -71,6 +71,7 @@ class AuditRecorder final : public DecisionObserver {
   const uint32_t segment_;
   const std::vector<std::string> arms_;
   const PolicyKind& policy_;
+  const uint32_t reward_version_;
   uint64_t row_count_ = 0;
   uint64_t hash_ = math::kFnv1aStart;
   // One row object per thread, shared by all its sessions. Each row is completed before the next
@@ -86,7 +87,8 @@ AuditRecorder::AuditRecorder(AuditSink& sink, AuditOrigin origin, const SessionS
       session_id_(origin.session_id),
       segment_(origin.segment),
       arms_(setup.arms),
-      policy_(policy) {
+      policy_(policy),
+      reward_version_(RewardVersionOf(policy, setup.options.weights)) {
   Begin(AuditKind::kSetup, setup.start_ns);
   row_.setup = {std::move(origin), setup};
   // Log the policy's own name, because the meaning of "default" may change in a later version.
@@ -146,7 +148,7 @@ void AuditRecorder::OnDecision(const Decision& decision) {
   const bool is_learnt = !diagnosis.best_probability.empty();
   row_.decision = {.id = record.decision_id,
                    .policy = std::string(policy_.name),
-                   .reward_version = policy_.reward_version,
+                   .reward_version = reward_version_,
                    .active_arm = arms_[record.active_arm],
                    .candidate = record.candidate ? arms_[*record.candidate] : "",
                    .outcome = record.outcome,

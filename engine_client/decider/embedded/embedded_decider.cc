@@ -25,27 +25,17 @@
 namespace sweepstake {
 namespace {
 
-// Converts an interval. A value above the maximum becomes the maximum + 1, which the validation
-// rejects.
-int64_t ToSigned(uint64_t interval_ns) {
-  constexpr uint64_t kBeyond = decision::kMaxIntervalNs + 1;
-  return static_cast<int64_t>(std::min(interval_ns, kBeyond));
-}
-
-decision::DecisionOptions UnscaledOptions(const EmbeddedOptions& options,
-                                          const decision::RewardWeights& weights) {
+decision::DecisionOptions UnscaledOptions(const EmbeddedOptions& options) {
   decision::DecisionOptions unscaled;
-  unscaled.weights = weights;
   unscaled.policy = options.policy;
-  unscaled.decision_interval_ns = ToSigned(options.decision_interval_ns);
-  unscaled.cooldown_ns = ToSigned(options.cooldown_ns);
-  unscaled.settling_ns = ToSigned(options.settling_ns);
   unscaled.fps_floor = options.fps_floor;
-  return unscaled;
+  return unscaled.With({.weights = options.weights,
+                        .decision_interval_ns = options.decision_interval_ns,
+                        .cooldown_ns = options.cooldown_ns,
+                        .settling_ns = options.settling_ns});
 }
 
-Status ValidateEmbedded(const EmbeddedOptions& options, const decision::RewardWeights& weights,
-                        size_t arm_count, size_t version_count) {
+Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t version_count) {
   const auto invalid = [](std::string message) {
     return Status(StatusCode::kInvalidArgument, std::move(message));
   };
@@ -56,8 +46,7 @@ Status ValidateEmbedded(const EmbeddedOptions& options, const decision::RewardWe
   if (options.mode != Mode::kManual && options.mode != Mode::kAi) {
     return invalid("mode is neither kManual (1) nor kAi (2)");
   }
-  const std::vector<std::string> problems =
-      decision::NumberProblems(UnscaledOptions(options, weights));
+  const std::vector<std::string> problems = decision::NumberProblems(UnscaledOptions(options));
   if (!problems.empty()) return invalid(problems.front());
   for (const auto& [field, name] :
        {std::pair{"project", &options.project}, {"scene", &options.scene}}) {
@@ -120,7 +109,7 @@ decision::PriorKey PriorKeyOf(const EmbeddedOptions& options, const decision::Po
   return {.project = options.project,
           .scene = options.scene,
           .machine_class = MachineClassOf(options),
-          .reward_version = policy.reward_version,
+          .reward_version = decision::RewardVersionOf(policy, options.weights),
           .build = options.build,
           .source = options.source_id.empty() ? NewSourceId() : options.source_id,
           .arms = {arms.begin(), arms.end()},
@@ -128,11 +117,10 @@ decision::PriorKey PriorKeyOf(const EmbeddedOptions& options, const decision::Po
           .compares_sources = policy.starts_from_priors};
 }
 
-decision::SessionSetup MakeSetup(const EmbeddedOptions& options,
-                                 const decision::RewardWeights& weights,
-                                 std::span<const std::string> arms, uint64_t now_ns) {
+decision::SessionSetup MakeSetup(const EmbeddedOptions& options, std::span<const std::string> arms,
+                                 uint64_t now_ns) {
   decision::SessionSetup setup;
-  setup.options = UnscaledOptions(options, weights).Scaled(options.time_scale);
+  setup.options = UnscaledOptions(options).Scaled(options.time_scale);
   setup.arms.assign(arms.begin(), arms.end());
   setup.seed = options.seed;
   setup.mode = options.mode;
@@ -232,9 +220,9 @@ Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
 Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
     const EmbeddedOptions& options, std::span<const std::string> arms,
     std::span<const uint32_t> arm_versions, uint64_t now_ns) const {
-  Status status = ValidateEmbedded(options, weights, arms.size(), arm_versions.size());
+  Status status = ValidateEmbedded(options, arms.size(), arm_versions.size());
   if (!status.ok()) return status;
-  decision::SessionSetup setup = MakeSetup(options, weights, arms, now_ns);
+  decision::SessionSetup setup = MakeSetup(options, arms, now_ns);
   if (const std::optional<std::string> error = decision::Validate(setup, policies)) {
     return Status(StatusCode::kInvalidArgument, *error);
   }
@@ -333,6 +321,7 @@ std::string EmbeddedDecider::AuditHeader() { return decision::AuditHeader(); }
 uint64_t EmbeddedDecider::settling_ns() const {
   return static_cast<uint64_t>(impl_->session.setup().options.settling_ns);
 }
+bool EmbeddedDecider::uses_shadow() const { return impl_->session.policy_kind().uses_shadow; }
 std::vector<ArmBelief> EmbeddedDecider::beliefs() const {
   const FloatEnvironmentScope environment;
   const decision::DecisionSession& session = impl_->session;

@@ -1,5 +1,5 @@
-// Makes an embedded decider with any policy of a registry and any reward weights, for the
-// laboratory. The header is not installed, so games can choose only shipped policies.
+// Makes an embedded decider with any policy of a registry, for the laboratory. The header is not
+// installed, so games can choose only shipped policies.
 #pragma once
 
 #include "engine_client/decider/session/policy_registry.h"
@@ -11,7 +11,6 @@ namespace sweepstake {
 // deciders.
 struct StudyMaker {
   decision::PolicyRegistry policies;
-  decision::RewardWeights weights = {};
 
   Result<std::unique_ptr<EmbeddedDecider>> MakeDecider(const EmbeddedOptions& options,
                                                        std::span<const std::string> arms,

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 
 #include "engine_client/decider/policy/adaptive_policy.h"
+#include "engine_client/decider/policy/log_cost.h"
 #include "engine_client/decider/policy/paper_policy.h"
+#include "engine_client/math/hash.h"
 
 namespace sweepstake::decision {
 namespace {
@@ -42,6 +45,15 @@ const PolicyKind& PolicyKindOf(std::string_view name, PolicyRegistry policies) {
   const PolicyEntry* entry = FindPolicy(name, policies);
   assert(entry != nullptr && "Validate(options) accepts only names of the registry");
   return entry->kind;
+}
+
+uint32_t RewardVersionOf(const PolicyKind& kind, const RewardWeights& weights) {
+  const bool uses_weights = kind.reward_version != kLogCostRewardVersion;
+  if (!uses_weights || weights == RewardWeights()) return kind.reward_version;
+  uint64_t hash = kind.reward_version;
+  for (const double weight : {weights.fps, weights.detection, weights.memory, weights.checks})
+    hash = math::Mix64(hash ^ std::bit_cast<uint64_t>(weight + 0.0));  // -0 becomes 0
+  return kFirstOwnRewardVersion | static_cast<uint32_t>(hash % kFirstOwnRewardVersion);
 }
 
 std::unique_ptr<Policy> MakePolicy(const PolicySetup& setup, PolicyRegistry policies) {

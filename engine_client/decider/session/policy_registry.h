@@ -31,6 +31,14 @@ const PolicyEntry* FindPolicy(std::string_view name, PolicyRegistry policies);
 // REQUIRES: FindPolicy(name, policies) finds it.
 const PolicyKind& PolicyKindOf(std::string_view name, PolicyRegistry policies);
 
+// The first reward version that belongs to weights other than the default.
+inline constexpr uint32_t kFirstOwnRewardVersion = 1U << 30;
+
+// Returns the version of a policy's rewards; evidence of different versions is never merged. It is
+// the reward_version of the kind. If the rewards depend on the weights and these are not the
+// default, it is a hash of the weights, from kFirstOwnRewardVersion to twice that number.
+uint32_t RewardVersionOf(const PolicyKind& kind, const RewardWeights& weights);
+
 // Makes the policy of setup.options.policy. REQUIRES: FindPolicy finds it.
 std::unique_ptr<Policy> MakePolicy(const PolicySetup& setup, PolicyRegistry policies);
 

@@ -222,6 +222,9 @@ class AdaptiveBroadPhase {
   void SetPosteriorMeans(std::span<const double> means);
   // Sets the settling time, for example from a daemon's welcome message. Any thread.
   void SetSettling(uint64_t settling_ns);
+  // Sets whether the decider learns from the shadow lane. If not, a lane with ShadowMode::kAuto
+  // rests and prepares no switches; kOn always runs. Any thread.
+  void SetLaneUse(bool used);
   // Sets the bail-out limit, for example from a daemon's welcome message. 0 is ignored. Any
   // thread.
   void SetBailOutLimit(uint64_t limit_ns);

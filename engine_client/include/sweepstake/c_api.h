@@ -176,7 +176,8 @@ enum {
   SWP_STRUCT_SPHERE = 24,
   SWP_STRUCT_BOX_SWEEP = 25,
   SWP_STRUCT_HOOKS = 26,
-  SWP_STRUCT_DAEMON_OPTIONS = 27
+  SWP_STRUCT_DAEMON_OPTIONS = 27,
+  SWP_STRUCT_REWARD_WEIGHTS = 28
 };
 
 /* The size in bytes of a struct in this library, for bindings of other languages; 0 for an unknown

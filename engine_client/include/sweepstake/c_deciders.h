@@ -24,6 +24,16 @@ extern "C" {
 
 /* NOLINTBEGIN(modernize-use-using): C has none. */
 
+/* Weights of the four scores in the paper's reward. Each is >= 0; their sum is 1. Only policy
+ * "paper" uses them. Other weights than the default have a reward version of their own: their
+ * evidence is never merged with that of the default. */
+typedef struct swp_reward_weights {
+  double fps;       /* default: 0.55 */
+  double detection; /* default: 0.25 */
+  double memory;    /* default: 0.12 */
+  double checks;    /* default: 0.08 */
+} swp_reward_weights;
+
 typedef struct swp_decider_options {
   uint32_t struct_size;
   uint32_t reserved;         /* 0 */
@@ -51,6 +61,7 @@ typedef struct swp_decider_options {
                                days; default: 40 s */
   double fps_floor;     /* frame-rate floor in frames/s, 0 to 1000; a scene whose best arm is slower
                            is SWP_VERDICT_DEGRADED; default: 30 */
+  swp_reward_weights weights;
 } swp_decider_options;
 
 /* A posterior of an arm's reward, Beta(alpha, beta). */

@@ -42,6 +42,9 @@ extern "C" {
 
 typedef struct swp_link swp_link;
 
+/* An interval in swp_link_options that the daemon's configuration determines. */
+#define SWP_DAEMON_VALUE 0xffffffffffffffffU
+
 /* The same options as SessionOptions in session.h. The texts are names of at most 128 bytes. */
 typedef struct swp_link_options {
   uint32_t struct_size;
@@ -53,7 +56,7 @@ typedef struct swp_link_options {
   const char* build;          /* NULL: unknown */
   const char* machine_class;  /* NULL: detected from processor, threads and memory */
   const char* policy;         /* NULL: the daemon's default */
-  uint64_t seed;              /* 0: the daemon chooses */
+  uint64_t seed;              /* of the exploration and the draws; 0: the daemon chooses */
   double time_scale;          /* 1 to 1000: divides the decider's intervals; a daemon refuses values
                                  above 1 unless it is configured to allow them */
   uint64_t jitter_seed;       /* seed of the delays between attempts; 0: a new one for each link */
@@ -69,6 +72,12 @@ typedef struct swp_link_options {
                               token it is about six times the maximum. A daemon that drains sets the
                               delay: at most four times the maximum, plus jitter */
   uint32_t reserved;       /* 0 */
+  /* Rules for this session instead of those of the daemon's configuration: SWP_DAEMON_VALUE, the
+   * default, keeps the daemon's. The daemon refuses values out of range. */
+  uint64_t decision_interval_ns; /* time between decisions, 250 ms to 100 days */
+  uint64_t cooldown_ns;          /* as in swp_decider_options */
+  uint64_t settling_ns;       /* as in swp_session_options; the welcome sets the session's value */
+  swp_reward_weights weights; /* all 0, the default, keeps the daemon's */
 } swp_link_options;
 
 /* The action that the caller must perform on its stream. */
@@ -103,7 +112,7 @@ typedef struct swp_link_stats {
   uint64_t command_count;          /* switches that the daemon commanded */
   uint64_t unknown_message_count;  /* messages of a newer protocol, ignored */
   uint64_t prior_source_count;     /* sources in the priors that the session started from */
-  uint64_t seed;                   /* seed of the daemon's random draws */
+  uint64_t seed;                   /* seed of the exploration and the draws of policy "paper" */
   uint32_t priors_unavailable;     /* 1: the daemon could not read all of its priors */
   uint32_t awaits_acknowledgement; /* 1: sending pauses until the daemon acknowledges */
 } swp_link_stats;

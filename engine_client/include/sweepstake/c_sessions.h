@@ -60,8 +60,9 @@ enum {
 typedef uint32_t swp_shadow_mode;
 enum {
   SWP_SHADOW_OFF = 0,
-  SWP_SHADOW_AUTO = 1, /* runs from the first SWP_MODE_AI on, while there is a spare core */
-  SWP_SHADOW_ON = 2    /* runs also in a game that has always been manual */
+  SWP_SHADOW_AUTO = 1, /* runs from the first SWP_MODE_AI on, while there is a spare core; rests
+                          with a policy that does not learn from it, such as "paper" */
+  SWP_SHADOW_ON = 2    /* runs also in a game that has always been manual, and with each policy */
 };
 
 typedef struct swp_session_options {
@@ -138,7 +139,7 @@ enum {
   SWP_SHADOW_STATE_OFF = 0,           /* the options disable the lane */
   SWP_SHADOW_STATE_ONE_ARM = 1,       /* off: there is only one arm */
   SWP_SHADOW_STATE_NO_SPARE_CORE = 2, /* resting: the game's threads use all cores */
-  SWP_SHADOW_STATE_PAUSED = 3,        /* SWP_SHADOW_AUTO, and the mode was never SWP_MODE_AI */
+  SWP_SHADOW_STATE_PAUSED = 3,        /* SWP_SHADOW_AUTO rests: see swp_shadow_mode */
   SWP_SHADOW_STATE_RUNNING = 4,
   SWP_SHADOW_STATE_TOO_BIG = 5 /* the scene does not fit in the lane's memory */
 };

@@ -61,7 +61,9 @@ struct DecisionEvent {
 };
 
 struct EmbeddedOptions {
-  std::string policy = "default";  // name of the policy; "default": the policy of AI Decides
+  // Name of the policy. "default" is "adaptive", the policy of AI Decides, which compares expected
+  // costs; "paper" is Thompson sampling.
+  std::string policy = "default";
   // The priors are stored by project, scene, machine class and backend version.
   std::string project = "default";
   std::string scene = "default";
@@ -84,6 +86,9 @@ struct EmbeddedOptions {
   std::string source_id = {};
   uint64_t seed = 1;
   double time_scale = 1;  // 1–1000: divides every interval except the bail-out limit
+  // Weights of the paper's reward. Other weights than these have a reward version of their own, so
+  // their evidence is never merged with that of these.
+  RewardWeights weights = {};
   // Time between decisions, 1 ns to 100 days. A decision learns from the mean over this time. AI
   // Decides (policy `adaptive`) decides at least every second, and when the scene changes.
   uint64_t decision_interval_ns = 2'000'000'000;
@@ -143,6 +148,8 @@ class EmbeddedDecider {
   // Returns the settling time of the policy, divided by the time scale, for
   // AdaptiveBroadPhase::SetSettling.
   uint64_t settling_ns() const;
+  // Returns whether the policy learns from the shadow lane, for AdaptiveBroadPhase::SetLaneUse.
+  bool uses_shadow() const;
   std::vector<ArmBelief> beliefs() const;
   // Returns the verdict of the latest decision.
   SceneVerdict verdict() const;

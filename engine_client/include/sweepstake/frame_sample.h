@@ -24,6 +24,29 @@ inline constexpr uint32_t kFrameWithoutCost =
 
 inline constexpr uint64_t kBailOutNs = 5'000'000'000;  // the default bail-out limit
 
+// Weights of the four scores in the paper's reward (paper §4). Each is finite and >= 0; their sum
+// is 1 ± 1e-9. Only policy `paper` uses them: the reward of AI Decides depends on the detection
+// time alone.
+struct RewardWeights {
+  double fps = 0.55;
+  double detection = 0.25;
+  double memory = 0.12;
+  double checks = 0.08;
+
+  friend bool operator==(const RewardWeights&, const RewardWeights&) = default;
+};
+
+// The rules of a decider that a game can set for its own session. EmbeddedOptions documents the
+// fields. Absent: the decider's own value.
+struct DecisionRules {
+  std::optional<RewardWeights> weights = {};
+  std::optional<uint64_t> decision_interval_ns = {};
+  std::optional<uint64_t> cooldown_ns = {};
+  std::optional<uint64_t> settling_ns = {};
+
+  friend bool operator==(const DecisionRules&, const DecisionRules&) = default;
+};
+
 // The cost of one frame. A frame may search several times, once per substep. Times and checks are
 // then summed; bytes, pairs and objects come from the latest search.
 struct FrameSample {

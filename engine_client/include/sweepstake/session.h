@@ -64,10 +64,11 @@ struct SessionStats {
   uint64_t prior_source_count = 0;     // sources in the priors the session started from
   bool priors_unavailable = false;     // the daemon could not read all of its priors
   // The daemon's version, policy and seed. They are empty and 0 before the first welcome, and
-  // without a daemon. The same seed and policy give the same draws.
+  // without a daemon. The same seed gives the same exploration and draws, which only `paper` makes.
   std::string daemon_version;
   std::string policy;
   uint64_t seed = 0;
+  DecisionRules rules;  // the daemon's rules for this session, from its welcome in whole ms
   // Times of the sender thread with an embedded decider; 0 with a daemon, which decides elsewhere.
   uint64_t intake_time_ns = 0;    // time to pass the queue's samples to the decider
   uint64_t decision_time_ns = 0;  // total time of all decisions
@@ -118,6 +119,9 @@ struct SessionOptions {
   std::string build = {};          // empty: unknown
   std::string machine_class = {};  // class of comparable machines; empty: MachineClass()
   std::string policy = {};         // empty: the decider's default
+  // Rules for this session; absent: those of the daemon's configuration. A daemon refuses an
+  // interval between decisions below 250 ms. Unused with an embedded decider.
+  DecisionRules rules = {};
   double time_scale = 1;  // 1–1000: divides intervals; above 1 only if the daemon allows it
   bool ignore_priors = false;
   uint64_t seed = 0;  // 0: the decider chooses

@@ -11,8 +11,10 @@ namespace sweepstake {
 // Values are stable: the C ABI has the same ones.
 enum class ShadowMode : uint32_t {
   kOff = 0,
-  kAuto = 1,  // runs from the first Mode::kAi on, also while the mode is then kManual
-  kOn = 2,    // runs also in a game that has always been manual
+  // Runs from the first Mode::kAi on, also while the mode is then kManual. Rests with a policy that
+  // does not learn from it, such as `paper`, whose switches are then cold.
+  kAuto = 1,
+  kOn = 2,  // runs also in a game that has always been manual, and with each policy
 };
 
 struct ShadowOptions {
@@ -41,7 +43,7 @@ enum class ShadowState : uint32_t {
   kOff = 0,          // the options disable the lane
   kOneArm = 1,       // off: there is only one arm
   kNoSpareCore = 2,  // resting: the game uses all cores; checked again every second
-  kPaused = 3,       // kAuto in a game that has always been manual
+  kPaused = 3,       // kAuto rests: see ShadowMode
   kRunning = 4,
   kTooBig = 5,  // the scene does not fit in the memory cap; tried again every second
 };

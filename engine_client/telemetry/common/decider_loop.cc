@@ -36,6 +36,7 @@ DeciderLoop::DeciderLoop(SampleQueue& queue, AdaptiveBroadPhase& adaptive,
   frames_.reserve(kFrameRun);
   adaptive_.SetDeciderPresent(true);
   adaptive_.SetSettling(decider_->settling_ns());
+  adaptive_.SetLaneUse(decider_->uses_shadow());
 }
 
 uint64_t DeciderLoop::TakeQueue(uint64_t now_ns) {

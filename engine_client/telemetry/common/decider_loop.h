@@ -20,7 +20,7 @@ namespace sweepstake {
 class DeciderLoop {
  public:
   // Borrows the queue and the broad phase. Marks the broad phase as having a decider, and sets its
-  // settling time to the decider's.
+  // settling time and the use of its shadow lane to the decider's.
   DeciderLoop(SampleQueue& queue, AdaptiveBroadPhase& adaptive,
               std::unique_ptr<EmbeddedDecider> decider);
 

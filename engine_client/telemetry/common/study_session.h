@@ -7,8 +7,8 @@
 
 namespace sweepstake {
 
-// Works like MakeEmbeddedSession with the policies and reward weights of `maker`. Its registry must
-// outlive the sessions.
+// Works like MakeEmbeddedSession with the policies of `maker`. Its registry must outlive the
+// sessions.
 Result<std::unique_ptr<Session>> MakeStudySession(const StudyMaker& maker,
                                                   const EmbeddedOptions& embedded,
                                                   const SessionOptions& options);

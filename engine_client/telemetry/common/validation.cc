@@ -8,8 +8,10 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "engine_client/broad_phase/host/float_environment.h"
+#include "engine_client/decider/options.h"
 #include "engine_client/scene/utf8_path.h"
 #include "engine_client/telemetry/common/sample_queue.h"
 #include "engine_client/text/names.h"
@@ -116,6 +118,9 @@ Status ValidateSessionOptions(const SessionOptions& options, const TlsNames& nam
   if (!(options.time_scale >= 1 && options.time_scale <= 1000)) {
     return Invalid("time_scale", "1 to 1000");
   }
+  const std::vector<std::string> problems =
+      decision::NumberProblems(decision::DecisionOptions().With(options.rules));
+  if (!problems.empty()) return {StatusCode::kInvalidArgument, problems.front()};
   if (options.queue_frames < 2 || options.queue_frames > SampleQueue::kMaxFrameCapacity ||
       !std::has_single_bit(options.queue_frames)) {
     return Invalid("queue_frames", "a power of two, 2 to 1048576");

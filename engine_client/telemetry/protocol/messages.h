@@ -48,6 +48,7 @@ struct Hello {
   uint32_t switch_epoch = 0;
   std::string resume_token;
   std::vector<Capability> capabilities;
+  DecisionRules rules;
 };
 
 struct Goodbye {};
@@ -80,6 +81,8 @@ struct Welcome {
   std::string resume_token;
   bool priors_unavailable = false;
   std::vector<Capability> capabilities;
+  uint32_t cooldown_ms = 0;
+  std::optional<RewardWeights> weights;
 };
 
 struct Acknowledgement {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine_client/decider/session/policy_registry.h"
 #include "engine_client/telemetry/common/decider_loop.h"
 #include "engine_client/telemetry/protocol/wire.h"
 #include "engine_client/text/names.h"
@@ -52,6 +53,7 @@ protocol::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhas
   hello.ignore_priors = options.ignore_priors;
   hello.seed = options.seed;
   hello.policy = options.policy;
+  hello.rules = options.rules;
   return hello;
 }
 
@@ -75,6 +77,21 @@ BatchLimits LimitsOf(const SessionOptions& options, const protocol::Welcome& wel
   if (welcome.max_message_bytes > 0)
     limits.bytes = std::min(limits.bytes, welcome.max_message_bytes);
   return limits;
+}
+
+// Returns whether the policy learns from the shadow lane. A policy of a newer daemon may do so.
+bool UsesShadow(std::string_view policy) {
+  const decision::PolicyEntry* known = decision::FindPolicy(policy, decision::ShippedPolicies());
+  return known == nullptr || known->kind.uses_shadow;
+}
+
+// Returns the rules in the welcome; none before the first welcome.
+DecisionRules RulesOf(const protocol::Welcome& welcome) {
+  if (welcome.session_id.empty()) return {};
+  return {.weights = welcome.weights,
+          .decision_interval_ns = welcome.decision_interval_ms * kNsPerMs,
+          .cooldown_ns = welcome.cooldown_ms * kNsPerMs,
+          .settling_ns = welcome.settling_ms * kNsPerMs};
 }
 
 bool Has(const protocol::Welcome& welcome, protocol::Capability capability) {
@@ -268,6 +285,7 @@ void SessionLink::OnWelcome(const protocol::Welcome& welcome, uint64_t now_ns) {
   intake_.SetLimits(LimitsOf(options_, welcome));
   TakeBeliefs(welcome.priors);
   adaptive_.SetSettling(welcome.settling_ms * kNsPerMs);
+  adaptive_.SetLaneUse(UsesShadow(welcome.policy));
   adaptive_.SetBailOutLimit(welcome.bail_out_ms * kNsPerMs);
   adaptive_.SetDeciderPresent(true);
 }
@@ -455,6 +473,7 @@ SessionStats SessionLink::stats() const {
   stats.daemon_version = welcome_.daemon_version;
   stats.policy = welcome_.policy;
   stats.seed = welcome_.seed;
+  stats.rules = RulesOf(welcome_);
   stats.beliefs = beliefs_;
   stats.verdict = verdict_;
   return stats;

@@ -31,12 +31,16 @@ struct StatusDetails {
 // fields with the numbers n, n + 1, … of the proto files. tests/wire_fields_test.py compares names
 // and numbers with the proto files.
 
+void Fields(auto& f, const RewardWeights& m) { f(1, m.fps, m.detection, m.memory, m.checks); }
+void Fields(auto& f, RewardWeights& m) { f(1, m.fps, m.detection, m.memory, m.checks); }
+
 void Fields(auto& f, const Arm& m) { f(1, m.name, m.backend_version); }
 
 void Fields(auto& f, const Hello& m) {
   f(1, m.protocol_version, m.project, m.scene, m.build, m.machine_class, m.arms, m.active_arm,
     m.mode, m.session_id, m.time_scale, m.ignore_priors, m.seed, m.policy, m.switch_epoch,
-    m.resume_token, m.capabilities);
+    m.resume_token, m.capabilities, m.rules.weights, m.rules.decision_interval_ns,
+    m.rules.cooldown_ns, m.rules.settling_ns);
 }
 
 void Fields(auto& f, const SceneDescriptor& m) {
@@ -82,7 +86,7 @@ void Fields(auto& f, Welcome& m) {
   f(1, m.session_id, m.resumed, m.acknowledged_sequence, m.max_batch_frames, m.max_message_bytes,
     m.batch_interval_ms, m.decision_interval_ms, m.settling_ms, m.bail_out_ms, m.daemon_version,
     m.policy, m.seed, m.priors, m.prior_source_count, m.resume_token, m.priors_unavailable,
-    m.capabilities);
+    m.capabilities, m.cooldown_ms, m.weights);
 }
 
 void Fields(auto& f, SwitchCommand& m) {
@@ -159,7 +163,12 @@ class Writer {
   }
   template <typename Value>
   void Put(Number number, const std::optional<Value>& value) {
-    if (value) Put(number, *value);
+    if (!value) return;
+    if constexpr (kIsVarint<Value>) {
+      writer_.add_uint64(number, static_cast<uint64_t>(*value));  // 0 differs from absent
+    } else {
+      Put(number, *value);
+    }
   }
   // Writes a list of numbers as a packed field.
   template <typename Value>
@@ -190,6 +199,8 @@ Message Absent() {
   if constexpr (std::is_same_v<Message, SwitchCommand>) return {.reason = SwitchReason{}};
   if constexpr (std::is_same_v<Message, OperatorOrder>) return {.mode = Mode{}, .arm = {}};
   if constexpr (std::is_same_v<Message, decision::BetaPosterior>) return {.alpha = 0, .beta = 0};
+  if constexpr (std::is_same_v<Message, RewardWeights>)
+    return {.fps = 0, .detection = 0, .memory = 0, .checks = 0};
   if constexpr (std::is_same_v<Message, CostRatio>) return {.median = 0, .low = 0, .high = 0};
   return {};
 }

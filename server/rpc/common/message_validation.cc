@@ -13,6 +13,7 @@
 #include "engine_client/text/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/options.h"
+#include "server/rpc/common/proto_conversion.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -88,6 +89,16 @@ absl::Status CheckPolicy(const std::string& policy) {
   const auto valid = decision::PolicyNames(decision::ShippedPolicies());
   if (std::find(valid.begin(), valid.end(), policy) != valid.end()) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_UNKNOWN_POLICY, text::UnknownName("policy", policy, valid));
+}
+
+absl::Status CheckRules(const DecisionRules& rules) {
+  const auto problems = decision::NumberProblems(decision::DecisionOptions().With(rules));
+  if (!problems.empty()) return Invalid(problems.front());
+  if (rules.decision_interval_ns.value_or(kMinDecisionIntervalNs) >= kMinDecisionIntervalNs)
+    return absl::OkStatus();
+  return Invalid(absl::StrCat("decision_interval_ns is ", *rules.decision_interval_ns,
+                              "; a daemon decides at most four times a second, so use ",
+                              kMinDecisionIntervalNs, " or more"));
 }
 
 absl::Status CheckColumns(const v1::FrameBatch& batch) {
@@ -166,6 +177,7 @@ absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options) {
   if (absl::Status status = CheckNames(hello); !status.ok()) return status;
   if (absl::Status status = CheckArms(hello); !status.ok()) return status;
   if (absl::Status status = CheckPolicy(hello.policy()); !status.ok()) return status;
+  if (absl::Status status = CheckRules(RulesOf(hello)); !status.ok()) return status;
   if (hello.mode() == v1::MODE_UNSPECIFIED || !v1::Mode_IsValid(hello.mode()))
     return Invalid("mode is absent or unknown; set MODE_MANUAL or MODE_AI");
   return CheckTimeScale(hello.time_scale(), options.max_time_scale);

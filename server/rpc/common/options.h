@@ -25,6 +25,9 @@ namespace sweepstake::rpc {
 using protocol::kMaxBatchFrames;
 inline constexpr uint32_t kMaxBatchShadows = 64;
 inline constexpr double kMaxTimeScale = 1000;
+// Minimum interval between decisions in a Hello, before its time scale. All games share the
+// decision loop and the commits, and each decision uses both.
+inline constexpr uint64_t kMinDecisionIntervalNs = 250'000'000;
 using protocol::kMaxMessageBytes;
 // Number of evidence records per message of an export. An import message with more records is
 // INVALID_ARGUMENT.

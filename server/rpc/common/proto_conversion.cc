@@ -26,12 +26,6 @@ uint32_t Milliseconds(int64_t interval_ns) {
       std::clamp<int64_t>((interval_ns + kNsPerMs / 2) / kNsPerMs, 0, UINT32_MAX));
 }
 
-// Returns the policy's name in the registry of policies. Options may name the policy "default".
-std::string PolicyNameOf(const sessions::SessionIdentity& identity) {
-  return std::string(
-      decision::PolicyKindOf(identity.decision.policy, decision::ShippedPolicies()).name);
-}
-
 void Fill(const sessions::LogHistogram& histogram, v1::LogHistogram& message) {
   uint32_t before = 0;
   for (const auto& [number, count] : histogram.buckets()) {
@@ -171,7 +165,8 @@ void ToProto(const sessions::SessionDecision& event, v1::DecisionEvent& message)
   message.set_project(identity.scene.project);
   message.set_scene(identity.scene.scene);
   message.set_machine_class(identity.scene.machine_class);
-  message.set_policy(PolicyNameOf(identity));
+  message.set_policy(identity.policy);
+  message.set_reward_version(identity.scene.reward_version);
   message.set_decision_id(record.decision_id);
   message.set_active_arm(identity.arms[record.active_arm]);
   if (record.candidate) message.set_candidate_arm(identity.arms[*record.candidate]);
@@ -191,7 +186,7 @@ void ToProto(const sessions::SessionDecision& event, v1::DecisionEvent& message)
 void ToProto(const sessions::GameSession& session, const sessions::SessionRequest& hello,
              const RpcOptions& options, v1::Welcome& message) {
   const sessions::SessionIdentity& identity = session.identity();
-  const decision::DecisionOptions& decision = identity.decision;
+  const decision::DecisionOptions& decision = session.decisions().setup().options;
   if (hello.takes_orders) message.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
   if (hello.shows_boxes) message.add_capabilities(v1::CAPABILITY_BOX_VIEW);
   message.set_session_id(identity.id);
@@ -204,7 +199,9 @@ void ToProto(const sessions::GameSession& session, const sessions::SessionReques
   message.set_settling_ms(Milliseconds(decision.settling_ns));
   message.set_bail_out_ms(Milliseconds(decision.bail_out_ns));
   message.set_daemon_version(options.daemon_version);
-  message.set_policy(PolicyNameOf(identity));
+  message.set_policy(identity.policy);
+  message.set_cooldown_ms(Milliseconds(decision.cooldown_ns));
+  *message.mutable_weights() = ToProto(decision.weights);
   message.set_seed(identity.seed);
   message.set_prior_source_count(session.prior_source_count().value_or(0));
   message.set_priors_unavailable(!session.prior_source_count());
@@ -368,17 +365,45 @@ bool HasUnknownValue(const v1::StreamTelemetryRequest& request) {
 
 }  // namespace
 
+v1::RewardWeights ToProto(const RewardWeights& weights) {
+  v1::RewardWeights message;
+  message.set_fps(weights.fps);
+  message.set_detection(weights.detection);
+  message.set_memory(weights.memory);
+  message.set_checks(weights.checks);
+  return message;
+}
+
+DecisionRules RulesOf(const v1::Hello& message) {
+  DecisionRules rules;
+  if (message.has_weights()) {
+    const v1::RewardWeights& weights = message.weights();
+    rules.weights = {.fps = weights.fps(),
+                     .detection = weights.detection(),
+                     .memory = weights.memory(),
+                     .checks = weights.checks()};
+  }
+  if (message.has_decision_interval_ns())
+    rules.decision_interval_ns = message.decision_interval_ns();
+  if (message.has_cooldown_ns()) rules.cooldown_ns = message.cooldown_ns();
+  if (message.has_settling_ns()) rules.settling_ns = message.settling_ns();
+  return rules;
+}
+
 sessions::SessionRequest FromProto(const v1::Hello& message) {
+  const DecisionRules rules = RulesOf(message);
+  const decision::PolicyKind& policy =
+      decision::PolicyKindOf(message.policy(), decision::ShippedPolicies());
   sessions::SessionRequest hello{
-      .scene =
-          {message.project(), message.scene(), message.machine_class(),
-           decision::PolicyKindOf(message.policy(), decision::ShippedPolicies()).reward_version},
+      .scene = {message.project(), message.scene(), message.machine_class(),
+                decision::RewardVersionOf(policy, rules.weights.value_or(RewardWeights()))},
       .arms = {},
       .backend_versions = {},
       .build = message.build(),
       .session_id = message.session_id(),
       .resume_token = message.resume_token(),
       .policy = message.policy(),
+      .rules = rules,
       .mode = FromProto(message.mode()),
       .active_arm = message.active_arm(),
       .switch_epoch = message.switch_epoch(),

@@ -61,8 +61,12 @@ void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
 
 // REQUIRES for the next three functions: the message has passed the checks of message_validation.h.
 Mode FromProto(v1::Mode mode);
-// Sets the scene's reward version to that of the policy. REQUIRES: the Hello names a policy.
+// Sets the scene's reward version to that of the policy and its weights. REQUIRES: the Hello names
+// a policy.
 sessions::SessionRequest FromProto(const v1::Hello& message);
+// Returns the rules that the Hello sets, unchecked.
+DecisionRules RulesOf(const v1::Hello& message);
+v1::RewardWeights ToProto(const RewardWeights& weights);
 // Reuses the memory of `telemetry`. A value of a scene descriptor that is negative or not finite
 // counts as not measured, and each cost of a switch is limited to kMaxFrameNs.
 void FromProto(const v1::StreamTelemetryRequest& request, sessions::Telemetry& telemetry);

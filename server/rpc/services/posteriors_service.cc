@@ -53,8 +53,9 @@ std::optional<SceneKey> KeyOf(const std::string& token) {
 }
 
 uint32_t DefaultRewardVersion(const RpcOptions& options) {
-  return decision::PolicyKindOf(options.decision.policy, decision::ShippedPolicies())
-      .reward_version;
+  return decision::RewardVersionOf(
+      decision::PolicyKindOf(options.decision.policy, decision::ShippedPolicies()),
+      options.decision.weights);
 }
 
 // Runs `read` on the store's reading thread and then `answer(result)` on the loop. The status that

@@ -142,7 +142,9 @@ absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
 
 absl::Status TelemetryStream::Open(v1::Hello& hello) {
   time_scale_ = std::max(1.0, hello.time_scale());
-  if (hello.policy().empty()) hello.set_policy(context_.options.decision.policy);
+  const decision::DecisionOptions& defaults = context_.options.decision;
+  if (hello.policy().empty()) hello.set_policy(defaults.policy);
+  if (!hello.has_weights()) *hello.mutable_weights() = ToProto(defaults.weights);
   if (absl::Status status = CheckHello(hello, context_.options); !status.ok()) return status;
   if (absl::Status status = CheckProject(caller_, hello.project()); !status.ok()) return status;
   opening_ = std::make_shared<sessions::SessionOpening>(

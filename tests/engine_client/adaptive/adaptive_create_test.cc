@@ -26,6 +26,14 @@ TEST(AdaptiveCreateTest, AnUnknownArmListsTheBackends) {
   EXPECT_THAT(result.status().message(), HasSubstr("BruteForce"));
 }
 
+TEST(AdaptiveCreateTest, NamesTheSameMistakeInTheSameWords) {
+  const auto error = [](const AdaptiveOptions& options) {
+    return AdaptiveBroadPhase::Create(options, nullptr).status().message();
+  };
+  EXPECT_THAT(error({.initial_arm = "sap"}), HasSubstr("unknown arm 'sap', must be one of SAP"));
+  EXPECT_EQ(error(OptionsOf({"Grid", "sap"})), error({.initial_arm = "sap"}));
+}
+
 TEST(AdaptiveCreateTest, RefusesRepeatedArmsBadLimitsAndAnUnknownInitialArm) {
   const auto code = [](const AdaptiveOptions& options) {
     return AdaptiveBroadPhase::Create(options, nullptr).status().code();

@@ -182,6 +182,26 @@ TEST_F(WarmSwitchTest, ReportsNoRebuildForAWarmSwitch) {
   EXPECT_EQ(sink_.switches[0].rebuild_time_ns, 0U);
 }
 
+TEST_F(WarmSwitchTest, SwitchesColdWithADeciderThatDoesNotUseTheLane) {
+  Make({});
+  ASSERT_NO_FATAL_FAILURE(SwitchTo(1));
+  adaptive_->SetLaneUse(false);
+  EXPECT_EQ(adaptive_->shadow_stats().state, ShadowState::kPaused);
+  ASSERT_NO_FATAL_FAILURE(SwitchTo(2));
+  EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 1U);
+  EXPECT_EQ(adaptive_->shadow_stats().cold_switch_count, 1U);
+  adaptive_->SetLaneUse(true);
+  ASSERT_NO_FATAL_FAILURE(SwitchTo(3));
+  EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 2U);
+}
+
+TEST_F(WarmSwitchTest, SwitchesWarmWithoutUseOfTheLaneIfTheGameRequestsIt) {
+  Make({.shadow = {.enabled = ShadowMode::kOn}});
+  adaptive_->SetLaneUse(false);
+  ASSERT_NO_FATAL_FAILURE(SwitchTo(1));
+  EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 1U);
+}
+
 TEST_F(WarmSwitchTest, SwitchesColdWhenThePreparationIsLate) {
   Make({});
   frame_time_ns_ = 600 * kMs;

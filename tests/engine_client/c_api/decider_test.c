@@ -252,6 +252,36 @@ static void check_settling(void) {
   swp_scene_destroy(played.scene);
 }
 
+/* With the weight of the memory alone, the small scene's reward is nearly 1. Evidence of own
+ * weights has a reward version of its own. */
+static void check_weights(void) {
+  swp_decider_options options = {.struct_size = sizeof options};
+  swp_belief beliefs[32];
+  uint32_t count = 0;
+  static char priors[1 << 16];
+  uint64_t bytes = 0;
+  double alpha_sum = 0;
+  double beta_sum = 0;
+  game played = {make_session(0), make_scene("suite-b", kObjects), 0, 0, {0, 0, 0}};
+  CHECK_OK(swp_decider_options_init(&options));
+  options.policy = "paper";
+  options.decision_interval_ns = 500000000;
+  options.weights = (swp_reward_weights){0, 0, 1, 0};
+  CHECK_OK(swp_session_attach_decider(played.session, &options, played.now_ns));
+  for (int frame = 0; frame < 20 * 50; ++frame) run_frame(&played, 20000000);
+  CHECK_OK(swp_session_beliefs(played.session, beliefs, 32, &count));
+  for (uint32_t i = 0; i < count; ++i) {
+    alpha_sum += beliefs[i].alpha - 1;
+    beta_sum += beliefs[i].beta - 1;
+  }
+  CHECK(alpha_sum > 10 && beta_sum < 0.1 * alpha_sum);
+  CHECK_OK(swp_session_export_priors(played.session, priors, sizeof priors, &bytes));
+  CHECK(has_text(priors, bytes, "\"reward_version\":1") &&
+        !has_text(priors, bytes, "\"reward_version\":1,"));
+  swp_session_destroy(played.session);
+  swp_scene_destroy(played.scene);
+}
+
 static void check_attach_errors(void) {
   swp_decider_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;
@@ -283,6 +313,13 @@ static void check_attach_errors(void) {
   CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
   CHECK(strstr(swp_last_error(), "fps_floor") != NULL);
   options.fps_floor = 0;
+  options.weights.fps = 0.5;
+  CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "the reward weights sum to 0.95") != NULL);
+  options.weights.fps = -0.45;
+  CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "use numbers from 0 to 1") != NULL);
+  options.weights.fps = 0.55;
   options.reserved = 1;
   CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
   CHECK_OK(swp_session_attach_decider(session, NULL, 0));
@@ -371,5 +408,6 @@ void test_decider(void) {
   swp_scene_destroy(played.scene);
   check_intervals_and_floor();
   check_settling();
+  check_weights();
   check_attach_errors();
 }

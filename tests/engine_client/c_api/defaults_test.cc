@@ -56,6 +56,8 @@ TEST(Defaults, OfADeciderAreEqualInCAndCxx) {
   EXPECT_EQ(c.decision_interval_ns, cxx.decision_interval_ns);
   EXPECT_EQ(c.cooldown_ns, cxx.cooldown_ns);
   EXPECT_EQ(c.fps_floor, cxx.fps_floor);
+  EXPECT_EQ((RewardWeights{c.weights.fps, c.weights.detection, c.weights.memory, c.weights.checks}),
+            cxx.weights);
 }
 
 TEST(Defaults, OfALinkAreEqualInCAndCxx) {
@@ -76,6 +78,11 @@ TEST(Defaults, OfALinkAreEqualInCAndCxx) {
   EXPECT_EQ(c.unacknowledged_messages, cxx.unacknowledged_messages);
   EXPECT_EQ(c.backoff_min_ms, cxx.backoff_min_ms);
   EXPECT_EQ(c.backoff_max_ms, cxx.backoff_max_ms);
+  EXPECT_EQ(cxx.rules, DecisionRules()) << "the daemon's rules";
+  EXPECT_EQ(c.decision_interval_ns, SWP_DAEMON_VALUE);
+  EXPECT_EQ(c.cooldown_ns, SWP_DAEMON_VALUE);
+  EXPECT_EQ(c.settling_ns, SWP_DAEMON_VALUE);
+  EXPECT_EQ(c.weights.fps + c.weights.detection + c.weights.memory + c.weights.checks, 0);
 }
 
 TEST(Defaults, OfAWorldAreEqualInCAndCxx) {

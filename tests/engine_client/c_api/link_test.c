@@ -208,6 +208,14 @@ static void check_options(void) {
   options.ignore_priors = 2;
   CHECK(swp_link_create(played.session, &options, &link) == SWP_INVALID_ARGUMENT);
   options.ignore_priors = 0;
+  options.weights.fps = 0.5;
+  CHECK(swp_link_create(played.session, &options, &link) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "the reward weights sum to 0.5") != NULL);
+  options.weights.fps = 0;
+  options.cooldown_ns = SWP_DAEMON_VALUE - 1;
+  CHECK(swp_link_create(played.session, &options, &link) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "cooldown_ns") != NULL);
+  options.cooldown_ns = SWP_DAEMON_VALUE;
   options.daemon = "host\nname";
   CHECK(swp_link_create(played.session, &options, &link) == SWP_INVALID_ARGUMENT);
   CHECK(strstr(swp_last_error(), "daemon must be") != NULL);
@@ -219,6 +227,46 @@ static void check_options(void) {
   swp_link_destroy(link);
   CHECK(swp_live_count(SWP_KIND_LINK) == 0);
   swp_session_destroy(played.session);
+}
+
+static int contains(const bytes* all, const bytes* part) {
+  for (uint64_t at = 0; at + part->size <= all->size; ++at) {
+    if (memcmp(all->data + at, part->data, part->size) == 0) return 1;
+  }
+  return 0;
+}
+
+/* The Hello has the rules that the game sets, and no others. */
+static void check_rules(void) {
+  bytes weights = {.size = 0};
+  bytes intervals = {.size = 0};
+  bytes part = {.size = 0};
+  put_double(&part, 1, 0.25);
+  put_double(&part, 2, 0.25);
+  put_double(&part, 3, 0.5);
+  put_bytes(&weights, 17, part.data, part.size);
+  put_number(&intervals, 18, 500 * kMs);
+  put_number(&intervals, 19, 0);
+  put_number(&intervals, 20, 3);
+  for (int is_set = 0; is_set <= 1; ++is_set) {
+    swp_link_options options = {.struct_size = sizeof options};
+    bytes hello = {.size = 0};
+    game played = make_game();
+    swp_link_destroy(played.link);
+    CHECK_OK(swp_link_options_init(&options));
+    if (is_set) {
+      options.weights = (swp_reward_weights){0.25, 0.25, 0.5, 0};
+      options.decision_interval_ns = 500 * kMs;
+      options.cooldown_ns = 0;
+      options.settling_ns = 3;
+    }
+    CHECK_OK(swp_link_create(played.session, &options, &played.link));
+    CHECK_OK(swp_link_connected(played.link, played.now_ns));
+    CHECK(next(&played, &hello) == SWP_LINK_SEND);
+    CHECK(contains(&hello, &weights) == is_set);
+    CHECK(contains(&hello, &intervals) == is_set);
+    end_game(&played);
+  }
 }
 
 /* A command is passed to the frame thread, and its outcome is sent in order with the frames. */
@@ -441,6 +489,7 @@ static void check_shutdown(void) {
 
 void test_link(void) {
   check_options();
+  check_rules();
   check_null();
   check_errors();
   check_session();

@@ -26,6 +26,35 @@ TEST(Options, DefaultsAreValidAndThoseOfThePaper) {
   EXPECT_EQ(options.bail_out_penalty, 10);
 }
 
+TEST(Options, WithRulesKeepTheOthers) {
+  DecisionOptions options;
+  options.cooldown_ns = 7;
+  EXPECT_EQ(options.With({}).cooldown_ns, 7);
+  const DecisionOptions changed = options.With({.weights = RewardWeights{0, 1, 0, 0},
+                                                .decision_interval_ns = 3,
+                                                .cooldown_ns = 0,
+                                                .settling_ns = 5});
+  EXPECT_EQ(changed.weights, (RewardWeights{0, 1, 0, 0}));
+  EXPECT_EQ(changed.decision_interval_ns, 3);
+  EXPECT_EQ(changed.cooldown_ns, 0);
+  EXPECT_EQ(changed.settling_ns, 5);
+  EXPECT_THAT(NumberProblems(options.With({.settling_ns = UINT64_MAX})),
+              testing::ElementsAre(HasSubstr("settling_ns")));
+}
+
+TEST(RewardVersion, OfOwnWeightsIsTheirOwn) {
+  const PolicyKind& paper = PolicyKindOf("paper", ShippedPolicies());
+  const PolicyKind& adaptive = PolicyKindOf("adaptive", ShippedPolicies());
+  const RewardWeights own = {0.25, 0.25, 0.5, 0};
+  EXPECT_EQ(RewardVersionOf(paper, {}), 1u);
+  EXPECT_EQ(RewardVersionOf(paper, own), 1'941'152'689u) << "stores have it on their disks";
+  EXPECT_EQ(RewardVersionOf(paper, {0.25, 0.25, 0.5, -0.0}), RewardVersionOf(paper, own));
+  EXPECT_NE(RewardVersionOf(paper, {0.25, 0.5, 0.25, 0}), RewardVersionOf(paper, own));
+  EXPECT_GE(RewardVersionOf(paper, {0, 0, 0, 1}), kFirstOwnRewardVersion);
+  EXPECT_LT(RewardVersionOf(paper, {0, 0, 0, 1}), 2 * kFirstOwnRewardVersion);
+  EXPECT_EQ(RewardVersionOf(adaptive, own), 3u) << "its reward does not depend on the weights";
+}
+
 TEST(Options, TheDefaultPolicyIsThatOfAiDecides) {
   EXPECT_EQ(DecisionOptions().policy, "default");
   EXPECT_EQ(PolicyKindOf("default", ShippedPolicies()).name, "adaptive");

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "engine_client/adaptive/adaptive_factory.h"
+#include "sweepstake/adaptive_session.h"
 #include "sweepstake/session.h"
 #include "tests/support/child_process.h"
 #include "tests/support/fake_daemon.h"
@@ -148,6 +149,72 @@ TEST_F(DaemonSessionTest, TheHelloDescribesTheSession) {
   ASSERT_EQ(hello.arms_size(), 3);
   EXPECT_EQ(hello.arms(1).name(), "B");
   EXPECT_EQ(hello.arms(1).backend_version(), 7U);
+}
+
+TEST_F(DaemonSessionTest, TheHelloHasOnlyTheRulesThatTheGameSets) {
+  for (const bool sets : {false, true}) {
+    if (sets) {
+      options_.rules = {.weights = RewardWeights{0.25, 0.25, 0.5, 0},
+                        .decision_interval_ns = 500 * kMs,
+                        .cooldown_ns = 0,
+                        .settling_ns = 3};
+    }
+    FakeDaemon daemon;
+    GoOnline(daemon);
+    session_->Stop();
+    daemon.Kill();
+    const v1::Hello& hello = daemon.hellos[0];
+    EXPECT_EQ(hello.has_weights(), sets);
+    EXPECT_EQ(hello.has_decision_interval_ns(), sets);
+    EXPECT_EQ(hello.has_cooldown_ns(), sets);
+    EXPECT_EQ(hello.has_settling_ns(), sets);
+    if (!sets) continue;
+    EXPECT_EQ(hello.weights().fps(), 0.25);
+    EXPECT_EQ(hello.weights().memory(), 0.5);
+    EXPECT_EQ(hello.decision_interval_ns(), 500 * kMs);
+    EXPECT_EQ(hello.cooldown_ns(), 0U);
+    EXPECT_EQ(hello.settling_ns(), 3U);
+  }
+}
+
+TEST_F(DaemonSessionTest, ItsStatsHaveTheRulesOfTheWelcome) {
+  FakeDaemon daemon;
+  daemon.SetScript([](auto& script) {
+    script.welcome.set_decision_interval_ms(500);
+    script.welcome.set_cooldown_ms(7);
+    script.welcome.mutable_weights()->set_fps(1);
+  });
+  GoOnline(daemon);
+  session_->Stop();
+  EXPECT_EQ(session_->stats().rules, (DecisionRules{.weights = RewardWeights{1, 0, 0, 0},
+                                                    .decision_interval_ns = 500 * kMs,
+                                                    .cooldown_ns = 7 * kMs,
+                                                    .settling_ns = 0}));
+}
+
+TEST_F(DaemonSessionTest, TheLaneRestsWithAPolicyThatDoesNotUseIt) {
+  for (const std::string policy : {"paper", "adaptive", "newer"}) {
+    FakeDaemon daemon;
+    daemon.SetScript([&](auto& script) { script.welcome.set_policy(policy); });
+    daemon.Start();
+    auto game = AdaptiveSession::Create(MakeDaemonSession(daemon.address(), options_));
+    ASSERT_TRUE(game.ok()) << game.status().message();
+    while (game->session().stats().connection_count == 0) std::this_thread::yield();
+    EXPECT_EQ(game->broad_phase().shadow_stats().state == ShadowState::kPaused, policy == "paper");
+    game->session().Stop();
+    daemon.Kill();
+  }
+}
+
+TEST(DaemonSessionRules, AreChecked) {
+  const auto error_of = [](const DecisionRules& rules) {
+    return MakeDaemonSession("127.0.0.1:1", {.rules = rules}).status().message();
+  };
+  EXPECT_EQ(error_of({.weights = RewardWeights{1, 1, 0, 0}}),
+            "the reward weights sum to 2.000000; make them sum to 1");
+  EXPECT_THAT(error_of({.decision_interval_ns = 0}), HasSubstr("decision_interval_ns is 0"));
+  EXPECT_THAT(error_of({.cooldown_ns = UINT64_MAX}), HasSubstr("(100 days)"));
+  EXPECT_TRUE(MakeDaemonSession("127.0.0.1:1", {.rules = {.cooldown_ns = 0}}).ok());
 }
 
 TEST_F(DaemonSessionTest, SendsEveryFrameOnceInOrderAndSaysGoodbye) {

@@ -18,10 +18,13 @@
 #include "sweepstake/status.h"
 #include "tests/laboratory/experiment/experiment_plan.h"
 
+namespace sweepstake {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RewardWeights, fps, detection, memory, checks)
+}  // namespace sweepstake
+
 namespace sweepstake::decision {
 
 // The options of the decider that an experiment can set.
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RewardWeights, fps, detection, memory, checks)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DecisionOptions, weights, decision_interval_ns, cooldown_ns,
                                    settling_ns)
 

@@ -153,8 +153,8 @@ Status LiveRun::Prepare() {
   embedded.cooldown_ns = static_cast<uint64_t>(options_.decision.cooldown_ns);
   embedded.settling_ns = static_cast<uint64_t>(options_.decision.settling_ns);
   embedded.on_decision = [this](const DecisionEvent& event) { decision_recorder_.Add(event); };
-  const StudyMaker maker{decision::StudyPolicies(), options_.decision.weights};
-  auto session = MakeStudySession(maker, embedded, options);
+  embedded.weights = options_.decision.weights;
+  auto session = MakeStudySession({decision::StudyPolicies()}, embedded, options);
   if (!session.ok()) return session.status();
   session_ = std::move(*session);
   AdaptiveOptions adaptive;

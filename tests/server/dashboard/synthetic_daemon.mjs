@@ -85,7 +85,7 @@ export class SyntheticDaemon {
     const outcome = OUTCOMES[Math.floor(this.random() * OUTCOMES.length)];
     const weights = ARMS.map(() => this.random() ** 4);
     const sum = weights.reduce((total, each) => total + each, 0);
-    const decision = { sessionId: session.sessionId, project: scene.project, scene: scene.scene, machineClass: scene.machineClass, policy: 'adaptive',
+    const decision = { sessionId: session.sessionId, project: scene.project, scene: scene.scene, machineClass: scene.machineClass, policy: 'adaptive', rewardVersion: 3,
       decisionId: String(++this.decisionCount), unixMs: String(Date.now()), activeArm: session.activeArm, candidateArm: candidate, outcome: `DECISION_OUTCOME_${outcome}`,
       reward: 0.7 + 0.1 * this.random(), bestProbability: weights.map((each) => each / sum), expectedLossRatio: 0.01 * this.random(),
       verdict: 'VERDICT_AMBIGUOUS', arms: ARMS,

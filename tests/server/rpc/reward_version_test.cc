@@ -117,6 +117,42 @@ TEST_F(RewardVersionTest, EvidenceOfTwoVersionsIsNeverMerged) {
   EXPECT_EQ(WelcomeOf("adaptive").prior_source_count(), 1u);
 }
 
+// A session that changes its weights is a new one. One that keeps them is resumed with its rules,
+// from memory and from the store.
+TEST_F(RewardVersionTest, EvidenceOfOwnWeightsIsKeptApart) {
+  Learn("paper", 1);
+  v1::Hello hello = HelloOf("paper");
+  hello.mutable_weights()->set_detection(1);
+  hello.set_cooldown_ns(7 * kSecondNs);
+  v1::Welcome welcome;
+  {
+    TelemetryClient client(channel_);
+    welcome = client.Open(hello);
+    EXPECT_EQ(welcome.prior_source_count(), 0u);
+    client.Send(Frames(1, 30));
+    EXPECT_TRUE(Applied(2));
+    Tick();
+    client.AwaitAcknowledgement(1);
+  }
+  EXPECT_EQ(Stored("harbour", 1).source_count, 1u);
+  const std::vector<v1::ScenePosterior> scenes = List();
+  ASSERT_EQ(scenes.size(), 2u);
+  EXPECT_GE(scenes[1].reward_version(), decision::kFirstOwnRewardVersion);
+  EXPECT_EQ(WelcomeOf("paper").prior_source_count(), 1u);
+  EXPECT_EQ(TelemetryClient(channel_).Open(hello).prior_source_count(), 1u);
+
+  Resume(hello, welcome);
+  for (const bool from_store : {false, true}) {
+    if (from_store) RestartServer();
+    const v1::Welcome resumed = TelemetryClient(channel_).Open(hello);
+    EXPECT_TRUE(resumed.resumed());
+    EXPECT_EQ(resumed.cooldown_ms(), 7000u);
+    EXPECT_EQ(resumed.weights().detection(), 1);
+  }
+  hello.clear_weights();
+  EXPECT_FALSE(TelemetryClient(channel_).Open(hello).resumed());
+}
+
 double MeanOf(const v1::BetaPosterior& posterior) {
   return posterior.alpha() / (posterior.alpha() + posterior.beta());
 }

@@ -1,4 +1,8 @@
 // Tests the telemetry stream: sessions, evidence, acknowledgements.
+#include <cmath>
+#include <functional>
+
+#include "engine_client/decider/session/policy_registry.h"
 #include "server/rpc/health_probe.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
@@ -52,6 +56,72 @@ TEST_F(TelemetryTest, AHelloWithoutAPolicyGetsTheDaemonsDefault) {
   EXPECT_EQ(TelemetryClient(channel_).Open(hello).policy(), "paper");
   hello.set_policy("adaptive");
   EXPECT_EQ(TelemetryClient(channel_).Open(hello).policy(), "adaptive");
+}
+
+// The setup row of the audit log and the welcome have the options of the session.
+TEST_F(TelemetryTest, ASessionUsesTheRulesOfItsHello) {
+  StopServer();
+  options_.max_time_scale = 2;
+  StartServer();
+  v1::Hello hello = HelloMessage();
+  v1::RewardWeights& weights = *hello.mutable_weights();
+  weights.set_fps(0.25);
+  weights.set_detection(0.25);
+  weights.set_memory(0.5);
+  hello.set_decision_interval_ns(kSecondNs);
+  hello.set_cooldown_ns(8 * kSecondNs);
+  hello.set_settling_ns(0);
+  hello.set_time_scale(2);
+  TelemetryClient client(channel_);
+  const v1::Welcome welcome = LearnOneWindow(client, hello);
+  EXPECT_EQ(welcome.decision_interval_ms(), 500u);
+  EXPECT_EQ(welcome.cooldown_ms(), 4000u);
+  EXPECT_EQ(welcome.settling_ms(), 0u);
+  EXPECT_EQ(welcome.weights().memory(), 0.5);
+  EXPECT_EQ(welcome.weights().checks(), 0);
+  const std::vector<decision::AuditRow> rows = ExportAudit();
+  const decision::DecisionOptions& logged = rows.at(0).setup->setup.options;
+  EXPECT_EQ(logged.weights, (RewardWeights{0.25, 0.25, 0.5, 0}));
+  EXPECT_EQ(logged.decision_interval_ns, kSecondNs / 2);
+  EXPECT_EQ(logged.cooldown_ns, 4 * kSecondNs);
+  EXPECT_EQ(logged.settling_ns, 0);
+  EXPECT_GE(rows.at(1).decision->reward_version, decision::kFirstOwnRewardVersion);
+}
+
+TEST_F(TelemetryTest, AHelloWithoutRulesGetsThoseOfTheDaemon) {
+  StopServer();
+  options_.decision.weights = {0.25, 0.25, 0.5, 0};
+  options_.decision.cooldown_ns = 9 * kSecondNs;
+  StartServer();
+  const v1::Welcome welcome = TelemetryClient(channel_).Open(HelloMessage());
+  EXPECT_EQ(welcome.cooldown_ms(), 9000u);
+  EXPECT_EQ(welcome.decision_interval_ms(), 2000u);
+  EXPECT_EQ(welcome.weights().memory(), 0.5);
+}
+
+TEST_F(TelemetryTest, RulesOutOfRangeAreInvalid) {
+  const auto error_of = [&](const std::function<void(v1::Hello&)>& change) {
+    v1::Hello hello = HelloMessage();
+    change(hello);
+    TelemetryClient client(channel_);
+    client.Send(Request(hello));
+    const grpc::Status status = client.Finish();
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+    EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_INVALID_MESSAGE);
+    return status.error_message();
+  };
+  EXPECT_THAT(error_of([](v1::Hello& hello) { hello.mutable_weights()->set_fps(0.5); }),
+              HasSubstr("the reward weights sum to 0.5"));
+  EXPECT_THAT(error_of([](v1::Hello& hello) { hello.mutable_weights()->set_fps(NAN); }),
+              HasSubstr("use numbers from 0 to 1"));
+  EXPECT_THAT(error_of([](v1::Hello& hello) { hello.set_decision_interval_ns(249'999'999); }),
+              HasSubstr("use 250000000 or more"));
+  EXPECT_THAT(error_of([](v1::Hello& hello) { hello.set_decision_interval_ns(0); }),
+              HasSubstr("decision_interval_ns is 0"));
+  EXPECT_THAT(error_of([](v1::Hello& hello) { hello.set_cooldown_ns(UINT64_MAX); }),
+              HasSubstr("cooldown_ns"));
+  EXPECT_THAT(error_of([](v1::Hello& hello) { hello.set_settling_ns(UINT64_MAX); }),
+              HasSubstr("settling_ns"));
 }
 
 TEST_F(TelemetryTest, TheTimeScaleDividesTheIntervalsOfTheWelcome) {

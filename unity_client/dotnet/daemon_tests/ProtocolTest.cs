@@ -20,6 +20,9 @@ namespace Sweepstake.Tests
                 options.MachineClass = "desk";
                 options.Seed = 7;
                 options.AllowsOperatorOrders = true;
+                options.DecisionIntervalNs = 500_000_000;
+                options.CooldownNs = 0;
+                options.Weights = new Sweepstake.RewardWeights(0.25, 0.25, 0.5, 0);
             });
             game.PlayUntilOnline();
             Hello hello = stream.Sent(request => request.Hello).Single();
@@ -27,6 +30,10 @@ namespace Sweepstake.Tests
             Assert.That(hello.Build, Is.EqualTo("42"));
             Assert.That(hello.MachineClass, Is.EqualTo("desk"));
             Assert.That(hello.Seed, Is.EqualTo(7));
+            Assert.That(hello.DecisionIntervalNs, Is.EqualTo(500_000_000));
+            Assert.That((hello.HasCooldownNs, hello.CooldownNs), Is.EqualTo((true, 0ul)));
+            Assert.That(hello.HasSettlingNs, Is.False, "the daemon's settling time");
+            Assert.That((hello.Weights.Detection, hello.Weights.Memory), Is.EqualTo((0.25, 0.5)));
             Assert.That(hello.Capabilities, Is.EqualTo(new[] { Capability.OperatorOrders }));
             Assert.That(hello.Arms.Select(arm => arm.Name), Is.EqualTo(game.Session.Arms));
             Assert.That(game.Status.DaemonVersion, Is.EqualTo("9.9.9"));

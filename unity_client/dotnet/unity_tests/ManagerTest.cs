@@ -220,12 +220,33 @@ namespace Sweepstake.Tests
             Assert.That(
                 (deciding.DecisionIntervalNs, deciding.CooldownNs, deciding.FpsFloor, deciding.Seed),
                 Is.EqualTo((decider.DecisionIntervalNs, decider.CooldownNs, decider.FpsFloor, decider.Seed)));
+            Assert.That(deciding.Weights, Is.EqualTo(decider.Weights));
+            Assert.That(deciding.Weights, Is.EqualTo(new RewardWeights(0.55, 0.25, 0.12, 0.08)));
             LinkOptions linked = config.ToLinkOptions("", "1.0");
             Assert.That((deciding.Build, linked.Build), Is.EqualTo(("1.0", "1.0")));
             Assert.That((linked.BatchIntervalMs, linked.BatchFrames), Is.EqualTo((link.BatchIntervalMs, link.BatchFrames)));
+            Assert.That((linked.DecisionIntervalNs, linked.CooldownNs, linked.SettlingNs), Is.EqualTo((link.DecisionIntervalNs, link.CooldownNs, link.SettlingNs)));
+            Assert.That((linked.DecisionIntervalNs, linked.Weights), Is.EqualTo(((ulong?)null, (RewardWeights?)null)), "a daemon has its own rules");
+            Assert.That(link.Weights, Is.Null);
             Assert.That(config.daemon.isUsed, Is.False, "nothing leaves the machine by default");
             Assert.That(config.daemon.address, Does.StartWith("127.0.0.1:"));
             Assert.That(config.daemon.allowsOperatorOrders, Is.False);
+        }
+
+        [Test]
+        public void TheRulesOfAGameAreSentOnlyIfTheConfigSaysSo()
+        {
+            var config = ScriptableObject.CreateInstance<SweepstakeConfig>();
+            config.decisions.intervalSeconds = 0.5f;
+            config.decisions.cooldownSeconds = 0;
+            config.decisions.settlingSeconds = 3;
+            config.decisions.weights = new WeightSettings { frameRate = 0.25, detection = 0.25, memory = 0.5, checks = 0 };
+            Assert.That(config.ToDeciderOptions("", "").Weights, Is.EqualTo(new RewardWeights(0.25, 0.25, 0.5, 0)));
+            Assert.That(config.ToLinkOptions("", "").CooldownNs, Is.Null);
+            config.daemon.usesRulesOfGame = true;
+            LinkOptions linked = config.ToLinkOptions("", "");
+            Assert.That((linked.DecisionIntervalNs, linked.CooldownNs, linked.SettlingNs), Is.EqualTo(((ulong?)500_000_000, (ulong?)0, (ulong?)3_000_000_000)));
+            Assert.That(linked.Weights, Is.EqualTo(new RewardWeights(0.25, 0.25, 0.5, 0)));
         }
 
         [Test]

@@ -2,7 +2,12 @@
 #include "tests/engine_client/c_api/abi.h"
 
 /* clang-format off */
-SIZE(swp_decider_options, 120)
+SIZE(swp_reward_weights, 32)
+FIELD(swp_reward_weights, fps, 0, double)
+FIELD(swp_reward_weights, detection, 8, double)
+FIELD(swp_reward_weights, memory, 16, double)
+FIELD(swp_reward_weights, checks, 24, double)
+SIZE(swp_decider_options, 152)
 FIELD(swp_decider_options, struct_size, 0, uint32_t)
 FIELD(swp_decider_options, reserved, 4, uint32_t)
 FIELD(swp_decider_options, policy, 8, const char*)
@@ -19,6 +24,7 @@ FIELD(swp_decider_options, time_scale, 88, double)
 FIELD(swp_decider_options, decision_interval_ns, 96, uint64_t)
 FIELD(swp_decider_options, cooldown_ns, 104, uint64_t)
 FIELD(swp_decider_options, fps_floor, 112, double)
+FIELD(swp_decider_options, weights, 120, swp_reward_weights)
 SIZE(swp_belief, 16)
 FIELD(swp_belief, alpha, 0, double)
 FIELD(swp_belief, beta, 8, double)

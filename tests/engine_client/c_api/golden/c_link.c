@@ -2,9 +2,10 @@
 #include "tests/engine_client/c_api/abi.h"
 
 /* clang-format off */
+VALUE(SWP_DAEMON_VALUE, 0xffffffffffffffff)
 VALUE(SWP_LINK_NEVER, 0xffffffff)
 HANDLE(swp_link)
-SIZE(swp_link_options, 112)
+SIZE(swp_link_options, 168)
 FIELD(swp_link_options, struct_size, 0, uint32_t)
 FIELD(swp_link_options, allow_operator_orders, 4, uint32_t)
 FIELD(swp_link_options, daemon, 8, const char*)
@@ -24,6 +25,10 @@ FIELD(swp_link_options, unacknowledged_messages, 96, uint32_t)
 FIELD(swp_link_options, backoff_min_ms, 100, uint32_t)
 FIELD(swp_link_options, backoff_max_ms, 104, uint32_t)
 FIELD(swp_link_options, reserved, 108, uint32_t)
+FIELD(swp_link_options, decision_interval_ns, 112, uint64_t)
+FIELD(swp_link_options, cooldown_ns, 120, uint64_t)
+FIELD(swp_link_options, settling_ns, 128, uint64_t)
+FIELD(swp_link_options, weights, 136, swp_reward_weights)
 ALIAS(swp_link_action, uint32_t)
 VALUE(SWP_LINK_NONE, 0)
 VALUE(SWP_LINK_SEND, 1)

@@ -51,7 +51,7 @@ TEST(WatchScreen, ShowsEachSceneWithTheStandingsOfItsLatestDecision) {
   WatchScreen screen(out, false);
   v1::WatchPosteriorsResponse decided = ShownDecision(5);
   decided.mutable_decisions(0)->set_project("p");
-  decided.mutable_decisions(0)->set_policy("adaptive");
+  decided.mutable_decisions(0)->set_reward_version(3);
   decided.mutable_decisions(0)->add_arms("Grid");
   decided.mutable_decisions(0)->add_standings()->set_live_window_count(4711);
   screen.Show(decided);
@@ -61,8 +61,7 @@ TEST(WatchScreen, ShowsEachSceneWithTheStandingsOfItsLatestDecision) {
   v1::WatchPosteriorsResponse arena = PosteriorOf("arena", 1);
   arena.mutable_posterior()->set_reward_version(1);
   screen.Show(arena);
-  EXPECT_THAT(out.str(), Not(HasSubstr("4711")))
-      << "the decision's policy has another reward version";
+  EXPECT_THAT(out.str(), Not(HasSubstr("4711"))) << "the decision has another reward version";
   arena.mutable_posterior()->set_reward_version(3);
   screen.Show(arena);
   EXPECT_THAT(out.str(), HasSubstr("session 0af3 of arena after decision 5"));

@@ -74,13 +74,16 @@ TEST(RunSummary, OfARunWithoutFramesHasNoDivisionByZero) {
 TEST(RunReportText, HasATableOfTheArmsAndALineForEachFact) {
   const std::string text = RunReportText(SomeSummary());
   EXPECT_THAT(text, HasSubstr("\nPosteriors learnt in suite-b with 100 objects (no priors yet"));
-  EXPECT_THAT(text, HasSubstr("arm   cost  95_low  95_high   best    n  live  lane   mean  alpha  "
-                              "beta  active_%  frames  detection_ms\n"));
-  EXPECT_THAT(text, HasSubstr("SAP   1.00    1.00     1.00  0.875  5.6    12    34  0.750    3.0  "
-                              " 1.0      25.0      30      200.0000\n"));
-  EXPECT_THAT(text, HasSubstr("Grid  2.00    1.50     2.75  0.125  0.1     0     3  0.125    1.0  "
-                              " 7.0      75.0      10      100.0000\n"));
-  EXPECT_THAT(text, HasSubstr("n: effective number of live windows"));
+  EXPECT_THAT(text,
+              HasSubstr("arm   cost  95_low  95_high   best  equiv  live  lane   mean  alpha  "
+                        "beta  active_%  frames  detection_ms\n"));
+  EXPECT_THAT(text,
+              HasSubstr("SAP   1.00    1.00     1.00  0.875    5.6    12    34  0.750    3.0  "
+                        " 1.0      25.0      30      200.0000\n"));
+  EXPECT_THAT(text,
+              HasSubstr("Grid  2.00    1.50     2.75  0.125    0.1     0     3  0.125    1.0  "
+                        " 7.0      75.0      10      100.0000\n"));
+  EXPECT_THAT(text, HasSubstr("equiv: the number of live windows\nthat would be as informative"));
   EXPECT_THAT(text, HasSubstr("40 frames in 40.0 s, 1 frames/s\n"));
   EXPECT_THAT(text, HasSubstr("no samples dropped\n"));
   EXPECT_THAT(text, HasSubstr("1 switch: 1 bail-out\n"));
@@ -142,6 +145,21 @@ TEST(RunReportText, StatesThatNothingWasLearntWithAndWithoutBeliefs) {
   EXPECT_THAT(RunReportText(summary), Not(HasSubstr(nothing)));
 }
 
+TEST(RunReportText, StatesWhatToDoIfNoDaemonWasReached) {
+  RunSummary summary = SomeSummary();
+  summary.setup.decider = "127.0.0.1:7433";
+  const char* const advice =
+      "Nothing was learnt, because no daemon decided: start one with sweepstaked --listen "
+      "127.0.0.1:7433, or use --embedded\n";
+  const std::string text = RunReportText(summary);
+  EXPECT_THAT(text, HasSubstr(advice));
+  EXPECT_THAT(text, Not(HasSubstr("Posteriors learnt")));
+  EXPECT_THAT(text, Not(HasSubstr("Verdict")));
+  EXPECT_THAT(text, HasSubstr("40 frames in 40.0 s"));
+  summary.session.connection_count = 1;
+  EXPECT_THAT(RunReportText(summary), Not(HasSubstr(advice)));
+}
+
 TEST(RunReportJson, HasTheFieldsThatScriptsRead) {
   const nlohmann::ordered_json document = RunReportJson(SomeSummary());
   EXPECT_EQ(document["command"], "run");
@@ -182,6 +200,16 @@ TEST(RunReportJson, ContainsTheDaemonsVersionPolicyAndSeed) {
   EXPECT_EQ(daemon["version"], "1.2.3");
   EXPECT_EQ(daemon["policy"], "paper");
   EXPECT_EQ(daemon["seed"], "18446744073709551615");
+  EXPECT_FALSE(daemon.contains("weights"));
+  summary.session.rules = {.weights = RewardWeights{0.25, 0.25, 0.5, 0},
+                           .decision_interval_ns = kSecond,
+                           .cooldown_ns = 0,
+                           .settling_ns = kSecond / 2};
+  const nlohmann::ordered_json rules = RunReportJson(summary)["daemon"];
+  EXPECT_EQ(rules["weights"], (std::vector<double>{0.25, 0.25, 0.5, 0}));
+  EXPECT_EQ(rules["interval_s"], 1);
+  EXPECT_EQ(rules["cooldown_s"], 0);
+  EXPECT_EQ(rules["settling_s"], 0.5);
 }
 
 TEST(RunReportJson, OmitsAnUnknownLeader) {
@@ -281,7 +309,7 @@ TEST(RunReportText, HasADashForUnknownValues) {
   RunSummary summary = SomeSummary();
   summary.arms[1].belief.standing.reset();
   EXPECT_THAT(RunReportText(summary),
-              HasSubstr("Grid     -       -        -      -    -     -     -"));
+              HasSubstr("Grid     -       -        -      -      -     -     -"));
   EXPECT_TRUE(RunReportJson(summary)["arms"][1]["n"].is_null());
 }
 
@@ -291,10 +319,12 @@ TEST(BeliefsText, ListsTheArmsBestFirst) {
   for (ArmBelief& belief : beliefs)
     belief.standing =
         ArmStanding{.effective_window_count = belief.alpha + belief.beta - 2, .cost_ratio = {}};
-  EXPECT_EQ(BeliefsText(beliefs), "KDTree 0.81 (n 22.0) · Grid 0.75 (4.0) · SAP 0.50 (0.0)");
+  EXPECT_EQ(BeliefsText(beliefs),
+            "KDTree 0.81 (22.0 equivalent windows) · Grid 0.75 (4.0) · SAP 0.50 (0.0)");
   beliefs[1].standing->cost_ratio = {1.5, 1.25, 2};
   beliefs[2].standing->cost_ratio = CostRatio{};
-  EXPECT_EQ(BeliefsText(beliefs), "KDTree ×1.00 (n 22.0) · Grid ×1.50 (4.0) · SAP 0.50 (0.0)");
+  EXPECT_EQ(BeliefsText(beliefs),
+            "KDTree ×1.00 (22.0 equivalent windows) · Grid ×1.50 (4.0) · SAP 0.50 (0.0)");
   EXPECT_EQ(BeliefsText({}), "");
 }
 

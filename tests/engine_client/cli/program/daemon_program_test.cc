@@ -203,6 +203,26 @@ TEST(DaemonProgram, ARunThatTheDaemonRefusesEndsAtOnceWithItsMessage) {
   EXPECT_EQ(run.out, "");
 }
 
+TEST(DaemonProgram, ARunSetsTheRulesOfItsSession) {
+  const TemporaryDirectory data;
+  DaemonProcess daemon(data.path());
+  const std::string run = "run --scene suite-b --objects 100 --policy paper --json --duration ";
+  const ProgramRun played = RunProgram(
+      run +
+      "1s --weights 0.25,0.25,0.5,0 --interval 500ms --cooldown 7s --settling 30ms --daemon " +
+      daemon.address());
+  ASSERT_EQ(played.exit_code, 0) << played.err;
+  const json rules = json::parse(played.out)["daemon"];
+  EXPECT_EQ(rules["weights"], (std::vector<double>{0.25, 0.25, 0.5, 0}));
+  EXPECT_EQ(rules["interval_s"], 0.5);
+  EXPECT_EQ(rules["cooldown_s"], 7);
+  EXPECT_EQ(rules["settling_s"], 0.03);
+  const ProgramRun refused = RunProgram(run + "10m --interval 100ms --daemon " + daemon.address());
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("decision_interval_ns is 100000000; a daemon decides at most "
+                                     "four times a second, so use 250000000 or more"));
+}
+
 TEST(DaemonProgram, ARunLearnsAndTheNextRunStartsFromItsPriors) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());

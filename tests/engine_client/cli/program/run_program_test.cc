@@ -98,7 +98,7 @@ TEST(RunProgram, ReportsTheWorkOfTheShadowLane) {
     if (on["state"] == "off, no core to spare") return;
     if (on["visits"] >= 7) break;
   }
-  EXPECT_EQ(manual["state"], "paused in manual mode");
+  EXPECT_EQ(manual["state"], "paused, because the mode is manual or the policy does not use it");
   EXPECT_EQ(manual["visits"], 0);
   EXPECT_EQ(on["state"], "running");
   EXPECT_GE(on["visits"].get<uint64_t>(), 7U);
@@ -106,6 +106,19 @@ TEST(RunProgram, ReportsTheWorkOfTheShadowLane) {
   EXPECT_GT(on["frame_share"].get<double>(), 0);
   EXPECT_LT(on["frame_share"].get<double>(), 1);
   EXPECT_EQ(RunProgram(kSmallRun + "--shadow maybe").exit_code, 2);
+}
+
+// The first row of the log of decisions has the options of the decider.
+TEST(RunProgram, UsesTheRulesThatItIsGiven) {
+  const std::string folder = TemporaryPath("rules");
+  const ProgramRun run = RunProgram(kSmallRun +
+                                    "--policy paper --weights 0.25,0.25,0.5,0 --interval 50ms "
+                                    "--cooldown 7s --settling 30ms --csv " +
+                                    folder);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string log = FileText(folder + "/decisions.csv");
+  EXPECT_THAT(log, HasSubstr(",paper,0.25,0.25,0.5,0,50000000,7000000000,30000000,"));
+  std::filesystem::remove_all(folder);
 }
 
 TEST(RunProgram, PrintsSwitchesAndATableAsText) {
@@ -199,6 +212,9 @@ TEST(RunProgram, ContinuesWithoutItsDaemonAndGivesExitCodeThree) {
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_GT(json::parse(run.out)["frames"].get<uint64_t>(), 0U);
   EXPECT_THAT(run.err, HasSubstr("no session with 127.0.0.1:1"));
+  const ProgramRun text =
+      RunProgram("run --scene suite-b --objects 100 --daemon 127.0.0.1:1 --duration 300ms");
+  EXPECT_THAT(text.out, HasSubstr("start one with sweepstaked --listen 127.0.0.1:1, or use"));
 }
 
 TEST(RunProgram, BadUsageGivesExitCodeTwoAndListsValidValues) {

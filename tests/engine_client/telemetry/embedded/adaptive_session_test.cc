@@ -190,6 +190,18 @@ TEST(AdaptiveSessionTest, DecidesAndEndsByItself) {
   EXPECT_GT(game->broad_phase().switch_epoch(), 0U);
 }
 
+TEST(AdaptiveSessionTest, TheLaneRestsWithAPolicyThatDoesNotUseIt) {
+  const auto state = [](const std::string& policy, ShadowMode mode) {
+    const auto game =
+        AdaptiveSession::Create(MakeEmbeddedSession({.policy = policy}), {.shadow = {mode}});
+    EXPECT_TRUE(game.ok()) << game.status().message();
+    return game->broad_phase().shadow_stats().state;
+  };
+  EXPECT_EQ(state("paper", ShadowMode::kAuto), ShadowState::kPaused);
+  EXPECT_NE(state("paper", ShadowMode::kOn), ShadowState::kPaused);
+  EXPECT_NE(state("adaptive", ShadowMode::kAuto), ShadowState::kPaused);
+}
+
 TEST(AdaptiveSessionTest, MayBeMovedWhileItRuns) {
   Boxes boxes;
   std::optional<AdaptiveSession> game =

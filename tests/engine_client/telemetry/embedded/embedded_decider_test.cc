@@ -376,6 +376,23 @@ TEST(EmbeddedDeciderExport, IsTheStartOfTheNextRun) {
   }
 }
 
+// Evidence of other weights than the default has a reward version of its own.
+TEST(EmbeddedDeciderExport, IsUsedOnlyWithTheSameWeights) {
+  EmbeddedOptions own = PaperOptions();
+  own.weights = {0.25, 0.25, 0.5, 0};
+  const auto decider = MakeDecider(own);
+  Game game({30, 60, 15});
+  game.RunFor(*decider, 60'000);
+  own.priors_data = decider->ExportPriors();
+  EXPECT_EQ(MakeDecider(own)->prior_source_count(), 1U);
+  EmbeddedOptions usual = own;
+  usual.weights = {};
+  EXPECT_EQ(MakeDecider(usual)->prior_source_count(), 0U);
+  EmbeddedOptions other = own;
+  other.weights = {0.25, 0.5, 0.25, 0};
+  EXPECT_EQ(MakeDecider(other)->prior_source_count(), 0U);
+}
+
 TEST(EmbeddedDeciderExport, ContainsTheFinalBeliefs) {
   const auto decider = MakeDecider(PaperOptions());  // its beliefs are the sums of its evidence
   Game game({30, 60, 15});

@@ -4,6 +4,7 @@
 
 #include "engine_client/adaptive/adaptive_factory.h"
 #include "engine_client/decider/embedded/priors_file.h"
+#include "sweepstake/adaptive_session.h"
 #include "sweepstake/session.h"
 #include "tests/support/scripted_broad_phase.h"
 
@@ -124,6 +125,38 @@ TEST_F(EmbeddedSessionTest, UsesTheSettlingTimeOfItsDecider) {
   Frame();
   ASSERT_TRUE(adaptive_->last_outcome());
   EXPECT_EQ(adaptive_->last_outcome()->arm, 1U);
+}
+
+// The first row of the log has the options of the decider.
+TEST(EmbeddedSessionRules, AreThoseOfTheGame) {
+  ScriptedClock clock;
+  std::string log;
+  auto session = MakeEmbeddedSession({.policy = "paper",
+                                      .weights = {0.25, 0.25, 0.5, 0},
+                                      .decision_interval_ns = 500'000'000,
+                                      .cooldown_ns = 0,
+                                      .settling_ns = 3,
+                                      .on_audit_row = [&](std::string_view row) { log += row; }});
+  ASSERT_TRUE(session.ok());
+  std::vector<std::unique_ptr<BroadPhase>> backends;
+  backends.push_back(std::make_unique<ScriptedBroadPhase>(ArmScript{.name = "A"}, clock));
+  const auto adaptive =
+      std::move(*AdaptiveFactory::Make({}, std::move(backends), &(*session)->sink(), clock));
+  ASSERT_TRUE((*session)->Start(*adaptive).ok());
+  (*session)->Stop();
+  EXPECT_NE(log.find(",paper,0.25,0.25,0.5,0,500000000,0,3,"), std::string::npos) << log;
+}
+
+TEST(EmbeddedSessionRules, AreChecked) {
+  const auto error_of = [](const EmbeddedOptions& options) {
+    auto game = AdaptiveSession::Create(MakeEmbeddedSession(options));
+    return game.status().message();
+  };
+  EXPECT_EQ(error_of({.weights = {1, 1, 0, 0}}),
+            "the reward weights sum to 2.000000; make them sum to 1");
+  EXPECT_EQ(error_of({.weights = {-1, 1, 1, 0}}),
+            "a reward weight is negative or not finite; use numbers from 0 to 1");
+  EXPECT_EQ(error_of({.decision_interval_ns = 0}), "decision_interval_ns is 0; use 1 or more");
 }
 
 TEST_F(EmbeddedSessionTest, ExportsPriorsWhileItRunsAndAfterItsEnd) {

@@ -40,6 +40,12 @@ void Write(const Welcome& welcome, v1::Welcome& message) {
   message.set_priors_unavailable(welcome.priors_unavailable);
   for (const Capability each : welcome.capabilities)
     message.add_capabilities(static_cast<v1::Capability>(each));
+  message.set_cooldown_ms(welcome.cooldown_ms);
+  if (!welcome.weights) return;
+  message.mutable_weights()->set_fps(welcome.weights->fps);
+  message.mutable_weights()->set_detection(welcome.weights->detection);
+  message.mutable_weights()->set_memory(welcome.weights->memory);
+  message.mutable_weights()->set_checks(welcome.weights->checks);
 }
 
 void Write(const SwitchCommand& command, v1::SwitchCommand& message) {

@@ -27,7 +27,16 @@ Hello PlainOf(const v1::Hello& message) {
               .policy = message.policy(),
               .switch_epoch = message.switch_epoch(),
               .resume_token = message.resume_token(),
-              .capabilities = {}};
+              .capabilities = {},
+              .rules = {}};
+  if (message.has_weights()) {
+    const v1::RewardWeights& weights = message.weights();
+    hello.rules.weights = {weights.fps(), weights.detection(), weights.memory(), weights.checks()};
+  }
+  if (message.has_decision_interval_ns())
+    hello.rules.decision_interval_ns = message.decision_interval_ns();
+  if (message.has_cooldown_ns()) hello.rules.cooldown_ns = message.cooldown_ns();
+  if (message.has_settling_ns()) hello.rules.settling_ns = message.settling_ns();
   for (const v1::Arm& arm : message.arms())
     hello.arms.push_back({.name = arm.name(), .backend_version = arm.backend_version()});
   for (const int capability : message.capabilities())

@@ -245,12 +245,13 @@ TEST(ExperimentPlan, AcceptsEveryAblation) {
 // With the weight of the checks alone, the arm's reward is the share of pairs that it did not
 // check.
 TEST(StudyMaker, UsesTheRewardWeights) {
-  const auto reward = [](const decision::RewardWeights& weights) {
+  const auto reward = [](const RewardWeights& weights) {
     EmbeddedOptions options;
     options.policy = "random";
+    options.weights = weights;
     const std::vector<std::string> arms = {"SAP"};
     const std::vector<uint32_t> versions = {1};
-    const StudyMaker maker{decision::StudyPolicies(), weights};
+    const StudyMaker maker{decision::StudyPolicies()};
     const auto decider = maker.MakeDecider(options, arms, versions, 0);
     EXPECT_TRUE(decider.ok()) << decider.status().message();
     FrameSample frame{.frame_time_ns = 10'000'000, .object_count = 5};

@@ -9,7 +9,9 @@ namespace Sweepstake.Unity
     /// </summary>
     public enum LaneChoice
     {
-        /// <summary>The lane runs while there is a spare core; never on mobile devices.</summary>
+        /// <summary>
+        /// The lane runs while there is a spare core; never on mobile devices, and not with the policy `paper`, which does not use it.
+        /// </summary>
         Auto,
         Off,
         On,
@@ -59,6 +61,7 @@ namespace Sweepstake.Unity
             Seed = decisions.seed,
             DecisionIntervalNs = ToNs(decisions.intervalSeconds),
             CooldownNs = ToNs(decisions.cooldownSeconds),
+            Weights = decisions.weights.ToWeights(),
             FpsFloor = decisions.fpsFloor,
             PriorsData = decisions.priors == null ? null : decisions.priors.bytes,
         };
@@ -72,10 +75,16 @@ namespace Sweepstake.Unity
             MachineClass = NullIfEmpty(daemon.machineClass),
             Policy = NullIfEmpty(decisions.policy),
             Seed = decisions.seed,
+            DecisionIntervalNs = RuleOf(decisions.intervalSeconds),
+            CooldownNs = RuleOf(decisions.cooldownSeconds),
+            SettlingNs = RuleOf(decisions.settlingSeconds),
+            Weights = daemon.usesRulesOfGame ? decisions.weights.ToWeights() : (RewardWeights?)null,
             AllowsOperatorOrders = daemon.allowsOperatorOrders,
             BatchIntervalMs = (uint)daemon.batchIntervalMs,
             BatchFrames = (uint)daemon.batchFrames,
         };
+
+        private ulong? RuleOf(float seconds) => daemon.usesRulesOfGame ? ToNs(seconds) : (ulong?)null;
 
         private string BuildOr(string otherwise) => daemon.build.Length > 0 ? daemon.build : otherwise;
 
@@ -111,20 +120,22 @@ namespace Sweepstake.Unity
     [Serializable]
     public sealed class DecisionSettings
     {
-        [Tooltip("Name of the policy. Empty: the default.")]
+        [Tooltip("Name of the policy. Empty: the default, 'adaptive'. 'paper' is Thompson sampling as in the paper.")]
         public string policy = "";
-        [Tooltip("Seed of all random draws. The same seed and the same measurements give the same decisions.")]
+        [Tooltip("Seed of the exploration and of the random draws, which only the policy 'paper' makes.")]
         [Min(1)]
         public uint seed = 1;
-        [Tooltip("Seconds between decisions.")]
+        [Tooltip("Seconds between decisions. The default policy decides at least every second.")]
         [Min(0.1f)]
         public float intervalSeconds = 2;
-        [Tooltip("Seconds after a switch during which the decider does not switch again.")]
+        [Tooltip("Seconds after a switch during which the decider does not switch again. The default policy may wait less.")]
         [Min(0)]
         public float cooldownSeconds = 40;
-        [Tooltip("Seconds after a switch that are excluded from learning. A trial of a backend lasts twice as long. A daemon replaces this by its own setting.")]
+        [Tooltip("Seconds after a switch that are excluded from learning. The default policy uses at most 1. A trial of a backend lasts twice as long. A daemon replaces this, unless it uses the rules of the game.")]
         [Min(0)]
         public float settlingSeconds = 2;
+        [Tooltip("Weights of the reward of the policy 'paper'; their sum must be 1.")]
+        public WeightSettings weights = new WeightSettings();
         [Tooltip("Bail-out limit in seconds: if the backend makes a frame longer than this, it is replaced at once. A daemon replaces this by its own setting.")]
         [Min(0.1f)]
         public float bailOutSeconds = 5;
@@ -133,6 +144,22 @@ namespace Sweepstake.Unity
         public float fpsFloor = 30;
         [Tooltip("What earlier runs have learnt: a file of 'Export Priors' in the inspector or of `sweepstake priors export`, with the extension .bytes. None: it starts without priors.")]
         public TextAsset? priors;
+    }
+
+    /// <summary>Weights of the four scores in the paper's reward. Other weights than the default start without earlier evidence.</summary>
+    [Serializable]
+    public sealed class WeightSettings
+    {
+        [Tooltip("Weight of the frame rate.")]
+        public double frameRate = 0.55;
+        [Tooltip("Weight of the detection time.")]
+        public double detection = 0.25;
+        [Tooltip("Weight of the memory.")]
+        public double memory = 0.12;
+        [Tooltip("Weight of the AABB checks.")]
+        public double checks = 0.08;
+
+        public RewardWeights ToWeights() => new RewardWeights(frameRate, detection, memory, checks);
     }
 
     /// <summary>Settings of the connection to a daemon. A relative path of a file is relative to StreamingAssets.</summary>
@@ -157,6 +184,8 @@ namespace Sweepstake.Unity
         public string build = "";
         [Tooltip("Class of machines whose timings are comparable, such as 'desktop'. Empty: processor, threads, instruction set and memory.")]
         public string machineClass = "";
+        [Tooltip("On: the daemon uses interval, cooldown, settling and weights of 'Decisions' for this game. Off: those of its own configuration.")]
+        public bool usesRulesOfGame = false;
         [Tooltip("Lets operators of the daemon choose mode and backend. Leave it off in a game that is shipped to players.")]
         public bool allowsOperatorOrders = false;
         [Tooltip("Milliseconds after which a batch of frames is sent.")]

@@ -170,6 +170,21 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void ADeciderUsesTheWeightsOfItsOptions()
+        {
+            using var scene = Oracle.CrowdedScene("brownian");
+            using var session = new BroadPhaseSession(new SessionOptions { Shadow = ShadowMode.Off, SettlingNs = 0 });
+            var options = new DeciderOptions { TimeScale = 100, Policy = "paper", Weights = new RewardWeights(0, 0, 1, 0) };
+            using var decider = new EmbeddedDecider(session, options, ownThread: false);
+            PlayAndPoll(session, decider, scene, 200);
+            string priors = System.Text.Encoding.UTF8.GetString(decider.ExportPriors());
+            Assert.That(priors, Does.Match("\"reward_version\":1\\d{9}"), "evidence of own weights has a version of its own");
+            using var second = new BroadPhaseSession();
+            Exception wrong = Assert.Throws<SweepstakeException>(() => new EmbeddedDecider(second, new DeciderOptions { Weights = new RewardWeights(1, 1, 0, 0) }))!;
+            Assert.That(wrong.Message, Does.Contain("the reward weights sum to 2"));
+        }
+
+        [Test]
         public void TheDecidersThreadEndsWithItsSession()
         {
             var session = new BroadPhaseSession();

@@ -60,7 +60,7 @@ describe('the rows of a log', () => {
     const [from, to] = [row.decision!.activeArm, row.decision!.candidate];
     expect(from).not.toBe(to);
     expect(toldOfRow(row, setup)).toMatchObject({ activeArm: from, candidate: to, outcome: DecisionOutcome.SWITCHED, leader: row.decision!.leader });
-    expect(explainedRow(row, setup)[0]).toBe(`The daemon commanded a switch from ${from} to ${to}. The arm had the lowest cost in this random draw from the posteriors.`);
+    expect(explainedRow(row, setup)[0]).toBe(`The daemon commanded a switch from ${from} to ${to}. The policy chose the arm from the posteriors.`);
   });
 
   it('name who gave an order or did an action', () => {

@@ -41,13 +41,6 @@ export const sceneInView = signal('');
 export const sceneKey = ({ project, scene, machineClass, rewardVersion }: SceneName) =>
   [project, scene, machineClass, rewardVersion].join('\n');
 
-// The policies with reward version 3, in which the reward depends on the logarithm of the cost (engine_client/decider/policy/log_cost.h). A
-// daemon's other policies have version 1. The version of a policy is `reward_version` of its PolicyKind.
-const LOG_COST_POLICIES = ['adaptive', 'default'];
-const rewardVersionOf = (policy: string) => (LOG_COST_POLICIES.includes(policy) ? 3 : 1);
-
-export const sceneKeyOf = (event: DecisionEvent) => sceneKey({ ...event, rewardVersion: rewardVersionOf(event.policy) });
-
 /** The leader's probability of being the best arm; 0 without evidence. */
 export const leaderProbabilityOf = ({ leaderArm, arms }: ScenePosterior) =>
   arms.find(({ arm, isOutdated }) => arm === leaderArm && !isOutdated)?.bestProbability ?? 0;
@@ -82,7 +75,7 @@ export function takeChanges(posteriors: readonly ScenePosterior[], decisions: re
     next.set(key, withPosterior(next.get(key), key, posterior, timeMs, true));
   }
   const share = shareOf(next.size, MAX_SCENE_DECISIONS);
-  for (const [key, added] of groupedBy(decisions, sceneKeyOf)) {
+  for (const [key, added] of groupedBy(decisions, sceneKey)) {
     const state = next.get(key);
     if (!state) continue;
     const limit = key === sceneInView.peek() ? MAX_SCENE_DECISIONS : share;

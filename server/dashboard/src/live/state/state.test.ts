@@ -12,8 +12,8 @@ const posteriorOf = (scene: string, alpha = 2, beta = 2, rewardVersion = 3): Sce
   project: 'p', scene, rewardVersion,
   arms: [{ arm: 'SAP', backendVersion: 1, posterior: { alpha, beta } }, { arm: 'Grid', backendVersion: 1, posterior: { alpha: 5, beta: 5 } }],
 });
-const decisionOf = (scene: string, decisionId: number, more: { policy?: string; verdict?: Verdict } = {}) =>
-  create(DecisionEventSchema, { project: 'p', scene, sessionId: 's1', decisionId: BigInt(decisionId), policy: 'adaptive', ...more });
+const decisionOf = (scene: string, decisionId: number, more: { rewardVersion?: number; verdict?: Verdict } = {}) =>
+  create(DecisionEventSchema, { project: 'p', scene, sessionId: 's1', decisionId: BigInt(decisionId), rewardVersion: 3, ...more });
 const keyOf = (scene: string, rewardVersion = 3) => scenes.sceneKey({ project: 'p', scene, machineClass: '', rewardVersion });
 const stateOf = (scene: string) => scenes.scenes.peek().get(keyOf(scene))!;
 
@@ -41,9 +41,9 @@ describe('scenes', () => {
     expect(stateOf('a').changedMs).toBeGreaterThan(5000);
   });
 
-  it('receive decisions of policies with their version of the reward, and ignore those of unknown scenes', () => {
+  it('receive decisions with their version of the reward, and ignore those of unknown scenes', () => {
     scenes.takeSnapshot([posteriorOf('a'), posteriorOf('a', 2, 2, 1)], 1);
-    scenes.takeChanges([], [decisionOf('a', 1), decisionOf('a', 2, { policy: 'paper' }), decisionOf('x', 3)], 2);
+    scenes.takeChanges([], [decisionOf('a', 1), decisionOf('a', 2, { rewardVersion: 1 }), decisionOf('x', 3)], 2);
     expect(stateOf('a').decisions.map(({ decisionId }) => decisionId)).toEqual([1n]);
     expect(scenes.scenes.peek().get(keyOf('a', 1))!.decisions.map(({ decisionId }) => decisionId)).toEqual([2n]);
   });

@@ -21,7 +21,6 @@ import { Empty, Failure, Later, Loading } from '../parts/states';
 import { type Column, Table } from '../parts/table';
 import { account, isOperator } from '../state/account';
 import { decisionsHref, route, sceneHref, setQuery } from '../state/route';
-import { sceneKeyOf } from '../state/scenes';
 import { isConnected, lastMessageMs, sessionInView, sessions, type SessionState } from '../state/sessions';
 import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
@@ -34,7 +33,7 @@ import { endWord, modeWord, outcomeWord, stateWord } from './words';
 /** Returns the version of the reward of a session's policy. */
 export function rewardVersionOf(steps: readonly Step[], state: SessionState | undefined): number {
   const event = state?.decisions.at(-1);
-  if (event) return Number(sceneKeyOf(event).split('\n').at(-1));
+  if (event) return event.rewardVersion;
   return steps.filter(({ told }) => told).at(-1)?.told?.rewardVersion ?? LOG_COST_REWARD_VERSION;
 }
 

@@ -17,7 +17,7 @@ export const GLOSSARY: readonly (readonly [string, string])[] = [
   ['leader', 'The arm with the highest P(best) in a scene.'],
   ['reward', 'The cost of a window as a number from 0 to 1; 1 is the best.'],
   ['bail-out', 'A frame that took longer than the bail-out limit. If its arm was the cause, the game changes to another arm at once.'],
-  ['policy', 'The rule that chooses the arm: it draws a random cost for each arm from its posterior, and takes the lowest (Thompson sampling).'],
+  ['policy', 'The rule that chooses the arm. “adaptive” (AI Decides) compares the expected costs, and switches if the expected saving exceeds the cost of the switch. “paper” draws a random reward for each arm from its posterior, and takes the highest (Thompson sampling).'],
   ['posterior', 'The distribution of an arm’s cost after all measurements. It is narrow if the cost is well known.'],
   ['prior', 'The distribution with which a session begins. It comes from earlier sessions, builds and machines.'],
 ];
@@ -41,7 +41,7 @@ const OUTCOMES: Readonly<Record<DecisionOutcome, Word>> = {
 
 const REASONS: Readonly<Record<SwitchReason, Word>> = {
   [SwitchReason.UNSPECIFIED]: word('no switch', '–', 'The arm did not change.'),
-  [SwitchReason.POLICY]: word('policy', '→', 'The arm had the lowest cost in this random draw from the posteriors.'),
+  [SwitchReason.POLICY]: word('policy', '→', 'The policy chose the arm from the posteriors.'),
   [SwitchReason.EXPLORATION]: word('exploration', '⌕', 'The arm was the next one to be measured.'),
   [SwitchReason.BAIL_OUT]: word('bail-out', '!', 'A frame took longer than the bail-out limit, and the arm was the cause.'),
   [SwitchReason.MANUAL]: word('manual', '✋', 'A person chose the arm.'),

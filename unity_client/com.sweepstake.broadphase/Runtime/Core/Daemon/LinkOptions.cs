@@ -10,6 +10,7 @@ namespace Sweepstake
     /// </summary>
     public sealed unsafe class LinkOptions
     {
+        private const ulong DaemonValue = ulong.MaxValue; // SWP_DAEMON_VALUE
         private NativeLinkOptions native;
 
         /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
@@ -35,8 +36,22 @@ namespace Sweepstake
         public string? MachineClass { get; set; }
         /// <summary>Name of the policy; null for the daemon's default.</summary>
         public string? Policy { get; set; }
-        /// <summary>Seed of the daemon's random draws; 0: the daemon chooses.</summary>
+        /// <summary>Seed of the daemon's exploration and random draws; 0: the daemon chooses.</summary>
         public ulong Seed { get => native.Seed; set => native.Seed = value; }
+        /// <summary>
+        /// Interval between decisions in nanoseconds, 250 ms or more; null: that of the daemon's configuration, and so for the next three.
+        /// </summary>
+        public ulong? DecisionIntervalNs { get => Chosen(native.DecisionIntervalNs); set => native.DecisionIntervalNs = value ?? DaemonValue; }
+        /// <summary>Minimum interval between switches that the policy chooses, in nanoseconds.</summary>
+        public ulong? CooldownNs { get => Chosen(native.CooldownNs); set => native.CooldownNs = value ?? DaemonValue; }
+        /// <summary>Time after a switch that is excluded from learning, in nanoseconds.</summary>
+        public ulong? SettlingNs { get => Chosen(native.SettlingNs); set => native.SettlingNs = value ?? DaemonValue; }
+        /// <summary>Weights of the paper's reward.</summary>
+        public RewardWeights? Weights
+        {
+            get => native.Weights.IsUnset ? (RewardWeights?)null : native.Weights;
+            set => native.Weights = value ?? default;
+        }
         /// <summary>
         /// Factor from 1 to 1000 by which the decider's intervals are divided. A daemon refuses values above 1 unless it is configured to
         /// allow them.
@@ -77,5 +92,7 @@ namespace Sweepstake
             options.Policy = memory.Text(Policy);
             return options;
         }
+
+        private static ulong? Chosen(ulong intervalNs) => intervalNs == DaemonValue ? (ulong?)null : intervalNs;
     }
 }

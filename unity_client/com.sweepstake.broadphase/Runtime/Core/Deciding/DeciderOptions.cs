@@ -40,7 +40,7 @@ namespace Sweepstake
         public string? PriorsFile { get; set; }
         /// <summary>Priors in the format that <see cref="EmbeddedDecider.ExportPriors"/> and `sweepstake priors export` write.</summary>
         public byte[]? PriorsData { get; set; }
-        /// <summary>Seed of all random draws: the same seed and the same measurements give the same decisions.</summary>
+        /// <summary>Seed of the exploration and of the random draws, which only `paper` makes: the same seed and the same measurements give the same decisions.</summary>
         public ulong Seed { get => native.Seed; set => native.Seed = value; }
         /// <summary>Factor from 1 to 1000 by which all intervals except the bail-out limit are divided.</summary>
         public double TimeScale { get => native.TimeScale; set => native.TimeScale = value; }
@@ -52,6 +52,9 @@ namespace Sweepstake
         /// Frames per second, 0 to 1000. If even the best arm stays below this rate, the verdict is <see cref="VerdictKind.Degraded"/>.
         /// </summary>
         public double FpsFloor { get => native.FpsFloor; set => native.FpsFloor = value; }
+
+        /// <summary>Weights of the paper's reward.</summary>
+        public RewardWeights Weights { get => native.Weights; set => native.Weights = value; }
 
         internal NativeDeciderOptions With(CallMemory memory)
         {

@@ -34,6 +34,7 @@ namespace Sweepstake.LowLevel
             CheckDecision(problems);
             CheckSphereQuery(problems);
             CheckBoxSweepQuery(problems);
+            CheckRewardWeights(problems);
         }
 
         private static void CheckAabb(LayoutProblems problems)
@@ -189,7 +190,7 @@ namespace Sweepstake.LowLevel
             byte* start;
             var nativeDeciderOptions = default(NativeDeciderOptions);
             start = (byte*)&nativeDeciderOptions;
-            problems.Size("NativeDeciderOptions", 12, sizeof(NativeDeciderOptions), 120, true);
+            problems.Size("NativeDeciderOptions", 12, sizeof(NativeDeciderOptions), 152, true);
             problems.Field("NativeDeciderOptions.StructSize", (byte*)&nativeDeciderOptions.StructSize - start, 0);
             problems.Field("NativeDeciderOptions.Reserved", (byte*)&nativeDeciderOptions.Reserved - start, 4);
             problems.Field("NativeDeciderOptions.Policy", (byte*)&nativeDeciderOptions.Policy - start, 8);
@@ -206,6 +207,7 @@ namespace Sweepstake.LowLevel
             problems.Field("NativeDeciderOptions.DecisionIntervalNs", (byte*)&nativeDeciderOptions.DecisionIntervalNs - start, 96);
             problems.Field("NativeDeciderOptions.CooldownNs", (byte*)&nativeDeciderOptions.CooldownNs - start, 104);
             problems.Field("NativeDeciderOptions.FpsFloor", (byte*)&nativeDeciderOptions.FpsFloor - start, 112);
+            problems.Field("NativeDeciderOptions.Weights", (byte*)&nativeDeciderOptions.Weights - start, 120);
         }
 
         private static void CheckBelief(LayoutProblems problems)
@@ -313,7 +315,7 @@ namespace Sweepstake.LowLevel
             byte* start;
             var nativeLinkOptions = default(NativeLinkOptions);
             start = (byte*)&nativeLinkOptions;
-            problems.Size("NativeLinkOptions", 21, sizeof(NativeLinkOptions), 112, true);
+            problems.Size("NativeLinkOptions", 21, sizeof(NativeLinkOptions), 168, true);
             problems.Field("NativeLinkOptions.StructSize", (byte*)&nativeLinkOptions.StructSize - start, 0);
             problems.Field("NativeLinkOptions.AllowOperatorOrders", (byte*)&nativeLinkOptions.AllowOperatorOrders - start, 4);
             problems.Field("NativeLinkOptions.Daemon", (byte*)&nativeLinkOptions.Daemon - start, 8);
@@ -333,6 +335,10 @@ namespace Sweepstake.LowLevel
             problems.Field("NativeLinkOptions.BackoffMinMs", (byte*)&nativeLinkOptions.BackoffMinMs - start, 100);
             problems.Field("NativeLinkOptions.BackoffMaxMs", (byte*)&nativeLinkOptions.BackoffMaxMs - start, 104);
             problems.Field("NativeLinkOptions.Reserved", (byte*)&nativeLinkOptions.Reserved - start, 108);
+            problems.Field("NativeLinkOptions.DecisionIntervalNs", (byte*)&nativeLinkOptions.DecisionIntervalNs - start, 112);
+            problems.Field("NativeLinkOptions.CooldownNs", (byte*)&nativeLinkOptions.CooldownNs - start, 120);
+            problems.Field("NativeLinkOptions.SettlingNs", (byte*)&nativeLinkOptions.SettlingNs - start, 128);
+            problems.Field("NativeLinkOptions.Weights", (byte*)&nativeLinkOptions.Weights - start, 136);
         }
 
         private static void CheckLinkStats(LayoutProblems problems)
@@ -396,6 +402,18 @@ namespace Sweepstake.LowLevel
             problems.Size("BoxSweepQuery", 25, sizeof(BoxSweepQuery), 36, false);
             problems.Field("BoxSweepQuery.Box", (byte*)&boxSweepQuery.Box - start, 0);
             problems.Field("BoxSweepQuery.TranslationX", (byte*)&boxSweepQuery.TranslationX - start, 24);
+        }
+
+        private static void CheckRewardWeights(LayoutProblems problems)
+        {
+            byte* start;
+            var rewardWeights = default(RewardWeights);
+            start = (byte*)&rewardWeights;
+            problems.Size("RewardWeights", 28, sizeof(RewardWeights), 32, false);
+            problems.Field("RewardWeights.Fps", (byte*)&rewardWeights.Fps - start, 0);
+            problems.Field("RewardWeights.Detection", (byte*)&rewardWeights.Detection - start, 8);
+            problems.Field("RewardWeights.Memory", (byte*)&rewardWeights.Memory - start, 16);
+            problems.Field("RewardWeights.Checks", (byte*)&rewardWeights.Checks - start, 24);
         }
     }
 }

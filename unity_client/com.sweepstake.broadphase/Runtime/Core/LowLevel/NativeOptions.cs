@@ -45,6 +45,7 @@ namespace Sweepstake.LowLevel
         public ulong DecisionIntervalNs;
         public ulong CooldownNs;
         public double FpsFloor;
+        public RewardWeights Weights;
     }
 
     /// <summary>The native form of <see cref="LinkOptions"/>. Texts are UTF-8 with a terminating 0.</summary>
@@ -70,5 +71,9 @@ namespace Sweepstake.LowLevel
         public uint BackoffMinMs;
         public uint BackoffMaxMs;
         internal uint Reserved;
+        public ulong DecisionIntervalNs;
+        public ulong CooldownNs;
+        public ulong SettlingNs;
+        public RewardWeights Weights;
     }
 }

@@ -107,10 +107,11 @@ namespace Sweepstake
     {
         Off = 0,
         /// <summary>
-        /// The lane starts when the session first enters <see cref="SessionMode.Ai"/>, and runs while there is a spare core.
+        /// The lane starts when the session first enters <see cref="SessionMode.Ai"/>, and runs while there is a spare core. It rests with a
+        /// policy that does not learn from it, such as `paper`, whose switches are then cold.
         /// </summary>
         Auto = 1,
-        /// <summary>The lane runs even if the session has never been in <see cref="SessionMode.Ai"/>.</summary>
+        /// <summary>The lane runs even if the session has never been in <see cref="SessionMode.Ai"/>, and with each policy.</summary>
         On = 2,
     }
 
@@ -122,7 +123,7 @@ namespace Sweepstake
         OneArm = 1,
         /// <summary>Inactive: the game's threads use all cores.</summary>
         NoSpareCore = 2,
-        /// <summary>Inactive: <see cref="ShadowMode.Auto"/> in a session that has never been in <see cref="SessionMode.Ai"/>.</summary>
+        /// <summary>Inactive: <see cref="ShadowMode.Auto"/> rests.</summary>
         Paused = 3,
         Running = 4,
         /// <summary>Inactive: the scene does not fit in the lane's memory.</summary>

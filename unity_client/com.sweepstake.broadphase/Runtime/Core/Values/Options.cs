@@ -133,4 +133,31 @@ namespace Sweepstake
             }
         }
     }
+
+    /// <summary>
+    /// Weights of the four scores in the paper's reward, each at least 0, with the sum 1. Only the policy `paper` uses them. Evidence of
+    /// other weights than the default is never merged with that of the default.
+    /// </summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct RewardWeights
+    {
+        /// <summary>Weight of the frame rate.</summary>
+        public double Fps;
+        /// <summary>Weight of the detection time.</summary>
+        public double Detection;
+        /// <summary>Weight of the memory.</summary>
+        public double Memory;
+        /// <summary>Weight of the AABB checks.</summary>
+        public double Checks;
+
+        public RewardWeights(double fps, double detection, double memory, double checks)
+        {
+            Fps = fps;
+            Detection = detection;
+            Memory = memory;
+            Checks = checks;
+        }
+
+        internal readonly bool IsUnset => Fps == 0 && Detection == 0 && Memory == 0 && Checks == 0;
+    }
 }

@@ -56,7 +56,7 @@ namespace Sweepstake.Protocol.V1 {
             "X2NvdW50GAcgASgBEhgKEHVuaXhfbGFzdF9zZWVuX3MYCCABKAMSEwoLaXNf",
             "b3V0ZGF0ZWQYCSABKAgSHQoQYmVzdF9wcm9iYWJpbGl0eRgKIAEoAUgAiAEB",
             "EiwKCmNvc3RfcmF0aW8YCyABKAsyGC5zd2VlcHN0YWtlLnYxLkNvc3RSYXRp",
-            "b0ITChFfYmVzdF9wcm9iYWJpbGl0eSKOBAoNRGVjaXNpb25FdmVudBISCgpz",
+            "b0ITChFfYmVzdF9wcm9iYWJpbGl0eSKmBAoNRGVjaXNpb25FdmVudBISCgpz",
             "ZXNzaW9uX2lkGAEgASgJEg8KB3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyAB",
             "KAkSEwoLZGVjaXNpb25faWQYBCABKAQSEgoKYWN0aXZlX2FybRgFIAEoCRIV",
             "Cg1jYW5kaWRhdGVfYXJtGAYgASgJEi8KB291dGNvbWUYByABKA4yHi5zd2Vl",
@@ -68,27 +68,28 @@ namespace Sweepstake.Protocol.V1 {
             "CRI2CgxtZWFzdXJlbWVudHMYDyABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1l",
             "TWVhc3VyZW1lbnRzEgwKBGFybXMYECADKAkSLQoJc3RhbmRpbmdzGBEgAygL",
             "Mhouc3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZxIPCgd1bml4X21zGBIgASgD",
-            "QgkKB19yZXdhcmQisgEKEUZyYW1lTWVhc3VyZW1lbnRzEjIKDWZyYW1lX3Rp",
-            "bWVfbnMYASABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbRI2ChFk",
-            "ZXRlY3Rpb25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlz",
-            "dG9ncmFtEjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVwc3Rha2UudjEu",
-            "TG9nSGlzdG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNrZXRfc3RlcHMY",
-            "ASADKA0SDgoGY291bnRzGAIgAygNKtECCg9EZWNpc2lvbk91dGNvbWUSIAoc",
-            "REVDSVNJT05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURFQ0lTSU9OX09V",
-            "VENPTUVfS0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJVENIRUQQAhIi",
-            "Ch5ERUNJU0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIiCh5ERUNJU0lP",
-            "Tl9PVVRDT01FX0hFTERfU0VUVExJTkcQBBIeChpERUNJU0lPTl9PVVRDT01F",
-            "X05PX0ZSQU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFOVUFMEAYSHgoa",
-            "REVDSVNJT05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJU0lPTl9PVVRD",
-            "T01FX1JFSkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9IRUxEX0dBVEUQ",
-            "CTKvAgoRUG9zdGVyaW9yc1NlcnZpY2USXQoOTGlzdFBvc3RlcmlvcnMSJC5z",
-            "d2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVxdWVzdBolLnN3ZWVwc3Rh",
-            "a2UudjEuTGlzdFBvc3RlcmlvcnNSZXNwb25zZRJXCgxHZXRQb3N0ZXJpb3IS",
-            "Ii5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlcXVlc3QaIy5zd2VlcHN0",
-            "YWtlLnYxLkdldFBvc3RlcmlvclJlc3BvbnNlEmIKD1dhdGNoUG9zdGVyaW9y",
-            "cxIlLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVxdWVzdBomLnN3",
-            "ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2UwAUIZqgIWU3dl",
-            "ZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
+            "EhYKDnJld2FyZF92ZXJzaW9uGBMgASgNQgkKB19yZXdhcmQisgEKEUZyYW1l",
+            "TWVhc3VyZW1lbnRzEjIKDWZyYW1lX3RpbWVfbnMYASABKAsyGy5zd2VlcHN0",
+            "YWtlLnYxLkxvZ0hpc3RvZ3JhbRI2ChFkZXRlY3Rpb25fdGltZV9ucxgCIAEo",
+            "CzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtEjEKDG5hdGl2ZV9ieXRl",
+            "cxgDIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtIjQKDExvZ0hp",
+            "c3RvZ3JhbRIUCgxidWNrZXRfc3RlcHMYASADKA0SDgoGY291bnRzGAIgAygN",
+            "KtECCg9EZWNpc2lvbk91dGNvbWUSIAocREVDSVNJT05fT1VUQ09NRV9VTlNQ",
+            "RUNJRklFRBAAEhkKFURFQ0lTSU9OX09VVENPTUVfS0VQVBABEh0KGURFQ0lT",
+            "SU9OX09VVENPTUVfU1dJVENIRUQQAhIiCh5ERUNJU0lPTl9PVVRDT01FX0hF",
+            "TERfQ09PTERPV04QAxIiCh5ERUNJU0lPTl9PVVRDT01FX0hFTERfU0VUVExJ",
+            "TkcQBBIeChpERUNJU0lPTl9PVVRDT01FX05PX0ZSQU1FUxAFEhsKF0RFQ0lT",
+            "SU9OX09VVENPTUVfTUFOVUFMEAYSHgoaREVDSVNJT05fT1VUQ09NRV9FWFBM",
+            "T1JJTkcQBxIdChlERUNJU0lPTl9PVVRDT01FX1JFSkVDVEVEEAgSHgoaREVD",
+            "SVNJT05fT1VUQ09NRV9IRUxEX0dBVEUQCTKvAgoRUG9zdGVyaW9yc1NlcnZp",
+            "Y2USXQoOTGlzdFBvc3RlcmlvcnMSJC5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0",
+            "ZXJpb3JzUmVxdWVzdBolLnN3ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNS",
+            "ZXNwb25zZRJXCgxHZXRQb3N0ZXJpb3ISIi5zd2VlcHN0YWtlLnYxLkdldFBv",
+            "c3RlcmlvclJlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJl",
+            "c3BvbnNlEmIKD1dhdGNoUG9zdGVyaW9ycxIlLnN3ZWVwc3Rha2UudjEuV2F0",
+            "Y2hQb3N0ZXJpb3JzUmVxdWVzdBomLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0",
+            "ZXJpb3JzUmVzcG9uc2UwAUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIG",
+            "cHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -101,7 +102,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount", "Verdict", "LeaderArm", "ExpectedLossRatio", "ValueRemainingRatio" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RewardPosterior), global::Sweepstake.Protocol.V1.RewardPosterior.Parser, new[]{ "Alpha", "Beta", "Low95", "Low50", "High50", "High95" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount", "UnixLastSeenS", "IsOutdated", "BestProbability", "CostRatio" }, new[]{ "BestProbability" }, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings", "UnixMs" }, new[]{ "Reward" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings", "UnixMs", "RewardVersion" }, new[]{ "Reward" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameMeasurements), global::Sweepstake.Protocol.V1.FrameMeasurements.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "NativeBytes" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.LogHistogram), global::Sweepstake.Protocol.V1.LogHistogram.Parser, new[]{ "BucketSteps", "Counts" }, null, null, null, null)
           }));
@@ -1856,7 +1857,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int RewardVersionFieldNumber = 4;
     private uint rewardVersion_;
     /// <summary>
-    /// Version of the reward that the evidence was measured with. Absent: 0.
+    /// Version of the reward that the evidence was measured with. From 2^30 on, the version of weights other than the default
+    /// (RewardVersionOf in engine_client/decider/session/policy_registry.h). Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3447,6 +3449,7 @@ namespace Sweepstake.Protocol.V1 {
       arms_ = other.arms_.Clone();
       standings_ = other.standings_.Clone();
       unixMs_ = other.unixMs_;
+      rewardVersion_ = other.rewardVersion_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -3739,6 +3742,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "reward_version" field.</summary>
+    public const int RewardVersionFieldNumber = 19;
+    private uint rewardVersion_;
+    /// <summary>
+    /// Version of the session's rewards, as in ScenePosterior. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint RewardVersion {
+      get { return rewardVersion_; }
+      set {
+        rewardVersion_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -3772,6 +3790,7 @@ namespace Sweepstake.Protocol.V1 {
       if(!arms_.Equals(other.arms_)) return false;
       if(!standings_.Equals(other.standings_)) return false;
       if (UnixMs != other.UnixMs) return false;
+      if (RewardVersion != other.RewardVersion) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -3797,6 +3816,7 @@ namespace Sweepstake.Protocol.V1 {
       hash ^= arms_.GetHashCode();
       hash ^= standings_.GetHashCode();
       if (UnixMs != 0L) hash ^= UnixMs.GetHashCode();
+      if (RewardVersion != 0) hash ^= RewardVersion.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -3878,6 +3898,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(144, 1);
         output.WriteInt64(UnixMs);
       }
+      if (RewardVersion != 0) {
+        output.WriteRawTag(152, 1);
+        output.WriteUInt32(RewardVersion);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -3951,6 +3975,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(144, 1);
         output.WriteInt64(UnixMs);
       }
+      if (RewardVersion != 0) {
+        output.WriteRawTag(152, 1);
+        output.WriteUInt32(RewardVersion);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -4008,6 +4036,9 @@ namespace Sweepstake.Protocol.V1 {
       size += standings_.CalculateSize(_repeated_standings_codec);
       if (UnixMs != 0L) {
         size += 2 + pb::CodedOutputStream.ComputeInt64Size(UnixMs);
+      }
+      if (RewardVersion != 0) {
+        size += 2 + pb::CodedOutputStream.ComputeUInt32Size(RewardVersion);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -4071,6 +4102,9 @@ namespace Sweepstake.Protocol.V1 {
       standings_.Add(other.standings_);
       if (other.UnixMs != 0L) {
         UnixMs = other.UnixMs;
+      }
+      if (other.RewardVersion != 0) {
+        RewardVersion = other.RewardVersion;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -4167,6 +4201,10 @@ namespace Sweepstake.Protocol.V1 {
             UnixMs = input.ReadInt64();
             break;
           }
+          case 152: {
+            RewardVersion = input.ReadUInt32();
+            break;
+          }
         }
       }
     #endif
@@ -4260,6 +4298,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 144: {
             UnixMs = input.ReadInt64();
+            break;
+          }
+          case 152: {
+            RewardVersion = input.ReadUInt32();
             break;
           }
         }

@@ -44,7 +44,7 @@ namespace Sweepstake.Protocol.V1 {
             "bmVjdBI0Cg5vcGVyYXRvcl9vcmRlchgGIAEoCzIcLnN3ZWVwc3Rha2UudjEu",
             "T3BlcmF0b3JPcmRlchIuCgtib3hfcmVxdWVzdBgHIAEoCzIZLnN3ZWVwc3Rh",
             "a2UudjEuQm94UmVxdWVzdCIsCgNBcm0SDAoEbmFtZRgBIAEoCRIXCg9iYWNr",
-            "ZW5kX3ZlcnNpb24YAiABKA0i+gIKBUhlbGxvEhgKEHByb3RvY29sX3ZlcnNp",
+            "ZW5kX3ZlcnNpb24YAiABKA0iuQQKBUhlbGxvEhgKEHByb3RvY29sX3ZlcnNp",
             "b24YASABKA0SDwoHcHJvamVjdBgCIAEoCRINCgVzY2VuZRgDIAEoCRINCgVi",
             "dWlsZBgEIAEoCRIVCg1tYWNoaW5lX2NsYXNzGAUgASgJEiAKBGFybXMYBiAD",
             "KAsyEi5zd2VlcHN0YWtlLnYxLkFybRISCgphY3RpdmVfYXJtGAcgASgNEiEK",
@@ -52,101 +52,110 @@ namespace Sweepstake.Protocol.V1 {
             "ZBgJIAEoCRISCgp0aW1lX3NjYWxlGAogASgBEhUKDWlnbm9yZV9wcmlvcnMY",
             "CyABKAgSDAoEc2VlZBgMIAEoBBIOCgZwb2xpY3kYDSABKAkSFAoMc3dpdGNo",
             "X2Vwb2NoGA4gASgNEhQKDHJlc3VtZV90b2tlbhgPIAEoDBIvCgxjYXBhYmls",
-            "aXRpZXMYECADKA4yGS5zd2VlcHN0YWtlLnYxLkNhcGFiaWxpdHki3QIKCkZy",
-            "YW1lQmF0Y2gSFQoNZnJhbWVfdGltZV9ucxgBIAMoBBIZChFkZXRlY3Rpb25f",
-            "dGltZV9ucxgCIAMoBBIYChBhYWJiX2NoZWNrX2NvdW50GAMgAygEEhQKDG5h",
-            "dGl2ZV9ieXRlcxgEIAMoBBIUCgxvYmplY3RfY291bnQYBSADKA0SCwoDYXJt",
-            "GAYgAygNEhQKDHN3aXRjaF9lcG9jaBgHIAMoDRINCgVmbGFncxgIIAMoDRI4",
-            "ChBzY2VuZV9kZXNjcmlwdG9yGAkgASgLMh4uc3dlZXBzdGFrZS52MS5TY2Vu",
-            "ZURlc2NyaXB0b3ISGwoTZHJvcHBlZF9mcmFtZV9jb3VudBgKIAEoBBIzCg5z",
-            "aGFkb3dfc2FtcGxlcxgLIAMoCzIbLnN3ZWVwc3Rha2UudjEuU2hhZG93U2Ft",
-            "cGxlEhkKEWludmFsaWRfYm94X2NvdW50GAwgASgNItIBCgxTaGFkb3dTYW1w",
-            "bGUSGQoRZmlyc3RfZnJhbWVfaW5kZXgYASABKAQSCwoDYXJtGAIgASgNEhkK",
-            "EWRldGVjdGlvbl90aW1lX25zGAMgASgEEhUKDWJ1aWxkX3RpbWVfbnMYBCAB",
-            "KAQSGAoQYWFiYl9jaGVja19jb3VudBgFIAEoBBIUCgxuYXRpdmVfYnl0ZXMY",
-            "BiABKAQSFAoMb2JqZWN0X2NvdW50GAcgASgNEhMKC2ZyYW1lX2NvdW50GAgg",
-            "ASgNEg0KBWZsYWdzGAkgASgNIskCCg9TY2VuZURlc2NyaXB0b3ISGQoMb2Jq",
-            "ZWN0X2NvdW50GAEgASgCSACIAQESGgoNZGVuc2l0eV9yYXRpbxgCIAEoAkgB",
-            "iAEBEhgKC3NpemVfc3ByZWFkGAMgASgCSAKIAQESFwoKc3BlZWRfbWVhbhgE",
-            "IAEoAkgDiAEBEhkKDHNwZWVkX3NwcmVhZBgFIAEoAkgEiAEBEh0KEGNsdXN0",
-            "ZXJpbmdfcmF0aW8YBiABKAJIBYgBARIZCgxzdGF0aWNfcmF0aW8YByABKAJI",
-            "BogBAUIPCg1fb2JqZWN0X2NvdW50QhAKDl9kZW5zaXR5X3JhdGlvQg4KDF9z",
-            "aXplX3NwcmVhZEINCgtfc3BlZWRfbWVhbkIPCg1fc3BlZWRfc3ByZWFkQhMK",
-            "EV9jbHVzdGVyaW5nX3JhdGlvQg8KDV9zdGF0aWNfcmF0aW8i7AEKDVN3aXRj",
-            "aE91dGNvbWUSEgoKY29tbWFuZF9pZBgBIAEoBBILCgNhcm0YAiABKA0SFAoM",
-            "c3dpdGNoX2Vwb2NoGAMgASgNEhAKCGV4ZWN1dGVkGAQgASgIEhcKD3JlYnVp",
-            "bGRfdGltZV9ucxgFIAEoBBIYChBzZXR0bGluZ19jb3N0X25zGAYgASgEEisK",
-            "BnJlYXNvbhgHIAEoDjIbLnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVhc29uEh8K",
-            "F3RyaWFsX2RldGVjdGlvbl90aW1lX25zGAggASgEEhEKCXRyaWFsX2FybRgJ",
-            "IAEoDSKCAQoHQmFpbE91dBITCgtmcmFtZV9pbmRleBgBIAEoBBILCgNhcm0Y",
-            "AiABKA0SFAoMc3dpdGNoX2Vwb2NoGAMgASgNEhUKDWZyYW1lX3RpbWVfbnMY",
-            "BCABKAQSGQoRZGV0ZWN0aW9uX3RpbWVfbnMYBSABKAQSDQoFZmxhZ3MYBiAB",
-            "KA0iVQoKTW9kZUNoYW5nZRIhCgRtb2RlGAEgASgOMhMuc3dlZXBzdGFrZS52",
-            "MS5Nb2RlEhIKCmFjdGl2ZV9hcm0YAiABKA0SEAoIb3JkZXJfaWQYAyABKAQi",
-            "UwoMT3JkZXJSZWZ1c2FsEhAKCG9yZGVyX2lkGAEgASgEEjEKBnJlYXNvbhgC",
-            "IAEoDjIhLnN3ZWVwc3Rha2UudjEuT3JkZXJSZWZ1c2FsUmVhc29uIgkKB0dv",
-            "b2RieWUiyAMKB1dlbGNvbWUSEgoKc2Vzc2lvbl9pZBgBIAEoCRIPCgdyZXN1",
-            "bWVkGAIgASgIEh0KFWFja25vd2xlZGdlZF9zZXF1ZW5jZRgDIAEoBBIYChBt",
-            "YXhfYmF0Y2hfZnJhbWVzGAQgASgNEhkKEW1heF9tZXNzYWdlX2J5dGVzGAUg",
-            "ASgNEhkKEWJhdGNoX2ludGVydmFsX21zGAYgASgNEhwKFGRlY2lzaW9uX2lu",
-            "dGVydmFsX21zGAcgASgNEhMKC3NldHRsaW5nX21zGAggASgNEhMKC2JhaWxf",
-            "b3V0X21zGAkgASgNEhYKDmRhZW1vbl92ZXJzaW9uGAogASgJEg4KBnBvbGlj",
-            "eRgLIAEoCRIMCgRzZWVkGAwgASgEEiwKBnByaW9ycxgNIAMoCzIcLnN3ZWVw",
-            "c3Rha2UudjEuQmV0YVBvc3RlcmlvchIaChJwcmlvcl9zb3VyY2VfY291bnQY",
-            "DiABKAQSFAoMcmVzdW1lX3Rva2VuGA8gASgMEhoKEnByaW9yc191bmF2YWls",
-            "YWJsZRgQIAEoCBIvCgxjYXBhYmlsaXRpZXMYESADKA4yGS5zd2VlcHN0YWtl",
-            "LnYxLkNhcGFiaWxpdHkiLAoNQmV0YVBvc3RlcmlvchINCgVhbHBoYRgBIAEo",
-            "ARIMCgRiZXRhGAIgASgBInoKDVN3aXRjaENvbW1hbmQSEgoKY29tbWFuZF9p",
-            "ZBgBIAEoBBILCgNhcm0YAiABKA0SKwoGcmVhc29uGAMgASgOMhsuc3dlZXBz",
-            "dGFrZS52MS5Td2l0Y2hSZWFzb24SGwoTdHJpYWxfbGltaXRfcGVyY2VudBgE",
-            "IAEoDSI+Cg9BY2tub3dsZWRnZW1lbnQSEAoIc2VxdWVuY2UYASABKAQSGQoR",
-            "YmF0Y2hfaW50ZXJ2YWxfbXMYAiABKA0ixwEKEVBvc3RlcmlvclNuYXBzaG90",
-            "EioKBGFybXMYASADKAsyHC5zd2VlcHN0YWtlLnYxLkJldGFQb3N0ZXJpb3IS",
-            "JwoHdmVyZGljdBgCIAEoDjIWLnN3ZWVwc3Rha2UudjEuVmVyZGljdBISCgps",
-            "ZWFkZXJfYXJtGAMgASgNEhoKEmxlYWRlcl9wcm9iYWJpbGl0eRgEIAEoARIt",
-            "CglzdGFuZGluZ3MYBSADKAsyGi5zd2VlcHN0YWtlLnYxLkFybVN0YW5kaW5n",
-            "IqoBCgtBcm1TdGFuZGluZxIZChFsaXZlX3dpbmRvd19jb3VudBgBIAEoBBIY",
-            "ChBsYW5lX3Zpc2l0X2NvdW50GAIgASgEEh4KFmVmZmVjdGl2ZV93aW5kb3df",
-            "Y291bnQYAyABKAESGAoQYmVzdF9wcm9iYWJpbGl0eRgEIAEoARIsCgpjb3N0",
-            "X3JhdGlvGAUgASgLMhguc3dlZXBzdGFrZS52MS5Db3N0UmF0aW8iNgoJQ29z",
-            "dFJhdGlvEg4KBm1lZGlhbhgBIAEoARILCgNsb3cYAiABKAESDAoEaGlnaBgD",
-            "IAEoASIdCglSZWNvbm5lY3QSEAoIZGVsYXlfbXMYASABKA0iXgoNT3BlcmF0",
-            "b3JPcmRlchIQCghvcmRlcl9pZBgBIAEoBBIhCgRtb2RlGAIgASgOMhMuc3dl",
-            "ZXBzdGFrZS52MS5Nb2RlEhAKA2FybRgDIAEoDUgAiAEBQgYKBF9hcm0iRgoK",
-            "Qm94UmVxdWVzdBITCgtpbnRlcnZhbF9tcxgBIAEoDRIRCgltYXhfYnl0ZXMY",
-            "AiABKA0SEAoIdW50aWxfbXMYAyABKA0icgoHQm94VmlldxITCgtmcmFtZV9p",
-            "bmRleBgBIAEoBBIUCgxvYmplY3RfY291bnQYAiABKA0SDgoGc3RyaWRlGAMg",
-            "ASgNEg4KBmJvdW5kcxgEIAMoAhINCgVib3hlcxgFIAEoDBINCgVwYWlycxgG",
-            "IAEoDCo6CgRNb2RlEhQKEE1PREVfVU5TUEVDSUZJRUQQABIPCgtNT0RFX01B",
-            "TlVBTBABEgsKB01PREVfQUkQAiqcAQoMU3dpdGNoUmVhc29uEh0KGVNXSVRD",
-            "SF9SRUFTT05fVU5TUEVDSUZJRUQQABIYChRTV0lUQ0hfUkVBU09OX1BPTElD",
-            "WRABEh0KGVNXSVRDSF9SRUFTT05fRVhQTE9SQVRJT04QAhIaChZTV0lUQ0hf",
-            "UkVBU09OX0JBSUxfT1VUEAMSGAoUU1dJVENIX1JFQVNPTl9NQU5VQUwQBCph",
-            "CgpDYXBhYmlsaXR5EhoKFkNBUEFCSUxJVFlfVU5TUEVDSUZJRUQQABIeChpD",
-            "QVBBQklMSVRZX09QRVJBVE9SX09SREVSUxABEhcKE0NBUEFCSUxJVFlfQk9Y",
-            "X1ZJRVcQAipZCgpTaGFkb3dGbGFnEhsKF1NIQURPV19GTEFHX1VOU1BFQ0lG",
-            "SUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZFEAESFgoSU0hBRE9XX0ZMQUdf",
-            "Q0FQUEVEEAIqwAEKCUZyYW1lRmxhZxIaChZGUkFNRV9GTEFHX1VOU1BFQ0lG",
-            "SUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxEEAESFQoRRlJBTUVfRkxBR19Q",
-            "QVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJTkcQBBIXChNGUkFNRV9GTEFH",
-            "X0JBSUxfT1VUEAgSGAoURlJBTUVfRkxBR19TVVNQRU5ERUQQEBIdChlGUkFN",
-            "RV9GTEFHX1BBSVJTX0VYQ0VFREVEECAqggEKEk9yZGVyUmVmdXNhbFJlYXNv",
-            "bhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklFRBAAEiQKIE9S",
-            "REVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAESIAocT1JERVJfUkVG",
-            "VVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoTVkVSRElDVF9V",
-            "TlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoLVkVSRElDVF9U",
-            "SUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJQ1RfREVHUkFE",
-            "RUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRlbGVtZXRyeRIl",
-            "LnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVzdBomLnN3ZWVw",
-            "c3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATABQhmqAhZTd2Vl",
-            "cHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "aXRpZXMYECADKA4yGS5zd2VlcHN0YWtlLnYxLkNhcGFiaWxpdHkSLQoHd2Vp",
+            "Z2h0cxgRIAEoCzIcLnN3ZWVwc3Rha2UudjEuUmV3YXJkV2VpZ2h0cxIhChRk",
+            "ZWNpc2lvbl9pbnRlcnZhbF9ucxgSIAEoBEgAiAEBEhgKC2Nvb2xkb3duX25z",
+            "GBMgASgESAGIAQESGAoLc2V0dGxpbmdfbnMYFCABKARIAogBAUIXChVfZGVj",
+            "aXNpb25faW50ZXJ2YWxfbnNCDgoMX2Nvb2xkb3duX25zQg4KDF9zZXR0bGlu",
+            "Z19ucyJPCg1SZXdhcmRXZWlnaHRzEgsKA2ZwcxgBIAEoARIRCglkZXRlY3Rp",
+            "b24YAiABKAESDgoGbWVtb3J5GAMgASgBEg4KBmNoZWNrcxgEIAEoASLdAgoK",
+            "RnJhbWVCYXRjaBIVCg1mcmFtZV90aW1lX25zGAEgAygEEhkKEWRldGVjdGlv",
+            "bl90aW1lX25zGAIgAygEEhgKEGFhYmJfY2hlY2tfY291bnQYAyADKAQSFAoM",
+            "bmF0aXZlX2J5dGVzGAQgAygEEhQKDG9iamVjdF9jb3VudBgFIAMoDRILCgNh",
+            "cm0YBiADKA0SFAoMc3dpdGNoX2Vwb2NoGAcgAygNEg0KBWZsYWdzGAggAygN",
+            "EjgKEHNjZW5lX2Rlc2NyaXB0b3IYCSABKAsyHi5zd2VlcHN0YWtlLnYxLlNj",
+            "ZW5lRGVzY3JpcHRvchIbChNkcm9wcGVkX2ZyYW1lX2NvdW50GAogASgEEjMK",
+            "DnNoYWRvd19zYW1wbGVzGAsgAygLMhsuc3dlZXBzdGFrZS52MS5TaGFkb3dT",
+            "YW1wbGUSGQoRaW52YWxpZF9ib3hfY291bnQYDCABKA0i0gEKDFNoYWRvd1Nh",
+            "bXBsZRIZChFmaXJzdF9mcmFtZV9pbmRleBgBIAEoBBILCgNhcm0YAiABKA0S",
+            "GQoRZGV0ZWN0aW9uX3RpbWVfbnMYAyABKAQSFQoNYnVpbGRfdGltZV9ucxgE",
+            "IAEoBBIYChBhYWJiX2NoZWNrX2NvdW50GAUgASgEEhQKDG5hdGl2ZV9ieXRl",
+            "cxgGIAEoBBIUCgxvYmplY3RfY291bnQYByABKA0SEwoLZnJhbWVfY291bnQY",
+            "CCABKA0SDQoFZmxhZ3MYCSABKA0iyQIKD1NjZW5lRGVzY3JpcHRvchIZCgxv",
+            "YmplY3RfY291bnQYASABKAJIAIgBARIaCg1kZW5zaXR5X3JhdGlvGAIgASgC",
+            "SAGIAQESGAoLc2l6ZV9zcHJlYWQYAyABKAJIAogBARIXCgpzcGVlZF9tZWFu",
+            "GAQgASgCSAOIAQESGQoMc3BlZWRfc3ByZWFkGAUgASgCSASIAQESHQoQY2x1",
+            "c3RlcmluZ19yYXRpbxgGIAEoAkgFiAEBEhkKDHN0YXRpY19yYXRpbxgHIAEo",
+            "AkgGiAEBQg8KDV9vYmplY3RfY291bnRCEAoOX2RlbnNpdHlfcmF0aW9CDgoM",
+            "X3NpemVfc3ByZWFkQg0KC19zcGVlZF9tZWFuQg8KDV9zcGVlZF9zcHJlYWRC",
+            "EwoRX2NsdXN0ZXJpbmdfcmF0aW9CDwoNX3N0YXRpY19yYXRpbyLsAQoNU3dp",
+            "dGNoT3V0Y29tZRISCgpjb21tYW5kX2lkGAEgASgEEgsKA2FybRgCIAEoDRIU",
+            "Cgxzd2l0Y2hfZXBvY2gYAyABKA0SEAoIZXhlY3V0ZWQYBCABKAgSFwoPcmVi",
+            "dWlsZF90aW1lX25zGAUgASgEEhgKEHNldHRsaW5nX2Nvc3RfbnMYBiABKAQS",
+            "KwoGcmVhc29uGAcgASgOMhsuc3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24S",
+            "HwoXdHJpYWxfZGV0ZWN0aW9uX3RpbWVfbnMYCCABKAQSEQoJdHJpYWxfYXJt",
+            "GAkgASgNIoIBCgdCYWlsT3V0EhMKC2ZyYW1lX2luZGV4GAEgASgEEgsKA2Fy",
+            "bRgCIAEoDRIUCgxzd2l0Y2hfZXBvY2gYAyABKA0SFQoNZnJhbWVfdGltZV9u",
+            "cxgEIAEoBBIZChFkZXRlY3Rpb25fdGltZV9ucxgFIAEoBBINCgVmbGFncxgG",
+            "IAEoDSJVCgpNb2RlQ2hhbmdlEiEKBG1vZGUYASABKA4yEy5zd2VlcHN0YWtl",
+            "LnYxLk1vZGUSEgoKYWN0aXZlX2FybRgCIAEoDRIQCghvcmRlcl9pZBgDIAEo",
+            "BCJTCgxPcmRlclJlZnVzYWwSEAoIb3JkZXJfaWQYASABKAQSMQoGcmVhc29u",
+            "GAIgASgOMiEuc3dlZXBzdGFrZS52MS5PcmRlclJlZnVzYWxSZWFzb24iCQoH",
+            "R29vZGJ5ZSKMBAoHV2VsY29tZRISCgpzZXNzaW9uX2lkGAEgASgJEg8KB3Jl",
+            "c3VtZWQYAiABKAgSHQoVYWNrbm93bGVkZ2VkX3NlcXVlbmNlGAMgASgEEhgK",
+            "EG1heF9iYXRjaF9mcmFtZXMYBCABKA0SGQoRbWF4X21lc3NhZ2VfYnl0ZXMY",
+            "BSABKA0SGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYBiABKA0SHAoUZGVjaXNpb25f",
+            "aW50ZXJ2YWxfbXMYByABKA0SEwoLc2V0dGxpbmdfbXMYCCABKA0SEwoLYmFp",
+            "bF9vdXRfbXMYCSABKA0SFgoOZGFlbW9uX3ZlcnNpb24YCiABKAkSDgoGcG9s",
+            "aWN5GAsgASgJEgwKBHNlZWQYDCABKAQSLAoGcHJpb3JzGA0gAygLMhwuc3dl",
+            "ZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEhoKEnByaW9yX3NvdXJjZV9jb3Vu",
+            "dBgOIAEoBBIUCgxyZXN1bWVfdG9rZW4YDyABKAwSGgoScHJpb3JzX3VuYXZh",
+            "aWxhYmxlGBAgASgIEi8KDGNhcGFiaWxpdGllcxgRIAMoDjIZLnN3ZWVwc3Rh",
+            "a2UudjEuQ2FwYWJpbGl0eRITCgtjb29sZG93bl9tcxgSIAEoDRItCgd3ZWln",
+            "aHRzGBMgASgLMhwuc3dlZXBzdGFrZS52MS5SZXdhcmRXZWlnaHRzIiwKDUJl",
+            "dGFQb3N0ZXJpb3ISDQoFYWxwaGEYASABKAESDAoEYmV0YRgCIAEoASJ6Cg1T",
+            "d2l0Y2hDb21tYW5kEhIKCmNvbW1hbmRfaWQYASABKAQSCwoDYXJtGAIgASgN",
+            "EisKBnJlYXNvbhgDIAEoDjIbLnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVhc29u",
+            "EhsKE3RyaWFsX2xpbWl0X3BlcmNlbnQYBCABKA0iPgoPQWNrbm93bGVkZ2Vt",
+            "ZW50EhAKCHNlcXVlbmNlGAEgASgEEhkKEWJhdGNoX2ludGVydmFsX21zGAIg",
+            "ASgNIscBChFQb3N0ZXJpb3JTbmFwc2hvdBIqCgRhcm1zGAEgAygLMhwuc3dl",
+            "ZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEicKB3ZlcmRpY3QYAiABKA4yFi5z",
+            "d2VlcHN0YWtlLnYxLlZlcmRpY3QSEgoKbGVhZGVyX2FybRgDIAEoDRIaChJs",
+            "ZWFkZXJfcHJvYmFiaWxpdHkYBCABKAESLQoJc3RhbmRpbmdzGAUgAygLMhou",
+            "c3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZyKqAQoLQXJtU3RhbmRpbmcSGQoR",
+            "bGl2ZV93aW5kb3dfY291bnQYASABKAQSGAoQbGFuZV92aXNpdF9jb3VudBgC",
+            "IAEoBBIeChZlZmZlY3RpdmVfd2luZG93X2NvdW50GAMgASgBEhgKEGJlc3Rf",
+            "cHJvYmFiaWxpdHkYBCABKAESLAoKY29zdF9yYXRpbxgFIAEoCzIYLnN3ZWVw",
+            "c3Rha2UudjEuQ29zdFJhdGlvIjYKCUNvc3RSYXRpbxIOCgZtZWRpYW4YASAB",
+            "KAESCwoDbG93GAIgASgBEgwKBGhpZ2gYAyABKAEiHQoJUmVjb25uZWN0EhAK",
+            "CGRlbGF5X21zGAEgASgNIl4KDU9wZXJhdG9yT3JkZXISEAoIb3JkZXJfaWQY",
+            "ASABKAQSIQoEbW9kZRgCIAEoDjITLnN3ZWVwc3Rha2UudjEuTW9kZRIQCgNh",
+            "cm0YAyABKA1IAIgBAUIGCgRfYXJtIkYKCkJveFJlcXVlc3QSEwoLaW50ZXJ2",
+            "YWxfbXMYASABKA0SEQoJbWF4X2J5dGVzGAIgASgNEhAKCHVudGlsX21zGAMg",
+            "ASgNInIKB0JveFZpZXcSEwoLZnJhbWVfaW5kZXgYASABKAQSFAoMb2JqZWN0",
+            "X2NvdW50GAIgASgNEg4KBnN0cmlkZRgDIAEoDRIOCgZib3VuZHMYBCADKAIS",
+            "DQoFYm94ZXMYBSABKAwSDQoFcGFpcnMYBiABKAwqOgoETW9kZRIUChBNT0RF",
+            "X1VOU1BFQ0lGSUVEEAASDwoLTU9ERV9NQU5VQUwQARILCgdNT0RFX0FJEAIq",
+            "nAEKDFN3aXRjaFJlYXNvbhIdChlTV0lUQ0hfUkVBU09OX1VOU1BFQ0lGSUVE",
+            "EAASGAoUU1dJVENIX1JFQVNPTl9QT0xJQ1kQARIdChlTV0lUQ0hfUkVBU09O",
+            "X0VYUExPUkFUSU9OEAISGgoWU1dJVENIX1JFQVNPTl9CQUlMX09VVBADEhgK",
+            "FFNXSVRDSF9SRUFTT05fTUFOVUFMEAQqYQoKQ2FwYWJpbGl0eRIaChZDQVBB",
+            "QklMSVRZX1VOU1BFQ0lGSUVEEAASHgoaQ0FQQUJJTElUWV9PUEVSQVRPUl9P",
+            "UkRFUlMQARIXChNDQVBBQklMSVRZX0JPWF9WSUVXEAIqWQoKU2hhZG93Rmxh",
+            "ZxIbChdTSEFET1dfRkxBR19VTlNQRUNJRklFRBAAEhYKElNIQURPV19GTEFH",
+            "X0FDVElWRRABEhYKElNIQURPV19GTEFHX0NBUFBFRBACKsABCglGcmFtZUZs",
+            "YWcSGgoWRlJBTUVfRkxBR19VTlNQRUNJRklFRBAAEhYKEkZSQU1FX0ZMQUdf",
+            "UkVCVUlMRBABEhUKEUZSQU1FX0ZMQUdfUEFVU0VEEAISFgoSRlJBTUVfRkxB",
+            "R19MT0FESU5HEAQSFwoTRlJBTUVfRkxBR19CQUlMX09VVBAIEhgKFEZSQU1F",
+            "X0ZMQUdfU1VTUEVOREVEEBASHQoZRlJBTUVfRkxBR19QQUlSU19FWENFRURF",
+            "RBAgKoIBChJPcmRlclJlZnVzYWxSZWFzb24SJAogT1JERVJfUkVGVVNBTF9S",
+            "RUFTT05fVU5TUEVDSUZJRUQQABIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9O",
+            "T1RfQUxMT1dFRBABEiAKHE9SREVSX1JFRlVTQUxfUkVBU09OX1VOS05PV04Q",
+            "Aip0CgdWZXJkaWN0EhcKE1ZFUkRJQ1RfVU5TUEVDSUZJRUQQABISCg5WRVJE",
+            "SUNUX1NUQUJMRRABEg8KC1ZFUkRJQ1RfVElFEAISFQoRVkVSRElDVF9BTUJJ",
+            "R1VPVVMQAxIUChBWRVJESUNUX0RFR1JBREVEEAQyeAoQVGVsZW1ldHJ5U2Vy",
+            "dmljZRJkCg9TdHJlYW1UZWxlbWV0cnkSJS5zd2VlcHN0YWtlLnYxLlN0cmVh",
+            "bVRlbGVtZXRyeVJlcXVlc3QaJi5zd2VlcHN0YWtlLnYxLlN0cmVhbVRlbGVt",
+            "ZXRyeVJlc3BvbnNlKAEwAUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIG",
+            "cHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryRequest), global::Sweepstake.Protocol.V1.StreamTelemetryRequest.Parser, new[]{ "Sequence", "Hello", "FrameBatch", "SwitchOutcome", "BailOut", "ModeChange", "Goodbye", "OrderRefusal", "BoxView" }, new[]{ "Message" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryResponse), global::Sweepstake.Protocol.V1.StreamTelemetryResponse.Parser, new[]{ "Welcome", "SwitchCommand", "Acknowledgement", "PosteriorSnapshot", "Reconnect", "OperatorOrder", "BoxRequest" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Arm), global::Sweepstake.Protocol.V1.Arm.Parser, new[]{ "Name", "BackendVersion" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Hello), global::Sweepstake.Protocol.V1.Hello.Parser, new[]{ "ProtocolVersion", "Project", "Scene", "Build", "MachineClass", "Arms", "ActiveArm", "Mode", "SessionId", "TimeScale", "IgnorePriors", "Seed", "Policy", "SwitchEpoch", "ResumeToken", "Capabilities" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Hello), global::Sweepstake.Protocol.V1.Hello.Parser, new[]{ "ProtocolVersion", "Project", "Scene", "Build", "MachineClass", "Arms", "ActiveArm", "Mode", "SessionId", "TimeScale", "IgnorePriors", "Seed", "Policy", "SwitchEpoch", "ResumeToken", "Capabilities", "Weights", "DecisionIntervalNs", "CooldownNs", "SettlingNs" }, new[]{ "DecisionIntervalNs", "CooldownNs", "SettlingNs" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RewardWeights), global::Sweepstake.Protocol.V1.RewardWeights.Parser, new[]{ "Fps", "Detection", "Memory", "Checks" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameBatch), global::Sweepstake.Protocol.V1.FrameBatch.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "Arm", "SwitchEpoch", "Flags", "SceneDescriptor", "DroppedFrameCount", "ShadowSamples", "InvalidBoxCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ShadowSample), global::Sweepstake.Protocol.V1.ShadowSample.Parser, new[]{ "FirstFrameIndex", "Arm", "DetectionTimeNs", "BuildTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "FrameCount", "Flags" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneDescriptor), global::Sweepstake.Protocol.V1.SceneDescriptor.Parser, new[]{ "ObjectCount", "DensityRatio", "SizeSpread", "SpeedMean", "SpeedSpread", "ClusteringRatio", "StaticRatio" }, new[]{ "ObjectCount", "DensityRatio", "SizeSpread", "SpeedMean", "SpeedSpread", "ClusteringRatio", "StaticRatio" }, null, null, null),
@@ -155,7 +164,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ModeChange), global::Sweepstake.Protocol.V1.ModeChange.Parser, new[]{ "Mode", "ActiveArm", "OrderId" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.OrderRefusal), global::Sweepstake.Protocol.V1.OrderRefusal.Parser, new[]{ "OrderId", "Reason" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Goodbye), global::Sweepstake.Protocol.V1.Goodbye.Parser, null, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Welcome), global::Sweepstake.Protocol.V1.Welcome.Parser, new[]{ "SessionId", "Resumed", "AcknowledgedSequence", "MaxBatchFrames", "MaxMessageBytes", "BatchIntervalMs", "DecisionIntervalMs", "SettlingMs", "BailOutMs", "DaemonVersion", "Policy", "Seed", "Priors", "PriorSourceCount", "ResumeToken", "PriorsUnavailable", "Capabilities" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Welcome), global::Sweepstake.Protocol.V1.Welcome.Parser, new[]{ "SessionId", "Resumed", "AcknowledgedSequence", "MaxBatchFrames", "MaxMessageBytes", "BatchIntervalMs", "DecisionIntervalMs", "SettlingMs", "BailOutMs", "DaemonVersion", "Policy", "Seed", "Priors", "PriorSourceCount", "ResumeToken", "PriorsUnavailable", "Capabilities", "CooldownMs", "Weights" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.BetaPosterior), global::Sweepstake.Protocol.V1.BetaPosterior.Parser, new[]{ "Alpha", "Beta" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SwitchCommand), global::Sweepstake.Protocol.V1.SwitchCommand.Parser, new[]{ "CommandId", "Arm", "Reason", "TrialLimitPercent" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Acknowledgement), global::Sweepstake.Protocol.V1.Acknowledgement.Parser, new[]{ "Sequence", "BatchIntervalMs" }, null, null, null, null),
@@ -200,7 +209,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("SWITCH_REASON_UNSPECIFIED")] Unspecified = 0,
     /// <summary>
-    /// The policy's choice after the cooldown.
+    /// The policy's choice.
     /// </summary>
     [pbr::OriginalName("SWITCH_REASON_POLICY")] Policy = 1,
     /// <summary>
@@ -1778,6 +1787,7 @@ namespace Sweepstake.Protocol.V1 {
   {
     private static readonly pb::MessageParser<Hello> _parser = new pb::MessageParser<Hello>(() => new Hello());
     private pb::UnknownFieldSet _unknownFields;
+    private int _hasBits0;
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pb::MessageParser<Hello> Parser { get { return _parser; } }
@@ -1805,6 +1815,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public Hello(Hello other) : this() {
+      _hasBits0 = other._hasBits0;
       protocolVersion_ = other.protocolVersion_;
       project_ = other.project_;
       scene_ = other.scene_;
@@ -1821,6 +1832,10 @@ namespace Sweepstake.Protocol.V1 {
       switchEpoch_ = other.switchEpoch_;
       resumeToken_ = other.resumeToken_;
       capabilities_ = other.capabilities_.Clone();
+      weights_ = other.weights_ != null ? other.weights_.Clone() : null;
+      decisionIntervalNs_ = other.decisionIntervalNs_;
+      cooldownNs_ = other.cooldownNs_;
+      settlingNs_ = other.settlingNs_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1954,7 +1969,8 @@ namespace Sweepstake.Protocol.V1 {
     private string sessionId_ = "";
     /// <summary>
     /// The session to resume, from an earlier Welcome. A new session begins if the daemon does not know it, or if its scene, machine
-    /// class, policy's reward version or arms differ. Absent: a new session.
+    /// class, policy's reward version, weights of the reward or arms differ. A session that is still in the daemon's memory keeps its
+    /// intervals. Absent: a new session.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2000,7 +2016,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int SeedFieldNumber = 12;
     private ulong seed_;
     /// <summary>
-    /// Seed of the session's random draws. Absent (0): the daemon chooses one and reports it.
+    /// Seed of the exploration's order and of the random draws, which only `paper` makes. Absent (0): the daemon chooses one and reports
+    /// it.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2070,6 +2087,111 @@ namespace Sweepstake.Protocol.V1 {
       get { return capabilities_; }
     }
 
+    /// <summary>Field number for the "weights" field.</summary>
+    public const int WeightsFieldNumber = 17;
+    private global::Sweepstake.Protocol.V1.RewardWeights weights_;
+    /// <summary>
+    /// Weights of the paper's reward. Absent: the daemon's. Evidence of different weights is never merged.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.RewardWeights Weights {
+      get { return weights_; }
+      set {
+        weights_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "decision_interval_ns" field.</summary>
+    public const int DecisionIntervalNsFieldNumber = 18;
+    private readonly static ulong DecisionIntervalNsDefaultValue = 0UL;
+
+    private ulong decisionIntervalNs_;
+    /// <summary>
+    /// Time between two decisions, before time_scale; 250 ms to 100 days. Absent: the daemon's.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong DecisionIntervalNs {
+      get { if ((_hasBits0 & 1) != 0) { return decisionIntervalNs_; } else { return DecisionIntervalNsDefaultValue; } }
+      set {
+        _hasBits0 |= 1;
+        decisionIntervalNs_ = value;
+      }
+    }
+    /// <summary>Gets whether the "decision_interval_ns" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasDecisionIntervalNs {
+      get { return (_hasBits0 & 1) != 0; }
+    }
+    /// <summary>Clears the value of the "decision_interval_ns" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearDecisionIntervalNs() {
+      _hasBits0 &= ~1;
+    }
+
+    /// <summary>Field number for the "cooldown_ns" field.</summary>
+    public const int CooldownNsFieldNumber = 19;
+    private readonly static ulong CooldownNsDefaultValue = 0UL;
+
+    private ulong cooldownNs_;
+    /// <summary>
+    /// Minimum time between two switches of the policy, before time_scale; up to 100 days. Absent: the daemon's.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong CooldownNs {
+      get { if ((_hasBits0 & 2) != 0) { return cooldownNs_; } else { return CooldownNsDefaultValue; } }
+      set {
+        _hasBits0 |= 2;
+        cooldownNs_ = value;
+      }
+    }
+    /// <summary>Gets whether the "cooldown_ns" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasCooldownNs {
+      get { return (_hasBits0 & 2) != 0; }
+    }
+    /// <summary>Clears the value of the "cooldown_ns" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearCooldownNs() {
+      _hasBits0 &= ~2;
+    }
+
+    /// <summary>Field number for the "settling_ns" field.</summary>
+    public const int SettlingNsFieldNumber = 20;
+    private readonly static ulong SettlingNsDefaultValue = 0UL;
+
+    private ulong settlingNs_;
+    /// <summary>
+    /// Frame time after a switch that is excluded from learning, before time_scale; up to 100 days. Absent: the daemon's.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong SettlingNs {
+      get { if ((_hasBits0 & 4) != 0) { return settlingNs_; } else { return SettlingNsDefaultValue; } }
+      set {
+        _hasBits0 |= 4;
+        settlingNs_ = value;
+      }
+    }
+    /// <summary>Gets whether the "settling_ns" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasSettlingNs {
+      get { return (_hasBits0 & 4) != 0; }
+    }
+    /// <summary>Clears the value of the "settling_ns" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearSettlingNs() {
+      _hasBits0 &= ~4;
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2101,6 +2223,10 @@ namespace Sweepstake.Protocol.V1 {
       if (SwitchEpoch != other.SwitchEpoch) return false;
       if (ResumeToken != other.ResumeToken) return false;
       if(!capabilities_.Equals(other.capabilities_)) return false;
+      if (!object.Equals(Weights, other.Weights)) return false;
+      if (DecisionIntervalNs != other.DecisionIntervalNs) return false;
+      if (CooldownNs != other.CooldownNs) return false;
+      if (SettlingNs != other.SettlingNs) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2124,6 +2250,10 @@ namespace Sweepstake.Protocol.V1 {
       if (SwitchEpoch != 0) hash ^= SwitchEpoch.GetHashCode();
       if (ResumeToken.Length != 0) hash ^= ResumeToken.GetHashCode();
       hash ^= capabilities_.GetHashCode();
+      if (weights_ != null) hash ^= Weights.GetHashCode();
+      if (HasDecisionIntervalNs) hash ^= DecisionIntervalNs.GetHashCode();
+      if (HasCooldownNs) hash ^= CooldownNs.GetHashCode();
+      if (HasSettlingNs) hash ^= SettlingNs.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2200,6 +2330,22 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteBytes(ResumeToken);
       }
       capabilities_.WriteTo(output, _repeated_capabilities_codec);
+      if (weights_ != null) {
+        output.WriteRawTag(138, 1);
+        output.WriteMessage(Weights);
+      }
+      if (HasDecisionIntervalNs) {
+        output.WriteRawTag(144, 1);
+        output.WriteUInt64(DecisionIntervalNs);
+      }
+      if (HasCooldownNs) {
+        output.WriteRawTag(152, 1);
+        output.WriteUInt64(CooldownNs);
+      }
+      if (HasSettlingNs) {
+        output.WriteRawTag(160, 1);
+        output.WriteUInt64(SettlingNs);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2268,6 +2414,22 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteBytes(ResumeToken);
       }
       capabilities_.WriteTo(ref output, _repeated_capabilities_codec);
+      if (weights_ != null) {
+        output.WriteRawTag(138, 1);
+        output.WriteMessage(Weights);
+      }
+      if (HasDecisionIntervalNs) {
+        output.WriteRawTag(144, 1);
+        output.WriteUInt64(DecisionIntervalNs);
+      }
+      if (HasCooldownNs) {
+        output.WriteRawTag(152, 1);
+        output.WriteUInt64(CooldownNs);
+      }
+      if (HasSettlingNs) {
+        output.WriteRawTag(160, 1);
+        output.WriteUInt64(SettlingNs);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2322,6 +2484,18 @@ namespace Sweepstake.Protocol.V1 {
         size += 1 + pb::CodedOutputStream.ComputeBytesSize(ResumeToken);
       }
       size += capabilities_.CalculateSize(_repeated_capabilities_codec);
+      if (weights_ != null) {
+        size += 2 + pb::CodedOutputStream.ComputeMessageSize(Weights);
+      }
+      if (HasDecisionIntervalNs) {
+        size += 2 + pb::CodedOutputStream.ComputeUInt64Size(DecisionIntervalNs);
+      }
+      if (HasCooldownNs) {
+        size += 2 + pb::CodedOutputStream.ComputeUInt64Size(CooldownNs);
+      }
+      if (HasSettlingNs) {
+        size += 2 + pb::CodedOutputStream.ComputeUInt64Size(SettlingNs);
+      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -2378,6 +2552,21 @@ namespace Sweepstake.Protocol.V1 {
         ResumeToken = other.ResumeToken;
       }
       capabilities_.Add(other.capabilities_);
+      if (other.weights_ != null) {
+        if (weights_ == null) {
+          Weights = new global::Sweepstake.Protocol.V1.RewardWeights();
+        }
+        Weights.MergeFrom(other.Weights);
+      }
+      if (other.HasDecisionIntervalNs) {
+        DecisionIntervalNs = other.DecisionIntervalNs;
+      }
+      if (other.HasCooldownNs) {
+        CooldownNs = other.CooldownNs;
+      }
+      if (other.HasSettlingNs) {
+        SettlingNs = other.SettlingNs;
+      }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -2460,6 +2649,25 @@ namespace Sweepstake.Protocol.V1 {
           case 130:
           case 128: {
             capabilities_.AddEntriesFrom(input, _repeated_capabilities_codec);
+            break;
+          }
+          case 138: {
+            if (weights_ == null) {
+              Weights = new global::Sweepstake.Protocol.V1.RewardWeights();
+            }
+            input.ReadMessage(Weights);
+            break;
+          }
+          case 144: {
+            DecisionIntervalNs = input.ReadUInt64();
+            break;
+          }
+          case 152: {
+            CooldownNs = input.ReadUInt64();
+            break;
+          }
+          case 160: {
+            SettlingNs = input.ReadUInt64();
             break;
           }
         }
@@ -2546,6 +2754,350 @@ namespace Sweepstake.Protocol.V1 {
             capabilities_.AddEntriesFrom(ref input, _repeated_capabilities_codec);
             break;
           }
+          case 138: {
+            if (weights_ == null) {
+              Weights = new global::Sweepstake.Protocol.V1.RewardWeights();
+            }
+            input.ReadMessage(Weights);
+            break;
+          }
+          case 144: {
+            DecisionIntervalNs = input.ReadUInt64();
+            break;
+          }
+          case 152: {
+            CooldownNs = input.ReadUInt64();
+            break;
+          }
+          case 160: {
+            SettlingNs = input.ReadUInt64();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// Weights of the four scores of the paper's reward (paper §4). Each is finite and >= 0; their sum is 1. Only the policy `paper` uses
+  /// them: the reward of `adaptive` depends on the detection time alone.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class RewardWeights : pb::IMessage<RewardWeights>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<RewardWeights> _parser = new pb::MessageParser<RewardWeights>(() => new RewardWeights());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<RewardWeights> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[4]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RewardWeights() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RewardWeights(RewardWeights other) : this() {
+      fps_ = other.fps_;
+      detection_ = other.detection_;
+      memory_ = other.memory_;
+      checks_ = other.checks_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RewardWeights Clone() {
+      return new RewardWeights(this);
+    }
+
+    /// <summary>Field number for the "fps" field.</summary>
+    public const int FpsFieldNumber = 1;
+    private double fps_;
+    /// <summary>
+    /// Weight of the frame rate. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double Fps {
+      get { return fps_; }
+      set {
+        fps_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "detection" field.</summary>
+    public const int DetectionFieldNumber = 2;
+    private double detection_;
+    /// <summary>
+    /// Weight of the detection time. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double Detection {
+      get { return detection_; }
+      set {
+        detection_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "memory" field.</summary>
+    public const int MemoryFieldNumber = 3;
+    private double memory_;
+    /// <summary>
+    /// Weight of the memory. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double Memory {
+      get { return memory_; }
+      set {
+        memory_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "checks" field.</summary>
+    public const int ChecksFieldNumber = 4;
+    private double checks_;
+    /// <summary>
+    /// Weight of the AABB checks. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double Checks {
+      get { return checks_; }
+      set {
+        checks_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as RewardWeights);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(RewardWeights other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Fps, other.Fps)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Detection, other.Detection)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Memory, other.Memory)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Checks, other.Checks)) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (Fps != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Fps);
+      if (Detection != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Detection);
+      if (Memory != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Memory);
+      if (Checks != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Checks);
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (Fps != 0D) {
+        output.WriteRawTag(9);
+        output.WriteDouble(Fps);
+      }
+      if (Detection != 0D) {
+        output.WriteRawTag(17);
+        output.WriteDouble(Detection);
+      }
+      if (Memory != 0D) {
+        output.WriteRawTag(25);
+        output.WriteDouble(Memory);
+      }
+      if (Checks != 0D) {
+        output.WriteRawTag(33);
+        output.WriteDouble(Checks);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (Fps != 0D) {
+        output.WriteRawTag(9);
+        output.WriteDouble(Fps);
+      }
+      if (Detection != 0D) {
+        output.WriteRawTag(17);
+        output.WriteDouble(Detection);
+      }
+      if (Memory != 0D) {
+        output.WriteRawTag(25);
+        output.WriteDouble(Memory);
+      }
+      if (Checks != 0D) {
+        output.WriteRawTag(33);
+        output.WriteDouble(Checks);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (Fps != 0D) {
+        size += 1 + 8;
+      }
+      if (Detection != 0D) {
+        size += 1 + 8;
+      }
+      if (Memory != 0D) {
+        size += 1 + 8;
+      }
+      if (Checks != 0D) {
+        size += 1 + 8;
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(RewardWeights other) {
+      if (other == null) {
+        return;
+      }
+      if (other.Fps != 0D) {
+        Fps = other.Fps;
+      }
+      if (other.Detection != 0D) {
+        Detection = other.Detection;
+      }
+      if (other.Memory != 0D) {
+        Memory = other.Memory;
+      }
+      if (other.Checks != 0D) {
+        Checks = other.Checks;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 9: {
+            Fps = input.ReadDouble();
+            break;
+          }
+          case 17: {
+            Detection = input.ReadDouble();
+            break;
+          }
+          case 25: {
+            Memory = input.ReadDouble();
+            break;
+          }
+          case 33: {
+            Checks = input.ReadDouble();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 9: {
+            Fps = input.ReadDouble();
+            break;
+          }
+          case 17: {
+            Detection = input.ReadDouble();
+            break;
+          }
+          case 25: {
+            Memory = input.ReadDouble();
+            break;
+          }
+          case 33: {
+            Checks = input.ReadDouble();
+            break;
+          }
         }
       }
     }
@@ -2572,7 +3124,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[4]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[5]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -3144,7 +3696,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[5]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[6]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -3669,7 +4221,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[6]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[7]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -4219,7 +4771,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[7]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[8]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -4746,7 +5298,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[8]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[9]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -5150,7 +5702,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[9]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[10]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -5434,7 +5986,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[10]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[11]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -5678,7 +6230,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[11]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[12]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -5842,7 +6394,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[12]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[13]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -5879,6 +6431,8 @@ namespace Sweepstake.Protocol.V1 {
       resumeToken_ = other.resumeToken_;
       priorsUnavailable_ = other.priorsUnavailable_;
       capabilities_ = other.capabilities_.Clone();
+      cooldownMs_ = other.cooldownMs_;
+      weights_ = other.weights_ != null ? other.weights_.Clone() : null;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -6043,7 +6597,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int PolicyFieldNumber = 11;
     private string policy_ = "";
     /// <summary>
-    /// Policy in use, for the game's log. Absent: empty.
+    /// Policy in use. `paper` learns nothing from the shadow lane, so a client's lane rests unless the game has set it to run. Absent:
+    /// empty.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6058,7 +6613,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SeedFieldNumber = 12;
     private ulong seed_;
     /// <summary>
-    /// Seed of the session's random draws; the same seed gives the same draws. Absent: 0.
+    /// Seed of the session. The same seed gives the same exploration and draws. Absent: 0.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6142,6 +6697,36 @@ namespace Sweepstake.Protocol.V1 {
       get { return capabilities_; }
     }
 
+    /// <summary>Field number for the "cooldown_ms" field.</summary>
+    public const int CooldownMsFieldNumber = 18;
+    private uint cooldownMs_;
+    /// <summary>
+    /// Minimum time between two switches of the policy, time scale applied. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint CooldownMs {
+      get { return cooldownMs_; }
+      set {
+        cooldownMs_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "weights" field.</summary>
+    public const int WeightsFieldNumber = 19;
+    private global::Sweepstake.Protocol.V1.RewardWeights weights_;
+    /// <summary>
+    /// Weights of the paper's reward. Absent: unknown.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.RewardWeights Weights {
+      get { return weights_; }
+      set {
+        weights_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -6174,6 +6759,8 @@ namespace Sweepstake.Protocol.V1 {
       if (ResumeToken != other.ResumeToken) return false;
       if (PriorsUnavailable != other.PriorsUnavailable) return false;
       if(!capabilities_.Equals(other.capabilities_)) return false;
+      if (CooldownMs != other.CooldownMs) return false;
+      if (!object.Equals(Weights, other.Weights)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -6198,6 +6785,8 @@ namespace Sweepstake.Protocol.V1 {
       if (ResumeToken.Length != 0) hash ^= ResumeToken.GetHashCode();
       if (PriorsUnavailable != false) hash ^= PriorsUnavailable.GetHashCode();
       hash ^= capabilities_.GetHashCode();
+      if (CooldownMs != 0) hash ^= CooldownMs.GetHashCode();
+      if (weights_ != null) hash ^= Weights.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -6278,6 +6867,14 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteBool(PriorsUnavailable);
       }
       capabilities_.WriteTo(output, _repeated_capabilities_codec);
+      if (CooldownMs != 0) {
+        output.WriteRawTag(144, 1);
+        output.WriteUInt32(CooldownMs);
+      }
+      if (weights_ != null) {
+        output.WriteRawTag(154, 1);
+        output.WriteMessage(Weights);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -6350,6 +6947,14 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteBool(PriorsUnavailable);
       }
       capabilities_.WriteTo(ref output, _repeated_capabilities_codec);
+      if (CooldownMs != 0) {
+        output.WriteRawTag(144, 1);
+        output.WriteUInt32(CooldownMs);
+      }
+      if (weights_ != null) {
+        output.WriteRawTag(154, 1);
+        output.WriteMessage(Weights);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -6407,6 +7012,12 @@ namespace Sweepstake.Protocol.V1 {
         size += 2 + 1;
       }
       size += capabilities_.CalculateSize(_repeated_capabilities_codec);
+      if (CooldownMs != 0) {
+        size += 2 + pb::CodedOutputStream.ComputeUInt32Size(CooldownMs);
+      }
+      if (weights_ != null) {
+        size += 2 + pb::CodedOutputStream.ComputeMessageSize(Weights);
+      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -6466,6 +7077,15 @@ namespace Sweepstake.Protocol.V1 {
         PriorsUnavailable = other.PriorsUnavailable;
       }
       capabilities_.Add(other.capabilities_);
+      if (other.CooldownMs != 0) {
+        CooldownMs = other.CooldownMs;
+      }
+      if (other.weights_ != null) {
+        if (weights_ == null) {
+          Weights = new global::Sweepstake.Protocol.V1.RewardWeights();
+        }
+        Weights.MergeFrom(other.Weights);
+      }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -6552,6 +7172,17 @@ namespace Sweepstake.Protocol.V1 {
           case 138:
           case 136: {
             capabilities_.AddEntriesFrom(input, _repeated_capabilities_codec);
+            break;
+          }
+          case 144: {
+            CooldownMs = input.ReadUInt32();
+            break;
+          }
+          case 154: {
+            if (weights_ == null) {
+              Weights = new global::Sweepstake.Protocol.V1.RewardWeights();
+            }
+            input.ReadMessage(Weights);
             break;
           }
         }
@@ -6642,6 +7273,17 @@ namespace Sweepstake.Protocol.V1 {
             capabilities_.AddEntriesFrom(ref input, _repeated_capabilities_codec);
             break;
           }
+          case 144: {
+            CooldownMs = input.ReadUInt32();
+            break;
+          }
+          case 154: {
+            if (weights_ == null) {
+              Weights = new global::Sweepstake.Protocol.V1.RewardWeights();
+            }
+            input.ReadMessage(Weights);
+            break;
+          }
         }
       }
     }
@@ -6667,7 +7309,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[13]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[14]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -6911,7 +7553,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[14]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[15]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -7238,7 +7880,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[15]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[16]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -7482,7 +8124,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[16]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[17]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -7824,7 +8466,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[17]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[18]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -8198,7 +8840,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[18]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[19]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -8482,7 +9124,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[19]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[20]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -8689,7 +9331,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[20]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[21]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -8989,7 +9631,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[21]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[22]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -9273,7 +9915,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[22]; }
+      get { return global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor.MessageTypes[23]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]

@@ -28,7 +28,10 @@ export function variantsOf({ project, scene }: SceneName): SceneState[] {
   return summaries.value.map(({ state }) => state).filter(({ posterior }) => posterior.project === project && posterior.scene === scene);
 }
 
-const rewardName = (version: number) => (version === 3 ? '3 (detection time)' : String(version));
+// Versions from this number on belong to weights that a game or daemon has set (RewardVersionOf in session/policy_registry.h).
+const FIRST_OWN_REWARD_VERSION = 2 ** 30;
+const rewardName = (version: number) =>
+  (version === 3 ? '3 (detection time)' : version >= FIRST_OWN_REWARD_VERSION ? `${version} (own weights)` : String(version));
 
 function variantColumns(own: string): readonly Column<SceneState>[] {
   return [
