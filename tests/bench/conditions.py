@@ -34,10 +34,12 @@ def read_plan(path=DATA / "conditions.toml"):
 
 
 def lane_words(model):
-    """Converts a lane model (data/lane_model.toml) to options of `sweepstake-lab replay`."""
+    """Converts a lane model (data/lane_model.toml) or the options of a condition to options of `sweepstake-lab replay`."""
     words = []
     for name, value in model.items():
-        if isinstance(value, dict):
+        if value is True:
+            words.append("--" + name)
+        elif isinstance(value, dict):
             for arm, ratio in value.items():
                 words += ["--" + name, arm, str(ratio)]
         else:
