@@ -8,6 +8,7 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr double kTypicalStep = 1.02;  // relative step of the typical time per frame
+// A frame is long above this multiple of the typical time. Its excess does not count.
 constexpr double kMaxCalmRatio = 2;
 // If at most one in kFramesPerInterruption frames is long, the long frames count as interruptions
 // of the frame thread. More long frames are the arm's own cost.

@@ -3,7 +3,8 @@
 
 ROW is a row of data/conditions.toml: it selects the scenes, the conditions and the policies for comparison. The program creates
 the missing traces of the scenes in LIST and replays them with `sweepstake-lab replay`. It prints every goal of the row in
-data/goals.toml with the reached value and its cells.
+data/goals.toml with the reached value and its cells. The row `ablation` compares AI Decides with itself without one of its parts, and
+with baselines, in a table of policies and conditions.
 """
 
 import argparse
@@ -15,7 +16,7 @@ import sys
 import time
 import tomllib
 
-from judging import choosing
+from judging import ablation, choosing
 from judging.common import InputError
 from judging.decisions import read_scenes
 
@@ -34,10 +35,12 @@ def read_plan(path=DATA / "conditions.toml"):
 
 
 def lane_words(model):
-    """Converts a lane model (data/lane_model.toml) to options of `sweepstake-lab replay`."""
+    """Converts a lane model (data/lane_model.toml) or the options of a condition to options of `sweepstake-lab replay`."""
     words = []
     for name, value in model.items():
-        if isinstance(value, dict):
+        if value is True:
+            words.append("--" + name)
+        elif isinstance(value, dict):
             for arm, ratio in value.items():
                 words += ["--" + name, arm, str(ratio)]
         else:
@@ -69,12 +72,13 @@ def called(command, what):
 
 
 def replayed(program, games, traces, policies, words):
-    """Returns the rows of one replay of all games: for each game, a row per policy."""
+    """Returns the rows of one replay of all games: for each game, a row per policy, by its name."""
     document = json.loads(called(
         [program, "replay", "--costs", ",".join(str(traces / (game["cell"] + ".costs")) for game in games),
          "--pass", ",".join(game["pass"] for game in games), "--policy", ",".join(policies), "--json", *words], "sweepstake-lab replay"))
     rows = document["rows"]
-    return [dict(zip(policies, rows[at:at + len(policies)])) for at in range(0, len(rows), len(policies))]
+    count = len(rows) // len(games)
+    return [{row["policy"]: row for row in rows[at:at + count]} for at in range(0, len(rows), count)]
 
 
 def milliseconds(frame):
@@ -94,10 +98,13 @@ def said(bins, low, high):
     return {"p_best_said": decisions, "p_best_right": right}
 
 
+def place_of(condition, game):
+    return {"condition": condition, "cell": game["cell"], "category": game["category"], "flip_s": game["flip_s"]}
+
+
 def cell_of(condition, game, rows, policy, peers, cold):
     own = rows[policy]
-    cell = {"condition": condition, "cell": game["cell"], "category": game["category"], "flip_s": game["flip_s"],
-            "headroom": own["headroom"], "regret": own["regret_best_fixed"], "ci95": own["ci95"],
+    cell = {**place_of(condition, game), "headroom": own["headroom"], "regret": own["regret_best_fixed"], "ci95": own["ci95"],
             "regret_after_start": own["regret_after_start"], "captured": own["headroom_captured"], "switches": own["switches"],
             "switches_after_start": own["switches_after_start"],
             **milliseconds(own["ms_per_frame"]), **said(own["reliability"], 0.8, 0.9)}
@@ -121,11 +128,14 @@ def play(row, scenes, traces, plan, options, progress):
     for number, name in enumerate(row["conditions"]):
         words = ["--seeds", options.seeds, "--run", options.run, *condition_words(plan["condition"][name], lane_model)]
         results = replayed(options.program, games, traces, policies, [*words, "--priors", row.get("priors", "none")])
-        cold = replayed(options.program, games, traces, policies, words) if "priors" in row else [None] * len(games)
-        cells += [cell_of(name, game, rows, options.policy, row["peers"], other) for game, rows, other in zip(games, results, cold)]
+        if row.get("compares_policies"):
+            cells += [ablation.cell_of(place_of(name, game), rows) for game, rows in zip(games, results)]
+        else:
+            cold = replayed(options.program, games, traces, policies, words) if "priors" in row else [None] * len(games)
+            cells += [cell_of(name, game, rows, options.policy, row["peers"], other) for game, rows, other in zip(games, results, cold)]
         spent_s = time.monotonic() - begin_s
         left_s = spent_s / (number + 1) * (len(row["conditions"]) - number - 1)
-        progress(f"{name}: condition {number + 1} of {len(row['conditions'])}, {len(games)} games of {len(policies)} policies, "
+        progress(f"{name}: condition {number + 1} of {len(row['conditions'])}, {len(games)} games of {len(results[0])} policies, "
                  f"{left_s:.0f} s left")
     return cells
 
@@ -181,6 +191,7 @@ def parse(words):
         "  tests/bench/conditions.py stationary\n"
         "  tests/bench/conditions.py flips tests/bench/data/held_out_scenes.txt --json\n"
         "  tests/bench/conditions.py baselines --seeds 10 --policy lane-argmin\n"
+        "  tests/bench/conditions.py ablation --seeds 10\n"
         "Exit code: 0 every goal is met, 1 a goal is missed, 2 the measurement failed. README.md in this folder says how long each\n"
         "row takes.")
     parser.add_argument("row", choices=rows, metavar="ROW", help=", ".join(rows))
@@ -196,7 +207,10 @@ def parse(words):
 def main(words):
     options = parse(words)
     try:
-        return choosing.conclude(run(options), options.json)
+        document = run(options)
+        if read_plan()["row"][options.row].get("compares_policies"):
+            return ablation.conclude(document, options.json)
+        return choosing.conclude(document, options.json)
     except (Failure, InputError, OSError, tomllib.TOMLDecodeError) as failure:
         print(f"conditions.py: {failure}", file=sys.stderr)
         return 2

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests conditions.py and sealed.py with the real program on tiny scenes, and how judging/choosing.py combines cells.
+"""Tests conditions.py and sealed.py with the real program on tiny scenes, and how judging/ combines cells.
 
 conditions_test.py SWEEPSTAKE
 """
@@ -13,7 +13,7 @@ import unittest
 
 import conditions
 import sealed
-from judging import choosing
+from judging import ablation, choosing
 from judging.common import InputError, read_goals
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -68,12 +68,35 @@ class Goals(unittest.TestCase):
         plan, goals = conditions.read_plan(), read_goals(choosing.GOALS)["choosing"]
         for name, row in plan["row"].items():
             own = [goal for goal in goals if goal["row"] == name]
-            self.assertTrue(own, name)
+            self.assertNotEqual(bool(own), plan["row"][name].get("compares_policies", False), name)
             for goal in own:
                 self.assertIn(goal.get("condition", row["conditions"][0]), row["conditions"], goal)
                 self.assertIn(goal.get("flip_s"), [None, *row.get("flip_s", [])], goal)
             for condition in row["conditions"]:
                 self.assertIn(condition, plan["condition"])
+
+
+class Ablation(unittest.TestCase):
+    CELLS = [cell(name, condition, flip_s=flip_s, policies={policy: {"regret": factor * regret, "headroom": headroom, "captured": captured}
+                                                            for policy, factor in (("default", 1), ("paper", 10))})
+             for name, condition, flip_s, regret, headroom, captured in (
+                 ("a", "clean", None, 0.01, 0.0, None), ("b", "clean", None, 0.03, 0.0, None), ("c", "clean", 8, 0.5, 0.1, 0.2),
+                 ("d", "clean", 16, 0.5, 0.3, 0.6), ("e", "clean", 16, 0.5, 0.0, None), ("a", "load", None, 0.05, 0.0, None))]
+
+    def test_has_a_row_for_each_policy_and_condition(self):
+        rows = ablation.compare(self.CELLS)
+        self.assertEqual([(row["policy"], row["condition"]) for row in rows],
+                         [("default", "clean"), ("default", "load"), ("paper", "clean"), ("paper", "load")])
+        self.assertAlmostEqual(rows[0]["regret"], 0.02, msg="flips do not count")
+        self.assertAlmostEqual(rows[0]["worst_regret"], 0.03)
+        self.assertAlmostEqual(rows[0]["captured"], 0.5, msg="the cells count with their headroom")
+        self.assertAlmostEqual(rows[2]["worst_regret"], 0.3)
+        self.assertIsNone(rows[1]["captured"])
+
+    def test_prints_a_column_for_each_condition(self):
+        text = ablation.ablation_text({"list": "tiny.txt", "seeds": 2, "cells": self.CELLS}, ablation.compare(self.CELLS))
+        self.assertIn("policy   clean          load\ndefault  2.00 (3.00)    5.00 (5.00)\npaper    20.00 (30.00)  50.00 (50.00)\n", text)
+        self.assertIn("regimes of 8, 16 s: captured headroom in percent\npolicy   clean  load\ndefault     50     -\n", text)
 
 
 class Conditions(unittest.TestCase):
@@ -91,6 +114,8 @@ class Conditions(unittest.TestCase):
     def test_measure_every_goal_of_the_rows(self):
         goals = read_goals(choosing.GOALS)["choosing"]
         for row, plan in conditions.read_plan()["row"].items():
+            if plan.get("compares_policies"):
+                continue
             with self.subTest(row=row):
                 done = self.run_row(row, "--json")
                 self.assertIn(done.returncode, (0, 1), done.stderr)
@@ -107,6 +132,19 @@ class Conditions(unittest.TestCase):
                 again = subprocess.run([HERE / "judge.py", "choosing", "--json"], input=done.stdout, capture_output=True, text=True,
                                        check=False)
                 self.assertEqual((again.returncode, json.loads(again.stdout)["goals"]), (done.returncode, document["goals"]))
+
+    def test_the_ablation_compares_every_part_in_every_condition(self):
+        done = self.run_row("ablation", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        document, plan = json.loads(done.stdout), conditions.read_plan()["row"]["ablation"]
+        rows = {(row["policy"], row["condition"]): row for row in document["policies"]}
+        policies = list(dict.fromkeys(policy for policy, _ in rows))
+        self.assertEqual(policies[0], "default")
+        self.assertTrue(set(plan["peers"]) - {"ablations"} < set(policies), policies)
+        self.assertGreater(sum(policy.startswith("adaptive-without-") for policy in policies), 3)
+        self.assertEqual(len(rows), len(policies) * len(plan["conditions"]))
+        self.assertNotEqual(rows["default", "clean"], rows["default", "one-cpu"] | {"condition": "clean"}, "the lane rests on one processor")
+        self.assertEqual(rows["fixed:KDTree", "clean"], rows["fixed:KDTree", "one-cpu"] | {"condition": "clean"})
 
     def test_milliseconds_compare_with_other_arms_and_policies(self):
         frame = {"detection": 2, "best": 1, "median": 5, "worst": 9, "regret": 1, "lane": 4}

@@ -7,18 +7,17 @@ root=$(cd "$here/../.." && pwd)
 
 usage() {
   cat <<END
-Usage: tests/bench/decisions.sh [--program PATH] [--traces FOLDER] [--ablation] [tuning|held-out|LIST.txt] [-- OPTION…]
+Usage: tests/bench/decisions.sh [--program PATH] [--traces FOLDER] [tuning|held-out|LIST.txt] [-- OPTION…]
 
 Creates the missing traces of the scenes in data/tuning_scenes.txt, data/held_out_scenes.txt (the default, for final figures)
 or LIST.txt in FOLDER. Replays the policies in virtual time: without priors, with the priors of a store after a game of the
 same scene, with these reversed, with those of another class of machines, and for a new scene with those of the other traces.
 Measures the time of a decision, and prints every goal with the reached value, its cells and the results of each policy.
 Options after -- are passed to \`sweepstake-lab replay\`, for example --seeds 200 or --no-shadow; --json prints one JSON document.
-  --ablation        all policies, not only AI Decides and the paper's
   --program PATH    the program \`sweepstake-lab\` (default: build/release/bin/sweepstake-lab)
   --traces FOLDER   folder of the traces (default: build/traces/tuning, held-out or LIST)
 Exit code: 0 every goal is met, 1 a goal is missed, 2 a program or a trace is missing. Tracing takes 5 to 20 minutes on an otherwise idle
-machine; the rest takes about one minute on two cores, two with --ablation.
+machine; the rest takes about one minute on two cores.
 END
 }
 
@@ -27,12 +26,10 @@ list=held-out
 scenes=$here/data/held_out_scenes.txt
 traces=
 judged=default
-policies=$judged,paper
 while (($# > 0)); do
   case $1 in
     --program) program=$2; shift ;;
     --traces) traces=$2; shift ;;
-    --ablation) policies=$judged,all ;;
     -h | --help) usage; exit 0 ;;
     --) shift; break ;;
     tuning | held-out) scenes=$here/data/${1/-/_}_scenes.txt list=$1 ;;
@@ -65,7 +62,7 @@ trap 'rm -r "$documents"' EXIT
 replay() {
   "$program" replay --costs "${costs#,}" --pass "${passes#,}" --priors "$1" --policy "$2" --json "${options[@]}" >"$documents/$1.json"
 }
-replay none "$policies"
+replay none "$judged,paper"
 replay right "$judged"
 replay wrong "$judged"
 replay class "$judged"

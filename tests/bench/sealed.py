@@ -28,7 +28,7 @@ from judging.common import InputError, read_goals
 from judging.decisions import figure_text
 
 LIST = conditions.DATA / "sealed.toml"
-ROWS = ("stationary", "flips")
+ROWS = ("stationary", "flips", "baselines")
 STATIONARY = ("brownian", "rotating-gravity", "hurricane", "suite-b", "suite-g", "suite-h", "few-moving", "nearly-resting",
               "teleporting", "spawning", "planar", "beams", "clusters", "sizes-1-to-1000")
 REGIMES = 8

@@ -81,8 +81,8 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command
       .add_option(
           "--policy", request.policies,
-          "Policies, or all of them; fixed (each arm without switches), fixed:ARM, oracle (the "
-          "best sequence of arms)")
+          "Policies, or all of them; ablations (AI Decides without one of its parts), fixed (each "
+          "arm without switches), fixed:ARM, oracle (the best sequence of arms)")
       ->delimiter(',');
   command.add_option("--seeds", study.seed_count, "Games of each policy on each trace")
       ->check(CLI::Range(uint32_t{1}, uint32_t{100'000}));

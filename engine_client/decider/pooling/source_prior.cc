@@ -10,12 +10,14 @@
 namespace sweepstake::decision {
 namespace {
 
+// Exponents of the power prior (PowerPriorWeight): the two weights by the source's build, and the
+// factors for another machine class and for another version of the arm. Chosen, not measured.
 constexpr double kSameBuildWeight = 0.5;
 constexpr double kOtherBuildWeight = 0.25;
 constexpr double kOtherMachineClassFactor = 0.2;
 constexpr double kOtherBackendVersionFactor = 0.04;
 
-constexpr int kPolishSteps = 8;
+constexpr int kPolishSteps = 8;  // chosen; a median polish converges within a few steps (Tukey)
 // Assumed variance of an arm's relative log-cost between sources, and the number of sources that
 // this assumption counts as.
 constexpr double kSourceVariance = 0.1 * 0.1;

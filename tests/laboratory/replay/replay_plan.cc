@@ -38,8 +38,18 @@ Result<ReplayPlayer> FixedPlayer(const std::string& word, std::span<const std::s
 Status CheckPolicy(const std::string& word) {
   if (decision::FindPolicy(word, decision::StudyPolicies()) != nullptr) return {};
   std::vector<std::string_view> valid = decision::PolicyNames(decision::StudyPolicies());
-  valid.insert(valid.end(), {"all", "fixed", "fixed:ARM", "oracle"});
+  valid.insert(valid.end(), {"all", "ablations", "fixed", "fixed:ARM", "oracle"});
   return Invalid(text::UnknownName("policy", word, valid));
+}
+
+// Returns the policies that StudyPolicies() adds to ComparedPolicies().
+std::vector<ReplayPlayer> Ablations() {
+  const decision::PolicyRegistry all = decision::StudyPolicies();
+  std::vector<ReplayPlayer> players;
+  for (const decision::PolicyEntry& entry : all.subspan(decision::ComparedPolicies().size())) {
+    players.push_back({.name = std::string(entry.kind.name)});
+  }
+  return players;
 }
 
 Status ReadDuration(const std::string& text, uint64_t& ns) {
@@ -130,6 +140,9 @@ Result<std::vector<ReplayPlayer>> ReplayPlayers(std::span<const std::string> wor
       for (const std::string_view name : decision::PolicyNames(decision::StudyPolicies())) {
         if (name != "default") players.push_back({.name = std::string(name)});
       }
+    } else if (word == "ablations") {
+      const std::vector<ReplayPlayer> ablations = Ablations();
+      players.insert(players.end(), ablations.begin(), ablations.end());
     } else if (word == "fixed") {
       for (const std::string& arm : arms) players.push_back(*FixedPlayer("fixed:" + arm, arms));
     } else if (word.starts_with("fixed:")) {

@@ -142,7 +142,7 @@ TEST(ReplayPlayers, SayWhatIsValid) {
     return ReplayPlayers(words, arms).status().message();
   };
   EXPECT_THAT(message({"pape"}), HasSubstr("must be one of paper, default, "));
-  EXPECT_THAT(message({"pape"}), HasSubstr("all, fixed, fixed:ARM, oracle"));
+  EXPECT_THAT(message({"pape"}), HasSubstr("all, ablations, fixed, fixed:ARM, oracle"));
   EXPECT_THAT(message({"fixed:Octree"}), HasSubstr("unknown traced arm 'Octree', must be one of "));
   EXPECT_THAT(message({"fixed:Sap"}), testing::EndsWith("'Sap', must be one of SAP, Grid"));
   const auto players = ReplayPlayers(std::vector<std::string>{"fixed", "oracle", "paper"}, arms);
@@ -150,6 +150,12 @@ TEST(ReplayPlayers, SayWhatIsValid) {
   EXPECT_EQ((*players)[1].name, "fixed:SAP");
   EXPECT_EQ(ReplayPlayers(std::vector<std::string>{"all"}, arms)->size(),
             decision::PolicyNames(decision::StudyPolicies()).size() - 1);
+  const auto ablations = ReplayPlayers(std::vector<std::string>{"ablations"}, arms);
+  ASSERT_TRUE(ablations.ok());
+  EXPECT_GT(ablations->size(), 1U);
+  for (const ReplayPlayer& player : *ablations) {
+    EXPECT_THAT(player.name, testing::StartsWith("adaptive-without-"));
+  }
 }
 
 }  // namespace

@@ -45,6 +45,7 @@ describe('a symmetric logarithmic axis', () => {
   it('has ticks at 0 and at powers of ten on both sides', () => {
     expect(symlogTicks([-20, 30])).toEqual([-10, -1, -0.1, 0, 0.1, 1, 10]);
     expect(symlogTicks([0, 2])).toEqual([0, 0.1, 1]);
+    expect(symlogTicks([-20, 10_000])).toEqual([-10, -1, 0, 1, 10, 100, 1000, 10_000]);
     expect(symlogTicks([0, 0.1])).toEqual([0, 0.02, 0.04, 0.06, 0.08, 0.1]);
   });
 

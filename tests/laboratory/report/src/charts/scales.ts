@@ -45,6 +45,8 @@ export function linearTicks([low, high]: [number, number], most = 10): number[] 
 
 // A symmetric logarithmic axis has negative values, too. It is about linear from −SYMLOG_LINEAR to SYMLOG_LINEAR and logarithmic beyond.
 export const SYMLOG_LINEAR = 0.1;
+const symlogPosition = (value: number) => Math.sign(value) * Math.log1p(Math.abs(value) / SYMLOG_LINEAR);
+const LONG_SYMLOG = 12; // on a longer axis, the labels of ±SYMLOG_LINEAR would overlap that of 0 on a phone
 
 // Returns a range slightly larger than that of the values and 0.
 export function symlogDomain(values: number[], margin = 1.25): [number, number] {
@@ -53,11 +55,13 @@ export function symlogDomain(values: number[], margin = 1.25): [number, number] 
   return [low, Math.max(0, ...finite) * margin || (low < 0 ? 0 : SYMLOG_LINEAR)];
 }
 
-// Returns 0 and the powers of ten from ±SYMLOG_LINEAR on in the range, or round numbers if the range is short.
+// Returns 0 and the powers of ten from ±SYMLOG_LINEAR on in the range, or round numbers if the range is short. A long axis has no ticks at
+// ±SYMLOG_LINEAR.
 export function symlogTicks([low, high]: [number, number]): number[] {
   if (Math.max(high, -low) < 2 * SYMLOG_LINEAR) return linearTicks([low, high], 5);
   const powers: number[] = [];
-  for (let power = SYMLOG_LINEAR; power <= Math.max(high, -low); power *= 10) powers.push(Number(power.toPrecision(1)));
+  const first = symlogPosition(high) - symlogPosition(low) > LONG_SYMLOG ? 10 * SYMLOG_LINEAR : SYMLOG_LINEAR;
+  for (let power = first; power <= Math.max(high, -low); power *= 10) powers.push(Number(power.toPrecision(1)));
   return [...powers.map((power) => -power).reverse(), 0, ...powers].filter((tick) => tick >= low && tick <= high);
 }
 

@@ -47,7 +47,7 @@ export interface PaperCell {
 export interface ExperimentDocument {
   command: 'experiment'; folder: string; complete: boolean; finished_runs: number; planned_runs: number; time_scale: number;
   own_policy: string; machine: Machine; arms: string[];
-  options: { policies: string[]; run_count: number; window: string; seed: number; trace_frame_count: number; replay_seed_count: number;
+  options: { grid?: string; policies: string[]; run_count: number; window: string; seed: number; trace_frame_count: number; replay_seed_count: number;
     decision?: { decision_interval_ns: number; cooldown_ns: number; settling_ns: number; weights: Record<'fps' | 'detection' | 'memory' | 'checks', number> } };
   sittings: { command_line: string; start_utc: string; end_utc: string }[];
   cells: { cell: string; scene: string; objects: number }[];

@@ -25,12 +25,14 @@ export function wordsOf({ cells, own_policy: own }: Pick<ExperimentDocument, 'ce
   };
 }
 
-export function lead({ sittings, machine, worth_text }: ExperimentDocument): Child[] {
+export function lead({ sittings, machine, worth_text, options }: ExperimentDocument): Child[] {
+  const what = options.grid === 'crossovers' ? 'plays scenes in which different algorithms are the fastest' :
+    'repeats the experiment of the paper that Sweepstake follows';
   return [
     worth_text ? paragraph(worth_text) : null,
     paragraph('A game must find, in every frame, all pairs of its objects whose boxes overlap. There are several algorithms for that, ' +
       'and the scene determines which is the fastest. Sweepstake measures them while the game runs and chooses one. This page ' +
-      'repeats the experiment of the paper that Sweepstake follows, and compares its choices with separate measurements of all algorithms.'),
+      `${what}, and compares its choices with separate measurements of all algorithms.`),
     h('p', { class: 'soft small' }, `Measured ${sittings.at(-1)?.start_utc ?? ''} on ${machine.cpu} with Sweepstake ${machine.program}.`)];
 }
 
