@@ -24,10 +24,11 @@
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
 //   the belief ignores the prior. All priors are dropped if the lane's first visits contradict
 //   them: another arm is 1.35 times cheaper than the arm that the priors expect to be the cheapest.
-// - An arm's first live window is a trial (SwitchCommand). The client switches back at once in two
-//   cases. Either the searches of two frames in a row exceed the longest search before the switch
-//   by a fifth of a frame, or the trial exceeds its time budget. For an arm that the lane observed,
-//   the gate therefore limits the loss to that budget.
+// - An arm's first live window is a trial (SwitchCommand), if the client stops trials. Such a
+// client
+//   switches back at once in two cases. Either a search takes a fifth longer than the previous
+//   arm's, or the trial exceeds its time budget. For an arm that the lane observed, the gate
+//   therefore limits the loss to that budget.
 // - The first early end of a trial may have another cause than the arm and is not evidence. A later
 //   early end gives a lower bound of the arm's cost. A visit that the lane cut off at its time
 //   limit does too. After an early end, another trial needs an E⁺ of 5 %.
@@ -141,6 +142,7 @@ class AdaptivePolicy : public Policy {
 
   DecisionOptions options_;
   AdaptiveComponents components_;
+  const bool stops_trials_;
   RegimeBeliefs beliefs_;
   std::vector<bool> has_prior_;
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane

@@ -27,7 +27,7 @@ namespace Sweepstake.Tests
             Assert.That(hello.Build, Is.EqualTo("42"));
             Assert.That(hello.MachineClass, Is.EqualTo("desk"));
             Assert.That(hello.Seed, Is.EqualTo(7));
-            Assert.That(hello.Capabilities, Is.EqualTo(new[] { Capability.OperatorOrders }));
+            Assert.That(hello.Capabilities, Is.EqualTo(new[] { Capability.OperatorOrders, Capability.StopsTrials }));
             Assert.That(hello.Arms.Select(arm => arm.Name), Is.EqualTo(game.Session.Arms));
             Assert.That(game.Status.DaemonVersion, Is.EqualTo("9.9.9"));
             Assert.That(game.Status.SessionId, Is.EqualTo("scripted"));

@@ -24,9 +24,10 @@ static_assert(AdaptivePolicy::kTrialBudget * TrialGuard::kBudgetShare == 1);
 // Number of the frame that is five times as long in a disturbed trial.
 constexpr uint32_t kDisturbedFrame = 1 + kShadowWarmUpFrames + 2;
 
-SessionSetup TrialSetup(uint32_t arm_count) {
+SessionSetup TrialSetup(uint32_t arm_count, bool stops_trials = true) {
   SessionSetup setup = PlainSetup(arm_count);
   setup.options.policy = "adaptive";
+  setup.stops_trials = stops_trials;
   return setup;
 }
 
@@ -34,8 +35,10 @@ SessionSetup TrialSetup(uint32_t arm_count) {
 // differ.
 class TrialGame {
  public:
-  TrialGame(std::vector<double> costs_us, std::vector<double> lane_costs_us)
-      : client(TrialSetup(static_cast<uint32_t>(costs_us.size()))),
+  TrialGame(std::vector<double> costs_us, std::vector<double> lane_costs_us,
+            bool stops_trials = true)
+      : client(TrialSetup(static_cast<uint32_t>(costs_us.size()), stops_trials)),
+        ends_trials(stops_trials),
         cost_us(std::move(costs_us)),
         lane_cost_us(std::move(lane_costs_us)) {
     client.obedient = false;
@@ -56,11 +59,11 @@ class TrialGame {
   }
 
   ScriptedClient client;
+  bool ends_trials;
   std::vector<double> cost_us;
   std::vector<double> lane_cost_us;
   std::vector<uint32_t> lane_flags = std::vector<uint32_t>(lane_cost_us.size());
   bool lane_reports = true;
-  bool ends_trials = true;
   std::optional<GateTerms> gate;  // gate of the latest decision
   DecisionOutcome outcome = DecisionOutcome::kKept;
   int disturbed_trial_count = 0;  // number of trials in which a frame takes five times as long
@@ -171,6 +174,14 @@ TEST(Trial, AnArmThatIsTooExpensiveRunsForOneFrame) {
   EXPECT_GT(patient.frame_counts[1] + patient.frame_counts[2], 100u);
 }
 
+TEST(Trial, AClientThatDoesNotStopTrialsIsSentNone) {
+  TrialGame game({20'000, 10'000}, {22'000, 11'000}, /*stops_trials=*/false);
+  game.RunTicks(10);
+  ASSERT_EQ(game.client.commands.size(), 1u);
+  EXPECT_EQ(game.client.commands[0].arm, 1u);
+  EXPECT_EQ(game.client.commands[0].trial_limit_percent, 0u);
+}
+
 TEST(Trial, AnArmThatCostsFortyPercentMoreInTheLaneIsTried) {
   TrialGame game({10'000, 7'000}, {10'000, 14'000});
   game.RunTicks(30);
@@ -224,8 +235,8 @@ TEST(Trial, ACappedVisitDoesNotContradictPriors) {
 }
 
 // Returns the gate of a switch that is too expensive, to an arm that is probably worse.
-GateTerms GateOfAnExpensiveSwitch() {
-  TrialGame game({10'000, 13'000}, {10'000, 14'000});
+GateTerms GateOfAnExpensiveSwitch(bool stops_trials) {
+  TrialGame game({10'000, 13'000}, {10'000, 14'000}, stops_trials);
   const SwitchCost cost{.rebuild_time_ns = 100 * kSecond};
   for (int i = 0; i < 20; ++i) {
     game.client.session.ObserveSwitch(0, game.client.epoch, SwitchReason::kPolicy,
@@ -238,9 +249,13 @@ GateTerms GateOfAnExpensiveSwitch() {
 
 // An arm that stays because it is within the budget causes its loss until the cooldown ends.
 TEST(Trial, TheGateAssumesTheLossOfTheBudgetForTheWholeCooldown) {
-  const GateTerms gate = GateOfAnExpensiveSwitch();
+  const GateTerms gate = GateOfAnExpensiveSwitch(/*stops_trials=*/true);
   EXPECT_NEAR(gate.cooldown_s, 40, 0.1);
   EXPECT_NEAR(gate.loss, AdaptivePolicy::kTrialBudget, 1e-4);
+}
+
+TEST(Trial, TheGateDoesNotLimitTheLossOfAClientThatDoesNotStopTrials) {
+  EXPECT_GT(GateOfAnExpensiveSwitch(/*stops_trials=*/false).loss, 4 * AdaptivePolicy::kTrialBudget);
 }
 
 TEST(Trial, AnInterruptedTrialDoesNotPreventTheBestArm) {

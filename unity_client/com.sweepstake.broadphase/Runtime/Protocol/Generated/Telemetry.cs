@@ -121,25 +121,26 @@ namespace Sweepstake.Protocol.V1 {
             "TlVBTBABEgsKB01PREVfQUkQAiqcAQoMU3dpdGNoUmVhc29uEh0KGVNXSVRD",
             "SF9SRUFTT05fVU5TUEVDSUZJRUQQABIYChRTV0lUQ0hfUkVBU09OX1BPTElD",
             "WRABEh0KGVNXSVRDSF9SRUFTT05fRVhQTE9SQVRJT04QAhIaChZTV0lUQ0hf",
-            "UkVBU09OX0JBSUxfT1VUEAMSGAoUU1dJVENIX1JFQVNPTl9NQU5VQUwQBCph",
+            "UkVBU09OX0JBSUxfT1VUEAMSGAoUU1dJVENIX1JFQVNPTl9NQU5VQUwQBCp+",
             "CgpDYXBhYmlsaXR5EhoKFkNBUEFCSUxJVFlfVU5TUEVDSUZJRUQQABIeChpD",
             "QVBBQklMSVRZX09QRVJBVE9SX09SREVSUxABEhcKE0NBUEFCSUxJVFlfQk9Y",
-            "X1ZJRVcQAipZCgpTaGFkb3dGbGFnEhsKF1NIQURPV19GTEFHX1VOU1BFQ0lG",
-            "SUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZFEAESFgoSU0hBRE9XX0ZMQUdf",
-            "Q0FQUEVEEAIqwAEKCUZyYW1lRmxhZxIaChZGUkFNRV9GTEFHX1VOU1BFQ0lG",
-            "SUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxEEAESFQoRRlJBTUVfRkxBR19Q",
-            "QVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJTkcQBBIXChNGUkFNRV9GTEFH",
-            "X0JBSUxfT1VUEAgSGAoURlJBTUVfRkxBR19TVVNQRU5ERUQQEBIdChlGUkFN",
-            "RV9GTEFHX1BBSVJTX0VYQ0VFREVEECAqggEKEk9yZGVyUmVmdXNhbFJlYXNv",
-            "bhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklFRBAAEiQKIE9S",
-            "REVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAESIAocT1JERVJfUkVG",
-            "VVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoTVkVSRElDVF9V",
-            "TlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoLVkVSRElDVF9U",
-            "SUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJQ1RfREVHUkFE",
-            "RUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRlbGVtZXRyeRIl",
-            "LnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVzdBomLnN3ZWVw",
-            "c3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATABQhmqAhZTd2Vl",
-            "cHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "X1ZJRVcQAhIbChdDQVBBQklMSVRZX1NUT1BTX1RSSUFMUxADKlkKClNoYWRv",
+            "d0ZsYWcSGwoXU0hBRE9XX0ZMQUdfVU5TUEVDSUZJRUQQABIWChJTSEFET1df",
+            "RkxBR19BQ1RJVkUQARIWChJTSEFET1dfRkxBR19DQVBQRUQQAirAAQoJRnJh",
+            "bWVGbGFnEhoKFkZSQU1FX0ZMQUdfVU5TUEVDSUZJRUQQABIWChJGUkFNRV9G",
+            "TEFHX1JFQlVJTEQQARIVChFGUkFNRV9GTEFHX1BBVVNFRBACEhYKEkZSQU1F",
+            "X0ZMQUdfTE9BRElORxAEEhcKE0ZSQU1FX0ZMQUdfQkFJTF9PVVQQCBIYChRG",
+            "UkFNRV9GTEFHX1NVU1BFTkRFRBAQEh0KGUZSQU1FX0ZMQUdfUEFJUlNfRVhD",
+            "RUVERUQQICqCAQoST3JkZXJSZWZ1c2FsUmVhc29uEiQKIE9SREVSX1JFRlVT",
+            "QUxfUkVBU09OX1VOU1BFQ0lGSUVEEAASJAogT1JERVJfUkVGVVNBTF9SRUFT",
+            "T05fTk9UX0FMTE9XRUQQARIgChxPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTktO",
+            "T1dOEAIqdAoHVmVyZGljdBIXChNWRVJESUNUX1VOU1BFQ0lGSUVEEAASEgoO",
+            "VkVSRElDVF9TVEFCTEUQARIPCgtWRVJESUNUX1RJRRACEhUKEVZFUkRJQ1Rf",
+            "QU1CSUdVT1VTEAMSFAoQVkVSRElDVF9ERUdSQURFRBAEMngKEFRlbGVtZXRy",
+            "eVNlcnZpY2USZAoPU3RyZWFtVGVsZW1ldHJ5EiUuc3dlZXBzdGFrZS52MS5T",
+            "dHJlYW1UZWxlbWV0cnlSZXF1ZXN0GiYuc3dlZXBzdGFrZS52MS5TdHJlYW1U",
+            "ZWxlbWV0cnlSZXNwb25zZSgBMAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9jb2wu",
+            "VjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -233,6 +234,10 @@ namespace Sweepstake.Protocol.V1 {
     /// The game shows the boxes of its objects to operators on request. A shipped game does not have this.
     /// </summary>
     [pbr::OriginalName("CAPABILITY_BOX_VIEW")] BoxView = 2,
+    /// <summary>
+    /// The client bounds the cost of trials as SwitchCommand.trial_limit_percent describes. Without it the daemon commands no trials.
+    /// </summary>
+    [pbr::OriginalName("CAPABILITY_STOPS_TRIALS")] StopsTrials = 3,
   }
 
   /// <summary>
@@ -1954,7 +1959,7 @@ namespace Sweepstake.Protocol.V1 {
     private string sessionId_ = "";
     /// <summary>
     /// The session to resume, from an earlier Welcome. A new session begins if the daemon does not know it, or if its scene, machine
-    /// class, policy's reward version or arms differ. Absent: a new session.
+    /// class, policy's reward version or arms differ, or CAPABILITY_STOPS_TRIALS. Absent: a new session.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4367,8 +4372,9 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialDetectionTimeNsFieldNumber = 8;
     private ulong trialDetectionTimeNs_;
     /// <summary>
-    /// Detection time that ended a trial early (SwitchCommand.trial_limit_percent): the time of the shorter of the two frames over
-    /// the limit. If the budget was exceeded, it is at most the mean of the trial. Absent (0): the switch did not end a trial.
+    /// Detection time that ended a trial early (SwitchCommand.trial_limit_percent): a lower bound of the tried arm's. It is the time
+    /// after which a detection was stopped or ended over the limit. If the budget was exceeded, it is the mean of the trial. Absent
+    /// (0): the switch did not end a trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6993,10 +6999,11 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialLimitPercentFieldNumber = 4;
     private uint trialLimitPercent_;
     /// <summary>
-    /// Makes the switch a trial of twice the settling time, from which the client returns to the previous arm in two cases. First:
-    /// two detections in a row exceed the previous arm's longest recent one by (trial_limit_percent − 100) % of its longest recent
-    /// frame, at least 1 ms. Second: all detections together exceed their number times the previous arm's mean detection time by
-    /// 1/40 of the trial's time. The first three frames do not count. Absent (0): no trial.
+    /// Makes the switch a trial of twice the settling time; only with CAPABILITY_STOPS_TRIALS. The client stops a detection of the
+    /// new arm that takes longer than the limit. It returns to the previous arm, which also answers that frame. The limit is
+    /// trial_limit_percent % of the previous arm's longest recent detection but one. It is also at least that detection plus 1/20 of
+    /// the mean frame. The client also returns if all detections together exceed their number times the previous arm's mean detection
+    /// time by 1/40 of the trial's time. The first three frames do not count for that. Absent (0): no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
