@@ -45,6 +45,18 @@ ShadowState LaneFor(const AdaptiveOptions& options, const LaneParts& lane, size_
   return ShadowState::kRunning;
 }
 
+// Passes a stop request to a backend for as long as this object lives.
+class StopScope {
+ public:
+  StopScope(BroadPhase& backend, StopRequest& stop) : backend_(backend) { backend_.SetStop(&stop); }
+  ~StopScope() { backend_.SetStop(nullptr); }
+  StopScope(const StopScope&) = delete;
+  StopScope& operator=(const StopScope&) = delete;
+
+ private:
+  BroadPhase& backend_;
+};
+
 size_t EngineThreads(const AdaptiveOptions& options) {
   return options.executor == nullptr ? 1 : options.executor->thread_count();
 }
@@ -81,6 +93,7 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
       clock_(clock),
       suspension_(clock, EngineThreads(options) > 1),
       active_(PackActive(initial_arm, 0)),
+      trial_stop_(clock, EngineThreads(options) == 1 && ThreadTimeNs() > 0),
       lane_state_(LaneFor(options, lane, backends_.size())) {
   for (const ArmBackend& own : backends_) {
     own.Attach(true);
@@ -198,15 +211,15 @@ bool AdaptiveBroadPhase::Impl::WaitsForLane() {
 
 void AdaptiveBroadPhase::Impl::Execute(const SwitchCommand& command) {
   const uint32_t next_epoch = epoch() + 1;
-  const bool goes_on =
-      keeps_structure_ && trial_end_ && trial_end_->frame_count <= TrialGuard::kMaxKeptFrames;
+  const uint32_t arm_before = arm();
+  const bool goes_on = keeps_structure_ && trial_end_;
   keeps_structure_ = built_;
-  trial_.Begin(arm(), command, 2 * switch_cost.settling_ns());
   active_.store(PackActive(command.arm, next_epoch), std::memory_order_relaxed);
   last_switch_reason = command.reason;
   built_ = goes_on || (!frozen() && lane_ != nullptr &&
                        lane_->TakeOver(command.arm, backends_[command.arm], pairs_));
   (built_ ? warm_switch_count_ : cold_switch_count_).fetch_add(1, std::memory_order_relaxed);
+  trial_.Begin(arm_before, command, 2 * switch_cost.settling_ns(), built_);
   KeepBudget();
   Report(switch_cost.Begin(command, next_epoch, /*warm=*/built_));
 }
@@ -271,10 +284,11 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
   const uint32_t work = lane == nullptr ? 0 : lane->cost().Begin();
   const bool is_steady = built_;
   const uint64_t start_ns = frozen() ? 0 : suspension_.BeginSearch();
-  UpdateStructure(boxes, start_ns);
-  Search();
+  const bool is_stopped = !Detect(boxes, start_ns);
+  if (is_stopped) LeaveTrial(boxes);
   const uint64_t detection_ns = MeasureDetection(boxes, start_ns);
-  const bool is_cost = !suspension_.EndSearch(start_ns, detection_ns) && !pairs_exceeded_;
+  const bool is_suspended = suspension_.EndSearch(start_ns, detection_ns);
+  const bool is_cost = !is_suspended && !is_stopped && !pairs_exceeded_;
   if (lane != nullptr && is_steady && is_cost) lane->cost().End(work, detection_ns, epoch());
   // Sorting is not measured. The lane's visits do not sort, and costs must be comparable between
   // games with and without sorting.
@@ -295,13 +309,44 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(ProxySet& proxi
   return pairs;
 }
 
+// Updates the structure of the active arm and searches for pairs. In a trial both are stopped after
+// the time that the guard allows. Returns false if they were: pairs_ is then incomplete, and the
+// structure must be built again.
+bool AdaptiveBroadPhase::Impl::Detect(std::span<const Aabb> boxes, uint64_t start_ns) {
+  const std::optional<uint64_t> limit_ns = trial_.limit_ns();
+  if (!limit_ns) {
+    UpdateStructure(boxes, start_ns);
+    Search();
+    return true;
+  }
+  trial_stop_.Begin(start_ns, *limit_ns - std::min(sample_.detection_time_ns, *limit_ns));
+  const StopScope stop(*backends_[sample_.arm].backend, trial_stop_);
+  UpdateStructure(boxes, start_ns);
+  if (!trial_stop_.WantsStop(0, 0)) Search();
+  return !trial_stop_.has_stopped();
+}
+
+// Ends a trial whose search was stopped. The previous arm becomes active at once and answers the
+// frame, so the frame is the first one of its new switch epoch.
+void AdaptiveBroadPhase::Impl::LeaveTrial(std::span<const Aabb> boxes) {
+  const uint64_t searched_ns = trial_stop_.ComputedNs(NowNs());
+  trial_end_ = trial_.Stop(sample_.detection_time_ns + searched_ns);
+  local_command_ = SwitchCommand{.arm = trial_end_->arm_before};
+  built_ = false;
+  left_trial_ = true;
+  ExecuteOne(std::nullopt, std::nullopt);
+  sample_.arm = arm();
+  sample_.switch_epoch = epoch();
+  UpdateStructure(boxes, NowNs());
+  Search();
+}
+
 void AdaptiveBroadPhase::Impl::Search() {
   const Zone zone(kZoneSearch);
   pairs_.Clear();
   BroadPhase& backend = *backends_[sample_.arm].backend;
   backend.Search(pairs_);
   pairs_exceeded_ = backend.pairs_exceeded();
-  if (pairs_exceeded_) sample_.flags |= kFramePairsExceeded;
   built_ = !pairs_exceeded_;
 }
 
@@ -344,6 +389,9 @@ uint64_t AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes,
   constexpr size_t kMaxCount = std::numeric_limits<uint32_t>::max();
   const BroadPhase& backend = *backends_[sample_.arm].backend;
   const uint64_t detection_ns = NowNs() - start_ns;
+  if (trial_.limit_ns())
+    waited_ns_ += detection_ns - trial_stop_.ComputedNs(start_ns + detection_ns);
+  if (pairs_exceeded_) sample_.flags |= kFramePairsExceeded;
   sample_.detection_time_ns += detection_ns;
   sample_.aabb_check_count += backend.aabb_check_count();
   sample_.native_bytes = backend.native_bytes();
@@ -390,7 +438,9 @@ void AdaptiveBroadPhase::Impl::Emit() {
 }
 
 void AdaptiveBroadPhase::Impl::EndTrial() {
-  const std::optional<TrialGuard::End> end = trial_.OnFrame(last_sample);
+  const uint64_t waited_ns = std::exchange(waited_ns_, 0);
+  if (std::exchange(left_trial_, false)) return;
+  const std::optional<TrialGuard::End> end = trial_.OnFrame(last_sample, waited_ns);
   if (!end || local_command_) return;
   trial_end_ = end;
   local_command_ = SwitchCommand{.arm = end->arm_before};
@@ -463,6 +513,7 @@ void AdaptiveBroadPhase::Impl::DropLocalCommand() {
 Status AdaptiveBroadPhase::Impl::SelectArm(std::string_view name) {
   const std::optional<uint32_t> chosen = IndexOfArm(name, arms);
   if (!chosen) return UnknownArm(name, arms);
+  CancelTrial();
   DropLocalCommand();
   if (*chosen != arm()) {
     local_command_ = SwitchCommand{.arm = *chosen, .reason = SwitchReason::kManual};

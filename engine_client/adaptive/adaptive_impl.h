@@ -15,6 +15,7 @@
 #include "engine_client/adaptive/guards/bail_out_guard.h"
 #include "engine_client/adaptive/guards/suspension_guard.h"
 #include "engine_client/adaptive/guards/trial_guard.h"
+#include "engine_client/adaptive/guards/trial_stop.h"
 #include "engine_client/adaptive/invalid_box_counter.h"
 #include "engine_client/adaptive/order_mailbox.h"
 #include "engine_client/adaptive/sequence_slot.h"
@@ -100,6 +101,8 @@ class AdaptiveBroadPhase::Impl {
   void FreeInactiveArms();
   void Drop();
   void Refuse(const SwitchCommand& command);
+  bool Detect(std::span<const Aabb> boxes, uint64_t start_ns);
+  void LeaveTrial(std::span<const Aabb> boxes);
   void UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns);
   void Search();
   void Rebuild(std::span<const Aabb> boxes, uint64_t start_ns);
@@ -127,6 +130,9 @@ class AdaptiveBroadPhase::Impl {
   std::atomic<uint64_t> active_;
   std::optional<SwitchCommand> local_command_;  // a command of SelectArm or of a guard
   TrialGuard trial_;
+  TrialStop trial_stop_;
+  uint64_t waited_ns_ = 0;   // time that this frame's searches of a trial waited for the core
+  bool left_trial_ = false;  // a search of this frame was stopped
   std::optional<TrialGuard::End> trial_end_;  // measurements that ended the trial; else absent
   bool keeps_structure_ = false;              // in a trial, the previous arm's structure is kept
   std::optional<PendingSwitch> pending_;

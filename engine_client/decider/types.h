@@ -27,10 +27,9 @@ inline constexpr uint32_t kFrameNoEvidence = uint32_t{1} << 31;
 // Returns whether a value of a SceneDescriptor was measured.
 inline bool IsMeasured(float value) { return std::isfinite(value) && value >= 0; }
 
-// The early end of a trial (SwitchCommand). Two frames in a row over the limit, or an exceeded time
-// budget, end a trial. In the first case detection_time_ns is the time of the shorter of the two
-// frames. In the second case it is at most the mean of the trial's frames. Either way it is a lower
-// bound of the arm's cost.
+// The early end of a trial (SwitchCommand). A search over the limit, or an exceeded time budget,
+// ends a trial. In the first case detection_time_ns is the time after which the search was stopped
+// or ended. In the second case it is the mean of the trial's frames.
 struct TrialEnd {
   uint32_t arm = 0;  // the arm that was tried
   uint64_t detection_time_ns = 0;

@@ -32,6 +32,7 @@ struct SessionRequest {
   bool ignores_priors = false;
   bool takes_orders = false;
   bool shows_boxes = false;
+  bool stops_trials = false;  // bounds the cost of trials
 };
 
 // The result of a switch command, or a switch that the game made by itself.

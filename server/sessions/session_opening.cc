@@ -16,7 +16,8 @@ absl::Status StoreBusy() {
 bool CanResume(const GameSession& session, const SessionRequest& hello) {
   const SessionIdentity& identity = session.identity();
   return !session.ended() && identity.scene == hello.scene && identity.arms == hello.arms &&
-         identity.backend_versions == hello.backend_versions;
+         identity.backend_versions == hello.backend_versions &&
+         session.decisions().setup().stops_trials == hello.stops_trials;
 }
 
 }  // namespace

@@ -250,6 +250,7 @@ decision::SessionSetup SetupOf(const SessionRequest& hello, const SessionIdentit
   setup.active_arm = hello.active_arm;
   setup.switch_epoch = hello.switch_epoch;
   setup.start_ns = now_ns;
+  setup.stops_trials = hello.stops_trials;
   if (start.source) {
     const auto arm_count = static_cast<uint32_t>(setup.arms.size());
     setup.explored_arm_count = std::min(start.source->progress.explored_arm_count, arm_count);

@@ -18,6 +18,9 @@ struct ArmScript {
   uint64_t find_ns = 0;
   uint64_t stopped_ns = 0;  // time in a search during which the process is stopped
   uint64_t waiting_ns = 0;  // time in a search during which two other threads compute
+  // The number of times that each build, update and search polls its StopRequest, evenly
+  // distributed over its time. After a stop it does nothing more.
+  uint32_t poll_count = 0;
   uint64_t check_count = 0;
   size_t bytes = 0;
   uint32_t pair_count = 0;
@@ -33,14 +36,15 @@ class ScriptedBroadPhase final : public BroadPhase {
   uint32_t version() const override { return script_.version; }
   void DoBuild(std::span<const Aabb>) override {
     ++build_count;
-    clock_.Advance(script_.build_ns);
+    Work(script_.build_ns);
   }
   void DoUpdate(std::span<const Aabb>) override {
     ++update_count;
-    clock_.Advance(script_.update_ns);
+    Work(script_.update_ns);
   }
   void DoFindPairs(PairBuffer& out) override {
-    clock_.Advance(script_.find_ns);
+    ++find_count;
+    if (!Work(script_.find_ns)) return;
     clock_.AdvanceWaiting(script_.stopped_ns);
     clock_.AdvanceWaiting(script_.waiting_ns, 2 * script_.waiting_ns);
     for (uint32_t i = 0; i < script_.pair_count; ++i) {
@@ -56,8 +60,20 @@ class ScriptedBroadPhase final : public BroadPhase {
 
   int build_count = 0;
   int update_count = 0;
+  int find_count = 0;
 
  private:
+  // Returns false if the work was stopped.
+  bool Work(uint64_t time_ns) {
+    const uint32_t polls = stop() == nullptr ? 0 : script_.poll_count;
+    for (uint32_t poll = 0; poll < polls; ++poll) {
+      clock_.Advance(time_ns / polls);
+      if (stop()->WantsStop(0, 0)) return false;
+    }
+    clock_.Advance(polls == 0 ? time_ns : time_ns % polls);
+    return true;
+  }
+
   ArmScript script_;
   ScriptedClock& clock_;
 };

@@ -1,20 +1,27 @@
-// Decides when a trial ends early (SwitchCommand::trial_limit_percent). It compares frames of the
-// tried arm with recent frames of the previous arm.
+// Decides how long a search may take in a trial, and when the trial ends early
+// (SwitchCommand::trial_limit_percent). It compares the tried arm with recent frames of the
+// previous arm.
 //
 // "Recent" are the last 128 to 256 frames of the previous arm (kBlockFrames to 2 kBlockFrames), or
-// all of them if there are fewer. Two rules end a trial:
-// - Limit: two searches in a row exceed the longest recent search by more than the allowance. The
-//   allowance is (trial_limit_percent − 100) percent of the longest recent frame, but at least
-//   kLeastNs. An interruption of the game lengthens only one frame; an arm that is too expensive
-//   lengthens both.
+// all of them if there are fewer. Three rules end a trial:
+// - Stop: the caller stops a search at the limit (TrialStop) and answers the frame from the
+//   previous arm's structure. The limit is the reference plus a margin. The reference is the
+//   longest recent search but one: the previous arm's own long searches count, one interruption of
+//   the game does not. The margin is (trial_limit_percent − 100) percent of the reference, but at
+//   least 1/kFrameShare of the mean recent frame. That is for short searches, which a cold cache
+//   makes much longer.
+// - Limit: a search that could not be stopped took longer than the limit. The next frame then runs
+//   the previous arm.
 // - Budget: all searches of the trial together take longer than the recent mean for each, plus
-//   1/kBudgetShare of the trial's duration. One search uses up at most 1/kFrameShare of this
-//   budget.
+//   1/kBudgetShare of the trial's duration.
 //
 // These frames are special:
-// - The first 1 + kShadowWarmUpFrames frames with a search are not compared, because the extra time
-//   of a new structure belongs to the switch cost. They do not count towards the trial's duration
-//   either.
+// - In the first 1 + kShadowWarmUpFrames frames with a search, the structure is new. Only the stop
+//   ends the trial there. Without a prepared structure the margin is at least the mean recent
+//   frame, because the first search builds the structure. A margin of half a frame stopped the
+//   builds of cheaper arms in games that do little else than search. Then their time does not bound
+//   the arm's cost, so a stop reports at most the reference. These frames do not count towards the
+//   trial's duration.
 // - Frames that rebuild, and frames without a search, are not compared but count towards the
 //   duration.
 // - Paused, loading and suspended frames are ignored.
@@ -35,33 +42,35 @@ namespace sweepstake {
 class TrialGuard {
  public:
   static constexpr uint32_t kBlockFrames = 128;
-  static constexpr uint64_t kLeastNs = 1'000'000;
+  static constexpr uint64_t kFrameShare = 20;
   static constexpr uint64_t kBudgetShare = 40;
-  static constexpr uint64_t kFrameShare = 8;
-  // After an ended trial of at most this many frames, the previous arm continues with its old
-  // structure, because objects have not moved far. After a longer trial its structure is rebuilt.
-  static constexpr uint64_t kMaxKeptFrames = 8;
 
   // The measurements that ended a trial.
   struct End {
     uint32_t arm_before = 0;
     uint32_t tried_arm = 0;
     uint64_t detection_time_ns = 0;  // the time that broke a rule (SwitchOutcome)
-    uint64_t frame_count = 0;        // frames of the trial that had a search
   };
 
   // Call when a switch from `arm_before` is executed. Begins a trial of `duration_ns` of frame time
   // if the command requires a trial and at least one frame of the previous arm was recorded.
-  void Begin(uint32_t arm_before, const SwitchCommand& command, uint64_t duration_ns) {
+  // `is_built`: the structure of the new arm is prepared.
+  void Begin(uint32_t arm_before, const SwitchCommand& command, uint64_t duration_ns,
+             bool is_built) {
     trial_.reset();
     const Frames late = Frames::Of(block_, earlier_block_);
     block_ = earlier_block_ = Frames{};
     if (command.trial_limit_percent == 0 || late.count == 0) return;
     const uint64_t granted_percent = std::max(command.trial_limit_percent, 100U) - 100U;
-    const uint64_t granted_ns = late.longest_frame_ns / 100 * granted_percent;
-    trial_ = Trial{.arm_before = arm_before,
+    const uint64_t granted_ns = late.reference_ns() / 100 * granted_percent;
+    const uint64_t margin_ns = std::max(granted_ns, late.mean_frame_ns() / kFrameShare);
+    const uint64_t new_margin_ns = std::max(margin_ns, late.mean_frame_ns());
+    trial_ = Trial{.arm = command.arm,
+                   .arm_before = arm_before,
                    .before = late,
-                   .limit_ns = late.longest_detection_ns + std::max(granted_ns, kLeastNs),
+                   .limit_ns = late.reference_ns() + margin_ns,
+                   .new_limit_ns = late.reference_ns() + (is_built ? margin_ns : new_margin_ns),
+                   .is_built = is_built,
                    .budget_ns = duration_ns / kBudgetShare,
                    .left_ns = duration_ns};
   }
@@ -69,74 +78,105 @@ class TrialGuard {
   // Ends the trial without a result, for example because the game has chosen an arm.
   void Cancel() { trial_.reset(); }
 
-  // Adds a finished frame. If a rule above is broken, ends the trial and returns its measurements;
-  // the next frame must then run the previous arm.
-  std::optional<End> OnFrame(const FrameSample& sample) {
+  // Returns the time that all searches of the next frame may take. Absent: there is no trial.
+  std::optional<uint64_t> limit_ns() const {
+    if (!trial_) return std::nullopt;
+    return trial_->is_new() ? trial_->new_limit_ns : trial_->limit_ns;
+  }
+
+  // Ends the trial because a search was stopped after `detection_ns`. The frame must not be passed
+  // to OnFrame. REQUIRES: limit_ns() is present.
+  End Stop(uint64_t detection_ns) {
+    const bool builds = trial_->is_new() && !trial_->is_built;
+    const uint64_t reference_ns = trial_->before.reference_ns();
+    const End end = EndOf(builds ? std::min(detection_ns, reference_ns) : detection_ns);
+    trial_.reset();
+    return end;
+  }
+
+  // Adds a finished frame. Its searches waited for the core for `waited_ns`, which does not count.
+  // If a rule above is broken, ends the trial and returns its measurements; the next frame must
+  // then run the previous arm.
+  std::optional<End> OnFrame(const FrameSample& sample, uint64_t waited_ns = 0) {
     if ((sample.flags & kFrameWithoutCost) != 0) return std::nullopt;
     const bool searches = sample.detection_time_ns > 0;
-    if (trial_ && searches && trial_->frame_count++ <= kShadowWarmUpFrames) return std::nullopt;
+    if (trial_ && searches && trial_->is_new()) {
+      ++trial_->frame_count;
+      return std::nullopt;
+    }
     const bool counts = searches && (sample.flags & kFrameRebuild) == 0;
-    const std::optional<End> end = counts ? Compare(sample) : std::nullopt;
+    const std::optional<End> end = counts ? Compare(sample, waited_ns) : std::nullopt;
     if (trial_) trial_->left_ns -= std::min(trial_->left_ns, sample.frame_time_ns);
     if (end || (trial_ && trial_->left_ns == 0)) trial_.reset();
     return end;
   }
 
  private:
-  // Sums and maxima over the compared frames of one arm.
+  // Sums and the two longest searches of the compared frames of one arm.
   struct Frames {
     uint64_t count = 0;
     uint64_t detection_ns = 0;  // total of all searches
-    uint64_t longest_detection_ns = 0;
-    uint64_t longest_frame_ns = 0;
+    uint64_t frame_ns = 0;      // total of all frames
+    uint64_t longest_ns = 0;    // the longest search
+    uint64_t second_ns = 0;     // the longest of the other searches
 
     uint64_t mean_ns() const { return detection_ns / std::max<uint64_t>(count, 1); }
+    uint64_t mean_frame_ns() const { return frame_ns / std::max<uint64_t>(count, 1); }
+    uint64_t reference_ns() const { return count > 1 ? second_ns : longest_ns; }
     static Frames Of(const Frames& a, const Frames& b) {
-      return {.count = a.count + b.count,
-              .detection_ns = a.detection_ns + b.detection_ns,
-              .longest_detection_ns = std::max(a.longest_detection_ns, b.longest_detection_ns),
-              .longest_frame_ns = std::max(a.longest_frame_ns, b.longest_frame_ns)};
+      return {
+          .count = a.count + b.count,
+          .detection_ns = a.detection_ns + b.detection_ns,
+          .frame_ns = a.frame_ns + b.frame_ns,
+          .longest_ns = std::max(a.longest_ns, b.longest_ns),
+          .second_ns = std::max({std::min(a.longest_ns, b.longest_ns), a.second_ns, b.second_ns})};
     }
   };
   struct Trial {
+    uint32_t arm = 0;
     uint32_t arm_before = 0;
     Frames before;  // recent frames of the previous arm
     uint64_t limit_ns = 0;
+    uint64_t new_limit_ns = 0;  // the limit while is_new()
+    bool is_built = false;      // the structure was prepared
     uint64_t budget_ns = 0;
     uint64_t left_ns = 0;
-    uint64_t frame_count = 0;
+    uint64_t frame_count = 0;  // frames with a search while is_new()
     uint64_t judged_count = 0;
-    uint64_t judged_ns = 0;  // sum of the compared searches, each capped by the budget rule
-    uint64_t over_ns = 0;    // previous frame's detection time if over the limit, else 0
+    uint64_t judged_ns = 0;  // sum of the compared searches
 
+    bool is_new() const { return frame_count <= kShadowWarmUpFrames; }
     // Adds a search. Returns the detection time that broke a rule, or 0 if no rule is broken.
     uint64_t Judge(uint64_t detection_ns) {
-      const uint64_t before_ns =
-          std::exchange(over_ns, detection_ns > limit_ns ? detection_ns : uint64_t{0});
-      if (const uint64_t both_ns = std::min(before_ns, over_ns); both_ns > 0) return both_ns;
-      judged_ns += std::min(detection_ns, before.mean_ns() + budget_ns / kFrameShare);
+      if (detection_ns > limit_ns) return detection_ns;
+      judged_ns += detection_ns;
       ++judged_count;
       const bool is_over = judged_ns > judged_count * before.mean_ns() + budget_ns;
       return is_over ? judged_ns / judged_count : 0;
     }
   };
 
-  std::optional<End> Compare(const FrameSample& sample) {
+  End EndOf(uint64_t detection_ns) const {
+    return {.arm_before = trial_->arm_before,
+            .tried_arm = trial_->arm,
+            .detection_time_ns = detection_ns};
+  }
+
+  std::optional<End> Compare(const FrameSample& sample, uint64_t waited_ns) {
     Note(sample);
-    const uint64_t excessive_ns = trial_ ? trial_->Judge(sample.detection_time_ns) : 0;
+    const uint64_t computed_ns =
+        sample.detection_time_ns - std::min(waited_ns, sample.detection_time_ns);
+    const uint64_t excessive_ns = trial_ ? trial_->Judge(computed_ns) : 0;
     if (excessive_ns == 0) return std::nullopt;
-    return End{.arm_before = trial_->arm_before,
-               .tried_arm = sample.arm,
-               .detection_time_ns = excessive_ns,
-               .frame_count = trial_->frame_count};
+    return EndOf(excessive_ns);
   }
 
   void Note(const FrameSample& sample) {
     if (block_.count >= kBlockFrames) earlier_block_ = std::exchange(block_, Frames{});
     block_ = Frames::Of(block_, {.count = 1,
                                  .detection_ns = sample.detection_time_ns,
-                                 .longest_detection_ns = sample.detection_time_ns,
-                                 .longest_frame_ns = sample.frame_time_ns});
+                                 .frame_ns = sample.frame_time_ns,
+                                 .longest_ns = sample.detection_time_ns});
   }
 
   std::optional<Trial> trial_;

@@ -33,7 +33,8 @@ class StopPoll {
   StopPoll& operator=(const StopPoll&) = delete;
   // Reports to the request how far the buffer has grown since the last poll.
   ~StopPoll() {
-    if (stop_ != nullptr) Report();
+    if (stop_ != nullptr)
+      stop_->OnEnd(out_.capacity_bytes() - known_bytes_, out_.size() - known_pairs_);
   }
 
   // Returns whether the search, which has made `check_count` checks so far, must end.

@@ -143,7 +143,7 @@ void VisitFields(T& logged, Visit&& visit) {
   visit("unix_start_ms", unix_start_ms);
   visit("prior_sources", prior_sources);
   auto& [options, arms, priors, seed, mode, active_arm, switch_epoch, start_ns, explored_arm_count,
-         decision_count] = logged.setup;
+         decision_count, stops_trials] = logged.setup;
   // The two other times are logged as the session uses them, so regime_interval_ns is left out.
   auto& [policy, weights, decision_interval_ns, cooldown_ns, settling_ns, regime_interval_ns,
          bail_out_ns, exploration_warm_up_ns, exploration_measure_ns, explore, bail_out_penalty,
@@ -172,6 +172,7 @@ void VisitFields(T& logged, Visit&& visit) {
   visit("start_ns", start_ns);
   visit("explored_arm_count", explored_arm_count);
   visit("decision_count", decision_count);
+  visit("stops_trials", stops_trials);
 }
 
 // Handles classes with private members (Window, ArmRun, ArmRuns): they provide VisitFields as a

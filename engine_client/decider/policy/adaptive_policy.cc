@@ -56,6 +56,7 @@ bool IsFlat(const BetaPosterior& prior) { return prior.evidence() < kFlatEvidenc
 AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponents& components)
     : options_(setup.options),
       components_(components),
+      stops_trials_(setup.stops_trials),
       beliefs_(RelativeCostFilter(static_cast<uint32_t>(setup.arms.size()), components.filter)),
       has_prior_(setup.arms.size(), false),
       observed_(setup.arms.size(), false),
@@ -305,9 +306,10 @@ bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
 }
 
 // Returns whether a switch to the arm would be a trial: the arm was not live yet, and no bail-out
-// demands the switch. Without a settling time there are no trials.
+// demands the switch. Without a settling time, and with a client that does not stop them, there are
+// no trials.
 bool AdaptivePolicy::IsTrial(const ChoiceInput& input, uint32_t arm) const {
-  return !was_live_[arm] && !input.bailed_out && options_.settling_ns > 0;
+  return stops_trials_ && !was_live_[arm] && !input.bailed_out && options_.settling_ns > 0;
 }
 
 // Looks one step ahead: the candidate runs for the cooldown, its windows show its cost, and the

@@ -6,9 +6,10 @@
 //   work on the frame thread's core from the cost of an arm. Watchers see the beliefs as one Beta
 //   distribution per arm. The difference of each arm to the leader has the filter's variance.
 // - A switch must pass the gate of GateTerms: horizon · E⁺ − cooldown · E⁻ − cost > 0. E⁺ and E⁻
-//   are the expected gain and loss after the next window of the candidate, the horizon is the
-//   cooldown of the options, and the cost is the measured cost of earlier switches. The policy's
-//   own cooldown is settling plus one window, and at most the cooldown of the options.
+//   are the expected gain and loss after the next window of the candidate; E⁺ must exceed 0.5 %.
+//   The horizon is the mean length of the scene's regimes, at most the cooldown of the options. The
+//   cost is the measured cost of earlier switches. The policy's own cooldown is settling plus one
+//   window, and at most the cooldown of the options.
 // - An arm is not chosen if its frames exceed 3 s (three fifths of the bail-out limit) with a
 //   probability above 1 %. There are two exceptions. After a bail-out of the active arm, any arm
 //   may be chosen. Without the lane, an arm never seen may be chosen if its expected cost is not
@@ -23,10 +24,10 @@
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
 //   the belief ignores the prior. All priors are dropped if the lane's first visits contradict
 //   them: another arm is 1.35 times cheaper than the arm that the priors expect to be the cheapest.
-// - An arm's first live window is a trial (SwitchCommand). The client switches back at once in two
-//   cases. Either the searches of two frames in a row exceed the longest search before the switch
-//   by a fifth of a frame, or the trial exceeds its time budget. For an arm that the lane observed,
-//   the gate therefore limits the loss to that budget.
+// - An arm's first live window is a trial (SwitchCommand), if the client stops trials. Then the
+//   client switches back at once in two cases. Either a search takes a fifth longer than the
+//   previous arm's, or the trial exceeds its time budget. For an arm that the lane observed, the
+//   gate therefore limits the loss to that budget.
 // - The first early end of a trial may have another cause than the arm and is not evidence. A later
 //   early end gives a lower bound of the arm's cost. A visit that the lane cut off at its time
 //   limit does too.
@@ -137,6 +138,7 @@ class AdaptivePolicy : public Policy {
 
   DecisionOptions options_;
   AdaptiveComponents components_;
+  const bool stops_trials_;
   RegimeBeliefs beliefs_;
   std::vector<bool> has_prior_;
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane

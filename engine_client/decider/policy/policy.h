@@ -118,6 +118,7 @@ struct PolicySetup {
   std::vector<std::string> arms;
   std::vector<BetaPosterior> priors;  // one per arm
   bool has_priors = false;            // false: no prior is known, so all are Beta(1,1)
+  bool stops_trials = true;           // the game bounds the cost of a trial (SwitchCommand)
 };
 
 // Returns the choice of the arm with the highest draw; the first one if several have it. REQUIRES:

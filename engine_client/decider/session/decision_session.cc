@@ -22,7 +22,8 @@ std::unique_ptr<Policy> PolicyOf(const SessionSetup& setup, PolicyRegistry polic
   return MakePolicy({.options = setup.options,
                      .arms = setup.arms,
                      .priors = PriorsOf(setup),
-                     .has_priors = !setup.priors.empty()},
+                     .has_priors = !setup.priors.empty(),
+                     .stops_trials = setup.stops_trials},
                     policies);
 }
 

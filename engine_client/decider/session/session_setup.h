@@ -29,6 +29,9 @@ struct SessionSetup {
   // The counts before a restart, if the session continues after one; otherwise 0.
   uint32_t explored_arm_count = 0;
   uint64_t decision_count = 0;
+  // Whether the game bounds the cost of a trial, as AdaptiveBroadPhase does. Otherwise no trials
+  // are commanded.
+  bool stops_trials = true;
 };
 
 // Returns one line per invalid option, with the correction. Looks up the policy's name in

@@ -1,6 +1,6 @@
 // The frame path: the functions that an engine calls in each frame.
 //
-//   adaptive.BeginFrame();                     // executes a pending switch, only here
+//   adaptive.BeginFrame();                     // executes a pending switch
 //   auto pairs = adaptive.FindPairs(boxes);    // the active backend updates and searches;
 //                                              // again for each substep
 //   ... narrow phase, solver, rendering ...
@@ -26,14 +26,14 @@
 // switch). After half a second of frame time the switch is executed without that structure (a cold
 // switch).
 //
-// A decider may command a trial. A trial ends early if the new arm is too expensive. There are two
-// cases:
-// - two searches in a row exceed the longest recent search of the previous arm by too much
-// - all searches together exceed the previous arm's mean by too much (SwitchCommand)
-// The next frame then runs the previous arm again, without a command, and the outcome reports that.
-// A trial lasts for twice the settling time. Its first frames, and paused, loading and suspended
-// frames, do not count towards that time and do not end it. Frames that rebuild count, but do not
-// end it.
+// A decider may command a trial. A trial ends early if the new arm is too expensive
+// (SwitchCommand). There are two cases:
+// - A search takes longer than the previous arm's by too much. It is stopped, and the previous arm,
+//   which has kept its structure, answers the frame. So FindPairs always returns all pairs.
+// - All searches together exceed the previous arm's mean by too much.
+// The game then runs the previous arm again, without a command, and the outcome reports that. A
+// trial lasts for twice the settling time. Its first frames, and paused, loading and suspended
+// frames, do not count towards that time.
 //
 // A forked child process may destroy the object, and do nothing else with it. The same holds for a
 // Session.

@@ -3,7 +3,7 @@
 //   auto game = AdaptiveSession::Create(MakeEmbeddedSession({.scene = "hall"}));
 //   if (!game.ok()) return Fail(game.status().message());
 //   for (;;) {
-//     game->BeginFrame();                           // executes a pending switch, only here
+//     game->BeginFrame();                           // executes a pending switch
 //     for (const auto [a, b] : game->FindPairs(boxes)) Collide(a, b);
 //     game->EndFrame({.frame_time_ns = dt});
 //   }

@@ -25,8 +25,8 @@ namespace sweepstake {
 
 struct BroadPhaseOptions;
 
-// Stops a call of a backend early. It is for the shadow lane, which cannot wait for the end of a
-// long call.
+// Stops a call of a backend early. Used by the shadow lane, which cannot wait for the end of a long
+// call, and by the frame thread during a trial (SwitchCommand).
 class StopRequest {
  public:
   virtual ~StopRequest() = default;
@@ -42,6 +42,11 @@ class StopRequest {
   // other load, a call was measured to end within 7 ms with 300,000 boxes, and within 40 ms with
   // 1,000,000.
   virtual bool WantsStop(uint64_t grown_bytes, uint64_t found_pairs) noexcept = 0;
+  // Called with the rest of these numbers when a part of a search has ended. Nothing is left to be
+  // stopped in this part, so a request that only measures time can ignore the call.
+  virtual void OnEnd(uint64_t grown_bytes, uint64_t found_pairs) noexcept {
+    WantsStop(grown_bytes, found_pairs);
+  }
 };
 
 class BroadPhase {

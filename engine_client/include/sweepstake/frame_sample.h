@@ -120,10 +120,11 @@ struct SwitchCommand {
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
   // Nonzero: the switch is a trial, which returns to the previous arm in two cases (trial_guard.h).
-  // First: two searches in a row exceed the longest recent search of the previous arm by more than
-  // (trial_limit_percent − 100) % of its longest recent frame, and by more than 1 ms. Second: all
-  // searches together take longer than the same number of average searches of the previous arm, by
-  // a fortieth of the trial's duration. At most 255; below 100 counts as 100. 0: no trial.
+  // First: a search takes trial_limit_percent % of the longest recent search but one of the
+  // previous arm, and a twentieth of a frame more than that search. It is then stopped, and the
+  // previous arm answers the frame. Second: all searches together take longer than the same number
+  // of average searches of the previous arm, by a fortieth of the trial's duration. At most 255;
+  // below 100 counts as 100. 0: no trial.
   uint32_t trial_limit_percent = 0;
 };
 
@@ -225,9 +226,9 @@ struct SwitchOutcome {
   uint64_t settling_cost_ns = 0;
   SwitchReason reason = SwitchReason::kPolicy;
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
-  // Set only if the switch ends a trial that was too expensive; otherwise 0. If two frames in a row
-  // were over the limit, it is the detection time of the shorter one. If the budget was exceeded,
-  // it is at most the mean of the trial. trial_arm is the arm that was tried.
+  // Set only if the switch ends a trial that was too expensive; otherwise 0. It is the time after
+  // which a search was stopped or ended over the limit, a lower bound of the arm's cost. If the
+  // budget was exceeded, it is the mean of the trial. trial_arm is the arm that was tried.
   uint64_t trial_detection_time_ns = 0;
   uint32_t trial_arm = 0;
 };

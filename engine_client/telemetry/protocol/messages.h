@@ -24,7 +24,7 @@ inline constexpr uint64_t kNsPerMs = 1'000'000;
 
 namespace sweepstake::protocol {
 
-enum class Capability : uint32_t { kOperatorOrders = 1, kBoxView = 2 };
+enum class Capability : uint32_t { kOperatorOrders = 1, kBoxView = 2, kStopsTrials = 3 };
 
 struct Arm {
   std::string name;

@@ -42,6 +42,7 @@ protocol::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhas
   using protocol::Capability;
   if (options.allow_operator_orders) hello.capabilities.push_back(Capability::kOperatorOrders);
   if (options.allow_box_view) hello.capabilities.push_back(Capability::kBoxView);
+  hello.capabilities.push_back(Capability::kStopsTrials);  // AdaptiveBroadPhase does
   hello.project = options.project;
   hello.scene = options.scene;
   hello.build = options.build;

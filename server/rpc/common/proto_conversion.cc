@@ -189,6 +189,7 @@ void ToProto(const sessions::GameSession& session, const sessions::SessionReques
   const decision::DecisionOptions& decision = session.decisions().setup().options;
   if (hello.takes_orders) message.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
   if (hello.shows_boxes) message.add_capabilities(v1::CAPABILITY_BOX_VIEW);
+  if (hello.stops_trials) message.add_capabilities(v1::CAPABILITY_STOPS_TRIALS);
   message.set_session_id(identity.id);
   message.set_resume_token(
       sessions::ResumeTokenOf(identity.id, identity.token_id, options.resume_secret));
@@ -411,7 +412,8 @@ sessions::SessionRequest FromProto(const v1::Hello& message) {
       .time_scale = std::max(1.0, message.time_scale()),
       .ignores_priors = message.ignore_priors(),
       .takes_orders = Has(message, v1::CAPABILITY_OPERATOR_ORDERS),
-      .shows_boxes = Has(message, v1::CAPABILITY_BOX_VIEW)};
+      .shows_boxes = Has(message, v1::CAPABILITY_BOX_VIEW),
+      .stops_trials = Has(message, v1::CAPABILITY_STOPS_TRIALS)};
   for (const v1::Arm& arm : message.arms()) {
     hello.arms.push_back(arm.name());
     hello.backend_versions.push_back(arm.backend_version());

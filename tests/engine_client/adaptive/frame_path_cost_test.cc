@@ -132,6 +132,47 @@ TEST_P(FramePathCost, NeverBlocksWithOrWithoutAReader) {
   }
 }
 
+// A clock that goes on by 1 ns per reading, and at one of them by a second.
+class JumpingClock final : public Clock {
+ public:
+  uint64_t NowNs() noexcept override {
+    now_ns_ += jumps_in_ > 0 && --jumps_in_ == 0 ? 1'000'000'000 : 1;
+    return now_ns_;
+  }
+  void JumpAtReading(int number) { jumps_in_ = number; }
+
+ private:
+  uint64_t now_ns_ = 1;
+  int jumps_in_ = 0;
+};
+
+// Both arms were active before, so that their buffers have their full size.
+TEST_P(FramePathCost, AllocatesNothingAndNeverBlocksWhenATrialIsStopped) {
+  const std::string former = GetParam() == "SAP" ? "KDTree" : "SAP";
+  JumpingClock clock;
+  auto adaptive = std::move(*AdaptiveBroadPhase::Create({.arms = {former, std::string(GetParam())},
+                                                         .shadow = {.enabled = ShadowMode::kOff},
+                                                         .sorted_pairs = true},
+                                                        &queue_, clock));
+  for (const char* const arm : {former.c_str(), GetParam().data(), former.c_str()}) {
+    ASSERT_TRUE(adaptive->SelectArm(arm).ok());
+    for (int frame = 0; frame < 20; ++frame) RunFrame(*adaptive, scene_);
+  }
+  adaptive->mailbox().Post({.arm = 1, .trial_limit_percent = 120});
+  for (int frame = 0; frame < 10; ++frame) RunFrame(*adaptive, scene_);
+  ASSERT_EQ(adaptive->active_arm(), 1U);
+  clock.JumpAtReading(2);
+  const uint64_t before = ThreadAllocationCount() + ThreadMallocCount();
+  {
+    const WaitCounter waits;
+    RunFrame(*adaptive, scene_);
+    EXPECT_EQ(waits.count(), 0U) << waits.last_call();
+  }
+  EXPECT_EQ(ThreadAllocationCount() + ThreadMallocCount() - before, 0U);
+  EXPECT_EQ(adaptive->last_sample().arm, 0U);
+  EXPECT_EQ(adaptive->last_outcome()->trial_arm, 1U);
+}
+
 INSTANTIATE_TEST_SUITE_P(EveryArm, FramePathCost,
                          ::testing::Values("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT",
                                            "Tracy", "KDTree"),

@@ -198,6 +198,32 @@ TEST(MaxPairs, AStopRequestStillEndsTheSearch) {
   EXPECT_FALSE(backend->pairs_exceeded());
 }
 
+// A request that ignores the end of a part is not polled then.
+TEST(MaxPairs, PassesTheEndOfASearchToTheStopRequest) {
+  class EndStop final : public StopRequest {
+   public:
+    bool WantsStop(uint64_t, uint64_t pairs) noexcept override {
+      found_pairs += pairs;
+      return false;
+    }
+    void OnEnd(uint64_t, uint64_t pairs) noexcept override {
+      found_pairs += pairs;
+      ++end_count;
+    }
+    uint64_t found_pairs = 0;
+    int end_count = 0;
+  };
+  const auto backend = std::move(*MakeBroadPhase("BruteForce", {.max_pairs = 1'000'000'000}));
+  const auto dense = MakeDegenerateScene("all-coincident", 100, 1);
+  backend->Build(dense->aabbs());
+  EndStop stop;
+  backend->SetStop(&stop);
+  PairBuffer pairs;
+  backend->FindPairs(pairs);
+  EXPECT_EQ(stop.found_pairs, pairs.size());
+  EXPECT_GE(stop.end_count, 1);
+}
+
 #if SWEEPSTAKE_HAS_EXCEPTIONS
 bool memory_is_left = true;
 

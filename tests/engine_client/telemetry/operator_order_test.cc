@@ -98,9 +98,11 @@ TEST_F(OperatorOrderTest, TheHelloStatesWhetherTheGameAcceptsOrders) {
     daemon_.Kill();
   }
   ASSERT_EQ(daemon_.hellos.size(), 2U);
-  EXPECT_EQ(daemon_.hellos[0].capabilities_size(), 0);
-  ASSERT_EQ(daemon_.hellos[1].capabilities_size(), 1);
+  ASSERT_EQ(daemon_.hellos[0].capabilities_size(), 1);
+  EXPECT_EQ(daemon_.hellos[0].capabilities(0), v1::CAPABILITY_STOPS_TRIALS);
+  ASSERT_EQ(daemon_.hellos[1].capabilities_size(), 2);
   EXPECT_EQ(daemon_.hellos[1].capabilities(0), v1::CAPABILITY_OPERATOR_ORDERS);
+  EXPECT_EQ(daemon_.hellos[1].capabilities(1), v1::CAPABILITY_STOPS_TRIALS);
 }
 
 TEST_F(OperatorOrderTest, IsExecutedAndAnsweredWithTheActiveArm) {

@@ -71,7 +71,10 @@ class Game {
   void Accept(const decision::Decision& decision, int64_t now_ns);
   void NoteTaught(const decision::Decision& decision);
   void Meter(const FrameSample& frame);
+  bool IsOverLimit(FrameSample frame);
+  FrameSample StopTrial();
   void EndTrial(const FrameSample& frame);
+  void SwitchBack(const TrialGuard::End& end);
   void ReportTrialEnd();
   void Report(const SwitchOutcome& outcome);
   void ObserveScene();
@@ -142,6 +145,8 @@ ReplayResult Game::Play() {
 void Game::PlayFrame() {
   if (pending_ && now_ns_ >= pending_->ready_ns) ExecuteSwitch();
   FrameSample frame = NextFrame();
+  const bool is_stopped = IsOverLimit(frame);
+  if (is_stopped) frame = StopTrial();
   Account(frame);
   NoteTimes();
   Load(frame);
@@ -150,7 +155,7 @@ void Game::PlayFrame() {
   TickUntil(now_ns_);
   Batch(frame);
   if (metering_) Meter(frame);
-  EndTrial(frame);
+  if (!is_stopped) EndTrial(frame);
   if ((frame.flags & kFrameBailOut) != 0) {
     ++result_.bail_out_count;
     Flush();
@@ -162,7 +167,7 @@ void Game::PlayFrame() {
 void Game::ExecuteSwitch() {
   const PendingSwitch pending = *std::exchange(pending_, std::nullopt);
   trial_.Begin(arm_, pending.command,
-               2 * static_cast<uint64_t>(session_.setup().options.settling_ns));
+               2 * static_cast<uint64_t>(session_.setup().options.settling_ns), pending.warm);
   arm_ = pending.command.arm;
   ++epoch_;
   slowdown_ = scene_.slowdown(trace_frame_, arm_);
@@ -284,20 +289,42 @@ void Game::Meter(const FrameSample& frame) {
   Report(*outcome);
 }
 
-// Ends a trial as a client does. A short trial costs no rebuild, because the previous arm still has
-// its structure.
+// Returns whether a client stops the search of this frame, which is part of a trial.
+bool Game::IsOverLimit(FrameSample frame) {
+  const std::optional<uint64_t> limit_ns = trial_.limit_ns();
+  if (!limit_ns) return false;
+  Load(frame);
+  return frame.detection_time_ns > *limit_ns;
+}
+
+// Ends a trial as a client does that stops its search at the limit. Returns the frame, which the
+// previous arm then answers.
+FrameSample Game::StopTrial() {
+  const uint64_t limit_ns = *trial_.limit_ns();
+  SwitchBack(trial_.Stop(limit_ns));
+  ExecuteSwitch();
+  FrameSample frame = NextFrame();
+  const auto searched_ns =
+      static_cast<uint64_t>(static_cast<double>(limit_ns) / load_.RatioAt(now_ns_));
+  frame.detection_time_ns += searched_ns;
+  frame.frame_time_ns += searched_ns;
+  return frame;
+}
+
+// Ends a trial as a client does after a frame.
 void Game::EndTrial(const FrameSample& frame) {
   FrameSample sample{};
   sample.frame_time_ns = frame.frame_time_ns;
   sample.detection_time_ns = frame.detection_time_ns;
   sample.arm = frame.arm;
   sample.flags = frame.flags & kFrameRebuild;
-  const std::optional<TrialGuard::End> end = trial_.OnFrame(sample);
-  if (!end) return;
+  if (const std::optional<TrialGuard::End> end = trial_.OnFrame(sample)) SwitchBack(*end);
+}
+
+// The switch costs no rebuild, because the previous arm still has its structure.
+void Game::SwitchBack(const TrialGuard::End& end) {
   trial_end_ = end;
-  pending_ = PendingSwitch{.command = {.arm = end->arm_before},
-                           .ready_ns = now_ns_,
-                           .warm = end->frame_count <= TrialGuard::kMaxKeptFrames};
+  pending_ = PendingSwitch{.command = {.arm = end.arm_before}, .ready_ns = now_ns_, .warm = true};
 }
 
 void Game::ReportTrialEnd() {

@@ -43,8 +43,21 @@ TEST_F(TelemetryTest, TheWelcomeHasTheCapabilitiesThatBothSidesHave) {
   EXPECT_THAT(TelemetryClient(channel_).Open(hello).capabilities(), ::testing::IsEmpty());
   hello.add_capabilities(static_cast<v1::Capability>(99));
   for (int i = 0; i < 2; ++i) hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
+  hello.add_capabilities(v1::CAPABILITY_STOPS_TRIALS);
   const v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
-  EXPECT_THAT(welcome.capabilities(), ::testing::ElementsAre(v1::CAPABILITY_OPERATOR_ORDERS));
+  EXPECT_THAT(welcome.capabilities(),
+              ::testing::ElementsAre(v1::CAPABILITY_OPERATOR_ORDERS, v1::CAPABILITY_STOPS_TRIALS));
+}
+
+TEST_F(TelemetryTest, AClientThatStopsNoTrialsAnyMoreGetsANewSession) {
+  v1::Hello hello = HelloMessage();
+  hello.add_capabilities(v1::CAPABILITY_STOPS_TRIALS);
+  const v1::Welcome first = TelemetryClient(channel_).Open(hello);
+  hello.set_session_id(first.session_id());
+  hello.set_resume_token(first.resume_token());
+  EXPECT_TRUE(TelemetryClient(channel_).Open(hello).resumed());
+  hello.clear_capabilities();
+  EXPECT_FALSE(TelemetryClient(channel_).Open(hello).resumed());
 }
 
 TEST_F(TelemetryTest, AHelloWithoutAPolicyGetsTheDaemonsDefault) {

@@ -34,7 +34,7 @@ namespace Sweepstake.Tests
             Assert.That((hello.HasCooldownNs, hello.CooldownNs), Is.EqualTo((true, 0ul)));
             Assert.That(hello.HasSettlingNs, Is.False, "the daemon's settling time");
             Assert.That((hello.Weights.Detection, hello.Weights.Memory), Is.EqualTo((0.25, 0.5)));
-            Assert.That(hello.Capabilities, Is.EqualTo(new[] { Capability.OperatorOrders }));
+            Assert.That(hello.Capabilities, Is.EqualTo(new[] { Capability.OperatorOrders, Capability.StopsTrials }));
             Assert.That(hello.Arms.Select(arm => arm.Name), Is.EqualTo(game.Session.Arms));
             Assert.That(game.Status.DaemonVersion, Is.EqualTo("9.9.9"));
             Assert.That(game.Status.SessionId, Is.EqualTo("scripted"));

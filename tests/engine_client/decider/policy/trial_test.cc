@@ -21,13 +21,13 @@ namespace {
 // The policy assumes the same trial budget as the clients' guard. A trial lasts two settling times.
 static_assert(AdaptivePolicy::kTrialBudget * TrialGuard::kBudgetShare == 1);
 
-// The minimum number of frames of a trial, even if they are long: the frames that are not judged,
-// and two that exceed the limit.
-constexpr uint32_t kLeastFrames = 1 + kShadowWarmUpFrames + 2;
+// Number of the frame that is five times as long in a disturbed trial.
+constexpr uint32_t kDisturbedFrame = 1 + kShadowWarmUpFrames + 2;
 
-SessionSetup TrialSetup(uint32_t arm_count) {
+SessionSetup TrialSetup(uint32_t arm_count, bool stops_trials = true) {
   SessionSetup setup = PlainSetup(arm_count);
   setup.options.policy = "adaptive";
+  setup.stops_trials = stops_trials;
   return setup;
 }
 
@@ -35,8 +35,10 @@ SessionSetup TrialSetup(uint32_t arm_count) {
 // differ.
 class TrialGame {
  public:
-  TrialGame(std::vector<double> costs_us, std::vector<double> lane_costs_us)
-      : client(TrialSetup(static_cast<uint32_t>(costs_us.size()))),
+  TrialGame(std::vector<double> costs_us, std::vector<double> lane_costs_us,
+            bool stops_trials = true)
+      : client(TrialSetup(static_cast<uint32_t>(costs_us.size()), stops_trials)),
+        ends_trials(stops_trials),
         cost_us(std::move(costs_us)),
         lane_cost_us(std::move(lane_costs_us)) {
     client.obedient = false;
@@ -56,13 +58,13 @@ class TrialGame {
   }
 
   ScriptedClient client;
+  bool ends_trials;
   std::vector<double> cost_us;
   std::vector<double> lane_cost_us;
   std::vector<uint32_t> lane_flags = std::vector<uint32_t>(lane_cost_us.size());
   bool lane_reports = true;
-  bool ends_trials = true;
   std::optional<GateTerms> gate;  // gate of the latest decision
-  int disturbed_trial_count = 0;  // number of trials in which two frames take five times as long
+  int disturbed_trial_count = 0;  // number of trials in which a frame takes five times as long
   int ended_trial_count = 0;
   std::vector<uint32_t> frame_counts = std::vector<uint32_t>(cost_us.size());
 
@@ -87,28 +89,40 @@ class TrialGame {
 
   void RunFrame() {
     FrameSample& frame = client.frame;
-    frame.detection_time_ns = static_cast<uint64_t>(1e3 * Noisy(cost_us[client.arm], 0.01));
+    frame.detection_time_ns = Search();
     ++frame_of_run_;
-    if (disturbed_trial_count > 0 && is_trial_ && frame_of_run_ > kLeastFrames - 2) {
+    if (disturbed_trial_count > 0 && is_trial_ && frame_of_run_ == kDisturbedFrame) {
       frame.detection_time_ns *= 5;
-      if (frame_of_run_ == kLeastFrames) --disturbed_trial_count;
+      --disturbed_trial_count;
+    }
+    const std::optional<uint64_t> limit_ns = guard_.limit_ns();
+    const bool is_stopped = ends_trials && limit_ns && frame.detection_time_ns > *limit_ns;
+    if (is_stopped) {
+      EndTrial(guard_.Stop(*limit_ns));
+      frame.detection_time_ns = *limit_ns + Search();
     }
     frame.frame_time_ns = frame.detection_time_ns;
-    ++frame_counts[client.arm];
     client.RunFrame();
     FrameSample sample{};
     sample.arm = client.arm;
     sample.frame_time_ns = frame.frame_time_ns;
     sample.detection_time_ns = frame.detection_time_ns;
+    if (is_stopped) return;
     const auto end = guard_.OnFrame(sample);
     if (end && ends_trials) EndTrial(*end);
+  }
+
+  uint64_t Search() {
+    ++frame_counts[client.arm];
+    return static_cast<uint64_t>(1e3 * Noisy(cost_us[client.arm], 0.01));
   }
 
   void Execute(const SwitchCommand& command) {
     is_trial_ = command.trial_limit_percent > 0;
     EXPECT_TRUE(!is_trial_ || command.trial_limit_percent == 120);
     frame_of_run_ = 0;
-    guard_.Begin(client.arm, {.trial_limit_percent = command.trial_limit_percent}, 4 * kSecond);
+    guard_.Begin(client.arm, {.trial_limit_percent = command.trial_limit_percent}, 4 * kSecond,
+                 /*is_built=*/true);
     client.Execute(command.arm, command.reason);
   }
 
@@ -144,18 +158,26 @@ TEST(Trial, AnArmHasALimitUntilItsFirstWindow) {
   EXPECT_EQ(game.client.commands[2].trial_limit_percent, 0u);
 }
 
-TEST(Trial, AnArmThatIsTooExpensiveRunsForFiveFrames) {
+TEST(Trial, AnArmThatIsTooExpensiveRunsForOneFrame) {
   const std::vector<double> costs_us = {10'000, 40'000, 30'000, 9'000};
   const std::vector<double> lane_costs_us = {11'000, 8'000, 9'000, 10'000};
   TrialGame game(costs_us, lane_costs_us);
   game.RunTicks(300);
   EXPECT_EQ(game.ended_trial_count, 4) << "an arm is tried only twice";
-  EXPECT_EQ(game.frame_counts[1] + game.frame_counts[2], 4 * kLeastFrames);
+  EXPECT_EQ(game.frame_counts[1] + game.frame_counts[2], 4u);
   EXPECT_EQ(game.client.arm, 3u);
   TrialGame patient(costs_us, lane_costs_us);
   patient.ends_trials = false;
   patient.RunTicks(300);
   EXPECT_GT(patient.frame_counts[1] + patient.frame_counts[2], 100u);
+}
+
+TEST(Trial, AClientThatDoesNotStopTrialsIsSentNone) {
+  TrialGame game({20'000, 10'000}, {22'000, 11'000}, /*stops_trials=*/false);
+  game.RunTicks(10);
+  ASSERT_EQ(game.client.commands.size(), 1u);
+  EXPECT_EQ(game.client.commands[0].arm, 1u);
+  EXPECT_EQ(game.client.commands[0].trial_limit_percent, 0u);
 }
 
 TEST(Trial, AnArmThatCostsFortyPercentMoreInTheLaneIsTried) {
@@ -210,18 +232,28 @@ TEST(Trial, ACappedVisitDoesNotContradictPriors) {
   EXPECT_TRUE(client.commands.empty());
 }
 
-// An arm that stays because it is within the budget causes its loss until the cooldown ends.
-TEST(Trial, TheGateAssumesTheLossOfTheBudgetForTheWholeCooldown) {
-  TrialGame game({10'000, 13'000}, {10'000, 14'000});
+// Returns the gate of a switch that is too expensive, to an arm that is probably worse.
+GateTerms GateOfAnExpensiveSwitch(bool stops_trials) {
+  TrialGame game({10'000, 13'000}, {10'000, 14'000}, stops_trials);
   const SwitchCost cost{.rebuild_time_ns = 100 * kSecond};
   for (int i = 0; i < 20; ++i) {
     game.client.session.ObserveSwitch(0, game.client.epoch, SwitchReason::kPolicy,
                                       game.client.now_ns, cost);
   }
   game.RunTicks(5);
-  ASSERT_TRUE(game.gate);
-  EXPECT_EQ(game.gate->cooldown_s, 2) << "settling and one interval";
-  EXPECT_NEAR(game.gate->loss, AdaptivePolicy::kTrialBudget, 1e-4);
+  EXPECT_TRUE(game.gate);
+  return game.gate.value_or(GateTerms{});
+}
+
+// An arm that stays because it is within the budget causes its loss until the cooldown ends.
+TEST(Trial, TheGateAssumesTheLossOfTheBudgetForTheWholeCooldown) {
+  const GateTerms gate = GateOfAnExpensiveSwitch(/*stops_trials=*/true);
+  EXPECT_EQ(gate.cooldown_s, 2) << "settling and one interval";
+  EXPECT_NEAR(gate.loss, AdaptivePolicy::kTrialBudget, 1e-4);
+}
+
+TEST(Trial, TheGateDoesNotLimitTheLossOfAClientThatDoesNotStopTrials) {
+  EXPECT_GT(GateOfAnExpensiveSwitch(/*stops_trials=*/false).loss, 4 * AdaptivePolicy::kTrialBudget);
 }
 
 TEST(Trial, AnInterruptedTrialDoesNotPreventTheBestArm) {

@@ -52,7 +52,9 @@ class BoxLinkTest : public ::testing::Test {
 };
 
 TEST_F(BoxLinkTest, SendsNoViewUnlessTheGameAllowsIt) {
-  EXPECT_EQ(Connect(/*allow_box_view=*/false).capabilities_size(), 0);
+  const v1::Hello hello = Connect(/*allow_box_view=*/false);
+  ASSERT_EQ(hello.capabilities_size(), 1);
+  EXPECT_EQ(hello.capabilities(0), v1::CAPABILITY_STOPS_TRIALS);
   Frame();
   EXPECT_EQ(Take().sequence(), 1U);
   EXPECT_EQ(link_->Advance(kNowNs), LinkAction::kNone);

@@ -40,7 +40,7 @@ namespace Sweepstake
         /// <summary>The attached decider or connection; null if there is none.</summary>
         internal SessionWork? Work { get; set; }
 
-        /// <summary>Begins a frame, and executes a switch that was commanded since the previous frame.</summary>
+        /// <summary>Begins a frame, and executes a switch that was commanded since the previous frame. A trial may also end in a search.</summary>
         public void BeginFrame()
         {
             Check(NativeMethods.swp_session_begin_frame(Pointer));

@@ -129,25 +129,25 @@ namespace Sweepstake.Protocol.V1 {
             "nAEKDFN3aXRjaFJlYXNvbhIdChlTV0lUQ0hfUkVBU09OX1VOU1BFQ0lGSUVE",
             "EAASGAoUU1dJVENIX1JFQVNPTl9QT0xJQ1kQARIdChlTV0lUQ0hfUkVBU09O",
             "X0VYUExPUkFUSU9OEAISGgoWU1dJVENIX1JFQVNPTl9CQUlMX09VVBADEhgK",
-            "FFNXSVRDSF9SRUFTT05fTUFOVUFMEAQqYQoKQ2FwYWJpbGl0eRIaChZDQVBB",
+            "FFNXSVRDSF9SRUFTT05fTUFOVUFMEAQqfgoKQ2FwYWJpbGl0eRIaChZDQVBB",
             "QklMSVRZX1VOU1BFQ0lGSUVEEAASHgoaQ0FQQUJJTElUWV9PUEVSQVRPUl9P",
-            "UkRFUlMQARIXChNDQVBBQklMSVRZX0JPWF9WSUVXEAIqWQoKU2hhZG93Rmxh",
-            "ZxIbChdTSEFET1dfRkxBR19VTlNQRUNJRklFRBAAEhYKElNIQURPV19GTEFH",
-            "X0FDVElWRRABEhYKElNIQURPV19GTEFHX0NBUFBFRBACKsABCglGcmFtZUZs",
-            "YWcSGgoWRlJBTUVfRkxBR19VTlNQRUNJRklFRBAAEhYKEkZSQU1FX0ZMQUdf",
-            "UkVCVUlMRBABEhUKEUZSQU1FX0ZMQUdfUEFVU0VEEAISFgoSRlJBTUVfRkxB",
-            "R19MT0FESU5HEAQSFwoTRlJBTUVfRkxBR19CQUlMX09VVBAIEhgKFEZSQU1F",
-            "X0ZMQUdfU1VTUEVOREVEEBASHQoZRlJBTUVfRkxBR19QQUlSU19FWENFRURF",
-            "RBAgKoIBChJPcmRlclJlZnVzYWxSZWFzb24SJAogT1JERVJfUkVGVVNBTF9S",
-            "RUFTT05fVU5TUEVDSUZJRUQQABIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9O",
-            "T1RfQUxMT1dFRBABEiAKHE9SREVSX1JFRlVTQUxfUkVBU09OX1VOS05PV04Q",
-            "Aip0CgdWZXJkaWN0EhcKE1ZFUkRJQ1RfVU5TUEVDSUZJRUQQABISCg5WRVJE",
-            "SUNUX1NUQUJMRRABEg8KC1ZFUkRJQ1RfVElFEAISFQoRVkVSRElDVF9BTUJJ",
-            "R1VPVVMQAxIUChBWRVJESUNUX0RFR1JBREVEEAQyeAoQVGVsZW1ldHJ5U2Vy",
-            "dmljZRJkCg9TdHJlYW1UZWxlbWV0cnkSJS5zd2VlcHN0YWtlLnYxLlN0cmVh",
-            "bVRlbGVtZXRyeVJlcXVlc3QaJi5zd2VlcHN0YWtlLnYxLlN0cmVhbVRlbGVt",
-            "ZXRyeVJlc3BvbnNlKAEwAUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIG",
-            "cHJvdG8z"));
+            "UkRFUlMQARIXChNDQVBBQklMSVRZX0JPWF9WSUVXEAISGwoXQ0FQQUJJTElU",
+            "WV9TVE9QU19UUklBTFMQAypZCgpTaGFkb3dGbGFnEhsKF1NIQURPV19GTEFH",
+            "X1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZFEAESFgoSU0hB",
+            "RE9XX0ZMQUdfQ0FQUEVEEAIqwAEKCUZyYW1lRmxhZxIaChZGUkFNRV9GTEFH",
+            "X1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxEEAESFQoRRlJB",
+            "TUVfRkxBR19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJTkcQBBIXChNG",
+            "UkFNRV9GTEFHX0JBSUxfT1VUEAgSGAoURlJBTUVfRkxBR19TVVNQRU5ERUQQ",
+            "EBIdChlGUkFNRV9GTEFHX1BBSVJTX0VYQ0VFREVEECAqggEKEk9yZGVyUmVm",
+            "dXNhbFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklF",
+            "RBAAEiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAESIAoc",
+            "T1JERVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoT",
+            "VkVSRElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoL",
+            "VkVSRElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJ",
+            "Q1RfREVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRl",
+            "bGVtZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVz",
+            "dBomLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATAB",
+            "QhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -242,6 +242,10 @@ namespace Sweepstake.Protocol.V1 {
     /// The game shows the boxes of its objects to operators on request. A shipped game does not have this.
     /// </summary>
     [pbr::OriginalName("CAPABILITY_BOX_VIEW")] BoxView = 2,
+    /// <summary>
+    /// The client bounds the cost of trials as SwitchCommand.trial_limit_percent describes. Without it the daemon commands no trials.
+    /// </summary>
+    [pbr::OriginalName("CAPABILITY_STOPS_TRIALS")] StopsTrials = 3,
   }
 
   /// <summary>
@@ -1969,8 +1973,8 @@ namespace Sweepstake.Protocol.V1 {
     private string sessionId_ = "";
     /// <summary>
     /// The session to resume, from an earlier Welcome. A new session begins if the daemon does not know it, or if its scene, machine
-    /// class, policy's reward version, weights of the reward or arms differ. A session that is still in the daemon's memory keeps its
-    /// intervals. Absent: a new session.
+    /// class, policy's reward version, weights of the reward, arms or CAPABILITY_STOPS_TRIALS differ. A session that is still in the
+    /// daemon's memory keeps its intervals. Absent: a new session.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4919,8 +4923,9 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialDetectionTimeNsFieldNumber = 8;
     private ulong trialDetectionTimeNs_;
     /// <summary>
-    /// Detection time that ended a trial early (SwitchCommand.trial_limit_percent): the time of the shorter of the two frames over
-    /// the limit. If the budget was exceeded, it is at most the mean of the trial. Absent (0): the switch did not end a trial.
+    /// Detection time that ended a trial early (SwitchCommand.trial_limit_percent): a lower bound of the tried arm's. It is the time
+    /// after which a detection was stopped or ended over the limit. If the budget was exceeded, it is the mean of the trial. Absent
+    /// (0): the switch did not end a trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7635,10 +7640,11 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialLimitPercentFieldNumber = 4;
     private uint trialLimitPercent_;
     /// <summary>
-    /// Makes the switch a trial of twice the settling time, from which the client returns to the previous arm in two cases. First:
-    /// two detections in a row exceed the previous arm's longest recent one by (trial_limit_percent − 100) % of its longest recent
-    /// frame, at least 1 ms. Second: all detections together exceed their number times the previous arm's mean detection time by
-    /// 1/40 of the trial's time. The first three frames do not count. Absent (0): no trial.
+    /// Makes the switch a trial of twice the settling time; only with CAPABILITY_STOPS_TRIALS. The client stops a detection of the
+    /// new arm that takes longer than the limit. It returns to the previous arm, which also answers that frame. The limit is
+    /// trial_limit_percent % of the previous arm's longest recent detection but one. It is also at least that detection plus 1/20 of
+    /// the mean frame. The client also returns if all detections together exceed their number times the previous arm's mean detection
+    /// time by 1/40 of the trial's time. The first three frames do not count for that. Absent (0): no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
