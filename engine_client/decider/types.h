@@ -5,6 +5,7 @@
 // They are passed in as `now_ns`. Arms are indices into the session's list of names.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -43,6 +44,12 @@ struct SwitchCost {
   // cost.
   std::optional<TrialEnd> ended_trial = {};
 };
+
+// Returns the time that the switch took. The settling frames include the rebuild if both are
+// present.
+inline uint64_t TotalNs(const SwitchCost& cost) {
+  return std::max(cost.rebuild_time_ns, cost.settling_cost_ns);
+}
 
 inline SwitchCost SwitchCostOf(const SwitchOutcome& outcome) {
   SwitchCost cost = {.rebuild_time_ns = outcome.rebuild_time_ns,

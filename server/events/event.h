@@ -25,8 +25,8 @@ struct EventStamp {
 struct Event {
   EventStamp stamp;
   std::shared_ptr<const std::string> body;
-  std::string tail;  // the stamp; for a scene also the number of its connected sessions
-  uint32_t active_session_count = 0;  // for a scene: the number of connected sessions in `tail`
+  std::string tail;             // the stamp; for a scene also the activity of its sessions
+  sessions::SceneRun run = {};  // for a scene: what its sessions ran when `tail` was made
   // The message as JSON, made at its first use. Only the thread of the HTTP server uses it.
   mutable std::string json = {};
 };
@@ -40,9 +40,8 @@ class Encoder {
 
   // Computes the scene's verdict and credible intervals, which takes 0.6 to 6 ms.
   virtual std::string Scene(const priors::SceneEvidence& scene) const = 0;
-  // Encodes the number of connected sessions of a scene. It is the only part of the scene's message
-  // that is not in the store.
-  virtual std::string ActiveSessions(uint32_t count) const = 0;
+  // Encodes the part of a scene's message that is not in the store.
+  virtual std::string Activity(const sessions::SceneActivity& activity) const = 0;
   virtual std::string Decision(const sessions::SessionDecision& decision) const = 0;
   virtual std::string Session(const sessions::SessionView& session) const = 0;
   virtual std::string SessionEnd(const std::string& session_id, sessions::SessionEnd end) const = 0;

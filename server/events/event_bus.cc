@@ -210,12 +210,12 @@ EventPtr EventBus::MakeEvent(Kind kind, std::shared_ptr<const std::string> body)
 
 EventPtr EventBus::SceneEvent(const SceneKey& key, std::shared_ptr<const std::string> body) {
   const EventStamp stamp = NextStamp();
-  const uint32_t count = sessions_.ActiveCount(key);
+  const sessions::SceneActivity activity = sessions_.ActivityOf(key);
   return std::make_shared<Event>(
       Event{.stamp = stamp,
             .body = std::move(body),
-            .tail = encoder_.ActiveSessions(count) + encoder_.Stamp(Kind::kPosteriors, stamp),
-            .active_session_count = count});
+            .tail = encoder_.Activity(activity) + encoder_.Stamp(Kind::kPosteriors, stamp),
+            .run = activity.run});
 }
 
 template <typename Use>
@@ -349,7 +349,7 @@ void EventBus::Tick() {
     if (scene.sums && std::exchange(scene.changed, false) && Watches(key))
       PublishScene(*scene.sums);
   }
-  PublishActiveCounts();
+  PublishRuns();
   if (scenes_.size() <= kMaxScenes) return;
   // Keep scenes without sums: the result of their read would be dropped.
   std::erase_if(scenes_,
@@ -386,13 +386,11 @@ void EventBus::PublishSessions() {
   }
 }
 
-void EventBus::PublishActiveCounts() {
+void EventBus::PublishRuns() {
   for (const SceneKey& scene : std::exchange(session_scenes_, {})) {
     ForEachChannel(Kind::kPosteriors, scene, [&](Channel& channel) {
       const auto known = channel.state.find(TextOf(scene));
-      if (known == channel.state.end() ||
-          known->second->active_session_count == sessions_.ActiveCount(scene))
-        return;
+      if (known == channel.state.end() || known->second->run == sessions_.RunOf(scene)) return;
       Put(channel, known->first, SceneEvent(scene, known->second->body));
       Wake(channel);
     });

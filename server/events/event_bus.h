@@ -128,8 +128,8 @@ class EventBus final : public sessions::SessionObserver {
   EventPtr SceneEvent(const priors::SceneKey& key, std::shared_ptr<const std::string> body);
   // Returns an event for a scene that has no evidence any more.
   EventPtr EmptyScene(const std::string& key);
-  // Returns a new event for the scene or session of `event`, with its present number of connected
-  // sessions or its present state. Returns null if the session has left memory.
+  // Returns a new event for the scene or session of `event`, with the present activity or state.
+  // Returns null if the session has left memory.
   EventPtr Refreshed(const Channel& channel, const std::string& key, const EventPtr& event);
 
   // Calls `use` with each channel of the kind whose filter matches the scene.
@@ -138,8 +138,8 @@ class EventBus final : public sessions::SessionObserver {
   static void Put(Channel& channel, const std::string& key, const EventPtr& event);
   static void Wake(const Channel& channel);
   void PublishSessions();
-  // Publishes the scenes again whose number of connected sessions has changed.
-  void PublishActiveCounts();
+  // Publishes the scenes again whose sessions run something else than at the last publication.
+  void PublishRuns();
   void PublishDecisions(const priors::SceneKey& scene, Decisions decisions);
   void PublishScene(const priors::SceneEvidence& scene);
 

@@ -53,7 +53,7 @@ bool SessionTable::MakeRoom(std::optional<int64_t> token_id) {
 
 void SessionTable::Attach(GameSession& session, ClientStream& link, SessionClient client) {
   Entry& entry = entries_.at(session.identity().id);
-  if (entry.link == nullptr) ++active_counts_[session.identity().scene];
+  if (entry.link == nullptr) connected_[session.identity().scene].push_back(&session);
   if (entry.lost) Recover(entry);
   entry.link = &link;
   entry.client = std::move(client);
@@ -64,14 +64,20 @@ void SessionTable::Detach(GameSession& session, ClientStream& link) {
   const auto found = entries_.find(session.identity().id);
   if (found == entries_.end() || found->second.link != &link) return;
   found->second.link = nullptr;
-  const auto count = active_counts_.find(session.identity().scene);
-  if (--count->second == 0) active_counts_.erase(count);
+  Disconnect(session);
   session.Detach(link);
   if ((session.ended() || session.superseded()) && session.settled()) {
     Remove(std::string(found->first));
   } else {
     Lose(found->second);
   }
+}
+
+void SessionTable::Disconnect(const GameSession& session) {
+  const auto found = connected_.find(session.identity().scene);
+  if (found == connected_.end()) return;
+  std::erase(found->second, &session);
+  if (found->second.empty()) connected_.erase(found);
 }
 
 void SessionTable::Kick(GameSession& session, bool may_return) {
@@ -120,9 +126,6 @@ std::vector<SessionView> SessionTable::List(const priors::SceneFilter& filter,
 SessionView SessionTable::ViewOf(const Entry& entry) const {
   const GameSession& session = *entry.session;
   const decision::DecisionSession& decisions = session.decisions();
-  const auto unix_ms = [&](int64_t time_ns) {
-    return (priors::UnixNowNs() - (context_.loop.clock().NowNs() - time_ns)) / 1'000'000;
-  };
   SessionView view;
   view.id = session.identity().id;
   view.scene = session.identity().scene;
@@ -132,8 +135,8 @@ SessionView SessionTable::ViewOf(const Entry& entry) const {
                                        : SessionState::kLost;
   view.active_arm = session.identity().arms[decisions.active_arm()];
   view.mode = decisions.mode();
-  view.unix_start_ms = unix_ms(decisions.setup().start_ns);
-  if (session.last_message_ns()) view.unix_last_message_ms = unix_ms(*session.last_message_ns());
+  view.unix_start_ms = UnixMsOf(decisions.setup().start_ns);
+  if (session.last_message_ns()) view.unix_last_message_ms = UnixMsOf(*session.last_message_ns());
   view.dropped_frame_count = session.dropped_frame_count();
   return view;
 }
@@ -199,6 +202,7 @@ void SessionTable::LookAt(const std::string& id) {
 void SessionTable::Remove(const std::string& id) {
   const auto found = entries_.find(id);
   if (found->second.lost) Recover(found->second);
+  Disconnect(*found->second.session);
   const auto count = token_counts_.find(found->second.session->identity().token_id);
   if (--count->second == 0) token_counts_.erase(count);
   found->second.session->PublishEnd();
@@ -233,9 +237,34 @@ std::vector<priors::SourceUpdate> SessionTable::Waiting() const {
   return updates;
 }
 
-uint32_t SessionTable::ActiveCount(const priors::SceneKey& scene) const {
-  const auto found = active_counts_.find(scene);
-  return found == active_counts_.end() ? 0 : found->second;
+// Converts a time of the loop's clock.
+int64_t SessionTable::UnixMsOf(int64_t time_ns) const {
+  return (priors::UnixNowNs() - (context_.loop.clock().NowNs() - time_ns)) / 1'000'000;
+}
+
+const GameSession* SessionTable::FirstOf(const priors::SceneKey& scene) const {
+  const auto found = connected_.find(scene);
+  return found == connected_.end() ? nullptr : found->second.front();
+}
+
+SceneRun SessionTable::RunOf(const priors::SceneKey& scene) const {
+  const GameSession* first = FirstOf(scene);
+  if (first == nullptr) return {};
+  const SessionIdentity& identity = first->identity();
+  return {.session_count = static_cast<uint32_t>(connected_.at(scene).size()),
+          .session_id = identity.id,
+          .active_arm = identity.arms[first->decisions().active_arm()]};
+}
+
+SceneActivity SessionTable::ActivityOf(const priors::SceneKey& scene) const {
+  const GameSession* first = FirstOf(scene);
+  if (first == nullptr) return {};
+  const decision::DecisionSession& decisions = first->decisions();
+  return {.run = RunOf(scene),
+          .unix_active_since_ms = UnixMsOf(decisions.active_since_ns()),
+          .recent_switch_count = decisions.RecentSwitchCount(context_.loop.clock().NowNs()),
+          .arms = first->identity().arms,
+          .report = decisions.Report()};
 }
 
 }  // namespace sweepstake::sessions

@@ -55,6 +55,25 @@ struct SessionView {
   uint64_t dropped_frame_count = 0;
 };
 
+// What the sessions of a scene run.
+struct SceneRun {
+  uint32_t session_count = 0;  // connected sessions
+  // The session that has been connected the longest, and its arm; empty if there is none.
+  std::string session_id;
+  std::string active_arm;
+  bool operator==(const SceneRun&) const = default;
+};
+
+// What the sessions of a scene run, and what the one in `run` has measured.
+struct SceneActivity {
+  SceneRun run;
+  // The values below have no meaning if no session is connected.
+  int64_t unix_active_since_ms = 0;
+  uint32_t recent_switch_count = 0;
+  std::vector<std::string> arms;
+  decision::SceneReport report;
+};
+
 // Sessions with evidence that the store does not have.
 struct HeldEvidence {
   size_t session_count = 0;
@@ -105,8 +124,9 @@ class SessionTable {
   // Returns the updates that the store has not written yet, of all sessions.
   std::vector<priors::SourceUpdate> Waiting() const;
 
-  // Returns how many sessions of the scene are connected.
-  uint32_t ActiveCount(const priors::SceneKey& scene) const;
+  SceneRun RunOf(const priors::SceneKey& scene) const;
+  // Computes the report of a session, which takes the time of decision::DecisionSession::Report.
+  SceneActivity ActivityOf(const priors::SceneKey& scene) const;
   size_t size() const { return entries_.size(); }
   // The scenes of sessions that are not in the store yet.
   NewScenes& new_scenes() { return new_scenes_; }
@@ -124,7 +144,12 @@ class SessionTable {
     LostRank rank;  // rank of the latest loss; in `leaving_` while the session is lost
   };
 
+  // Removes the session from the connected ones, if it is there.
+  void Disconnect(const GameSession& session);
   SessionView ViewOf(const Entry& entry) const;
+  int64_t UnixMsOf(int64_t time_ns) const;
+  // Returns the session of the scene that has been connected the longest; null if there is none.
+  const GameSession* FirstOf(const priors::SceneKey& scene) const;
   // Removes the session that was lost first, preferably one whose evidence is on disk. If a token
   // is given, only sessions of that token may leave. Returns whether a session could leave.
   bool MakeRoom(std::optional<int64_t> token_id);
@@ -143,7 +168,8 @@ class SessionTable {
   std::map<std::string, Entry> entries_;
   std::map<LostKey, std::string> lost_;
   LostSessions leaving_;  // lost sessions in the order in which they leave to make room
-  std::map<priors::SceneKey, uint32_t> active_counts_;
+  // The connected sessions of each scene, in the order of their connection.
+  std::map<priors::SceneKey, std::vector<const GameSession*>> connected_;
   std::map<int64_t, uint32_t> token_counts_;  // sessions in the table, by the token's id
   std::set<std::string> kicked_;
   std::deque<std::string> kicks_;  // kicked ids, the oldest first

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <vector>
 
+#include "engine_client/cli/daemon/activity_view.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/standing_cells.h"
 #include "engine_client/cli/io/text_table.h"
@@ -36,6 +37,7 @@ std::string Words(std::span<const std::string_view> names, Enum value) {
 }
 
 std::string VerdictText(const v1::ScenePosterior& scene) {
+  if (BestArmsDiffer(scene.activity())) return "changing: the best arm depends on the regime";
   const std::string name = decision::NameOf(decision::kVerdictNames, scene.verdict());
   const auto leader = std::find_if(scene.arms().begin(), scene.arms().end(), [&](const auto& arm) {
     return arm.arm() == scene.leader_arm() && arm.has_best_probability();
@@ -103,7 +105,7 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
                   Fixed(arm.effective_window_count(), 1), std::to_string(arm.window_count()),
                   std::to_string(arm.visit_count()), std::to_string(arm.bail_out_count())});
   }
-  return text.str() + table.Text();
+  return text.str() + ActivityText(scene) + table.Text();
 }
 
 Json PosteriorJson(const v1::ScenePosterior& scene) {
@@ -117,6 +119,7 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
                    {"leader_arm", scene.leader_arm()},
                    {"expected_loss_ratio", scene.expected_loss_ratio()},
                    {"value_remaining_ratio", scene.value_remaining_ratio()},
+                   {"activity", ActivityJson(scene)},
                    {"arms", Json::array()}};
   for (const v1::ArmPosterior& arm : scene.arms()) {
     const v1::RewardPosterior& posterior = arm.posterior();

@@ -15,10 +15,11 @@ namespace sweepstake::cli {
 // interval, ' ' outside.
 std::string IntervalBar(double mean, decision::CredibleInterval interval, int width);
 
-// Returns a heading and a table with one line per arm. Columns: the mean, the central 95 % of the
-// posterior, the cost ÷ the leader's cost (if the reward version measures costs), the probability
-// of being the best arm, and the windows and visits of all sessions. The daemon computes these
-// values (engine_client/decider/policy/scene_diagnosis.h).
+// Returns a heading, what the scene's sessions run (activity_view.h), and a table with one line per
+// arm. Columns: the mean, the central 95 % of the posterior, the cost ÷ the leader's cost (if the
+// reward version measures costs), the probability of being the best arm, and the windows and visits
+// of all sessions. The daemon computes these values
+// (engine_client/decider/policy/scene_diagnosis.h).
 std::string PosteriorText(const v1::ScenePosterior& scene);
 nlohmann::ordered_json PosteriorJson(const v1::ScenePosterior& scene);
 

@@ -6,6 +6,7 @@
 
 #include "engine_client/decider/policy/diagnosis.h"
 #include "engine_client/decider/policy/posterior_update.h"
+#include "engine_client/math/difference_variances.h"
 #include "engine_client/math/normal_distribution.h"
 
 namespace sweepstake::decision {
@@ -207,7 +208,7 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
   const double log_cost = LogCostOf(metrics.calm_detection_ms * 1e3);
   const int64_t lane_ns = kLaneIntervals * options_.decision_interval_ns;
   const bool is_at_work = last_shadow_ns_ && observation.now_ns - *last_shadow_ns_ <= lane_ns;
-  const bool has_one_regime = components_.regimes && beliefs_.filters().size() == 1;
+  const bool has_one_regime = components_.regimes && beliefs_.regime_count() == 1;
   filter().ObserveLive(observation.arm, log_cost, is_at_work && has_one_regime);
   observed_[observation.arm] = true;
   was_live_[observation.arm] = true;
@@ -241,10 +242,7 @@ Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
 }
 
 void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
-  // rebuild_time_ns is included in settling_cost_ns if both are present, so the larger one is the
-  // cost.
-  const double cost_s =
-      static_cast<double>(std::max(cost.rebuild_time_ns, cost.settling_cost_ns)) * 1e-9;
+  const double cost_s = static_cast<double>(TotalNs(cost)) * 1e-9;
   const double max_s = Seconds(options_.settling_ns) + Seconds(options_.decision_interval_ns);
   switch_cost_s_ += kCostRate * (std::min(cost_s, max_s) - switch_cost_s_);
 }
@@ -399,6 +397,42 @@ Diagnosis AdaptivePolicy::Diagnose() const {
       covariance.push_back(filter().Covariance(a, b));
   }
   return DiagnoseCorrelatedLogCosts(means, covariance);
+}
+
+// Returns whether the belief about the arm's cost comes from measurements of this session or from a
+// prior. The cost of a banned arm is assumed.
+bool AdaptivePolicy::HasMeasuredCost(uint32_t arm) const {
+  return (observed_[arm] || has_prior_[arm]) && bans_[arm].intervals_left <= 0;
+}
+
+RegimeId AdaptivePolicy::present_regime() const {
+  return beliefs_.memory().IdAt(beliefs_.present_place());
+}
+
+std::optional<double> AdaptivePolicy::ExpectedLogCost(uint32_t arm) const {
+  if (!HasMeasuredCost(arm)) return std::nullopt;
+  return filter().LogCost(arm).mean;
+}
+
+std::vector<RegimeBelief> AdaptivePolicy::Regimes() const {
+  std::vector<RegimeBelief> regimes;
+  for (uint32_t place = 0; place < beliefs_.regime_count(); ++place) {
+    const RelativeCostFilter& costs = beliefs_.filter_at(place);
+    RegimeBelief regime = {.id = beliefs_.memory().IdAt(place),
+                           .centre = beliefs_.memory().CentreAt(place),
+                           .is_present = place == beliefs_.present_place()};
+    std::vector<double> means, covariance;
+    for (uint32_t a = 0; a < costs.arm_count(); ++a) {
+      regime.arms.push_back({.log_cost = costs.LogCost(a), .is_known = HasMeasuredCost(a)});
+      means.push_back(costs.LogCost(a).mean);
+      for (uint32_t b = 0; b < costs.arm_count(); ++b) covariance.push_back(costs.Covariance(a, b));
+    }
+    const std::vector<double> variances = IndependentVariancesLike(means, covariance);
+    for (uint32_t arm = 0; arm < variances.size(); ++arm)
+      regime.arms[arm].difference_variance = variances[arm];
+    regimes.push_back(std::move(regime));
+  }
+  return regimes;
 }
 
 // Converts the beliefs into one Beta posterior per arm, for the log and for watchers. The

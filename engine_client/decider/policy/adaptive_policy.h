@@ -92,6 +92,9 @@ class AdaptivePolicy : public Policy {
   const std::vector<BetaPosterior>& posteriors() const override { return posteriors_; }
   double WindowEvidence(uint32_t arm) const override;
   Diagnosis Diagnose() const override;
+  RegimeId present_regime() const override;
+  std::vector<RegimeBelief> Regimes() const override;
+  std::optional<double> ExpectedLogCost(uint32_t arm) const override;
 
  private:
   // The state of an arm that bailed out. Its cost is assumed to be the cost of a bail-out. With a
@@ -129,6 +132,7 @@ class AdaptivePolicy : public Policy {
   double LongestHorizonSeconds() const;
   double HorizonSeconds(int64_t now_ns, int64_t start_ns) const;
   bool LaneReports(int64_t now_ns) const;
+  bool HasMeasuredCost(uint32_t arm) const;
   bool IsKnownEnough(uint32_t arm, int64_t now_ns) const;
   bool IsSafe(uint32_t arm, const ChoiceInput& input) const;
   bool IsContender(const ChoiceInput& input, uint32_t arm) const;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "engine_client/decider/options.h"
+#include "engine_client/decider/policy/regime_report.h"
 #include "engine_client/decider/regime_span.h"
 #include "engine_client/decider/types.h"
 #include "engine_client/decider/window.h"
@@ -91,6 +92,12 @@ class Policy {
   // Returns how certain the policy is. The default is computed from the posteriors (diagnosis.h).
   // The session adds the verdict kDegraded, which depends on the frame rate.
   virtual Diagnosis Diagnose() const;
+
+  // The following functions are for reports (regime_report.h). A policy without regimes has one.
+  virtual RegimeId present_regime() const { return {}; }
+  virtual std::vector<RegimeBelief> Regimes() const { return {{.is_present = true}}; }
+  // Returns the expected log-cost of an arm in the present regime. Absent if it is not known.
+  virtual std::optional<double> ExpectedLogCost(uint32_t /*arm*/) const { return std::nullopt; }
 };
 
 // The properties of a policy that are known before a policy object exists.

@@ -32,6 +32,11 @@ class RegimeBeliefs {
   const RelativeCostFilter& filter() const { return filters_[regime_]; }
   // The filters of all regimes.
   std::span<RelativeCostFilter> filters() { return filters_; }
+  // The filter of the regime at this place, from 0 on. REQUIRES: place < regime_count().
+  const RelativeCostFilter& filter_at(uint32_t place) const { return filters_[place]; }
+  uint32_t regime_count() const { return static_cast<uint32_t>(filters_.size()); }
+  uint32_t present_place() const { return regime_; }
+  const RegimeMemory& memory() const { return memory_; }
 
  private:
   RegimeMemory memory_;

@@ -70,6 +70,21 @@ RegimeMemory::Recognition RegimeMemory::Observe(const SceneDescriptor& descripto
   return {.regime = current_};
 }
 
+RegimeId RegimeMemory::IdAt(uint32_t place) const {
+  return {.place = place, .number = place < regimes_.size() ? regimes_[place].number : 0};
+}
+
+// Inverts FeaturesOf.
+RegimeCentre RegimeMemory::CentreAt(uint32_t place) const {
+  RegimeCentre centre;
+  if (place >= regimes_.size()) return centre;
+  const Features& features = regimes_[place].centre;
+  if (features[0] != kUnmeasured) centre.object_count = math::Exp(features[0] * kCountStep);
+  if (features[1] != kUnmeasured) centre.speed_mean = math::Exp(features[1] * kSpeedStep);
+  if (features[2] != kUnmeasured) centre.static_ratio = features[2] * kStaticStep;
+  return centre;
+}
+
 // Begins a regime. If there are kMaxRegimes, it replaces the one whose latest descriptor is the
 // oldest.
 RegimeMemory::Recognition RegimeMemory::Begin(const Features& features) {
@@ -82,7 +97,7 @@ RegimeMemory::Recognition RegimeMemory::Begin(const Features& features) {
   } else {
     regimes_.emplace_back();
   }
-  regimes_[current_] = {.centre = features, .count = 1, .last = count_};
+  regimes_[current_] = {.centre = features, .number = begun_count_++, .count = 1, .last = count_};
   return {.regime = current_, .is_new = true};
 }
 

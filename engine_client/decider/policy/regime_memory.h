@@ -15,6 +15,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine_client/decider/policy/regime_report.h"
 #include "engine_client/decider/regime_span.h"
 #include "engine_client/decider/types.h"
 
@@ -34,12 +35,17 @@ class RegimeMemory {
   // present regime.
   DescriptorMatch Match(const SceneDescriptor& descriptor) const;
 
+  // Before the first descriptor, place 0 has a regime with number 0 and an unmeasured centre.
+  RegimeId IdAt(uint32_t place) const;
+  RegimeCentre CentreAt(uint32_t place) const;
+
  private:
   using Features = std::array<double, 3>;
   struct Regime {
     Features centre{};
-    uint64_t count = 0;  // number of descriptors assigned to it
-    uint64_t last = 0;   // number of its latest descriptor
+    uint32_t number = 0;  // number of regimes that began before it
+    uint64_t count = 0;   // number of descriptors assigned to it
+    uint64_t last = 0;    // number of its latest descriptor
   };
 
   static Features FeaturesOf(const SceneDescriptor& descriptor);
@@ -49,6 +55,7 @@ class RegimeMemory {
 
   std::vector<Regime> regimes_;
   uint32_t current_ = 0;
+  uint32_t begun_count_ = 0;  // number of regimes that have begun
   uint64_t count_ = 0;
 };
 

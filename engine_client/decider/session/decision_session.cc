@@ -57,6 +57,7 @@ DecisionSession::DecisionSession(SessionSetup setup, PolicyRegistry policies)
       gate_(LastSwitchOf(setup_)),
       bail_out_budget_(setup_.options.bail_out_ns, setup_.start_ns),
       observation_(setup_.arms.size(), setup_.active_arm),
+      tally_(setup_.arms.size()),
       mode_(setup_.mode),
       runs_(ArmCount(setup_), ArmRun(setup_.active_arm, setup_.switch_epoch, SettlingOfNewRun())),
       next_tick_ns_(FirstTickOf(setup_, policy_kind_)),
@@ -101,6 +102,7 @@ void DecisionSession::ObserveFrame(const FrameSample& frame) {
     const int64_t rebuild_settling_ns = exploring() ? 0 : setup_.options.settling_ns;
     const bool measured = run->Observe(frame, static_cast<uint64_t>(rebuild_settling_ns));
     ++(measured ? counts_.measured_frame_count : counts_.settling_frame_count);
+    if (measured) tally_.AddFrame(frame, *policy_);
   }
 }
 
@@ -141,6 +143,7 @@ void DecisionSession::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchR
   }
   run_reported_ = true;
   if (learns && !cost.ended_trial) policy_->LearnSwitchCost(arm, cost);
+  tally_.AddSwitchCost(cost, *policy_);
 }
 
 void DecisionSession::AdoptLaterRun(int64_t now_ns) {
@@ -161,6 +164,7 @@ void DecisionSession::Activate(const ArmRun& run, SwitchReason reason, int64_t n
   const int64_t executed_ns = static_cast<int64_t>(static_cast<uint64_t>(now_ns) - age_ns);
   gate_.OnExecuted(executed_ns);
   observation_.Activate(run.arm(), reason, executed_ns);
+  tally_.AddSwitch(executed_ns);
   runs_.Activate(run);
 }
 
@@ -198,6 +202,7 @@ Decision DecisionSession::Tick(int64_t now_ns) {
   const bool chooses = mode_ == Mode::kAi && !exploring();
   const std::optional<DecisionOutcome> hold = chooses ? Learn(decision) : std::nullopt;
   if (regime_ends) LearnDescriptor(now_ns);
+  if (!runs_.regime_span().is_in_doubt()) tally_.File(*policy_);
   if (chooses) {
     SampleAndGate(decision, hold);
   } else if (mode_ == Mode::kManual) {
@@ -215,7 +220,11 @@ Decision DecisionSession::Tick(int64_t now_ns) {
 
 void DecisionSession::ObserveDescriptor(const SceneDescriptor& descriptor) {
   descriptor_ = descriptor;
-  if (policy_kind_.keeps_regimes) runs_.ObserveDescriptor(policy_->Match(descriptor));
+  if (!policy_kind_.keeps_regimes) return;
+  const DescriptorMatch match = policy_->Match(descriptor);
+  runs_.ObserveDescriptor(match);
+  if (match == DescriptorMatch::kPresent && !runs_.regime_span().is_in_doubt())
+    tally_.File(*policy_);
 }
 
 int64_t DecisionSession::next_tick_ns() const {
@@ -278,6 +287,13 @@ void DecisionSession::UpdateStandings() {
                               ? CostRatio{}
                               : CostRatioOf(posteriors[arm], posteriors[diagnosis_.leader]);
   }
+}
+
+SceneReport DecisionSession::Report() const {
+  const auto found = std::find(arms().begin(), arms().end(), kReferenceArm);
+  const auto index = static_cast<uint32_t>(found - arms().begin());
+  return ReportOf(policy_->Regimes(), tally_.uses(), tally_.total(), diagnosis_,
+                  found == arms().end() ? std::nullopt : std::optional(index));
 }
 
 Decision DecisionSession::Close(Decision decision) {

@@ -156,6 +156,55 @@ absl::StatusOr<std::vector<v1::ScenePosterior>> ToProto(
   return messages;
 }
 
+namespace {
+
+template <typename Set>
+void SetIfPresent(const std::optional<double>& value, Set set) {
+  if (value) set(static_cast<float>(*value));
+}
+
+void Fill(const decision::ArmReport& arm, v1::RegimeArm& message) {
+  message.set_best_probability(static_cast<float>(arm.best_probability));
+  if (!arm.cost) return;
+  message.set_cost_us(static_cast<float>(arm.cost->us));
+  message.set_low_us(static_cast<float>(arm.cost->low_us));
+  message.set_high_us(static_cast<float>(arm.cost->high_us));
+}
+
+void Fill(const decision::RegimeReport& regime, std::span<const std::string> arms,
+          v1::RegimePosterior& message) {
+  const decision::RegimeCentre& centre = regime.centre;
+  SetIfPresent(centre.object_count, [&](float value) { message.set_object_count(value); });
+  SetIfPresent(centre.speed_mean, [&](float value) { message.set_speed_mean(value); });
+  SetIfPresent(centre.static_ratio, [&](float value) { message.set_static_ratio(value); });
+  message.set_is_present(regime.is_present);
+  message.set_frame_share(static_cast<float>(regime.frame_share));
+  for (const decision::ArmReport& arm : regime.arms) Fill(arm, *message.add_arms());
+  if (regime.best_arm) message.set_best_arm(arms[*regime.best_arm]);
+  SetIfPresent(regime.ran_us, [&](float value) { message.set_ran_us(value); });
+  SetIfPresent(regime.saved_against_single_us,
+               [&](float value) { message.set_saved_against_single_us(value); });
+  SetIfPresent(regime.saved_against_reference_us,
+               [&](float value) { message.set_saved_against_reference_us(value); });
+}
+
+}  // namespace
+
+void ToProto(const sessions::SceneActivity& activity, v1::ScenePosterior& message) {
+  const sessions::SceneRun& run = activity.run;
+  message.set_active_session_count(run.session_count);
+  if (run.session_count == 0) return;
+  v1::SceneActivity& filled = *message.mutable_activity();
+  filled.set_session_id(run.session_id);
+  filled.set_active_arm(run.active_arm);
+  filled.set_unix_active_since_ms(activity.unix_active_since_ms);
+  filled.set_recent_switch_count(activity.recent_switch_count);
+  filled.mutable_arms()->Add(activity.arms.begin(), activity.arms.end());
+  Fill(activity.report.total, activity.arms, *filled.mutable_total());
+  for (const decision::RegimeReport& regime : activity.report.regimes)
+    Fill(regime, activity.arms, *filled.add_regimes());
+}
+
 void ToProto(const sessions::SessionDecision& event, v1::DecisionEvent& message) {
   const sessions::SessionIdentity& identity = event.session;
   const decision::DecisionRecord& record = event.record;

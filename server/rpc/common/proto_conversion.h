@@ -41,12 +41,14 @@ void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& messag
 void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& message);
 // Sets only the fields of the key.
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
-// The posteriors are Beta(1,1) plus the pooled evidence. The caller sets active_session_count. The
-// conversion takes 0.6 to 6 ms (7 to 32 arms), most of it for the credible intervals. For many
+// The posteriors are Beta(1,1) plus the pooled evidence. The next function sets the other fields.
+// The conversion takes 0.6 to 6 ms (7 to 32 arms), most of it for the credible intervals. For many
 // scenes, call it on the store's reading thread, not on the decision loop.
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
 absl::StatusOr<std::vector<v1::ScenePosterior>> ToProto(
     const absl::StatusOr<std::vector<priors::SceneEvidence>>& page);
+// Sets only active_session_count and activity.
+void ToProto(const sessions::SceneActivity& activity, v1::ScenePosterior& message);
 void ToProto(const sessions::SessionDecision& event, v1::DecisionEvent& message);
 // Sets the capabilities that the client announced in its Hello and that the daemon supports. The
 // caller sets resumed, protocol_version and batch_interval_ms.

@@ -15,9 +15,9 @@ class EventEncoder final : public events::Encoder {
     ToProto(scene, *response.mutable_posterior());
     return response.SerializeAsString();
   }
-  std::string ActiveSessions(uint32_t count) const override {
+  std::string Activity(const sessions::SceneActivity& activity) const override {
     v1::WatchPosteriorsResponse response;
-    response.mutable_posterior()->set_active_session_count(count);
+    ToProto(activity, *response.mutable_posterior());
     return response.SerializeAsString();
   }
   std::string Decision(const sessions::SessionDecision& decision) const override {

@@ -93,7 +93,7 @@ void Answer(ServiceContext& context, const Caller& caller, const v1::ListPosteri
       [&context, &response, limit](const std::vector<v1::ScenePosterior>& scenes) {
         for (const v1::ScenePosterior& scene : scenes) {
           v1::ScenePosterior& added = *response.add_scenes() = scene;
-          added.set_active_session_count(context.sessions.ActiveCount(FromProto(scene)));
+          ToProto(context.sessions.ActivityOf(FromProto(scene)), added);
         }
         if (scenes.size() == limit) response.set_next_page_token(TokenOf(FromProto(scenes.back())));
         return absl::OkStatus();
@@ -119,7 +119,7 @@ void Answer(ServiceContext& context, const Caller& caller, const v1::GetPosterio
           return Refused(v1::ERROR_REASON_UNKNOWN_SCENE,
                          "there is no evidence of this scene on this class of machines");
         ToProto(*scene, *response.mutable_scene());
-        response.mutable_scene()->set_active_session_count(context.sessions.ActiveCount(key));
+        ToProto(context.sessions.ActivityOf(key), *response.mutable_scene());
         return absl::OkStatus();
       });
 }

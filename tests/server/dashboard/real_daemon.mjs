@@ -90,8 +90,8 @@ export class RealDaemon {
 // A game that plays a scene of a hundred objects at 60 frames per second until quit() or for `duration`. Its clock runs a hundred times
 // as fast (--time-scale), so that it has one decision per frame.
 export class Game {
-  constructor(program, daemon, project, scene, { duration = '1h', mode = 'ai', scale = 100, more = [] } = {}) {
-    this.child = begin(program, ['run', '--scene', 'hurricane', '--objects', '100', '--daemon', daemon.address, '--mode', mode,
+  constructor(program, daemon, project, scene, { duration = '1h', mode = 'ai', scale = 100, plays = 'hurricane', more = [] } = {}) {
+    this.child = begin(program, ['run', '--scene', plays, '--objects', '100', '--daemon', daemon.address, '--mode', mode,
       '--project', project, '--scene-name', scene, '--duration', duration, '--fps', '60', '--time-scale', String(scale), '--machine-class', 'test', ...more],
     { stdio: ['ignore', 'ignore', 'pipe'] });
     this.errors = '';

@@ -22,6 +22,14 @@ export function randomOf(seed) {
   };
 }
 
+// Returns two regimes of a scene with different best arms, and both together.
+function regimesOf() {
+  const armsOf = (best) => ARMS.map((_, i) => ({ costUs: 100 + 20 * Math.abs(i - best), lowUs: 90, highUs: 120 + 20 * i, bestProbability: i === best ? 0.9 : 0.1 / (ARMS.length - 1) }));
+  const regimeOf = (best, more) => ({ arms: armsOf(best), bestArm: ARMS[best], ranUs: 105, savedAgainstSingleUs: 12.5, savedAgainstReferenceUs: 40, ...more });
+  return { total: regimeOf(2, { frameShare: 1 }),
+    regimes: [regimeOf(2, { frameShare: 0.75, objectCount: 2000, speedMean: 0.1 }), regimeOf(4, { frameShare: 0.25, objectCount: 2000, speedMean: 0.001, staticRatio: 0.9, isPresent: true })] };
+}
+
 const histogramOf = (random, from) => ({ bucketSteps: [from, 1, 1, 2], counts: [3, 60 + Math.floor(random() * 40), 20, 2] });
 
 export class SyntheticDaemon {
@@ -70,9 +78,12 @@ export class SyntheticDaemon {
   }
 
   newSession(i) {
-    const { project, scene } = this.scenes[i % this.scenes.length];
-    this.scenes[i % this.scenes.length].activeSessionCount = 1;
-    return { sessionId: `5e55${i.toString(16).padStart(28, '0')}`, project, scene, build: `build-${i % 3}`, clientAddress: 'ipv4:127.0.0.1:5', state: 'SESSION_STATE_CONNECTED',
+    const played = this.scenes[i % this.scenes.length];
+    const { project, scene } = played;
+    const sessionId = `5e55${i.toString(16).padStart(28, '0')}`;
+    played.activeSessionCount = 1;
+    played.activity = { sessionId, activeArm: ARMS[i % ARMS.length], unixActiveSinceMs: String(Date.now()), recentSwitchCount: 6, arms: ARMS, ...regimesOf() };
+    return { sessionId, project, scene, build: `build-${i % 3}`, clientAddress: 'ipv4:127.0.0.1:5', state: 'SESSION_STATE_CONNECTED',
       activeArm: ARMS[i % ARMS.length], mode: 'MODE_AI', unixStartMs: String(Date.now() - 60_000 * i), unixLastMessageMs: String(Date.now()) };
   }
 
@@ -95,6 +106,7 @@ export class SyntheticDaemon {
     if (outcome === 'SWITCHED') {
       decision.reason = 'SWITCH_REASON_POLICY';
       session.activeArm = candidate;
+      if (scene.activity.sessionId === session.sessionId) Object.assign(scene.activity, { activeArm: candidate, unixActiveSinceMs: String(Date.now()) });
     }
     return decision;
   }

@@ -44,6 +44,31 @@ async function checkNumbers(page, daemon) {
   assert.equal(await chart(page, 'beliefs').locator('svg.picture title').count(), scene.arms.length, 'a ridge for each arm');
 }
 
+const activityOf = async (daemon, name) => (await daemon.call('PosteriorsService/ListPosteriors')).scenes?.find(({ scene }) => scene === name)?.activity;
+const bestArms = ({ regimes = [] }) => [...new Set(regimes.map(({ bestArm = '' }) => bestArm))].filter(Boolean);
+
+// The headline of a scene, its regimes and its verdict are those of the daemon, and do not contradict one another.
+async function checkRegimes(page, daemon) {
+  const game = new Game(sweepstake, daemon, 'arcade', 'seasons', { plays: 'rest-and-motion' });
+  await until('the scene has regimes', async () => (await activityOf(daemon, 'seasons'))?.regimes?.length > 1, 180_000);
+  await page.goto(`${daemon.origin}/scenes/arcade/seasons?class=test&reward=3`);
+  await page.getByRole('region', { name: 'Best arm of each regime', exact: true }).waitFor();
+  const shown = () => page.evaluate(() => ({ text: document.querySelector('main').innerText, chip: document.querySelector('main .chip').innerText }));
+  // The daemon and the page are read at different times, so a reading may be between two events.
+  await until('the page has the daemon\'s figures', async () => {
+    const activity = await activityOf(daemon, 'seasons');
+    const [{ text, chip }, rows] = [await shown(), await rowsOf(page, 'Best arm of each regime')];
+    const isChanging = bestArms(activity).length > 1;
+    assert.equal(/would gain/.test(text) && /changing/.test(chip), false, 'a changing scene has the verdict of a constant one');
+    assert.equal(/changing/.test(chip), /depends on the regime/.test(text), chip);
+    return text.includes(`${activity.activeArm} runs now`) && isChanging === /changing/.test(chip) && rows.length === activity.regimes.length + 1
+      && activity.regimes.every(({ bestArm = 'none', isPresent = false }, i) => rows.some((row) => row.Regime === `${i + 1}${isPresent ? ' (now)' : ''}` && row['Best arm'] === bestArm));
+  });
+  await assertAccessible(page, 'regimes');
+  await game.quit();
+  await page.getByText('No session is connected.').waitFor();
+}
+
 // An arm that never ran in a game is marked.
 async function checkNeverRan(page) {
   const arms = await rowsOf(page, 'Arms');
@@ -414,6 +439,7 @@ async function checkAll(browser, folder) {
   const session = await liveSession(daemon);
   for (const check of [checkTime, checkWhy, checkLog, checkLogAway, checkCosts, checkCompare, checkUnknown, checkBoxes, checkOrders, checkReconnect, checkKick, checkDecisions]) passed((await check(page, daemon, session), check));
   await assertAccessible(page, 'decisions');
+  passed((await checkRegimes(page, daemon), checkRegimes));
   assertNoTrouble(page, 'the views');
   await page.close();
   await game.quit();

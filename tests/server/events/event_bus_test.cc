@@ -84,7 +84,7 @@ class RecordingEncoder final : public Encoder {
     scenes.push_back(scene);
     return std::to_string(scenes.size() - 1);
   }
-  std::string ActiveSessions(uint32_t /*count*/) const override { return ""; }
+  std::string Activity(const sessions::SceneActivity& /*activity*/) const override { return ""; }
   std::string Decision(const sessions::SessionDecision& /*decision*/) const override {
     return std::string(decision_bytes, 'd');
   }

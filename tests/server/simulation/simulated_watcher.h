@@ -50,7 +50,7 @@ class SimulatedWatcher final : public events::Sink, public events::Encoder {
     encoded_.push_back(scene);
     return absl::StrCat(encoded_.size() - 1);
   }
-  std::string ActiveSessions(uint32_t /*count*/) const override { return ""; }
+  std::string Activity(const sessions::SceneActivity& /*activity*/) const override { return ""; }
   std::string Decision(const sessions::SessionDecision& decision) const override {
     Check(decision.session.scene.project);
     return "";

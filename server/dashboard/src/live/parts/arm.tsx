@@ -27,6 +27,10 @@ export function ArmMark({ arm, hollow = false }: { arm: string; hollow?: boolean
   );
 }
 
+/** Several arms; "none" if there are none. */
+export const Arms = ({ names }: { names: readonly string[] }) =>
+  (names.length === 0 ? <Arm name="" /> : <>{names.map((name, i) => <span key={name}>{i > 0 && ' '}<Arm name={name} /></span>)}</>);
+
 export function Arm({ name, hollow = false }: { name: string; hollow?: boolean }) {
   return <span class="arm"><ArmMark arm={name} hollow={hollow} /> <Name text={name} unknown="none" /></span>;
 }

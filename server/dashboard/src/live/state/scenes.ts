@@ -2,6 +2,7 @@
 import { signal } from '@preact/signals';
 import type { ArmPosterior, DecisionEvent, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { addToHistory, NO_HISTORY, type SceneHistory } from './history';
+import { isChanging, surenessOf } from './regimes';
 
 const MAX_SCENE_DECISIONS = 500;
 
@@ -41,9 +42,10 @@ export const sceneInView = signal('');
 export const sceneKey = ({ project, scene, machineClass, rewardVersion }: SceneName) =>
   [project, scene, machineClass, rewardVersion].join('\n');
 
-/** The leader's probability of being the best arm; 0 without evidence. */
-export const leaderProbabilityOf = ({ leaderArm, arms }: ScenePosterior) =>
-  arms.find(({ arm, isOutdated }) => arm === leaderArm && !isOutdated)?.bestProbability ?? 0;
+/** The leader's probability of being the best arm; 0 without evidence. If the best arm depends on the regime: the lowest of the regimes. */
+export const leaderProbabilityOf = (posterior: ScenePosterior) =>
+  (posterior.activity && isChanging(posterior) ? surenessOf(posterior.activity)
+    : posterior.arms.find(({ arm, isOutdated }) => arm === posterior.leaderArm && !isOutdated)?.bestProbability ?? 0);
 
 /** When a source last added evidence of the arm, by the daemon's clock; 0: unknown. */
 export const lastSeenMs = ({ unixLastSeenS }: Pick<ArmPosterior, 'unixLastSeenS'>) => 1000 * Number(unixLastSeenS);

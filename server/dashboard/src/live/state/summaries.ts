@@ -1,15 +1,19 @@
 // The rows of the overview, one per scene. They are updated at most every half second, and only for scenes that changed.
 import { effect, signal, untracked } from '@preact/signals';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { isChanging } from './regimes';
 import { leaderProbabilityOf, scenes, type SceneState } from './scenes';
 import { isConnected, sessions, type SessionState } from './sessions';
 
 const INTERVAL_MS = 500;
 
+/** 'changing': the best arm depends on the regime of the scene. The daemon's verdict is about all evidence together. */
+export type SceneVerdict = Verdict | 'changing';
+
 export interface SceneSummary {
   state: SceneState;
-  leaderProbability: number;  // the leader's P(best); 0 without evidence
-  verdict: Verdict;
+  leaderProbability: number;  // as leaderProbabilityOf
+  verdict: SceneVerdict;
   evidence: bigint;  // windows and lane visits of all arms
   uncertainty: number;  // sort key: degraded scenes are highest, then uncertain ones
 }
@@ -17,8 +21,8 @@ export interface SceneSummary {
 /** The summaries of all scenes. Only this file changes the list. */
 export const summaries = signal<readonly SceneSummary[]>([]);
 
-const RANKS: Readonly<Record<Verdict, number>> = {
-  [Verdict.DEGRADED]: 4, [Verdict.AMBIGUOUS]: 3, [Verdict.UNSPECIFIED]: 2, [Verdict.TIE]: 1, [Verdict.STABLE]: 0,
+const RANKS: Readonly<Record<SceneVerdict, number>> = {
+  [Verdict.DEGRADED]: 4, [Verdict.AMBIGUOUS]: 3, [Verdict.UNSPECIFIED]: 2, [Verdict.TIE]: 1, changing: 1, [Verdict.STABLE]: 0,
 };
 
 // Returns whether the last verdict of a connected session is DEGRADED. The posterior has no such verdict, because it depends on the
@@ -31,8 +35,11 @@ export function isDegraded({ decisions }: Pick<SceneState, 'decisions'>, all: Re
   });
 }
 
-/** Returns the verdict of the posterior, or DEGRADED if a session reports that. */
-export const verdictOf = (state: SceneState) => (isDegraded(state, sessions.value) ? Verdict.DEGRADED : state.posterior.verdict);
+/** Returns the verdict of the posterior, DEGRADED if a session reports that, or 'changing'. */
+export function verdictOf(state: SceneState): SceneVerdict {
+  if (isDegraded(state, sessions.value)) return Verdict.DEGRADED;
+  return isChanging(state.posterior) ? 'changing' : state.posterior.verdict;
+}
 
 export function summaryOf(state: SceneState): SceneSummary {
   const { posterior } = state;
@@ -41,7 +48,7 @@ export function summaryOf(state: SceneState): SceneSummary {
   return {
     state, leaderProbability, verdict,
     evidence: posterior.arms.reduce((sum, { windowCount, visitCount }) => sum + windowCount + visitCount, 0n),
-    uncertainty: RANKS[verdict] * 10 + (posterior.leaderArm ? 1 - leaderProbability : 0),
+    uncertainty: RANKS[verdict] * 10 + (posterior.leaderArm || verdict === 'changing' ? 1 - leaderProbability : 0),
   };
 }
 

@@ -11,13 +11,14 @@ import { TimelineChart } from '../charts/timeline';
 import { TimeTools } from '../charts/time_chart';
 import { domainOf, range, type Range, useFrozen } from '../charts/view_state';
 import { seriesOf, type SeriesRow } from '../state/history';
-import { Arm } from '../parts/arm';
+import { Arms } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
 import { CopyLink } from '../parts/toast';
 import { Name, visible } from '../parts/name';
 import { Empty } from '../parts/states';
 import { navigate, sceneHref, sessionHref, setQuery } from '../state/route';
 import type { SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
+import { isChanging, leadersOf } from '../state/regimes';
 import { leaderProbabilityOf, scenes, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
 import { verdictOf } from '../state/summaries';
@@ -45,13 +46,13 @@ const inOrderOf = (first: readonly RidgeRow[], rows: readonly RidgeRow[]): Ridge
 
 function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, values }: { side: Side; rewards: readonly [number, number]; domain: Range; values: readonly [number, number] }) {
   const { posterior } = state;
-  const { leaderArm: leader, expectedLossRatio } = posterior;
+  const leaders = leadersOf(posterior);
   const names = [posterior.project, posterior.scene, posterior.machineClass];
   const common = { arms, rows, rewardVersion: posterior.rewardVersion, names, domain };
   return (
     <div>
       <h2><a href={sceneHref(posterior)}><Name text={posterior.scene} /></a> on <Name text={posterior.machineClass} /></h2>
-      <p><VerdictChip verdict={verdictOf(state)} /> {leader && <><Arm name={leader} />, P(best) {leaderProbabilityOf(posterior).toFixed(3)}, loss {share(expectedLossRatio)}</>}</p>
+      <p><VerdictChip verdict={verdictOf(state)} /> {leaders.length > 0 && <><Arms names={leaders} />, P(best) {leaderProbabilityOf(posterior).toFixed(3)}{!isChanging(posterior) && `, loss ${share(posterior.expectedLossRatio)}`}</>}</p>
       <RidgeFigure id="beliefs" title="Posterior of each arm" names={names} rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards}
         notYet="No arm has evidence yet." />
       <BandsChart {...common} values={values} />

@@ -1,6 +1,6 @@
 // The overview: all scenes, the least certain first, and the problems that need attention.
 import { counted, grouped, share, significant } from '../../format';
-import { Arm } from '../parts/arm';
+import { Arm, Arms } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
 import { ago, now } from '../parts/clock';
 import { CopyLink } from '../parts/toast';
@@ -13,6 +13,7 @@ import { thresholds } from '../state/account';
 import { connection } from '../state/connection';
 import { trendOf } from '../state/history';
 import { isKnown } from '../state/live';
+import { isChanging, leadersOf, savingText } from '../state/regimes';
 import { route, sceneHref, sessionHref } from '../state/route';
 import { type SceneSummary, summaries } from '../state/summaries';
 import { GLOSSARY, verdictWord } from './words';
@@ -24,20 +25,27 @@ import { groupedBy } from '../state/scenes';
 import { connectedSessions, sessions, type SessionState } from '../state/sessions';
 
 const sceneOf = ({ state }: SceneSummary) => state.posterior;
+const hasLeader = (row: SceneSummary) => leadersOf(sceneOf(row)).length > 0;
+// In a changing scene no single arm is the choice, so there is no loss of choosing it.
+const lossOf = (row: SceneSummary) => (hasLeader(row) && !isChanging(sceneOf(row)) ? sceneOf(row).expectedLossRatio : undefined);
 
 const COLUMNS: readonly Column<SceneSummary>[] = [
   { id: 'scene', title: 'Scene', sort: (row) => `${sceneOf(row).project}\n${sceneOf(row).scene}`, csv: (row) => sceneOf(row).scene,
     cell: (row) => <a href={sceneHref(sceneOf(row))}><Name text={sceneOf(row).scene} /></a> },
   { id: 'verdict', title: 'Verdict', isText: true, width: '8rem', hint: 'Says whether the best arm is known. This column sorts by uncertainty.', sort: (row) => row.uncertainty,
     csv: (row) => verdictWord(row.verdict).name, cell: (row) => <VerdictChip verdict={row.verdict} /> },
-  { id: 'leader', title: 'Leader', isText: true, width: '8rem', hint: 'The arm with the highest probability of being the best', sort: (row) => sceneOf(row).leaderArm,
-    cell: (row) => <Arm name={sceneOf(row).leaderArm} /> },
-  { id: 'p', title: 'P(best)', hint: 'Probability that the leader is the best arm', sort: (row) => (sceneOf(row).leaderArm ? row.leaderProbability : undefined),
-    cell: (row) => (sceneOf(row).leaderArm ? row.leaderProbability.toFixed(3) : '–') },
+  { id: 'leader', title: 'Leader', isText: true, width: '8rem', hint: 'The arm with the highest probability of being the best; in a changing scene, the best arm of each regime', sort: (row) => leadersOf(sceneOf(row)).join(' '),
+    cell: (row) => <Arms names={leadersOf(sceneOf(row))} /> },
+  { id: 'p', title: 'P(best)', hint: 'Probability that the leader is the best arm; in a changing scene, the lowest of its regimes', sort: (row) => (hasLeader(row) ? row.leaderProbability : undefined),
+    cell: (row) => (hasLeader(row) ? row.leaderProbability.toFixed(3) : '–') },
+  { id: 'runs', title: 'Runs now', isText: true, width: '8rem', hint: 'The arm that runs now in the session that has been connected the longest', sort: (row) => sceneOf(row).activity?.activeArm,
+    cell: (row) => { const arm = sceneOf(row).activity?.activeArm; return arm ? <Arm name={arm} /> : '–'; } },
+  { id: 'saved', title: 'Saved', width: '7rem', hint: 'Detection time per frame that this session saved against the best single arm', sort: (row) => sceneOf(row).activity?.total?.savedAgainstSingleUs,
+    cell: (row) => savingText(sceneOf(row).activity?.total?.savedAgainstSingleUs) ?? '–' },
   { id: 'trend', title: 'Trend', isText: true, hint: 'P(best) of the leader since the page was opened, from 0 to 1. The dotted line is the threshold of stable scenes.',
     cell: (row) => <Sparkline values={trendOf(row.state.history)} low={0} high={1} mark={thresholds.value.stableProbability} /> },
-  { id: 'loss', title: 'Loss', width: '6rem', hint: 'Expected extra cost of choosing the leader instead of the best arm', sort: (row) => (sceneOf(row).leaderArm ? sceneOf(row).expectedLossRatio : undefined),
-    cell: (row) => (sceneOf(row).leaderArm ? share(sceneOf(row).expectedLossRatio) : '–') },
+  { id: 'loss', title: 'Loss', width: '6rem', hint: 'Expected extra cost of choosing the leader instead of the best arm', sort: lossOf,
+    cell: (row) => { const loss = lossOf(row); return loss === undefined ? '–' : share(loss); } },
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount },
   { id: 'evidence', title: 'Evidence', width: '7rem', hint: 'Decision windows and visits of the shadow lane in all sessions', sort: (row) => Number(row.evidence) },
   { id: 'changed', title: 'Changed', width: '7rem', hint: 'Time of the last change that this page received. If there was none: time of the latest evidence', sort: (row) => row.state.changedMs || undefined,
@@ -47,7 +55,7 @@ const COLUMNS: readonly Column<SceneSummary>[] = [
   { id: 'reward', title: 'Reward', hint: 'Version of the formula that turns a cost into a reward; AI Decides uses version 3', sort: (row) => sceneOf(row).rewardVersion },
 ];
 
-const VERDICTS = [Verdict.DEGRADED, Verdict.AMBIGUOUS, Verdict.UNSPECIFIED, Verdict.TIE, Verdict.STABLE];
+const VERDICTS = [Verdict.DEGRADED, Verdict.AMBIGUOUS, Verdict.UNSPECIFIED, Verdict.TIE, 'changing', Verdict.STABLE] as const;
 
 function Figure({ value, what, title }: { value: string; what: string; title?: string }) {
   return <div class="figure" title={title}><b>{value}</b><span>{what}</span></div>;
@@ -77,7 +85,7 @@ function filtered(all: readonly SceneSummary[]): readonly SceneSummary[] {
     const { posterior } = row.state;
     return (verdict === undefined || verdictWord(row.verdict).name === verdict) && (project === '' || posterior.project === project)
       && (!isOnline || posterior.activeSessionCount > 0)
-      && matches(text, [posterior.project, posterior.scene, posterior.machineClass, sceneOf(row).leaderArm]);
+      && matches(text, [posterior.project, posterior.scene, posterior.machineClass, ...leadersOf(posterior)]);
   });
 }
 
@@ -147,7 +155,7 @@ export function Overview() {
         {all.length > 0 && rows.length === 0 && <Empty title="No scene matches the filter" />}
       </section>
       <Projects all={all} />
-      <p class="soft small">The page knows {counted(sessions.value.size, 'session', 'sessions')}. A verdict uses the evidence of all sessions. A scene is stable if P(best) of its leader is at least {significant(thresholds.value.stableProbability, 1)}.</p>
+      <p class="soft small">The page knows {counted(sessions.value.size, 'session', 'sessions')}. A verdict uses the evidence of all sessions. A scene is changing if its regimes have different best arms, and stable if P(best) of its leader is at least {significant(thresholds.value.stableProbability, 1)}.</p>
       <details class="soft small">
         <summary>Terms on this page</summary>
         <dl>{GLOSSARY.map(([name, meaning]) => [<dt key={name}>{name}</dt>, <dd key={`${name}=`}>{meaning}</dd>])}</dl>

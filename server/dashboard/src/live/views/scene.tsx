@@ -1,7 +1,7 @@
 // The view of a scene: the posterior of each arm, its history, and the evidence for it.
 import { useComputed } from '@preact/signals';
 import { useEffect, useMemo, useRef } from 'preact/hooks';
-import { counted, share } from '../../format';
+import { counted } from '../../format';
 import { BandsChart, BestChart, LossChart } from '../charts/posterior_charts';
 import type { Moment } from '../charts/plot';
 import { RidgeFigure } from '../charts/ridgeline';
@@ -9,37 +9,21 @@ import { TimeTools } from '../charts/time_chart';
 import { useFrozen } from '../charts/view_state';
 import { mean } from '../numbers/beta';
 import { seriesOf } from '../state/history';
-import { VerdictChip } from '../parts/chips';
 import { ago, now } from '../parts/clock';
 import { CopyLink } from '../parts/toast';
 import { Name, visible } from '../parts/name';
 import { Empty, Failure, Loading } from '../parts/states';
 import type { ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
-import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { connection } from '../state/connection';
 import { isKnown } from '../state/live';
 import { decisionsHref, route, sceneHref, sceneNameOf } from '../state/route';
-import { leaderProbabilityOf, sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
+import { sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
-import { verdictOf } from '../state/summaries';
 import { CompareScenes } from './compare';
 import { Builds, buildStarts, Latest, Sessions, Variants, variantsOf } from './scene/lists';
 import { armNames, type ArmRow, armRows, ArmTable, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/arms';
 import { SceneEvidence } from './scene/evidence';
-import { verdictWord } from './words';
-
-function Sentence({ state }: { state: SceneState }) {
-  const { posterior } = state;
-  const verdict = verdictOf(state);
-  if (!posterior.leaderArm) return <p><VerdictChip verdict={verdict} /> {verdictWord(verdict).meaning}</p>;
-  return (
-    <p>
-      <VerdictChip verdict={verdict} /> {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} `}<b><Name text={posterior.leaderArm} /></b> is the best arm with a probability of{' '}
-      <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. With
-      exactly known costs, the choice would gain <b>{share(posterior.valueRemainingRatio)}</b> on average.
-    </p>
-  );
-}
+import { Headline, Regimes } from './scene/headline';
 
 function Facts({ state }: { state: SceneState }) {
   const { posterior, changedMs } = state;
@@ -109,8 +93,9 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
   return (
     <>
       <header class="title"><h1><span class="soft"><Name text={name.project} /> /</span> <Name text={name.scene} /></h1><CopyLink /></header>
-      <Sentence state={state} />
+      <Headline state={state} />
       <Facts state={state} />
+      <section aria-labelledby="regimes-heading"><h2 id="regimes-heading">Regimes</h2><Regimes posterior={state.posterior} /></section>
       <Beliefs rows={rows} state={state} before={before} />
       <ArmTable rows={rows} rewardVersion={name.rewardVersion} />
       <section aria-labelledby="time-heading"><h2 id="time-heading">Over time</h2><Charts state={state} rows={rows} /></section>

@@ -3,6 +3,7 @@ import { AuditKind } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEnd, SessionState } from '../../gen/sweepstake/v1/sessions_pb';
 import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import type { SceneVerdict } from '../state/summaries';
 
 /** A short name, a sentence that explains it, and a symbol that distinguishes it without colour. */
 export interface Word { name: string; meaning: string; mark: string }
@@ -15,6 +16,7 @@ export const GLOSSARY: readonly (readonly [string, string])[] = [
   ['shadow lane', 'A thread of the game beside the frame thread. It runs the other arms on copies of some frames.'],
   ['P(best)', 'The probability that an arm is the cheapest of its scene, given the evidence so far.'],
   ['leader', 'The arm with the highest P(best) in a scene.'],
+  ['regime', 'A period in which the number of objects, their speed and the share of static objects are similar. Each regime has its own costs.'],
   ['reward', 'The cost of a window as a number from 0 to 1; 1 is the best.'],
   ['bail-out', 'A frame that took longer than the bail-out limit. If its arm was the cause, the game changes to another arm at once.'],
   ['policy', 'The rule that chooses the arm. “adaptive” (AI Decides) compares the expected costs, and switches if the expected saving exceeds the cost of the switch. “paper” draws a random reward for each arm from its posterior, and takes the highest (Thompson sampling).'],
@@ -47,7 +49,8 @@ const REASONS: Readonly<Record<SwitchReason, Word>> = {
   [SwitchReason.MANUAL]: word('manual', '✋', 'A person chose the arm.'),
 };
 
-const VERDICTS: Readonly<Record<Verdict, Word>> = {
+const VERDICTS: Readonly<Record<SceneVerdict, Word>> = {
+  changing: word('changing', '⇄', 'The best arm depends on the regime of the scene, so no single arm is always the best.'),
   [Verdict.UNSPECIFIED]: word('unknown', '?', 'There is no decision about this scene yet.'),
   [Verdict.STABLE]: word('stable', '●', 'One arm is very probably the best.'),
   [Verdict.TIE]: word('tie', '=', 'No arm is clearly the best, but the leader costs hardly more than the best arm.'),
@@ -90,7 +93,7 @@ const KINDS: Readonly<Record<AuditKind, Word>> = {
 
 export const outcomeWord = (value: DecisionOutcome) => OUTCOMES[value] ?? UNKNOWN;
 export const reasonWord = (value: SwitchReason) => REASONS[value] ?? UNKNOWN;
-export const verdictWord = (value: Verdict) => VERDICTS[value] ?? UNKNOWN;
+export const verdictWord = (value: SceneVerdict) => VERDICTS[value] ?? UNKNOWN;
 export const modeWord = (value: Mode) => MODES[value] ?? UNKNOWN;
 export const stateWord = (value: SessionState) => STATES[value] ?? UNKNOWN;
 export const endWord = (value: SessionEnd) => ENDS[value] ?? UNKNOWN;

@@ -39,57 +39,74 @@ namespace Sweepstake.Protocol.V1 {
             "bnNlEjAKCXBvc3RlcmlvchgBIAEoCzIdLnN3ZWVwc3Rha2UudjEuU2NlbmVQ",
             "b3N0ZXJpb3ISLwoJZGVjaXNpb25zGAIgAygLMhwuc3dlZXBzdGFrZS52MS5E",
             "ZWNpc2lvbkV2ZW50EigKBXN0YW1wGAMgASgLMhkuc3dlZXBzdGFrZS52MS5F",
-            "dmVudFN0YW1wIrcCCg5TY2VuZVBvc3RlcmlvchIPCgdwcm9qZWN0GAEgASgJ",
+            "dmVudFN0YW1wIucCCg5TY2VuZVBvc3RlcmlvchIPCgdwcm9qZWN0GAEgASgJ",
             "Eg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xhc3MYAyABKAkSFgoOcmV3",
             "YXJkX3ZlcnNpb24YBCABKA0SKQoEYXJtcxgFIAMoCzIbLnN3ZWVwc3Rha2Uu",
             "djEuQXJtUG9zdGVyaW9yEhwKFGFjdGl2ZV9zZXNzaW9uX2NvdW50GAYgASgN",
             "EhQKDHNvdXJjZV9jb3VudBgHIAEoBBInCgd2ZXJkaWN0GAggASgOMhYuc3dl",
             "ZXBzdGFrZS52MS5WZXJkaWN0EhIKCmxlYWRlcl9hcm0YCSABKAkSGwoTZXhw",
             "ZWN0ZWRfbG9zc19yYXRpbxgKIAEoARIdChV2YWx1ZV9yZW1haW5pbmdfcmF0",
-            "aW8YCyABKAEicAoPUmV3YXJkUG9zdGVyaW9yEg0KBWFscGhhGAEgASgBEgwK",
-            "BGJldGEYAiABKAESDgoGbG93Xzk1GAMgASgBEg4KBmxvd181MBgEIAEoARIP",
-            "CgdoaWdoXzUwGAUgASgBEg8KB2hpZ2hfOTUYBiABKAEi2wIKDEFybVBvc3Rl",
-            "cmlvchILCgNhcm0YASABKAkSFwoPYmFja2VuZF92ZXJzaW9uGAIgASgNEjEK",
-            "CXBvc3RlcmlvchgDIAEoCzIeLnN3ZWVwc3Rha2UudjEuUmV3YXJkUG9zdGVy",
-            "aW9yEhQKDHdpbmRvd19jb3VudBgEIAEoBBIWCg5iYWlsX291dF9jb3VudBgF",
-            "IAEoBBITCgt2aXNpdF9jb3VudBgGIAEoBBIeChZlZmZlY3RpdmVfd2luZG93",
-            "X2NvdW50GAcgASgBEhgKEHVuaXhfbGFzdF9zZWVuX3MYCCABKAMSEwoLaXNf",
-            "b3V0ZGF0ZWQYCSABKAgSHQoQYmVzdF9wcm9iYWJpbGl0eRgKIAEoAUgAiAEB",
-            "EiwKCmNvc3RfcmF0aW8YCyABKAsyGC5zd2VlcHN0YWtlLnYxLkNvc3RSYXRp",
-            "b0ITChFfYmVzdF9wcm9iYWJpbGl0eSKmBAoNRGVjaXNpb25FdmVudBISCgpz",
-            "ZXNzaW9uX2lkGAEgASgJEg8KB3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyAB",
-            "KAkSEwoLZGVjaXNpb25faWQYBCABKAQSEgoKYWN0aXZlX2FybRgFIAEoCRIV",
-            "Cg1jYW5kaWRhdGVfYXJtGAYgASgJEi8KB291dGNvbWUYByABKA4yHi5zd2Vl",
-            "cHN0YWtlLnYxLkRlY2lzaW9uT3V0Y29tZRIrCgZyZWFzb24YCCABKA4yGy5z",
-            "d2VlcHN0YWtlLnYxLlN3aXRjaFJlYXNvbhITCgZyZXdhcmQYCSABKAFIAIgB",
-            "ARIVCg1tYWNoaW5lX2NsYXNzGAogASgJEhgKEGJlc3RfcHJvYmFiaWxpdHkY",
-            "CyADKAESGwoTZXhwZWN0ZWRfbG9zc19yYXRpbxgMIAEoARInCgd2ZXJkaWN0",
-            "GA0gASgOMhYuc3dlZXBzdGFrZS52MS5WZXJkaWN0Eg4KBnBvbGljeRgOIAEo",
-            "CRI2CgxtZWFzdXJlbWVudHMYDyABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1l",
-            "TWVhc3VyZW1lbnRzEgwKBGFybXMYECADKAkSLQoJc3RhbmRpbmdzGBEgAygL",
-            "Mhouc3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZxIPCgd1bml4X21zGBIgASgD",
-            "EhYKDnJld2FyZF92ZXJzaW9uGBMgASgNQgkKB19yZXdhcmQisgEKEUZyYW1l",
-            "TWVhc3VyZW1lbnRzEjIKDWZyYW1lX3RpbWVfbnMYASABKAsyGy5zd2VlcHN0",
-            "YWtlLnYxLkxvZ0hpc3RvZ3JhbRI2ChFkZXRlY3Rpb25fdGltZV9ucxgCIAEo",
-            "CzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtEjEKDG5hdGl2ZV9ieXRl",
-            "cxgDIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFtIjQKDExvZ0hp",
-            "c3RvZ3JhbRIUCgxidWNrZXRfc3RlcHMYASADKA0SDgoGY291bnRzGAIgAygN",
-            "KtECCg9EZWNpc2lvbk91dGNvbWUSIAocREVDSVNJT05fT1VUQ09NRV9VTlNQ",
-            "RUNJRklFRBAAEhkKFURFQ0lTSU9OX09VVENPTUVfS0VQVBABEh0KGURFQ0lT",
-            "SU9OX09VVENPTUVfU1dJVENIRUQQAhIiCh5ERUNJU0lPTl9PVVRDT01FX0hF",
-            "TERfQ09PTERPV04QAxIiCh5ERUNJU0lPTl9PVVRDT01FX0hFTERfU0VUVExJ",
-            "TkcQBBIeChpERUNJU0lPTl9PVVRDT01FX05PX0ZSQU1FUxAFEhsKF0RFQ0lT",
-            "SU9OX09VVENPTUVfTUFOVUFMEAYSHgoaREVDSVNJT05fT1VUQ09NRV9FWFBM",
-            "T1JJTkcQBxIdChlERUNJU0lPTl9PVVRDT01FX1JFSkVDVEVEEAgSHgoaREVD",
-            "SVNJT05fT1VUQ09NRV9IRUxEX0dBVEUQCTKvAgoRUG9zdGVyaW9yc1NlcnZp",
-            "Y2USXQoOTGlzdFBvc3RlcmlvcnMSJC5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0",
-            "ZXJpb3JzUmVxdWVzdBolLnN3ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNS",
-            "ZXNwb25zZRJXCgxHZXRQb3N0ZXJpb3ISIi5zd2VlcHN0YWtlLnYxLkdldFBv",
-            "c3RlcmlvclJlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJl",
-            "c3BvbnNlEmIKD1dhdGNoUG9zdGVyaW9ycxIlLnN3ZWVwc3Rha2UudjEuV2F0",
-            "Y2hQb3N0ZXJpb3JzUmVxdWVzdBomLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0",
-            "ZXJpb3JzUmVzcG9uc2UwAUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIG",
-            "cHJvdG8z"));
+            "aW8YCyABKAESLgoIYWN0aXZpdHkYDCABKAsyHC5zd2VlcHN0YWtlLnYxLlNj",
+            "ZW5lQWN0aXZpdHki4AEKDVNjZW5lQWN0aXZpdHkSEgoKc2Vzc2lvbl9pZBgB",
+            "IAEoCRISCgphY3RpdmVfYXJtGAIgASgJEhwKFHVuaXhfYWN0aXZlX3NpbmNl",
+            "X21zGAMgASgDEhsKE3JlY2VudF9zd2l0Y2hfY291bnQYBCABKA0SDAoEYXJt",
+            "cxgFIAMoCRItCgV0b3RhbBgGIAEoCzIeLnN3ZWVwc3Rha2UudjEuUmVnaW1l",
+            "UG9zdGVyaW9yEi8KB3JlZ2ltZXMYByADKAsyHi5zd2VlcHN0YWtlLnYxLlJl",
+            "Z2ltZVBvc3RlcmlvciKeAwoPUmVnaW1lUG9zdGVyaW9yEhkKDG9iamVjdF9j",
+            "b3VudBgBIAEoAkgAiAEBEhcKCnNwZWVkX21lYW4YAiABKAJIAYgBARIZCgxz",
+            "dGF0aWNfcmF0aW8YAyABKAJIAogBARISCgppc19wcmVzZW50GAQgASgIEhMK",
+            "C2ZyYW1lX3NoYXJlGAUgASgCEiYKBGFybXMYBiADKAsyGC5zd2VlcHN0YWtl",
+            "LnYxLlJlZ2ltZUFybRIQCghiZXN0X2FybRgHIAEoCRITCgZyYW5fdXMYCCAB",
+            "KAJIA4gBARIkChdzYXZlZF9hZ2FpbnN0X3NpbmdsZV91cxgJIAEoAkgEiAEB",
+            "EicKGnNhdmVkX2FnYWluc3RfcmVmZXJlbmNlX3VzGAogASgCSAWIAQFCDwoN",
+            "X29iamVjdF9jb3VudEINCgtfc3BlZWRfbWVhbkIPCg1fc3RhdGljX3JhdGlv",
+            "QgkKB19yYW5fdXNCGgoYX3NhdmVkX2FnYWluc3Rfc2luZ2xlX3VzQh0KG19z",
+            "YXZlZF9hZ2FpbnN0X3JlZmVyZW5jZV91cyJXCglSZWdpbWVBcm0SDwoHY29z",
+            "dF91cxgBIAEoAhIOCgZsb3dfdXMYAiABKAISDwoHaGlnaF91cxgDIAEoAhIY",
+            "ChBiZXN0X3Byb2JhYmlsaXR5GAQgASgCInAKD1Jld2FyZFBvc3RlcmlvchIN",
+            "CgVhbHBoYRgBIAEoARIMCgRiZXRhGAIgASgBEg4KBmxvd185NRgDIAEoARIO",
+            "CgZsb3dfNTAYBCABKAESDwoHaGlnaF81MBgFIAEoARIPCgdoaWdoXzk1GAYg",
+            "ASgBItsCCgxBcm1Qb3N0ZXJpb3ISCwoDYXJtGAEgASgJEhcKD2JhY2tlbmRf",
+            "dmVyc2lvbhgCIAEoDRIxCglwb3N0ZXJpb3IYAyABKAsyHi5zd2VlcHN0YWtl",
+            "LnYxLlJld2FyZFBvc3RlcmlvchIUCgx3aW5kb3dfY291bnQYBCABKAQSFgoO",
+            "YmFpbF9vdXRfY291bnQYBSABKAQSEwoLdmlzaXRfY291bnQYBiABKAQSHgoW",
+            "ZWZmZWN0aXZlX3dpbmRvd19jb3VudBgHIAEoARIYChB1bml4X2xhc3Rfc2Vl",
+            "bl9zGAggASgDEhMKC2lzX291dGRhdGVkGAkgASgIEh0KEGJlc3RfcHJvYmFi",
+            "aWxpdHkYCiABKAFIAIgBARIsCgpjb3N0X3JhdGlvGAsgASgLMhguc3dlZXBz",
+            "dGFrZS52MS5Db3N0UmF0aW9CEwoRX2Jlc3RfcHJvYmFiaWxpdHkipgQKDURl",
+            "Y2lzaW9uRXZlbnQSEgoKc2Vzc2lvbl9pZBgBIAEoCRIPCgdwcm9qZWN0GAIg",
+            "ASgJEg0KBXNjZW5lGAMgASgJEhMKC2RlY2lzaW9uX2lkGAQgASgEEhIKCmFj",
+            "dGl2ZV9hcm0YBSABKAkSFQoNY2FuZGlkYXRlX2FybRgGIAEoCRIvCgdvdXRj",
+            "b21lGAcgASgOMh4uc3dlZXBzdGFrZS52MS5EZWNpc2lvbk91dGNvbWUSKwoG",
+            "cmVhc29uGAggASgOMhsuc3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24SEwoG",
+            "cmV3YXJkGAkgASgBSACIAQESFQoNbWFjaGluZV9jbGFzcxgKIAEoCRIYChBi",
+            "ZXN0X3Byb2JhYmlsaXR5GAsgAygBEhsKE2V4cGVjdGVkX2xvc3NfcmF0aW8Y",
+            "DCABKAESJwoHdmVyZGljdBgNIAEoDjIWLnN3ZWVwc3Rha2UudjEuVmVyZGlj",
+            "dBIOCgZwb2xpY3kYDiABKAkSNgoMbWVhc3VyZW1lbnRzGA8gASgLMiAuc3dl",
+            "ZXBzdGFrZS52MS5GcmFtZU1lYXN1cmVtZW50cxIMCgRhcm1zGBAgAygJEi0K",
+            "CXN0YW5kaW5ncxgRIAMoCzIaLnN3ZWVwc3Rha2UudjEuQXJtU3RhbmRpbmcS",
+            "DwoHdW5peF9tcxgSIAEoAxIWCg5yZXdhcmRfdmVyc2lvbhgTIAEoDUIJCgdf",
+            "cmV3YXJkIrIBChFGcmFtZU1lYXN1cmVtZW50cxIyCg1mcmFtZV90aW1lX25z",
+            "GAEgASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dIaXN0b2dyYW0SNgoRZGV0ZWN0",
+            "aW9uX3RpbWVfbnMYAiABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3Jh",
+            "bRIxCgxuYXRpdmVfYnl0ZXMYAyABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hp",
+            "c3RvZ3JhbSI0CgxMb2dIaXN0b2dyYW0SFAoMYnVja2V0X3N0ZXBzGAEgAygN",
+            "Eg4KBmNvdW50cxgCIAMoDSrRAgoPRGVjaXNpb25PdXRjb21lEiAKHERFQ0lT",
+            "SU9OX09VVENPTUVfVU5TUEVDSUZJRUQQABIZChVERUNJU0lPTl9PVVRDT01F",
+            "X0tFUFQQARIdChlERUNJU0lPTl9PVVRDT01FX1NXSVRDSEVEEAISIgoeREVD",
+            "SVNJT05fT1VUQ09NRV9IRUxEX0NPT0xET1dOEAMSIgoeREVDSVNJT05fT1VU",
+            "Q09NRV9IRUxEX1NFVFRMSU5HEAQSHgoaREVDSVNJT05fT1VUQ09NRV9OT19G",
+            "UkFNRVMQBRIbChdERUNJU0lPTl9PVVRDT01FX01BTlVBTBAGEh4KGkRFQ0lT",
+            "SU9OX09VVENPTUVfRVhQTE9SSU5HEAcSHQoZREVDSVNJT05fT1VUQ09NRV9S",
+            "RUpFQ1RFRBAIEh4KGkRFQ0lTSU9OX09VVENPTUVfSEVMRF9HQVRFEAkyrwIK",
+            "EVBvc3RlcmlvcnNTZXJ2aWNlEl0KDkxpc3RQb3N0ZXJpb3JzEiQuc3dlZXBz",
+            "dGFrZS52MS5MaXN0UG9zdGVyaW9yc1JlcXVlc3QaJS5zd2VlcHN0YWtlLnYx",
+            "Lkxpc3RQb3N0ZXJpb3JzUmVzcG9uc2USVwoMR2V0UG9zdGVyaW9yEiIuc3dl",
+            "ZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0GiMuc3dlZXBzdGFrZS52",
+            "MS5HZXRQb3N0ZXJpb3JSZXNwb25zZRJiCg9XYXRjaFBvc3RlcmlvcnMSJS5z",
+            "d2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1JlcXVlc3QaJi5zd2VlcHN0",
+            "YWtlLnYxLldhdGNoUG9zdGVyaW9yc1Jlc3BvbnNlMAFCGaoCFlN3ZWVwc3Rh",
+            "a2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -99,7 +116,10 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.GetPosteriorResponse), global::Sweepstake.Protocol.V1.GetPosteriorResponse.Parser, new[]{ "Scene" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount", "Verdict", "LeaderArm", "ExpectedLossRatio", "ValueRemainingRatio" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount", "Verdict", "LeaderArm", "ExpectedLossRatio", "ValueRemainingRatio", "Activity" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneActivity), global::Sweepstake.Protocol.V1.SceneActivity.Parser, new[]{ "SessionId", "ActiveArm", "UnixActiveSinceMs", "RecentSwitchCount", "Arms", "Total", "Regimes" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RegimePosterior), global::Sweepstake.Protocol.V1.RegimePosterior.Parser, new[]{ "ObjectCount", "SpeedMean", "StaticRatio", "IsPresent", "FrameShare", "Arms", "BestArm", "RanUs", "SavedAgainstSingleUs", "SavedAgainstReferenceUs" }, new[]{ "ObjectCount", "SpeedMean", "StaticRatio", "RanUs", "SavedAgainstSingleUs", "SavedAgainstReferenceUs" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RegimeArm), global::Sweepstake.Protocol.V1.RegimeArm.Parser, new[]{ "CostUs", "LowUs", "HighUs", "BestProbability" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RewardPosterior), global::Sweepstake.Protocol.V1.RewardPosterior.Parser, new[]{ "Alpha", "Beta", "Low95", "Low50", "High50", "High95" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount", "UnixLastSeenS", "IsOutdated", "BestProbability", "CostRatio" }, new[]{ "BestProbability" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.DecisionEvent), global::Sweepstake.Protocol.V1.DecisionEvent.Parser, new[]{ "SessionId", "Project", "Scene", "DecisionId", "ActiveArm", "CandidateArm", "Outcome", "Reason", "Reward", "MachineClass", "BestProbability", "ExpectedLossRatio", "Verdict", "Policy", "Measurements", "Arms", "Standings", "UnixMs", "RewardVersion" }, new[]{ "Reward" }, null, null, null),
@@ -1799,6 +1819,7 @@ namespace Sweepstake.Protocol.V1 {
       leaderArm_ = other.leaderArm_;
       expectedLossRatio_ = other.expectedLossRatio_;
       valueRemainingRatio_ = other.valueRemainingRatio_;
+      activity_ = other.activity_ != null ? other.activity_.Clone() : null;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1975,6 +1996,22 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "activity" field.</summary>
+    public const int ActivityFieldNumber = 12;
+    private global::Sweepstake.Protocol.V1.SceneActivity activity_;
+    /// <summary>
+    /// What runs now, and the regimes of the scene, in the session that has been connected the longest. Absent: no session is
+    /// connected. Stored evidence, and therefore all fields above, do not distinguish regimes.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.SceneActivity Activity {
+      get { return activity_; }
+      set {
+        activity_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2001,6 +2038,7 @@ namespace Sweepstake.Protocol.V1 {
       if (LeaderArm != other.LeaderArm) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(ExpectedLossRatio, other.ExpectedLossRatio)) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(ValueRemainingRatio, other.ValueRemainingRatio)) return false;
+      if (!object.Equals(Activity, other.Activity)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2019,6 +2057,7 @@ namespace Sweepstake.Protocol.V1 {
       if (LeaderArm.Length != 0) hash ^= LeaderArm.GetHashCode();
       if (ExpectedLossRatio != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(ExpectedLossRatio);
       if (ValueRemainingRatio != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(ValueRemainingRatio);
+      if (activity_ != null) hash ^= Activity.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2078,6 +2117,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(89);
         output.WriteDouble(ValueRemainingRatio);
       }
+      if (activity_ != null) {
+        output.WriteRawTag(98);
+        output.WriteMessage(Activity);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2129,6 +2172,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(89);
         output.WriteDouble(ValueRemainingRatio);
       }
+      if (activity_ != null) {
+        output.WriteRawTag(98);
+        output.WriteMessage(Activity);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2169,6 +2216,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (ValueRemainingRatio != 0D) {
         size += 1 + 8;
+      }
+      if (activity_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(Activity);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -2212,6 +2262,12 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.ValueRemainingRatio != 0D) {
         ValueRemainingRatio = other.ValueRemainingRatio;
+      }
+      if (other.activity_ != null) {
+        if (activity_ == null) {
+          Activity = new global::Sweepstake.Protocol.V1.SceneActivity();
+        }
+        Activity.MergeFrom(other.Activity);
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2274,6 +2330,13 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 89: {
             ValueRemainingRatio = input.ReadDouble();
+            break;
+          }
+          case 98: {
+            if (activity_ == null) {
+              Activity = new global::Sweepstake.Protocol.V1.SceneActivity();
+            }
+            input.ReadMessage(Activity);
             break;
           }
         }
@@ -2339,6 +2402,1417 @@ namespace Sweepstake.Protocol.V1 {
             ValueRemainingRatio = input.ReadDouble();
             break;
           }
+          case 98: {
+            if (activity_ == null) {
+              Activity = new global::Sweepstake.Protocol.V1.SceneActivity();
+            }
+            input.ReadMessage(Activity);
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// What a session runs, and what it has measured and believes about each regime of its scene since it began, or since the daemon
+  /// loaded it. A regime is a period of similar scene descriptors.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class SceneActivity : pb::IMessage<SceneActivity>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<SceneActivity> _parser = new pb::MessageParser<SceneActivity>(() => new SceneActivity());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<SceneActivity> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[7]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public SceneActivity() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public SceneActivity(SceneActivity other) : this() {
+      sessionId_ = other.sessionId_;
+      activeArm_ = other.activeArm_;
+      unixActiveSinceMs_ = other.unixActiveSinceMs_;
+      recentSwitchCount_ = other.recentSwitchCount_;
+      arms_ = other.arms_.Clone();
+      total_ = other.total_ != null ? other.total_.Clone() : null;
+      regimes_ = other.regimes_.Clone();
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public SceneActivity Clone() {
+      return new SceneActivity(this);
+    }
+
+    /// <summary>Field number for the "session_id" field.</summary>
+    public const int SessionIdFieldNumber = 1;
+    private string sessionId_ = "";
+    /// <summary>
+    /// The session. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string SessionId {
+      get { return sessionId_; }
+      set {
+        sessionId_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "active_arm" field.</summary>
+    public const int ActiveArmFieldNumber = 2;
+    private string activeArm_ = "";
+    /// <summary>
+    /// The arm that runs now. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string ActiveArm {
+      get { return activeArm_; }
+      set {
+        activeArm_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "unix_active_since_ms" field.</summary>
+    public const int UnixActiveSinceMsFieldNumber = 3;
+    private long unixActiveSinceMs_;
+    /// <summary>
+    /// Since when it runs, by the daemon's wall clock, since 1970. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public long UnixActiveSinceMs {
+      get { return unixActiveSinceMs_; }
+      set {
+        unixActiveSinceMs_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "recent_switch_count" field.</summary>
+    public const int RecentSwitchCountFieldNumber = 4;
+    private uint recentSwitchCount_;
+    /// <summary>
+    /// Number of switches in the last minute. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint RecentSwitchCount {
+      get { return recentSwitchCount_; }
+      set {
+        recentSwitchCount_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "arms" field.</summary>
+    public const int ArmsFieldNumber = 5;
+    private static readonly pb::FieldCodec<string> _repeated_arms_codec
+        = pb::FieldCodec.ForString(42);
+    private readonly pbc::RepeatedField<string> arms_ = new pbc::RepeatedField<string>();
+    /// <summary>
+    /// The session's arms, in the order of RegimePosterior.arms. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<string> Arms {
+      get { return arms_; }
+    }
+
+    /// <summary>Field number for the "total" field.</summary>
+    public const int TotalFieldNumber = 6;
+    private global::Sweepstake.Protocol.V1.RegimePosterior total_;
+    /// <summary>
+    /// All regimes together. Its best arm is the best single arm, which has the lowest mean cost over all measured frames.
+    /// Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public global::Sweepstake.Protocol.V1.RegimePosterior Total {
+      get { return total_; }
+      set {
+        total_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "regimes" field.</summary>
+    public const int RegimesFieldNumber = 7;
+    private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.RegimePosterior> _repeated_regimes_codec
+        = pb::FieldCodec.ForMessage(58, global::Sweepstake.Protocol.V1.RegimePosterior.Parser);
+    private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.RegimePosterior> regimes_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.RegimePosterior>();
+    /// <summary>
+    /// The regimes, at most four. Absent: there is only one, which `total` describes.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<global::Sweepstake.Protocol.V1.RegimePosterior> Regimes {
+      get { return regimes_; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as SceneActivity);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(SceneActivity other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (SessionId != other.SessionId) return false;
+      if (ActiveArm != other.ActiveArm) return false;
+      if (UnixActiveSinceMs != other.UnixActiveSinceMs) return false;
+      if (RecentSwitchCount != other.RecentSwitchCount) return false;
+      if(!arms_.Equals(other.arms_)) return false;
+      if (!object.Equals(Total, other.Total)) return false;
+      if(!regimes_.Equals(other.regimes_)) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (SessionId.Length != 0) hash ^= SessionId.GetHashCode();
+      if (ActiveArm.Length != 0) hash ^= ActiveArm.GetHashCode();
+      if (UnixActiveSinceMs != 0L) hash ^= UnixActiveSinceMs.GetHashCode();
+      if (RecentSwitchCount != 0) hash ^= RecentSwitchCount.GetHashCode();
+      hash ^= arms_.GetHashCode();
+      if (total_ != null) hash ^= Total.GetHashCode();
+      hash ^= regimes_.GetHashCode();
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (SessionId.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(SessionId);
+      }
+      if (ActiveArm.Length != 0) {
+        output.WriteRawTag(18);
+        output.WriteString(ActiveArm);
+      }
+      if (UnixActiveSinceMs != 0L) {
+        output.WriteRawTag(24);
+        output.WriteInt64(UnixActiveSinceMs);
+      }
+      if (RecentSwitchCount != 0) {
+        output.WriteRawTag(32);
+        output.WriteUInt32(RecentSwitchCount);
+      }
+      arms_.WriteTo(output, _repeated_arms_codec);
+      if (total_ != null) {
+        output.WriteRawTag(50);
+        output.WriteMessage(Total);
+      }
+      regimes_.WriteTo(output, _repeated_regimes_codec);
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (SessionId.Length != 0) {
+        output.WriteRawTag(10);
+        output.WriteString(SessionId);
+      }
+      if (ActiveArm.Length != 0) {
+        output.WriteRawTag(18);
+        output.WriteString(ActiveArm);
+      }
+      if (UnixActiveSinceMs != 0L) {
+        output.WriteRawTag(24);
+        output.WriteInt64(UnixActiveSinceMs);
+      }
+      if (RecentSwitchCount != 0) {
+        output.WriteRawTag(32);
+        output.WriteUInt32(RecentSwitchCount);
+      }
+      arms_.WriteTo(ref output, _repeated_arms_codec);
+      if (total_ != null) {
+        output.WriteRawTag(50);
+        output.WriteMessage(Total);
+      }
+      regimes_.WriteTo(ref output, _repeated_regimes_codec);
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (SessionId.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(SessionId);
+      }
+      if (ActiveArm.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(ActiveArm);
+      }
+      if (UnixActiveSinceMs != 0L) {
+        size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixActiveSinceMs);
+      }
+      if (RecentSwitchCount != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt32Size(RecentSwitchCount);
+      }
+      size += arms_.CalculateSize(_repeated_arms_codec);
+      if (total_ != null) {
+        size += 1 + pb::CodedOutputStream.ComputeMessageSize(Total);
+      }
+      size += regimes_.CalculateSize(_repeated_regimes_codec);
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(SceneActivity other) {
+      if (other == null) {
+        return;
+      }
+      if (other.SessionId.Length != 0) {
+        SessionId = other.SessionId;
+      }
+      if (other.ActiveArm.Length != 0) {
+        ActiveArm = other.ActiveArm;
+      }
+      if (other.UnixActiveSinceMs != 0L) {
+        UnixActiveSinceMs = other.UnixActiveSinceMs;
+      }
+      if (other.RecentSwitchCount != 0) {
+        RecentSwitchCount = other.RecentSwitchCount;
+      }
+      arms_.Add(other.arms_);
+      if (other.total_ != null) {
+        if (total_ == null) {
+          Total = new global::Sweepstake.Protocol.V1.RegimePosterior();
+        }
+        Total.MergeFrom(other.Total);
+      }
+      regimes_.Add(other.regimes_);
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 10: {
+            SessionId = input.ReadString();
+            break;
+          }
+          case 18: {
+            ActiveArm = input.ReadString();
+            break;
+          }
+          case 24: {
+            UnixActiveSinceMs = input.ReadInt64();
+            break;
+          }
+          case 32: {
+            RecentSwitchCount = input.ReadUInt32();
+            break;
+          }
+          case 42: {
+            arms_.AddEntriesFrom(input, _repeated_arms_codec);
+            break;
+          }
+          case 50: {
+            if (total_ == null) {
+              Total = new global::Sweepstake.Protocol.V1.RegimePosterior();
+            }
+            input.ReadMessage(Total);
+            break;
+          }
+          case 58: {
+            regimes_.AddEntriesFrom(input, _repeated_regimes_codec);
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 10: {
+            SessionId = input.ReadString();
+            break;
+          }
+          case 18: {
+            ActiveArm = input.ReadString();
+            break;
+          }
+          case 24: {
+            UnixActiveSinceMs = input.ReadInt64();
+            break;
+          }
+          case 32: {
+            RecentSwitchCount = input.ReadUInt32();
+            break;
+          }
+          case 42: {
+            arms_.AddEntriesFrom(ref input, _repeated_arms_codec);
+            break;
+          }
+          case 50: {
+            if (total_ == null) {
+              Total = new global::Sweepstake.Protocol.V1.RegimePosterior();
+            }
+            input.ReadMessage(Total);
+            break;
+          }
+          case 58: {
+            regimes_.AddEntriesFrom(ref input, _repeated_regimes_codec);
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// What a session has measured and believes about one regime, or about all of them together. The decider defines the figures
+  /// (engine_client/decider/policy/regime_report.h).
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class RegimePosterior : pb::IMessage<RegimePosterior>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<RegimePosterior> _parser = new pb::MessageParser<RegimePosterior>(() => new RegimePosterior());
+    private pb::UnknownFieldSet _unknownFields;
+    private int _hasBits0;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<RegimePosterior> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[8]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RegimePosterior() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RegimePosterior(RegimePosterior other) : this() {
+      _hasBits0 = other._hasBits0;
+      objectCount_ = other.objectCount_;
+      speedMean_ = other.speedMean_;
+      staticRatio_ = other.staticRatio_;
+      isPresent_ = other.isPresent_;
+      frameShare_ = other.frameShare_;
+      arms_ = other.arms_.Clone();
+      bestArm_ = other.bestArm_;
+      ranUs_ = other.ranUs_;
+      savedAgainstSingleUs_ = other.savedAgainstSingleUs_;
+      savedAgainstReferenceUs_ = other.savedAgainstReferenceUs_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RegimePosterior Clone() {
+      return new RegimePosterior(this);
+    }
+
+    /// <summary>Field number for the "object_count" field.</summary>
+    public const int ObjectCountFieldNumber = 1;
+    private readonly static float ObjectCountDefaultValue = 0F;
+
+    private float objectCount_;
+    /// <summary>
+    /// Typical number of objects. Absent: not measured, or these are all regimes together.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float ObjectCount {
+      get { if ((_hasBits0 & 1) != 0) { return objectCount_; } else { return ObjectCountDefaultValue; } }
+      set {
+        _hasBits0 |= 1;
+        objectCount_ = value;
+      }
+    }
+    /// <summary>Gets whether the "object_count" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasObjectCount {
+      get { return (_hasBits0 & 1) != 0; }
+    }
+    /// <summary>Clears the value of the "object_count" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearObjectCount() {
+      _hasBits0 &= ~1;
+    }
+
+    /// <summary>Field number for the "speed_mean" field.</summary>
+    public const int SpeedMeanFieldNumber = 2;
+    private readonly static float SpeedMeanDefaultValue = 0F;
+
+    private float speedMean_;
+    /// <summary>
+    /// Typical mean distance that an object moves per frame, in world units. Absent: as object_count.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float SpeedMean {
+      get { if ((_hasBits0 & 2) != 0) { return speedMean_; } else { return SpeedMeanDefaultValue; } }
+      set {
+        _hasBits0 |= 2;
+        speedMean_ = value;
+      }
+    }
+    /// <summary>Gets whether the "speed_mean" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasSpeedMean {
+      get { return (_hasBits0 & 2) != 0; }
+    }
+    /// <summary>Clears the value of the "speed_mean" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearSpeedMean() {
+      _hasBits0 &= ~2;
+    }
+
+    /// <summary>Field number for the "static_ratio" field.</summary>
+    public const int StaticRatioFieldNumber = 3;
+    private readonly static float StaticRatioDefaultValue = 0F;
+
+    private float staticRatio_;
+    /// <summary>
+    /// Typical share of objects that do not move, 0–1. Absent: as object_count.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float StaticRatio {
+      get { if ((_hasBits0 & 4) != 0) { return staticRatio_; } else { return StaticRatioDefaultValue; } }
+      set {
+        _hasBits0 |= 4;
+        staticRatio_ = value;
+      }
+    }
+    /// <summary>Gets whether the "static_ratio" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasStaticRatio {
+      get { return (_hasBits0 & 4) != 0; }
+    }
+    /// <summary>Clears the value of the "static_ratio" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearStaticRatio() {
+      _hasBits0 &= ~4;
+    }
+
+    /// <summary>Field number for the "is_present" field.</summary>
+    public const int IsPresentFieldNumber = 4;
+    private bool isPresent_;
+    /// <summary>
+    /// Whether the scene is in this regime now. Absent: it is not.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool IsPresent {
+      get { return isPresent_; }
+      set {
+        isPresent_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "frame_share" field.</summary>
+    public const int FrameShareFieldNumber = 5;
+    private float frameShare_;
+    /// <summary>
+    /// Share of the measured frames, 0–1. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float FrameShare {
+      get { return frameShare_; }
+      set {
+        frameShare_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "arms" field.</summary>
+    public const int ArmsFieldNumber = 6;
+    private static readonly pb::FieldCodec<global::Sweepstake.Protocol.V1.RegimeArm> _repeated_arms_codec
+        = pb::FieldCodec.ForMessage(50, global::Sweepstake.Protocol.V1.RegimeArm.Parser);
+    private readonly pbc::RepeatedField<global::Sweepstake.Protocol.V1.RegimeArm> arms_ = new pbc::RepeatedField<global::Sweepstake.Protocol.V1.RegimeArm>();
+    /// <summary>
+    /// The arms, in the order of SceneActivity.arms. Absent: nothing has been learnt.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<global::Sweepstake.Protocol.V1.RegimeArm> Arms {
+      get { return arms_; }
+    }
+
+    /// <summary>Field number for the "best_arm" field.</summary>
+    public const int BestArmFieldNumber = 7;
+    private string bestArm_ = "";
+    /// <summary>
+    /// The arm with the lowest cost or, if the policy does not estimate costs, with the highest best_probability. Absent: unknown.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string BestArm {
+      get { return bestArm_; }
+      set {
+        bestArm_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "ran_us" field.</summary>
+    public const int RanUsFieldNumber = 8;
+    private readonly static float RanUsDefaultValue = 0F;
+
+    private float ranUs_;
+    /// <summary>
+    /// Mean detection time per frame of what ran, with the measured cost of switches. Absent: no frame was measured.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float RanUs {
+      get { if ((_hasBits0 & 8) != 0) { return ranUs_; } else { return RanUsDefaultValue; } }
+      set {
+        _hasBits0 |= 8;
+        ranUs_ = value;
+      }
+    }
+    /// <summary>Gets whether the "ran_us" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasRanUs {
+      get { return (_hasBits0 & 8) != 0; }
+    }
+    /// <summary>Clears the value of the "ran_us" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearRanUs() {
+      _hasBits0 &= ~8;
+    }
+
+    /// <summary>Field number for the "saved_against_single_us" field.</summary>
+    public const int SavedAgainstSingleUsFieldNumber = 9;
+    private readonly static float SavedAgainstSingleUsDefaultValue = 0F;
+
+    private float savedAgainstSingleUs_;
+    /// <summary>
+    /// Detection time per frame that the session saved against running the best single arm all the time; negative: lost. Absent: no
+    /// frame was measured, or that arm's cost is not known.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float SavedAgainstSingleUs {
+      get { if ((_hasBits0 & 16) != 0) { return savedAgainstSingleUs_; } else { return SavedAgainstSingleUsDefaultValue; } }
+      set {
+        _hasBits0 |= 16;
+        savedAgainstSingleUs_ = value;
+      }
+    }
+    /// <summary>Gets whether the "saved_against_single_us" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasSavedAgainstSingleUs {
+      get { return (_hasBits0 & 16) != 0; }
+    }
+    /// <summary>Clears the value of the "saved_against_single_us" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearSavedAgainstSingleUs() {
+      _hasBits0 &= ~16;
+    }
+
+    /// <summary>Field number for the "saved_against_reference_us" field.</summary>
+    public const int SavedAgainstReferenceUsFieldNumber = 10;
+    private readonly static float SavedAgainstReferenceUsDefaultValue = 0F;
+
+    private float savedAgainstReferenceUs_;
+    /// <summary>
+    /// The same against KDTree. Absent: as saved_against_single_us, or the session does not have KDTree.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float SavedAgainstReferenceUs {
+      get { if ((_hasBits0 & 32) != 0) { return savedAgainstReferenceUs_; } else { return SavedAgainstReferenceUsDefaultValue; } }
+      set {
+        _hasBits0 |= 32;
+        savedAgainstReferenceUs_ = value;
+      }
+    }
+    /// <summary>Gets whether the "saved_against_reference_us" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasSavedAgainstReferenceUs {
+      get { return (_hasBits0 & 32) != 0; }
+    }
+    /// <summary>Clears the value of the "saved_against_reference_us" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearSavedAgainstReferenceUs() {
+      _hasBits0 &= ~32;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as RegimePosterior);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(RegimePosterior other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(ObjectCount, other.ObjectCount)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(SpeedMean, other.SpeedMean)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(StaticRatio, other.StaticRatio)) return false;
+      if (IsPresent != other.IsPresent) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(FrameShare, other.FrameShare)) return false;
+      if(!arms_.Equals(other.arms_)) return false;
+      if (BestArm != other.BestArm) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(RanUs, other.RanUs)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(SavedAgainstSingleUs, other.SavedAgainstSingleUs)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(SavedAgainstReferenceUs, other.SavedAgainstReferenceUs)) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (HasObjectCount) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(ObjectCount);
+      if (HasSpeedMean) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(SpeedMean);
+      if (HasStaticRatio) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(StaticRatio);
+      if (IsPresent != false) hash ^= IsPresent.GetHashCode();
+      if (FrameShare != 0F) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(FrameShare);
+      hash ^= arms_.GetHashCode();
+      if (BestArm.Length != 0) hash ^= BestArm.GetHashCode();
+      if (HasRanUs) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(RanUs);
+      if (HasSavedAgainstSingleUs) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(SavedAgainstSingleUs);
+      if (HasSavedAgainstReferenceUs) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(SavedAgainstReferenceUs);
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (HasObjectCount) {
+        output.WriteRawTag(13);
+        output.WriteFloat(ObjectCount);
+      }
+      if (HasSpeedMean) {
+        output.WriteRawTag(21);
+        output.WriteFloat(SpeedMean);
+      }
+      if (HasStaticRatio) {
+        output.WriteRawTag(29);
+        output.WriteFloat(StaticRatio);
+      }
+      if (IsPresent != false) {
+        output.WriteRawTag(32);
+        output.WriteBool(IsPresent);
+      }
+      if (FrameShare != 0F) {
+        output.WriteRawTag(45);
+        output.WriteFloat(FrameShare);
+      }
+      arms_.WriteTo(output, _repeated_arms_codec);
+      if (BestArm.Length != 0) {
+        output.WriteRawTag(58);
+        output.WriteString(BestArm);
+      }
+      if (HasRanUs) {
+        output.WriteRawTag(69);
+        output.WriteFloat(RanUs);
+      }
+      if (HasSavedAgainstSingleUs) {
+        output.WriteRawTag(77);
+        output.WriteFloat(SavedAgainstSingleUs);
+      }
+      if (HasSavedAgainstReferenceUs) {
+        output.WriteRawTag(85);
+        output.WriteFloat(SavedAgainstReferenceUs);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (HasObjectCount) {
+        output.WriteRawTag(13);
+        output.WriteFloat(ObjectCount);
+      }
+      if (HasSpeedMean) {
+        output.WriteRawTag(21);
+        output.WriteFloat(SpeedMean);
+      }
+      if (HasStaticRatio) {
+        output.WriteRawTag(29);
+        output.WriteFloat(StaticRatio);
+      }
+      if (IsPresent != false) {
+        output.WriteRawTag(32);
+        output.WriteBool(IsPresent);
+      }
+      if (FrameShare != 0F) {
+        output.WriteRawTag(45);
+        output.WriteFloat(FrameShare);
+      }
+      arms_.WriteTo(ref output, _repeated_arms_codec);
+      if (BestArm.Length != 0) {
+        output.WriteRawTag(58);
+        output.WriteString(BestArm);
+      }
+      if (HasRanUs) {
+        output.WriteRawTag(69);
+        output.WriteFloat(RanUs);
+      }
+      if (HasSavedAgainstSingleUs) {
+        output.WriteRawTag(77);
+        output.WriteFloat(SavedAgainstSingleUs);
+      }
+      if (HasSavedAgainstReferenceUs) {
+        output.WriteRawTag(85);
+        output.WriteFloat(SavedAgainstReferenceUs);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (HasObjectCount) {
+        size += 1 + 4;
+      }
+      if (HasSpeedMean) {
+        size += 1 + 4;
+      }
+      if (HasStaticRatio) {
+        size += 1 + 4;
+      }
+      if (IsPresent != false) {
+        size += 1 + 1;
+      }
+      if (FrameShare != 0F) {
+        size += 1 + 4;
+      }
+      size += arms_.CalculateSize(_repeated_arms_codec);
+      if (BestArm.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(BestArm);
+      }
+      if (HasRanUs) {
+        size += 1 + 4;
+      }
+      if (HasSavedAgainstSingleUs) {
+        size += 1 + 4;
+      }
+      if (HasSavedAgainstReferenceUs) {
+        size += 1 + 4;
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(RegimePosterior other) {
+      if (other == null) {
+        return;
+      }
+      if (other.HasObjectCount) {
+        ObjectCount = other.ObjectCount;
+      }
+      if (other.HasSpeedMean) {
+        SpeedMean = other.SpeedMean;
+      }
+      if (other.HasStaticRatio) {
+        StaticRatio = other.StaticRatio;
+      }
+      if (other.IsPresent != false) {
+        IsPresent = other.IsPresent;
+      }
+      if (other.FrameShare != 0F) {
+        FrameShare = other.FrameShare;
+      }
+      arms_.Add(other.arms_);
+      if (other.BestArm.Length != 0) {
+        BestArm = other.BestArm;
+      }
+      if (other.HasRanUs) {
+        RanUs = other.RanUs;
+      }
+      if (other.HasSavedAgainstSingleUs) {
+        SavedAgainstSingleUs = other.SavedAgainstSingleUs;
+      }
+      if (other.HasSavedAgainstReferenceUs) {
+        SavedAgainstReferenceUs = other.SavedAgainstReferenceUs;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 13: {
+            ObjectCount = input.ReadFloat();
+            break;
+          }
+          case 21: {
+            SpeedMean = input.ReadFloat();
+            break;
+          }
+          case 29: {
+            StaticRatio = input.ReadFloat();
+            break;
+          }
+          case 32: {
+            IsPresent = input.ReadBool();
+            break;
+          }
+          case 45: {
+            FrameShare = input.ReadFloat();
+            break;
+          }
+          case 50: {
+            arms_.AddEntriesFrom(input, _repeated_arms_codec);
+            break;
+          }
+          case 58: {
+            BestArm = input.ReadString();
+            break;
+          }
+          case 69: {
+            RanUs = input.ReadFloat();
+            break;
+          }
+          case 77: {
+            SavedAgainstSingleUs = input.ReadFloat();
+            break;
+          }
+          case 85: {
+            SavedAgainstReferenceUs = input.ReadFloat();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 13: {
+            ObjectCount = input.ReadFloat();
+            break;
+          }
+          case 21: {
+            SpeedMean = input.ReadFloat();
+            break;
+          }
+          case 29: {
+            StaticRatio = input.ReadFloat();
+            break;
+          }
+          case 32: {
+            IsPresent = input.ReadBool();
+            break;
+          }
+          case 45: {
+            FrameShare = input.ReadFloat();
+            break;
+          }
+          case 50: {
+            arms_.AddEntriesFrom(ref input, _repeated_arms_codec);
+            break;
+          }
+          case 58: {
+            BestArm = input.ReadString();
+            break;
+          }
+          case 69: {
+            RanUs = input.ReadFloat();
+            break;
+          }
+          case 77: {
+            SavedAgainstSingleUs = input.ReadFloat();
+            break;
+          }
+          case 85: {
+            SavedAgainstReferenceUs = input.ReadFloat();
+            break;
+          }
+        }
+      }
+    }
+    #endif
+
+  }
+
+  /// <summary>
+  /// The belief about one arm in a regime.
+  /// </summary>
+  [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
+  public sealed partial class RegimeArm : pb::IMessage<RegimeArm>
+  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      , pb::IBufferMessage
+  #endif
+  {
+    private static readonly pb::MessageParser<RegimeArm> _parser = new pb::MessageParser<RegimeArm>(() => new RegimeArm());
+    private pb::UnknownFieldSet _unknownFields;
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pb::MessageParser<RegimeArm> Parser { get { return _parser; } }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public static pbr::MessageDescriptor Descriptor {
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[9]; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    pbr::MessageDescriptor pb::IMessage.Descriptor {
+      get { return Descriptor; }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RegimeArm() {
+      OnConstruction();
+    }
+
+    partial void OnConstruction();
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RegimeArm(RegimeArm other) : this() {
+      costUs_ = other.costUs_;
+      lowUs_ = other.lowUs_;
+      highUs_ = other.highUs_;
+      bestProbability_ = other.bestProbability_;
+      _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public RegimeArm Clone() {
+      return new RegimeArm(this);
+    }
+
+    /// <summary>Field number for the "cost_us" field.</summary>
+    public const int CostUsFieldNumber = 1;
+    private float costUs_;
+    /// <summary>
+    /// Detection time per frame, median. Absent (0): not known.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float CostUs {
+      get { return costUs_; }
+      set {
+        costUs_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "low_us" field.</summary>
+    public const int LowUsFieldNumber = 2;
+    private float lowUs_;
+    /// <summary>
+    /// The cost is between low_us and high_us with a probability of 95 %. Absent (0): not known.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float LowUs {
+      get { return lowUs_; }
+      set {
+        lowUs_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "high_us" field.</summary>
+    public const int HighUsFieldNumber = 3;
+    private float highUs_;
+    /// <summary>
+    /// The upper bound. Absent (0): not known.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float HighUs {
+      get { return highUs_; }
+      set {
+        highUs_ = value;
+      }
+    }
+
+    /// <summary>Field number for the "best_probability" field.</summary>
+    public const int BestProbabilityFieldNumber = 4;
+    private float bestProbability_;
+    /// <summary>
+    /// Probability of being the best arm. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float BestProbability {
+      get { return bestProbability_; }
+      set {
+        bestProbability_ = value;
+      }
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override bool Equals(object other) {
+      return Equals(other as RegimeArm);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool Equals(RegimeArm other) {
+      if (ReferenceEquals(other, null)) {
+        return false;
+      }
+      if (ReferenceEquals(other, this)) {
+        return true;
+      }
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(CostUs, other.CostUs)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(LowUs, other.LowUs)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(HighUs, other.HighUs)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(BestProbability, other.BestProbability)) return false;
+      return Equals(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override int GetHashCode() {
+      int hash = 1;
+      if (CostUs != 0F) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(CostUs);
+      if (LowUs != 0F) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(LowUs);
+      if (HighUs != 0F) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(HighUs);
+      if (BestProbability != 0F) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(BestProbability);
+      if (_unknownFields != null) {
+        hash ^= _unknownFields.GetHashCode();
+      }
+      return hash;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public override string ToString() {
+      return pb::JsonFormatter.ToDiagnosticString(this);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void WriteTo(pb::CodedOutputStream output) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      output.WriteRawMessage(this);
+    #else
+      if (CostUs != 0F) {
+        output.WriteRawTag(13);
+        output.WriteFloat(CostUs);
+      }
+      if (LowUs != 0F) {
+        output.WriteRawTag(21);
+        output.WriteFloat(LowUs);
+      }
+      if (HighUs != 0F) {
+        output.WriteRawTag(29);
+        output.WriteFloat(HighUs);
+      }
+      if (BestProbability != 0F) {
+        output.WriteRawTag(37);
+        output.WriteFloat(BestProbability);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(output);
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
+      if (CostUs != 0F) {
+        output.WriteRawTag(13);
+        output.WriteFloat(CostUs);
+      }
+      if (LowUs != 0F) {
+        output.WriteRawTag(21);
+        output.WriteFloat(LowUs);
+      }
+      if (HighUs != 0F) {
+        output.WriteRawTag(29);
+        output.WriteFloat(HighUs);
+      }
+      if (BestProbability != 0F) {
+        output.WriteRawTag(37);
+        output.WriteFloat(BestProbability);
+      }
+      if (_unknownFields != null) {
+        _unknownFields.WriteTo(ref output);
+      }
+    }
+    #endif
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public int CalculateSize() {
+      int size = 0;
+      if (CostUs != 0F) {
+        size += 1 + 4;
+      }
+      if (LowUs != 0F) {
+        size += 1 + 4;
+      }
+      if (HighUs != 0F) {
+        size += 1 + 4;
+      }
+      if (BestProbability != 0F) {
+        size += 1 + 4;
+      }
+      if (_unknownFields != null) {
+        size += _unknownFields.CalculateSize();
+      }
+      return size;
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(RegimeArm other) {
+      if (other == null) {
+        return;
+      }
+      if (other.CostUs != 0F) {
+        CostUs = other.CostUs;
+      }
+      if (other.LowUs != 0F) {
+        LowUs = other.LowUs;
+      }
+      if (other.HighUs != 0F) {
+        HighUs = other.HighUs;
+      }
+      if (other.BestProbability != 0F) {
+        BestProbability = other.BestProbability;
+      }
+      _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
+    }
+
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void MergeFrom(pb::CodedInputStream input) {
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+      input.ReadRawMessage(this);
+    #else
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
+            break;
+          case 13: {
+            CostUs = input.ReadFloat();
+            break;
+          }
+          case 21: {
+            LowUs = input.ReadFloat();
+            break;
+          }
+          case 29: {
+            HighUs = input.ReadFloat();
+            break;
+          }
+          case 37: {
+            BestProbability = input.ReadFloat();
+            break;
+          }
+        }
+      }
+    #endif
+    }
+
+    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
+      uint tag;
+      while ((tag = input.ReadTag()) != 0) {
+      if ((tag & 7) == 4) {
+        // Abort on any end group tag.
+        return;
+      }
+      switch(tag) {
+          default:
+            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, ref input);
+            break;
+          case 13: {
+            CostUs = input.ReadFloat();
+            break;
+          }
+          case 21: {
+            LowUs = input.ReadFloat();
+            break;
+          }
+          case 29: {
+            HighUs = input.ReadFloat();
+            break;
+          }
+          case 37: {
+            BestProbability = input.ReadFloat();
+            break;
+          }
         }
       }
     }
@@ -2364,7 +3838,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[7]; }
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[10]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -2769,7 +4243,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[8]; }
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[11]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -3410,7 +4884,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[9]; }
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[12]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -4329,7 +5803,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[10]; }
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[13]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -4641,7 +6115,7 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pbr::MessageDescriptor Descriptor {
-      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[11]; }
+      get { return global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor.MessageTypes[14]; }
     }
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]

@@ -1,14 +1,15 @@
 // Lists in the view of a scene: the same scene on other machines, its sessions, and its latest decisions.
 import { DecisionOutcome, type DecisionEvent } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { bytes, share, significant } from '../../../format';
-import { Arm } from '../../parts/arm';
+import { Arm, Arms } from '../../parts/arm';
 import { Chip, VerdictChip } from '../../parts/chips';
 import { ago, now, timeText } from '../../parts/clock';
 import { Name, visible } from '../../parts/name';
+import { isChanging, leadersOf } from '../../state/regimes';
 import { decisionsHref, route, sceneHref, sessionHref } from '../../state/route';
 import { leaderProbabilityOf, sceneKey, type SceneName, type SceneState } from '../../state/scenes';
 import { isConnected, lastMessageMs, sessions, type SessionState } from '../../state/sessions';
-import { summaries } from '../../state/summaries';
+import { summaries, verdictOf } from '../../state/summaries';
 import { explained, toldOfEvent } from '../../audit/explain';
 import { endWord, modeWord, outcomeWord, stateWord } from '../words';
 import { useComputed } from '@preact/signals';
@@ -38,11 +39,11 @@ function variantColumns(own: string): readonly Column<SceneState>[] {
     { id: 'class', title: 'Machines', sort: ({ posterior }) => posterior.machineClass,
       cell: ({ posterior, key }) => (key === own ? <b><Name text={posterior.machineClass} /></b> : <a href={sceneHref(posterior)}><Name text={posterior.machineClass} /></a>) },
     { id: 'reward', title: 'Reward', isText: true, sort: ({ posterior }) => posterior.rewardVersion, cell: ({ posterior }) => rewardName(posterior.rewardVersion) },
-    { id: 'verdict', title: 'Verdict', isText: true, cell: ({ posterior }) => <VerdictChip verdict={posterior.verdict} /> },
-    { id: 'leader', title: 'Leader', isText: true, sort: ({ posterior }) => posterior.leaderArm, cell: ({ posterior }) => <Arm name={posterior.leaderArm} /> },
+    { id: 'verdict', title: 'Verdict', isText: true, cell: (state) => <VerdictChip verdict={verdictOf(state)} /> },
+    { id: 'leader', title: 'Leader', isText: true, sort: ({ posterior }) => leadersOf(posterior).join(' '), cell: ({ posterior }) => <Arms names={leadersOf(posterior)} /> },
     { id: 'p', title: 'P(best)', sort: ({ posterior }) => leaderProbabilityOf(posterior),
-      cell: ({ posterior }) => (posterior.leaderArm ? leaderProbabilityOf(posterior).toFixed(3) : '–') },
-    { id: 'loss', title: 'Loss', sort: ({ posterior }) => posterior.expectedLossRatio, cell: ({ posterior }) => share(posterior.expectedLossRatio) },
+      cell: ({ posterior }) => (leadersOf(posterior).length > 0 ? leaderProbabilityOf(posterior).toFixed(3) : '–') },
+    { id: 'loss', title: 'Loss', sort: ({ posterior }) => posterior.expectedLossRatio, cell: ({ posterior }) => (isChanging(posterior) ? '–' : share(posterior.expectedLossRatio)) },
     { id: 'sources', title: 'Sources', hint: 'Sessions that added evidence', sort: ({ posterior }) => Number(posterior.sourceCount) },
     { id: 'compare', title: 'Comparison', isText: true, cell: ({ key }) => (key === own ? '' : <a href={besideHref(key)}>Compare</a>) },
   ];

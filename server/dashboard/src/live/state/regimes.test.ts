@@ -1,0 +1,76 @@
+import { create, type MessageInitShape } from '@bufbuild/protobuf';
+import { describe, expect, it } from 'vitest';
+import { RegimePosteriorSchema, SceneActivitySchema, ScenePosteriorSchema } from '../../gen/sweepstake/v1/posteriors_pb';
+import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { NO_HISTORY } from './history';
+import { bestOf, costText, isChanging, leadersOf, regimeArms, regimeText, savingText, surenessOf } from './regimes';
+import { leaderProbabilityOf } from './scenes';
+import { summaryOf, verdictOf } from './summaries';
+
+const regimeOf = (bestArm: string, probability: number): MessageInitShape<typeof RegimePosteriorSchema> => {
+  const arms = ['SAP', 'DBVT'].map((arm) => ({ costUs: 100, lowUs: 90, highUs: 110, bestProbability: arm === bestArm ? probability : 1 - probability }));
+  return { bestArm, arms, frameShare: 0.5 };
+};
+const sceneOf = (...regimes: MessageInitShape<typeof RegimePosteriorSchema>[]) => create(ScenePosteriorSchema, {
+  verdict: Verdict.STABLE, leaderArm: 'DBVT', arms: [{ arm: 'DBVT', bestProbability: 0.75 }],
+  activity: { activeArm: 'SAP', arms: ['SAP', 'DBVT'], total: regimeOf('DBVT', 1), regimes },
+});
+const CHANGING = sceneOf(regimeOf('DBVT', 0.96875), regimeOf('SAP', 0.875));
+const stateOf = (posterior: typeof CHANGING) => ({ key: 'k', posterior, changedMs: 0, history: NO_HISTORY, decisions: [] });
+
+describe('a scene whose regimes have different best arms', () => {
+  it('is changing, whatever the verdict on all evidence is', () => {
+    expect(isChanging(CHANGING)).toBe(true);
+    expect(verdictOf(stateOf(CHANGING))).toBe('changing');
+  });
+
+  it('has the best arm of each regime as its leaders, and the lowest of their probabilities', () => {
+    expect(leadersOf(CHANGING)).toEqual(['DBVT', 'SAP']);
+    expect(leaderProbabilityOf(CHANGING)).toBe(0.875);
+    expect(surenessOf(CHANGING.activity!)).toBe(0.875);
+    expect(bestOf(CHANGING.activity!.regimes[0]!, CHANGING.activity!)!.bestProbability).toBe(0.96875);
+  });
+
+  it('is listed after unsettled scenes, and before stable ones', () => {
+    const stable = sceneOf();
+    const { uncertainty } = summaryOf(stateOf(CHANGING));
+    expect(uncertainty).toBeGreaterThan(summaryOf(stateOf(stable)).uncertainty);
+    expect(uncertainty).toBeLessThan(summaryOf(stateOf({ ...stable, verdict: Verdict.AMBIGUOUS })).uncertainty);
+  });
+});
+
+describe('a scene with one best arm', () => {
+  it('is judged by all evidence', () => {
+    const withoutSession = sceneOf();
+    delete withoutSession.activity;
+    for (const scene of [sceneOf(), sceneOf(regimeOf('DBVT', 1), regimeOf('DBVT', 0.5)), withoutSession]) {
+      expect(isChanging(scene)).toBe(false);
+      expect(verdictOf(stateOf(scene))).toBe(Verdict.STABLE);
+      expect(leadersOf(scene)).toEqual(['DBVT']);
+      expect(leaderProbabilityOf(scene)).toBe(0.75);
+    }
+  });
+
+  it('is not changing because nothing is known of one regime yet', () => {
+    expect(regimeArms(sceneOf(regimeOf('DBVT', 1), { frameShare: 0.1 }))).toEqual(['DBVT']);
+  });
+
+  it('has no leader before there is evidence', () => expect(leadersOf(create(ScenePosteriorSchema, {}))).toEqual([]));
+});
+
+describe('texts', () => {
+  it('describe a regime by what was measured', () => {
+    expect(regimeText(create(RegimePosteriorSchema, { objectCount: 2000, staticRatio: 0.25, speedMean: 0.125 }))).toBe('2,000 objects, 25.0 % static, speed 0.13');
+    expect(regimeText(create(RegimePosteriorSchema, { speedMean: 0 }))).toBe('speed 0');
+    expect(regimeText(create(RegimePosteriorSchema, {}))).toBe('not described');
+  });
+
+  it('give a cost with its interval, and a saving with its sign', () => {
+    expect(costText(bestOf(CHANGING.activity!.regimes[0]!, create(SceneActivitySchema, { arms: ['SAP', 'DBVT'] })))).toBe('100 µs (90.0 to 110)');
+    expect(costText(undefined)).toBeUndefined();
+    expect(savingText(12.5)).toBe('0.0125 ms');
+    expect(savingText(-12.5)).toBe('−0.0125 ms');
+    expect(savingText(0)).toBe('0 ms');
+    expect(savingText(undefined)).toBeUndefined();
+  });
+});

@@ -1,0 +1,40 @@
+// The regimes of a scene, and what its sessions run now. The daemon computes all figures (engine_client/decider/policy/regime_report.h).
+import type { RegimeArm, RegimePosterior, SceneActivity, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
+import { grouped, share, significant } from '../../format';
+
+/** Returns the belief about the regime's best arm, if there is one. */
+export const bestOf = ({ arms, bestArm }: RegimePosterior, activity: SceneActivity): RegimeArm | undefined => arms[activity.arms.indexOf(bestArm)];
+
+/** Returns the best arm of each regime, each arm once, in the order of the regimes. Empty if there is only one regime. */
+export const regimeArms = ({ activity }: Pick<ScenePosterior, 'activity'>): string[] =>
+  [...new Set(activity?.regimes.map(({ bestArm }) => bestArm))].filter(Boolean);
+
+/** Returns whether regimes have different best arms, so that no single arm is the best. */
+export const isChanging = (posterior: Pick<ScenePosterior, 'activity'>) => regimeArms(posterior).length > 1;
+
+/** Returns the arms that are the best: the leader of all evidence or, if the scene is changing, the best arm of each regime. */
+export const leadersOf = (posterior: ScenePosterior): string[] =>
+  (isChanging(posterior) ? regimeArms(posterior) : [posterior.leaderArm].filter(Boolean));
+
+/** Returns the lowest P(best) of the regimes' best arms; 0 without regimes. */
+export const surenessOf = (activity: SceneActivity) =>
+  (activity.regimes.length === 0 ? 0 : Math.min(...activity.regimes.map((regime) => bestOf(regime, activity)?.bestProbability ?? 0)));
+
+/** Describes a regime by what was measured of its scene. */
+export function regimeText({ objectCount, speedMean, staticRatio }: RegimePosterior): string {
+  const parts = [
+    objectCount !== undefined && `${grouped(objectCount)} objects`,
+    staticRatio !== undefined && `${share(staticRatio)} static`,
+    speedMean !== undefined && `speed ${significant(speedMean, 2)}`,
+  ];
+  return parts.filter(Boolean).join(', ') || 'not described';
+}
+
+const microseconds = (us: number) => `${significant(us)} µs`;
+
+/** Returns the cost with its interval; undefined if it is not known. */
+export const costText = (arm: RegimeArm | undefined) =>
+  (arm && arm.costUs > 0 ? `${microseconds(arm.costUs)} (${significant(arm.lowUs)} to ${significant(arm.highUs)})` : undefined);
+
+/** Returns a saving per frame in milliseconds, with a sign unless it is 0. */
+export const savingText = (us: number | undefined) => (us === undefined ? undefined : `${us < 0 ? '−' : ''}${significant(Math.abs(us) / 1000)} ms`);

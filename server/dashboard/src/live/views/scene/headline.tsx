@@ -1,0 +1,113 @@
+// The first sentences of a scene's view: what runs now, which arm is the best, in each regime if that differs, and what was saved.
+import { counted, share, significant } from '../../../format';
+import type { RegimePosterior, SceneActivity, ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
+import { Verdict } from '../../../gen/sweepstake/v1/telemetry_pb';
+import { Arm } from '../../parts/arm';
+import { VerdictChip } from '../../parts/chips';
+import { duration, now, timeText } from '../../parts/clock';
+import { Name } from '../../parts/name';
+import { type Column, Table } from '../../parts/table';
+import { bestOf, costText, isChanging, regimeText, savingText } from '../../state/regimes';
+import { sessionHref } from '../../state/route';
+import { leaderProbabilityOf, type SceneState } from '../../state/scenes';
+import { verdictOf } from '../../state/summaries';
+import { verdictWord } from '../words';
+
+function RunsNow({ activity, sessionCount }: { activity: SceneActivity; sessionCount: number }) {
+  const sinceMs = Number(activity.unixActiveSinceMs);
+  return (
+    <p class="runs-now">
+      <b><Arm name={activity.activeArm} /></b> runs now, for <b title={timeText(sinceMs)}>{duration(Math.max(0, now.value - sinceMs))}</b>, in session{' '}
+      <a href={sessionHref(activity.sessionId)}>{activity.sessionId.slice(0, 8)}</a>
+      {sessionCount > 1 && `, which has been connected the longest of ${sessionCount}`}. It has switched <b>{counted(activity.recentSwitchCount, 'time', 'times')}</b> in the last minute.
+    </p>
+  );
+}
+
+// The verdict on a scene in which one arm is the best.
+function OneBest({ state: { posterior }, verdict }: { state: SceneState; verdict: Verdict }) {
+  if (!posterior.leaderArm) return <>{verdictWord(verdict).meaning}</>;
+  return (
+    <>
+      {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} `}<b><Name text={posterior.leaderArm} /></b> is the best arm with a probability of{' '}
+      <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. With
+      exactly known costs, the choice would gain <b>{share(posterior.valueRemainingRatio)}</b> on average.
+    </>
+  );
+}
+
+// The best arm of each regime, and its probability.
+function BestOfRegimes({ activity }: { activity: SceneActivity }) {
+  return (
+    <>
+      The best arm depends on the regime of the scene:{' '}
+      {activity.regimes.map((regime, i) => (
+        <span key={i}>{i > 0 && ', '}<b><Name text={regime.bestArm} unknown="unknown" /></b> with a probability of{' '}
+          <b>{bestOf(regime, activity)?.bestProbability.toFixed(3) ?? '–'}</b> in regime {i + 1}{regime.isPresent && ' (now)'}</span>
+      ))}.
+    </>
+  );
+}
+
+function saved(us: number | undefined, against: string): string | undefined {
+  if (us === undefined) return undefined;
+  return `${us < 0 ? 'loses' : 'saves'} ${significant(Math.abs(us) / 1000)} ms per frame against ${against}`;
+}
+
+function Savings({ total, activity }: { total: RegimePosterior; activity: SceneActivity }) {
+  const cost = costText(bestOf(total, activity));
+  const parts = [saved(total.savedAgainstSingleUs, 'it'), saved(total.savedAgainstReferenceUs, 'KDTree')].filter(Boolean);
+  if (!total.bestArm || !cost) return null;
+  return (
+    <p class="savings">
+      The best single choice is <b><Name text={total.bestArm} /></b> with {cost} per frame.{' '}
+      {parts.length > 0 && <>This session <b>{parts.join(' and ')}</b>, including the cost of its switches.</>}
+    </p>
+  );
+}
+
+export function Headline({ state }: { state: SceneState }) {
+  const { activity, activeSessionCount } = state.posterior;
+  const verdict = verdictOf(state);
+  return (
+    <>
+      {activity && <RunsNow activity={activity} sessionCount={activeSessionCount} />}
+      <p>
+        <VerdictChip verdict={verdict} />{' '}
+        {activity && isChanging(state.posterior) ? <BestOfRegimes activity={activity} /> : <OneBest state={state} verdict={verdict as Verdict} />}
+      </p>
+      {activity?.total && <Savings total={activity.total} activity={activity} />}
+    </>
+  );
+}
+
+interface Row { name: string; regime: RegimePosterior; activity: SceneActivity }
+
+const COLUMNS: readonly Column<Row>[] = [
+  { id: 'regime', title: 'Regime', sort: ({ name }) => name },
+  { id: 'scene', title: 'Scene', isText: true, hint: 'What is typical of the scene in this regime', sort: ({ regime, name }) => (name === 'all' ? undefined : regimeText(regime)) },
+  { id: 'frames', title: 'Frames', hint: 'Share of the frames in this regime', sort: ({ regime }) => regime.frameShare, cell: ({ regime }) => share(regime.frameShare) },
+  { id: 'best', title: 'Best arm', isText: true, sort: ({ regime }) => regime.bestArm, cell: ({ regime }) => <Arm name={regime.bestArm} /> },
+  { id: 'p', title: 'P(best)', hint: 'Probability that this arm is the best in this regime', sort: ({ regime, activity }) => bestOf(regime, activity)?.bestProbability,
+    cell: ({ regime, activity }) => bestOf(regime, activity)?.bestProbability.toFixed(3) ?? '–' },
+  { id: 'cost', title: 'Its cost', hint: 'Detection time per frame: median, and 95 % credible interval', sort: ({ regime, activity }) => bestOf(regime, activity)?.costUs,
+    cell: ({ regime, activity }) => costText(bestOf(regime, activity)) ?? '–' },
+  { id: 'ran', title: 'What ran', hint: 'Mean detection time per frame of the arms that ran, with the cost of switches', sort: ({ regime }) => regime.ranUs,
+    cell: ({ regime }) => (regime.ranUs === undefined ? '–' : `${significant(regime.ranUs)} µs`) },
+  { id: 'saved', title: 'Saved', hint: 'Saved per frame against the best single choice', sort: ({ regime }) => regime.savedAgainstSingleUs,
+    cell: ({ regime }) => savingText(regime.savedAgainstSingleUs) ?? '–' },
+  { id: 'saved-kdtree', title: 'Saved, KDTree', hint: 'Saved per frame against KDTree', sort: ({ regime }) => regime.savedAgainstReferenceUs,
+    cell: ({ regime }) => savingText(regime.savedAgainstReferenceUs) ?? '–' },
+];
+
+const rowsOf = (activity: SceneActivity): Row[] => [
+  ...activity.regimes.map((regime, i) => ({ name: `${i + 1}${regime.isPresent ? ' (now)' : ''}`, regime, activity })),
+  ...(activity.total ? [{ name: 'all', regime: activity.total, activity }] : []),
+];
+
+/** The regimes of the scene, and all of them together. */
+export function Regimes({ posterior: { activity } }: { posterior: ScenePosterior }) {
+  if (!activity) return <p class="soft">No session is connected. The stored evidence does not distinguish regimes.</p>;
+  if (activity.regimes.length === 0) return <p class="soft">The session has seen one regime so far: {activity.total ? regimeText(activity.total) : 'not described'}.</p>;
+  return <Table caption="Best arm of each regime" columns={COLUMNS} rows={rowsOf(activity)} keyOf={({ name }) => name.split(' ')[0]!} sort="regime" sortParameter="regimes" />;
+}
