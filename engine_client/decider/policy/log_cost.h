@@ -19,6 +19,8 @@ namespace sweepstake::decision {
 inline constexpr uint32_t kLogCostRewardVersion = 3;
 inline constexpr double kMinLogCost = -7;  // 1 ns
 inline constexpr double kMaxLogCost = 23;  // about 3 hours
+// The 97.5 % quantile of a normal distribution: an interval of 95 % reaches this far on both sides.
+inline constexpr double kDeviations95 = 1.959963984540054;
 
 // The variance, between arms, of ln(cost that the shadow lane measures ÷ live cost). On an AMD Zen
 // 4 without other load, the lane took 0.83 (DBVT) to 1.21 (Tracy) of the frame thread's time. The

@@ -9,10 +9,8 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kDeviationsOf95Percent = 1.96;
-
 ArmReport::Cost CostOfBelief(const NormalBelief& log_cost) {
-  const double reach = kDeviationsOf95Percent * std::sqrt(log_cost.variance);
+  const double reach = kDeviations95 * std::sqrt(log_cost.variance);
   return {.us = math::Exp(log_cost.mean),
           .low_us = math::Exp(log_cost.mean - reach),
           .high_us = math::Exp(log_cost.mean + reach)};
