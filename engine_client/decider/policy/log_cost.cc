@@ -11,7 +11,7 @@ namespace {
 constexpr double kLogRange = 0x1.6552c12aad88bp+4;  // ln(5 s in ns): rewards from 1 to 0
 constexpr double kLogNs = -0x1.ba18a998fffa0p+2;    // log-cost of 1 ns, whose reward is 1
 constexpr double kMaxEvidence = 1e12;
-constexpr double kMinDistance = 1e-6;                // minimum distance of a mean from 0 and from 1
+constexpr double kMinDistance = 1e-6;  // minimum distance of a mean from 0 and from 1
 
 }  // namespace
 
