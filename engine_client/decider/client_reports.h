@@ -22,6 +22,8 @@ struct FrameBatch {
   uint64_t dropped_frame_count = 0;
   std::vector<ShadowSample> shadow_samples;
   uint32_t invalid_box_count = 0;  // the largest of these frames
+
+  uint64_t first_frame_index() const { return frames.empty() ? 0 : frames.front().frame_index; }
 };
 
 // A frame over the bail-out limit.

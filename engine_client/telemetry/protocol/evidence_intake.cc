@@ -10,8 +10,8 @@
 namespace sweepstake {
 namespace {
 
-// Upper bound, in bytes, of a batch's overhead: tags and lengths of the columns, sequence number
-// and descriptor.
+// Upper bound, in bytes, of a batch's overhead: tags and lengths of the columns, sequence number,
+// frame index and descriptor.
 constexpr uint32_t kBatchOverheadBytes = 160;
 constexpr uint32_t kMessageTagBytes = 2;  // tag and length of each message within the batch
 constexpr uint32_t kMaxShadowBytes = kMessageTagBytes + 5 * 11 + 4 * 6;

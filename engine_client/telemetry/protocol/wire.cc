@@ -57,7 +57,8 @@ void Fields(auto& f, const FrameBatch& m) {
   f.Columns(1, m.frames, &FrameSample::frame_time_ns, &FrameSample::detection_time_ns,
             &FrameSample::aabb_check_count, &FrameSample::native_bytes, &FrameSample::object_count,
             &FrameSample::arm, &FrameSample::switch_epoch, &FrameSample::flags);
-  f(9, m.scene_descriptor, m.dropped_frame_count, m.shadow_samples, m.invalid_box_count);
+  f(9, m.scene_descriptor, m.dropped_frame_count, m.shadow_samples, m.invalid_box_count,
+    m.first_frame_index());
 }
 
 void Fields(auto& f, const SwitchOutcome& m) {

@@ -337,7 +337,8 @@ bool Has(const v1::Hello& hello, v1::Capability capability) {
 }
 
 FrameSample FrameOf(const v1::FrameBatch& batch, int i) {
-  return {.frame_time_ns = batch.frame_time_ns(i),
+  return {.frame_index = batch.first_frame_index() + static_cast<uint64_t>(i),
+          .frame_time_ns = batch.frame_time_ns(i),
           .detection_time_ns = batch.detection_time_ns(i),
           .aabb_check_count = batch.aabb_check_count(i),
           .native_bytes = batch.native_bytes(i),

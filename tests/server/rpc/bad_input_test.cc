@@ -82,6 +82,16 @@ sessions::Telemetry Converted(const v1::StreamTelemetryRequest& request) {
   return telemetry;
 }
 
+TEST(MessageValidation, NumbersTheFramesOfABatchFromTheFirst) {
+  v1::StreamTelemetryRequest request = Frames(1, 3);
+  request.mutable_frame_batch()->set_first_frame_index(70);
+  const sessions::Telemetry telemetry = Converted(request);
+  const auto& frames = std::get<protocol::FrameBatch>(telemetry.message).frames;
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(frames[0].frame_index, 70U);
+  EXPECT_EQ(frames[2].frame_index, 72U);
+}
+
 TEST(MessageValidation, AcceptsOnlyMeasuredValuesOfTheScene) {
   v1::StreamTelemetryRequest request;
   v1::SceneDescriptor& message = *request.mutable_frame_batch()->mutable_scene_descriptor();

@@ -60,7 +60,7 @@ ShadowSample PlainOf(const v1::ShadowSample& message) {
 FrameBatch PlainOf(const v1::FrameBatch& message) {
   FrameBatch batch;
   for (int i = 0; i < message.frame_time_ns_size(); ++i) {
-    batch.frames.push_back({.frame_index = 77,
+    batch.frames.push_back({.frame_index = message.first_frame_index() + static_cast<uint64_t>(i),
                             .frame_time_ns = message.frame_time_ns(i),
                             .detection_time_ns = message.detection_time_ns(i),
                             .aabb_check_count = message.aabb_check_count(i),

@@ -58,7 +58,7 @@ namespace Sweepstake.Protocol.V1 {
             "GBMgASgESAGIAQESGAoLc2V0dGxpbmdfbnMYFCABKARIAogBAUIXChVfZGVj",
             "aXNpb25faW50ZXJ2YWxfbnNCDgoMX2Nvb2xkb3duX25zQg4KDF9zZXR0bGlu",
             "Z19ucyJPCg1SZXdhcmRXZWlnaHRzEgsKA2ZwcxgBIAEoARIRCglkZXRlY3Rp",
-            "b24YAiABKAESDgoGbWVtb3J5GAMgASgBEg4KBmNoZWNrcxgEIAEoASLdAgoK",
+            "b24YAiABKAESDgoGbWVtb3J5GAMgASgBEg4KBmNoZWNrcxgEIAEoASL4AgoK",
             "RnJhbWVCYXRjaBIVCg1mcmFtZV90aW1lX25zGAEgAygEEhkKEWRldGVjdGlv",
             "bl90aW1lX25zGAIgAygEEhgKEGFhYmJfY2hlY2tfY291bnQYAyADKAQSFAoM",
             "bmF0aXZlX2J5dGVzGAQgAygEEhQKDG9iamVjdF9jb3VudBgFIAMoDRILCgNh",
@@ -66,88 +66,89 @@ namespace Sweepstake.Protocol.V1 {
             "EjgKEHNjZW5lX2Rlc2NyaXB0b3IYCSABKAsyHi5zd2VlcHN0YWtlLnYxLlNj",
             "ZW5lRGVzY3JpcHRvchIbChNkcm9wcGVkX2ZyYW1lX2NvdW50GAogASgEEjMK",
             "DnNoYWRvd19zYW1wbGVzGAsgAygLMhsuc3dlZXBzdGFrZS52MS5TaGFkb3dT",
-            "YW1wbGUSGQoRaW52YWxpZF9ib3hfY291bnQYDCABKA0i0gEKDFNoYWRvd1Nh",
-            "bXBsZRIZChFmaXJzdF9mcmFtZV9pbmRleBgBIAEoBBILCgNhcm0YAiABKA0S",
-            "GQoRZGV0ZWN0aW9uX3RpbWVfbnMYAyABKAQSFQoNYnVpbGRfdGltZV9ucxgE",
-            "IAEoBBIYChBhYWJiX2NoZWNrX2NvdW50GAUgASgEEhQKDG5hdGl2ZV9ieXRl",
-            "cxgGIAEoBBIUCgxvYmplY3RfY291bnQYByABKA0SEwoLZnJhbWVfY291bnQY",
-            "CCABKA0SDQoFZmxhZ3MYCSABKA0iyQIKD1NjZW5lRGVzY3JpcHRvchIZCgxv",
-            "YmplY3RfY291bnQYASABKAJIAIgBARIaCg1kZW5zaXR5X3JhdGlvGAIgASgC",
-            "SAGIAQESGAoLc2l6ZV9zcHJlYWQYAyABKAJIAogBARIXCgpzcGVlZF9tZWFu",
-            "GAQgASgCSAOIAQESGQoMc3BlZWRfc3ByZWFkGAUgASgCSASIAQESHQoQY2x1",
-            "c3RlcmluZ19yYXRpbxgGIAEoAkgFiAEBEhkKDHN0YXRpY19yYXRpbxgHIAEo",
-            "AkgGiAEBQg8KDV9vYmplY3RfY291bnRCEAoOX2RlbnNpdHlfcmF0aW9CDgoM",
-            "X3NpemVfc3ByZWFkQg0KC19zcGVlZF9tZWFuQg8KDV9zcGVlZF9zcHJlYWRC",
-            "EwoRX2NsdXN0ZXJpbmdfcmF0aW9CDwoNX3N0YXRpY19yYXRpbyLsAQoNU3dp",
-            "dGNoT3V0Y29tZRISCgpjb21tYW5kX2lkGAEgASgEEgsKA2FybRgCIAEoDRIU",
-            "Cgxzd2l0Y2hfZXBvY2gYAyABKA0SEAoIZXhlY3V0ZWQYBCABKAgSFwoPcmVi",
-            "dWlsZF90aW1lX25zGAUgASgEEhgKEHNldHRsaW5nX2Nvc3RfbnMYBiABKAQS",
-            "KwoGcmVhc29uGAcgASgOMhsuc3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24S",
-            "HwoXdHJpYWxfZGV0ZWN0aW9uX3RpbWVfbnMYCCABKAQSEQoJdHJpYWxfYXJt",
-            "GAkgASgNIoIBCgdCYWlsT3V0EhMKC2ZyYW1lX2luZGV4GAEgASgEEgsKA2Fy",
-            "bRgCIAEoDRIUCgxzd2l0Y2hfZXBvY2gYAyABKA0SFQoNZnJhbWVfdGltZV9u",
-            "cxgEIAEoBBIZChFkZXRlY3Rpb25fdGltZV9ucxgFIAEoBBINCgVmbGFncxgG",
-            "IAEoDSJVCgpNb2RlQ2hhbmdlEiEKBG1vZGUYASABKA4yEy5zd2VlcHN0YWtl",
-            "LnYxLk1vZGUSEgoKYWN0aXZlX2FybRgCIAEoDRIQCghvcmRlcl9pZBgDIAEo",
-            "BCJTCgxPcmRlclJlZnVzYWwSEAoIb3JkZXJfaWQYASABKAQSMQoGcmVhc29u",
-            "GAIgASgOMiEuc3dlZXBzdGFrZS52MS5PcmRlclJlZnVzYWxSZWFzb24iCQoH",
-            "R29vZGJ5ZSKMBAoHV2VsY29tZRISCgpzZXNzaW9uX2lkGAEgASgJEg8KB3Jl",
-            "c3VtZWQYAiABKAgSHQoVYWNrbm93bGVkZ2VkX3NlcXVlbmNlGAMgASgEEhgK",
-            "EG1heF9iYXRjaF9mcmFtZXMYBCABKA0SGQoRbWF4X21lc3NhZ2VfYnl0ZXMY",
-            "BSABKA0SGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYBiABKA0SHAoUZGVjaXNpb25f",
-            "aW50ZXJ2YWxfbXMYByABKA0SEwoLc2V0dGxpbmdfbXMYCCABKA0SEwoLYmFp",
-            "bF9vdXRfbXMYCSABKA0SFgoOZGFlbW9uX3ZlcnNpb24YCiABKAkSDgoGcG9s",
-            "aWN5GAsgASgJEgwKBHNlZWQYDCABKAQSLAoGcHJpb3JzGA0gAygLMhwuc3dl",
-            "ZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEhoKEnByaW9yX3NvdXJjZV9jb3Vu",
-            "dBgOIAEoBBIUCgxyZXN1bWVfdG9rZW4YDyABKAwSGgoScHJpb3JzX3VuYXZh",
-            "aWxhYmxlGBAgASgIEi8KDGNhcGFiaWxpdGllcxgRIAMoDjIZLnN3ZWVwc3Rh",
-            "a2UudjEuQ2FwYWJpbGl0eRITCgtjb29sZG93bl9tcxgSIAEoDRItCgd3ZWln",
-            "aHRzGBMgASgLMhwuc3dlZXBzdGFrZS52MS5SZXdhcmRXZWlnaHRzIiwKDUJl",
-            "dGFQb3N0ZXJpb3ISDQoFYWxwaGEYASABKAESDAoEYmV0YRgCIAEoASJ6Cg1T",
-            "d2l0Y2hDb21tYW5kEhIKCmNvbW1hbmRfaWQYASABKAQSCwoDYXJtGAIgASgN",
-            "EisKBnJlYXNvbhgDIAEoDjIbLnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVhc29u",
-            "EhsKE3RyaWFsX2xpbWl0X3BlcmNlbnQYBCABKA0iPgoPQWNrbm93bGVkZ2Vt",
-            "ZW50EhAKCHNlcXVlbmNlGAEgASgEEhkKEWJhdGNoX2ludGVydmFsX21zGAIg",
-            "ASgNIscBChFQb3N0ZXJpb3JTbmFwc2hvdBIqCgRhcm1zGAEgAygLMhwuc3dl",
-            "ZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEicKB3ZlcmRpY3QYAiABKA4yFi5z",
-            "d2VlcHN0YWtlLnYxLlZlcmRpY3QSEgoKbGVhZGVyX2FybRgDIAEoDRIaChJs",
-            "ZWFkZXJfcHJvYmFiaWxpdHkYBCABKAESLQoJc3RhbmRpbmdzGAUgAygLMhou",
-            "c3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZyKqAQoLQXJtU3RhbmRpbmcSGQoR",
-            "bGl2ZV93aW5kb3dfY291bnQYASABKAQSGAoQbGFuZV92aXNpdF9jb3VudBgC",
-            "IAEoBBIeChZlZmZlY3RpdmVfd2luZG93X2NvdW50GAMgASgBEhgKEGJlc3Rf",
-            "cHJvYmFiaWxpdHkYBCABKAESLAoKY29zdF9yYXRpbxgFIAEoCzIYLnN3ZWVw",
-            "c3Rha2UudjEuQ29zdFJhdGlvIjYKCUNvc3RSYXRpbxIOCgZtZWRpYW4YASAB",
-            "KAESCwoDbG93GAIgASgBEgwKBGhpZ2gYAyABKAEiHQoJUmVjb25uZWN0EhAK",
-            "CGRlbGF5X21zGAEgASgNIl4KDU9wZXJhdG9yT3JkZXISEAoIb3JkZXJfaWQY",
-            "ASABKAQSIQoEbW9kZRgCIAEoDjITLnN3ZWVwc3Rha2UudjEuTW9kZRIQCgNh",
-            "cm0YAyABKA1IAIgBAUIGCgRfYXJtIkYKCkJveFJlcXVlc3QSEwoLaW50ZXJ2",
-            "YWxfbXMYASABKA0SEQoJbWF4X2J5dGVzGAIgASgNEhAKCHVudGlsX21zGAMg",
-            "ASgNInIKB0JveFZpZXcSEwoLZnJhbWVfaW5kZXgYASABKAQSFAoMb2JqZWN0",
-            "X2NvdW50GAIgASgNEg4KBnN0cmlkZRgDIAEoDRIOCgZib3VuZHMYBCADKAIS",
-            "DQoFYm94ZXMYBSABKAwSDQoFcGFpcnMYBiABKAwqOgoETW9kZRIUChBNT0RF",
-            "X1VOU1BFQ0lGSUVEEAASDwoLTU9ERV9NQU5VQUwQARILCgdNT0RFX0FJEAIq",
-            "nAEKDFN3aXRjaFJlYXNvbhIdChlTV0lUQ0hfUkVBU09OX1VOU1BFQ0lGSUVE",
-            "EAASGAoUU1dJVENIX1JFQVNPTl9QT0xJQ1kQARIdChlTV0lUQ0hfUkVBU09O",
-            "X0VYUExPUkFUSU9OEAISGgoWU1dJVENIX1JFQVNPTl9CQUlMX09VVBADEhgK",
-            "FFNXSVRDSF9SRUFTT05fTUFOVUFMEAQqfgoKQ2FwYWJpbGl0eRIaChZDQVBB",
-            "QklMSVRZX1VOU1BFQ0lGSUVEEAASHgoaQ0FQQUJJTElUWV9PUEVSQVRPUl9P",
-            "UkRFUlMQARIXChNDQVBBQklMSVRZX0JPWF9WSUVXEAISGwoXQ0FQQUJJTElU",
-            "WV9TVE9QU19UUklBTFMQAypZCgpTaGFkb3dGbGFnEhsKF1NIQURPV19GTEFH",
-            "X1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZFEAESFgoSU0hB",
-            "RE9XX0ZMQUdfQ0FQUEVEEAIqwAEKCUZyYW1lRmxhZxIaChZGUkFNRV9GTEFH",
-            "X1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxEEAESFQoRRlJB",
-            "TUVfRkxBR19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJTkcQBBIXChNG",
-            "UkFNRV9GTEFHX0JBSUxfT1VUEAgSGAoURlJBTUVfRkxBR19TVVNQRU5ERUQQ",
-            "EBIdChlGUkFNRV9GTEFHX1BBSVJTX0VYQ0VFREVEECAqggEKEk9yZGVyUmVm",
-            "dXNhbFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklF",
-            "RBAAEiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAESIAoc",
-            "T1JERVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoT",
-            "VkVSRElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoL",
-            "VkVSRElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJ",
-            "Q1RfREVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRl",
-            "bGVtZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVz",
-            "dBomLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATAB",
-            "QhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "YW1wbGUSGQoRaW52YWxpZF9ib3hfY291bnQYDCABKA0SGQoRZmlyc3RfZnJh",
+            "bWVfaW5kZXgYDSABKAQi0gEKDFNoYWRvd1NhbXBsZRIZChFmaXJzdF9mcmFt",
+            "ZV9pbmRleBgBIAEoBBILCgNhcm0YAiABKA0SGQoRZGV0ZWN0aW9uX3RpbWVf",
+            "bnMYAyABKAQSFQoNYnVpbGRfdGltZV9ucxgEIAEoBBIYChBhYWJiX2NoZWNr",
+            "X2NvdW50GAUgASgEEhQKDG5hdGl2ZV9ieXRlcxgGIAEoBBIUCgxvYmplY3Rf",
+            "Y291bnQYByABKA0SEwoLZnJhbWVfY291bnQYCCABKA0SDQoFZmxhZ3MYCSAB",
+            "KA0iyQIKD1NjZW5lRGVzY3JpcHRvchIZCgxvYmplY3RfY291bnQYASABKAJI",
+            "AIgBARIaCg1kZW5zaXR5X3JhdGlvGAIgASgCSAGIAQESGAoLc2l6ZV9zcHJl",
+            "YWQYAyABKAJIAogBARIXCgpzcGVlZF9tZWFuGAQgASgCSAOIAQESGQoMc3Bl",
+            "ZWRfc3ByZWFkGAUgASgCSASIAQESHQoQY2x1c3RlcmluZ19yYXRpbxgGIAEo",
+            "AkgFiAEBEhkKDHN0YXRpY19yYXRpbxgHIAEoAkgGiAEBQg8KDV9vYmplY3Rf",
+            "Y291bnRCEAoOX2RlbnNpdHlfcmF0aW9CDgoMX3NpemVfc3ByZWFkQg0KC19z",
+            "cGVlZF9tZWFuQg8KDV9zcGVlZF9zcHJlYWRCEwoRX2NsdXN0ZXJpbmdfcmF0",
+            "aW9CDwoNX3N0YXRpY19yYXRpbyLsAQoNU3dpdGNoT3V0Y29tZRISCgpjb21t",
+            "YW5kX2lkGAEgASgEEgsKA2FybRgCIAEoDRIUCgxzd2l0Y2hfZXBvY2gYAyAB",
+            "KA0SEAoIZXhlY3V0ZWQYBCABKAgSFwoPcmVidWlsZF90aW1lX25zGAUgASgE",
+            "EhgKEHNldHRsaW5nX2Nvc3RfbnMYBiABKAQSKwoGcmVhc29uGAcgASgOMhsu",
+            "c3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24SHwoXdHJpYWxfZGV0ZWN0aW9u",
+            "X3RpbWVfbnMYCCABKAQSEQoJdHJpYWxfYXJtGAkgASgNIoIBCgdCYWlsT3V0",
+            "EhMKC2ZyYW1lX2luZGV4GAEgASgEEgsKA2FybRgCIAEoDRIUCgxzd2l0Y2hf",
+            "ZXBvY2gYAyABKA0SFQoNZnJhbWVfdGltZV9ucxgEIAEoBBIZChFkZXRlY3Rp",
+            "b25fdGltZV9ucxgFIAEoBBINCgVmbGFncxgGIAEoDSJVCgpNb2RlQ2hhbmdl",
+            "EiEKBG1vZGUYASABKA4yEy5zd2VlcHN0YWtlLnYxLk1vZGUSEgoKYWN0aXZl",
+            "X2FybRgCIAEoDRIQCghvcmRlcl9pZBgDIAEoBCJTCgxPcmRlclJlZnVzYWwS",
+            "EAoIb3JkZXJfaWQYASABKAQSMQoGcmVhc29uGAIgASgOMiEuc3dlZXBzdGFr",
+            "ZS52MS5PcmRlclJlZnVzYWxSZWFzb24iCQoHR29vZGJ5ZSKMBAoHV2VsY29t",
+            "ZRISCgpzZXNzaW9uX2lkGAEgASgJEg8KB3Jlc3VtZWQYAiABKAgSHQoVYWNr",
+            "bm93bGVkZ2VkX3NlcXVlbmNlGAMgASgEEhgKEG1heF9iYXRjaF9mcmFtZXMY",
+            "BCABKA0SGQoRbWF4X21lc3NhZ2VfYnl0ZXMYBSABKA0SGQoRYmF0Y2hfaW50",
+            "ZXJ2YWxfbXMYBiABKA0SHAoUZGVjaXNpb25faW50ZXJ2YWxfbXMYByABKA0S",
+            "EwoLc2V0dGxpbmdfbXMYCCABKA0SEwoLYmFpbF9vdXRfbXMYCSABKA0SFgoO",
+            "ZGFlbW9uX3ZlcnNpb24YCiABKAkSDgoGcG9saWN5GAsgASgJEgwKBHNlZWQY",
+            "DCABKAQSLAoGcHJpb3JzGA0gAygLMhwuc3dlZXBzdGFrZS52MS5CZXRhUG9z",
+            "dGVyaW9yEhoKEnByaW9yX3NvdXJjZV9jb3VudBgOIAEoBBIUCgxyZXN1bWVf",
+            "dG9rZW4YDyABKAwSGgoScHJpb3JzX3VuYXZhaWxhYmxlGBAgASgIEi8KDGNh",
+            "cGFiaWxpdGllcxgRIAMoDjIZLnN3ZWVwc3Rha2UudjEuQ2FwYWJpbGl0eRIT",
+            "Cgtjb29sZG93bl9tcxgSIAEoDRItCgd3ZWlnaHRzGBMgASgLMhwuc3dlZXBz",
+            "dGFrZS52MS5SZXdhcmRXZWlnaHRzIiwKDUJldGFQb3N0ZXJpb3ISDQoFYWxw",
+            "aGEYASABKAESDAoEYmV0YRgCIAEoASJ6Cg1Td2l0Y2hDb21tYW5kEhIKCmNv",
+            "bW1hbmRfaWQYASABKAQSCwoDYXJtGAIgASgNEisKBnJlYXNvbhgDIAEoDjIb",
+            "LnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVhc29uEhsKE3RyaWFsX2xpbWl0X3Bl",
+            "cmNlbnQYBCABKA0iPgoPQWNrbm93bGVkZ2VtZW50EhAKCHNlcXVlbmNlGAEg",
+            "ASgEEhkKEWJhdGNoX2ludGVydmFsX21zGAIgASgNIscBChFQb3N0ZXJpb3JT",
+            "bmFwc2hvdBIqCgRhcm1zGAEgAygLMhwuc3dlZXBzdGFrZS52MS5CZXRhUG9z",
+            "dGVyaW9yEicKB3ZlcmRpY3QYAiABKA4yFi5zd2VlcHN0YWtlLnYxLlZlcmRp",
+            "Y3QSEgoKbGVhZGVyX2FybRgDIAEoDRIaChJsZWFkZXJfcHJvYmFiaWxpdHkY",
+            "BCABKAESLQoJc3RhbmRpbmdzGAUgAygLMhouc3dlZXBzdGFrZS52MS5Bcm1T",
+            "dGFuZGluZyKqAQoLQXJtU3RhbmRpbmcSGQoRbGl2ZV93aW5kb3dfY291bnQY",
+            "ASABKAQSGAoQbGFuZV92aXNpdF9jb3VudBgCIAEoBBIeChZlZmZlY3RpdmVf",
+            "d2luZG93X2NvdW50GAMgASgBEhgKEGJlc3RfcHJvYmFiaWxpdHkYBCABKAES",
+            "LAoKY29zdF9yYXRpbxgFIAEoCzIYLnN3ZWVwc3Rha2UudjEuQ29zdFJhdGlv",
+            "IjYKCUNvc3RSYXRpbxIOCgZtZWRpYW4YASABKAESCwoDbG93GAIgASgBEgwK",
+            "BGhpZ2gYAyABKAEiHQoJUmVjb25uZWN0EhAKCGRlbGF5X21zGAEgASgNIl4K",
+            "DU9wZXJhdG9yT3JkZXISEAoIb3JkZXJfaWQYASABKAQSIQoEbW9kZRgCIAEo",
+            "DjITLnN3ZWVwc3Rha2UudjEuTW9kZRIQCgNhcm0YAyABKA1IAIgBAUIGCgRf",
+            "YXJtIkYKCkJveFJlcXVlc3QSEwoLaW50ZXJ2YWxfbXMYASABKA0SEQoJbWF4",
+            "X2J5dGVzGAIgASgNEhAKCHVudGlsX21zGAMgASgNInIKB0JveFZpZXcSEwoL",
+            "ZnJhbWVfaW5kZXgYASABKAQSFAoMb2JqZWN0X2NvdW50GAIgASgNEg4KBnN0",
+            "cmlkZRgDIAEoDRIOCgZib3VuZHMYBCADKAISDQoFYm94ZXMYBSABKAwSDQoF",
+            "cGFpcnMYBiABKAwqOgoETW9kZRIUChBNT0RFX1VOU1BFQ0lGSUVEEAASDwoL",
+            "TU9ERV9NQU5VQUwQARILCgdNT0RFX0FJEAIqnAEKDFN3aXRjaFJlYXNvbhId",
+            "ChlTV0lUQ0hfUkVBU09OX1VOU1BFQ0lGSUVEEAASGAoUU1dJVENIX1JFQVNP",
+            "Tl9QT0xJQ1kQARIdChlTV0lUQ0hfUkVBU09OX0VYUExPUkFUSU9OEAISGgoW",
+            "U1dJVENIX1JFQVNPTl9CQUlMX09VVBADEhgKFFNXSVRDSF9SRUFTT05fTUFO",
+            "VUFMEAQqfgoKQ2FwYWJpbGl0eRIaChZDQVBBQklMSVRZX1VOU1BFQ0lGSUVE",
+            "EAASHgoaQ0FQQUJJTElUWV9PUEVSQVRPUl9PUkRFUlMQARIXChNDQVBBQklM",
+            "SVRZX0JPWF9WSUVXEAISGwoXQ0FQQUJJTElUWV9TVE9QU19UUklBTFMQAypZ",
+            "CgpTaGFkb3dGbGFnEhsKF1NIQURPV19GTEFHX1VOU1BFQ0lGSUVEEAASFgoS",
+            "U0hBRE9XX0ZMQUdfQUNUSVZFEAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIq",
+            "wAEKCUZyYW1lRmxhZxIaChZGUkFNRV9GTEFHX1VOU1BFQ0lGSUVEEAASFgoS",
+            "RlJBTUVfRkxBR19SRUJVSUxEEAESFQoRRlJBTUVfRkxBR19QQVVTRUQQAhIW",
+            "ChJGUkFNRV9GTEFHX0xPQURJTkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VU",
+            "EAgSGAoURlJBTUVfRkxBR19TVVNQRU5ERUQQEBIdChlGUkFNRV9GTEFHX1BB",
+            "SVJTX0VYQ0VFREVEECAqggEKEk9yZGVyUmVmdXNhbFJlYXNvbhIkCiBPUkRF",
+            "Ul9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklFRBAAEiQKIE9SREVSX1JFRlVT",
+            "QUxfUkVBU09OX05PVF9BTExPV0VEEAESIAocT1JERVJfUkVGVVNBTF9SRUFT",
+            "T05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoTVkVSRElDVF9VTlNQRUNJRklF",
+            "RBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoLVkVSRElDVF9USUUQAhIVChFW",
+            "RVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJQ1RfREVHUkFERUQQBDJ4ChBU",
+            "ZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRlbGVtZXRyeRIlLnN3ZWVwc3Rh",
+            "a2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVzdBomLnN3ZWVwc3Rha2UudjEu",
+            "U3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATABQhmqAhZTd2VlcHN0YWtlLlBy",
+            "b3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -156,7 +157,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Arm), global::Sweepstake.Protocol.V1.Arm.Parser, new[]{ "Name", "BackendVersion" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Hello), global::Sweepstake.Protocol.V1.Hello.Parser, new[]{ "ProtocolVersion", "Project", "Scene", "Build", "MachineClass", "Arms", "ActiveArm", "Mode", "SessionId", "TimeScale", "IgnorePriors", "Seed", "Policy", "SwitchEpoch", "ResumeToken", "Capabilities", "Weights", "DecisionIntervalNs", "CooldownNs", "SettlingNs" }, new[]{ "DecisionIntervalNs", "CooldownNs", "SettlingNs" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RewardWeights), global::Sweepstake.Protocol.V1.RewardWeights.Parser, new[]{ "Fps", "Detection", "Memory", "Checks" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameBatch), global::Sweepstake.Protocol.V1.FrameBatch.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "Arm", "SwitchEpoch", "Flags", "SceneDescriptor", "DroppedFrameCount", "ShadowSamples", "InvalidBoxCount" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameBatch), global::Sweepstake.Protocol.V1.FrameBatch.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "Arm", "SwitchEpoch", "Flags", "SceneDescriptor", "DroppedFrameCount", "ShadowSamples", "InvalidBoxCount", "FirstFrameIndex" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ShadowSample), global::Sweepstake.Protocol.V1.ShadowSample.Parser, new[]{ "FirstFrameIndex", "Arm", "DetectionTimeNs", "BuildTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "FrameCount", "Flags" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneDescriptor), global::Sweepstake.Protocol.V1.SceneDescriptor.Parser, new[]{ "ObjectCount", "DensityRatio", "SizeSpread", "SpeedMean", "SpeedSpread", "ClusteringRatio", "StaticRatio" }, new[]{ "ObjectCount", "DensityRatio", "SizeSpread", "SpeedMean", "SpeedSpread", "ClusteringRatio", "StaticRatio" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SwitchOutcome), global::Sweepstake.Protocol.V1.SwitchOutcome.Parser, new[]{ "CommandId", "Arm", "SwitchEpoch", "Executed", "RebuildTimeNs", "SettlingCostNs", "Reason", "TrialDetectionTimeNs", "TrialArm" }, null, null, null, null),
@@ -3160,6 +3161,7 @@ namespace Sweepstake.Protocol.V1 {
       droppedFrameCount_ = other.droppedFrameCount_;
       shadowSamples_ = other.shadowSamples_.Clone();
       invalidBoxCount_ = other.invalidBoxCount_;
+      firstFrameIndex_ = other.firstFrameIndex_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -3341,6 +3343,22 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "first_frame_index" field.</summary>
+    public const int FirstFrameIndexFieldNumber = 13;
+    private ulong firstFrameIndex_;
+    /// <summary>
+    /// Index of the first frame, counted as ShadowSample.first_frame_index is. The other frames follow without a gap. It shows to which
+    /// regime of the scene a visit belongs. Absent: 0.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public ulong FirstFrameIndex {
+      get { return firstFrameIndex_; }
+      set {
+        firstFrameIndex_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -3368,6 +3386,7 @@ namespace Sweepstake.Protocol.V1 {
       if (DroppedFrameCount != other.DroppedFrameCount) return false;
       if(!shadowSamples_.Equals(other.shadowSamples_)) return false;
       if (InvalidBoxCount != other.InvalidBoxCount) return false;
+      if (FirstFrameIndex != other.FirstFrameIndex) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -3387,6 +3406,7 @@ namespace Sweepstake.Protocol.V1 {
       if (DroppedFrameCount != 0UL) hash ^= DroppedFrameCount.GetHashCode();
       hash ^= shadowSamples_.GetHashCode();
       if (InvalidBoxCount != 0) hash ^= InvalidBoxCount.GetHashCode();
+      if (FirstFrameIndex != 0UL) hash ^= FirstFrameIndex.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -3426,6 +3446,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(96);
         output.WriteUInt32(InvalidBoxCount);
       }
+      if (FirstFrameIndex != 0UL) {
+        output.WriteRawTag(104);
+        output.WriteUInt64(FirstFrameIndex);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -3457,6 +3481,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(96);
         output.WriteUInt32(InvalidBoxCount);
       }
+      if (FirstFrameIndex != 0UL) {
+        output.WriteRawTag(104);
+        output.WriteUInt64(FirstFrameIndex);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -3484,6 +3512,9 @@ namespace Sweepstake.Protocol.V1 {
       size += shadowSamples_.CalculateSize(_repeated_shadowSamples_codec);
       if (InvalidBoxCount != 0) {
         size += 1 + pb::CodedOutputStream.ComputeUInt32Size(InvalidBoxCount);
+      }
+      if (FirstFrameIndex != 0UL) {
+        size += 1 + pb::CodedOutputStream.ComputeUInt64Size(FirstFrameIndex);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -3517,6 +3548,9 @@ namespace Sweepstake.Protocol.V1 {
       shadowSamples_.Add(other.shadowSamples_);
       if (other.InvalidBoxCount != 0) {
         InvalidBoxCount = other.InvalidBoxCount;
+      }
+      if (other.FirstFrameIndex != 0UL) {
+        FirstFrameIndex = other.FirstFrameIndex;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -3596,6 +3630,10 @@ namespace Sweepstake.Protocol.V1 {
             InvalidBoxCount = input.ReadUInt32();
             break;
           }
+          case 104: {
+            FirstFrameIndex = input.ReadUInt64();
+            break;
+          }
         }
       }
     #endif
@@ -3672,6 +3710,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 96: {
             InvalidBoxCount = input.ReadUInt32();
+            break;
+          }
+          case 104: {
+            FirstFrameIndex = input.ReadUInt64();
             break;
           }
         }
