@@ -123,11 +123,11 @@ TEST_F(TwoRegimes, AnIntervalHolds95PercentOfTheBelief) {
   const SceneReport scene = Report();
   const ArmReport::Cost cost = *scene.regimes[0].arms[0].cost;
   EXPECT_NEAR(cost.us, 100, 1e-9);
-  EXPECT_NEAR(cost.low_us, 100 * std::exp(-0.196), 1e-9);
-  EXPECT_NEAR(cost.high_us, 100 * std::exp(0.196), 1e-9);
+  EXPECT_NEAR(cost.low_us, 100 * std::exp(-0.1 * kDeviations95), 1e-9);
+  EXPECT_NEAR(cost.high_us, 100 * std::exp(0.1 * kDeviations95), 1e-9);
   // The two regimes have two thirds and one third of the first arm's time.
   const ArmReport::Cost mean = *scene.total.arms[0].cost;
-  EXPECT_NEAR(mean.high_us / mean.us, std::exp(0.196 * std::sqrt(5) / 3), 1e-9);
+  EXPECT_NEAR(mean.high_us / mean.us, std::exp(0.1 * kDeviations95 * std::sqrt(5) / 3), 1e-9);
 }
 
 TEST_F(TwoRegimes, WithoutAFrameAreDescribedByTheBeliefsAlone) {

@@ -275,7 +275,7 @@ TEST(Trial, AnEndedTrialIsRepeatedAtMostOnce) {
 TEST(Trial, AnEndedTrialDoesNotPreventATrialOfAnotherArm) {
   TrialGame game({10'000, 13'000, 10'200}, {10'000, 11'000, 10'200});
   game.RunTicks(100);
-  game.cost_us[2] = game.lane_cost_us[2] = 9'750;
+  game.cost_us[2] = game.lane_cost_us[2] = 9'500;
   game.RunTicks(60);
   EXPECT_EQ(game.client.arm, 2u);
 }
