@@ -54,11 +54,12 @@ void Fields(auto& f, const ShadowSample& m) {
 }
 
 void Fields(auto& f, const FrameBatch& m) {
+  const uint64_t first_frame_index = m.first_frame_index();
   f.Columns(1, m.frames, &FrameSample::frame_time_ns, &FrameSample::detection_time_ns,
             &FrameSample::aabb_check_count, &FrameSample::native_bytes, &FrameSample::object_count,
             &FrameSample::arm, &FrameSample::switch_epoch, &FrameSample::flags);
   f(9, m.scene_descriptor, m.dropped_frame_count, m.shadow_samples, m.invalid_box_count,
-    m.first_frame_index());
+    first_frame_index);
 }
 
 void Fields(auto& f, const SwitchOutcome& m) {
