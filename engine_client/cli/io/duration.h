@@ -13,7 +13,7 @@ namespace sweepstake::cli {
 // message that describes the format.
 Result<uint64_t> ParseDuration(std::string_view text);
 
-inline double Seconds(uint64_t ns) { return static_cast<double>(ns) * 1e-9; }
+inline double Seconds(uint64_t ns) { return static_cast<double>(ns) / 1e9; }
 
 // Returns a time since 1970 as UTC text, such as "2026-11-20 11:30:00". Empty if it is out of
 // range.

@@ -163,6 +163,9 @@ void ForRandomRequests(double share, const Check& check) {
       v1::StreamTelemetryRequest message;
       test_support::RandomMessages(seed, share, static_cast<int>(seed % 5) * 60)
           .Fill(message, kinds.field(kind));
+      // A batch without frames has no first frame.
+      if (message.has_frame_batch() && message.frame_batch().frame_time_ns().empty())
+        message.mutable_frame_batch()->clear_first_frame_index();
       check(message);
     }
   }
