@@ -319,7 +319,7 @@ bool AdaptiveBroadPhase::Impl::Detect(std::span<const Aabb> boxes, uint64_t star
     Search();
     return true;
   }
-  trial_stop_.Begin(start_ns, *limit_ns - std::min(sample_.detection_time_ns, *limit_ns));
+  trial_stop_.Begin(start_ns, *limit_ns - std::min(ComputedNs(), *limit_ns));
   const StopScope stop(*backends_[sample_.arm].backend, trial_stop_);
   UpdateStructure(boxes, start_ns);
   if (!trial_stop_.WantsStop(0, 0)) Search();
@@ -330,7 +330,7 @@ bool AdaptiveBroadPhase::Impl::Detect(std::span<const Aabb> boxes, uint64_t star
 // frame, so the frame is the first one of its new switch epoch.
 void AdaptiveBroadPhase::Impl::LeaveTrial(std::span<const Aabb> boxes) {
   const uint64_t searched_ns = trial_stop_.ComputedNs(NowNs());
-  trial_end_ = trial_.Stop(sample_.detection_time_ns + searched_ns);
+  trial_end_ = trial_.Stop(ComputedNs() + searched_ns);
   local_command_ = SwitchCommand{.arm = trial_end_->arm_before};
   built_ = false;
   left_trial_ = true;
@@ -339,6 +339,11 @@ void AdaptiveBroadPhase::Impl::LeaveTrial(std::span<const Aabb> boxes) {
   sample_.switch_epoch = epoch();
   UpdateStructure(boxes, NowNs());
   Search();
+}
+
+// Returns the time of this frame's finished searches of a trial, without waits for the core.
+uint64_t AdaptiveBroadPhase::Impl::ComputedNs() const {
+  return sample_.detection_time_ns - std::min(waited_ns_, sample_.detection_time_ns);
 }
 
 void AdaptiveBroadPhase::Impl::Search() {

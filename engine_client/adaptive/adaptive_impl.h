@@ -103,6 +103,7 @@ class AdaptiveBroadPhase::Impl {
   void Refuse(const SwitchCommand& command);
   bool Detect(std::span<const Aabb> boxes, uint64_t start_ns);
   void LeaveTrial(std::span<const Aabb> boxes);
+  uint64_t ComputedNs() const;
   void UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns);
   void Search();
   void Rebuild(std::span<const Aabb> boxes, uint64_t start_ns);

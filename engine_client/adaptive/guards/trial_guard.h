@@ -85,11 +85,12 @@ class TrialGuard {
   }
 
   // Ends the trial because a search was stopped after `detection_ns`. The frame must not be passed
-  // to OnFrame. REQUIRES: limit_ns() is present.
+  // to OnFrame. The end has at most the limit, which is what a stop proves, because the search may
+  // have been suspended. REQUIRES: limit_ns() is present.
   End Stop(uint64_t detection_ns) {
     const bool builds = trial_->is_new() && !trial_->is_built;
-    const uint64_t reference_ns = trial_->before.reference_ns();
-    const End end = EndOf(builds ? std::min(detection_ns, reference_ns) : detection_ns);
+    const uint64_t proven_ns = builds ? trial_->before.reference_ns() : *limit_ns();
+    const End end = EndOf(std::min(detection_ns, proven_ns));
     trial_.reset();
     return end;
   }

@@ -271,7 +271,7 @@ double AdaptivePolicy::LongestHorizonSeconds() const {
 }
 
 // Returns the time over which the gate sums up the gain of a switch: the mean length of the scene's
-// regimes so far, as if one regime of the longest horizon had preceded them.
+// regimes so far. The present regime counts as one that lasts for the longest horizon from now on.
 double AdaptivePolicy::HorizonSeconds(int64_t now_ns, int64_t start_ns) const {
   const double longest_s = LongestHorizonSeconds();
   const double passed_s = std::max(Seconds(now_ns) - Seconds(start_ns), 0.0);

@@ -73,7 +73,9 @@ void SessionBase::EndThread(uint32_t deadline_ms) {
   LimitStop(deadline_ms);
   thread_.RequestStop();
   thread_.Join();
-  adaptive_.exchange(nullptr)->SetDeciderPresent(false);
+  AdaptiveBroadPhase* const adaptive = adaptive_.exchange(nullptr);
+  adaptive->SetDeciderPresent(false);
+  adaptive->SetLaneUse(true);
   Close();
 }
 

@@ -25,6 +25,7 @@ constexpr uint64_t kMaxSequence = (1ull << 63) - 1;
 // Maximum number of dropped frames in one report: two years at 1,000 frames/s. The 64-bit counter
 // can hold the sum of 2^28 such reports.
 constexpr uint64_t kMaxDroppedFrames = 1ull << 36;
+constexpr uint64_t kMaxFrameIndex = 1ull << 63;
 
 absl::Status Invalid(absl::string_view message) {
   return Refused(v1::ERROR_REASON_INVALID_MESSAGE, message);
@@ -117,6 +118,8 @@ absl::Status CheckColumns(const v1::FrameBatch& batch) {
   }
   if (batch.dropped_frame_count() > kMaxDroppedFrames)
     return Invalid("dropped_frame_count must be at most 2^36");
+  if (batch.first_frame_index() > kMaxFrameIndex)
+    return Invalid("first_frame_index must be at most 2^63");
   return absl::OkStatus();
 }
 

@@ -82,6 +82,14 @@ sessions::Telemetry Converted(const v1::StreamTelemetryRequest& request) {
   return telemetry;
 }
 
+TEST_F(BadInputTest, ABatchCannotBeginWithAnAbsurdFrame) {
+  v1::StreamTelemetryRequest request = Frames(1, 1);
+  request.mutable_frame_batch()->set_first_frame_index(uint64_t{1} << 63);
+  EXPECT_TRUE(CheckRequest(request, 3).ok());
+  request.mutable_frame_batch()->set_first_frame_index((uint64_t{1} << 63) + 1);
+  EXPECT_EQ(ReasonOf(EndAfter(request)), v1::ERROR_REASON_INVALID_MESSAGE);
+}
+
 TEST(MessageValidation, NumbersTheFramesOfABatchFromTheFirst) {
   v1::StreamTelemetryRequest request = Frames(1, 3);
   request.mutable_frame_batch()->set_first_frame_index(70);

@@ -112,7 +112,7 @@ TEST_F(TrialTest, StopsASearchOverTheLimitAndAnswersWithTheFormerArm) {
   EXPECT_EQ(sink_.switches[1].arm, 0U);
   EXPECT_EQ(sink_.switches[1].switch_epoch, 2U);
   EXPECT_EQ(sink_.switches[1].executed, 1U);
-  EXPECT_EQ(sink_.switches[1].trial_detection_time_ns, kStoppedNs);
+  EXPECT_EQ(sink_.switches[1].trial_detection_time_ns, kTrialLimitNs);
   EXPECT_EQ(sink_.switches[1].trial_arm, 1U);
   const FrameSample& next = Frame();
   EXPECT_EQ(next.arm, 0U);
