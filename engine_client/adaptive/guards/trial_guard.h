@@ -17,11 +17,10 @@
 //
 // These frames are special:
 // - In the first 1 + kShadowWarmUpFrames frames with a search, the structure is new. Only the stop
-//   ends the trial there. Without a prepared structure the margin is at least the mean recent
-//   frame, because the first search builds the structure. A margin of half a frame stopped the
-//   builds of cheaper arms in games that do little else than search. Then their time does not bound
-//   the arm's cost, so a stop reports at most the reference. These frames do not count towards the
-//   trial's duration.
+//   ends the trial there. Without a prepared structure these searches have no limit: the first one
+//   builds the structure, and its time does not show the arm's cost. (With a limit, games without
+//   a lane stopped the builds of cheaper arms and stayed on slow ones.) These frames do not count
+//   towards the trial's duration.
 // - Frames that rebuild, and frames without a search, are not compared but count towards the
 //   duration.
 // - Paused, loading and suspended frames are ignored.
@@ -64,12 +63,10 @@ class TrialGuard {
     const uint64_t granted_percent = std::max(command.trial_limit_percent, 100U) - 100U;
     const uint64_t granted_ns = late.reference_ns() / 100 * granted_percent;
     const uint64_t margin_ns = std::max(granted_ns, late.mean_frame_ns() / kFrameShare);
-    const uint64_t new_margin_ns = std::max(margin_ns, late.mean_frame_ns());
     trial_ = Trial{.arm = command.arm,
                    .arm_before = arm_before,
                    .before = late,
                    .limit_ns = late.reference_ns() + margin_ns,
-                   .new_limit_ns = late.reference_ns() + (is_built ? margin_ns : new_margin_ns),
                    .is_built = is_built,
                    .budget_ns = duration_ns / kBudgetShare,
                    .left_ns = duration_ns};
@@ -78,19 +75,17 @@ class TrialGuard {
   // Ends the trial without a result, for example because the game has chosen an arm.
   void Cancel() { trial_.reset(); }
 
-  // Returns the time that all searches of the next frame may take. Absent: there is no trial.
+  // Returns the time that all searches of the next frame may take. Absent: there is no limit.
   std::optional<uint64_t> limit_ns() const {
-    if (!trial_) return std::nullopt;
-    return trial_->is_new() ? trial_->new_limit_ns : trial_->limit_ns;
+    if (!trial_ || (trial_->is_new() && !trial_->is_built)) return std::nullopt;
+    return trial_->limit_ns;
   }
 
   // Ends the trial because a search was stopped after `detection_ns`. The frame must not be passed
   // to OnFrame. The end has at most the limit, which is what a stop proves, because the search may
   // have been suspended. REQUIRES: limit_ns() is present.
   End Stop(uint64_t detection_ns) {
-    const bool builds = trial_->is_new() && !trial_->is_built;
-    const uint64_t proven_ns = builds ? trial_->before.reference_ns() : *limit_ns();
-    const End end = EndOf(std::min(detection_ns, proven_ns));
+    const End end = EndOf(std::min(detection_ns, *limit_ns()));
     trial_.reset();
     return end;
   }
@@ -138,8 +133,7 @@ class TrialGuard {
     uint32_t arm_before = 0;
     Frames before;  // recent frames of the previous arm
     uint64_t limit_ns = 0;
-    uint64_t new_limit_ns = 0;  // the limit while is_new()
-    bool is_built = false;      // the structure was prepared
+    bool is_built = false;  // the structure was prepared
     uint64_t budget_ns = 0;
     uint64_t left_ns = 0;
     uint64_t frame_count = 0;  // frames with a search while is_new()

@@ -30,6 +30,7 @@ constexpr double kTie = 0.005;               // smaller expected gains (log-cost
 constexpr double kFirstCostShare = 0.05;     // assumed switch cost ÷ settling time, until measured
 constexpr double kCostRate = 0.3;            // weight of a new measurement of the switch cost
 constexpr uint32_t kTrialLimitPercent = 120;
+constexpr uint32_t kEndsWithoutEvidence = 2;  // the first early ends of an arm's trials
 // An arm is tried only if it costs more than twice as much as the active arm with a probability
 // below 10 %. kTrialDeviations is the 90 % quantile of a normal distribution, kMaxTrialLogRatio is
 // ln 2.
@@ -63,7 +64,7 @@ AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponent
       observed_(setup.arms.size(), false),
       bans_(setup.arms.size()),
       was_live_(setup.arms.size(), false),
-      trial_ended_(setup.arms.size(), false),
+      trial_ends_(setup.arms.size(), 0),
       first_visits_(setup.arms.size()),
       posteriors_(setup.arms.size()),
       switch_cost_s_(kFirstCostShare * Seconds(setup.options.settling_ns)) {
@@ -248,12 +249,12 @@ void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
 }
 
 // Records that a trial of the arm ended early. The arm may be tried again, but only as a trial. The
-// first early end is not evidence, because other work on the machine may have caused the long
-// frames.
+// first early ends are not evidence, because other work on the machine may have caused the long
+// frame. If only the first one was none, some games without a lane stayed on a slow arm.
 void AdaptivePolicy::LearnTrialEnd(const TrialEnd& end, int64_t now_ns) {
   AdvanceTo(now_ns);
-  if (trial_ended_[end.arm]) filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
-  trial_ended_[end.arm] = true;
+  if (++trial_ends_[end.arm] > kEndsWithoutEvidence)
+    filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
   observed_[end.arm] = true;
   UpdatePosteriors();
 }

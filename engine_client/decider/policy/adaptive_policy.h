@@ -28,9 +28,9 @@
 //   client switches back at once in two cases. Either a search takes a fifth longer than the
 //   previous arm's, or the trial exceeds its time budget. For an arm that the lane observed, the
 //   gate therefore limits the loss to that budget.
-// - The first early end of a trial may have another cause than the arm and is not evidence. A later
-//   early end gives a lower bound of the arm's cost. A visit that the lane cut off at its time
-//   limit does too.
+// - The first two early ends of an arm's trials may have another cause than the arm and are not
+//   evidence. A later early end gives a lower bound of the arm's cost. A visit that the lane cut
+//   off at its time limit does too.
 // - Each regime of the scene has separate beliefs, which are used again when the regime returns.
 //   Evidence belongs to the regime in which it was measured (regime_span.h).
 //
@@ -147,8 +147,8 @@ class AdaptivePolicy : public Policy {
   std::vector<bool> has_prior_;
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane
   std::vector<Ban> bans_;
-  std::vector<bool> was_live_;     // arms with a live window in this session
-  std::vector<bool> trial_ended_;  // arms with a trial that ended early
+  std::vector<bool> was_live_;        // arms with a live window in this session
+  std::vector<uint32_t> trial_ends_;  // early ends of trials, per arm
   // For DropContradictedPriors: the cheapest arm by the priors (absent after they were checked or
   // dropped), and the lane's first visit to each arm with a prior.
   std::optional<uint32_t> expected_arm_;

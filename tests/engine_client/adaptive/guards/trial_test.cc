@@ -149,38 +149,13 @@ TEST_F(TrialTest, AnArmWithinTheLimitStaysAfterTheTrial) {
   EXPECT_EQ(adaptive_->switch_epoch(), 1U);
 }
 
-TEST_F(TrialTest, FramesOfANewStructureMayTakeAFrameMore) {
-  SearchOfBTakes(kFrameNs - 2000, /*poll_count=*/100);
+// The first one builds the structure, which says little about the cost of B.
+TEST_F(TrialTest, FramesOfANewStructureHaveNoLimit) {
+  arms_[1]->script().build_ns = 2 * kFrameNs;
+  SearchOfBTakes(2 * kFrameNs, /*poll_count=*/100);
   TryB();
   EXPECT_EQ(adaptive_->active_arm(), 1U);
-  EXPECT_EQ(Frame().arm, 0U) << "after the warm-up the limit is lower";
-}
-
-TEST_F(TrialTest, StopsTheFirstSearchAfterAFrameMore) {
-  SearchOfBTakes(2 * kFrameNs, /*poll_count=*/200);
-  Command();
-  const FrameSample& stopped = Frame();
-  EXPECT_EQ(stopped.arm, 0U);
-  EXPECT_EQ(stopped.switch_epoch, 2U);
-  EXPECT_NEAR(static_cast<double>(stopped.detection_time_ns), kFrameNs, kFrameNs / 50.0);
-  EXPECT_EQ(sink_.switches.back().trial_detection_time_ns, kUsualNs)
-      << "the time of a build does not bound the cost of B";
-}
-
-TEST_F(TrialTest, StopsABuildAndDoesNotSearchThen) {
-  arms_[1]->script().build_ns = 2 * kFrameNs;
-  SearchOfBTakes(10, /*poll_count=*/100);
-  Command();
-  EXPECT_EQ(Frame().arm, 0U);
-  EXPECT_EQ(arms_[1]->find_count, 0);
-}
-
-// A build that does not poll is over its time. The search is not begun then.
-TEST_F(TrialTest, DoesNotSearchAfterALongBuild) {
-  arms_[1]->script().build_ns = 2 * kFrameNs;
-  Command();
-  EXPECT_EQ(Frame().arm, 0U);
-  EXPECT_EQ(arms_[1]->find_count, 0);
+  EXPECT_EQ(Frame().arm, 0U) << "after the warm-up there is a limit";
 }
 
 TEST_F(TrialTest, IgnoresLongSearchesOfANewStructureThatCannotBeStopped) {
