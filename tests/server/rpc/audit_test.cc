@@ -105,25 +105,23 @@ TEST_F(AuditTest, TheSetupRowListsTheSourcesOfThePriorAndTheirWeights) {
   Derived(rows);
 }
 
-TEST_F(AuditTest, TheSetupRowSaysWhetherTheGameStopsTrials) {
-  for (const bool stops : {false, true}) {
-    v1::Hello hello = HelloMessage();
-    if (stops) hello.add_capabilities(v1::CAPABILITY_STOPS_TRIALS);
-    TelemetryClient client(channel_);
-    client.Open(hello);
-    applied_ = 0;
-    Play(client, 1, 1);
-    client.Send(Goodbye());
-    EXPECT_TRUE(client.Finish().ok());
-  }
-  int with_count = 0;
-  int without_count = 0;
-  for (const decision::AuditRow& row : ExportAudit()) {
-    if (row.setup) ++(row.setup->setup.stops_trials ? with_count : without_count);
-  }
-  EXPECT_EQ(with_count, 1);
-  EXPECT_EQ(without_count, 1);
+class AuditOfTrials : public AuditTest, public testing::WithParamInterface<bool> {};
+
+TEST_P(AuditOfTrials, TheSetupRowSaysWhetherTheGameStopsThem) {
+  v1::Hello hello = HelloMessage();
+  if (GetParam()) hello.add_capabilities(v1::CAPABILITY_STOPS_TRIALS);
+  TelemetryClient client(channel_);
+  client.Open(hello);
+  Play(client, 1, 1);
+  client.Send(Goodbye());
+  EXPECT_TRUE(client.Finish().ok());
+  const std::vector<decision::AuditRow> rows = ExportAudit();
+  ASSERT_FALSE(rows.empty());
+  ASSERT_TRUE(rows[0].setup);
+  EXPECT_EQ(rows[0].setup->setup.stops_trials, GetParam());
 }
+
+INSTANTIATE_TEST_SUITE_P(Capability, AuditOfTrials, testing::Bool());
 
 TEST_F(AuditTest, BailOutsWithoutEvidenceAreReplayedAsSuch) {
   TelemetryClient client(channel_);
