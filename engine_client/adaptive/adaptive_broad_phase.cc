@@ -502,7 +502,7 @@ void AdaptiveBroadPhase::Impl::Freeze() {
 
 void AdaptiveBroadPhase::Impl::SetLaneUse(bool used) {
   lane_is_used_.store(used, std::memory_order_relaxed);
-  if (!used && lane_ != nullptr) lane_->Trim();
+  if (!used && lane_ != nullptr && !lane_->enabled()) lane_->Trim();
 }
 
 void AdaptiveBroadPhase::Impl::CancelTrial() {

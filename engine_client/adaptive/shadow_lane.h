@@ -103,6 +103,14 @@ class ShadowLane {
   // false if none is ready. If the lane's pair buffer is larger than `pairs`, the two buffers are
   // swapped, and `pairs` loses its content.
   bool TakeOver(uint32_t arm, ArmBackend& own, PairBuffer& pairs);
+  // Returns whether the options, the mode and the decider let the lane run now.
+  bool enabled() const {
+    if (setup_.frozen != nullptr && setup_.frozen->load(std::memory_order_relaxed)) return false;
+    if (setup_.options.enabled == ShadowMode::kOn) return true;
+    if (setup_.is_used != nullptr && !setup_.is_used->load(std::memory_order_relaxed)) return false;
+    return was_ai_.load(std::memory_order_relaxed) ||
+           setup_.mode.load(std::memory_order_relaxed) == Mode::kAi;
+  }
   // Makes the lane free its structures and copied boxes as soon as no preparation is under way.
   void Trim() { trim_is_wanted_.store(true, std::memory_order_relaxed); }
   void OnFrame(std::span<const Aabb> boxes, const FrameNote& note) noexcept {
@@ -142,13 +150,6 @@ class ShadowLane {
 
   // Does the work of Step. Throws std::bad_alloc, after which Step frees the lane's memory.
   std::chrono::microseconds StepWithMemory();
-  bool enabled() const {
-    if (setup_.frozen != nullptr && setup_.frozen->load(std::memory_order_relaxed)) return false;
-    if (setup_.options.enabled == ShadowMode::kOn) return true;
-    if (setup_.is_used != nullptr && !setup_.is_used->load(std::memory_order_relaxed)) return false;
-    return was_ai_.load(std::memory_order_relaxed) ||
-           setup_.mode.load(std::memory_order_relaxed) == Mode::kAi;
-  }
   bool HasCore();
   bool sweep_is_due() const;
   bool interrupted(const SwitchHandover::Order* followed) const;

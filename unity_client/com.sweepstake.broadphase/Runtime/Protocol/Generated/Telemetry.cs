@@ -1974,7 +1974,7 @@ namespace Sweepstake.Protocol.V1 {
     private string sessionId_ = "";
     /// <summary>
     /// The session to resume, from an earlier Welcome. A new session begins if the daemon does not know it, or if its scene, machine
-    /// class, policy's reward version, weights of the reward, arms or CAPABILITY_STOPS_TRIALS differ. A session that is still in the
+    /// class, policy's reward version, arms, CAPABILITY_STOPS_TRIALS or (only for `paper`) weights differ. A session that is still in the
     /// daemon's memory keeps its intervals. Absent: a new session.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
@@ -4966,8 +4966,8 @@ namespace Sweepstake.Protocol.V1 {
     private ulong trialDetectionTimeNs_;
     /// <summary>
     /// Detection time that ended a trial early (SwitchCommand.trial_limit_percent): a lower bound of the tried arm's. It is the time
-    /// after which a detection was stopped or ended over the limit. If the budget was exceeded, it is the mean of the trial. Absent
-    /// (0): the switch did not end a trial.
+    /// at which a detection ended over the limit, or the limit itself if it was stopped. If the budget was exceeded, it is the mean
+    /// of the trial. Absent (0): the switch did not end a trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7686,7 +7686,8 @@ namespace Sweepstake.Protocol.V1 {
     /// new arm that takes longer than the limit. It returns to the previous arm, which also answers that frame. The limit is
     /// trial_limit_percent % of the previous arm's longest recent detection but one. It is also at least that detection plus 1/20 of
     /// the mean frame. The client also returns if all detections together exceed their number times the previous arm's mean detection
-    /// time by 1/40 of the trial's time. The first three frames do not count for that. Absent (0): no trial.
+    /// time by 1/40 of the trial's time. The first three frames do not count for that. If the frame thread builds the new arm's
+    /// structure, they have no limit either, because a build does not show the arm's cost. Absent (0): no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
