@@ -77,7 +77,9 @@ class CDaemonTest : public ::testing::Test {
 };
 
 TEST_F(CDaemonTest, ASwitchOfTheDaemonIsExecuted) {
-  daemon_.emplace(data_.path());
+  // "paper" draws at each decision, so a switch does not depend on the measured times.
+  daemon_.emplace(data_.path(), "127.0.0.1:0",
+                  std::vector<std::string>{"--decision-policy", "paper"});
   StartGame();
   PlayUntil([this](const swp_link_stats& stats) {
     uint32_t epoch = 0;
