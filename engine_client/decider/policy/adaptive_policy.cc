@@ -8,50 +8,23 @@
 #include "engine_client/decider/policy/posterior_update.h"
 #include "engine_client/math/difference_variances.h"
 #include "engine_client/math/normal_distribution.h"
+#include "engine_client/math/portable_math.h"
 
 namespace sweepstake::decision {
 namespace {
 
-constexpr double SquareOf(double x) { return x * x; }
-
-// Constants of the use of priors.
-constexpr double kFlatEvidence = 2.5;  // a prior with α + β below this is ignored; Beta(1,1) has 2
-constexpr double kPriorVariance = SquareOf(0.15);  // minimum variance of a prior's log-cost
-constexpr double kUnknownDeviation = 0.8;  // standard deviation of an unknown arm's log-cost
-constexpr double kFlatShare = 0.2;         // share of a belief that ignores the prior
-// The priors are dropped if the lane's first visits contradict them. That is the case if the arm
-// that the priors expect to be the cheapest exceeds the cheapest measured arm by this log-cost (35
-// %).
-constexpr double kContradiction = 0.3;
-// Constants of the safety limit: see IsSafe.
-constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit: 3 s of 5 s
+constexpr double kFlatShare = 0.2;           // share of a belief that ignores the prior
 constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal distribution
-constexpr double kTie = 0.005;               // smaller expected gains (log-cost) cause no switch
-constexpr double kFirstCostShare = 0.05;     // assumed switch cost ÷ settling time, until measured
-constexpr double kCostRate = 0.3;            // weight of a new measurement of the switch cost
-constexpr uint32_t kTrialLimitPercent = 120;
-constexpr uint32_t kEndsWithoutEvidence = 2;  // the first early ends of an arm's trials
-// An arm is tried only if it costs more than twice as much as the active arm with a probability
-// below 10 %. kTrialDeviations is the 90 % quantile of a normal distribution, kMaxTrialLogRatio is
-// ln 2.
-constexpr double kTrialDeviations = 1.282;
-constexpr double kMaxTrialLogRatio = 0.693;
-constexpr uint64_t kShareWindows = 10;  // number of windows over which detection_share_ is averaged
-constexpr double kBanGrowth = 4;
-// Maximum time, in decision intervals, by which one step advances the drifts. A longer gap is a
-// pause, in which costs do not drift.
-constexpr double kMaxAdvance = 30;
-// The lane counts as reporting for this number of decision intervals after its latest visit.
-constexpr int64_t kLaneIntervals = 5;
-// If the lane has not reported after this many live windows, arms are tried live without it. The
-// lane is given some time, because in an expensive scene its first sweep takes long.
-constexpr uint64_t kPatienceWindows = 5;
+constexpr double kTie = 0.005;  // smaller expected gains (log-cost) cause no switch to a known arm
+constexpr uint32_t kTrialLimitPercent = 120;  // chosen: a hitch of 20 % of the search is not seen
+constexpr double kBanGrowth = 4;              // chosen: the fourth ban lasts for hours
 
 double Seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 double LogCostOfNs(uint64_t ns) { return LogCostOf(static_cast<double>(ns) * 1e-3); }
 
-bool IsFlat(const BetaPosterior& prior) { return prior.evidence() < kFlatEvidence; }
+// Returns whether the prior knows no more than Beta(1, 1).
+bool IsFlat(const BetaPosterior& prior) { return prior.evidence() <= BetaPosterior{}.evidence(); }
 
 }  // namespace
 
@@ -64,10 +37,7 @@ AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponent
       observed_(setup.arms.size(), false),
       bans_(setup.arms.size()),
       was_live_(setup.arms.size(), false),
-      trial_ends_(setup.arms.size(), 0),
-      first_visits_(setup.arms.size()),
-      posteriors_(setup.arms.size()),
-      switch_cost_s_(kFirstCostShare * Seconds(setup.options.settling_ns)) {
+      posteriors_(setup.arms.size()) {
   if (setup.has_priors) SetPriors(setup.priors);
   UpdatePosteriors();
 }
@@ -84,12 +54,10 @@ void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
   if (count == 0) return;
   for (uint32_t arm = 0; arm < priors.size(); ++arm) {
     has_prior_[arm] = !IsFlat(priors[arm]);
-    NormalBelief belief{sum / count, SquareOf(kUnknownDeviation)};
+    NormalBelief belief{sum / count, kUnknownVariance};
     if (has_prior_[arm]) belief = BeliefOf(priors[arm]);
-    belief.variance = std::max(belief.variance, kPriorVariance);
+    belief.variance = std::max(belief.variance, kTransferVariance);
     filter().SetPrior(arm, belief);
-    if (!has_prior_[arm]) continue;
-    if (!expected_arm_ || belief.mean < filter().LogCost(*expected_arm_).mean) expected_arm_ = arm;
   }
 }
 
@@ -97,31 +65,6 @@ AdaptivePolicy::Visit AdaptivePolicy::VisitOf(const ShadowSample& sample) {
   return {.sweep = sample.first_frame_index,
           .log_cost = LogCostOfNs(sample.detection_time_ns),
           .is_bound = (sample.flags & kShadowCapped) != 0};
-}
-
-// Compares two arms: the cheapest one by the priors, and the cheapest one by the lane's first visit
-// to each arm. Drops the priors if they disagree by more than kContradiction. The first visits may
-// be spread over several ticks.
-void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> samples) {
-  if (!expected_arm_) return;
-  const std::vector<std::optional<Visit>> earlier = first_visits_;
-  for (const ShadowSample& sample : samples) {
-    std::optional<Visit>& first = first_visits_[sample.arm];
-    if (!first && has_prior_[sample.arm]) first = VisitOf(sample);
-  }
-  const std::optional<Visit> expected = first_visits_[*expected_arm_];
-  const bool contradicted =
-      expected && std::any_of(first_visits_.begin(), first_visits_.end(), [&](const auto& visit) {
-        return visit && !visit->is_bound && expected->log_cost - visit->log_cost >= kContradiction;
-      });
-  if (!contradicted) return;
-  const RelativeCostFilter fresh(filter().arm_count(), components_.filter);
-  for (RelativeCostFilter& filter : beliefs_.filters()) filter = fresh;
-  for (uint32_t arm = 0; arm < earlier.size(); ++arm) {
-    if (earlier[arm]) Observe(arm, *earlier[arm]);
-  }
-  std::fill(has_prior_.begin(), has_prior_.end(), false);
-  expected_arm_.reset();
 }
 
 void AdaptivePolicy::Observe(uint32_t arm, const Visit& visit) {
@@ -155,10 +98,11 @@ void AdaptivePolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t 
   if (beliefs_.Observe(descriptor)) UpdatePosteriors();
 }
 
-// Returns the time in decision intervals, at most kMaxAdvance.
+// Returns the time in decision intervals, at most one. A longer gap is a pause, in which costs do
+// not drift.
 double AdaptivePolicy::IntervalsSince(int64_t earlier_ns, int64_t now_ns) const {
   const double passed_ns = static_cast<double>(now_ns) - static_cast<double>(earlier_ns);
-  return std::min(passed_ns / static_cast<double>(options_.decision_interval_ns), kMaxAdvance);
+  return std::min(passed_ns / static_cast<double>(options_.decision_interval_ns), 1.0);
 }
 
 // Sets the arm's cost in the beliefs of all regimes, because a bail-out counts in every regime.
@@ -188,12 +132,11 @@ std::vector<Increment> AdaptivePolicy::LearnShadow(std::span<const ShadowSample>
                                                    int64_t now_ns) {
   if (!components_.shadow) return {};
   std::vector<Increment> increments;
-  DropContradictedPriors(samples);
   last_shadow_ns_ = now_ns;
   AdvanceTo(now_ns);
   for (const ShadowSample& sample : samples) {
     const Visit visit = VisitOf(sample);
-    observed_[sample.arm] = true;
+    if (!visit.is_bound) observed_[sample.arm] = true;
     const bool is_news = !visit.is_bound || visit.log_cost > filter().LogCost(sample.arm).mean;
     Observe(sample.arm, visit);
     if (is_news) increments.push_back(VisitIncrement(sample.arm, visit.log_cost));
@@ -207,16 +150,12 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
   if (!metrics.IsFinite()) return std::nullopt;
   AdvanceTo(observation.now_ns);
   const double log_cost = LogCostOf(metrics.calm_detection_ms * 1e3);
-  const int64_t lane_ns = kLaneIntervals * options_.decision_interval_ns;
-  const bool is_at_work = last_shadow_ns_ && observation.now_ns - *last_shadow_ns_ <= lane_ns;
   const bool has_one_regime = components_.regimes && beliefs_.regime_count() == 1;
-  filter().ObserveLive(observation.arm, log_cost, is_at_work && has_one_regime);
+  filter().ObserveLive(observation.arm, log_cost,
+                       LaneReports(observation.now_ns) && has_one_regime);
   observed_[observation.arm] = true;
   was_live_[observation.arm] = true;
-  ++window_count_;
-  const double share = std::clamp(metrics.detection_ms * metrics.fps * 1e-3, 1e-4, 1.0);
-  const auto windows = static_cast<double>(std::min(window_count_, kShareWindows));
-  detection_share_ += (share - detection_share_) / windows;
+  detection_share_ = std::clamp(metrics.detection_ms * metrics.fps * 1e-3, 1e-4, 1.0);
   UpdatePosteriors();
   const double reward = RewardOf(log_cost);
   return WindowUpdate{.increment = LogCostIncrement(observation.arm, reward, filter().live_noise()),
@@ -245,16 +184,15 @@ Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
 void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
   const double cost_s = static_cast<double>(TotalNs(cost)) * 1e-9;
   const double max_s = Seconds(options_.settling_ns) + Seconds(options_.decision_interval_ns);
-  switch_cost_s_ += kCostRate * (std::min(cost_s, max_s) - switch_cost_s_);
+  ++switch_count_;
+  switch_cost_s_ += (std::min(cost_s, max_s) - switch_cost_s_) / static_cast<double>(switch_count_);
 }
 
-// Records that a trial of the arm ended early. The arm may be tried again, but only as a trial. The
-// first early ends are not evidence, because other work on the machine may have caused the long
-// frame. If only the first one was none, some games without a lane stayed on a slow arm.
+// Learns that the arm is at least as expensive as the time that ended its trial. The arm may be
+// tried again, but only as a trial.
 void AdaptivePolicy::LearnTrialEnd(const TrialEnd& end, int64_t now_ns) {
   AdvanceTo(now_ns);
-  if (++trial_ends_[end.arm] > kEndsWithoutEvidence)
-    filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
+  filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
   observed_[end.arm] = true;
   UpdatePosteriors();
 }
@@ -272,36 +210,34 @@ double AdaptivePolicy::LongestHorizonSeconds() const {
 }
 
 // Returns the time over which the gate sums up the gain of a switch: the mean length of the scene's
-// regimes so far. The present regime counts as one that lasts for the longest horizon from now on.
+// regimes so far. The present regime counts as one that lasts for another longest horizon.
 double AdaptivePolicy::HorizonSeconds(int64_t now_ns, int64_t start_ns) const {
   const double longest_s = LongestHorizonSeconds();
   const double passed_s = std::max(Seconds(now_ns) - Seconds(start_ns), 0.0);
   const auto regimes = static_cast<double>(beliefs_.change_count() + 1);
-  return std::min(longest_s, (longest_s + passed_s) / regimes);
+  return (longest_s + passed_s) / regimes;
 }
 
 bool AdaptivePolicy::LaneReports(int64_t now_ns) const {
   return last_shadow_ns_ && Seconds(now_ns) - Seconds(*last_shadow_ns_) <= LongestHorizonSeconds();
 }
 
-// Returns whether enough is known about the arm to choose it. One of these must hold:
-// - it was observed
-// - it has a prior
-// - the lane does not report and had time to (kPatienceWindows)
+// Returns whether enough is known about the arm to choose it: it was observed, or there is no lane
+// that will observe it.
 bool AdaptivePolicy::IsKnownEnough(uint32_t arm, int64_t now_ns) const {
-  if (observed_[arm] || has_prior_[arm]) return true;
-  return !LaneReports(now_ns) && window_count_ >= kPatienceWindows;
+  return observed_[arm] || !LaneReports(now_ns);
 }
 
-// Returns whether the arm stays below the safety limit. An arm that was never seen, in a game
-// without a lane, also counts as safe if its expected cost is not above the active arm's. Otherwise
-// its wide belief alone would keep the game on a slow arm for ever.
+// Returns whether the arm stays below the limit of a bail-out with a probability of 99 %. An arm
+// that was never seen, in a game without a lane, also counts as safe if its expected cost is not
+// above the active arm's. Otherwise its wide belief alone would keep the game on a slow arm for
+// ever.
 bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
   const NormalBelief cost = filter().LiveCost(arm);
   const bool unseen = !observed_[arm] && !LaneReports(input.now_ns);
   if (unseen && cost.mean <= filter().LiveCost(input.active_arm).mean) return true;
-  const double limit_us = kUnsafeShare * static_cast<double>(options_.bail_out_ns) * 1e-3;
-  return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < LogCostOf(limit_us);
+  const double limit = LogCostOfNs(static_cast<uint64_t>(options_.bail_out_ns));
+  return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < limit;
 }
 
 // Returns whether a switch to the arm would be a trial: the arm was not live yet, and no bail-out
@@ -323,11 +259,11 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
   Assessment result{.arm = candidate};
   GateTerms& terms = result.terms;
   terms.gain = ExpectedGain(mean, deviation);
-  terms.loss = ExpectedGain(-mean, deviation);
+  terms.loss = math::Exp(ExpectedGain(-mean, deviation)) - 1;
   terms.horizon_s = HorizonSeconds(input.now_ns, input.start_ns);
   if (!observed_[candidate]) {
     // Mix the belief with a flat one that ignores the prior, because the arm was not observed.
-    const double flat = ExpectedGain(0, kUnknownDeviation);
+    const double flat = ExpectedGain(0, std::sqrt(kUnknownVariance));
     const double share = has_prior_[candidate] ? kFlatShare : 1;
     terms.gain += share * (flat - terms.gain);
     terms.loss += share * (flat - terms.loss);
@@ -339,25 +275,18 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
     terms.loss = std::min(terms.loss, kTrialBudget / detection_share_);
   }
   result.worth_s = terms.horizon_s * terms.gain - terms.cooldown_s * terms.loss - terms.cost_s;
-  if (terms.gain < kTie) result.worth_s = std::min(result.worth_s, 0.0);
+  if (terms.gain < kTie && !IsTrial(input, candidate))
+    result.worth_s = std::min(result.worth_s, 0.0);
   if (!components_.gate) result.worth_s = result.advantage;
   return result;
 }
 
-// Returns whether to consider switching to the arm.
-// - Without a reporting lane: always.
-// - After a bail-out: if the arm was not live yet, or is believed to be cheaper than the active
-//   arm.
-// - An arm that was live: if it is believed to be cheaper.
-// - An arm that was not live: if it costs at most twice the active arm with a probability of 90 %.
-//   Its first live window would show the lane's bias for it, but a trial costs several frames.
+// Returns whether to consider switching to the arm. With a lane, an arm that was live is considered
+// only if it is believed to be cheaper, because the lane measures it anyway. The first live window
+// of another arm would show the lane's bias for it.
 bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
-  if (!LaneReports(input.now_ns)) return true;
-  const NormalBelief difference = filter().Difference(input.active_arm, arm);
-  const double deviation = std::sqrt(difference.variance);
-  if (input.bailed_out) return !was_live_[arm] || difference.mean > 0;
-  if (was_live_[arm]) return difference.mean > 0;
-  return kTrialDeviations * deviation - difference.mean < kMaxTrialLogRatio;
+  return !was_live_[arm] || !LaneReports(input.now_ns) ||
+         filter().Difference(input.active_arm, arm).mean > 0;
 }
 
 std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
@@ -446,7 +375,7 @@ void AdaptivePolicy::UpdatePosteriors() {
   }
   // The leader gets half of the smallest variance of a difference, and every other arm gets the
   // rest of its own difference's variance.
-  double smallest = SquareOf(kUnknownDeviation);
+  double smallest = kUnknownVariance;
   for (uint32_t arm = 0; arm < filter().arm_count(); ++arm) {
     if (arm != leader) smallest = std::min(smallest, filter().Difference(arm, leader).variance);
   }

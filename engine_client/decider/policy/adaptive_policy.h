@@ -120,7 +120,6 @@ class AdaptivePolicy : public Policy {
   void SetPriors(const std::vector<BetaPosterior>& priors);
   static Visit VisitOf(const ShadowSample& sample);
   void Observe(uint32_t arm, const Visit& visit);
-  void DropContradictedPriors(std::span<const ShadowSample> samples);
   Increment VisitIncrement(uint32_t arm, double log_cost) const;
   RelativeCostFilter& filter() { return beliefs_.filter(); }
   const RelativeCostFilter& filter() const { return beliefs_.filter(); }
@@ -147,18 +146,13 @@ class AdaptivePolicy : public Policy {
   std::vector<bool> has_prior_;
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane
   std::vector<Ban> bans_;
-  std::vector<bool> was_live_;        // arms with a live window in this session
-  std::vector<uint32_t> trial_ends_;  // early ends of trials, per arm
-  // For DropContradictedPriors: the cheapest arm by the priors (absent after they were checked or
-  // dropped), and the lane's first visit to each arm with a prior.
-  std::optional<uint32_t> expected_arm_;
-  std::vector<std::optional<Visit>> first_visits_;
+  std::vector<bool> was_live_;  // arms with a live window in this session
   std::vector<BetaPosterior> posteriors_;
   std::optional<int64_t> last_advance_ns_;
   std::optional<int64_t> last_shadow_ns_;
-  uint64_t window_count_ = 0;
-  double switch_cost_s_;
-  double detection_share_ = 1;  // detection's share of the frame time
+  uint64_t switch_count_ = 0;
+  double switch_cost_s_ = 0;    // mean of the measured ones
+  double detection_share_ = 1;  // detection's share of the frame time in the latest window
 };
 
 }  // namespace sweepstake::decision

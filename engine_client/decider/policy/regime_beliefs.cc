@@ -3,17 +3,12 @@
 #include <utility>
 
 namespace sweepstake::decision {
-namespace {
-
-constexpr double kNewVariance = 0.3 * 0.3;  // added to the beliefs of a new regime
-
-}  // namespace
 
 bool RegimeBeliefs::Observe(const SceneDescriptor& descriptor) {
   const auto [regime, is_new] = memory_.Observe(descriptor);
   if (is_new && regime != regime_) {
     RelativeCostFilter beliefs = filter();
-    beliefs.Widen(kNewVariance);
+    beliefs.Widen(kTransferVariance);
     if (regime == filters_.size()) filters_.push_back(beliefs);
     filters_[regime] = std::move(beliefs);
   }

@@ -15,7 +15,6 @@ constexpr double kSpeedStep = 1;    // difference of ln(mean speed)
 constexpr double kStaticStep = 0.3;
 constexpr double kMinSpeed = 1e-6;     // world units per frame
 constexpr double kUnmeasured = -1000;  // stands for a feature that was not measured
-constexpr uint64_t kMemory = 10;       // number of descriptors that a regime's centre averages
 
 }  // namespace
 
@@ -64,7 +63,7 @@ RegimeMemory::Recognition RegimeMemory::Observe(const SceneDescriptor& descripto
   Regime& regime = regimes_[current_];
   regime.last = count_;
   ++regime.count;
-  const auto weight = 1 / static_cast<double>(std::min(regime.count, kMemory));
+  const double weight = 1 / static_cast<double>(regime.count);
   for (size_t i = 0; i < features.size(); ++i)
     regime.centre[i] += weight * (features[i] - regime.centre[i]);
   return {.regime = current_};

@@ -13,36 +13,18 @@ constexpr double Square(double x) { return x * x; }
 
 // Each variance is written as the square of a standard deviation of a log-cost: Square(0.01) stands
 // for 1 %. The values were chosen on the traces of tests/bench/data/tuning_scenes.txt. Halving or
-// doubling any one value changes the results on these traces little.
-constexpr double kFirstLevel = 7.6;               // mean log-cost before any observation: 2 ms
-constexpr double kLevelVariance = Square(2);      // of the level that all arms share
-constexpr double kUnknownVariance = Square(0.8);  // of one arm relative to the others
-constexpr double kLaneVariance = Square(0.3);     // of the lane relative to the frame thread
-constexpr double kAssumedVariance = Square(0.5);  // of a cost set by Assume
-// Noise variances of single measurements.
-constexpr double kFirstNoise = Square(0.05);
-constexpr double kFirstSweepNoise = Square(0.2);  // a sweep sees 5 frames, a window 100
-constexpr double kMinNoise = Square(0.005);
-constexpr double kMaxNoise = Square(0.5);
-// Drift variances: how much a variance grows per decision interval.
-constexpr double kBiasDrift = Square(0.003);
+// doubling any one value changes the results on these traces little. A drift is the growth of a
+// variance per decision interval.
+constexpr double kFirstLevel = 7.6;           // mean log-cost before any observation: 2 ms
+constexpr double kLevelVariance = Square(2);  // of the level that all arms share
+constexpr double kFirstNoise = Square(0.2);   // of a window, a visit and a sweep
 constexpr double kFirstDrift = Square(0.005);
-constexpr double kFirstLevelDrift = Square(0.03);
-constexpr double kFirstLaneDrift = Square(0.01);
-constexpr double kMinDrift = Square(0.001);
-constexpr double kMaxDrift = Square(0.1);
+// Limits of all noises and drifts. The minimum is also the drift of an arm's lane bias.
+constexpr double kMinVariance = Square(0.001);
+constexpr double kMaxVariance = Square(0.5);
 
 constexpr double kOutlierDeviations = 3;
-constexpr double kNoiseRate = 0.05;  // step size of the noise estimates
-constexpr double kDriftRate = 0.1;   // step size of the drift estimates
-constexpr double kMaxProduct = 4;    // limit of the product of two normalised innovations
-// When a change is found, the variance grows by a multiple of the squared innovation: by kLoadShare
-// for the load of the frame thread's core, and by kOwnShare for the cost of this arm alone.
-constexpr double kLoadShare = 3;
-constexpr double kOwnShare = 0.3;
-// A load may end at any time. So its variance grows by this multiple of its squared mean per
-// interval.
-constexpr double kLoadEnd = 0.3;
+constexpr double kRate = 0.05;  // step size of the estimates of noises and drifts
 
 double Clamped(double log_cost) {
   return log_cost <= kMaxLogCost ? std::max(log_cost, kMinLogCost) : kMaxLogCost;
@@ -62,14 +44,14 @@ RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponent
       covariance_(Eigen::MatrixXd::Zero(arm_count + 1, arm_count + 1)),
       live_noise_(kFirstNoise),
       shadow_noise_(kFirstNoise),
-      sweep_noise_(kFirstSweepNoise),
+      sweep_noise_(kFirstNoise),
       drift_(kFirstDrift),
-      level_drift_(kFirstLevelDrift),
-      lane_drift_(kFirstLaneDrift),
+      level_drift_(kFirstDrift),
+      lane_drift_(kFirstDrift),
       last_visit_(arm_count) {
   mean_[load()] = 0;
   AddVariance(costs(), kLevelVariance, kUnknownVariance);
-  AddVariance(first_biases_, kLaneVariance, kLaneBiasVariance);
+  AddVariance(first_biases_, kUnknownVariance, kLaneBiasVariance);
 }
 
 // Adds the states of the lane to the filter: the bias of each arm, and the offset of the sweep.
@@ -86,10 +68,11 @@ void RelativeCostFilter::SetPrior(uint32_t arm, const NormalBelief& log_cost) {
   covariance_(arm, arm) = kLevelVariance + log_cost.variance;
 }
 
+// A load may end at any time, so its variance grows by its squared mean per interval.
 void RelativeCostFilter::Advance(double intervals) {
   AddVariance(costs(), level_drift_ * intervals, drift_ * intervals);
-  covariance_(load(), load()) += kLoadEnd * Square(mean_[load()]) * intervals;
-  const double lane = lane_drift_ * intervals, own = kBiasDrift * intervals;
+  covariance_(load(), load()) += Square(mean_[load()]) * intervals;
+  const double lane = lane_drift_ * intervals, own = kMinVariance * intervals;
   has_lane() ? AddVariance(biases(), lane, own) : AddVariance(first_biases_, lane, own);
 }
 
@@ -110,16 +93,17 @@ void RelativeCostFilter::AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double 
 void RelativeCostFilter::UpdateNoise(double& noise, double innovation, double variance) const {
   if (!components_.calibration) return;
   const double excess = std::min(Square(innovation) / variance, Square(kOutlierDeviations)) - 1;
-  noise *= 1 + kNoiseRate * noise / variance * excess;
-  noise = std::clamp(noise, kMinNoise, kMaxNoise);
+  noise *= 1 + kRate * noise / variance * excess;
+  noise = std::clamp(noise, kMinVariance, kMaxVariance);
 }
 
 // Changes a drift variance by the product of two successive normalised innovations. If both have
 // the same sign, the belief lags behind the costs, so the drift is increased.
 void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
   if (!components_.calibration) return;
-  drift *= 1 + kDriftRate * std::clamp(product, -kMaxProduct, kMaxProduct);
-  drift = std::clamp(drift, kMinDrift, kMaxDrift);
+  const double limit = Square(kOutlierDeviations);
+  drift *= 1 + kRate * std::clamp(product, -limit, limit);
+  drift = std::clamp(drift, kMinVariance, kMaxVariance);
 }
 
 void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_would_show) {
@@ -136,9 +120,9 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_wo
   // - First window of the session: it shows the level of the scene better than a sweep, which sees
   //   few frames. Widen the common level of all costs.
   // - First window after a switch: the new arm has a level of its own. Widen its belief alone.
-  // - Second outlier in a row on the same side: a change. The most likely cause is other work on
-  //   the core, which the lane does not see. The next is a change of the scene, which affects all
-  //   arms. The least likely is a change of this arm alone. Widen all three accordingly.
+  // - Second outlier in a row on the same side: a change. Its cause is other work on the core,
+  //   which the lane does not see, a change of the scene, which affects all arms, or a change of
+  //   this arm alone. Widen all three.
   // - Otherwise: noise.
   double noise = live_noise_;
   if (std::abs(normalised) > kOutlierDeviations) {
@@ -148,8 +132,8 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_wo
       covariance_(arm, arm) += Square(innovation);
     } else if (AreSameSideOutliers(last, normalised)) {
       AddVariance(costs(), Square(innovation), 0);
-      if (has_lane()) covariance_(load(), load()) += kLoadShare * Square(innovation);
-      if (!lane_would_show) covariance_(arm, arm) += kOwnShare * Square(innovation);
+      if (has_lane()) covariance_(load(), load()) += Square(innovation);
+      if (!lane_would_show) covariance_(arm, arm) += Square(innovation);
       last_live_ = 0;
     } else {
       noise = Square(innovation);
@@ -204,7 +188,7 @@ Eigen::VectorXd RelativeCostFilter::LiveColumn(uint32_t arm) const {
 void RelativeCostFilter::KeepLoadPositive() {
   if (mean_[load()] >= 0) return;
   const Eigen::VectorXd column = covariance_.col(load());
-  Update(column, -mean_[load()], column[load()] + kMinNoise);
+  Update(column, -mean_[load()], column[load()] + kMinVariance);
   mean_[load()] = 0;
 }
 
@@ -306,7 +290,7 @@ void RelativeCostFilter::Assume(uint32_t arm, double log_cost) {
   mean_[arm] = Clamped(log_cost);
   covariance_.row(arm).setZero();
   covariance_.col(arm).setZero();
-  covariance_(arm, arm) = kAssumedVariance;
+  covariance_(arm, arm) = kUnknownVariance;
 }
 
 NormalBelief RelativeCostFilter::LiveCost(uint32_t arm) const {

@@ -7,8 +7,6 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kMinSceneVariance = 0.3 * 0.3;  // of an arm's relative log-cost, between scenes
-
 struct Moments {
   double count = 0;
   double sum = 0;
@@ -106,7 +104,7 @@ std::vector<EvidenceSum> WithOtherScenes(std::vector<EvidenceSum> own,
     const Moments& relative = common.arms[arm];
     if (IsKnown(own[arm]) || relative.count == 0) continue;
     const double mean = std::clamp(level + relative.mean(), 0.0, 1.0);
-    const double spread = std::max(LogCostVarianceOf(relative.variance()), kMinSceneVariance);
+    const double spread = std::max(LogCostVarianceOf(relative.variance()), kTransferVariance);
     own[arm] = SumOf(mean, EvidenceOf(mean, spread * (1 + 1 / relative.count)));
   }
   return own;

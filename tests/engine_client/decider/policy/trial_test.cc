@@ -163,8 +163,8 @@ TEST(Trial, AnArmThatIsTooExpensiveRunsForOneFrame) {
   const std::vector<double> lane_costs_us = {11'000, 8'000, 9'000, 10'000};
   TrialGame game(costs_us, lane_costs_us);
   game.RunTicks(300);
-  EXPECT_EQ(game.ended_trial_count, 6) << "an arm is tried only three times";
-  EXPECT_EQ(game.frame_counts[1] + game.frame_counts[2], 6u);
+  EXPECT_EQ(game.ended_trial_count, 4) << "an arm is tried only twice";
+  EXPECT_EQ(game.frame_counts[1] + game.frame_counts[2], 4u);
   EXPECT_EQ(game.client.arm, 3u);
   TrialGame patient(costs_us, lane_costs_us);
   patient.ends_trials = false;
@@ -186,10 +186,16 @@ TEST(Trial, AnArmThatCostsFortyPercentMoreInTheLaneIsTried) {
   EXPECT_EQ(game.client.arm, 1u);
 }
 
-TEST(Trial, AnArmThatCostsTwiceAsMuchInTheLaneIsNotTried) {
-  TrialGame game({10'000, 7'000}, {10'000, 20'000});
-  game.RunTicks(100);
-  EXPECT_EQ(game.frame_counts[1], 0u);
+TEST(Trial, TheLongerTheRegimeTheLessProbableAGainIsTried) {
+  const auto first_try = [](double lane_cost_us) {
+    TrialGame game({10'000, 7'000}, {10'000, lane_cost_us});
+    int ticks = 0;
+    for (; ticks < 1'000 && game.frame_counts[1] == 0; ++ticks) game.RunTick();
+    return ticks;
+  };
+  EXPECT_LT(first_try(14'000), 5);
+  EXPECT_GT(first_try(20'000), 10);
+  EXPECT_EQ(first_try(50'000), 1'000) << "not tried";
 }
 
 // The lane's visits of the second arm are capped at 11 ms: the arm may take seconds.
@@ -310,8 +316,8 @@ TEST(Trial, ASlowdownIsPartlyAttributedToTheArmInAChangingScene) {
     game.RunTicks(2);
     return game.client.session.diagnosis().best_probability[1];
   };
-  EXPECT_GT(sure_after_a_rise(false), 0.9);
-  EXPECT_LT(sure_after_a_rise(true), 0.8);
+  EXPECT_GT(sure_after_a_rise(false), 0.8);
+  EXPECT_LT(sure_after_a_rise(true), 0.6);
 }
 
 TEST(Trial, AnEndedTrialIsALowerBoundAndNotABan) {
