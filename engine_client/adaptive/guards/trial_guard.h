@@ -17,10 +17,10 @@
 //
 // These frames are special:
 // - In the first 1 + kShadowWarmUpFrames frames with a search, the structure is new. Only the stop
-//   ends the trial there. Without a prepared structure these searches have no limit: the first one
-//   builds the structure, and its time does not show the arm's cost. (With a limit, games without
-//   a lane stopped the builds of cheaper arms and stayed on slow ones.) These frames do not count
-//   towards the trial's duration.
+//   ends the trial there. Without a prepared structure the first search builds it, so each of these
+//   searches may take kColdFactor times the reference. (With a factor of 3, games without a lane
+//   stopped the builds of cheaper arms and stayed on slow ones.) These frames do not count towards
+//   the trial's duration.
 // - Frames that rebuild, and frames without a search, are not compared but count towards the
 //   duration.
 // - Paused, loading and suspended frames are ignored.
@@ -43,6 +43,7 @@ class TrialGuard {
   static constexpr uint32_t kBlockFrames = 128;
   static constexpr uint64_t kFrameShare = 20;
   static constexpr uint64_t kBudgetShare = 40;
+  static constexpr uint64_t kColdFactor = 5;
 
   // The measurements that ended a trial.
   struct End {
@@ -75,17 +76,20 @@ class TrialGuard {
   // Ends the trial without a result, for example because the game has chosen an arm.
   void Cancel() { trial_.reset(); }
 
-  // Returns the time that all searches of the next frame may take. Absent: there is no limit.
+  // Returns the time that all searches of the next frame may take. Absent: there is no trial.
   std::optional<uint64_t> limit_ns() const {
-    if (!trial_ || (trial_->is_new() && !trial_->is_built)) return std::nullopt;
-    return trial_->limit_ns;
+    if (!trial_) return std::nullopt;
+    const bool is_cold = trial_->is_new() && !trial_->is_built;
+    if (!is_cold) return trial_->limit_ns;
+    return std::max(trial_->limit_ns, kColdFactor * trial_->before.reference_ns());
   }
 
   // Ends the trial because a search was stopped after `detection_ns`. The frame must not be passed
-  // to OnFrame. The end has at most the limit, which is what a stop proves, because the search may
-  // have been suspended. REQUIRES: limit_ns() is present.
+  // to OnFrame. The end has at most the limit of a prepared structure, which is what a stop proves:
+  // the search may have been suspended, or have built the structure. REQUIRES: limit_ns() is
+  // present.
   End Stop(uint64_t detection_ns) {
-    const End end = EndOf(std::min(detection_ns, *limit_ns()));
+    const End end = EndOf(std::min(detection_ns, trial_->limit_ns));
     trial_.reset();
     return end;
   }

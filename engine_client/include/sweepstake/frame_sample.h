@@ -124,8 +124,8 @@ struct SwitchCommand {
   // previous arm, and a twentieth of a frame more than that search. It is then stopped, and the
   // previous arm answers the frame. Second: all searches together take longer than the same number
   // of average searches of the previous arm, by a fortieth of the trial's duration. If the frame
-  // thread builds the new structure, the first three searches have no limit. At most 255; below 100
-  // counts as 100. 0: no trial.
+  // thread builds the new structure, the first three searches may take five times the longest
+  // recent one but one. At most 255; below 100 counts as 100. 0: no trial.
   uint32_t trial_limit_percent = 0;
 };
 

@@ -150,12 +150,26 @@ TEST_F(TrialTest, AnArmWithinTheLimitStaysAfterTheTrial) {
 }
 
 // The first one builds the structure, which says little about the cost of B.
-TEST_F(TrialTest, FramesOfANewStructureHaveNoLimit) {
-  arms_[1]->script().build_ns = 2 * kFrameNs;
-  SearchOfBTakes(2 * kFrameNs, /*poll_count=*/100);
+TEST_F(TrialTest, SearchesOfANewStructureMayTakeFiveTimesAsLong) {
+  constexpr uint64_t kLongNs = kFrameNs / 10;  // more than the margin of a twentieth of a frame
+  SearchOfATakes(kLongNs - 100);
+  Frames(2 * TrialGuard::kBlockFrames);
+  SearchOfBTakes(TrialGuard::kColdFactor * kLongNs - 1100, /*poll_count=*/100);
   TryB();
   EXPECT_EQ(adaptive_->active_arm(), 1U);
-  EXPECT_EQ(Frame().arm, 0U) << "after the warm-up there is a limit";
+  EXPECT_EQ(Frame().arm, 0U) << "after the warm-up the limit is lower";
+}
+
+TEST_F(TrialTest, ABuildThatTakesLongerIsStopped) {
+  constexpr uint64_t kLongNs = kFrameNs / 10;
+  SearchOfATakes(kLongNs - 100);
+  Frames(2 * TrialGuard::kBlockFrames);
+  arms_[1]->script().build_ns = TrialGuard::kColdFactor * kLongNs;
+  SearchOfBTakes(kLongNs, /*poll_count=*/100);
+  Command();
+  const FrameSample& frame = Frame();
+  EXPECT_EQ(frame.arm, 0U) << "the former arm answers the frame";
+  EXPECT_LE(frame.detection_time_ns, (TrialGuard::kColdFactor + 2) * kLongNs);
 }
 
 TEST_F(TrialTest, IgnoresLongSearchesOfANewStructureThatCannotBeStopped) {

@@ -7687,7 +7687,7 @@ namespace Sweepstake.Protocol.V1 {
     /// trial_limit_percent % of the previous arm's longest recent detection but one. It is also at least that detection plus 1/20 of
     /// the mean frame. The client also returns if all detections together exceed their number times the previous arm's mean detection
     /// time by 1/40 of the trial's time. The first three frames do not count for that. If the frame thread builds the new arm's
-    /// structure, they have no limit either, because a build does not show the arm's cost. Absent (0): no trial.
+    /// structure, their limit is five times the longest recent detection but one. Absent (0): no trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
