@@ -305,7 +305,10 @@ void EventBus::LoadLater(Scene& scene) {
 }
 
 void EventBus::Reload(const SceneKey& key) {
-  if (draining_ || !Watches(key)) return Forget(key);
+  if (draining_ || !Watches(key)) {
+    scenes_.erase(key);
+    return;
+  }
   scenes_[key].sums.reset();
   Load(key);
 }

@@ -78,7 +78,6 @@ class EventBus final : public sessions::SessionObserver {
   void OnDecision(const sessions::SessionDecision& event) override;
   void OnEvidence(const priors::SceneKey& scene, std::span<const priors::KeyedEvidence> increments,
                   bool new_source) override;
-  void Forget(const priors::SceneKey& scene) override { scenes_.erase(scene); }
   void Reload(const priors::SceneKey& scene) override;
   // Called after evidence was imported, promoted or revoked. All watched scenes are read and
   // published again. A scene that has no evidence any more is published without arms. Subscribers

@@ -317,7 +317,7 @@ void GameSession::OnCommitted(const absl::Status& status,
   // This commit has succeeded after a failed one. The failed commit may have reached the disk after
   // all. The observer's sums may then contain these increments already, so it must read them again.
   if (std::exchange(commit_failed_, !status.ok()) && status.ok())
-    context_.observer.Forget(identity_.scene);
+    context_.observer.Reload(identity_.scene);
   if (!increments.empty()) {
     if (new_scene_) new_scene_->OnStored();
     context_.observer.OnEvidence(identity_.scene, increments,

@@ -47,11 +47,9 @@ class SessionObserver {
   // first ones of their session.
   virtual void OnEvidence(const priors::SceneKey& scene,
                           std::span<const priors::KeyedEvidence> increments, bool new_source) = 0;
-  // Drops the observer's sums of the scene, because they may already contain the increments of the
-  // next OnEvidence. With that call, the sums are read from the store again.
-  virtual void Forget(const priors::SceneKey& scene) = 0;
   // Reads the sums of the scene from the store again and publishes them. Called because the store
-  // may contain, or still receive, increments for which OnEvidence is not called.
+  // may contain, or still receive, increments for which OnEvidence is not called, or because the
+  // sums may already contain the increments of the next OnEvidence.
   virtual void Reload(const priors::SceneKey& scene) = 0;
 };
 

@@ -62,7 +62,6 @@ class NoObserver final : public SessionObserver {
   bool Watches(const priors::SceneKey&) const override { return false; }
   void OnDecision(const SessionDecision&) override {}
   void OnEvidence(const priors::SceneKey&, std::span<const priors::KeyedEvidence>, bool) override {}
-  void Forget(const priors::SceneKey&) override {}
   void Reload(const priors::SceneKey&) override {}
 };
 
