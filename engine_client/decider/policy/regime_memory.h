@@ -10,11 +10,11 @@
 // latest descriptor is the oldest. Not thread-safe. Deterministic.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "engine_client/decider/policy/regime_bucket.h"
 #include "engine_client/decider/policy/regime_report.h"
 #include "engine_client/decider/regime_span.h"
 #include "engine_client/decider/types.h"
@@ -37,21 +37,22 @@ class RegimeMemory {
 
   // Before the first descriptor, place 0 has a regime with number 0 and an unmeasured centre.
   RegimeId IdAt(uint32_t place) const;
-  RegimeCentre CentreAt(uint32_t place) const;
+  RegimeCentre CentreAt(uint32_t place) const { return CentreOf(FeaturesAt(place)); }
+  // The centre as features. A descriptor without a value stands for an unmeasured centre.
+  RegimeFeatures FeaturesAt(uint32_t place) const {
+    return place < regimes_.size() ? regimes_[place].centre : FeaturesOf({});
+  }
 
  private:
-  using Features = std::array<double, 3>;
   struct Regime {
-    Features centre{};
+    RegimeFeatures centre{};
     uint32_t number = 0;  // number of regimes that began before it
     uint64_t count = 0;   // number of descriptors assigned to it
     uint64_t last = 0;    // number of its latest descriptor
   };
 
-  static Features FeaturesOf(const SceneDescriptor& descriptor);
-  static double Distance(const Features& a, const Features& b);
-  std::optional<uint32_t> Find(const Features& features) const;
-  Recognition Begin(const Features& features);
+  std::optional<uint32_t> Find(const RegimeFeatures& features) const;
+  Recognition Begin(const RegimeFeatures& features);
 
   std::vector<Regime> regimes_;
   uint32_t current_ = 0;
