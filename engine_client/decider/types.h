@@ -174,6 +174,7 @@ struct Decision {
   DecisionRecord record;
   std::optional<Increment> increment;      // from the active arm's window, or from a bail-out
   std::vector<Increment> lane_increments;  // from lane visits since the last tick
+  std::string regime;  // the bucket in which the increments are stored (policy/regime_bucket.h)
   std::optional<SwitchCommand> command;
 };
 

@@ -142,8 +142,8 @@ void VisitFields(T& logged, Visit&& visit) {
   visit("backend_versions", backend_versions);
   visit("unix_start_ms", unix_start_ms);
   visit("prior_sources", prior_sources);
-  auto& [options, arms, priors, seed, mode, active_arm, switch_epoch, start_ns, explored_arm_count,
-         decision_count, stops_trials] = logged.setup;
+  auto& [options, arms, priors, regime_priors, seed, mode, active_arm, switch_epoch, start_ns,
+         explored_arm_count, decision_count, stops_trials] = logged.setup;
   // The two other times are logged as the session uses them, so regime_interval_ns is left out.
   auto& [policy, weights, decision_interval_ns, cooldown_ns, settling_ns, regime_interval_ns,
          bail_out_ns, exploration_warm_up_ns, exploration_measure_ns, explore, bail_out_penalty,
@@ -165,6 +165,10 @@ void VisitFields(T& logged, Visit&& visit) {
   visit("bail_out_penalty", bail_out_penalty);
   visit("fps_floor", fps_floor);
   visit("priors", priors);
+  auto& [buckets, posteriors, stored_count] = regime_priors;
+  visit("regimes", buckets);
+  visit("regime_priors", posteriors);
+  visit("stored_regime_count", stored_count);
   visit("seed", seed);
   visit("mode", mode);
   visit("active_arm", active_arm);

@@ -32,6 +32,7 @@ AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponent
     : options_(setup.options),
       components_(components),
       stops_trials_(setup.stops_trials),
+      regime_priors_(setup.regime_priors),
       beliefs_(RelativeCostFilter(static_cast<uint32_t>(setup.arms.size()), components.filter)),
       has_prior_(setup.arms.size(), false),
       observed_(setup.arms.size(), false),
@@ -43,7 +44,7 @@ AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponent
 }
 
 // Uses the priors with enough evidence. Each of the other arms starts at the mean of these priors.
-void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
+void AdaptivePolicy::SetPriors(std::span<const BetaPosterior> priors) {
   double sum = 0;
   double count = 0;
   for (const BetaPosterior& prior : priors) {
@@ -52,10 +53,12 @@ void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
     ++count;
   }
   if (count == 0) return;
+  filter().ForgetCosts();
   for (uint32_t arm = 0; arm < priors.size(); ++arm) {
-    has_prior_[arm] = !IsFlat(priors[arm]);
+    const bool is_known = !IsFlat(priors[arm]);
     NormalBelief belief{sum / count, kUnknownVariance};
-    if (has_prior_[arm]) belief = BeliefOf(priors[arm]);
+    if (is_known) belief = BeliefOf(priors[arm]);
+    has_prior_[arm] = has_prior_[arm] || is_known;
     belief.variance = std::max(belief.variance, kTransferVariance);
     filter().SetPrior(arm, belief);
   }
@@ -65,6 +68,18 @@ AdaptivePolicy::Visit AdaptivePolicy::VisitOf(const ShadowSample& sample) {
   return {.sweep = sample.first_frame_index,
           .log_cost = LogCostOfNs(sample.detection_time_ns),
           .is_bound = (sample.flags & kShadowCapped) != 0};
+}
+
+// Starts the present regime, which is new, from the priors of the most similar regime. Keeps the
+// beliefs if no regime with priors is similar. A bail-out counts in every regime.
+void AdaptivePolicy::StartFromPriors(const RegimeFeatures& features) {
+  const std::optional<size_t> nearest = NearestOf(regime_priors_.buckets, features, /*limit=*/1);
+  if (!nearest) return;
+  SetPriors(regime_priors_.Of(*nearest));
+  for (uint32_t arm = 0; arm < bans_.size(); ++arm) {
+    if (bans_[arm].intervals_left > 0)
+      filter().Assume(arm, LogCostOfNs(static_cast<uint64_t>(options_.bail_out_ns)));
+  }
 }
 
 void AdaptivePolicy::Observe(uint32_t arm, const Visit& visit) {
@@ -95,7 +110,9 @@ DescriptorMatch AdaptivePolicy::Match(const SceneDescriptor& descriptor) const {
 void AdaptivePolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t now_ns) {
   if (!components_.regimes) return;
   AdvanceTo(now_ns);
-  if (beliefs_.Observe(descriptor)) UpdatePosteriors();
+  const bool has_changed = beliefs_.Observe(descriptor);
+  if (beliefs_.is_new()) StartFromPriors(FeaturesOf(descriptor));
+  if (has_changed || beliefs_.is_new()) UpdatePosteriors();
 }
 
 // Returns the time in decision intervals, at most one. A longer gap is a pause, in which costs do
@@ -333,6 +350,10 @@ Diagnosis AdaptivePolicy::Diagnose() const {
 // prior. The cost of a banned arm is assumed.
 bool AdaptivePolicy::HasMeasuredCost(uint32_t arm) const {
   return (observed_[arm] || has_prior_[arm]) && bans_[arm].intervals_left <= 0;
+}
+
+RegimeFeatures AdaptivePolicy::present_features() const {
+  return beliefs_.memory().FeaturesAt(beliefs_.present_place());
 }
 
 RegimeId AdaptivePolicy::present_regime() const {

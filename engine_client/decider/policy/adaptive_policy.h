@@ -92,6 +92,7 @@ class AdaptivePolicy : public Policy {
   const std::vector<BetaPosterior>& posteriors() const override { return posteriors_; }
   double WindowEvidence(uint32_t arm) const override;
   Diagnosis Diagnose() const override;
+  RegimeFeatures present_features() const override;
   RegimeId present_regime() const override;
   std::vector<RegimeBelief> Regimes() const override;
   std::optional<double> ExpectedLogCost(uint32_t arm) const override;
@@ -117,7 +118,8 @@ class AdaptivePolicy : public Policy {
     double worth_s = 0;    // the gate passes if this is above 0
   };
 
-  void SetPriors(const std::vector<BetaPosterior>& priors);
+  void SetPriors(std::span<const BetaPosterior> priors);
+  void StartFromPriors(const RegimeFeatures& features);
   static Visit VisitOf(const ShadowSample& sample);
   void Observe(uint32_t arm, const Visit& visit);
   Increment VisitIncrement(uint32_t arm, double log_cost) const;
@@ -142,6 +144,7 @@ class AdaptivePolicy : public Policy {
   DecisionOptions options_;
   AdaptiveComponents components_;
   const bool stops_trials_;
+  const RegimePriors regime_priors_;
   RegimeBeliefs beliefs_;
   std::vector<bool> has_prior_;
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "engine_client/decider/options.h"
+#include "engine_client/decider/policy/regime_bucket.h"
 #include "engine_client/decider/policy/regime_report.h"
 #include "engine_client/decider/regime_span.h"
 #include "engine_client/decider/types.h"
@@ -93,6 +94,9 @@ class Policy {
   // The session adds the verdict kDegraded, which depends on the frame rate.
   virtual Diagnosis Diagnose() const;
 
+  // Returns the features of the present regime. They determine where its evidence is stored.
+  virtual RegimeFeatures present_features() const { return FeaturesOf({}); }
+
   // The following functions are for reports (regime_report.h). A policy without regimes has one.
   virtual RegimeId present_regime() const { return {}; }
   virtual std::vector<RegimeBelief> Regimes() const { return {{.is_present = true}}; }
@@ -124,8 +128,9 @@ struct PolicySetup {
   DecisionOptions options;
   std::vector<std::string> arms;
   std::vector<BetaPosterior> priors;  // one per arm
-  bool has_priors = false;            // false: no prior is known, so all are Beta(1,1)
-  bool stops_trials = true;           // the game bounds the cost of a trial (SwitchCommand)
+  RegimePriors regime_priors = {};
+  bool has_priors = false;   // false: no prior is known, so all are Beta(1,1)
+  bool stops_trials = true;  // the game bounds the cost of a trial (SwitchCommand)
 };
 
 // Returns the choice of the arm with the highest draw; the first one if several have it. REQUIRES:

@@ -6,6 +6,7 @@ namespace sweepstake::decision {
 
 bool RegimeBeliefs::Observe(const SceneDescriptor& descriptor) {
   const auto [regime, is_new] = memory_.Observe(descriptor);
+  is_new_ = is_new;
   if (is_new && regime != regime_) {
     RelativeCostFilter beliefs = filter();
     beliefs.Widen(kTransferVariance);

@@ -24,6 +24,8 @@ class RegimeBeliefs {
   // regime has changed.
   bool Observe(const SceneDescriptor& descriptor);
 
+  // Whether the latest descriptor began a new regime.
+  bool is_new() const { return is_new_; }
   // How often the regime has changed.
   uint64_t change_count() const { return change_count_; }
 
@@ -42,6 +44,7 @@ class RegimeBeliefs {
   RegimeMemory memory_;
   std::vector<RelativeCostFilter> filters_;  // one per regime
   uint32_t regime_ = 0;
+  bool is_new_ = false;
   uint64_t change_count_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 namespace sweepstake::decision {
+
 // Returns the nearest regime that the features belong to, if any.
 std::optional<uint32_t> RegimeMemory::Find(const RegimeFeatures& features) const {
   std::optional<uint32_t> found;

@@ -40,7 +40,7 @@ bool AreSameSideOutliers(double a, double b) {
 RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponents& components)
     : arm_count_(arm_count),
       components_(components),
-      mean_(Eigen::VectorXd::Constant(arm_count + 1, kFirstLevel)),
+      mean_(Eigen::VectorXd::Zero(arm_count + 1)),
       covariance_(Eigen::MatrixXd::Zero(arm_count + 1, arm_count + 1)),
       live_noise_(kFirstNoise),
       shadow_noise_(kFirstNoise),
@@ -49,9 +49,15 @@ RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponent
       level_drift_(kFirstDrift),
       lane_drift_(kFirstDrift),
       last_visit_(arm_count) {
-  mean_[load()] = 0;
-  AddVariance(costs(), kLevelVariance, kUnknownVariance);
+  ForgetCosts();
   AddVariance(first_biases_, kUnknownVariance, kLaneBiasVariance);
+}
+
+void RelativeCostFilter::ForgetCosts() {
+  mean_.head(arm_count_).setConstant(kFirstLevel);
+  covariance_.topRows(arm_count_).setZero();
+  covariance_.leftCols(arm_count_).setZero();
+  AddVariance(costs(), kLevelVariance, kUnknownVariance);
 }
 
 // Adds the states of the lane to the filter: the bias of each arm, and the offset of the sweep.

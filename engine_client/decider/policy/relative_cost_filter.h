@@ -46,8 +46,11 @@ class RelativeCostFilter {
   // factor of about two.
   explicit RelativeCostFilter(uint32_t arm_count, const FilterComponents& components = {});
 
+  // Forgets what is known about the arms' costs. Keeps what is known about the lane, the load,
+  // noises and drifts.
+  void ForgetCosts();
   // Sets the prior of an arm's cost relative to the other arms. The common level of all arms stays
-  // unknown. REQUIRES: nothing was observed yet.
+  // unknown. REQUIRES: nothing was observed since the construction or ForgetCosts.
   void SetPrior(uint32_t arm, const NormalBelief& log_cost);
 
   // Advances the time, which widens all beliefs by their drifts. REQUIRES: intervals >= 0.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <utility>
 
 #include "engine_client/decider/policy/log_cost.h"
@@ -14,6 +15,10 @@ std::vector<BetaPosterior> PriorsOf(const SessionSetup& setup) {
   return setup.priors.empty() ? std::vector<BetaPosterior>(setup.arms.size()) : setup.priors;
 }
 
+std::vector<std::string> StoredRegimesOf(const RegimePriors& priors) {
+  return {priors.buckets.begin(), priors.buckets.begin() + priors.stored_count};
+}
+
 std::optional<int64_t> LastSwitchOf(const SessionSetup& setup) {
   return setup.decision_count > 0 ? std::optional(setup.start_ns) : std::nullopt;
 }
@@ -22,6 +27,7 @@ std::unique_ptr<Policy> PolicyOf(const SessionSetup& setup, PolicyRegistry polic
   return MakePolicy({.options = setup.options,
                      .arms = setup.arms,
                      .priors = PriorsOf(setup),
+                     .regime_priors = setup.regime_priors,
                      .has_priors = !setup.priors.empty(),
                      .stops_trials = setup.stops_trials},
                     policies);
@@ -51,6 +57,7 @@ DecisionSession::DecisionSession(SessionSetup setup, PolicyRegistry policies)
     : policy_kind_(PolicyKindOf(setup.options.policy, policies)),
       setup_(Resolved(std::move(setup), policy_kind_)),
       policy_(PolicyOf(setup_, policies)),
+      stored_regimes_(StoredRegimesOf(setup_.regime_priors)),
       standings_(setup_.arms.size()),
       frame_rate_floor_(setup_.options.fps_floor, ArmCount(setup_)),
       exploration_(setup_.seed, ArmCount(setup_), setup_.explored_arm_count),
@@ -201,6 +208,7 @@ Decision DecisionSession::Tick(int64_t now_ns) {
   LearnVisits(decision);
   const bool chooses = mode_ == Mode::kAi && !exploring();
   const std::optional<DecisionOutcome> hold = chooses ? Learn(decision) : std::nullopt;
+  if (decision.increment || !decision.lane_increments.empty()) decision.regime = PresentBucket();
   if (regime_ends) LearnDescriptor(now_ns);
   if (!runs_.regime_span().is_in_doubt()) tally_.File(*policy_);
   if (chooses) {
@@ -256,6 +264,17 @@ void DecisionSession::LearnDescriptor(int64_t now_ns) {
   if (descriptor_ && (span.has_ended() || !span.is_in_doubt()))
     policy_->LearnDescriptor(*descriptor_, now_ns);
   if (span.has_ended()) span.BeginNext();
+}
+
+// Returns the bucket in which evidence of the present regime is stored.
+std::string DecisionSession::PresentBucket() {
+  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  const RegimeFeatures features = policy_->present_features();
+  std::string bucket = BucketOf(features);
+  const auto begin = stored_regimes_.begin(), end = stored_regimes_.end();
+  if (bucket.empty() || std::find(begin, end, bucket) != end) return bucket;
+  if (stored_regimes_.size() < kMaxStoredRegimes) return stored_regimes_.emplace_back(bucket);
+  return stored_regimes_[*NearestOf(stored_regimes_, features, kNoLimit)];
 }
 
 void DecisionSession::ScheduleNextTick(int64_t now_ns) {
@@ -470,6 +489,7 @@ void DecisionSession::Blame(const FrameSample& frame, Decision& decision) {
   const bool may_be_evidence = (frame.flags & kFrameNoEvidence) == 0;
   if (may_be_evidence && bail_out_budget_.Spend(decision.record.time_ns)) {
     decision.increment = increment;
+    decision.regime = PresentBucket();
   } else {
     ++counts_.surplus_bail_out_count;
   }

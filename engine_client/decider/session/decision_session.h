@@ -192,6 +192,7 @@ class DecisionSession {
   Decision Close(Decision decision);
   void LearnVisits(Decision& decision);
   void LearnDescriptor(int64_t now_ns);
+  std::string PresentBucket();
   // Returns whether the policy's rewards depend on the cost only.
   bool goes_by_cost() const;
   bool window_teaches() const;
@@ -219,6 +220,7 @@ class DecisionSession {
   const PolicyKind& policy_kind_;
   const SessionSetup setup_;
   const std::unique_ptr<Policy> policy_;
+  std::vector<std::string> stored_regimes_;     // buckets with evidence of the scene
   std::unique_ptr<DecisionObserver> observer_;  // may be null
   Diagnosis diagnosis_;
   std::vector<ArmStanding> standings_;

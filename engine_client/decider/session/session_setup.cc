@@ -1,5 +1,6 @@
 #include "engine_client/decider/session/session_setup.h"
 
+#include <algorithm>
 #include <set>
 
 #include "engine_client/text/names.h"
@@ -27,7 +28,10 @@ Problem CheckArms(const SessionSetup& setup) {
   return std::nullopt;
 }
 
-bool IsUsable(double pseudo_count) { return pseudo_count > 0 && pseudo_count < kMaxPriorEvidence; }
+bool IsUsable(const BetaPosterior& prior) {
+  return prior.alpha > 0 && prior.alpha < kMaxPriorEvidence && prior.beta > 0 &&
+         prior.beta < kMaxPriorEvidence;
+}
 
 Problem CheckPriors(const SessionSetup& setup) {
   if (!setup.priors.empty() && setup.priors.size() != setup.arms.size()) {
@@ -35,11 +39,26 @@ Problem CheckPriors(const SessionSetup& setup) {
            std::to_string(setup.arms.size()) + " arms; give one per arm, or none";
   }
   for (size_t arm = 0; arm < setup.priors.size(); ++arm) {
-    if (!IsUsable(setup.priors[arm].alpha) || !IsUsable(setup.priors[arm].beta)) {
+    if (!IsUsable(setup.priors[arm])) {
       return "the prior of \"" + setup.arms[arm] +
              "\" is out of range; use alpha and beta above 0 and below 1e15";
     }
   }
+  return std::nullopt;
+}
+
+Problem CheckRegimePriors(const SessionSetup& setup) {
+  const RegimePriors& regimes = setup.regime_priors;
+  if (regimes.buckets.size() > kMaxRegimePriors || regimes.stored_count > regimes.buckets.size() ||
+      regimes.posteriors.size() != regimes.buckets.size() * setup.arms.size())
+    return "the priors of the regimes have wrong numbers; give one per regime and arm";
+  std::set<std::string> seen;
+  for (const std::string& bucket : regimes.buckets) {
+    if (bucket.empty() || !MiddleOf(bucket) || !seen.insert(bucket).second)
+      return "\"" + bucket + "\" is not a regime, or occurs twice";
+  }
+  if (!std::all_of(regimes.posteriors.begin(), regimes.posteriors.end(), IsUsable))
+    return "a prior of a regime is out of range; use alpha and beta above 0 and below 1e15";
   return std::nullopt;
 }
 
@@ -64,6 +83,7 @@ std::optional<std::string> Validate(const SessionSetup& setup, PolicyRegistry po
   if (Problem problem = Validate(setup.options, policies)) return problem;
   if (Problem problem = CheckArms(setup)) return problem;
   if (Problem problem = CheckPriors(setup)) return problem;
+  if (Problem problem = CheckRegimePriors(setup)) return problem;
   if (setup.mode != Mode::kManual && setup.mode != Mode::kAi)
     return "unknown mode; use 1 (manual) or 2 (AI)";
   return std::nullopt;

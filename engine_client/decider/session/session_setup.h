@@ -14,6 +14,10 @@ namespace sweepstake::decision {
 
 inline constexpr uint32_t kMaxArms = 32;
 inline constexpr double kMaxPriorEvidence = 1e15;  // alpha and beta of a prior are below it
+// Number of regimes in which the evidence of a scene is stored. Sessions store the evidence of
+// further regimes in the most similar one.
+inline constexpr uint32_t kMaxStoredRegimes = 8;
+inline constexpr uint32_t kMaxRegimePriors = 16;
 
 struct SessionSetup {
   DecisionOptions options;
@@ -21,6 +25,8 @@ struct SessionSetup {
   // One prior per arm, or empty for Beta(1,1) for each. Both parameters are > 0 and <
   // kMaxPriorEvidence.
   std::vector<BetaPosterior> priors;
+  // Priors of regimes, which replace `priors` when such a regime begins. At most kMaxRegimePriors.
+  RegimePriors regime_priors;
   uint64_t seed = 1;  // determines the exploration order and all draws
   Mode mode = Mode::kAi;
   uint32_t active_arm = 0;

@@ -112,7 +112,7 @@ TEST(OneDraw, DrawsThePapersDrawsOnceInACooldownAndKeepsTheArmInBetween) {
   int64_t last_ns = 0;
   int draws = 0;
   const std::vector<Decision>& log = game.Run();
-  for (const auto& [record, increment, visits, command] : log) {
+  for (const auto& [record, increment, visits, regime, command] : log) {
     if (record.draws.empty()) {
       ASSERT_EQ(record.candidate, record.active_arm);
       continue;
@@ -189,7 +189,7 @@ TEST(ThompsonSampling, LogsTheProbabilityOfItsDraw) {
   for (const char* policy : {"paper", "paper-one-draw", "discounted-ts", "calibrated"}) {
     Game game(SetupOf(policy));
     size_t draw_count = 0;
-    for (const auto& [record, increment, visits, command] : game.Run()) {
+    for (const auto& [record, increment, visits, regime, command] : game.Run()) {
       if (record.draws.empty()) {
         ASSERT_EQ(record.propensity, 1) << policy;
         continue;
@@ -293,7 +293,7 @@ TEST(Thresholds, LeaveAnArmThatBailedOut) {
 
 TEST(Ucb1, ComparesMeanPlusTheConfidenceRadius) {
   Game game(SetupOf("ucb1"));
-  for (const auto& [record, increment, visits, command] : game.Run()) {
+  for (const auto& [record, increment, visits, regime, command] : game.Run()) {
     double n = 0;
     for (const BetaPosterior& posterior : record.posteriors) n += posterior.evidence();
     for (size_t arm = 0; arm < 4; ++arm) {
