@@ -33,7 +33,7 @@ void Advance(SceneEvidence& scene, std::span<const KeyedEvidence> increments, bo
   const auto unix_now_s = static_cast<uint64_t>(priors::UnixNowS());
   for (const auto& [key, evidence] : increments) {
     SceneEvidence::Arm& arm = scene.ArmOf(key.arm, key.backend_version);
-    arm.of(key.measured_by) += evidence;
+    arm.Add(key.regime, key.measured_by, evidence);
     arm.last_seen_unix_s = std::max(arm.last_seen_unix_s, unix_now_s);
   }
   if (new_source) ++scene.source_count;

@@ -413,9 +413,9 @@ void GameSession::Drain(uint32_t delay_ms) {
 
 void GameSession::SendDecision(const decision::Decision& decision) {
   ++context_.counters.decision_count;
-  if (decision.increment) AddEvidence(*decision.increment, {});
+  if (decision.increment) AddEvidence(*decision.increment, {}, decision.regime);
   for (const decision::Increment& increment : decision.lane_increments)
-    AddEvidence(increment, decision::kLaneName);
+    AddEvidence(increment, decision::kLaneName, decision.regime);
   PutPosteriors(decision);
   if (decision.command) {
     ++context_.counters.switch_command_count;
@@ -447,11 +447,12 @@ void GameSession::PublishDecision(const decision::DecisionRecord& record) {
   next_measurements_ns_ = record.time_ns + SessionObserver::kIntervalNs;
 }
 
-void GameSession::AddEvidence(const decision::Increment& increment, std::string_view measured_by) {
+void GameSession::AddEvidence(const decision::Increment& increment, std::string_view measured_by,
+                              const std::string& regime) {
   const uint32_t arm = increment.arm;
   ledger_->Add(
       {EvidenceKeyOf(identity_.scene, identity_.arms[arm], identity_.backend_versions[arm],
-                     measured_by),
+                     measured_by, regime),
        {increment.alpha, increment.beta, increment.window_count, increment.bail_out_count}});
 }
 

@@ -207,7 +207,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void SendDecision(const decision::Decision& decision);
   void PutPosteriors(const decision::Decision& decision);
   void PublishDecision(const decision::DecisionRecord& record);
-  void AddEvidence(const decision::Increment& increment, std::string_view measured_by);
+  void AddEvidence(const decision::Increment& increment, std::string_view measured_by,
+                   const std::string& regime);
 
   const SessionContext context_;
   const SessionIdentity identity_;

@@ -13,6 +13,7 @@
 #include <compare>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -118,30 +119,44 @@ struct SceneKey {
   friend auto operator<=>(const SceneKey&, const SceneKey&) = default;
 };
 
-// Returns the key of an arm's evidence about the scene.
+// Returns the key of an arm's evidence about a regime of the scene.
 inline EvidenceKey EvidenceKeyOf(const SceneKey& scene, const std::string& arm,
-                                 uint32_t backend_version, std::string_view measured_by) {
+                                 uint32_t backend_version, std::string_view measured_by,
+                                 const std::string& regime = {}) {
   return {.project = scene.project,
           .scene = scene.scene,
           .measured_by = std::string(measured_by),
           .arm = arm,
           .backend_version = backend_version,
           .machine_class = scene.machine_class,
-          .reward_version = scene.reward_version};
+          .reward_version = scene.reward_version,
+          .regime = regime};
 }
 
 // The evidence of every arm of one scene, summed over sources.
 struct SceneEvidence {
+  struct Measured {
+    Evidence live;  // measured by the frame thread
+    Evidence lane;  // measured by the shadow lane
+
+    Evidence& of(std::string_view measured_by) { return measured_by.empty() ? live : lane; }
+    friend bool operator==(const Measured&, const Measured&) = default;
+  };
   struct Arm {
     std::string name;
     uint32_t backend_version = 1;
-    Evidence live;  // measured by the frame thread
-    Evidence lane;  // measured by the shadow lane
+    // The sums over all regimes.
+    Evidence live;
+    Evidence lane;
     // Time of the latest update by a source with evidence about this arm, even if that update was
     // about another arm. Only the latest kSourcesOfAge sources are considered. 0 if unknown.
     uint64_t last_seen_unix_s = 0;
+    std::map<std::string, Measured> regimes = {};  // by bucket
 
-    Evidence& of(std::string_view measured_by) { return measured_by.empty() ? live : lane; }
+    void Add(const std::string& regime, std::string_view measured_by, const Evidence& evidence) {
+      (measured_by.empty() ? live : lane) += evidence;
+      regimes[regime].of(measured_by) += evidence;
+    }
     friend bool operator==(const Arm&, const Arm&) = default;
   };
   SceneKey key;
@@ -163,10 +178,11 @@ inline SceneEvidence::Arm& SceneEvidence::ArmOf(const std::string& name, uint32_
                       {.name = name, .backend_version = backend_version, .live = {}, .lane = {}});
 }
 
-// Converts the arm's evidence to the input of decision::PriorFor.
-inline decision::ArmEvidence EvidenceOf(const SceneEvidence::Arm& arm) {
-  decision::ArmEvidence evidence = decision::EvidenceBy({}, arm.live);
-  return evidence += decision::EvidenceBy(decision::kLaneName, arm.lane);
+// Converts an arm's evidence, of one regime or of all, to the input of decision::PriorFor.
+template <typename Measured>
+decision::ArmEvidence EvidenceOf(const Measured& measured) {
+  decision::ArmEvidence evidence = decision::EvidenceBy({}, measured.live);
+  return evidence += decision::EvidenceBy(decision::kLaneName, measured.lane);
 }
 
 // Pools the arms' evidence. The result borrows their names.

@@ -61,16 +61,20 @@ struct StoredEvidence {
       records.push_back(
           RecordOf(key, source.progress.source_id, build, key.arm, key.backend_version));
       records.back().evidence = decision::EvidenceBy(key.measured_by, evidence);
+      records.back().regime = key.regime;
     }
   }
 
   void Add(const priors::SceneEvidence& scene, std::string_view source, std::string_view build,
            uint64_t source_count) {
     for (const priors::SceneEvidence::Arm& arm : scene.arms) {
-      ArmRecord& record =
-          records.emplace_back(RecordOf(scene.key, source, build, arm.name, arm.backend_version));
-      record.evidence = EvidenceOf(arm);
-      record.source_count = source_count;
+      for (const auto& [regime, measured] : arm.regimes) {
+        ArmRecord& record =
+            records.emplace_back(RecordOf(scene.key, source, build, arm.name, arm.backend_version));
+        record.evidence = EvidenceOf(measured);
+        record.source_count = source_count;
+        record.regime = regime;
+      }
     }
   }
 
@@ -194,7 +198,9 @@ absl::Status LoadPrior(priors::PriorReader& store, const SessionRequest& hello,
 
 bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>& keys) {
   return std::all_of(source.evidence.begin(), source.evidence.end(), [&](const auto& stored) {
-    return std::find(keys.begin(), keys.end(), stored.key) != keys.end();
+    EvidenceKey key = stored.key;
+    key.regime.clear();
+    return std::find(keys.begin(), keys.end(), key) != keys.end();
   });
 }
 
@@ -245,6 +251,7 @@ decision::SessionSetup SetupOf(const SessionRequest& hello, const SessionIdentit
   setup.options = OptionsOf(hello, options);
   setup.arms = identity.arms;
   setup.priors = start.prior.posteriors();
+  setup.regime_priors = start.prior.regimes;
   setup.seed = identity.seed;
   setup.mode = hello.mode;
   setup.active_arm = hello.active_arm;

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "engine_client/decider/audit/audit_log.h"
+#include "engine_client/decider/policy/regime_bucket.h"
 #include "engine_client/decider/pooling/scene_prior.h"
 #include "engine_client/text/names.h"
 
@@ -35,6 +36,7 @@ absl::string_view WrongKey(const EvidenceKey& key) {
   if (!IsOptionalName(key.machine_class)) return "machine_class must be absent or a name";
   if (key.backend_version == 0) return "backend_version must be at least 1";
   if (key.reward_version == 0) return "reward_version must be at least 1";
+  if (!decision::MiddleOf(key.regime)) return "regime must be absent or numbers such as 13/-4/0";
   return {};
 }
 

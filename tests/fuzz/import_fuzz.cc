@@ -81,7 +81,8 @@ class Subject {
 
     // Adds evidence. As in the store, counts do not rise above kMaxCount.
     void Add(const priors::EvidenceKey& key, const priors::Evidence& more) {
-      priors::Evidence& sum = evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by);
+      priors::Evidence& sum =
+          evidence.ArmOf(key.arm, key.backend_version).regimes[key.regime].of(key.measured_by);
       sum += more;
       sum.window_count = std::min(sum.window_count, kMaxCount);
       sum.bail_out_count = std::min(sum.bail_out_count, kMaxCount);
@@ -102,8 +103,14 @@ class Subject {
     Require(scene.source_count == sum.sources.size(), "sources are counted");
     Require(scene.arms.size() == sum.evidence.arms.size(), "arms are the same");
     for (size_t arm = 0; arm < scene.arms.size(); ++arm) {
-      Compare(scene.arms[arm].live, sum.evidence.arms[arm].live);
-      Compare(scene.arms[arm].lane, sum.evidence.arms[arm].lane);
+      const auto& regimes = scene.arms[arm].regimes;
+      auto expected = sum.evidence.arms[arm].regimes.begin();
+      Require(regimes.size() == sum.evidence.arms[arm].regimes.size(), "regimes are the same");
+      for (const auto& [regime, measured] : regimes) {
+        Require(regime == expected->first, "regimes are the same");
+        Compare(measured.live, expected->second.live);
+        Compare((expected++)->second.lane, measured.lane);
+      }
     }
   }
   static void Compare(const priors::Evidence& a, const priors::Evidence& b) {

@@ -232,6 +232,7 @@ Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
       std::move(*records),
       PriorKeyOf(options, decision::PolicyKindOf(options.policy, policies), arms, arm_versions));
   setup.priors = ledger.prior().posteriors();
+  setup.regime_priors = ledger.prior().regimes;
   if (const std::optional<std::string> error = decision::Validate(setup, policies)) {
     return Status(StatusCode::kInvalidArgument, *error);
   }

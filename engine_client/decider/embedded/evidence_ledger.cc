@@ -17,7 +17,8 @@ decision::ArmRecord ArmRecordOf(const PriorRecord& record) {
           .build = record.build,
           .arm = record.key.arm,
           .backend_version = record.key.backend_version,
-          .evidence = decision::EvidenceBy(record.key.measured_by, record.evidence)};
+          .evidence = decision::EvidenceBy(record.key.measured_by, record.evidence),
+          .regime = record.key.regime};
 }
 
 decision::Prior PriorOf(std::span<const PriorRecord> records, const decision::PriorKey& key) {
@@ -54,13 +55,14 @@ EvidenceLedger::EvidenceLedger(std::vector<PriorRecord> given, decision::PriorKe
 }
 
 void EvidenceLedger::Add(const decision::Decision& decision) {
-  if (decision.increment) Add(*decision.increment, {});
+  if (decision.increment) Add(*decision.increment, {}, decision.regime);
   for (const decision::Increment& increment : decision.lane_increments)
-    Add(increment, decision::kLaneName);
+    Add(increment, decision::kLaneName, decision.regime);
 }
 
-void EvidenceLedger::Add(const decision::Increment& increment, std::string_view measured_by) {
-  PriorRecord& record = OwnRecord(increment.arm, measured_by);
+void EvidenceLedger::Add(const decision::Increment& increment, std::string_view measured_by,
+                         std::string_view regime) {
+  PriorRecord& record = OwnRecord(increment.arm, measured_by, regime);
   record.source_sequence = ++sequence_;
   record.evidence.alpha += increment.alpha;
   record.evidence.beta += increment.beta;
@@ -68,11 +70,12 @@ void EvidenceLedger::Add(const decision::Increment& increment, std::string_view 
   record.evidence.bail_out_count += increment.bail_out_count;
 }
 
-PriorRecord& EvidenceLedger::OwnRecord(size_t arm, std::string_view measured_by) {
+PriorRecord& EvidenceLedger::OwnRecord(size_t arm, std::string_view measured_by,
+                                       std::string_view regime) {
   const auto found = std::find_if(records_.begin(), records_.end(), [&](const PriorRecord& record) {
     return record.source_id == key_.source && record.key.measured_by == measured_by &&
-           record.key.project == key_.project && record.key.scene == key_.scene &&
-           record.key.machine_class == key_.machine_class &&
+           record.key.regime == regime && record.key.project == key_.project &&
+           record.key.scene == key_.scene && record.key.machine_class == key_.machine_class &&
            record.key.reward_version == key_.reward_version && record.key.arm == key_.arms[arm] &&
            record.key.backend_version == key_.backend_versions[arm];
   });
@@ -85,6 +88,7 @@ PriorRecord& EvidenceLedger::OwnRecord(size_t arm, std::string_view measured_by)
   record.key.backend_version = key_.backend_versions[arm];
   record.key.machine_class = key_.machine_class;
   record.key.reward_version = key_.reward_version;
+  record.key.regime = regime;
   record.source_id = key_.source;
   record.build = key_.build;
   return record;

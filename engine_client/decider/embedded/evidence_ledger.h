@@ -3,7 +3,8 @@
 //
 // If the given records already contain the session's own source, the ledger continues that source:
 // its records grow and their sequence numbers rise. A store therefore replaces an earlier export
-// with a later one. Not thread-safe. Memory: the given records plus two records per arm.
+// with a later one. Not thread-safe. Memory: the given records plus two records per arm and
+// regime.
 #pragma once
 
 #include <cstddef>
@@ -39,8 +40,9 @@ class EvidenceLedger {
   const std::vector<PriorRecord>& records() const { return records_; }
 
  private:
-  void Add(const decision::Increment& increment, std::string_view measured_by);
-  PriorRecord& OwnRecord(size_t arm, std::string_view measured_by);
+  void Add(const decision::Increment& increment, std::string_view measured_by,
+           std::string_view regime);
+  PriorRecord& OwnRecord(size_t arm, std::string_view measured_by, std::string_view regime);
 
   const decision::PriorKey key_;
   std::vector<PriorRecord> records_;

@@ -15,6 +15,7 @@
 #include <tuple>
 #include <utility>
 
+#include "engine_client/decider/policy/regime_bucket.h"
 #include "engine_client/decider/pooling/priors_sums.h"
 #include "engine_client/decider/pooling/scene_prior.h"
 #include "engine_client/math/hash.h"
@@ -60,6 +61,11 @@ class FieldReader {
   void MeasuredBy(const char* key, std::string& value) {
     Name(key, value, false);
     if (!decision::IsMeasuredBy(value)) SetError(key, "must be absent or \"lane\"");
+  }
+
+  void Regime(const char* key, std::string& value) {
+    Name(key, value, false);
+    if (!decision::MiddleOf(value)) SetError(key, "must be absent or numbers such as 13/-4/0");
   }
 
   // Reads an optional true or false; if the field is absent, `value` keeps its value.
@@ -131,6 +137,7 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   FieldReader reader(json);
   reader.Name("project", record.key.project, true);
   reader.Name("scene", record.key.scene, true);
+  reader.Regime("regime", record.key.regime);
   reader.MeasuredBy("measured_by", record.key.measured_by);
   reader.Name("arm", record.key.arm, true);
   reader.Count("backend_version", record.key.backend_version, true);
@@ -217,6 +224,7 @@ Json ToJson(const PriorRecord& record) {
                {"bail_out_count", record.evidence.bail_out_count},
                {"build", record.build},
                {"unix_last_seen_s", record.last_seen_unix_s}};
+  if (!record.key.regime.empty()) json["regime"] = record.key.regime;
   if (record.is_quarantined) json["is_quarantined"] = true;
   return json;
 }
@@ -243,7 +251,7 @@ class Checksum {
 
 auto SceneOf(const PriorRecord& record) {
   return std::tie(record.key.project, record.key.scene, record.key.machine_class,
-                  record.key.reward_version);
+                  record.key.reward_version, record.key.regime);
 }
 
 std::string ArmOf(const PriorRecord& record) {
@@ -286,6 +294,7 @@ class SceneText {
                         {"scene", first_.key.scene},
                         {"machine_class", first_.key.machine_class},
                         {"reward_version", first_.key.reward_version}};
+    if (!first_.key.regime.empty()) head["regime"] = first_.key.regime;
     for (const auto& [arm, index] : arms_) head["arms"].push_back(arm);
     std::string text = Dump(head);
     text.back() = ',';
@@ -327,6 +336,7 @@ class SceneReader {
     fields.Name("scene", common_.key.scene, true);
     fields.Name("machine_class", common_.key.machine_class, false);
     fields.Count("reward_version", common_.key.reward_version, true);
+    fields.Regime("regime", common_.key.regime);
     const Json* const arms = fields.Structured("arms", /*array=*/true);
     const Json* const builds = fields.Structured("builds", /*array=*/false);
     fields.RejectUnknown();
@@ -416,7 +426,8 @@ class ScenesReader {
       error_ = Name(index) + ": " + *reader.error();
     } else if (!scenes_.emplace(SceneOf(reader.common())).second) {
       error_ = Name(index) +
-               ": repeats the project, scene, machine class and reward version of an earlier one";
+               ": repeats the project, scene, machine class, reward version and regime of an "
+               "earlier one";
     } else if (sums_.size() > kMaxSums) {
       error_ = "the priors hold more than 1000000 sums";
     }
@@ -438,7 +449,7 @@ class ScenesReader {
 
   Checksum checksum_;
   std::vector<PriorRecord> sums_;
-  std::set<std::tuple<std::string, std::string, std::string, uint32_t>> scenes_;
+  std::set<std::tuple<std::string, std::string, std::string, uint32_t, std::string>> scenes_;
   size_t count_ = 0;
   std::optional<std::string> error_;  // the first one
 };

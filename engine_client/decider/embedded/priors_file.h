@@ -6,16 +6,16 @@
 //
 // "records" has the evidence of single sources, which daemons exchange. A record has the fields of
 // sweepstake.v1.PriorRecord in snake_case. These fields may be absent:
-// - measured_by, machine_class and build: empty
+// - measured_by, machine_class, regime and build: empty
 // - counts: 0
 // - is_quarantined: false
 // Every other field is required. An unknown one is an error: a misspelt field would change the key.
 //
 // "scenes" has the sums of builds (priors_sums.h), which games ship. It is small enough for a
-// repository. It has one line per scene and machine class, followed by one line per build of the
-// game:
+// repository. It has one line per scene, machine class and regime, followed by one line per build
+// of the game:
 //   {"project": "p", "scene": "s", "machine_class": "m", "reward_version": 3,
-//    "arms": ["Grid/1", "SAP/2"], "builds": {
+//    "regime": "13/-4/0", "arms": ["Grid/1", "SAP/2"], "builds": {
 //     "1.2": [1760000000, [[5.2, 4.1, 12], null], [[80.1, 62.5, 190], [75.5, 30.1, 180]]]}}
 // An arm is written as NAME/BACKEND_VERSION. A build has three items:
 // - the time when one of its sources learnt last, in seconds since 1970 (0: unknown)

@@ -16,7 +16,18 @@ namespace {
 
 using Name = std::pair<std::string_view, std::string_view>;
 
-// The evidence of a scene on one class of machines. Includes only evidence of the arm versions that
+// A regime of a scene. Stands for the whole scene if the prior is about all regimes together.
+struct Place {
+  std::string_view scene;
+  std::string_view regime;
+
+  bool operator==(const Place&) const = default;
+  friend bool operator<(const Place& a, const Place& b) {
+    return std::tie(a.scene, a.regime) < std::tie(b.scene, b.regime);
+  }
+};
+
+// The evidence of a place on one class of machines. Includes only evidence of the arm versions that
 // the session uses.
 struct Scene {
   std::vector<ArmEvidence> arms;
@@ -26,44 +37,24 @@ struct Scene {
   uint64_t source_count() const { return std::max<uint64_t>(sources.size(), summed_count); }
 };
 
-// The evidence of one source about the session's scene, on one class of machines.
+// The evidence of one source about the session's place, on one class of machines.
 struct Source {
   std::string_view build;
   std::vector<ArmEvidence> arms;
   std::vector<uint32_t> versions;  // one per arm; 0: no evidence
 };
 
-// The evidence of a project's records, grouped by scene and by source. The groups are ordered maps,
+// The evidence of a project's records, grouped by place and by source. The groups are ordered maps,
 // so the order of the records does not change the results.
 class ProjectEvidence {
  public:
-  ProjectEvidence(std::span<const ArmRecord> records, const PriorKey& key) : key_(key) {
-    for (const ArmRecord& record : records) {
-      if (record.project == key.project && record.reward_version == key.reward_version) Add(record);
-    }
-  }
+  // With a regime, each regime of a scene is a place of its own. Otherwise each scene is one place.
+  ProjectEvidence(const PriorKey& key, std::optional<std::string_view> regime)
+      : key_(key), has_regime_(regime), own_{key.scene, regime.value_or(std::string_view())} {}
 
-  // Returns the sum over the sources of the scene and machine class.
-  Prior Sum() const {
-    Prior prior{.evidence = std::vector<EvidenceSum>(key_.arms.size()), .groups = {}};
-    const auto scene = scenes_.find({key_.scene, key_.machine_class});
-    if (scene == scenes_.end()) return prior;
-    prior.evidence = PoolEvidence(scene->second.arms);
-    prior.source_count = scene->second.source_count();
-    return prior;
-  }
-
-  // Returns the prior that the scene's sources give. Arms without evidence are filled in from the
-  // other scenes.
-  Prior Compare() const {
-    Prior prior = CompareSources();
-    CompareScenes(prior);
-    return prior;
-  }
-
- private:
   void Add(const ArmRecord& record) {
-    Scene& scene = scenes_[{record.scene, record.machine_class}];
+    const Place place{record.scene, has_regime_ ? record.regime : std::string_view()};
+    Scene& scene = scenes_[{place, record.machine_class}];
     scene.arms.resize(key_.arms.size());
     scene.sources.insert(record.source);
     scene.summed_count = std::max(scene.summed_count, record.source_count);
@@ -71,9 +62,28 @@ class ProjectEvidence {
                                          key_.arms.begin());
     if (arm < key_.arms.size() && record.backend_version == key_.backend_versions[arm])
       scene.arms[arm] += record.evidence;
-    if (record.scene == key_.scene) AddToSource(record, arm);
+    if (place == own_) AddToSource(record, arm);
   }
 
+  // Returns the sum over the sources of the scene and machine class.
+  Prior Sum() const {
+    Prior prior{.evidence = std::vector<EvidenceSum>(key_.arms.size()), .groups = {}};
+    const auto scene = scenes_.find({own_, key_.machine_class});
+    if (scene == scenes_.end()) return prior;
+    prior.evidence = PoolEvidence(scene->second.arms);
+    prior.source_count = scene->second.source_count();
+    return prior;
+  }
+
+  // Returns the prior that the place's sources give. Arms without evidence are filled in from the
+  // other places.
+  Prior Compare() const {
+    Prior prior = CompareSources();
+    CompareScenes(prior);
+    return prior;
+  }
+
+ private:
   void AddToSource(const ArmRecord& record, size_t arm) {
     Source& source = sources_[{record.source, record.machine_class}];
     source.build = record.build;
@@ -126,17 +136,17 @@ class ProjectEvidence {
     return PoolEvidence(arms);
   }
 
-  // Fills in arms from other scenes on this machine class or, if there are none, from other scenes
+  // Fills in arms from other places on this machine class or, if there are none, from other places
   // on all classes.
   void CompareScenes(Prior& prior) const {
     const auto is_of_class = [&](const auto& named) {
-      return named.first.first != key_.scene && named.first.second == key_.machine_class;
+      return named.first.first != own_ && named.first.second == key_.machine_class;
     };
     const bool takes_all = std::none_of(scenes_.begin(), scenes_.end(), is_of_class);
     std::vector<std::vector<EvidenceSum>> others;
     uint64_t source_count = 0;
     for (const auto& named : scenes_) {
-      if (named.first.first == key_.scene || !(takes_all || is_of_class(named))) continue;
+      if (named.first.first == own_ || !(takes_all || is_of_class(named))) continue;
       others.push_back(PoolEvidence(named.second.arms));
       source_count += named.second.source_count();
     }
@@ -147,16 +157,20 @@ class ProjectEvidence {
   }
 
   const PriorKey& key_;
-  std::map<Name, Scene> scenes_;    // by scene and machine class
-  std::map<Name, Source> sources_;  // by source and machine class
+  const bool has_regime_;
+  const Place own_;                                             // the session's
+  std::map<std::pair<Place, std::string_view>, Scene> scenes_;  // by place and machine class
+  std::map<Name, Source> sources_;                              // by source and machine class
 };
 
-}  // namespace
+bool IsOfProject(const ArmRecord& record, const PriorKey& key) {
+  return record.project == key.project && record.reward_version == key.reward_version;
+}
 
-std::vector<BetaPosterior> Prior::posteriors() const {
+std::vector<BetaPosterior> PosteriorsOf(std::span<const EvidenceSum> evidence) {
   constexpr double kHalfOfMax = kMaxPriorEvidence / 2;
   std::vector<BetaPosterior> posteriors;
-  if (!is_known()) return posteriors;
+  if (!IsAnythingKnown(evidence)) return posteriors;
   for (const EvidenceSum& sum : evidence) {
     const double largest = std::max(sum.alpha, sum.beta);
     const double scale = largest > kHalfOfMax ? kHalfOfMax / largest : 1;
@@ -165,9 +179,69 @@ std::vector<BetaPosterior> Prior::posteriors() const {
   return posteriors;
 }
 
+// Returns the buckets of the records, those of the scene itself first. Of both kinds, buckets with
+// more evidence come first.
+std::vector<std::pair<bool, std::string_view>> BucketsOf(std::span<const ArmRecord> records,
+                                                         const PriorKey& key) {
+  std::map<std::string_view, std::pair<bool, uint64_t>> sizes;
+  for (const ArmRecord& record : records) {
+    if (record.regime.empty() || !IsOfProject(record, key)) continue;
+    auto& [is_own, count] = sizes[record.regime];
+    if (record.scene == key.scene && !std::exchange(is_own, true)) count = 0;
+    if (is_own == (record.scene == key.scene))
+      count += record.evidence.window_count + record.evidence.visit_count;
+  }
+  std::vector<std::tuple<bool, uint64_t, std::string_view>> order;
+  for (const auto& [bucket, size] : sizes) order.emplace_back(size.first, size.second, bucket);
+  std::sort(order.begin(), order.end(), std::greater<>());
+  std::vector<std::pair<bool, std::string_view>> buckets;
+  for (const auto& [is_own, count, bucket] : order) buckets.emplace_back(is_own, bucket);
+  return buckets;
+}
+
+// Returns the prior of a session in one regime. Other places are added only if some arm has no
+// evidence in the regime, because most of the records may be of other regimes.
+std::vector<EvidenceSum> EvidenceIn(std::string_view regime, std::span<const ArmRecord> records,
+                                    const PriorKey& key) {
+  ProjectEvidence evidence(key, regime);
+  std::vector<EvidenceSum> arms(key.arms.size());
+  for (const bool adds_own : {true, false}) {
+    if (std::all_of(arms.begin(), arms.end(), [](auto& arm) { return arm.evidence() > 0; })) break;
+    for (const ArmRecord& record : records) {
+      const bool is_of_scene = record.scene == key.scene, is_of_regime = record.regime == regime;
+      const bool is_own = is_of_scene && is_of_regime;
+      if (is_own == adds_own && (is_of_scene || is_of_regime) && IsOfProject(record, key))
+        evidence.Add(record);
+    }
+    arms = evidence.Compare().evidence;
+  }
+  return arms;
+}
+
+RegimePriors RegimesOf(std::span<const ArmRecord> records, const PriorKey& key) {
+  RegimePriors priors;
+  for (const auto& [is_own, bucket] : BucketsOf(records, key)) {
+    if (priors.buckets.size() == (is_own ? kMaxStoredRegimes : kMaxRegimePriors)) continue;
+    const std::vector<BetaPosterior> posteriors = PosteriorsOf(EvidenceIn(bucket, records, key));
+    if (posteriors.empty()) continue;
+    priors.buckets.emplace_back(bucket);
+    priors.posteriors.insert(priors.posteriors.end(), posteriors.begin(), posteriors.end());
+    if (is_own) ++priors.stored_count;
+  }
+  return priors;
+}
+
+}  // namespace
+
+std::vector<BetaPosterior> Prior::posteriors() const { return PosteriorsOf(evidence); }
+
 Prior PriorFor(std::span<const ArmRecord> records, const PriorKey& key) {
-  const ProjectEvidence evidence(records, key);
+  ProjectEvidence evidence(key, /*regime=*/std::nullopt);
+  for (const ArmRecord& record : records) {
+    if (IsOfProject(record, key)) evidence.Add(record);
+  }
   Prior prior = key.compares_sources ? evidence.Compare() : evidence.Sum();
+  if (key.compares_sources) prior.regimes = RegimesOf(records, key);
   if (!prior.is_known()) prior.source_count = 0;
   return prior;
 }

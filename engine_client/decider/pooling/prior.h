@@ -11,13 +11,14 @@
 #include <string_view>
 #include <vector>
 
+#include "engine_client/decider/policy/regime_bucket.h"
 #include "engine_client/decider/pooling/scene_prior.h"
 #include "engine_client/math/beta_distribution.h"
 
 namespace sweepstake::decision {
 
-// Evidence of one source about one version of an arm, in one scene on one class of machines. If
-// several records agree in all these, their evidence is added. Strings are borrowed.
+// Evidence of one source about one version of an arm, in one regime of a scene on one class of
+// machines. If several records agree in all these, their evidence is added. Strings are borrowed.
 struct ArmRecord {
   std::string_view project;
   std::string_view scene;
@@ -28,7 +29,8 @@ struct ArmRecord {
   std::string_view arm;
   uint32_t backend_version = 1;
   ArmEvidence evidence = {};
-  uint64_t source_count = 1;  // above 1 if `source` is a sum over several sources
+  uint64_t source_count = 1;     // above 1 if `source` is a sum over several sources
+  std::string_view regime = {};  // the regime's bucket (policy/regime_bucket.h); empty: unknown
 };
 
 // Identifies the session that starts and its arms.
@@ -62,6 +64,12 @@ struct Prior {
   uint64_t source_count = 0;
   std::vector<SourceGroup> groups;  // groups of the scene's sources, highest weight first
   uint64_t other_scene_count = 0;   // number of other scenes that were compared
+  // The priors of single regimes; the rest of this struct is about all regimes together. Empty
+  // unless key.compares_sources. The scene's own regimes come first: the kMaxStoredRegimes with the
+  // most evidence. Regimes that only other scenes have follow, up to kMaxRegimePriors in all. An
+  // arm without evidence in its regime is filled in from the scene's other regimes, and from the
+  // same regime of other scenes.
+  RegimePriors regimes = {};
 
   bool is_known() const { return IsAnythingKnown(evidence); }
   // Returns Beta(1,1) plus the evidence, per arm. Evidence above a session's maximum is scaled down

@@ -7,6 +7,8 @@
 #include <string>
 #include <tuple>
 
+#include "engine_client/math/saturating_sum.h"
+
 namespace sweepstake {
 
 // Identifies the subject of evidence. Evidence with different keys is never merged. Names have 1 to
@@ -19,11 +21,13 @@ struct EvidenceKey {
   uint32_t backend_version = 1;  // >= 1
   std::string machine_class;     // may be empty: the unknown class
   uint32_t reward_version = 1;   // >= 1
+  // The regime in which it was measured: a bucket (policy/regime_bucket.h). Empty: unknown.
+  std::string regime = {};
 
   // Written out, because libc++ before version 16 cannot order strings by <=>.
   friend std::strong_ordering operator<=>(const EvidenceKey& a, const EvidenceKey& b) {
-    for (const auto field : {&EvidenceKey::project, &EvidenceKey::scene, &EvidenceKey::measured_by,
-                             &EvidenceKey::arm}) {
+    for (const auto field : {&EvidenceKey::project, &EvidenceKey::scene, &EvidenceKey::regime,
+                             &EvidenceKey::measured_by, &EvidenceKey::arm}) {
       if (const int order = (a.*field).compare(b.*field); order != 0) return order <=> 0;
     }
     if (a.backend_version != b.backend_version) return a.backend_version <=> b.backend_version;
@@ -43,8 +47,8 @@ struct Evidence {
   Evidence& operator+=(const Evidence& other) {
     alpha += other.alpha;
     beta += other.beta;
-    window_count += other.window_count;
-    bail_out_count += other.bail_out_count;
+    window_count = decision::SaturatingSum(window_count, other.window_count);
+    bail_out_count = decision::SaturatingSum(bail_out_count, other.bail_out_count);
     return *this;
   }
   friend bool operator==(const Evidence&, const Evidence&) = default;

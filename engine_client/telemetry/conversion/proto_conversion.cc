@@ -73,6 +73,7 @@ v1::PriorRecord ToProto(const PriorRecord& record) {
   message.set_backend_version(record.key.backend_version);
   message.set_machine_class(record.key.machine_class);
   message.set_reward_version(record.key.reward_version);
+  message.set_regime(record.key.regime);
   message.set_source_id(record.source_id);
   message.set_source_sequence(record.source_sequence);
   message.set_alpha_increment(record.evidence.alpha);
@@ -93,7 +94,8 @@ PriorRecord FromProto(const v1::PriorRecord& message) {
                   .arm = message.arm(),
                   .backend_version = message.backend_version(),
                   .machine_class = message.machine_class(),
-                  .reward_version = message.reward_version()},
+                  .reward_version = message.reward_version(),
+                  .regime = message.regime()},
           .source_id = message.source_id(),
           .source_sequence = message.source_sequence(),
           .evidence = {.alpha = message.alpha_increment(),

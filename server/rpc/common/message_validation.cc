@@ -7,6 +7,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "engine_client/decider/policy/regime_bucket.h"
 #include "engine_client/decider/pooling/scene_prior.h"
 #include "engine_client/decider/session/policy_registry.h"
 #include "engine_client/decider/session/session_setup.h"
@@ -218,6 +219,8 @@ absl::Status CheckPriorRecord(const v1::PriorRecord& record) {
   if (!IsName(record.source_id())) return InvalidName("source_id");
   if (!decision::IsMeasuredBy(record.measured_by())) return InvalidName("measured_by");
   if (!IsOptionalName(record.machine_class())) return InvalidName("machine_class");
+  if (!decision::MiddleOf(record.regime()))
+    return Invalid("regime must be absent or numbers such as 13/-4/0");
   if (!IsOptionalName(record.build())) return InvalidName("build");
   if (record.unix_last_seen_s() < 0) return Invalid("unix_last_seen_s must not be negative");
   return absl::OkStatus();

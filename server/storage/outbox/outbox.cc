@@ -11,7 +11,7 @@
 namespace sweepstake {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EvidenceKey, project, scene, measured_by, arm, backend_version,
-                                   machine_class, reward_version)
+                                   machine_class, reward_version, regime)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Evidence, alpha, beta, window_count, bail_out_count)
 
 }  // namespace sweepstake

@@ -21,7 +21,7 @@ constexpr const char* kSceneClasses = R"sql(
     WHERE project = ?1 AND scene = ?2 AND reward_version = ?4 AND source_count > 0
     ORDER BY machine_class = ?3 DESC, id DESC LIMIT ?5)sql";
 constexpr const char* kSceneKeys = R"sql(
-    SELECT scene_id, id, arm, backend_version, measured_by, [hash = content_hash]{true}
+    SELECT scene_id, id, arm, backend_version, measured_by, regime, [hash = content_hash]{true}
     FROM evidence_key{, @given} WHERE scene_id = ?1 AND source_count > 0)sql";
 constexpr const char* kLatestSources = R"sql(
     {SELECT latest.* FROM @given CROSS JOIN LATERAL (}
@@ -40,11 +40,11 @@ constexpr const char* kLoadSource = R"sql(
            (SELECT coalesce(max(segment), 0) FROM audit_segment WHERE session = name)
     FROM source WHERE name = ?1 AND is_session AND NOT revoked)sql";
 constexpr const char* kSourceEvidence = R"sql(
-    SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
+    SELECT project, scene, regime, measured_by, arm, backend_version, machine_class, reward_version,
            alpha, beta, window_count, bail_out_count,
            [k.hash = k.content_hash AND e.hash = e.content_hash]{true}
     FROM evidence e JOIN evidence_key k ON k.id = key_id WHERE source_id = ?1
-    ORDER BY 1, 2, 3, 4, 5, 6, 7)sql";
+    ORDER BY 1, 2, 3, 4, 5, 6, 7, 8)sql";
 // In SQLite the first comparison ends the index scan after the given project and scene. A name that
 // is not given is replaced by an empty blob (x''), which sorts after every text.
 constexpr const char* kListScenes = R"sql(
@@ -68,7 +68,7 @@ constexpr const char* kFindScene = R"sql(
       AND source_count > 0)sql";
 constexpr const char* kSceneArms = R"sql(
     SELECT scene_id, arm, backend_version, measured_by, alpha_sum, beta_sum, window_sum,
-           bail_out_sum
+           bail_out_sum, regime
     FROM evidence_key{, @given} WHERE scene_id = ?1 AND source_count > 0)sql";
 constexpr const char* kSceneAges = R"sql(
     SELECT scene_id, arm, backend_version,
@@ -92,15 +92,15 @@ constexpr const char* kCountProjects = R"sql(
 // Comparing row values lets the database begin in the index at the given key, without reading the
 // keys before it.
 constexpr const char* kNextKey = R"sql(
-    SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
+    SELECT project, scene, regime, measured_by, arm, backend_version, machine_class, reward_version,
            id, [hash = content_hash]{true}
     FROM evidence_key
-    WHERE (project, scene, measured_by, arm, backend_version, machine_class, reward_version)
-          >= (?3, ?4, ?5, ?6, ?7, ?8, ?9)
+    WHERE (project, scene, regime, measured_by, arm, backend_version, machine_class, reward_version)
+          >= (?3, ?4, ?11, ?5, ?6, ?7, ?8, ?9)
       AND (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
       AND (?10 = '' OR instr(?10, char(10) || project || char(10)) > 0)
       AND EXISTS (SELECT 1 FROM TABLE WHERE key_id = id)
-    ORDER BY 1, 2, 3, 4, 5, 6, 7 LIMIT 1)sql";
+    ORDER BY 1, 2, 3, 4, 5, 6, 7, 8 LIMIT 1)sql";
 constexpr const char* kKeyEvidence = R"sql(
     SELECT s.id, name, sequence, alpha, beta, window_count, bail_out_count,
            [e.hash = e.content_hash AND s.hash = s.content_hash]{true},
@@ -133,11 +133,12 @@ constexpr const char* kOldestTransaction = "{SELECT pg_snapshot_xmin(pg_current_
 EvidenceKey KeyOf(const SqlRow& row) {
   return {.project = row.Text(0),
           .scene = row.Text(1),
-          .measured_by = row.Text(2),
-          .arm = row.Text(3),
-          .backend_version = row.Small(4),
-          .machine_class = row.Text(5),
-          .reward_version = row.Small(6)};
+          .measured_by = row.Text(3),
+          .arm = row.Text(4),
+          .backend_version = row.Small(5),
+          .machine_class = row.Text(6),
+          .reward_version = row.Small(7),
+          .regime = row.Text(2)};
 }
 
 absl::Status Damaged(absl::string_view what) {
@@ -193,8 +194,9 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
                                                                      : priors::kSourcesOfOtherClass,
                                 .arm = row.Text(2),
                                 .backend_version = row.Small(3),
-                                .measured_by = row.Text(4)};
-        whole = whole && row.Boolean(5);
+                                .measured_by = row.Text(4),
+                                .regime = row.Text(5)};
+        whole = whole && row.Boolean(6);
       },
       ids);
   if (status.ok() && !whole) return DamagedScene(scene.project, scene.scene);
@@ -213,8 +215,8 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
         source.last_seen_unix_s = row.Unsigned(4);
         source.evidence.key = classes[key.class_number];
         source.evidence.source_count = 1;
-        source.evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by) =
-            EvidenceOf(row, 5);
+        source.evidence.ArmOf(key.arm, key.backend_version)
+            .Add(key.regime, key.measured_by, EvidenceOf(row, 5));
       },
       chosen);
   if (!status.ok()) return status;
@@ -278,8 +280,8 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlPriorReader::LoadSource(
   status = database_.ForEachRow(
       kSourceEvidence,
       [&](const SqlRow& row) {
-        state.evidence.push_back({KeyOf(row), EvidenceOf(row, 7)});
-        whole = whole && row.Boolean(11);
+        state.evidence.push_back({KeyOf(row), EvidenceOf(row, 8)});
+        whole = whole && row.Boolean(12);
       },
       id);
   if (!status.ok()) return status;
@@ -297,7 +299,8 @@ absl::Status SqlPriorReader::LoadArms(const std::map<int64_t, SceneEvidence*>& s
     return scenes.at(row.Integer(0))->ArmOf(row.Text(1), row.Small(2));
   };
   absl::Status status = database_.ForEachRow(
-      kSceneArms, [&](const SqlRow& row) { arm_of(row).of(row.Text(3)) += EvidenceOf(row, 4); },
+      kSceneArms,
+      [&](const SqlRow& row) { arm_of(row).Add(row.Text(8), row.Text(3), EvidenceOf(row, 4)); },
       ids);
   if (!status.ok()) return status;
   // Ignores errors here: if only the sources are unreadable, the sums are still right, and the
@@ -403,10 +406,11 @@ absl::StatusOr<SqlPriorReader::ExportKey> SqlPriorReader::NextKey(const SceneFil
   return database_.Collect<ExportKey>(
       statements[quarantined ? 1 : 0].c_str(),
       [](const SqlRow& row, ExportKey& next) {
-        next = {.key = KeyOf(row), .id = row.Integer(7), .damaged = !row.Boolean(8)};
+        next = {.key = KeyOf(row), .id = row.Integer(8), .damaged = !row.Boolean(9)};
       },
       filter.project, filter.scene, first.project, first.scene, first.measured_by, first.arm,
-      first.backend_version, first.machine_class, first_reward_version, LineList(filter.projects));
+      first.backend_version, first.machine_class, first_reward_version, LineList(filter.projects),
+      first.regime);
 }
 
 absl::Status SqlPriorReader::AppendEvidence(const ExportKey& key, uint32_t limit, bool quarantined,

@@ -81,6 +81,7 @@ class SqlPriorReader : public virtual priors::PriorReader {
     std::string arm;
     uint32_t backend_version = 1;
     std::string measured_by;
+    std::string regime;
   };
   using ArmKeys = std::map<int64_t, ArmKey>;  // by the ids of evidence_key
 

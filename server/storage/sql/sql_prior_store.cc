@@ -73,9 +73,9 @@ constexpr const char* kBar = R"sql(
     {FROM @given} WHERE id = ?1)sql";
 
 constexpr const char* kFindKeys = R"sql(
-    SELECT ?8, id, scene_id FROM evidence_key{, @given}
+    SELECT ?9, id, scene_id FROM evidence_key{, @given}
     WHERE project = ?1 AND scene = ?2 AND measured_by = ?3 AND arm = ?4 AND backend_version = ?5
-      AND machine_class = ?6 AND reward_version = ?7)sql";
+      AND machine_class = ?6 AND reward_version = ?7 AND regime = ?8)sql";
 constexpr const char* kAddScenes = R"sql(
     INSERT INTO scene (project, scene, machine_class, reward_version[, source_count, hash])
     [VALUES (?1, ?2, ?3, ?4, 0, row_hash(?1, ?2, ?3, ?4, 0))]
@@ -84,12 +84,12 @@ constexpr const char* kAddScenes = R"sql(
 // none.
 constexpr const char* kAddKeys = R"sql(
     INSERT INTO evidence_key (project, scene, measured_by, arm, backend_version, machine_class,
-                              reward_version, scene_id[, hash])
-    SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7, id
-           [, row_hash(?1, ?2, ?3, ?4, ?5, ?6, ?7, id, 0.0, 0.0, 0, 0, 0)]
+                              reward_version, regime, scene_id[, hash])
+    SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, id
+           [, row_hash(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, id, 0.0, 0.0, 0, 0, 0)]
     FROM scene{, @given}
     WHERE project = ?1 AND scene = ?2 AND machine_class = ?6 AND reward_version = ?7
-    {ORDER BY 1, 2, 3, 4, 5, 6, 7} ON CONFLICT DO NOTHING)sql";
+    {ORDER BY 1, 2, 3, 4, 5, 6, 7, 8} ON CONFLICT DO NOTHING)sql";
 
 // ForBothTables replaces the word TABLE by `evidence` or by `quarantined_evidence`.
 constexpr const char* kLoadSequences = R"sql(
@@ -126,8 +126,8 @@ constexpr const char* kAddToSums = R"sql(
         source_count = source_count + ?6
         [, hash = next_hash(hash, content_hash,
                             row_hash(project, scene, measured_by, arm, backend_version,
-                                     machine_class, reward_version, scene_id, alpha_sum + ?2,
-                                     beta_sum + ?3,
+                                     machine_class, reward_version, regime, scene_id,
+                                     alpha_sum + ?2, beta_sum + ?3,
                                      min(window_sum, 9223372036854775807 - ?4) + ?4,
                                      min(bail_out_sum, 9223372036854775807 - ?5) + ?5,
                                      source_count + ?6))]
@@ -138,7 +138,8 @@ constexpr const char* kRecountSums = R"sql(
           (SELECT a, b, w, o, n
                   [, next_hash(hash, content_hash,
                                row_hash(project, scene, measured_by, arm, backend_version,
-                                        machine_class, reward_version, scene_id, a, b, w, o, n))]
+                                        machine_class, reward_version, regime, scene_id, a, b, w,
+                                        o, n))]
            FROM (SELECT [total(alpha)]{coalesce(sum(alpha), 0)} AS a,
                         [total(beta)]{coalesce(sum(beta), 0)} AS b,
                         [CAST(total(window_count) AS INTEGER)]{coalesce(sum(window_count), 0)} AS w,
@@ -510,7 +511,7 @@ absl::StatusOr<std::vector<SqlPriorStore::StoredKey>> SqlPriorStore::FindOrAddKe
     for (const EvidenceKey& key : unknown) {
       scenes.emplace(key.project, key.scene, key.machine_class, key.reward_version);
       new_keys.Add(key.project, key.scene, key.measured_by, key.arm, key.backend_version,
-                   key.machine_class, key.reward_version);
+                   key.machine_class, key.reward_version, key.regime);
     }
     for (const auto& [project, scene, machine_class, reward_version] : scenes)
       new_scenes.Add(project, scene, machine_class, reward_version);
@@ -530,7 +531,7 @@ absl::Status SqlPriorStore::FindKeys(std::set<EvidenceKey>& unknown) {
   std::vector<const EvidenceKey*> keys;
   for (const EvidenceKey& key : unknown) {
     batch.Add(key.project, key.scene, key.measured_by, key.arm, key.backend_version,
-              key.machine_class, key.reward_version, keys.size());
+              key.machine_class, key.reward_version, key.regime, keys.size());
     keys.push_back(&key);
   }
   absl::Status status = database_->ForEachRow(

@@ -90,7 +90,7 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   struct KeyHash {
     size_t operator()(const priors::EvidenceKey& key) const {
       return absl::HashOf(key.project, key.scene, key.measured_by, key.arm, key.backend_version,
-                          key.machine_class, key.reward_version);
+                          key.machine_class, key.reward_version, key.regime);
     }
   };
   // The ids of a key and of its scene.

@@ -64,6 +64,7 @@ constexpr const char* kSchema = R"sql(
     backend_version INTEGER NOT NULL CHECK (backend_version BETWEEN 1 AND 4294967295),
     machine_class TEXT NOT NULL CHECK (octet_length(machine_class) <= 128),
     reward_version INTEGER NOT NULL CHECK (reward_version BETWEEN 1 AND 4294967295),
+    regime TEXT NOT NULL CHECK (octet_length(regime) <= 128),
     scene_id INTEGER NOT NULL REFERENCES scene,
     alpha_sum REAL NOT NULL DEFAULT 0 CHECK (alpha_sum >= 0 AND alpha_sum < 1e[300]{40}),
     beta_sum REAL NOT NULL DEFAULT 0 CHECK (beta_sum >= 0 AND beta_sum < 1e[300]{40}),
@@ -73,8 +74,10 @@ constexpr const char* kSchema = R"sql(
     [hash INTEGER NOT NULL,
     content_hash INTEGER GENERATED ALWAYS AS (
       row_hash(project, scene, measured_by, arm, backend_version, machine_class, reward_version,
-               scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum, source_count)) VIRTUAL,]
-    UNIQUE (project, scene, measured_by, arm, backend_version, machine_class, reward_version)
+               regime, scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum,
+               source_count)) VIRTUAL,]
+    UNIQUE (project, scene, regime, measured_by, arm, backend_version, machine_class,
+            reward_version)
   ) OPTIONS;
   CREATE INDEX evidence_key_by_scene ON evidence_key (scene_id, arm, backend_version);
 

@@ -1,9 +1,11 @@
 // The tables of the prior store in SQLite and PostgreSQL.
 //
-// A row of `evidence_key` holds the sums of its rows of `evidence`, a row of `scene` the number of
-// its sources. Readers therefore need not visit the sources. A row of `scene_source` means that the
-// source has evidence about the scene. Names are compared byte by byte. Every CHECK of an amount
-// has two bounds, because `alpha >= 0` alone would accept +Inf in SQLite, and NaN in PostgreSQL.
+// A row of `evidence_key` is about one regime of a scene: a bucket (policy/regime_bucket.h), or an
+// empty text for evidence without a scene descriptor. It holds the sums of its rows of `evidence`,
+// a row of `scene` the number of its sources. Readers therefore need not visit the sources. A row
+// of `scene_source` means that the source has evidence about the scene. Names are compared byte by
+// byte. Every CHECK of an amount has two bounds, because `alpha >= 0` alone would accept +Inf in
+// SQLite, and NaN in PostgreSQL.
 //
 // In SQLite the rows of evidence, keys, scenes' sources and sources have two columns against
 // changes on the disk, which SQLite's own checks miss. `hash` is stored; `content_hash` is computed

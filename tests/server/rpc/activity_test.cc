@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/decider/audit/rederive.h"
 #include "engine_client/decider/policy/log_cost.h"
 #include "engine_client/decider/policy/regime_memory.h"
 #include "server/sessions/common/unix_time.h"
@@ -234,6 +235,43 @@ TEST(SceneActivity, AddsAtMostThisManyBytesToEachEvent) {
     ToProto(LargestActivity(arm_count), scene);
     EXPECT_LT(scene.ByteSizeLong(), 400 + arm_count * 125) << arm_count;
   }
+}
+
+// The evidence of each regime is stored apart. The next session receives a prior per regime, in
+// which another arm is the best one, and its decisions can be derived again.
+TEST_F(ActivityTest, TheNextSessionHasAPriorForEachRegime) {
+  {
+    Game game(channel_, AdaptiveHello());
+    for (const bool rests : {true, false, true, false}) Play(game, rests, 8);
+  }
+  Flush();
+  const priors::SceneEvidence stored = Stored("harbour", decision::kLogCostRewardVersion);
+  ASSERT_EQ(stored.arms.size(), 3u);
+  for (const priors::SceneEvidence::Arm& arm : stored.arms) {
+    ASSERT_EQ(arm.regimes.size(), 2u) << arm.name;
+    const auto& moving = arm.regimes.at("10/-3/-").lane;
+    const auto& resting = arm.regimes.at("10/-7/-").lane;
+    EXPECT_GT(moving.window_count, 0u);
+    EXPECT_GT(resting.window_count, 0u);
+    EXPECT_EQ(moving.window_count + resting.window_count, arm.lane.window_count);
+  }
+
+  Game next(channel_, AdaptiveHello());
+  Play(next, /*rests=*/true, 3);
+  v1::ExportDecisionsRequest request;
+  request.set_session_id(next.id);
+  const std::vector<decision::AuditRow> rows = ExportAudit(request);
+  ASSERT_FALSE(rows.empty());
+  const decision::RegimePriors& regimes = rows[0].setup->setup.regime_priors;
+  ASSERT_EQ(regimes.buckets.size(), 2u);
+  EXPECT_EQ(regimes.stored_count, 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    const auto priors = regimes.Of(i);
+    const bool prefers_grid = priors[0].mean() > priors[1].mean();
+    EXPECT_EQ(prefers_grid, regimes.buckets[i] == "10/-3/-");
+  }
+  const decision::AuditReport report = decision::Rederive(rows);
+  EXPECT_FALSE(report.difference) << report.difference->Text();
 }
 
 }  // namespace

@@ -227,6 +227,17 @@ TEST_F(SamePriorTest, ForTheSceneAndOtherScenes) {
   ExpectSamePriors(records, "adaptive");
 }
 
+TEST_F(SamePriorTest, ForSeveralRegimes) {
+  std::vector<priors::PriorRecord> records;
+  for (const char* regime : {"", "13/-4/0", "13/-14/3"}) {
+    for (const char* arm : {"Grid", "SAP", "KDTree"}) {
+      records.push_back(RecordOf("a", arm, 100 + 10 * static_cast<double>(records.size())));
+      records.back().key.regime = regime;
+    }
+  }
+  ExpectSamePriors(records, "adaptive");
+}
+
 TEST_F(SamePriorTest, ForOtherScenesOnly) {
   std::vector<priors::PriorRecord> records;
   for (const char* source : {"a", "b"}) {

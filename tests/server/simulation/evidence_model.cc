@@ -68,7 +68,7 @@ Evidence EvidenceModel::OfSession(const std::string& id) const {
 
 void EvidenceModel::Scene::Add(const std::string& source, const EvidenceKey& key,
                                const Evidence& more) {
-  evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by) += more;
+  evidence.ArmOf(key.arm, key.backend_version).Add(key.regime, key.measured_by, more);
   sources.insert(source);
 }
 
@@ -77,7 +77,8 @@ bool EvidenceModel::Scene::SameAs(const priors::SceneEvidence& stored) const {
          std::equal(stored.arms.begin(), stored.arms.end(), evidence.arms.begin(),
                     evidence.arms.end(), [](const auto& arm, const auto& mine) {
                       return arm.name == mine.name && arm.backend_version == mine.backend_version &&
-                             mine.live == arm.live && mine.lane == arm.lane;
+                             mine.live == arm.live && mine.lane == arm.lane &&
+                             mine.regimes == arm.regimes;
                     });
 }
 

@@ -43,7 +43,8 @@ void PriorFiles::Make() {
                       .arm = world_.Happens(0.5) ? "Grid" : "SAP",
                       .backend_version = 1,
                       .machine_class = "",
-                      .reward_version = 1};
+                      .reward_version = 1,
+                      .regime = number % 2 == 0 ? "13/-4/0" : ""};
         record.source_id = absl::StrCat(kSourcePrefix, source);
         record.source_sequence = number;
         record.evidence = {.alpha = static_cast<double>(number),

@@ -98,6 +98,8 @@ void SimulatedGame::PlayFrames() {
     batch.add_switch_epoch(switch_epoch_);
     batch.add_flags(0);
   }
+  const bool rests = world_.NowNs() / (10 * kSecondNs) % 2 == 0;
+  batch.mutable_scene_descriptor()->set_speed_mean(rests ? 0.001F : 0.1F);
   if (world_.Happens(0.3)) Sweep(batch);
   Append(request);
   if (command_) AnswerCommand();

@@ -28,6 +28,13 @@ inline EvidenceKey Key(const std::string& arm, const std::string& scene = "harbo
           .reward_version = 1};
 }
 
+// Returns the key of an arm's evidence in a regime.
+inline EvidenceKey KeyIn(const std::string& regime, const std::string& arm) {
+  EvidenceKey key = Key(arm);
+  key.regime = regime;
+  return key;
+}
+
 // Returns the n-th commit of a source, with one window's evidence about each of the keys.
 inline SourceUpdate Update(const std::string& source, uint64_t n,
                            const std::vector<EvidenceKey>& keys) {
@@ -85,7 +92,7 @@ inline absl::StatusOr<KeySums> LoadSums(priors::PriorReader& store,
     if (!sources.ok()) return sources.status();
     if (!stored->has_value()) continue;
     const auto of_key = [&key](priors::SceneEvidence& evidence) {
-      return evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by);
+      return evidence.ArmOf(key.arm, key.backend_version).regimes[key.regime].of(key.measured_by);
     };
     sum.evidence = of_key(**stored);
     for (priors::SceneSource& source : *sources) {

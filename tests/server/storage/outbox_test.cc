@@ -32,6 +32,7 @@ SourceUpdate FullUpdate() {
   update.increments[0].evidence.alpha = 0.1 + 0.2;
   update.increments[0].evidence.beta = std::nextafter(1.0, 2.0);
   update.increments[1].key.measured_by = "lane";
+  update.increments[1].key.regime = "13/-4/0";
   update.unix_time_s = 1'764'000'000;
   update.origin = {.build = "1.4", .token_id = -7};
   update.writer = {.id = std::numeric_limits<uint64_t>::max(), .resumed_sequence = 2};

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <functional>
@@ -132,6 +133,56 @@ TEST_P(PriorStoreConformance, KeepsLaneVisitsApartFromWindows) {
   EXPECT_EQ(Sums({Key("Grid"), lane}).sums[1].evidence.window_count, 2u);
   lane.measured_by = "dice";
   EXPECT_TRUE(absl::IsInvalidArgument(Commit({Update("a", 3, {lane})})));
+}
+
+TEST_P(PriorStoreConformance, KeepsTheEvidenceOfEachRegimeApart) {
+  EvidenceKey lane = KeyIn("13/-4/0", "Grid");
+  lane.measured_by = "lane";
+  const EvidenceKey rest = KeyIn("13/-14/3", "Grid"), motion = KeyIn("13/-4/0", "Grid");
+  ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid"), rest, motion, lane}), Update("b", 1, {rest}),
+                      Update("a", 2, {motion})})
+                  .ok());
+  ASSERT_TRUE(Commit({Update("a", 2, {motion})}).ok());  // repeated
+  const auto scene = *store_->LoadScene({"game", "harbour", "desktop", 1});
+  ASSERT_TRUE(scene);
+  ASSERT_EQ(scene->arms.size(), 1u);
+  EXPECT_EQ(scene->arms[0].live.window_count, 5u);
+  EXPECT_EQ(scene->arms[0].lane.window_count, 1u);
+  ASSERT_EQ(scene->arms[0].regimes.size(), 3u);
+  EXPECT_EQ(scene->arms[0].regimes.at("").live.window_count, 1u);
+  EXPECT_EQ(scene->arms[0].regimes.at("13/-14/3").live, (priors::Evidence{1.5, 0.5, 2, 4}));
+  EXPECT_EQ(scene->arms[0].regimes.at("13/-4/0").live, (priors::Evidence{1.5, 0.5, 2, 4}));
+  EXPECT_EQ(scene->arms[0].regimes.at("13/-4/0").lane.window_count, 1u);
+  const auto sources = *store_->LoadSources({"game", "harbour", "desktop", 1});
+  ASSERT_EQ(sources.size(), 2u);
+  EXPECT_EQ(sources[0].evidence.arms[0].regimes.size(), 3u);
+  EXPECT_EQ(sources[1].evidence.arms[0].regimes.size(), 1u);
+  EXPECT_EQ(sources[1].evidence.arms[0].regimes.at("13/-14/3").live.window_count, 1u);
+  const auto source = *store_->LoadSource("a");
+  ASSERT_EQ(source->evidence.size(), 4u);
+  EXPECT_EQ(source->evidence[0].key, Key("Grid"));
+  EXPECT_EQ(source->evidence[1].key, rest);
+  EXPECT_EQ(source->evidence[2].key, motion);
+  EXPECT_EQ(source->evidence[3].key, lane);
+}
+
+TEST_P(PriorStoreConformance, ExportsAndImportsTheRegime) {
+  const EvidenceKey rest = KeyIn("13/-14/3", "Grid"), motion = KeyIn("13/-4/0", "Grid");
+  ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid"), rest, motion})}).ok());
+  ASSERT_TRUE(store_->Import(std::vector{Record("b", 1, motion, 2), Record("b", 1, rest, 3)}).ok());
+  const std::vector<PriorRecord> records = ExportInPages(1);
+  ASSERT_EQ(records.size(), 5u);
+  EXPECT_TRUE(std::is_sorted(records.begin(), records.end(),
+                             [](const auto& x, const auto& y) { return x.key < y.key; }));
+  EXPECT_EQ(std::count_if(records.begin(), records.end(),
+                          [&](const PriorRecord& record) { return record.key == motion; }),
+            2);
+  ASSERT_TRUE(store_->Revoke({.id = "a"}, /*preview=*/false).ok());
+  const auto scene = *store_->LoadScene({"game", "harbour", "desktop", 1});
+  EXPECT_EQ(scene->arms[0].regimes.size(), 2u);
+  EXPECT_EQ(scene->arms[0].regimes.at("13/-14/3").live.alpha, 3);
+  EXPECT_TRUE(absl::IsInvalidArgument(Commit({Update("c", 1, {KeyIn("fast", "Grid")})})));
+  EXPECT_TRUE(absl::IsInvalidArgument(Commit({Update("c", 1, {KeyIn("-/-/-", "Grid")})})));
 }
 
 TEST_P(PriorStoreConformance, CountsSaturateAtTheirLimit) {

@@ -237,8 +237,8 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseSchemaRefusesInvalidEvidence) {
           .Execute("INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0, 0, 0, 0, '', 0, 0);"
                    "INSERT INTO scene VALUES (1, 'p', 's', '', 1, 1, 0);"
                    "INSERT INTO evidence_key (project, scene, measured_by, arm, backend_version,"
-                   "  machine_class, reward_version, scene_id, hash)"
-                   "VALUES ('p', 's', '', 'Grid', 1, '', 1, 1, 0);")
+                   "  machine_class, reward_version, regime, scene_id, hash)"
+                   "VALUES ('p', 's', '', 'Grid', 1, '', 1, '', 1, 0);")
           .ok());
   for (const char* wrong : {"-1", "9e999", "1e15", "NULL", "'text'"}) {
     const std::string sql =

@@ -181,6 +181,69 @@ TEST(PriorFor, GroupsTheSourcesByWeight) {
   EXPECT_EQ(prior.groups[1].weight, 0.25);
 }
 
+ArmRecord VisitsIn(std::string_view regime, std::string_view arm, double reward) {
+  ArmRecord record = VisitsOf("studio", arm, reward);
+  record.regime = regime;
+  record.evidence.visit_count = 1;
+  return record;
+}
+
+TEST(PriorFor, GivesEachRegimeItsOwnEvidence) {
+  const std::vector<ArmRecord> records = {
+      VisitsIn("1/1/1", "SAP", 0.5),  VisitsIn("1/1/1", "DBVT", 0.6),
+      VisitsIn("2/2/2", "SAP", 0.55), VisitsIn("2/2/2", "DBVT", 0.45),
+      VisitsIn("2/2/2", "SAP", 0.55), VisitsIn("", "SAP", 0.5)};
+  const Prior prior = PriorFor(records, ComparingSession());
+  EXPECT_EQ(prior.regimes.buckets, (std::vector<std::string>{"2/2/2", "1/1/1"}))
+      << "most evidence first; the unknown regime has no prior of its own";
+  EXPECT_EQ(prior.regimes.stored_count, 2u);
+  EXPECT_NEAR(prior.regimes.Of(0)[0].mean(), 0.55, 1e-3);
+  EXPECT_NEAR(prior.regimes.Of(0)[1].mean(), 0.45, 1e-3);
+  EXPECT_NEAR(prior.regimes.Of(1)[0].mean(), 0.5, 1e-3);
+  EXPECT_NEAR(prior.regimes.Of(1)[1].mean(), 0.6, 1e-3);
+  EXPECT_LT(prior.posteriors()[0].mean(), 0.54) << "all regimes together";
+  EXPECT_TRUE(PriorFor(records, Session()).regimes.buckets.empty());
+}
+
+TEST(PriorFor, FillsInARegimesArmsFromOtherRegimesAndFromTheSameRegimeOfOtherScenes) {
+  std::vector<ArmRecord> records = {VisitsIn("1/1/1", "SAP", 0.5), VisitsIn("2/2/2", "SAP", 0.55),
+                                    VisitsIn("2/2/2", "DBVT", 0.45)};
+  const auto first_regime = [&] {
+    const RegimePriors regimes = PriorFor(records, ComparingSession()).regimes;
+    const auto found = std::find(regimes.buckets.begin(), regimes.buckets.end(), "1/1/1");
+    const auto arms = regimes.Of(static_cast<size_t>(found - regimes.buckets.begin()));
+    return std::vector<BetaPosterior>(arms.begin(), arms.end());
+  };
+  const auto from_regime = first_regime();
+  EXPECT_NEAR(from_regime[1].mean(), 0.4, 1e-2) << "DBVT is as much worse as in the other regime";
+  EXPECT_LT(from_regime[1].evidence(), from_regime[0].evidence());
+  for (const char* arm : {"SAP", "DBVT"}) {
+    records.push_back(VisitsIn("1/1/1", arm, arm == std::string("SAP") ? 0.5 : 0.7));
+    records.back().scene = "desert";
+    records.push_back(VisitsIn("3/3/3", arm, 0.5));
+    records.back().scene = "desert";
+  }
+  EXPECT_GT(first_regime()[1].mean(), 0.45) << "the same regime of the other scene counts";
+  const RegimePriors regimes = PriorFor(records, ComparingSession()).regimes;
+  EXPECT_EQ(regimes.stored_count, 2u);
+  EXPECT_EQ(regimes.buckets[2], "3/3/3") << "a regime that only another scene has";
+}
+
+TEST(PriorFor, LimitsTheNumberOfRegimes) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 40; ++i) names.push_back(std::to_string(i) + "/0/0");
+  std::vector<ArmRecord> records;
+  for (int i = 0; i < 40; ++i) {
+    for (const char* arm : {"SAP", "DBVT"}) {
+      records.push_back(VisitsIn(names[static_cast<size_t>(i)], arm, 0.5));
+      if (i >= 20) records.back().scene = "desert";
+    }
+  }
+  const RegimePriors regimes = PriorFor(records, ComparingSession()).regimes;
+  EXPECT_EQ(regimes.stored_count, kMaxStoredRegimes);
+  EXPECT_EQ(regimes.buckets.size(), kMaxRegimePriors);
+}
+
 TEST(PriorFor, ScalesDownEvidenceThatASessionWouldNotAccept) {
   const std::vector<ArmRecord> records(3, RecordOf("studio", 9e14));
   const auto posteriors = PriorFor(records, Session()).posteriors();

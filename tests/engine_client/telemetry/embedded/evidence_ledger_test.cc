@@ -64,6 +64,20 @@ TEST(EvidenceLedger, AddsToARecordPerArmUnderItsOwnSource) {
   EXPECT_EQ(ledger.records()[1].source_sequence, 3U);
 }
 
+TEST(EvidenceLedger, HasARecordPerRegime) {
+  decision::Decision rest = Window({.arm = 0, .alpha = 2, .window_count = 1});
+  rest.regime = "13/-14/3";
+  EvidenceLedger ledger = LedgerOf({});
+  ledger.Add(rest);
+  ledger.Add(Window({.arm = 0, .alpha = 1, .window_count = 1}));
+  ledger.Add(rest);
+  ASSERT_EQ(ledger.records().size(), 2U);
+  EXPECT_EQ(ledger.records()[0].key.regime, "13/-14/3");
+  EXPECT_EQ(ledger.records()[0].evidence.alpha, 4);
+  EXPECT_EQ(ledger.records()[1].key.regime, "");
+  EXPECT_EQ(ledger.records()[1].evidence.alpha, 1);
+}
+
 TEST(EvidenceLedger, ContinuesTheRecordOfItsSourceWithALaterSequence) {
   PriorRecord elsewhere = RecordOf("player", 9, 5);
   elsewhere.key.scene = "desert";

@@ -5,6 +5,8 @@
 
 #include <fstream>
 
+#include "engine_client/decider/pooling/priors_sums.h"
+
 namespace sweepstake {
 namespace {
 
@@ -70,6 +72,22 @@ TEST(PriorsFile, IsReadAsItWasWritten) {
   EXPECT_EQ(record.evidence.bail_out_count, 1U);
   EXPECT_EQ(record.build, "1.2");
   EXPECT_EQ(record.last_seen_unix_s, 1'700'000'000U);
+}
+
+TEST(PriorsFile, KeepsTheRegimeOfRecordsAndSums) {
+  std::vector<PriorRecord> records(2, RecordOf("s"));
+  records[1].key.regime = "13/-4/0";
+  const auto read = ParsePriors(FormatPriors(records));
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  ASSERT_EQ(read->size(), 2U);
+  EXPECT_EQ((*read)[0].key.regime, "");
+  EXPECT_EQ((*read)[1].key.regime, "13/-4/0");
+  const std::vector<PriorRecord> sums = SumByBuild(records);
+  ASSERT_EQ(sums.size(), 2U);
+  const auto read_sums = ParsePriors(FormatPriors(sums));
+  ASSERT_TRUE(read_sums.ok()) << read_sums.status().message();
+  EXPECT_EQ(*read_sums, sums);
+  EXPECT_THAT(ComplaintAbout(DocumentWith("regime", "\"fast\"")), HasSubstr("13/-4/0"));
 }
 
 TEST(PriorsFile, KeepsQuarantinedRecordsBesideOthers) {

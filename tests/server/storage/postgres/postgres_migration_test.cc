@@ -34,7 +34,8 @@ void Fill(const fs::path& directory) {
   ASSERT_TRUE(data.ok()) << data.status();
   const auto store = OpenSqlitePriorStore(data->database());
   ASSERT_TRUE(store.ok()) << store.status();
-  SourceUpdate old = UpdateOf({"0.9", 3}, kLongAgoUnixS, "old", {Key("Grid"), Key("SAP")});
+  SourceUpdate old = UpdateOf({"0.9", 3}, kLongAgoUnixS, "old",
+                              {Key("Grid"), Key("SAP"), KeyIn("13/-4/0", "Grid")});
   ASSERT_TRUE((*store)->Commit(std::vector{old}).ok());
   std::vector<SourceUpdate> updates;
   for (int i = 1; i <= 7; ++i) {
@@ -151,7 +152,7 @@ TEST_F(PostgresMigration, SessionsContinueAndRevokedSourcesStayRevoked) {
   EXPECT_EQ(*store->LoadSource("s3"), std::nullopt);
   EXPECT_EQ(*store->LoadSource("barred"), std::nullopt);
   EXPECT_NE(*store->LoadSource("new"), std::nullopt);
-  EXPECT_EQ(store->Revoke({.build = "0.9"}, false)->record_count, 2u);
+  EXPECT_EQ(store->Revoke({.build = "0.9"}, false)->record_count, 3u);
   EXPECT_EQ(store->Promote({}, false)->record_count, 2u);
 }
 

@@ -2001,7 +2001,7 @@ namespace Sweepstake.Protocol.V1 {
     private global::Sweepstake.Protocol.V1.SceneActivity activity_;
     /// <summary>
     /// What runs now, and the regimes of the scene, in the session that has been connected the longest. Absent: no session is
-    /// connected. Stored evidence, and therefore all fields above, do not distinguish regimes.
+    /// connected. The fields above are about all regimes together.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

@@ -51,7 +51,7 @@ namespace Sweepstake.Protocol.V1 {
             "dmlldxgCIAEoCCKkAQoVUHJvbW90ZVByaW9yc1Jlc3BvbnNlEhQKDHNvdXJj",
             "ZV9jb3VudBgBIAEoBBIUCgxyZWNvcmRfY291bnQYAiABKAQSFAoMd2luZG93",
             "X2NvdW50GAMgASgEEhMKC3NjZW5lX2NvdW50GAQgASgEEjQKDmxlYWRlcl9j",
-            "aGFuZ2VzGAUgASgLMhwuc3dlZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2VzIogD",
+            "aGFuZ2VzGAUgASgLMhwuc3dlZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2VzIpgD",
             "CgtQcmlvclJlY29yZBIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJ",
             "EhMKC21lYXN1cmVkX2J5GAMgASgJEgsKA2FybRgEIAEoCRIXCg9iYWNrZW5k",
             "X3ZlcnNpb24YBSABKA0SFQoNbWFjaGluZV9jbGFzcxgGIAEoCRIWCg5yZXdh",
@@ -60,38 +60,38 @@ namespace Sweepstake.Protocol.V1 {
             "ZXRhX2luY3JlbWVudBgLIAEoARIUCgx3aW5kb3dfY291bnQYDCABKAQSFgoO",
             "YmFpbF9vdXRfY291bnQYDSABKAQSDQoFYnVpbGQYDiABKAkSGAoQdW5peF9s",
             "YXN0X3NlZW5fcxgPIAEoAxITCgtpc19pbXBvcnRlZBgQIAEoCBIWCg5pc19x",
-            "dWFyYW50aW5lZBgRIAEoCBIOCgZ3ZWlnaHQYEiABKAEiOwoLQnVpbGRDaG9p",
-            "Y2USEgoFYnVpbGQYASABKAlIAIgBARIOCgZvdGhlcnMYAiABKAhCCAoGX2J1",
-            "aWxkIqMBChRDb21wYXJlQnVpbGRzUmVxdWVzdBIPCgdwcm9qZWN0GAEgASgJ",
-            "Eg0KBXNjZW5lGAIgASgJEioKBmJlZm9yZRgDIAEoCzIaLnN3ZWVwc3Rha2Uu",
-            "djEuQnVpbGRDaG9pY2USKQoFYWZ0ZXIYBCABKAsyGi5zd2VlcHN0YWtlLnYx",
-            "LkJ1aWxkQ2hvaWNlEhQKDGNoYW5nZXNfb25seRgFIAEoCCJHChVDb21wYXJl",
-            "QnVpbGRzUmVzcG9uc2USLgoGc2NlbmVzGAEgAygLMh4uc3dlZXBzdGFrZS52",
-            "MS5TY2VuZUNvbXBhcmlzb24i5wEKD1NjZW5lQ29tcGFyaXNvbhIPCgdwcm9q",
-            "ZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xhc3MYAyAB",
-            "KAkSFgoOcmV3YXJkX3ZlcnNpb24YBCABKA0SKgoEYXJtcxgFIAMoCzIcLnN3",
-            "ZWVwc3Rha2UudjEuQXJtQ29tcGFyaXNvbhIVCg1rbm93bl9pbl9ib3RoGAYg",
-            "ASgIEhYKDmxlYWRlcl9jaGFuZ2VkGAcgASgIEhoKEmxhcmdlc3RfbG9nX2No",
-            "YW5nZRgIIAEoARIOCgZidWlsZHMYCSADKAkihAEKDUFybUNvbXBhcmlzb24S",
-            "CwoDYXJtGAEgASgJEioKBmJlZm9yZRgCIAEoCzIaLnN3ZWVwc3Rha2UudjEu",
-            "QXJtRXZpZGVuY2USKQoFYWZ0ZXIYAyABKAsyGi5zd2VlcHN0YWtlLnYxLkFy",
-            "bUV2aWRlbmNlEg8KB2NoYW5nZWQYBCABKAgiygEKC0FybUV2aWRlbmNlEjEK",
-            "CXBvc3RlcmlvchgBIAEoCzIeLnN3ZWVwc3Rha2UudjEuUmV3YXJkUG9zdGVy",
-            "aW9yEiwKBGxpdmUYAiABKAsyHi5zd2VlcHN0YWtlLnYxLlJld2FyZFBvc3Rl",
-            "cmlvchIsCgRsYW5lGAMgASgLMh4uc3dlZXBzdGFrZS52MS5SZXdhcmRQb3N0",
-            "ZXJpb3ISLAoKY29zdF9yYXRpbxgEIAEoCzIYLnN3ZWVwc3Rha2UudjEuQ29z",
-            "dFJhdGlvMtgDCg1QcmlvcnNTZXJ2aWNlElkKDEV4cG9ydFByaW9ycxIiLnN3",
-            "ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3JzUmVxdWVzdBojLnN3ZWVwc3Rha2Uu",
-            "djEuRXhwb3J0UHJpb3JzUmVzcG9uc2UwARJZCgxJbXBvcnRQcmlvcnMSIi5z",
-            "d2VlcHN0YWtlLnYxLkltcG9ydFByaW9yc1JlcXVlc3QaIy5zd2VlcHN0YWtl",
-            "LnYxLkltcG9ydFByaW9yc1Jlc3BvbnNlKAESVwoMUmV2b2tlUHJpb3JzEiIu",
-            "c3dlZXBzdGFrZS52MS5SZXZva2VQcmlvcnNSZXF1ZXN0GiMuc3dlZXBzdGFr",
-            "ZS52MS5SZXZva2VQcmlvcnNSZXNwb25zZRJaCg1Qcm9tb3RlUHJpb3JzEiMu",
-            "c3dlZXBzdGFrZS52MS5Qcm9tb3RlUHJpb3JzUmVxdWVzdBokLnN3ZWVwc3Rh",
-            "a2UudjEuUHJvbW90ZVByaW9yc1Jlc3BvbnNlElwKDUNvbXBhcmVCdWlsZHMS",
-            "Iy5zd2VlcHN0YWtlLnYxLkNvbXBhcmVCdWlsZHNSZXF1ZXN0GiQuc3dlZXBz",
-            "dGFrZS52MS5Db21wYXJlQnVpbGRzUmVzcG9uc2UwAUIZqgIWU3dlZXBzdGFr",
-            "ZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
+            "dWFyYW50aW5lZBgRIAEoCBIOCgZ3ZWlnaHQYEiABKAESDgoGcmVnaW1lGBMg",
+            "ASgJIjsKC0J1aWxkQ2hvaWNlEhIKBWJ1aWxkGAEgASgJSACIAQESDgoGb3Ro",
+            "ZXJzGAIgASgIQggKBl9idWlsZCKjAQoUQ29tcGFyZUJ1aWxkc1JlcXVlc3QS",
+            "DwoHcHJvamVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIqCgZiZWZvcmUYAyAB",
+            "KAsyGi5zd2VlcHN0YWtlLnYxLkJ1aWxkQ2hvaWNlEikKBWFmdGVyGAQgASgL",
+            "Mhouc3dlZXBzdGFrZS52MS5CdWlsZENob2ljZRIUCgxjaGFuZ2VzX29ubHkY",
+            "BSABKAgiRwoVQ29tcGFyZUJ1aWxkc1Jlc3BvbnNlEi4KBnNjZW5lcxgBIAMo",
+            "CzIeLnN3ZWVwc3Rha2UudjEuU2NlbmVDb21wYXJpc29uIucBCg9TY2VuZUNv",
+            "bXBhcmlzb24SDwoHcHJvamVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIVCg1t",
+            "YWNoaW5lX2NsYXNzGAMgASgJEhYKDnJld2FyZF92ZXJzaW9uGAQgASgNEioK",
+            "BGFybXMYBSADKAsyHC5zd2VlcHN0YWtlLnYxLkFybUNvbXBhcmlzb24SFQoN",
+            "a25vd25faW5fYm90aBgGIAEoCBIWCg5sZWFkZXJfY2hhbmdlZBgHIAEoCBIa",
+            "ChJsYXJnZXN0X2xvZ19jaGFuZ2UYCCABKAESDgoGYnVpbGRzGAkgAygJIoQB",
+            "Cg1Bcm1Db21wYXJpc29uEgsKA2FybRgBIAEoCRIqCgZiZWZvcmUYAiABKAsy",
+            "Gi5zd2VlcHN0YWtlLnYxLkFybUV2aWRlbmNlEikKBWFmdGVyGAMgASgLMhou",
+            "c3dlZXBzdGFrZS52MS5Bcm1FdmlkZW5jZRIPCgdjaGFuZ2VkGAQgASgIIsoB",
+            "CgtBcm1FdmlkZW5jZRIxCglwb3N0ZXJpb3IYASABKAsyHi5zd2VlcHN0YWtl",
+            "LnYxLlJld2FyZFBvc3RlcmlvchIsCgRsaXZlGAIgASgLMh4uc3dlZXBzdGFr",
+            "ZS52MS5SZXdhcmRQb3N0ZXJpb3ISLAoEbGFuZRgDIAEoCzIeLnN3ZWVwc3Rh",
+            "a2UudjEuUmV3YXJkUG9zdGVyaW9yEiwKCmNvc3RfcmF0aW8YBCABKAsyGC5z",
+            "d2VlcHN0YWtlLnYxLkNvc3RSYXRpbzLYAwoNUHJpb3JzU2VydmljZRJZCgxF",
+            "eHBvcnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1JlcXVl",
+            "c3QaIy5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1Jlc3BvbnNlMAESWQoM",
+            "SW1wb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXF1",
+            "ZXN0GiMuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXNwb25zZSgBElcK",
+            "DFJldm9rZVByaW9ycxIiLnN3ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3JzUmVx",
+            "dWVzdBojLnN3ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3JzUmVzcG9uc2USWgoN",
+            "UHJvbW90ZVByaW9ycxIjLnN3ZWVwc3Rha2UudjEuUHJvbW90ZVByaW9yc1Jl",
+            "cXVlc3QaJC5zd2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNSZXNwb25zZRJc",
+            "Cg1Db21wYXJlQnVpbGRzEiMuc3dlZXBzdGFrZS52MS5Db21wYXJlQnVpbGRz",
+            "UmVxdWVzdBokLnN3ZWVwc3Rha2UudjEuQ29tcGFyZUJ1aWxkc1Jlc3BvbnNl",
+            "MAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
@@ -106,7 +106,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsResponse), global::Sweepstake.Protocol.V1.RevokePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "LeaderChanges" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsRequest), global::Sweepstake.Protocol.V1.PromotePriorsRequest.Parser, new[]{ "Sources", "Preview" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PromotePriorsResponse), global::Sweepstake.Protocol.V1.PromotePriorsResponse.Parser, new[]{ "SourceCount", "RecordCount", "WindowCount", "SceneCount", "LeaderChanges" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS", "IsImported", "IsQuarantined", "Weight" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PriorRecord), global::Sweepstake.Protocol.V1.PriorRecord.Parser, new[]{ "Project", "Scene", "MeasuredBy", "Arm", "BackendVersion", "MachineClass", "RewardVersion", "SourceId", "SourceSequence", "AlphaIncrement", "BetaIncrement", "WindowCount", "BailOutCount", "Build", "UnixLastSeenS", "IsImported", "IsQuarantined", "Weight", "Regime" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.BuildChoice), global::Sweepstake.Protocol.V1.BuildChoice.Parser, new[]{ "Build", "Others" }, new[]{ "Build" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.CompareBuildsRequest), global::Sweepstake.Protocol.V1.CompareBuildsRequest.Parser, new[]{ "Project", "Scene", "Before", "After", "ChangesOnly" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.CompareBuildsResponse), global::Sweepstake.Protocol.V1.CompareBuildsResponse.Parser, new[]{ "Scenes" }, null, null, null, null),
@@ -3424,6 +3424,7 @@ namespace Sweepstake.Protocol.V1 {
       isImported_ = other.isImported_;
       isQuarantined_ = other.isQuarantined_;
       weight_ = other.weight_;
+      regime_ = other.regime_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -3706,6 +3707,22 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "regime" field.</summary>
+    public const int RegimeFieldNumber = 19;
+    private string regime_ = "";
+    /// <summary>
+    /// Regime of the scene in which it was measured, as ln(object count) ÷ 0.7, ln(mean speed) and static ratio ÷ 0.3, each rounded
+    /// down, such as "13/-4/0"; "-" for a value that was not measured. Absent: unknown.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Regime {
+      get { return regime_; }
+      set {
+        regime_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -3739,6 +3756,7 @@ namespace Sweepstake.Protocol.V1 {
       if (IsImported != other.IsImported) return false;
       if (IsQuarantined != other.IsQuarantined) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(Weight, other.Weight)) return false;
+      if (Regime != other.Regime) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -3764,6 +3782,7 @@ namespace Sweepstake.Protocol.V1 {
       if (IsImported != false) hash ^= IsImported.GetHashCode();
       if (IsQuarantined != false) hash ^= IsQuarantined.GetHashCode();
       if (Weight != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(Weight);
+      if (Regime.Length != 0) hash ^= Regime.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -3854,6 +3873,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(145, 1);
         output.WriteDouble(Weight);
       }
+      if (Regime.Length != 0) {
+        output.WriteRawTag(154, 1);
+        output.WriteString(Regime);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -3936,6 +3959,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(145, 1);
         output.WriteDouble(Weight);
       }
+      if (Regime.Length != 0) {
+        output.WriteRawTag(154, 1);
+        output.WriteString(Regime);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -3999,6 +4026,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (Weight != 0D) {
         size += 2 + 8;
+      }
+      if (Regime.Length != 0) {
+        size += 2 + pb::CodedOutputStream.ComputeStringSize(Regime);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -4065,6 +4095,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.Weight != 0D) {
         Weight = other.Weight;
+      }
+      if (other.Regime.Length != 0) {
+        Regime = other.Regime;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -4157,6 +4190,10 @@ namespace Sweepstake.Protocol.V1 {
             Weight = input.ReadDouble();
             break;
           }
+          case 154: {
+            Regime = input.ReadString();
+            break;
+          }
         }
       }
     #endif
@@ -4246,6 +4283,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 145: {
             Weight = input.ReadDouble();
+            break;
+          }
+          case 154: {
+            Regime = input.ReadString();
             break;
           }
         }
