@@ -19,15 +19,15 @@ constexpr char kProject[] = "project";
 constexpr char kScene[] = "scene";
 constexpr char kMachineClass[] = "class";
 
-// The stored evidence of a game, per arm.
+// The stored evidence of a game.
 struct PlayedGame {
   std::string scene = kScene;
   std::string machine_class = kMachineClass;
-  std::vector<ArmEvidence> arms;
+  Taught regimes;
 };
 
 // Reverses the ranking of the arms that have evidence; the other arms are unchanged.
-std::vector<ArmEvidence> Reversed(const std::vector<ArmEvidence>& arms) {
+std::vector<ArmEvidence> ReversedArms(const std::vector<ArmEvidence>& arms) {
   const std::vector<decision::EvidenceSum> pooled = decision::PoolEvidence(arms);
   std::vector<size_t> ranking;
   for (size_t arm = 0; arm < arms.size(); ++arm) {
@@ -42,6 +42,11 @@ std::vector<ArmEvidence> Reversed(const std::vector<ArmEvidence>& arms) {
   return reversed;
 }
 
+Taught Reversed(Taught regimes) {
+  for (auto& [regime, arms] : regimes) arms = ReversedArms(arms);
+  return regimes;
+}
+
 std::vector<double> ClassRatios(uint32_t arm_count, uint64_t seed) {
   std::vector<double> ratios;
   for (uint32_t arm = 0; arm < arm_count; ++arm) {
@@ -51,9 +56,8 @@ std::vector<double> ClassRatios(uint32_t arm_count, uint64_t seed) {
   return ratios;
 }
 
-// Returns the priors of a new session of kScene on kMachineClass, with the same build as the games.
-std::vector<decision::BetaPosterior> PriorsAfter(std::span<const PlayedGame> games,
-                                                 uint32_t arm_count, bool compares) {
+// Returns the prior of a new session of kScene on kMachineClass, with the same build as the games.
+decision::Prior PriorAfter(std::span<const PlayedGame> games, uint32_t arm_count, bool compares) {
   decision::PriorKey key{.project = kProject,
                          .scene = kScene,
                          .machine_class = kMachineClass,
@@ -64,25 +68,27 @@ std::vector<decision::BetaPosterior> PriorsAfter(std::span<const PlayedGame> gam
   for (uint32_t arm = 0; arm < arm_count; ++arm) key.arms.push_back(math::HexOf(arm));
   std::vector<decision::ArmRecord> records;
   for (const PlayedGame& game : games) {
-    for (uint32_t arm = 0; arm < arm_count; ++arm)
-      records.push_back({.project = kProject,
-                         .scene = game.scene,
-                         .machine_class = game.machine_class,
-                         .reward_version = key.reward_version,
-                         .source = "game",
-                         .build = {},
-                         .arm = key.arms[arm],
-                         .evidence = game.arms[arm]});
+    for (const auto& [regime, arms] : game.regimes) {
+      for (uint32_t arm = 0; arm < arm_count; ++arm)
+        records.push_back({.project = kProject,
+                           .scene = game.scene,
+                           .machine_class = game.machine_class,
+                           .reward_version = key.reward_version,
+                           .source = "game",
+                           .build = {},
+                           .arm = key.arms[arm],
+                           .evidence = arms[arm],
+                           .regime = regime});
+    }
   }
-  return decision::PriorFor(records, key).posteriors();
+  return decision::PriorFor(records, key);
 }
 
 }  // namespace
 
-std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::string& policy,
-                                                  const ReplayScene& scene,
-                                                  std::span<const ReplayScene* const> others,
-                                                  uint64_t seed, const Teach& teach) {
+decision::Prior ServedPrior(ReplayPriors kind, const std::string& policy, const ReplayScene& scene,
+                            std::span<const ReplayScene* const> others, uint64_t seed,
+                            const Teach& teach) {
   const bool compares =
       decision::PolicyKindOf(policy, decision::StudyPolicies()).starts_from_priors;
   std::vector<PlayedGame> games;
@@ -90,24 +96,24 @@ std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::
     case ReplayPriors::kNone:
       return {};
     case ReplayPriors::kRight:
-      games.push_back({.arms = teach(scene).taught});
+      games.push_back({.regimes = teach(scene).taught});
       break;
     case ReplayPriors::kWrong:
-      games.push_back({.arms = Reversed(teach(scene).taught)});
+      games.push_back({.regimes = Reversed(teach(scene).taught)});
       break;
     case ReplayPriors::kClass:
       games.push_back(
           {.machine_class = "another class",
-           .arms = teach(scene.WithArmRatios(ClassRatios(scene.arm_count(), seed))).taught});
+           .regimes = teach(scene.WithArmRatios(ClassRatios(scene.arm_count(), seed))).taught});
       break;
     case ReplayPriors::kScenes:
       if (!compares) return {};
       // The names keep the order of the scenes: hexadecimal names of equal length sort by value.
       for (const ReplayScene* other : others)
-        games.push_back({.scene = math::HexOf(games.size()), .arms = teach(*other).taught});
+        games.push_back({.scene = math::HexOf(games.size()), .regimes = teach(*other).taught});
       break;
   }
-  return PriorsAfter(games, scene.arm_count(), compares);
+  return PriorAfter(games, scene.arm_count(), compares);
 }
 
 }  // namespace sweepstake::cli

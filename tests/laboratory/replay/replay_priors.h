@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine_client/decider/pooling/prior.h"
 #include "tests/laboratory/replay/replay_run.h"
 #include "tests/laboratory/replay/replay_scene.h"
 
@@ -32,12 +33,11 @@ inline constexpr double kClassDeviation = 0.17;
 // Plays a game on a scene. The evidence of that game (ReplayResult::taught) becomes the priors.
 using Teach = std::function<ReplayResult(const ReplayScene& scene)>;
 
-// Returns one prior per arm, or an empty list if there is no evidence. `others` are the project's
-// other scenes. For kClass, `seed` determines how the costs of the arms differ between the machine
-// classes.
-std::vector<decision::BetaPosterior> ServedPriors(ReplayPriors kind, const std::string& policy,
-                                                  const ReplayScene& scene,
-                                                  std::span<const ReplayScene* const> others,
-                                                  uint64_t seed, const Teach& teach);
+// Returns the prior of a new session, which is unknown if there is no evidence. `others` are the
+// project's other scenes. For kClass, `seed` determines how the costs of the arms differ between
+// the machine classes.
+decision::Prior ServedPrior(ReplayPriors kind, const std::string& policy, const ReplayScene& scene,
+                            std::span<const ReplayScene* const> others, uint64_t seed,
+                            const Teach& teach);
 
 }  // namespace sweepstake::cli

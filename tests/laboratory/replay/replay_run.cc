@@ -24,6 +24,7 @@ decision::SessionSetup SetupOf(const ReplayScene& scene, const ReplaySetup& setu
   return {.options = setup.options,
           .arms = scene.arms(),
           .priors = setup.priors,
+          .regime_priors = setup.regime_priors,
           .seed = setup.seed,
           .active_arm = static_cast<uint32_t>(setup.seed % scene.arm_count())};
 }
@@ -125,7 +126,6 @@ Game::Game(const ReplayScene& scene, const ReplaySetup& setup)
     lane_.emplace(scene, setup.shadow, setup.lane_errors, setup.seed);
   }
   result_.active_ns.resize(scene.arm_count());
-  result_.taught.resize(scene.arm_count());
   result_.first_active_ns.resize(scene.arm_count());
   batch_.reserve(kBatchFrames);
 }
@@ -267,17 +267,20 @@ void Game::Accept(const decision::Decision& decision, int64_t now_ns) {
 }
 
 void Game::NoteTaught(const decision::Decision& decision) {
+  if (!decision.increment && decision.lane_increments.empty()) return;
+  std::vector<decision::ArmEvidence>& arms = result_.taught[decision.regime];
+  arms.resize(scene_.arm_count());
   const auto add = [](const decision::Increment& increment, decision::EvidenceSum& sum) {
     sum.alpha += increment.alpha;
     sum.beta += increment.beta;
   };
   if (decision.increment) {
-    decision::ArmEvidence& arm = result_.taught[decision.increment->arm];
+    decision::ArmEvidence& arm = arms[decision.increment->arm];
     add(*decision.increment, arm.live);
     arm.bail_out_count += decision.increment->bail_out_count;
   }
   for (const decision::Increment& increment : decision.lane_increments)
-    add(increment, result_.taught[increment.arm].lane);
+    add(increment, arms[increment.arm].lane);
 }
 
 void Game::Meter(const FrameSample& frame) {

@@ -18,7 +18,9 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine_client/decider/pooling/scene_prior.h"
@@ -34,6 +36,7 @@ struct ReplaySetup {
   uint64_t seed = 1;
   std::optional<bool> shadow_lane;                // absent: on if the policy learns from it
   std::vector<decision::BetaPosterior> priors{};  // one per arm; empty: none
+  decision::RegimePriors regime_priors{};
   // Called with each tick and bail-out, in order.
   std::function<void(const decision::DecisionRecord&)> on_decision = nullptr;
   // Options of the shadow lane; unused without a lane.
@@ -78,6 +81,9 @@ class Reliability {
   std::array<ReliabilityBin, kBinCount> bins_{};
 };
 
+// Evidence of a game, per arm, by regime (a bucket of decider/policy/regime_bucket.h).
+using Taught = std::map<std::string, std::vector<decision::ArmEvidence>>;
+
 struct ReplayResult {
   // All sums of this struct leave out the time that FrameLoad adds to frames.
   uint64_t total_ns = 0;  // sum over all frames
@@ -96,9 +102,9 @@ struct ReplayResult {
   // The choice of the first tick: the arm that it commands, or the active arm if it commands no
   // switch. Absent if there was no tick.
   std::optional<uint32_t> first_choice;
-  std::vector<decision::ArmEvidence> taught;  // evidence that a daemon would store, per arm
-  std::array<uint64_t, 5> verdict_counts{};   // number of ticks, by Verdict
-  Reliability reliability;                    // reliability of P(best) at the ticks
+  Taught taught;                             // evidence that a daemon would store
+  std::array<uint64_t, 5> verdict_counts{};  // number of ticks, by Verdict
+  Reliability reliability;                   // reliability of P(best) at the ticks
   uint64_t shadow_visit_count = 0;
   uint64_t shadow_ns = 0;  // time that the lane worked
 

@@ -100,20 +100,22 @@ class SeedGames {
     return setup;
   }
 
-  std::vector<decision::BetaPosterior> Priors(const std::string& policy) const {
+  decision::Prior PriorOf(const std::string& policy) const {
     std::vector<const ReplayScene*> others;
     for (const StudyScene& other : scenes_) {
       // Skip this trace, which may be given twice.
       if (other.name != name_) others.push_back(&other.scene);
     }
     const uint64_t seed = seed_ + kPriorsSeed;
-    return ServedPriors(options_.priors, policy, scene_, others, seed,
-                        [&](const auto& scene) { return Replay(scene, SetupOf(policy, seed)); });
+    return ServedPrior(options_.priors, policy, scene_, others, seed,
+                       [&](const auto& scene) { return Replay(scene, SetupOf(policy, seed)); });
   }
 
   StudyGame Policy(const std::string& policy) const {
     ReplaySetup setup = SetupOf(policy, seed_);
-    setup.priors = Priors(policy);
+    const decision::Prior prior = PriorOf(policy);
+    setup.priors = prior.posteriors();
+    setup.regime_priors = prior.regimes;
     const ReplayResult result = Replay(scene_, setup);
     const double total_ns = static_cast<double>(result.total_ns);
     const auto& switches = result.observation.switch_counts;
