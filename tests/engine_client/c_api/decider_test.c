@@ -237,9 +237,13 @@ static void check_settling(void) {
     CHECK(decision.decision_id == 0 || decision.outcome == SWP_DECISION_HELD_SETTLING);
   }
   CHECK(decision.decision_id > 1);
-  for (int frame = 0; frame < 12; ++frame) run_frame(&played, 20000000);
-  CHECK_OK(swp_session_last_decision(played.session, &decision));
-  CHECK(decision.outcome != SWP_DECISION_HELD_SETTLING);
+  int settled = 0; /* a decision after that may begin another trial, which settles again */
+  for (int frame = 0; frame < 12; ++frame) {
+    run_frame(&played, 20000000);
+    CHECK_OK(swp_session_last_decision(played.session, &decision));
+    settled |= decision.outcome != SWP_DECISION_HELD_SETTLING;
+  }
+  CHECK(settled);
   check_settled_frames(&played, 800000000 / kTimeScale);
   CHECK_OK(swp_session_detach_decider(played.session));
   check_settled_frames(&played, 800000000);
