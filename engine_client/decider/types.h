@@ -99,7 +99,7 @@ struct Diagnosis {
 // log-cost of the candidate.
 struct GateTerms {
   double gain = 0;  // E⁺ = E[max(d, 0)]
-  double loss = 0;  // E⁻ = E[max(−d, 0)]; for a trial, at most the trial's budget
+  double loss = 0;  // E⁻ = exp(E[max(−d, 0)]) − 1; for a trial, at most the trial's budget
   double horizon_s = 0;
   double cooldown_s = 0;
   double cost_s = 0;  // cost of a switch, as measured for earlier ones

@@ -59,6 +59,9 @@ absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
     for (const auto& arm : (*stored)->arms) {
       known.arms.insert(arm.name);
       known.versions.emplace(arm.name, arm.backend_version);
+      for (const auto& regime : arm.regimes) {
+        if (!regime.first.empty()) known.regimes.insert(regime.first);
+      }
     }
     return absl::OkStatus();
   }

@@ -48,6 +48,10 @@ class SceneQuota {
 
   // The store's counts for the scene that was added last; absent if that scene is stored.
   const std::optional<UnstoredScene>& unstored() const { return unstored_; }
+  // The buckets of the scene's stored regimes. REQUIRES: Add was called for the scene.
+  const std::set<std::string>& regimes(const priors::SceneKey& scene) const {
+    return scenes_.at(scene).regimes;
+  }
   // Scenes passed to Add that are not in the store.
   const std::vector<priors::SceneKey>& new_scenes() const { return new_scenes_; }
 
@@ -55,6 +59,7 @@ class SceneQuota {
   struct Scene {
     std::set<std::string> arms;
     std::set<std::pair<std::string, uint32_t>> versions;
+    std::set<std::string> regimes;
   };
 
   struct Project {

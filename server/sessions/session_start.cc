@@ -169,11 +169,6 @@ std::vector<std::string> Describe(const decision::Prior& prior, bool compares_so
   return lines;
 }
 
-bool LacksArms(const decision::Prior& prior) {
-  return std::any_of(prior.evidence.begin(), prior.evidence.end(),
-                     [](const auto& arm) { return !(arm.evidence() > 0); });
-}
-
 // Sets the prior, which includes the session's own evidence. Other scenes are read only if some arm
 // lacks evidence, and not on the writing thread, where reading them would delay commits.
 absl::Status LoadPrior(priors::PriorReader& store, const SessionRequest& hello,
@@ -188,7 +183,7 @@ absl::Status LoadPrior(priors::PriorReader& store, const SessionRequest& hello,
   }
   start.prior = decision::PriorFor(stored.records, key);
   const bool reads_others = status.ok() && !hello.ignores_priors && !is_writing_thread;
-  if (reads_others && key.compares_sources && LacksArms(start.prior)) {
+  if (reads_others && key.compares_sources && start.prior.lacks_arms()) {
     status = AddOtherScenes(store, hello, stored);
     if (status.ok()) start.prior = decision::PriorFor(stored.records, key);
   }
@@ -204,7 +199,27 @@ bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>
   });
 }
 
-// Checks the scene and its arms against the quotas. Sets start.refusal and start.new_scene.
+// Adds the regimes in which the scene has evidence, without priors, if they are missing. The
+// session files its evidence into them, so that a scene has few regimes also if priors are ignored.
+void AddStoredRegimes(const std::set<std::string>& names, size_t arm_count,
+                      decision::RegimePriors& regimes) {
+  for (const std::string& name : names) {
+    if (regimes.stored_count == decision::kMaxStoredRegimes) return;
+    const auto end = regimes.buckets.end();
+    if (std::find(regimes.buckets.begin(), end, name) != end) continue;
+    regimes.buckets.insert(regimes.buckets.begin() + regimes.stored_count, name);
+    regimes.posteriors.insert(
+        regimes.posteriors.begin() + static_cast<ptrdiff_t>(regimes.stored_count * arm_count),
+        arm_count, decision::BetaPosterior());
+    ++regimes.stored_count;
+    if (regimes.buckets.size() <= decision::kMaxRegimePriors) continue;
+    regimes.buckets.pop_back();
+    regimes.posteriors.resize(regimes.buckets.size() * arm_count);
+  }
+}
+
+// Checks the scene and its arms against the quotas. Sets start.refusal, start.new_scene and
+// start.stored_regimes.
 void CheckQuota(priors::PriorReader& store, const SessionRequest& hello,
                 const HostedSessionOptions& options, bool counts, StoredStart& start) {
   SceneQuota quota(store, options, counts);
@@ -213,6 +228,7 @@ void CheckQuota(priors::PriorReader& store, const SessionRequest& hello,
     if (!start.refusal.ok()) return;
   }
   start.new_scene = quota.unstored();
+  start.stored_regimes = quota.regimes(hello.scene);
 }
 
 decision::DecisionOptions OptionsOf(const SessionRequest& hello,
@@ -284,6 +300,7 @@ StoredStart LoadStart(priors::PriorReader& store, const SessionRequest& hello,
     }
   }
   start.status.Update(LoadPrior(store, hello, is_writing_thread, start));
+  AddStoredRegimes(start.stored_regimes, hello.arms.size(), start.prior.regimes);
   return start;
 }
 

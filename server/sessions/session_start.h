@@ -1,13 +1,15 @@
 // Reads the evidence with which a session begins from the store, and creates the session.
 //
 // A new session starts from Beta(1,1) plus the evidence of all sources of its scene. For arms
-// without such evidence the project's other scenes are used. A session that is resumed from the
-// store starts from the same evidence, its own included. With Hello::ignores_priors, only its own
-// evidence is used. Evidence with another reward version than the policy's is not used.
+// without such evidence the project's other scenes are used. Each regime of the scene has a prior
+// of its own. A session that is resumed from the store starts from the same evidence, its own
+// included. With Hello::ignores_priors, only its own evidence is used. Evidence with another reward
+// version than the policy's is not used.
 #pragma once
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,8 +31,9 @@ struct StoredStart {
   // having committed it. Only the first daemon that commits can continue it, so no message counts
   // twice.
   std::string kept_id = {};
-  std::optional<UnstoredScene> new_scene;  // present if the store does not have the scene
-  absl::Status refusal;                    // an error if the session would exceed a quota
+  std::set<std::string> stored_regimes = {};  // buckets of the scene's regimes (regime_bucket.h)
+  std::optional<UnstoredScene> new_scene;     // present if the store does not have the scene
+  absl::Status refusal;                       // an error if the session would exceed a quota
   absl::Status status;  // the error that made some evidence missing; OK if none is missing
 };
 

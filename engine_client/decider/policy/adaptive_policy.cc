@@ -111,7 +111,8 @@ void AdaptivePolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t 
   if (!components_.regimes) return;
   AdvanceTo(now_ns);
   const bool has_changed = beliefs_.Observe(descriptor);
-  if (beliefs_.is_new()) StartFromPriors(FeaturesOf(descriptor));
+  const bool was_observed = std::find(observed_.begin(), observed_.end(), true) != observed_.end();
+  if (beliefs_.is_new() && (has_changed || !was_observed)) StartFromPriors(FeaturesOf(descriptor));
   if (has_changed || beliefs_.is_new()) UpdatePosteriors();
 }
 
@@ -239,8 +240,8 @@ bool AdaptivePolicy::LaneReports(int64_t now_ns) const {
   return last_shadow_ns_ && Seconds(now_ns) - Seconds(*last_shadow_ns_) <= LongestHorizonSeconds();
 }
 
-// Returns whether enough is known about the arm to choose it: it was observed, or there is no lane
-// that will observe it.
+// Returns whether enough is known about the arm to choose it: it was observed, or the lane does not
+// report. The lane reports from its first visit on, until none has arrived for the longest horizon.
 bool AdaptivePolicy::IsKnownEnough(uint32_t arm, int64_t now_ns) const {
   return observed_[arm] || !LaneReports(now_ns);
 }
@@ -276,18 +277,20 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(const ChoiceInput& input,
   Assessment result{.arm = candidate};
   GateTerms& terms = result.terms;
   terms.gain = ExpectedGain(mean, deviation);
-  terms.loss = math::Exp(ExpectedGain(-mean, deviation)) - 1;
+  double loss = ExpectedGain(-mean, deviation);
   terms.horizon_s = HorizonSeconds(input.now_ns, input.start_ns);
   if (!observed_[candidate]) {
     // Mix the belief with a flat one that ignores the prior, because the arm was not observed.
     const double flat = ExpectedGain(0, std::sqrt(kUnknownVariance));
     const double share = has_prior_[candidate] ? kFlatShare : 1;
     terms.gain += share * (flat - terms.gain);
-    terms.loss += share * (flat - terms.loss);
+    loss += share * (flat - loss);
   }
   terms.cooldown_s = Seconds(cooldown_ns().value_or(options_.cooldown_ns));
   terms.cost_s = switch_cost_s_ / detection_share_;
-  result.advantage = terms.gain - terms.loss;
+  result.advantage = terms.gain - loss;
+  terms.loss =
+      math::Exp(loss) - 1;  // an arm that is 100 times as expensive loses 99 times the cost
   if (observed_[candidate] && IsTrial(input, candidate)) {
     terms.loss = std::min(terms.loss, kTrialBudget / detection_share_);
   }

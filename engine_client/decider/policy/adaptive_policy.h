@@ -6,31 +6,29 @@
 //   work on the frame thread's core from the cost of an arm. Watchers see the beliefs as one Beta
 //   distribution per arm. The difference of each arm to the leader has the filter's variance.
 // - A switch must pass the gate of GateTerms: horizon · E⁺ − cooldown · E⁻ − cost > 0. E⁺ and E⁻
-//   are the expected gain and loss after the next window of the candidate; E⁺ must exceed 0.5 %.
-//   The horizon is the mean length of the scene's regimes, at most the cooldown of the options. The
-//   cost is the measured cost of earlier switches. The policy's own cooldown is settling plus one
-//   window, and at most the cooldown of the options.
-// - An arm is not chosen if its frames exceed 3 s (three fifths of the bail-out limit) with a
-//   probability above 1 %. There are two exceptions. After a bail-out of the active arm, any arm
-//   may be chosen. Without the lane, an arm never seen may be chosen if its expected cost is not
-//   above the active arm's.
-// - While the shadow lane reports, only arms that were measured or have priors are chosen. An arm
-//   that is believed to be worse may be tried live once, because the lane's bias for it is unknown
-//   until then. The gate decides whether the trial is worth its cost. An arm that costs twice as
-//   much as the active arm with a probability above 10 % is not tried. An arm that was live must be
-//   believed to be cheaper.
+//   are the expected gain and loss after the next window of the candidate. The horizon is the mean
+//   length of the scene's regimes, of which the present one lasts for another cooldown of the
+//   options. The cost is the mean measured cost of earlier switches. The policy's own cooldown is
+//   settling plus one window, and at most the cooldown of the options.
+// - A switch that is no trial must have an E⁺ of at least 0.5 %.
+// - An arm is not chosen if its frames exceed the bail-out limit with a probability above 1 %.
+// There
+//   are two exceptions. After a bail-out of the active arm, any arm may be chosen. Without the
+//   lane, an arm never seen may be chosen if its expected cost is not above the active arm's.
+// - While the shadow lane reports, only arms that were measured are chosen. An arm that is believed
+//   to be worse may be tried live, because the lane's bias for it is unknown until then. The gate
+//   decides whether the trial is worth its cost. An arm that was live must be believed to be
+//   cheaper.
 // - Without the lane, the expected gain E⁺ of an arm never seen is large, because its cost is
 //   uncertain. So every arm is tried live.
-// - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
-//   the belief ignores the prior. All priors are dropped if the lane's first visits contradict
-//   them: another arm is 1.35 times cheaper than the arm that the priors expect to be the cheapest.
+// - A prior has a standard deviation of at least 30 %. Until an arm is observed, a fifth of the
+//   belief ignores its prior.
 // - An arm's first live window is a trial (SwitchCommand), if the client stops trials. Then the
 //   client switches back at once in two cases. Either a search takes a fifth longer than the
-//   previous arm's, or the trial exceeds its time budget. For an arm that the lane observed, the
-//   gate therefore limits the loss to that budget.
-// - The first two early ends of an arm's trials may have another cause than the arm and are not
-//   evidence. A later early end gives a lower bound of the arm's cost. A visit that the lane cut
-//   off at its time limit does too.
+//   previous arm's, or the trial exceeds its time budget. For an arm that was observed, the gate
+//   therefore limits the loss to that budget.
+// - An early end of a trial gives a lower bound of the arm's cost. A visit that the lane cut off at
+//   its time limit does too.
 // - Each regime of the scene has separate beliefs, which are used again when the regime returns.
 //   Evidence belongs to the regime in which it was measured (regime_span.h).
 //

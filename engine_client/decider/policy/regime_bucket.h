@@ -5,7 +5,8 @@
 // bucket is the name of a cell: the numbers of the cell, such as "13/-4/0". A feature that was not
 // measured is "-". The empty text is the bucket of evidence without a scene descriptor.
 //
-// A cell's middle is at most half a step from each of its points. Stored evidence therefore needs
+// A cell's middle is at most half a step from each of its points, except in the outermost cells,
+// which contain all features beyond them. Stored evidence therefore needs
 // no descriptor besides its bucket. Pure functions; the same results on every platform.
 #pragma once
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -179,6 +180,14 @@ std::vector<BetaPosterior> PosteriorsOf(std::span<const EvidenceSum> evidence) {
   return posteriors;
 }
 
+Prior Compare(std::span<const ArmRecord> records, const PriorKey& key) {
+  ProjectEvidence evidence(key, /*regime=*/std::nullopt);
+  for (const ArmRecord& record : records) {
+    if (IsOfProject(record, key)) evidence.Add(record);
+  }
+  return evidence.Compare();
+}
+
 // Returns the buckets of the records, those of the scene itself first. Of both kinds, buckets with
 // more evidence come first.
 std::vector<std::pair<bool, std::string_view>> BucketsOf(std::span<const ArmRecord> records,
@@ -222,8 +231,8 @@ RegimePriors RegimesOf(std::span<const ArmRecord> records, const PriorKey& key) 
   RegimePriors priors;
   for (const auto& [is_own, bucket] : BucketsOf(records, key)) {
     if (priors.buckets.size() == (is_own ? kMaxStoredRegimes : kMaxRegimePriors)) continue;
-    const std::vector<BetaPosterior> posteriors = PosteriorsOf(EvidenceIn(bucket, records, key));
-    if (posteriors.empty()) continue;
+    std::vector<BetaPosterior> posteriors = PosteriorsOf(EvidenceIn(bucket, records, key));
+    if (posteriors.empty()) posteriors.resize(key.arms.size());
     priors.buckets.emplace_back(bucket);
     priors.posteriors.insert(priors.posteriors.end(), posteriors.begin(), posteriors.end());
     if (is_own) ++priors.stored_count;
@@ -235,13 +244,28 @@ RegimePriors RegimesOf(std::span<const ArmRecord> records, const PriorKey& key) 
 
 std::vector<BetaPosterior> Prior::posteriors() const { return PosteriorsOf(evidence); }
 
+bool Prior::lacks_arms() const {
+  return std::any_of(evidence.begin(), evidence.end(),
+                     [](const EvidenceSum& arm) { return !(arm.evidence() > 0); });
+}
+
 Prior PriorFor(std::span<const ArmRecord> records, const PriorKey& key) {
-  ProjectEvidence evidence(key, /*regime=*/std::nullopt);
-  for (const ArmRecord& record : records) {
-    if (IsOfProject(record, key)) evidence.Add(record);
+  Prior prior;
+  if (key.compares_sources) {
+    std::vector<ArmRecord> own;
+    std::copy_if(records.begin(), records.end(), std::back_inserter(own),
+                 [&](const ArmRecord& record) { return record.scene == key.scene; });
+    prior = Compare(own, key);
+    const bool uses_others = prior.lacks_arms() && own.size() < records.size();
+    if (uses_others) prior = Compare(records, key);
+    prior.regimes = RegimesOf(uses_others ? records : own, key);
+  } else {
+    ProjectEvidence evidence(key, /*regime=*/std::nullopt);
+    for (const ArmRecord& record : records) {
+      if (IsOfProject(record, key)) evidence.Add(record);
+    }
+    prior = evidence.Sum();
   }
-  Prior prior = key.compares_sources ? evidence.Compare() : evidence.Sum();
-  if (key.compares_sources) prior.regimes = RegimesOf(records, key);
   if (!prior.is_known()) prior.source_count = 0;
   return prior;
 }

@@ -72,6 +72,8 @@ struct Prior {
   RegimePriors regimes = {};
 
   bool is_known() const { return IsAnythingKnown(evidence); }
+  // Whether some arm has no evidence.
+  bool lacks_arms() const;
   // Returns Beta(1,1) plus the evidence, per arm. Evidence above a session's maximum is scaled down
   // in proportion. Empty if there is no evidence: a policy that starts from priors would treat flat
   // priors as evidence.
@@ -85,8 +87,9 @@ constexpr uint32_t BestVersion(uint32_t a, uint32_t b, uint32_t own) {
 }
 
 // Returns the prior of the session `key`. Records of other projects and reward versions are
-// ignored. REQUIRES: key.backend_versions has one item per arm; source names are unique within a
-// scene and machine class.
+// ignored, and records of other scenes if the scene's own ones know every arm. REQUIRES:
+// key.backend_versions has one item per arm; source names are unique within a scene and machine
+// class.
 Prior PriorFor(std::span<const ArmRecord> records, const PriorKey& key);
 
 }  // namespace sweepstake::decision

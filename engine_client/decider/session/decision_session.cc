@@ -271,10 +271,10 @@ std::string DecisionSession::PresentBucket() {
   constexpr double kNoLimit = std::numeric_limits<double>::infinity();
   const RegimeFeatures features = policy_->present_features();
   std::string bucket = BucketOf(features);
-  const auto begin = stored_regimes_.begin(), end = stored_regimes_.end();
-  if (bucket.empty() || std::find(begin, end, bucket) != end) return bucket;
-  if (stored_regimes_.size() < kMaxStoredRegimes) return stored_regimes_.emplace_back(bucket);
-  return stored_regimes_[*NearestOf(stored_regimes_, features, kNoLimit)];
+  if (bucket.empty()) return bucket;
+  const bool is_full = stored_regimes_.size() >= kMaxStoredRegimes;
+  const auto nearest = NearestOf(stored_regimes_, features, is_full ? kNoLimit : 1);
+  return nearest ? stored_regimes_[*nearest] : stored_regimes_.emplace_back(bucket);
 }
 
 void DecisionSession::ScheduleNextTick(int64_t now_ns) {

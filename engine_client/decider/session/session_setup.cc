@@ -51,11 +51,12 @@ Problem CheckRegimePriors(const SessionSetup& setup) {
   const RegimePriors& regimes = setup.regime_priors;
   if (regimes.buckets.size() > kMaxRegimePriors || regimes.stored_count > regimes.buckets.size() ||
       regimes.posteriors.size() != regimes.buckets.size() * setup.arms.size())
-    return "the priors of the regimes have wrong numbers; give one per regime and arm";
+    return "the priors of the regimes have wrong numbers; give one per arm for each of at most " +
+           std::to_string(kMaxRegimePriors) + " regimes";
   std::set<std::string> seen;
   for (const std::string& bucket : regimes.buckets) {
     if (bucket.empty() || !MiddleOf(bucket) || !seen.insert(bucket).second)
-      return "\"" + bucket + "\" is not a regime, or occurs twice";
+      return "regime " + std::to_string(seen.size()) + " has no valid name, or occurs twice";
   }
   if (!std::all_of(regimes.posteriors.begin(), regimes.posteriors.end(), IsUsable))
     return "a prior of a regime is out of range; use alpha and beta above 0 and below 1e15";

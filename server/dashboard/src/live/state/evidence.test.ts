@@ -22,7 +22,8 @@ it('sums evidence by arm, by source and by build', () => {
 it('writes the file format of `sweepstake priors import`', () => {
   const plain = { project: 'p', scene: 's', measured_by: '', arm: 'SAP', backend_version: 1, machine_class: '', reward_version: 3,
     source_sequence: 7, alpha_increment: 1.5, beta_increment: 0.5, window_count: 2, bail_out_count: 0, build: '', unix_last_seen_s: 0 };
-  expect(JSON.parse(priorsFile([recordOf('x', { build: '1.1', unixLastSeenS: 1_700_000_000n }), recordOf('y', { isQuarantined: true })]))).toEqual(
+  const records = [recordOf('x', { build: '1.1', unixLastSeenS: 1_700_000_000n }), recordOf('y', { isQuarantined: true, regime: '9/-/0' })];
+  expect(JSON.parse(priorsFile(records))).toEqual(
     { format: 'sweepstake-priors', version: 1, records: [
-      { ...plain, source_id: 'x', build: '1.1', unix_last_seen_s: 1_700_000_000 }, { ...plain, source_id: 'y', is_quarantined: true }] });
+      { ...plain, source_id: 'x', build: '1.1', unix_last_seen_s: 1_700_000_000 }, { ...plain, source_id: 'y', is_quarantined: true, regime: '9/-/0' }] });
 });

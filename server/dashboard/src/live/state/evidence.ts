@@ -27,7 +27,7 @@ export function priorsFile(records: readonly PriorRecord[]): string {
     machine_class: record.machineClass, reward_version: record.rewardVersion, source_id: record.sourceId,
     source_sequence: Number(record.sourceSequence), alpha_increment: record.alphaIncrement, beta_increment: record.betaIncrement,
     window_count: Number(record.windowCount), bail_out_count: Number(record.bailOutCount), build: record.build,
-    unix_last_seen_s: Number(record.unixLastSeenS), ...(record.isQuarantined ? { is_quarantined: true } : {}),
+    unix_last_seen_s: Number(record.unixLastSeenS), ...(record.regime ? { regime: record.regime } : {}), ...(record.isQuarantined ? { is_quarantined: true } : {}),
   }));
   return `${JSON.stringify({ format: 'sweepstake-priors', version: 1, records: written }, null, 1)}\n`;
 }
