@@ -10,11 +10,10 @@
 //   length of the scene's regimes, of which the present one lasts for another cooldown of the
 //   options. The cost is the mean measured cost of earlier switches. The policy's own cooldown is
 //   settling plus one window, and at most the cooldown of the options.
-// - A switch that is no trial must have an E⁺ of at least 0.5 %.
+// - Without a trial, a switch must have an E⁺ of at least 0.5 %.
 // - An arm is not chosen if its frames exceed the bail-out limit with a probability above 1 %.
-// There
-//   are two exceptions. After a bail-out of the active arm, any arm may be chosen. Without the
-//   lane, an arm never seen may be chosen if its expected cost is not above the active arm's.
+//   There are two exceptions. After a bail-out of the active arm, any arm may be chosen. Without
+//   the lane, an arm never seen may be chosen if its expected cost is not above the active arm's.
 // - While the shadow lane reports, only arms that were measured are chosen. An arm that is believed
 //   to be worse may be tried live, because the lane's bias for it is unknown until then. The gate
 //   decides whether the trial is worth its cost. An arm that was live must be believed to be

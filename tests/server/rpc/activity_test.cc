@@ -274,5 +274,28 @@ TEST_F(ActivityTest, TheNextSessionHasAPriorForEachRegime) {
   EXPECT_FALSE(report.difference) << report.difference->Text();
 }
 
+// Such a session knows the names of the scene's regimes, but no priors of them.
+TEST_F(ActivityTest, ASessionThatIgnoresPriorsFilesIntoTheStoredRegimes) {
+  {
+    Game game(channel_, AdaptiveHello());
+    for (const bool rests : {true, false, true, false}) Play(game, rests, 8);
+  }
+  Flush();
+  v1::Hello hello = AdaptiveHello();
+  hello.set_ignore_priors(true);
+  Game next(channel_, hello);
+  Play(next, /*rests=*/true, 3);
+  v1::ExportDecisionsRequest request;
+  request.set_session_id(next.id);
+  const std::vector<decision::AuditRow> rows = ExportAudit(request);
+  ASSERT_FALSE(rows.empty());
+  const decision::SessionSetup& setup = rows[0].setup->setup;
+  EXPECT_EQ(setup.regime_priors.stored_count, 2u);
+  EXPECT_EQ(setup.regime_priors.buckets, (std::vector<std::string>{"10/-3/-", "10/-7/-"}));
+  EXPECT_EQ(setup.regime_priors.posteriors,
+            std::vector<decision::BetaPosterior>(2 * setup.arms.size()));
+  EXPECT_TRUE(setup.priors.empty());
+}
+
 }  // namespace
 }  // namespace sweepstake::rpc
