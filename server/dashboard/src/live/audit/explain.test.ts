@@ -19,6 +19,7 @@ describe('why this arm', () => {
     expect(text).toContain('save 3.0 % of the detection time for 200 s, which counts as 6.0 s.'); // 200 × 0.03
     expect(text).toContain('cost 1.0 % more for 40 s, until the next switch is allowed, which counts as 400 ms. The switch itself counts as 8.0 s. Altogether the switch does not pay.');
     expect(explained({ ...told, gate: { ...told.gate!, costS: 1 } }).join(' ')).toContain('Altogether the switch would pay.');
+    expect(explained({ ...told, gate: { ...told.gate!, loss: 0.5 } }).join(' ')).toContain('may turn out to cost 50 % more');
     const sure = explained({ ...told, gate: { ...told.gate!, gain: Math.log(4), loss: 1e-40 } }).join(' ');
     expect(sure).toContain('save 75 % of the detection time');
     expect(sure).toContain('cost hardly any more for 40 s, until the next switch is allowed, which counts as nothing.');

@@ -56,10 +56,9 @@ function whatWeighed({ candidate, activeArm, gate, outcome }: Told): string | un
   const risked = gate.cooldownS * gate.loss;
   const pays = saved - risked - gate.costS > 0;
   const worth = (s: number) => (s < 1e-6 ? 'nothing' : durationText(1000 * s));
-  const more = Math.expm1(gate.loss);
   const pay = outcome === DecisionOutcome.SWITCHED ? 'pays' : 'would pay';
   return `For ${candidate}: it is expected to save ${percent(-Math.expm1(-gate.gain))} of the detection time for ${seconds(gate.horizonS)}, which counts as ${worth(saved)}. `
-    + `Against it: it may turn out to cost ${more < 1e-4 ? 'hardly any' : percent(more)} more for ${seconds(gate.cooldownS)}, until the next switch is allowed, which counts as ${worth(risked)}. `
+    + `Against it: it may turn out to cost ${gate.loss < 1e-4 ? 'hardly any' : percent(gate.loss)} more for ${seconds(gate.cooldownS)}, until the next switch is allowed, which counts as ${worth(risked)}. `
     + `The switch itself counts as ${worth(gate.costS)}. Altogether the switch ${pays ? pay : 'does not pay'}.`;
 }
 
