@@ -140,6 +140,9 @@ struct SceneEvidence {
     Evidence lane;  // measured by the shadow lane
 
     Evidence& of(std::string_view measured_by) { return measured_by.empty() ? live : lane; }
+    const Evidence& of(std::string_view measured_by) const {
+      return measured_by.empty() ? live : lane;
+    }
     friend bool operator==(const Measured&, const Measured&) = default;
   };
   struct Arm {

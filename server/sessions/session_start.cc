@@ -1,6 +1,7 @@
 #include "server/sessions/session_start.h"
 
 #include <algorithm>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -218,17 +219,18 @@ void AddStoredRegimes(const std::set<std::string>& names, size_t arm_count,
   }
 }
 
-// Checks the scene and its arms against the quotas. Sets start.refusal, start.new_scene and
-// start.stored_regimes.
-void CheckQuota(priors::PriorReader& store, const SessionRequest& hello,
-                const HostedSessionOptions& options, bool counts, StoredStart& start) {
+// Checks the scene and its arms against the quotas. Sets start.refusal and start.new_scene. Returns
+// the buckets of the scene's stored regimes.
+std::set<std::string> CheckQuota(priors::PriorReader& store, const SessionRequest& hello,
+                                 const HostedSessionOptions& options, bool counts,
+                                 StoredStart& start) {
   SceneQuota quota(store, options, counts);
   for (size_t i = 0; i < hello.arms.size(); ++i) {
     start.refusal = quota.Add(hello.scene, hello.arms[i], hello.backend_versions[i]);
-    if (!start.refusal.ok()) return;
+    if (!start.refusal.ok()) return {};
   }
   start.new_scene = quota.unstored();
-  start.stored_regimes = quota.regimes(hello.scene);
+  return quota.regimes(hello.scene);
 }
 
 decision::DecisionOptions OptionsOf(const SessionRequest& hello,
@@ -287,7 +289,7 @@ decision::SessionSetup SetupOf(const SessionRequest& hello, const SessionIdentit
 StoredStart LoadStart(priors::PriorReader& store, const SessionRequest& hello,
                       const HostedSessionOptions& options, bool is_writing_thread) {
   StoredStart start;
-  CheckQuota(store, hello, options, /*counts=*/false, start);
+  const std::set<std::string> regimes = CheckQuota(store, hello, options, /*counts=*/false, start);
   if (!start.refusal.ok()) return start;
   if (!hello.session_id.empty()) {
     auto source = store.LoadSource(hello.session_id);
@@ -300,7 +302,7 @@ StoredStart LoadStart(priors::PriorReader& store, const SessionRequest& hello,
     }
   }
   start.status.Update(LoadPrior(store, hello, is_writing_thread, start));
-  AddStoredRegimes(start.stored_regimes, hello.arms.size(), start.prior.regimes);
+  AddStoredRegimes(regimes, hello.arms.size(), start.prior.regimes);
   return start;
 }
 

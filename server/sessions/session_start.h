@@ -9,7 +9,6 @@
 
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -31,9 +30,8 @@ struct StoredStart {
   // having committed it. Only the first daemon that commits can continue it, so no message counts
   // twice.
   std::string kept_id = {};
-  std::set<std::string> stored_regimes = {};  // buckets of the scene's regimes (regime_bucket.h)
-  std::optional<UnstoredScene> new_scene;     // present if the store does not have the scene
-  absl::Status refusal;                       // an error if the session would exceed a quota
+  std::optional<UnstoredScene> new_scene;  // present if the store does not have the scene
+  absl::Status refusal;                    // an error if the session would exceed a quota
   absl::Status status;  // the error that made some evidence missing; OK if none is missing
 };
 

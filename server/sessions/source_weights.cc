@@ -10,14 +10,6 @@
 namespace sweepstake::sessions {
 namespace {
 
-bool HasEvidence(const std::map<std::string, priors::SceneEvidence::Measured>& regimes,
-                 const priors::EvidenceKey& key) {
-  const auto found = regimes.find(key.regime);
-  if (found == regimes.end()) return false;
-  const priors::SceneEvidence::Measured& measured = found->second;
-  return (key.measured_by.empty() ? measured.live : measured.lane) != priors::Evidence();
-}
-
 // Returns whether a session whose arm has the version `own` uses the source's evidence of the key.
 // It uses only the source's best version of the arm.
 bool IsUsed(const priors::SceneSource& source, const priors::EvidenceKey& key, uint32_t own) {
@@ -26,7 +18,9 @@ bool IsUsed(const priors::SceneSource& source, const priors::EvidenceKey& key, u
   for (const priors::SceneEvidence::Arm& arm : source.evidence.arms) {
     if (arm.name != key.arm) continue;
     best = decision::BestVersion(arm.backend_version, best, own);
-    if (arm.backend_version == key.backend_version) has_it = HasEvidence(arm.regimes, key);
+    const auto regime = arm.regimes.find(key.regime);
+    if (arm.backend_version == key.backend_version && regime != arm.regimes.end())
+      has_it = regime->second.of(key.measured_by) != priors::Evidence();
   }
   return has_it && key.backend_version == best;
 }

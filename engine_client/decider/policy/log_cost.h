@@ -27,8 +27,8 @@ inline constexpr double kDeviations95 = 1.959963984540054;
 // factor that all arms share (1.1 to 1.4 on a Zen 3) is not included here; the filter estimates it.
 inline constexpr double kLaneBiasVariance = 0.2 * 0.2;
 
-// The variance of an arm's relative log-cost between two regimes, two sessions or two scenes. So
-// much is added to what is known from one before it is used in the other.
+// The variance of an arm's relative log-cost between two regimes, two sessions or two scenes. A
+// belief from one has at least this variance in the other.
 inline constexpr double kTransferVariance = 0.3 * 0.3;
 
 // The variance of an unmeasured arm's log-cost relative to the other arms: a factor of 2.2.

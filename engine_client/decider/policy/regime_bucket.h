@@ -6,8 +6,8 @@
 // measured is "-". The empty text is the bucket of evidence without a scene descriptor.
 //
 // A cell's middle is at most half a step from each of its points, except in the outermost cells,
-// which contain all features beyond them. Stored evidence therefore needs
-// no descriptor besides its bucket. Pure functions; the same results on every platform.
+// which contain all features beyond them. Stored evidence therefore needs no descriptor besides its
+// bucket. Pure functions; the same results on every platform.
 #pragma once
 
 #include <array>
