@@ -9,11 +9,15 @@
 //   longest recent search but one: the previous arm's own long searches count, one interruption of
 //   the game does not. The margin is (trial_limit_percent − 100) percent of the reference, but at
 //   least 1/kFrameShare of the mean recent frame. That is for short searches, which a cold cache
-//   makes much longer.
+//   makes much longer. What the trial's earlier searches saved, compared with the recent mean, is
+//   added to the limit, at most the margin once more. A cheaper arm may thus rebuild its structure.
 // - Limit: a search that could not be stopped took longer than the limit. The next frame then runs
 //   the previous arm.
 // - Budget: all searches of the trial together take longer than the recent mean for each, plus
 //   1/kBudgetShare of the trial's duration.
+//
+// The end of a trial has the mean of its searches, not the longest one. A periodic rebuild would
+// otherwise count as the cost of every search.
 //
 // These frames are special:
 // - In the first 1 + kShadowWarmUpFrames frames with a search, the structure is new. Only the stop
@@ -45,11 +49,11 @@ class TrialGuard {
   static constexpr uint64_t kBudgetShare = 40;
   static constexpr uint64_t kColdFactor = 5;
 
-  // The measurements that ended a trial.
+  // The measurements of a trial that ended early.
   struct End {
     uint32_t arm_before = 0;
     uint32_t tried_arm = 0;
-    uint64_t detection_time_ns = 0;  // the time that broke a rule (SwitchOutcome)
+    uint64_t detection_time_ns = 0;  // mean of the trial's searches (SwitchOutcome)
   };
 
   // Call when a switch from `arm_before` is executed. Begins a trial of `duration_ns` of frame time
@@ -67,7 +71,7 @@ class TrialGuard {
     trial_ = Trial{.arm = command.arm,
                    .arm_before = arm_before,
                    .before = late,
-                   .limit_ns = late.reference_ns() + margin_ns,
+                   .margin_ns = margin_ns,
                    .is_built = is_built,
                    .budget_ns = duration_ns / kBudgetShare,
                    .left_ns = duration_ns};
@@ -80,16 +84,17 @@ class TrialGuard {
   std::optional<uint64_t> limit_ns() const {
     if (!trial_) return std::nullopt;
     const bool is_cold = trial_->is_new() && !trial_->is_built;
-    if (!is_cold) return trial_->limit_ns;
-    return std::max(trial_->limit_ns, kColdFactor * trial_->before.reference_ns());
+    if (!is_cold) return trial_->limit_ns();
+    return std::max(trial_->limit_ns(), kColdFactor * trial_->before.reference_ns());
   }
 
   // Ends the trial because a search was stopped after `detection_ns`. The frame must not be passed
-  // to OnFrame. The end has at most the limit of a prepared structure, which is what a stop proves:
-  // the search may have been suspended, or have built the structure. REQUIRES: limit_ns() is
+  // to OnFrame. The search counts with at most the limit of a prepared structure, which is what a
+  // stop proves: it may have been suspended, or have built the structure. REQUIRES: limit_ns() is
   // present.
   End Stop(uint64_t detection_ns) {
-    const End end = EndOf(std::min(detection_ns, trial_->limit_ns));
+    trial_->Add(std::min(detection_ns, trial_->limit_ns()));
+    const End end = EndOfTrial();
     trial_.reset();
     return end;
   }
@@ -136,7 +141,7 @@ class TrialGuard {
     uint32_t arm = 0;
     uint32_t arm_before = 0;
     Frames before;  // recent frames of the previous arm
-    uint64_t limit_ns = 0;
+    uint64_t margin_ns = 0;
     bool is_built = false;  // the structure was prepared
     uint64_t budget_ns = 0;
     uint64_t left_ns = 0;
@@ -145,29 +150,36 @@ class TrialGuard {
     uint64_t judged_ns = 0;  // sum of the compared searches
 
     bool is_new() const { return frame_count <= kShadowWarmUpFrames; }
-    // Adds a search. Returns the detection time that broke a rule, or 0 if no rule is broken.
-    uint64_t Judge(uint64_t detection_ns) {
-      if (detection_ns > limit_ns) return detection_ns;
+    // The time that as many searches of the previous arm take.
+    uint64_t usual_ns() const { return judged_count * before.mean_ns(); }
+    uint64_t limit_ns() const {
+      const uint64_t saved_ns = usual_ns() - std::min(judged_ns, usual_ns());
+      return before.reference_ns() + margin_ns + std::min(saved_ns, margin_ns);
+    }
+    void Add(uint64_t detection_ns) {
       judged_ns += detection_ns;
       ++judged_count;
-      const bool is_over = judged_ns > judged_count * before.mean_ns() + budget_ns;
-      return is_over ? judged_ns / judged_count : 0;
+    }
+    // Adds a search. Returns whether a rule is broken.
+    bool Judge(uint64_t detection_ns) {
+      const bool is_long = detection_ns > limit_ns();
+      Add(detection_ns);
+      return is_long || judged_ns > usual_ns() + budget_ns;
     }
   };
 
-  End EndOf(uint64_t detection_ns) const {
+  End EndOfTrial() const {
     return {.arm_before = trial_->arm_before,
             .tried_arm = trial_->arm,
-            .detection_time_ns = detection_ns};
+            .detection_time_ns = trial_->judged_ns / trial_->judged_count};
   }
 
   std::optional<End> Compare(const FrameSample& sample, uint64_t waited_ns) {
     Note(sample);
     const uint64_t computed_ns =
         sample.detection_time_ns - std::min(waited_ns, sample.detection_time_ns);
-    const uint64_t excessive_ns = trial_ ? trial_->Judge(computed_ns) : 0;
-    if (excessive_ns == 0) return std::nullopt;
-    return EndOf(excessive_ns);
+    if (!trial_ || !trial_->Judge(computed_ns)) return std::nullopt;
+    return EndOfTrial();
   }
 
   void Note(const FrameSample& sample) {

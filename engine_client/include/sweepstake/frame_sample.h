@@ -121,7 +121,8 @@ struct SwitchCommand {
   SwitchReason reason = SwitchReason::kPolicy;
   // Nonzero: the switch is a trial, which returns to the previous arm in two cases (trial_guard.h).
   // First: a search takes trial_limit_percent % of the longest recent search but one of the
-  // previous arm, and a twentieth of a frame more than that search. It is then stopped, and the
+  // previous arm, and a twentieth of a frame more than that search. What the trial has saved so far
+  // is added to the limit, at most the margin once more. The search is then stopped, and the
   // previous arm answers the frame. Second: all searches together take longer than the same number
   // of average searches of the previous arm, by a fortieth of the trial's duration. If the frame
   // thread builds the new structure, the first three searches may take five times the longest
@@ -227,9 +228,9 @@ struct SwitchOutcome {
   uint64_t settling_cost_ns = 0;
   SwitchReason reason = SwitchReason::kPolicy;
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
-  // Set only if the switch ends a trial that was too expensive; otherwise 0. It is the time after
-  // which a search was stopped or ended over the limit, a lower bound of the arm's cost. If the
-  // budget was exceeded, it is the mean of the trial. trial_arm is the arm that was tried.
+  // Set only if the switch ends a trial that was too expensive; otherwise 0. It is the mean time of
+  // the trial's searches, without the first three unless one of them was stopped. A stopped search
+  // counts with its limit, so this is a lower bound of the arm's cost. trial_arm is the tried arm.
   uint64_t trial_detection_time_ns = 0;
   uint32_t trial_arm = 0;
 };

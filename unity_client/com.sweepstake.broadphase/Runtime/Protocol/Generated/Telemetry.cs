@@ -4965,9 +4965,9 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialDetectionTimeNsFieldNumber = 8;
     private ulong trialDetectionTimeNs_;
     /// <summary>
-    /// Detection time that ended a trial early (SwitchCommand.trial_limit_percent): a lower bound of the tried arm's. It is the time
-    /// at which a detection ended over the limit, or the limit itself if it was stopped. If the budget was exceeded, it is the mean
-    /// of the trial. Absent (0): the switch did not end a trial.
+    /// Mean detection time of a trial that ended early (SwitchCommand.trial_limit_percent): a lower bound of the tried arm's. A stopped
+    /// detection counts with its limit. The first three detections are left out, unless one of them was stopped. Absent (0): the
+    /// switch did not end a trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -7685,7 +7685,8 @@ namespace Sweepstake.Protocol.V1 {
     /// Makes the switch a trial of twice the settling time; only with CAPABILITY_STOPS_TRIALS. The client stops a detection of the
     /// new arm that takes longer than the limit. It returns to the previous arm, which also answers that frame. The limit is
     /// trial_limit_percent % of the previous arm's longest recent detection but one. It is also at least that detection plus 1/20 of
-    /// the mean frame. The client also returns if all detections together exceed their number times the previous arm's mean detection
+    /// the mean frame. It rises by what the trial has saved compared with the previous arm's mean detection time, at most by the same
+    /// margin again. The client also returns if all detections together exceed their number times the previous arm's mean detection
     /// time by 1/40 of the trial's time. The first three frames do not count for that. If the frame thread builds the new arm's
     /// structure, their limit is five times the longest recent detection but one. Absent (0): no trial.
     /// </summary>
