@@ -11,8 +11,7 @@ Not counted:
     files and folders of ELSEWHERE, where no constant is of AI Decides
     names of FIXED: their values follow from mathematics, from another constant, or from the range of a number
 
-It prints each counted constant with its comment, which states the source. A constant without a comment is an error, except for those of
-UNEXPLAINED.
+It prints each counted constant with its comment, which states the source. A constant without a comment is an error.
 
     constants_test.py ROOT          counts the constants of the sources at ROOT
     constants_test.py --self-test   shows that each rule can fail
@@ -58,7 +57,6 @@ FIXED = {
     "kUnmeasured": "a mark",
     "kWithinDeviations": "follows from kWithinShare",
 }
-UNEXPLAINED = {"kOutlierDeviations"}
 
 NAMED = re.compile(r"\bconstexpr\s+(?:double|float|int|size_t|u?int\d+_t)\s+(k[A-Z]\w*)\s*(?:=|\{)\s*([^;]*?)\}?;")
 # Lines and types whose numbers are no constants: includes, and sizes of arrays.
@@ -120,7 +118,7 @@ def check(root):
     with open(root / GOALS, "rb") as file:
         goals = tomllib.load(file)["constants"]
     errors = [f"{where}: {name} has no comment that states its source" for where, name, _, comment in constants
-              if not comment and name not in UNEXPLAINED]
+              if not comment]
     everything = "\n".join(texts.values())
     errors += [f"{name} of FIXED does not exist; remove it" for name in FIXED if not re.search(rf"constexpr \w+ {name}\b", everything)]
     errors += [f"{path} of ELSEWHERE does not exist; remove it" for path in ELSEWHERE if not (root / path).exists()]

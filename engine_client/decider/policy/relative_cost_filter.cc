@@ -23,16 +23,28 @@ constexpr double kFirstDrift = Square(0.005);
 constexpr double kMinVariance = Square(0.001);
 constexpr double kMaxVariance = Square(0.5);
 
-constexpr double kOutlierDeviations = 3;
-constexpr double kRate = 0.05;  // step size of the estimates of noises and drifts
+constexpr double kNoiseFreedom = 6;  // of Student's t distribution; 4 to 10 differ little
+constexpr double kRate = 0.05;       // step size of the estimates of noises and drifts
 
 double Clamped(double log_cost) {
   return log_cost <= kMaxLogCost ? std::max(log_cost, kMinLogCost) : kMaxLogCost;
 }
 
-// Returns whether both normalised innovations are outliers on the same side.
-bool AreSameSideOutliers(double a, double b) {
-  return std::min(a, b) > kOutlierDeviations || std::max(a, b) < -kOutlierDeviations;
+// Returns the weight of an observation with this normalised innovation, if noise has Student's t
+// distribution: less than 1 if the innovation is large (K. Lange, R. Little, J. Taylor, "Robust
+// statistical modeling using the t distribution", JASA 84, 1989).
+double WeightOf(double normalised) {
+  return (kNoiseFreedom + 1) / (kNoiseFreedom + Square(normalised));
+}
+
+// Returns whether a normalised innovation has less than half of an observation's weight.
+bool IsOutlier(double normalised) { return WeightOf(normalised) < 0.5; }
+
+// Returns whether two successive normalised innovations show a change: both are outliers, on the
+// same side. An outlier without a predecessor is a change, too.
+bool IsChange(const std::optional<double>& last, double normalised) {
+  const double before = last.value_or(normalised);
+  return IsOutlier(before) && IsOutlier(normalised) && (before > 0) == (normalised > 0);
 }
 
 }  // namespace
@@ -96,65 +108,50 @@ void RelativeCostFilter::AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double 
 
 // Moves a noise variance towards the value that would explain innovations of this size. The step is
 // small if the belief itself is wide, because innovations then show little about the noise.
-void RelativeCostFilter::UpdateNoise(double& noise, double innovation, double variance) const {
+void RelativeCostFilter::UpdateNoise(double& noise, double normalised, double variance) const {
   if (!components_.calibration) return;
-  const double excess = std::min(Square(innovation) / variance, Square(kOutlierDeviations)) - 1;
+  const double excess = WeightOf(normalised) * Square(normalised) - 1;
   noise *= 1 + kRate * noise / variance * excess;
   noise = std::clamp(noise, kMinVariance, kMaxVariance);
 }
 
 // Changes a drift variance by the product of two successive normalised innovations. If both have
 // the same sign, the belief lags behind the costs, so the drift is increased.
-void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
-  if (!components_.calibration) return;
-  const double limit = Square(kOutlierDeviations);
-  drift *= 1 + kRate * std::clamp(product, -limit, limit);
+void RelativeCostFilter::UpdateDrift(double& drift, const std::optional<double>& last,
+                                     double normalised) const {
+  if (!components_.calibration || !last) return;
+  const double weight = std::sqrt(WeightOf(*last) * WeightOf(normalised));
+  drift *= 1 + kRate * weight * *last * normalised;
   drift = std::clamp(drift, kMinVariance, kMaxVariance);
 }
 
 void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_would_show) {
-  // Learn the drift from this innovation and the previous one.
   const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
-  const std::optional<uint32_t> last_arm = std::exchange(live_arm_, arm);
-  const bool stays = last_arm == arm;
   const double variance = variance_in(LiveColumn(arm)) + live_noise_;
   const double normalised = innovation / std::sqrt(variance);
-  const double last = std::exchange(last_live_, normalised);
-  if (stays) UpdateDrift(level_drift_, normalised * last);
-  // An innovation beyond the outlier limit is a change or noise.
-  // - First window of the session: it shows the level of the scene better than a sweep, which sees
-  //   few frames. Widen the common level of all costs.
-  // - First window after a switch: the new arm has a level of its own. Widen its belief alone.
-  // - Second outlier in a row on the same side: a change. Its cause is other work on the core,
-  //   which the lane does not see, a change of the scene, which affects all arms, or a change of
-  //   this arm alone. Widen all three.
-  // - Otherwise: noise.
-  double noise = live_noise_;
-  if (std::abs(normalised) > kOutlierDeviations) {
-    if (!last_arm) {
-      AddVariance(costs(), Square(innovation), 0);
-    } else if (!stays) {
-      covariance_(arm, arm) += Square(innovation);
-    } else if (AreSameSideOutliers(last, normalised)) {
-      AddVariance(costs(), Square(innovation), 0);
-      if (has_lane()) covariance_(load(), load()) += Square(innovation);
-      if (!lane_would_show) covariance_(arm, arm) += Square(innovation);
-      last_live_ = 0;
-    } else {
-      noise = Square(innovation);
-    }
+  const std::optional<double> last = std::exchange(last_live_, normalised);
+  UpdateDrift(level_drift_, last, normalised);
+  double noise = live_noise_ / WeightOf(normalised);
+  // The cause of a change is other work on the core, which the lane does not see, a change of the
+  // scene, which affects all arms, or a change of this arm alone. Widen all three.
+  if (IsChange(last, normalised)) {
+    last_live_ = 0;
+    noise = live_noise_;
+    AddVariance(costs(), Square(innovation), 0);
+    if (has_lane()) covariance_(load(), load()) += Square(innovation);
+    if (!lane_would_show) covariance_(arm, arm) += Square(innovation);
+  } else {
+    UpdateNoise(live_noise_, normalised, variance);
   }
-  UpdateNoise(live_noise_, innovation, variance);
   const Eigen::VectorXd widened = LiveColumn(arm);
   Update(widened, innovation, variance_in(widened) + noise);
   KeepLoadPositive();
 }
 
 // Applies a lower bound of the arm's live cost. If the mean is above the bound, the belief loses
-// its part below the bound. If it is below, the belief moves to the bound. In that case the lane's
-// visits stay valid, so the difference is added to the arm's bias. The noise of windows is not
-// updated, because a trial is not a window.
+// its part below the bound. If it is below, the bound counts as a window of that cost. The noise of
+// windows is not updated, because a trial is not a window.
 void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
   if (innovation <= 0) {
@@ -162,14 +159,10 @@ void RelativeCostFilter::ObserveBound(uint32_t arm, double log_cost) {
     Truncate(column, innovation, column[arm] + column[load()]);
     return KeepLoadPositive();
   }
-  covariance_(arm, arm) += Square(innovation);
-  if (has_lane()) {
-    covariance_(bias(arm), bias(arm)) += Square(innovation);
-    covariance_(arm, bias(arm)) -= Square(innovation);
-    covariance_(bias(arm), arm) -= Square(innovation);
-  }
   const Eigen::VectorXd column = LiveColumn(arm);
-  Update(column, innovation, column[arm] + column[load()] + live_noise_);
+  const double variance = column[arm] + column[load()];
+  const double weight = WeightOf(innovation / std::sqrt(variance + live_noise_));
+  Update(column, innovation, variance + live_noise_ / weight);
   KeepLoadPositive();
 }
 
@@ -201,7 +194,7 @@ void RelativeCostFilter::KeepLoadPositive() {
 void RelativeCostFilter::BeginSweep(uint64_t sweep) {
   if (sweep_ == sweep) return;
   sweep_ = sweep;
-  reference_visited_ = false;
+  has_visit_ = false;
   mean_[offset()] = 0;
   covariance_.row(offset()).setZero();
   covariance_.col(offset()).setZero();
@@ -227,11 +220,31 @@ void RelativeCostFilter::ObserveShadow(uint32_t arm, uint64_t sweep, double log_
   BeginSweep(sweep);
   const double innovation = VisitInnovation(arm, log_cost);
   const double variance = VisitVariance(VisitColumn(arm), arm) + shadow_noise_;
-  const bool is_reference = !std::exchange(reference_visited_, true);
-  const double noise = is_reference ? NoiseOfReferenceVisit(innovation, variance)
-                                    : NoiseOfVisit(arm, innovation, variance);
+  const double noise = NoiseOfVisit(arm, innovation, variance);
   const Eigen::VectorXd widened = VisitColumn(arm);
   Update(widened, innovation, VisitVariance(widened, arm) + noise);
+}
+
+// Learns from the innovation of a visit, and returns the noise variance for its update. All arms
+// may share the innovation of a sweep's first visit. Those of later visits concern one arm each.
+double RelativeCostFilter::NoiseOfVisit(uint32_t arm, double innovation, double variance) {
+  const bool is_first = !std::exchange(has_visit_, true);
+  std::optional<double>& last = is_first ? last_first_visit_ : last_visit_[arm];
+  const double normalised = innovation / std::sqrt(variance);
+  const std::optional<double> before = std::exchange(last, normalised);
+  UpdateDrift(is_first ? lane_drift_ : drift_, before, normalised);
+  if (IsChange(before, normalised)) {
+    last = 0;
+    if (is_first) {
+      AddVariance(costs(), Square(innovation), 0);
+    } else {
+      covariance_(arm, arm) += Square(innovation);
+    }
+    return shadow_noise_;
+  }
+  const double noise = shadow_noise_ / WeightOf(normalised);
+  UpdateNoise(is_first ? sweep_noise_ : shadow_noise_, normalised, variance);
+  return noise;
 }
 
 // Applies a lower bound of what a complete visit would have measured. A belief far below the bound
@@ -242,44 +255,10 @@ void RelativeCostFilter::ObserveShadowBound(uint32_t arm, uint64_t sweep, double
   const double innovation = VisitInnovation(arm, log_cost);
   const Eigen::VectorXd column = VisitColumn(arm);
   const double variance = VisitVariance(column, arm) + shadow_noise_;
-  if (innovation > kOutlierDeviations * std::sqrt(variance))
+  if (innovation > 0 && IsOutlier(innovation / std::sqrt(variance)))
     return ObserveShadow(arm, sweep, log_cost);
-  reference_visited_ = true;
+  has_visit_ = true;
   Truncate(column, innovation, variance);
-}
-
-// Learns from the innovation of a sweep's first visit, and returns the noise variance for its
-// update. All arms may share this innovation. An outlier has two possible causes: the scene
-// changed, or the frames of this sweep are unusual. So both the costs and the sweep's offset are
-// widened. The next live window shows which it was.
-double RelativeCostFilter::NoiseOfReferenceVisit(double innovation, double variance) {
-  const double normalised = innovation / std::sqrt(variance);
-  const double last = std::exchange(last_reference_, normalised);
-  UpdateDrift(lane_drift_, normalised * last);
-  if (std::abs(normalised) > kOutlierDeviations) {
-    covariance_(offset(), offset()) += Square(innovation);
-    AddVariance(costs(), Square(innovation), 0);
-  } else {
-    UpdateNoise(sweep_noise_, innovation, variance);
-  }
-  return shadow_noise_;
-}
-
-// Learns from the innovation of a later visit of the sweep, which concerns this arm alone. Returns
-// the noise variance for its update.
-double RelativeCostFilter::NoiseOfVisit(uint32_t arm, double innovation, double variance) {
-  const double normalised = innovation / std::sqrt(variance);
-  const bool is_outlier = std::abs(normalised) > kOutlierDeviations;
-  const std::optional<double> last = std::exchange(last_visit_[arm], normalised);
-  if (last) UpdateDrift(drift_, normalised * *last);
-  if (is_outlier && (!last || AreSameSideOutliers(*last, normalised))) {
-    last_visit_[arm] = 0;
-    covariance_(arm, arm) += Square(innovation);
-    return shadow_noise_;
-  }
-  const double noise = is_outlier ? Square(innovation) : shadow_noise_;
-  UpdateNoise(shadow_noise_, innovation, variance);
-  return noise;
 }
 
 // The Kalman update. `column` holds the covariances of the observed quantity with every state,

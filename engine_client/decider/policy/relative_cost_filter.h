@@ -17,8 +17,9 @@
 //
 // Noises and drifts are estimated from the innovations: noises from their size, drifts from the
 // correlation of successive ones (R. Mehra, "On the identification of variances and adaptive Kalman
-// filtering", IEEE TAC 15, 1970). A single innovation of more than 3 standard deviations is an
-// outlier and has little weight. Two in a row on the same side are a change and widen the belief.
+// filtering", IEEE TAC 15, 1970). All noise has Student's t distribution, so that a single large
+// innovation, an outlier, has little weight. Two in a row on the same side are a change and widen
+// the belief.
 //
 // Time is measured in decision intervals. Not thread-safe. Everything stays finite: log-costs are
 // clamped to kMinLogCost … kMaxLogCost, and NaN counts as the maximum. With n arms an observation
@@ -99,13 +100,12 @@ class RelativeCostFilter {
   // Adds `common` to all variances and covariances of these states, and `own` to each variance.
   // They are states of one kind: costs or biases.
   void AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double common, double own) const;
-  void UpdateNoise(double& noise, double innovation, double variance) const;
-  void UpdateDrift(double& drift, double product) const;
+  void UpdateNoise(double& noise, double normalised, double variance) const;
+  void UpdateDrift(double& drift, const std::optional<double>& last, double normalised) const;
   void BeginSweep(uint64_t sweep);
   Eigen::VectorXd VisitColumn(uint32_t arm) const;
   double VisitVariance(const Eigen::VectorXd& column, uint32_t arm) const;
   double VisitInnovation(uint32_t arm, double log_cost) const;
-  double NoiseOfReferenceVisit(double innovation, double variance);
   double NoiseOfVisit(uint32_t arm, double innovation, double variance);
   Eigen::VectorXd LiveColumn(uint32_t arm) const;
   void Update(const Eigen::VectorXd& column, double innovation, double variance);
@@ -133,13 +133,12 @@ class RelativeCostFilter {
 
   // The latest normalised innovations: of a live window, of the first visit of a sweep, and, per
   // arm, of a later visit of a sweep.
-  double last_live_ = 0;
-  double last_reference_ = 0;
+  std::optional<double> last_live_;
+  std::optional<double> last_first_visit_;
   std::vector<std::optional<double>> last_visit_;
 
-  std::optional<uint32_t> live_arm_;
   std::optional<uint64_t> sweep_;
-  bool reference_visited_ = false;  // the current sweep has had its first visit
+  bool has_visit_ = false;  // the current sweep has had its first visit
 };
 
 }  // namespace sweepstake::decision

@@ -76,7 +76,7 @@ TEST_F(FilterTest, AChangingLoadDoesNotChangeTheDifferences) {
   for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
   EXPECT_GT(std::abs(load_), 0.3);
   EXPECT_NEAR(filter.Difference(1, 0).mean, 0.1, 0.1);
-  EXPECT_NEAR(filter.LogCost(0).mean, cost_[0] + load_, 0.25);
+  EXPECT_NEAR(filter.LogCost(0).mean, cost_[0] + load_, 0.4);
 }
 
 TEST_F(FilterTest, RunningAnArmLiveRevealsTheBiasOfTheLane) {
@@ -119,7 +119,7 @@ TEST_F(FilterTest, AChangeOfLoadAtASwitchDoesNotChangeTheDifferences) {
   RelativeCostFilter filter(kArms);
   for (int i = 0; i < 60; ++i) RunInterval(filter, 0);
   load_ -= 0.5;
-  for (int i = 0; i < 3; ++i) RunInterval(filter, 1);
+  for (int i = 0; i < 10; ++i) RunInterval(filter, 1);
   EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.2);
 }
 
@@ -181,15 +181,16 @@ TEST_F(FilterTest, ALateLaneHasTheSameDriftAsAnEarlyOne) {
   RelativeCostFilter early(kArms), late(kArms);
   late.Advance(400);
   for (RelativeCostFilter* filter : {&early, &late}) {
-    filter->ObserveShadow(0, 1, 5);
-    filter->ObserveShadow(1, 1, 5.1);
+    const double expected = filter->LogCost(0).mean;
+    filter->ObserveShadow(0, 1, expected);
+    filter->ObserveShadow(1, 1, expected);
   }
-  // The visits' deviation combines the biases of both arms and the noise of both visits. Drifts
-  // widen the late lane's biases and the prior.
+  // The visits' deviation combines the biases of both arms and the noise of both visits, which
+  // weigh 7/6 because their innovations are 0. Drifts widen the late lane's biases and the prior.
   const auto combined = [](double prior, double visits) {
     return prior * visits / std::hypot(prior, visits);
   };
-  const double visits = std::hypot(0.2, 0.2, std::hypot(0.2, 0.2));
+  const double visits = std::hypot(0.2, 0.2, std::sqrt(6.0 / 7) * std::hypot(0.2, 0.2));
   const double prior = std::hypot(0.8, 0.8);
   EXPECT_NEAR(Deviation(early.Difference(0, 1)), combined(prior, visits), 1e-6);
   const double drift = std::sqrt(2 * 400) * 0.005, bias_drift = std::sqrt(2 * 400) * 0.001;
@@ -214,14 +215,17 @@ TEST_F(FilterTest, AnAssumedCostReplacesTheBeliefAboutOneArm) {
   EXPECT_NEAR(filter.LogCost(1).mean, cost_[1] + load_, 0.2);
 }
 
-TEST_F(FilterTest, ABoundAdjustsTheBiasOfTheLaneSoThatVisitsKeepIt) {
+// A trial may coincide with other work, so one bound is not followed entirely.
+TEST_F(FilterTest, BoundsAdjustTheBiasOfTheLaneSoThatVisitsKeepThem) {
   bias_[1] = -1;  // the lane finds the second arm the cheapest
   RelativeCostFilter filter(kArms);
   for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
   EXPECT_LT(filter.Difference(1, 0).mean, -0.5);
   const double level = filter.LogCost(0).mean;
   filter.ObserveBound(1, cost_[1] + load_);
-  EXPECT_NEAR(filter.LogCost(1).mean, cost_[1] + load_, 0.1);
+  EXPECT_LT(filter.LogCost(1).mean, cost_[1] + load_ - 0.2);
+  for (int i = 0; i < 2; ++i) filter.ObserveBound(1, cost_[1] + load_);
+  EXPECT_NEAR(filter.LogCost(1).mean, cost_[1] + load_, 0.15);
   EXPECT_NEAR(filter.LogCost(0).mean, level, 0.1);
   for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
   const double kept = filter.Difference(1, 0).mean;
@@ -259,7 +263,7 @@ TEST_F(FilterTest, TheFirstLiveWindowSetsTheLevelOfAllArms) {
   filter.ObserveShadow(0, 1, cost_[0] - 2.3);
   filter.ObserveShadow(1, 1, cost_[1] - 2.3);
   filter.ObserveLive(0, cost_[0]);
-  EXPECT_NEAR(filter.LogCost(0).mean, cost_[0], 0.1);
+  EXPECT_NEAR(filter.LiveCost(0).mean, cost_[0], 0.15);
   EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.3);
   EXPECT_NEAR(filter.Difference(2, 0).mean, 0, 0.5);
 }

