@@ -245,7 +245,7 @@ void DeclareTwoFiles(CLI::App& command, PriorsFileOptions& options) {
 
 void AddTwoFileCommands(const CommandContext& priors) {
   AddCommand<PriorsFileOptions>(
-      priors, "diff", "Print the scenes in which two priors files differ",
+      priors, "diff", "Print the scenes and regimes in which two priors files differ",
       "  sweepstake priors diff monday.json friday.json\n"
       "  sweepstake priors diff all.json all.json --build 1.0 --other-build 1.1\n"
       "Costs are ratios to the cheapest arm's; those that differ by more than 5 % are printed.\n"
@@ -273,7 +273,7 @@ void AddTwoFileCommands(const CommandContext& priors) {
 
 void AddPriorsFileCommands(const CommandContext& priors) {
   AddCommand<PriorsFileOptions>(
-      priors, "show", "Print the content of a priors file by scene, machine class and build",
+      priors, "show", "Print the content of a priors file by scene, machine class, build and regime",
       "  sweepstake priors show --in priors.json\n", DeclareFile, RunShow);
   AddCommand<PriorsFileOptions>(
       priors, "doctor",

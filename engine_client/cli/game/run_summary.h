@@ -43,7 +43,7 @@ struct SwitchRow {
   // The next two values are 0 if the run ended before the switch had settled.
   uint64_t rebuild_time_ns = 0;
   uint64_t settling_cost_ns = 0;
-  // If the switch ended a trial: the search time that ended it. Otherwise 0.
+  // If the switch ended a trial: the mean time of its searches (SwitchOutcome). Otherwise 0.
   uint64_t trial_detection_time_ns = 0;
 };
 

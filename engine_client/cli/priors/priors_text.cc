@@ -1,9 +1,13 @@
 #include "engine_client/cli/priors/priors_text.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
+#include "engine_client/decider/policy/regime_bucket.h"
 #include "engine_client/text/counts.h"
 
 namespace sweepstake::cli {
@@ -18,6 +22,21 @@ std::string RatioText(const std::optional<PriorsArm>& arm) {
   return ratio ? Fixed(*ratio, 2) : "-";
 }
 
+// Returns the typical scene of the regime, for example ", about 1,000 objects, speed 0.05".
+std::string RegimeText(const std::string& bucket) {
+  const auto middle = decision::MiddleOf(bucket);
+  if (!middle) return "";
+  const decision::RegimeCentre centre = decision::CentreOf(*middle);
+  std::string text;
+  if (centre.object_count) {
+    const auto count = static_cast<uint64_t>(std::max(std::round(*centre.object_count), 1.0));
+    text += ", about " + text::Counted(count, "object");
+  }
+  if (centre.speed_mean) text += ", speed " + Fixed(*centre.speed_mean, 4);
+  if (centre.static_ratio) text += ", " + Percent(*centre.static_ratio, 0) + " static";
+  return text;
+}
+
 std::string RemarkOn(const SceneComparison& change) {
   if (!change.in_both()) return ": only one of the files has evidence of it";
   return change.leader_changed() ? ": the cheapest arm differs" : "";
@@ -29,6 +48,7 @@ std::string NameOf(const decision::PriorsGroupKey& key) {
   std::string name = key.project + "/" + key.scene;
   if (!key.machine_class.empty()) name += " on " + key.machine_class;
   if (!key.build.empty()) name += " in build " + key.build;
+  name += RegimeText(key.regime);
   if (key.is_quarantined) name += " (in quarantine)";
   return name;
 }
@@ -36,6 +56,7 @@ std::string NameOf(const decision::PriorsGroupKey& key) {
 Json KeyJson(const decision::PriorsGroupKey& key) {
   return {{"project", key.project},
           {"scene", key.scene},
+          {"regime", key.regime},
           {"build", key.build},
           {"machine_class", key.machine_class},
           {"reward_version", key.reward_version},
@@ -94,6 +115,7 @@ Json DiffJson(const std::vector<SceneComparison>& changes) {
                       {"after", OrNull(RatioOf(arm.after))}});
     entries.push_back({{"project", change.key.project},
                        {"scene", change.key.scene},
+                       {"regime", change.key.regime},
                        {"machine_class", change.key.machine_class},
                        {"leader_changed", change.leader_changed()},
                        {"arms", arms}});

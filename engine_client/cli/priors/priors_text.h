@@ -1,5 +1,5 @@
 // The output of `sweepstake priors show` and `sweepstake priors diff`: the content of a priors file
-// by scene, and the scenes in which two files differ.
+// by scene and regime, and the regimes in which two files differ.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,8 +10,8 @@
 
 namespace sweepstake::cli {
 
-// Returns "project/scene" followed, if the key has them, by " on MACHINE_CLASS", " in build BUILD"
-// and " (in quarantine)".
+// Returns "project/scene" followed, if the key has them, by " on MACHINE_CLASS", " in build BUILD",
+// the regime's object count, speed and share of static objects, and " (in quarantine)".
 std::string NameOf(const decision::PriorsGroupKey& key);
 // Returns a JSON object with the members of the key.
 nlohmann::ordered_json KeyJson(const decision::PriorsGroupKey& key);

@@ -32,7 +32,8 @@ void Compare(uint32_t reward_version, PriorsGroup& group) {
 
 PriorsGroupKey GroupOf(const PriorRecord& record) {
   return {record.key.project,       record.key.scene,          record.build,
-          record.key.machine_class, record.key.reward_version, record.is_quarantined};
+          record.key.machine_class, record.key.reward_version, record.is_quarantined,
+          record.key.regime};
 }
 
 PriorsGroups GroupPriors(std::span<const PriorRecord> records, const ArmVersions& own) {

@@ -1,5 +1,6 @@
-// Groups evidence by everything that must agree for a session to use it together: scene, machine
-// class, build and reward version. Evidence in quarantine forms separate groups. Pure functions.
+// Groups evidence by everything that must agree for a session to use it together: scene, regime,
+// machine class, build and reward version. Evidence in quarantine forms separate groups. Pure
+// functions.
 #pragma once
 
 #include <cstdint>
@@ -23,12 +24,13 @@ struct PriorsGroupKey {
   std::string machine_class;
   uint32_t reward_version = 1;
   bool is_quarantined = false;
+  std::string regime = {};  // a bucket (regime_bucket.h)
 
   // operator<=> is not used, because the std::string of libc++ 14 lacks it.
   friend bool operator<(const PriorsGroupKey& a, const PriorsGroupKey& b) {
     const auto members = [](const PriorsGroupKey& key) {
       return std::tie(key.project, key.scene, key.build, key.machine_class, key.reward_version,
-                      key.is_quarantined);
+                      key.is_quarantined, key.regime);
     };
     return members(a) < members(b);
   }
