@@ -131,11 +131,11 @@ void Declare(CLI::App& command, CommandOptions& options) {
       ->check(CLI::Range(uint32_t{1}, uint32_t{1000}));
   command
       .add_option("--scenes", experiment.scenes,
-                  "Scenes or .aabbs files (default: brownian,rotating-gravity,hurricane)")
+                  "Scenes or .aabbs files (default: those of the grid)")
       ->delimiter(',');
   command
       .add_option("--objects", experiment.object_counts,
-                  "Object counts (default: the paper's 1000,2000,3000, and 10000,50000)")
+                  "Object counts (default: those of the grid)")
       ->check(CLI::Range(1U, 1'000'000U))
       ->delimiter(',');
   command
@@ -147,12 +147,14 @@ void Declare(CLI::App& command, CommandOptions& options) {
       "--window", experiment.window,
       "Length of the observation after the exploration, before scaling (default: 15m)");
   command
-      .add_option("--trace-frames", experiment.trace_frame_count,
-                  "Frames of each scene on which every arm is timed (default: 600)")
+      .add_option(
+          "--trace-frames", experiment.trace_frame_count,
+          "Frames of each scene on which every arm is timed (default: 360; 240 with --quick, "
+          "800 with --grid crossovers)")
       ->check(CLI::Range(uint32_t{64}, uint32_t{100'000}));
   command
       .add_option("--replay-seeds", experiment.replay_seed_count,
-                  "Games of each policy on each trace (default: 30)")
+                  "Games of each policy on each trace (default: 30; 10 with --quick)")
       ->check(CLI::Range(uint32_t{2}, uint32_t{10'000}));
   command.add_option("--seed", experiment.seed, "Seed from which all other seeds are derived")
       ->check(NotNegative());

@@ -569,8 +569,9 @@ std::string WorthText(const ExperimentTruths& truths) {
   std::string text = "The best sequence of algorithms saves " + MsText(always_ms) +
                      " of detection per frame against " + always + " and " + MsText(best_ms) +
                      " against the best single algorithm of each cell, on average over " +
-                     text::Counted(cells.size(), "cell") + ". AI Decides saves " +
-                     MsText(decided_ms) + " against " + always + ". ";
+                     text::Counted(cells.size(), "cell") + ". AI Decides " +
+                     (decided_ms < 0 ? "loses " : "saves ") + MsText(std::abs(decided_ms)) +
+                     " against " + always + ". ";
   if (nothing_count < cells.size()) {
     text += "Choosing is worth most in " + CellName(most->cell) + ": " +
             MsText(most->worth->saved_to_always_ms()) + " of " + MsText(most->worth->always_ms) +
