@@ -29,10 +29,10 @@ inline constexpr uint32_t kFrameNoEvidence = uint32_t{1} << 31;
 inline bool IsMeasured(float value) { return std::isfinite(value) && value >= 0; }
 
 // The early end of a trial (SwitchCommand). A search over the limit, or an exceeded time budget,
-// ends a trial. In the first case detection_time_ns is the limit if the search was stopped, or else
-// the time of the search. In the second case it is the mean of the trial's frames.
+// ends a trial.
 struct TrialEnd {
   uint32_t arm = 0;  // the arm that was tried
+  // The mean time of its searches (SwitchOutcome).
   uint64_t detection_time_ns = 0;
 };
 

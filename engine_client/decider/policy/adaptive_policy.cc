@@ -38,30 +38,35 @@ AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponent
       observed_(setup.arms.size(), false),
       bans_(setup.arms.size()),
       was_live_(setup.arms.size(), false),
+      cheap_end_counts_(setup.arms.size()),
       posteriors_(setup.arms.size()) {
   if (setup.has_priors) SetPriors(setup.priors);
   UpdatePosteriors();
 }
 
-// Uses the priors with enough evidence. Each of the other arms starts at the mean of these priors.
+// Uses the priors with enough evidence. The other arms keep their mean differences from these. They
+// are as uncertain as between two regimes if they were observed, and otherwise unknown.
 void AdaptivePolicy::SetPriors(std::span<const BetaPosterior> priors) {
-  double sum = 0;
+  double shift = 0;
   double count = 0;
-  for (const BetaPosterior& prior : priors) {
-    if (IsFlat(prior)) continue;
-    sum += BeliefOf(prior).mean;
+  for (uint32_t arm = 0; arm < priors.size(); ++arm) {
+    if (IsFlat(priors[arm])) continue;
+    shift += BeliefOf(priors[arm]).mean - filter().LogCost(arm).mean;
     ++count;
   }
   if (count == 0) return;
-  filter().ForgetCosts();
+  std::vector<NormalBelief> beliefs;
   for (uint32_t arm = 0; arm < priors.size(); ++arm) {
     const bool is_known = !IsFlat(priors[arm]);
-    NormalBelief belief{sum / count, kUnknownVariance};
+    NormalBelief belief{filter().LogCost(arm).mean + shift / count,
+                        observed_[arm] ? kTransferVariance : kUnknownVariance};
     if (is_known) belief = BeliefOf(priors[arm]);
     has_prior_[arm] = has_prior_[arm] || is_known;
     belief.variance = std::max(belief.variance, kTransferVariance);
-    filter().SetPrior(arm, belief);
+    beliefs.push_back(belief);
   }
+  filter().ForgetCosts();
+  for (uint32_t arm = 0; arm < beliefs.size(); ++arm) filter().SetPrior(arm, beliefs[arm]);
 }
 
 AdaptivePolicy::Visit AdaptivePolicy::VisitOf(const ShadowSample& sample) {
@@ -206,12 +211,16 @@ void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
   switch_cost_s_ += (std::min(cost_s, max_s) - switch_cost_s_) / static_cast<double>(switch_count_);
 }
 
-// Learns that the arm is at least as expensive as the time that ended its trial. The arm may be
-// tried again, but only as a trial.
-void AdaptivePolicy::LearnTrialEnd(const TrialEnd& end, int64_t now_ns) {
+// Learns that the arm is at least as expensive as the mean of its trial. If that is below the cost
+// of the arm before, only single searches took too long, for example rebuilds of the structure. The
+// third such end was the arm's last trial.
+void AdaptivePolicy::LearnTrialEnd(const TrialEnd& end, uint32_t arm_before, int64_t now_ns) {
   AdvanceTo(now_ns);
-  filter().ObserveBound(end.arm, LogCostOfNs(end.detection_time_ns));
+  const double log_cost = LogCostOfNs(end.detection_time_ns);
+  filter().ObserveBound(end.arm, log_cost);
   observed_[end.arm] = true;
+  if (log_cost < filter().LiveCost(arm_before).mean && ++cheap_end_counts_[end.arm] > 2)
+    was_live_[end.arm] = true;
   UpdatePosteriors();
 }
 

@@ -23,11 +23,13 @@
 // - A prior has a standard deviation of at least 30 %. Until an arm is observed, a fifth of the
 //   belief ignores its prior.
 // - An arm's first live window is a trial (SwitchCommand), if the client stops trials. Then the
-//   client switches back at once in two cases. Either a search takes a fifth longer than the
+//   client switches back at once in two cases. Either a search takes too long compared with the
 //   previous arm's, or the trial exceeds its time budget. For an arm that was observed, the gate
 //   therefore limits the loss to that budget.
 // - An early end of a trial gives a lower bound of the arm's cost. A visit that the lane cut off at
-//   its time limit does too.
+//   its time limit does too. If the mean search of three trials was cheaper than the active
+//   arm's, the arm is used without a trial. Single searches are long, because it rebuilds its
+//   structure.
 // - Each regime of the scene has separate beliefs, which are used again when the regime returns.
 //   Evidence belongs to the regime in which it was measured (regime_span.h).
 //
@@ -79,7 +81,7 @@ class AdaptivePolicy : public Policy {
   std::vector<Increment> LearnShadow(std::span<const ShadowSample> samples,
                                      int64_t now_ns) override;
   void LearnSwitchCost(uint32_t arm, const SwitchCost& cost) override;
-  void LearnTrialEnd(const TrialEnd& end, int64_t now_ns) override;
+  void LearnTrialEnd(const TrialEnd& end, uint32_t arm_before, int64_t now_ns) override;
   DescriptorMatch Match(const SceneDescriptor& descriptor) const override;
   void LearnDescriptor(const SceneDescriptor& descriptor, int64_t now_ns) override;
 
@@ -146,7 +148,10 @@ class AdaptivePolicy : public Policy {
   std::vector<bool> has_prior_;
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane
   std::vector<Ban> bans_;
-  std::vector<bool> was_live_;  // arms with a live window in this session
+  // Arms with a live window in this session, or with cheap_end_counts_ above 2.
+  std::vector<bool> was_live_;
+  // Early ends of trials whose mean search was cheaper than the active arm's.
+  std::vector<uint32_t> cheap_end_counts_;
   std::vector<BetaPosterior> posteriors_;
   std::optional<int64_t> last_advance_ns_;
   std::optional<int64_t> last_shadow_ns_;

@@ -79,8 +79,9 @@ class Policy {
   // known regime begins a new one.
   virtual void LearnDescriptor(const SceneDescriptor& /*descriptor*/, int64_t /*now_ns*/) {}
   virtual void LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& /*cost*/) {}
-  // Learns that a trial of an arm ended early. `end` has a lower bound of that arm's cost.
-  virtual void LearnTrialEnd(const TrialEnd& /*end*/, int64_t /*now_ns*/) {}
+  // Learns that a trial of an arm ended early, and that the client returned to `arm_before`.
+  virtual void LearnTrialEnd(const TrialEnd& /*end*/, uint32_t /*arm_before*/, int64_t /*now_ns*/) {
+  }
 
   virtual Choice Choose(const ChoiceInput& input) const = 0;
   // Minimum time between two switches. Absent: the cooldown of the options.

@@ -30,23 +30,6 @@ double Clamped(double log_cost) {
   return log_cost <= kMaxLogCost ? std::max(log_cost, kMinLogCost) : kMaxLogCost;
 }
 
-// Returns the weight of an observation with this normalised innovation, if noise has Student's t
-// distribution: less than 1 if the innovation is large (K. Lange, R. Little, J. Taylor, "Robust
-// statistical modeling using the t distribution", JASA 84, 1989).
-double WeightOf(double normalised) {
-  return (kNoiseFreedom + 1) / (kNoiseFreedom + Square(normalised));
-}
-
-// Returns whether a normalised innovation has less than half of an observation's weight.
-bool IsOutlier(double normalised) { return WeightOf(normalised) < 0.5; }
-
-// Returns whether two successive normalised innovations show a change: both are outliers, on the
-// same side. An outlier without a predecessor is a change, too.
-bool IsChange(const std::optional<double>& last, double normalised) {
-  const double before = last.value_or(normalised);
-  return IsOutlier(before) && IsOutlier(normalised) && (before > 0) == (normalised > 0);
-}
-
 }  // namespace
 
 RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponents& components)
@@ -94,6 +77,28 @@ void RelativeCostFilter::Advance(double intervals) {
   has_lane() ? AddVariance(biases(), lane, own) : AddVariance(first_biases_, lane, own);
 }
 
+// Returns the weight of an observation with this normalised innovation, if noise has Student's t
+// distribution: less than 1 if the innovation is large (K. Lange, R. Little, J. Taylor, "Robust
+// statistical modeling using the t distribution", JASA 84, 1989).
+double RelativeCostFilter::WeightOf(double normalised) const {
+  if (!components_.heavy_tails) return 1;
+  return (kNoiseFreedom + 1) / (kNoiseFreedom + Square(normalised));
+}
+
+// Returns whether a normalised innovation has less than half of an observation's weight.
+bool RelativeCostFilter::IsOutlier(double normalised) const { return WeightOf(normalised) < 0.5; }
+
+// Returns whether two successive normalised innovations show a change: both are outliers, on the
+// same side. An outlier without a predecessor is a change, too.
+bool RelativeCostFilter::IsChange(const std::optional<double>& last, double normalised) const {
+  const double before = last.value_or(normalised);
+  return IsOutlier(before) && IsOutlier(normalised) && (before > 0) == (normalised > 0);
+}
+
+double RelativeCostFilter::VarianceOf(double noise) const {
+  return components_.heavy_tails ? noise * kNoiseFreedom / (kNoiseFreedom - 2) : noise;
+}
+
 void RelativeCostFilter::Widen(double variance) { AddVariance(costs(), variance, variance); }
 
 void RelativeCostFilter::AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double common,
@@ -134,12 +139,13 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost, bool lane_wo
   UpdateDrift(level_drift_, last, normalised);
   double noise = live_noise_ / WeightOf(normalised);
   // The cause of a change is other work on the core, which the lane does not see, a change of the
-  // scene, which affects all arms, or a change of this arm alone. Widen all three.
+  // scene, which affects all arms, or a change of this arm alone. Widen all three. The first window
+  // is the first to show the level of the costs, so it shows no load.
   if (IsChange(last, normalised)) {
     last_live_ = 0;
     noise = live_noise_;
     AddVariance(costs(), Square(innovation), 0);
-    if (has_lane()) covariance_(load(), load()) += Square(innovation);
+    if (has_lane() && last) covariance_(load(), load()) += Square(innovation);
     if (!lane_would_show) covariance_(arm, arm) += Square(innovation);
   } else {
     UpdateNoise(live_noise_, normalised, variance);
@@ -225,7 +231,7 @@ void RelativeCostFilter::ObserveShadow(uint32_t arm, uint64_t sweep, double log_
   Update(widened, innovation, VisitVariance(widened, arm) + noise);
 }
 
-// Learns from the innovation of a visit, and returns the noise variance for its update. All arms
+// Learns from the innovation of a visit, and returns the squared noise for its update. All arms
 // may share the innovation of a sweep's first visit. Those of later visits concern one arm each.
 double RelativeCostFilter::NoiseOfVisit(uint32_t arm, double innovation, double variance) {
   const bool is_first = !std::exchange(has_visit_, true);

@@ -38,6 +38,7 @@ namespace sweepstake::decision {
 // The filter's components, which an ablation study can disable one by one.
 struct FilterComponents {
   bool common_mode = true;  // arms' costs, and lane biases, each share a common drift
+  bool heavy_tails = true;  // noise has Student's t distribution, otherwise a normal one
   bool calibration = true;  // noises and drifts are estimated from the data
 };
 
@@ -85,8 +86,8 @@ class RelativeCostFilter {
   // was a visit.
   double LaneBias(uint32_t arm) const { return mean_[bias(arm)]; }
   // The noise variances of a live window and of a visit of the lane.
-  double live_noise() const { return live_noise_; }
-  double shadow_noise() const { return shadow_noise_; }
+  double live_noise() const { return VarianceOf(live_noise_); }
+  double shadow_noise() const { return VarianceOf(shadow_noise_); }
 
  private:
   bool has_lane() const { return mean_.size() > bias(0); }
@@ -100,6 +101,11 @@ class RelativeCostFilter {
   // Adds `common` to all variances and covariances of these states, and `own` to each variance.
   // They are states of one kind: costs or biases.
   void AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double common, double own) const;
+  double WeightOf(double normalised) const;
+  bool IsOutlier(double normalised) const;
+  bool IsChange(const std::optional<double>& last, double normalised) const;
+  // Returns the variance of a t distribution with this squared scale.
+  double VarianceOf(double noise) const;
   void UpdateNoise(double& noise, double normalised, double variance) const;
   void UpdateDrift(double& drift, const std::optional<double>& last, double normalised) const;
   void BeginSweep(uint64_t sweep);
@@ -123,10 +129,11 @@ class RelativeCostFilter {
   // visit.
   Eigen::Matrix2d first_biases_ = Eigen::Matrix2d::Zero();
 
-  // Estimated variances.
+  // Estimated squared scales of Student's t distributions.
   double live_noise_;
   double shadow_noise_;
   double sweep_noise_;
+  // Estimated variances per decision interval.
   double drift_;
   double level_drift_;
   double lane_drift_;

@@ -140,7 +140,7 @@ void DecisionSession::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchR
   if (observer_) observer_->OnSwitch({arm, switch_epoch, reason, now_ns, cost}, runs_);
   AdoptLaterRun(now_ns);
   const bool learns = mode_ == Mode::kAi;
-  if (learns && cost.ended_trial) policy_->LearnTrialEnd(*cost.ended_trial, now_ns);
+  if (learns && cost.ended_trial) policy_->LearnTrialEnd(*cost.ended_trial, arm, now_ns);
   // Ignore the report if its epoch has already ended: frames of a later one arrived first.
   if (IsLaterEpoch(run().switch_epoch(), switch_epoch)) return;
   if (run().arm() == arm && run().switch_epoch() == switch_epoch) {

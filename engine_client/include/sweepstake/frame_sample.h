@@ -230,7 +230,7 @@ struct SwitchOutcome {
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
   // Set only if the switch ends a trial that was too expensive; otherwise 0. It is the mean time of
   // the trial's searches, without the first three unless one of them was stopped. A stopped search
-  // counts with its limit, so this is a lower bound of the arm's cost. trial_arm is the tried arm.
+  // counts with its limit. trial_arm is the tried arm.
   uint64_t trial_detection_time_ns = 0;
   uint32_t trial_arm = 0;
 };

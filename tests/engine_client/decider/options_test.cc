@@ -80,7 +80,7 @@ TEST(Options, AnAblationIsUnknownOutsideTheLaboratory) {
     EXPECT_THAT(*Validate(options, ShippedPolicies()), HasSubstr("unknown policy"));
     EXPECT_EQ(Validate(options, StudyPolicies()), std::nullopt);
   }
-  EXPECT_EQ(ablation_count, 6u);
+  EXPECT_EQ(ablation_count, 7u);
 }
 
 TEST(Options, AGameChoosesBetweenAiDecidesAndThePapersPolicy) {
@@ -88,7 +88,7 @@ TEST(Options, AGameChoosesBetweenAiDecidesAndThePapersPolicy) {
 }
 
 TEST(Options, TheLaboratoryHasEveryShippedPolicy) {
-  EXPECT_EQ(PolicyNames(StudyPolicies()).size(), PolicyNames(ComparedPolicies()).size() + 6);
+  EXPECT_EQ(PolicyNames(StudyPolicies()).size(), PolicyNames(ComparedPolicies()).size() + 7);
   for (const std::string_view name : PolicyNames(ShippedPolicies()))
     EXPECT_NE(FindPolicy(name, StudyPolicies()), nullptr) << name;
 }

@@ -316,6 +316,8 @@ constexpr std::array kAblations = {
     AdaptiveWith<AdaptiveComponents{.shadow = false}>("adaptive-without-shadow"),
     AdaptiveWith<AdaptiveComponents{.filter = {.calibration = false}}>(
         "adaptive-without-calibration"),
+    AdaptiveWith<AdaptiveComponents{.filter = {.heavy_tails = false}}>(
+        "adaptive-without-heavy-tails"),
     AdaptiveWith<AdaptiveComponents{.filter = {.common_mode = false}}>(
         "adaptive-without-common-mode"),
     AdaptiveWith<AdaptiveComponents{.gate = false}>("adaptive-without-gate"),

@@ -162,8 +162,7 @@ TEST(AdaptivePolicy, VisitsInManualModeAreNotEvidence) {
   EXPECT_EQ(game.RunToTick().lane_increments.size(), 2u);
 }
 
-// The second visit of the lane contradicts the priors, which are then dropped.
-TEST(AdaptivePolicy, KeepsEarlierMeasurementsWhenItDropsThePriors) {
+TEST(AdaptivePolicy, MeasurementsOutweighPriors) {
   SessionSetup setup = AdaptiveSetup(2);
   setup.priors = PriorsOf({1'000, 100'000});
   Game game(setup, {50'000, 10'000}, /*lane=*/false);
@@ -371,7 +370,7 @@ TEST(AdaptivePolicy, WithoutALaneAnArmWithAHundredfoldPriorCostIsNotTried) {
   EXPECT_EQ(game.TicksOn(1, 200), 0);
 }
 
-TEST(AdaptivePolicy, AWrongPriorIsDroppedAtTheFirstSweep) {
+TEST(AdaptivePolicy, TheFirstSweepOutweighsAWrongPrior) {
   SessionSetup setup = AdaptiveSetup(4);
   setup.priors = PriorsOf({1'000, 12'000, 10'000, 3'000});
   Game game(setup, {90'000, 12'000, 10'000, 30'000});
@@ -380,7 +379,7 @@ TEST(AdaptivePolicy, AWrongPriorIsDroppedAtTheFirstSweep) {
   EXPECT_GE(game.TicksOn(2, 50), 45);
 }
 
-TEST(AdaptivePolicy, AWrongPriorIsDroppedWhenTheFirstSweepTakesSeveralTicks) {
+TEST(AdaptivePolicy, ASweepOfSeveralTicksOutweighsAWrongPrior) {
   SessionSetup setup = AdaptiveSetup(3);
   setup.priors = PriorsOf({1'000, 12'000, 10'000});
   Game game(setup, {20'000, 12'000, 10'000}, /*lane=*/false);

@@ -263,7 +263,7 @@ TEST_F(FilterTest, TheFirstLiveWindowSetsTheLevelOfAllArms) {
   filter.ObserveShadow(0, 1, cost_[0] - 2.3);
   filter.ObserveShadow(1, 1, cost_[1] - 2.3);
   filter.ObserveLive(0, cost_[0]);
-  EXPECT_NEAR(filter.LiveCost(0).mean, cost_[0], 0.15);
+  EXPECT_NEAR(filter.LogCost(0).mean, cost_[0], 0.15);
   EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.3);
   EXPECT_NEAR(filter.Difference(2, 0).mean, 0, 0.5);
 }
@@ -287,9 +287,9 @@ TEST_F(FilterTest, ABoundOfTheLaneOnlyTruncatesTheBelief) {
   EXPECT_GT(filter.Difference(1, 0).mean, 5) << "a bound above the belief counts like a cost";
 }
 
-// If the first visit of a sweep gives only a bound, it is still the reference: the noise is
-// estimated from the differences of the other arms to it.
-TEST_F(FilterTest, ABoundCanBeTheReferenceOfASweep) {
+// If the first visit of a sweep gives only a bound, the noise is still estimated from the
+// differences of the other arms.
+TEST_F(FilterTest, ABoundCanBeTheFirstVisitOfASweep) {
   RelativeCostFilter filter(kArms);
   filter.ObserveLive(0, 5);
   const double before = filter.shadow_noise();

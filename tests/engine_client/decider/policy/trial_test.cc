@@ -67,6 +67,7 @@ class TrialGame {
   int disturbed_trial_count = 0;  // number of trials in which a frame takes five times as long
   int ended_trial_count = 0;
   std::vector<uint32_t> frame_counts = std::vector<uint32_t>(cost_us.size());
+  uint32_t rebuild_period = 0;  // every so many searches of arm 1 take three times as long
 
  private:
   double Noisy(double cost, double deviation) {
@@ -113,7 +114,9 @@ class TrialGame {
   }
 
   uint64_t Search() {
-    ++frame_counts[client.arm];
+    const uint32_t count = ++frame_counts[client.arm];
+    if (client.arm == 1 && rebuild_period > 0 && count % rebuild_period == 0)
+      return static_cast<uint64_t>(3e3 * cost_us[1]);
     return static_cast<uint64_t>(1e3 * Noisy(cost_us[client.arm], 0.01));
   }
 
@@ -186,6 +189,15 @@ TEST(Trial, AnArmThatCostsFortyPercentMoreInTheLaneIsTried) {
   EXPECT_EQ(game.client.arm, 1u);
 }
 
+// Each trial ends at the first rebuild, but its mean search is cheap.
+TEST(Trial, AnArmThatRebuildsInEachTrialIsUsed) {
+  TrialGame game({10'000, 5'000}, {10'000, 6'000});
+  game.rebuild_period = 20;
+  game.RunTicks(20);
+  EXPECT_EQ(game.ended_trial_count, 3);
+  EXPECT_EQ(game.client.arm, 1u);
+}
+
 TEST(Trial, TheLongerTheRegimeTheLessProbableAGainIsTried) {
   const auto first_try = [](double lane_cost_us) {
     TrialGame game({10'000, 7'000}, {10'000, lane_cost_us});
@@ -223,7 +235,7 @@ TEST(Trial, ALaneWithRareVisitsCountsAsPresent) {
   EXPECT_GT(game.frame_counts[1], 0u);
 }
 
-TEST(Trial, ACappedVisitDoesNotContradictPriors) {
+TEST(Trial, ACappedVisitDoesNotOutweighPriors) {
   SessionSetup setup = TrialSetup(2);
   setup.priors = {BetaOf({LogCostOf(10'000), 0.01}), BetaOf({LogCostOf(20'000), 0.01})};
   ScriptedClient client(setup);

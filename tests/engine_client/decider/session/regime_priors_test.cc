@@ -173,7 +173,7 @@ TEST(RegimePriors, ANewSessionStartsEachRegimeFromItsOwnEvidence) {
 }
 
 // Shows that the scene needs its priors per regime.
-TEST(RegimePriors, TheMixtureOfAllRegimesChoosesAWrongArm) {
+TEST(RegimePriors, TheMixtureOfAllRegimesChoosesTheWrongArmForLonger) {
   SessionSetup setup = PlayedGames().Setup();
   setup.regime_priors = {};
   GameOfTwoRegimes game(setup);
@@ -191,7 +191,7 @@ TEST(RegimePriors, ANewSceneStartsFromTheSameRegimesOfOtherScenes) {
   EXPECT_GE(game.TicksOn(1, GameOfTwoRegimes::kMotion, 20), 18);
 }
 
-TEST(RegimePriors, PriorsOfARegimeAreDroppedIfTheLaneContradictsThem) {
+TEST(RegimePriors, TheLaneOutweighsThePriorsOfARegime) {
   SessionSetup setup = PlayedGames().Setup();
   std::vector<BetaPosterior>& priors = setup.regime_priors.posteriors;
   std::swap(priors[0], priors[1]);
@@ -204,6 +204,25 @@ TEST(RegimePriors, PriorsOfARegimeAreDroppedIfTheLaneContradictsThem) {
     right += game.TicksOn(tick < 20 ? 0 : 1, speed, 1);
   }
   EXPECT_GE(right, 26);
+}
+
+// The stored evidence of motion lacks the second arm. At rest it costs ten times the first one.
+TEST(RegimePriors, AnObservedArmWithoutPriorsKeepsItsDifference) {
+  for (const bool was_observed : {true, false}) {
+    SessionSetup setup = PlayedGames().Setup();
+    ASSERT_EQ(setup.regime_priors.buckets[0], "9/0/-");
+    setup.regime_priors.posteriors[1] = BetaPosterior{};
+    GameOfTwoRegimes game(setup);
+    for (int tick = 0; tick < 20; ++tick) {
+      if (was_observed) game.Sweep(GameOfTwoRegimes::kRest);
+      game.RunTick(GameOfTwoRegimes::kRest);
+    }
+    game.TicksOn(0, GameOfTwoRegimes::kMotion, 2);
+    const std::vector<BetaPosterior>& beliefs = game.log().back().record.posteriors;
+    EXPECT_NEAR(LogCostOfReward(beliefs[1].mean()) - LogCostOfReward(beliefs[0].mean()),
+                std::log(10), 0.3)
+        << was_observed;
+  }
 }
 
 TEST(RegimePriors, ASceneHasALimitedNumberOfRegimes) {

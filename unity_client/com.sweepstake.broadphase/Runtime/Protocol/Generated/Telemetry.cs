@@ -4965,9 +4965,8 @@ namespace Sweepstake.Protocol.V1 {
     public const int TrialDetectionTimeNsFieldNumber = 8;
     private ulong trialDetectionTimeNs_;
     /// <summary>
-    /// Mean detection time of a trial that ended early (SwitchCommand.trial_limit_percent): a lower bound of the tried arm's. A stopped
-    /// detection counts with its limit. The first three detections are left out, unless one of them was stopped. Absent (0): the
-    /// switch did not end a trial.
+    /// Mean detection time of a trial that ended early (SwitchCommand.trial_limit_percent). A stopped detection counts with its limit.
+    /// The first three detections are left out, unless one of them was stopped. Absent (0): the switch did not end a trial.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
