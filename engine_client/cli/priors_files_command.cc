@@ -273,7 +273,8 @@ void AddTwoFileCommands(const CommandContext& priors) {
 
 void AddPriorsFileCommands(const CommandContext& priors) {
   AddCommand<PriorsFileOptions>(
-      priors, "show", "Print the content of a priors file by scene, machine class, build and regime",
+      priors, "show",
+      "Print the content of a priors file by scene, machine class, build and regime",
       "  sweepstake priors show --in priors.json\n", DeclareFile, RunShow);
   AddCommand<PriorsFileOptions>(
       priors, "doctor",

@@ -237,7 +237,7 @@ TEST(ExperimentPlan, AcceptsEveryAblation) {
     const std::string_view name = entry.kind.name;
     if (name.starts_with("adaptive-without-")) options.policies.emplace_back(name);
   }
-  EXPECT_EQ(PlanOf(options).options.policies.size(), 7U);
+  EXPECT_EQ(PlanOf(options).options.policies.size(), 8U);
   options.policies = {"adaptive-without-gates"};
   EXPECT_THAT(MakePlan(options).status().message(), HasSubstr("one of adaptive-without-gate,"));
 }
