@@ -1,6 +1,7 @@
 #include "server/web/site.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -29,10 +30,17 @@ bool IsOfApi(const Request& request) {
          (request.is_post() && path == kLogin);
 }
 
-// Returns the host of HOST or HOST:PORT in lower case.
-std::string WithoutPort(std::string_view host) {
-  const size_t end = host.starts_with('[') ? host.find(']') + 1 : host.find(':');
-  return absl::AsciiStrToLower({host.data(), std::min(end, host.size())});
+// Returns the host of HOST or HOST:PORT in lower case. Returns nothing if the port is not a number,
+// as in "localhost:80.evil.example".
+std::optional<std::string> HostOf(std::string_view value) {
+  const size_t found = value.starts_with('[') ? value.find(']') + 1 : value.find(':');
+  const size_t end = std::min(found, value.size());
+  const std::string_view port = value.substr(std::min(end + 1, value.size()));
+  const bool has_port = end < value.size();
+  if (has_port &&
+      (value[end] != ':' || !std::all_of(port.begin(), port.end(), absl::ascii_isdigit)))
+    return std::nullopt;
+  return absl::AsciiStrToLower({value.data(), end});
 }
 
 // Returns whether the request comes from the page of another site, according to the browser.
@@ -84,8 +92,9 @@ std::optional<Page> Site::PageFor(const Request& request) const {
 
 bool Site::IsKnownHost(const Request& request) const {
   if (request.message.count(http::field::host) != 1) return false;
-  const std::string host = WithoutPort(request.Header("Host"));
-  return tls::IsLoopback(host + ":") || host == request.own_host || options_.hosts.contains(host);
+  const std::optional<std::string> host = HostOf(request.Header("Host"));
+  return host && (tls::IsLoopback(*host + ":") || *host == request.own_host ||
+                  options_.hosts.contains(*host));
 }
 
 }  // namespace sweepstake::web

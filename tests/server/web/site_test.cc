@@ -87,7 +87,8 @@ TEST_F(SiteTest, TheDaemonAnswersToItsOwnNamesOnly) {
   }
   for (const char* host :
        {"evil.example", "localhost.evil.example", "127.0.0.1.evil.example", "", "192.0.2.2",
-        "[::2]", "[", ":", "dash.example.com.", "dash.example.comx"}) {
+        "[::2]", "[", ":", "dash.example.com.", "dash.example.comx", "localhost:80.evil.example",
+        "[::1].evil.example", "[::1]:80.evil.example", "localhost:-1"}) {
     EXPECT_EQ(Status(verb::get, "/", {{"Host", host}}), 403) << host;
     EXPECT_EQ(Post({{"Host", host}}), 403) << host;
     EXPECT_EQ(Status(verb::get, "/events/x", {{"Host", host}}), 403) << host;
