@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/storage/private_file.h"
 
 namespace sweepstake::storage {
 namespace fs = std::filesystem;
@@ -53,16 +52,14 @@ absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
   if (!fs::is_directory(path, unknown)) {
     return CannotCreate(path, error);
   }
-  const fs::path lock_path = path / "lock";
-  const int lock = open(lock_path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
-  if (lock < 0) {
+  DataDirectory directory(path, open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const int lock = directory.lock_;
+  if (lock < 0 || faccessat(lock, ".", W_OK | X_OK, AT_EACCESS) != 0) {
     const std::string why = std::system_category().message(errno);
     return absl::UnavailableError(absl::StrCat("cannot write to the data directory ", path.string(),
                                                ": ", why,
                                                "; make it writable, or name another with --data"));
   }
-  DataDirectory directory(path, lock);
-  GiveToOwner(lock, lock_path);
   if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
     return absl::UnavailableError(absl::StrCat("another daemon uses the data directory ",
                                                path.string(),
@@ -73,9 +70,7 @@ absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
     const fs::path file = directory.database().string() + suffix;
     if (!MakePrivate(file)) directory.open_to_others_ = true;
   }
-  for (const fs::path& file : {lock_path, directory.tokens()}) {
-    if (!MakePrivate(file)) directory.open_to_others_ = true;
-  }
+  if (!MakePrivate(directory.tokens())) directory.open_to_others_ = true;
   return directory;
 }
 

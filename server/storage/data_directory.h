@@ -1,4 +1,4 @@
-// The daemon's data directory. Its lock file admits only one process at a time.
+// The daemon's data directory. A lock on the directory itself admits only one process at a time.
 //
 // The object owns the lock until it is destroyed. If the process is killed, the system releases the
 // lock. Movable.
@@ -36,7 +36,7 @@ class DataDirectory {
 
   std::filesystem::path path_;
   bool open_to_others_ = false;
-  int lock_;  // descriptor of the locked file; -1 after a move
+  int lock_;  // descriptor of the directory, which is locked; -1 after a move
 };
 
 }  // namespace sweepstake::storage

@@ -34,8 +34,9 @@ fs::path ParentOf(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-}  // namespace
-
+// Gives a new file that root has made to the owner of its directory, so that the daemon, which runs
+// as that user, can use files that an administrator made. Does nothing if the process does not run
+// as root, or if the owner cannot be changed. `file` is the open descriptor of `path`.
 void GiveToOwner(int file, const fs::path& path) {
   struct stat made {};
   struct stat parent {};
@@ -45,6 +46,8 @@ void GiveToOwner(int file, const fs::path& path) {
   if (fstat(file, &made) != 0 || made.st_nlink != 1) return;
   [[maybe_unused]] const int given = fchown(file, parent.st_uid, parent.st_gid);
 }
+
+}  // namespace
 
 absl::Status CreatePrivateFile(const fs::path& path) {
   std::error_code ignored;

@@ -12,11 +12,6 @@
 
 namespace sweepstake::storage {
 
-// Gives a new file that root has made to the owner of its directory, so that the daemon, which runs
-// as that user, can use files that an administrator made. Does nothing if the process does not run
-// as root, or if the owner cannot be changed. `file` is the open descriptor of `path`.
-void GiveToOwner(int file, const std::filesystem::path& path);
-
 // Makes an empty file that only its owner can read. First removes a file of that name, and SQLite's
 // -wal, -shm and -journal files beside it. Error: UNAVAILABLE.
 absl::Status CreatePrivateFile(const std::filesystem::path& path);

@@ -502,7 +502,7 @@ TEST(DataDirectoryTest, OnlyItsOwnerCanReadItWithAnyUmask) {
     umask(mask);
     EXPECT_FALSE(directory->open_to_others());
     EXPECT_EQ(mode(path), 0700u);
-    for (const char* file : {"priors.db", "priors.db-wal", "priors.db-shm", "lock"})
+    for (const char* file : {"priors.db", "priors.db-wal", "priors.db-shm"})
       EXPECT_EQ(mode(path / file), 0600u) << file;
   }
   std::filesystem::permissions(path, std::filesystem::perms(0755));
