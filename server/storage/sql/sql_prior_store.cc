@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine_client/decider/audit/audit_log.h"
+#include "server/sessions/common/unix_time.h"
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {
@@ -558,9 +559,11 @@ absl::StatusOr<ImportResult> SqlPriorStore::Quarantine(std::span<const PriorReco
 
 absl::StatusOr<SqlPriorStore::RowList> SqlPriorStore::RowsOf(std::span<const PriorRecord> records,
                                                              ImportResult& result) {
+  // A time in the future would make the source the latest one for ever.
+  const auto now_s = static_cast<uint64_t>(priors::UnixNowS());
   std::vector<NewSource> names;
   for (const PriorRecord& record : records)
-    names.push_back({record.source_id, record.build, record.last_seen_unix_s});
+    names.push_back({record.source_id, record.build, std::min(record.last_seen_unix_s, now_s)});
   const auto sources = LockOrAdd(names);
   if (!sources.ok()) return sources.status();
   std::vector<const EvidenceKey*> keys;

@@ -7,11 +7,13 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <spdlog/sinks/ringbuffer_sink.h>
 
+#include <limits>
 #include <memory>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "server/sessions/common/unix_time.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 
@@ -498,6 +500,20 @@ TEST_F(PosteriorsTest, AnImportWithOneWrongRecordImportsNothingAndNamesIt) {
   EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_INVALID_MESSAGE);
   EXPECT_THAT(status.error_message(), HasSubstr("record 1"));
   EXPECT_EQ(Stored().source_count, 1u);
+}
+
+TEST_F(PosteriorsTest, AnImportedSourceIsNotSeenInTheFuture) {
+  Store(Evidence("a", "harbour"));
+  std::vector<v1::PriorRecord> records = Export();
+  records[0].set_source_id("b");
+  records[0].set_unix_last_seen_s(std::numeric_limits<int64_t>::max());
+  v1::ImportPriorsResponse response;
+  ASSERT_TRUE(Import(records, response).ok());
+  records = Export();
+  ASSERT_EQ(records.size(), 2u);
+  for (const v1::PriorRecord& record : records) {
+    EXPECT_LE(record.unix_last_seen_s(), priors::UnixNowS()) << record.source_id();
+  }
 }
 
 TEST_F(PosteriorsTest, EvidenceAboveTheLimitOfASessionIsScaledDownProportionally) {
