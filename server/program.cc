@@ -1,5 +1,6 @@
 #include "server/program.h"
 
+#include <fcntl.h>
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 #include <pthread.h>
@@ -255,10 +256,20 @@ void AwaitEnd(const sigset_t& signals, CommandLine& line, Daemon& daemon) {
   while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) daemon.Reload(Load(line));
 }
 
+// Opens /dev/null for each closed standard stream. Otherwise the next file that the program opens
+// would take its number: with 2>&- the log would be written into a file of the data directory.
+void OpenStandardStreams() {
+  int file = 0;
+  while (file >= 0 && file <= STDERR_FILENO) file = open("/dev/null", O_RDWR);
+  if (file > STDERR_FILENO) close(file);
+}
+
 int Run(const Config& config, CommandLine& line) {
   const sigset_t signals = BlockSignals();
   // A closed log pipe must not end the daemon.
   std::signal(SIGPIPE, SIG_IGN);
+  // At a limit of the file size (ulimit -f) writes fail as on a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
   // gRPC and protobuf write lines to stderr that are not JSON. gRPC's failures are in the log
   // anyway.
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
@@ -294,6 +305,7 @@ int Run(const Config& config, CommandLine& line) {
 }  // namespace
 
 int RunProgram(int argc, char** argv) {
+  OpenStandardStreams();
   CommandLine line(argc, argv);
   CLI::App& app = line.app;
   AddOptions(line);
