@@ -1,10 +1,8 @@
 // A daemon with closed standard streams, or with a limit on the size of its files, as a shell or a
 // service manager may start it.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "tests/server/rpc/rpc_test_fixture.h"

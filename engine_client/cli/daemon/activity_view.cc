@@ -102,7 +102,8 @@ bool BestArmsDiffer(const v1::SceneActivity& activity) {
 }
 
 std::string ActivityText(const v1::ScenePosterior& scene) {
-  if (!scene.has_activity()) return "no session is connected; regimes are shown while one is\n";
+  if (!scene.has_activity())
+    return "no session is connected; regimes are shown only during a session\n";
   const v1::SceneActivity& activity = scene.activity();
   const uint32_t switch_count = activity.recent_switch_count();
   TextTable table({"regime", "objects", "speed", "static", "frames", "best_arm", "best", "cost_us",

@@ -94,7 +94,7 @@ TEST(ActivityText, LeavesOutWhatIsNotKnown) {
 }
 
 TEST(ActivityText, OfASceneWithoutASessionSaysSo) {
-  EXPECT_EQ(ActivityText({}), "no session is connected; regimes are shown while one is\n");
+  EXPECT_EQ(ActivityText({}), "no session is connected; regimes are shown only during a session\n");
   EXPECT_TRUE(ActivityJson({}).is_null());
 }
 

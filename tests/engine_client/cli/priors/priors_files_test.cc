@@ -68,6 +68,25 @@ class PriorsFilesTest : public testing::Test {
   test_support::TemporaryDirectory folder_;
 };
 
+// The sum of both regimes would show no difference between the arms.
+TEST_F(PriorsFilesTest, ShowsEachRegime) {
+  std::vector<PriorRecord> records = {RecordOf("a", "Grid", 100), RecordOf("a", "SAP", 200),
+                                      RecordOf("a", "Grid", 200), RecordOf("a", "SAP", 100)};
+  for (size_t i = 0; i < 4; ++i) records[i].key.regime = i < 2 ? "9/-7/0" : "9/0/-";
+  const std::string file = Write("regimes.json", records);
+  const json scenes = json::parse(RunCommand("priors show --json --in " + file).out)["scenes"];
+  ASSERT_EQ(scenes.size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(scenes[i]["regime"], i == 0 ? "9/-7/0" : "9/0/-");
+    EXPECT_EQ(scenes[i]["arms"][i]["cost_ratio"], 1.0);
+    EXPECT_NEAR(scenes[i]["arms"][1 - i]["cost_ratio"].get<double>(), 2, 0.1);
+  }
+  const std::string text = RunCommand("priors show --in " + file).out;
+  EXPECT_THAT(text, HasSubstr("in build 1.1, about "));
+  EXPECT_THAT(text,
+              AllOf(HasSubstr(" objects, speed 0.0015, 15 % static"), HasSubstr(" speed 1.")));
+}
+
 TEST_F(PriorsFilesTest, SumsCountLikeTheirSessionsAndCannotBeImported) {
   std::vector<PriorRecord> sessions = Honest();
   for (const PriorRecord& record : Honest()) sessions.emplace_back(record).source_id = "b";

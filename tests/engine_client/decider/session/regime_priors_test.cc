@@ -208,6 +208,7 @@ TEST(RegimePriors, TheLaneOutweighsThePriorsOfARegime) {
 
 // The stored evidence of motion lacks the second arm. At rest it costs ten times the first one.
 TEST(RegimePriors, AnObservedArmWithoutPriorsKeepsItsDifference) {
+  std::map<bool, double> evidence;
   for (const bool was_observed : {true, false}) {
     SessionSetup setup = PlayedGames().Setup();
     ASSERT_EQ(setup.regime_priors.buckets[0], "9/0/-");
@@ -222,7 +223,9 @@ TEST(RegimePriors, AnObservedArmWithoutPriorsKeepsItsDifference) {
     EXPECT_NEAR(LogCostOfReward(beliefs[1].mean()) - LogCostOfReward(beliefs[0].mean()),
                 std::log(10), 0.3)
         << was_observed;
+    evidence[was_observed] = beliefs[1].evidence();
   }
+  EXPECT_GT(evidence[true], 1.2 * evidence[false]) << "an arm that was not observed is unknown";
 }
 
 TEST(RegimePriors, ASceneHasALimitedNumberOfRegimes) {

@@ -107,7 +107,7 @@ const rowsOf = (activity: SceneActivity): Row[] => [
 
 /** The regimes of the scene, and all of them together. */
 export function Regimes({ posterior: { activity } }: { posterior: ScenePosterior }) {
-  if (!activity) return <p class="soft">No session is connected. The regimes are shown while one is.</p>;
+  if (!activity) return <p class="soft">No session is connected. Regimes are shown only during a session.</p>;
   if (activity.regimes.length === 0) return <p class="soft">The session has seen one regime so far: {activity.total ? regimeText(activity.total) : 'not described'}.</p>;
   return <Table caption="Best arm of each regime" columns={COLUMNS} rows={rowsOf(activity)} keyOf={({ name }) => name.split(' ')[0]!} sort="regime" sortParameter="regimes" />;
 }
