@@ -87,6 +87,7 @@ Result<ExportText> TextOfSums(const PriorsOptions& options) {
 Result<ExportText> TextOfRecords(const PriorsOptions& options) {
   const auto records = ExportPriors(options.daemon, options.project, options.scene);
   if (!records.ok()) return records.status();
+  if (const Status count = CheckRecordCount(*records); !count.ok()) return count;
   return ExportText{FormatPriors(*records), records->size()};
 }
 

@@ -179,6 +179,7 @@ int RunMerge(const PriorsFileOptions& options, Terminal& terminal) {
   if (const Status once = CheckCountedOnce(*records, *others); !once.ok())
     return Fail(terminal, once);
   const Records united = Unite(*std::move(records), *std::move(others));
+  if (const Status count = CheckRecordCount(united); !count.ok()) return Fail(terminal, count);
   if (const Status written = WriteWhole(options.out, FormatPriors(united)); !written.ok())
     return Fail(terminal, written);
   const Json document = {

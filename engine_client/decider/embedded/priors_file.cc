@@ -39,6 +39,12 @@ constexpr char kVersionMark = '/';
 
 Status Broken(const std::string& why) { return {StatusCode::kDataLoss, why}; }
 
+std::string TooManyRecords(size_t count) {
+  return std::to_string(count) +
+         " records are more than a priors file may have, 200000; export sums of builds (--sums), "
+         "one project (--project) or one scene (--scene)";
+}
+
 // Returns false for NaN, negative values and values above 1e15.
 bool IsIncrement(double value) { return value >= 0 && value <= 1e15; }
 
@@ -192,8 +198,7 @@ class RecordsReader {
 
   // Returns all records, or the first error. Call it once.
   Result<std::vector<PriorRecord>> Take() {
-    if (count_ > kMaxRecords)
-      return Broken("the priors hold " + std::to_string(count_) + " records, more than 200000");
+    if (count_ > kMaxRecords) return Broken(TooManyRecords(count_));
     if (error_) return Broken(*error_);
     if (const std::optional<size_t> repeated = FirstRepeated(records_))
       return Broken(Name(*repeated) + ": repeats the key and source of an earlier record");
@@ -513,6 +518,13 @@ Result<std::vector<PriorRecord>> ParsePriors(std::string_view text) {
   const Status status = scenes.AppendTo(*read, document.value("checksum", Json()));
   if (!status.ok()) return status;
   return read;
+}
+
+Status CheckRecordCount(std::span<const PriorRecord> records) {
+  const auto count = static_cast<size_t>(
+      std::count_if(records.begin(), records.end(), [](const auto& each) { return !IsSum(each); }));
+  return count > kMaxRecords ? Status(StatusCode::kResourceExhausted, TooManyRecords(count))
+                             : Status();
 }
 
 std::string FormatPriors(std::span<const PriorRecord> records) {

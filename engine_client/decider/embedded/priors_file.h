@@ -43,6 +43,8 @@ namespace sweepstake {
 // Parses the text and checks every record. Returns the records, then the sums. Two records with the
 // same KeyOf are an error, because their evidence would count twice.
 Result<std::vector<PriorRecord>> ParsePriors(std::string_view text);
+// Error: kResourceExhausted (a file cannot have so many records of sources).
+Status CheckRecordCount(std::span<const PriorRecord> records);
 // Returns the text of a priors file. REQUIRES: the sums among the records have distinct keys.
 std::string FormatPriors(std::span<const PriorRecord> records);
 

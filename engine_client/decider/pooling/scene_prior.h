@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engine_client/decider/pooling/prior_record.h"
+#include "engine_client/math/saturating_sum.h"
 
 namespace sweepstake::decision {
 
@@ -43,9 +44,9 @@ struct ArmEvidence {
   ArmEvidence& operator+=(const ArmEvidence& other) {
     live += other.live;
     lane += other.lane;
-    bail_out_count += other.bail_out_count;
-    window_count += other.window_count;
-    visit_count += other.visit_count;
+    bail_out_count = SaturatingSum(bail_out_count, other.bail_out_count);
+    window_count = SaturatingSum(window_count, other.window_count);
+    visit_count = SaturatingSum(visit_count, other.visit_count);
     return *this;
   }
 };

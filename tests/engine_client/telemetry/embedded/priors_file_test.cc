@@ -51,6 +51,16 @@ std::string ComplaintAbout(const std::string& text) {
   return result.status().message();
 }
 
+TEST(PriorsFile, IsNotWrittenWithMoreRecordsThanCanBeRead) {
+  std::vector<PriorRecord> records(200'000, RecordOf("s"));
+  EXPECT_TRUE(CheckRecordCount(records).ok());
+  records.push_back(RecordOf("s"));
+  const Status status = CheckRecordCount(records);
+  EXPECT_EQ(status.code(), StatusCode::kResourceExhausted);
+  EXPECT_THAT(status.message(), HasSubstr("200001 records are more than"));
+  EXPECT_THAT(status.message(), HasSubstr("--sums"));
+}
+
 TEST(PriorsFile, IsReadAsItWasWritten) {
   const std::vector<PriorRecord> records = {RecordOf("first"), RecordOf("second")};
   const auto read = ParsePriors(FormatPriors(records));
