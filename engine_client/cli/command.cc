@@ -129,7 +129,7 @@ void AddIntervalOption(CLI::App& command, const std::string& name, const std::st
       .add_option_function<std::string>(
           name,
           [name, set = std::move(set)](const std::string& text) {
-            const auto duration_ns = ParseDuration(text);
+            const auto duration_ns = ParseDuration(text, /*min_ns=*/0);
             if (!duration_ns.ok()) throw CLI::ValidationError(name, duration_ns.status().message());
             set(static_cast<int64_t>(*duration_ns));
           },

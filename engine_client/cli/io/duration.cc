@@ -18,18 +18,19 @@ double UnitNs(std::string_view unit) {
 
 }  // namespace
 
-Result<uint64_t> ParseDuration(std::string_view text) {
+Result<uint64_t> ParseDuration(std::string_view text, uint64_t min_ns) {
   double number = 0;
   const auto [rest, error] =
       std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
   const double unit_ns = UnitNs({rest, static_cast<size_t>(text.data() + text.size() - rest)});
   const double total_ns = number * unit_ns;
   // The condition is written with "!", so that it also rejects NaN.
-  if (error != std::errc() || !(total_ns >= 1 && total_ns <= kMaxNs)) {
-    return Status(
-        StatusCode::kInvalidArgument,
-        "'" + std::string(text) +
-            "' is not a duration: give a number and ms, s, m or h, such as 500ms, 60s or 15m");
+  if (error != std::errc() || unit_ns == 0 ||
+      !(total_ns >= static_cast<double>(min_ns) && total_ns <= kMaxNs)) {
+    return Status(StatusCode::kInvalidArgument, "'" + std::string(text) +
+                                                    "' is not a duration: give a number and ms, s, "
+                                                    "m or h, such as 500ms, 60s or 15m, of at "
+                                                    "most 720h");
   }
   return static_cast<uint64_t>(total_ns);
 }

@@ -9,9 +9,9 @@
 
 namespace sweepstake::cli {
 
-// Returns the nanoseconds, from 1 ns to 30 days. For other text returns kInvalidArgument with a
+// Returns the nanoseconds, from `min_ns` to 30 days. For other text returns kInvalidArgument with a
 // message that describes the format.
-Result<uint64_t> ParseDuration(std::string_view text);
+Result<uint64_t> ParseDuration(std::string_view text, uint64_t min_ns = 1);
 
 inline double Seconds(uint64_t ns) { return static_cast<double>(ns) / 1e9; }
 

@@ -24,6 +24,9 @@ TEST(ParseDuration, RejectsEverythingElseAndStatesTheFormat) {
 TEST(ParseDuration, AcceptsUpToThirtyDays) {
   EXPECT_EQ(*ParseDuration("720h"), 2'592'000'000'000'000U);
   EXPECT_FALSE(ParseDuration("720.1h").ok());
+  EXPECT_FALSE(ParseDuration("0s").ok());
+  EXPECT_EQ(*ParseDuration("0s", /*min_ns=*/0), 0u);
+  EXPECT_FALSE(ParseDuration("-1s", /*min_ns=*/0).ok());
   EXPECT_FALSE(ParseDuration("0.0000001ms").ok());
 }
 
