@@ -421,7 +421,7 @@ void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   if (pending_ && !is_suspended) pending_->waited_ns += frame.frame_time_ns;
   // The mode changes before the frame is reported, so that the decider treats the frame as one in
   // kAi.
-  if (manual_by_order_ && guard.BlamesArm(last_sample)) SetMode(Mode::kAi);
+  if (manual_by_order_ && guard.IsCausedByArm(last_sample)) SetMode(Mode::kAi);
   Emit();
   EndTrial();
   GuardLocally();

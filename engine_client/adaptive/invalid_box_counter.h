@@ -2,9 +2,9 @@
 // notice only by objects that fall through one another. Empty boxes are not counted.
 //
 // Reading every box in every frame would cost more than 1 % of a fast search. So all boxes are read
-// in frames that build, where this is little, and in a frame that removes objects while invalid
-// boxes are known. Boxes that were added are read at once. Of the others, each frame reads the next
-// 1/kFramesPerPass, but at least kMinBoxesPerFrame: a box that becomes invalid later is counted
+// only in frames that build, and in a frame that removes objects while invalid boxes are known.
+// Boxes that were added are read at once. Of the others, each frame reads the next
+// 1/kFramesPerPass, but at least kMinBoxesPerFrame. A box that becomes invalid later is counted
 // within kFramesPerPass frames, and one that becomes valid within twice that.
 //
 // Not thread-safe. Allocates nothing.

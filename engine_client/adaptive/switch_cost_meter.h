@@ -3,7 +3,7 @@
 //
 // The settled mean is the mean frame time in the second half of the settling time. The settling
 // cost is the sum, over the frames of the first half, of frame time minus settled mean, but at
-// least 0. Paused, loading and suspended frames count in neither half. The build of a suspended
+// least 0. Frames with a flag of kFrameWithoutCost count in neither half. The build of a suspended
 // frame counts as 0. If another switch comes before the end of the settling time, the measurement
 // ends early.
 //

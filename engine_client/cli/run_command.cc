@@ -20,6 +20,7 @@
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
 #include "engine_client/decider/audit/audit_csv.h"
+#include "engine_client/decider/session/policy_registry.h"
 #include "engine_client/telemetry/daemon_session.h"
 #include "sweepstake/machine_class.h"
 #include "sweepstake/session.h"
@@ -317,6 +318,13 @@ Status CheckRun(const RunOptions& options, const Terminal& terminal) {
   }
   if (options.embedded == !options.daemon.address.empty()) {
     return {StatusCode::kInvalidArgument, "give either --daemon HOST:PORT or --embedded"};
+  }
+  const std::string& policy = options.session.policy;
+  const decision::PolicyEntry* entry = decision::FindPolicy(
+      policy.empty() && options.embedded ? "default" : policy, decision::ShippedPolicies());
+  if (options.session.rules.weights && entry != nullptr && entry->kind.goes_by_cost()) {
+    return {StatusCode::kInvalidArgument,
+            "--weights needs --policy paper: AI Decides uses the detection time alone"};
   }
   if (!options.priors.empty() && !options.embedded) {
     return {StatusCode::kInvalidArgument,

@@ -99,7 +99,8 @@ struct Diagnosis {
 // log-cost of the candidate.
 struct GateTerms {
   double gain = 0;  // E⁺ = E[max(d, 0)]
-  double loss = 0;  // E⁻ = exp(E[max(−d, 0)]) − 1; for a trial, at most the trial's budget
+  double loss =
+      0;  // E⁻ = exp(E[max(−d, 0)]) − 1; at most the budget of a trial (adaptive_policy.h)
   double horizon_s = 0;
   double cooldown_s = 0;
   double cost_s = 0;  // cost of a switch, as measured for earlier ones
@@ -144,8 +145,8 @@ struct SessionCounts {
   uint64_t rebuild_frame_count = 0;  // rebuild frames among the measured and settling ones
   // Detection time of these rebuild frames. It saturates at the maximum instead of wrapping.
   uint64_t rebuild_detection_time_ns = 0;
-  uint64_t charged_bail_out_count = 0;  // bail-outs blamed on an arm
-  uint64_t excused_bail_out_count = 0;  // bail-outs recorded without blame
+  uint64_t charged_bail_out_count = 0;  // bail-outs that count against an arm
+  uint64_t excused_bail_out_count = 0;  // bail-outs that do not
   // Charged bail-outs that are not stored as evidence, because they exceed BailOutBudget
   // (session/safeguards.h) or have kFrameNoEvidence.
   uint64_t surplus_bail_out_count = 0;

@@ -42,7 +42,7 @@ class Window {
   uint64_t frame_count() const { return frame_count_; }
   // Returns whether the window shows the cost of its arm. That holds if a frame searched without a
   // rebuild, or if all frames rebuilt and detection took time. A game in a menu may show neither.
-  bool tells_cost() const {
+  bool shows_cost() const {
     return calm_frame_count_ > 0 || (ordinary_frame_count_ == 0 && rebuild_detection_ns_ > 0);
   }
   // REQUIRES: !empty().

@@ -32,12 +32,12 @@ void BailOutGuard::SetPosteriorMeans(std::span<const double> means) {
   has_means_.store(true, std::memory_order_release);
 }
 
-bool BailOutGuard::BlamesArm(const FrameSample& sample) const {
+bool BailOutGuard::IsCausedByArm(const FrameSample& sample) const {
   return Exceeds(sample.frame_time_ns) && IsCausedByDetection(sample);
 }
 
 std::optional<uint32_t> BailOutGuard::LocalChoice(const FrameSample& sample) const {
-  if (!BlamesArm(sample) || arm_count_ < 2) return std::nullopt;
+  if (!IsCausedByArm(sample) || arm_count_ < 2) return std::nullopt;
   if (decider_present_.load(std::memory_order_relaxed)) return std::nullopt;
   if (!has_means_.load(std::memory_order_acquire)) return (sample.arm + 1) % arm_count_;
   return BestOther(sample.arm);

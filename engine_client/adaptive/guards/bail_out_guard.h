@@ -35,10 +35,10 @@ class BailOutGuard {
   }
 
   // Returns whether the frame exceeds the limit because of its arm (IsCausedByDetection).
-  bool BlamesArm(const FrameSample& sample) const;
+  bool IsCausedByArm(const FrameSample& sample) const;
 
-  // Returns the arm to switch to after this frame. Absent if the frame's arm is not to blame, if a
-  // decider is present, or if there is no other arm.
+  // Returns the arm to switch to after this frame. Absent if the frame does not exceed the limit
+  // because of its arm, if a decider is present, or if there is no other arm.
   std::optional<uint32_t> LocalChoice(const FrameSample& sample) const;
 
  private:

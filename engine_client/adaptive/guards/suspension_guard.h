@@ -1,6 +1,6 @@
 // Finds frames during which the system stopped the whole process: SIGSTOP, a breakpoint, a paused
 // virtual machine, a frozen container, a sleeping laptop. Wall-clock time passes, but nothing is
-// computed, so the frame's times are not the cost of its arm.
+// computed. The frame's times are therefore not the cost of its arm.
 //
 // A stop is recognised by the CPU time. Three rules:
 // - Suspicion. Only a search of at least kSuspiciousSearchNs and a frame of at least
@@ -8,16 +8,17 @@
 // - Share. The search or frame was suspended if the CPU time is less than 1/kComputedShare of the
 //   wall-clock time. For a search this is the CPU time of the frame thread. If an executor runs
 //   parts of the search, and for a whole frame, it is the CPU time of the process, because the
-//   frame thread may wait for threads that compute. So an arm that computes for long is never
-//   excused. Neither is a machine with fewer than kComputedShare busy threads per core, which slows
-//   down all arms alike.
+//   frame thread may wait for threads that compute. So a frame in which
+//   the arm computes for long never counts as suspended. Neither does a frame of a machine with
+//   fewer than kComputedShare busy threads per core, which slows down all arms alike.
 // - Series. At most kMaxInARow frames in a row count as suspended. A longer series has another
 //   cause: the game gets little CPU time, or it waits for events. It must not end the learning.
 //
 // Reading CPU times takes a system call. They are read when a search begins, but at most every
 // kBaselineNs, and after a suspicious search or frame. CPU time between the reading and the search
 // counts as part of the search. It can hide a stop of less than kComputedShare · kBaselineNs, times
-// the number of busy threads if the CPU time is that of the process. It cannot excuse an arm.
+// the number of busy threads if the CPU time is that of the process. It cannot hide the cost of an
+// arm.
 //
 // Cost: two comparisons per search, one per frame, and 0.8 µs per reading (two cores of AMD EPYC,
 // Linux). Frame thread only. Times are ns. The clock is borrowed.

@@ -8,9 +8,10 @@
 //   previous arm's structure. The limit is the reference plus a margin. The reference is the
 //   longest recent search but one: the previous arm's own long searches count, one interruption of
 //   the game does not. The margin is (trial_limit_percent − 100) percent of the reference, but at
-//   least 1/kFrameShare of the mean recent frame. That is for short searches, which a cold cache
-//   makes much longer. What the trial's earlier searches saved, compared with the recent mean, is
-//   added to the limit, at most the margin once more. A cheaper arm may thus rebuild its structure.
+//   least 1/kFrameShare of the mean recent frame. The minimum is for short searches: a cold
+//   cache makes them much longer. The time that the trial's earlier searches saved, compared with
+//   the recent mean, is added to the limit, up to one further margin. A cheaper arm may thus
+//   rebuild its structure.
 // - Limit: a search that could not be stopped took longer than the limit. The next frame then runs
 //   the previous arm.
 // - Budget: all searches of the trial together take longer than the recent mean for each, plus
@@ -27,7 +28,7 @@
 //   the trial's duration.
 // - Frames that rebuild, and frames without a search, are not compared but count towards the
 //   duration.
-// - Paused, loading and suspended frames are ignored.
+// - Frames with a flag of kFrameWithoutCost are ignored.
 //
 // The searches of one frame count as one. Plain values; not thread-safe.
 #pragma once
@@ -99,7 +100,7 @@ class TrialGuard {
     return end;
   }
 
-  // Adds a finished frame. Its searches waited for the core for `waited_ns`, which does not count.
+  // Adds a finished frame, without the time `waited_ns` in which its searches waited for the core.
   // If a rule above is broken, ends the trial and returns its measurements; the next frame must
   // then run the previous arm.
   std::optional<End> OnFrame(const FrameSample& sample, uint64_t waited_ns = 0) {

@@ -44,7 +44,7 @@ class TrialStop final : public StopRequest {
   bool has_stopped() const { return has_stopped_.load(std::memory_order_relaxed); }
 
   // Returns the time from Begin to `now_ns`, without the time in which another thread had the core.
-  // That is left out only if the search is over its time.
+  // Excludes that time only if the search exceeds allowed_ns_.
   uint64_t ComputedNs(uint64_t now_ns) const {
     const uint64_t passed_ns = now_ns - begin_ns_;
     if (passed_ns <= allowed_ns_ || cpu_begin_ns_ == 0) return passed_ns;

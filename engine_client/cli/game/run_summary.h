@@ -88,7 +88,8 @@ struct RunSummary {
   double shadow_ms_per_frame() const;
   double detection_ms() const;  // per frame
   // Returns by how much the median arm's estimated detection time per frame exceeds the run's mean
-  // detection time. Absent if the costs of the arms are unknown.
+  // detection time. The cost ratios are those at the end of the run. Absent if the cost of an arm
+  // is unknown.
   std::optional<double> saved_ms_per_frame() const;
 };
 

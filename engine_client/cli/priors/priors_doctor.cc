@@ -7,6 +7,7 @@
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/priors/priors_text.h"
 #include "engine_client/decider/pooling/source_prior.h"
+#include "engine_client/decider/session/policy_registry.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -59,6 +60,16 @@ size_t CountSameArms(const PriorsGroup& group, const PriorsPlace& here, double o
   return same;
 }
 
+// Returns who learnt evidence with this version of rewards.
+std::string RewardText(uint32_t version) {
+  for (const decision::PolicyEntry& entry : decision::ShippedPolicies()) {
+    if (entry.kind.reward_version == version)
+      return "learnt by the policy " + std::string(entry.kind.name);
+  }
+  if (version >= decision::kFirstOwnRewardVersion) return "learnt with other reward weights";
+  return "its reward has version " + std::to_string(version);
+}
+
 Diagnosed Diagnose(const PriorsGroupKey& key, const PriorsGroup& group, const PriorsPlace& here) {
   Diagnosed found{.key = key, .reasons = {}};
   const decision::SourceRelation relation{
@@ -79,8 +90,7 @@ Diagnosed Diagnose(const PriorsGroupKey& key, const PriorsGroup& group, const Pr
   found.weight = WeightOf(relation, same > 0);
   if (key.reward_version != here.reward_version) {
     found.reasons.insert(found.reasons.begin(),
-                         "its reward has version " + std::to_string(key.reward_version) +
-                             ", this program uses version " + std::to_string(here.reward_version));
+                         RewardText(key.reward_version) + ", which the default policy cannot use");
     found.weight = 0;
   }
   const bool knows_any = std::any_of(group.arms.begin(), group.arms.end(), [&](const auto& arm) {

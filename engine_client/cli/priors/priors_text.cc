@@ -22,18 +22,23 @@ std::string RatioText(const std::optional<PriorsArm>& arm) {
   return ratio ? Fixed(*ratio, 2) : "-";
 }
 
-// Returns the typical scene of the regime, for example ", about 1,000 objects, speed 0.05".
+// Returns the scenes of the regime, for example ", 545 to 1,096 objects, speed 0.0183 to 0.0498".
 std::string RegimeText(const std::string& bucket) {
-  const auto middle = decision::MiddleOf(bucket);
-  if (!middle) return "";
-  const decision::RegimeCentre centre = decision::CentreOf(*middle);
+  const auto range = decision::RangeOf(bucket);
+  if (!range) return "";
+  const auto& [low, high] = *range;
   std::string text;
-  if (centre.object_count) {
-    const auto count = static_cast<uint64_t>(std::max(std::round(*centre.object_count), 1.0));
-    text += ", about " + text::Counted(count, "object");
+  if (low.object_count) {
+    const auto least = static_cast<uint64_t>(std::ceil(std::max(*low.object_count, 1.0)));
+    const auto most = static_cast<uint64_t>(*high.object_count);
+    text += ", " + text::Grouped(least) + " to " + text::Counted(most, "object");
   }
-  if (centre.speed_mean) text += ", speed " + Fixed(*centre.speed_mean, 4);
-  if (centre.static_ratio) text += ", " + Percent(*centre.static_ratio, 0) + " static";
+  if (low.speed_mean)
+    text += ", speed " + Fixed(*low.speed_mean, 4) + " to " + Fixed(*high.speed_mean, 4);
+  if (low.static_ratio) {
+    text += ", " + Fixed(100 * std::clamp(*low.static_ratio, 0.0, 1.0), 0) + " to " +
+            Percent(std::clamp(*high.static_ratio, 0.0, 1.0), 0) + " static";
+  }
   return text;
 }
 

@@ -350,11 +350,14 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
 Diagnosis AdaptivePolicy::Diagnose() const {
   std::vector<double> means;
   std::vector<double> covariance;
+  bool has_cost = false;
   for (uint32_t a = 0; a < filter().arm_count(); ++a) {
+    has_cost = has_cost || HasMeasuredCost(a);
     means.push_back(filter().LogCost(a).mean);
     for (uint32_t b = 0; b < filter().arm_count(); ++b)
       covariance.push_back(filter().Covariance(a, b));
   }
+  if (!has_cost) return {};
   return DiagnoseCorrelatedLogCosts(means, covariance);
 }
 

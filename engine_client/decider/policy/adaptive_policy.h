@@ -7,9 +7,9 @@
 //   distribution per arm. The difference of each arm to the leader has the filter's variance.
 // - A switch must pass the gate of GateTerms: horizon · E⁺ − cooldown · E⁻ − cost > 0. E⁺ and E⁻
 //   are the expected gain and loss after the next window of the candidate. The horizon is the mean
-//   length of the scene's regimes, of which the present one lasts for another cooldown of the
-//   options. The cost is the mean measured cost of earlier switches. The policy's own cooldown is
-//   settling plus one window, and at most the cooldown of the options.
+//   length of the scene's regimes. The present one counts as if it lasted for another cooldown of
+//   the options. The cost is the mean measured cost of earlier switches. The policy's own cooldown
+//   is settling plus one window, and at most the cooldown of the options.
 // - Without a trial, a switch must have an E⁺ of at least 0.5 %.
 // - An arm is not chosen if its frames exceed the bail-out limit with a probability above 1 %.
 //   There are two exceptions. After a bail-out of the active arm, any arm may be chosen. Without

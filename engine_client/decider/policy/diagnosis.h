@@ -40,9 +40,9 @@ Diagnosis DiagnoseLogCosts(std::span<const double> means, std::span<const double
 
 // Works like DiagnoseLogCosts, with a symmetric covariance matrix (row by row). Only the variances
 // of differences between arms matter; independent variances (math/difference_variances.h)
-// approximate them. The probabilities are wrong by about 0.01 if one disturbance moves all
-// log-costs by the same amount, within 10 %; by 0.04 on average (at times over 0.1) for random
-// covariances of 7 arms. REQUIRES: `covariance` has means.size()² finite numbers.
+// approximate them. If one disturbance moves all log-costs by the same amount, within 10 %,
+// the probabilities are wrong by about 0.01. For random covariances of 7 arms they are wrong by
+// 0.04 on average, at times by over 0.1. REQUIRES: `covariance` has means.size()² finite numbers.
 Diagnosis DiagnoseCorrelatedLogCosts(std::span<const double> means,
                                      std::span<const double> covariance);
 

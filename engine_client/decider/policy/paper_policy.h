@@ -34,7 +34,7 @@ class RewardPolicy : public Policy {
 class ThompsonPolicy : public RewardPolicy {
  public:
   static constexpr PolicyKind kKind{
-      .name = "paper", .draws_from_posteriors = true, .blames_any_cause = true};
+      .name = "paper", .draws_from_posteriors = true, .counts_any_cause = true};
 
   using RewardPolicy::RewardPolicy;
   Choice Choose(const ChoiceInput& input) const override;

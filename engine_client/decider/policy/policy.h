@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "engine_client/decider/options.h"
+#include "engine_client/decider/policy/log_cost.h"
 #include "engine_client/decider/policy/regime_bucket.h"
 #include "engine_client/decider/policy/regime_report.h"
 #include "engine_client/decider/regime_span.h"
@@ -116,9 +117,12 @@ struct PolicyKind {
   // Thompson sampling: a choice with draws takes the highest of one draw from each posterior. The
   // session computes its propensity, which is the candidate's probability of being the best.
   bool draws_from_posteriors = false;
-  // true: every frame over the bail-out limit is blamed on the active arm, whatever took the time,
-  // as in the paper (§4). false: BlamesArm in session/safeguards.h decides.
-  bool blames_any_cause = false;
+  // true: every frame over the bail-out limit counts against the active arm, whatever took the
+  // time, as in the paper (§4). false: IsCausedByArm in session/safeguards.h decides.
+  bool counts_any_cause = false;
+
+  // Returns whether the rewards depend on the detection time alone, and not on RewardWeights.
+  bool goes_by_cost() const { return reward_version == kLogCostRewardVersion; }
 };
 
 // Returns the options with the times that a policy of this kind uses

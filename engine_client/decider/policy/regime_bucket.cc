@@ -46,7 +46,8 @@ RegimeFeatures FeaturesOf(const SceneDescriptor& descriptor) {
     features[0] = math::Log(std::max<double>(descriptor.object_count, 1)) / kCountStep;
   if (IsMeasured(descriptor.speed_mean))
     features[1] = math::Log(std::max<double>(descriptor.speed_mean, kMinSpeed)) / kSpeedStep;
-  if (IsMeasured(descriptor.static_ratio)) features[2] = descriptor.static_ratio / kStaticStep;
+  if (IsMeasured(descriptor.static_ratio))
+    features[2] = std::clamp<double>(descriptor.static_ratio, 0, 1) / kStaticStep;
   return features;
 }
 
@@ -89,6 +90,18 @@ std::optional<RegimeFeatures> MiddleOf(std::string_view bucket) {
   }
   if (BucketOf(middle).empty()) return std::nullopt;  // the empty text is this bucket's only name
   return middle;
+}
+
+std::optional<BucketRange> RangeOf(std::string_view bucket) {
+  const std::optional<RegimeFeatures> middle = MiddleOf(bucket);
+  if (!middle) return std::nullopt;
+  RegimeFeatures low = *middle, high = *middle;
+  for (size_t i = 0; i < middle->size(); ++i) {
+    if (low[i] == kUnmeasured) continue;
+    low[i] -= 0.5;
+    high[i] += 0.5;
+  }
+  return BucketRange{CentreOf(low), CentreOf(high)};
 }
 
 std::optional<size_t> NearestOf(std::span<const std::string> buckets,

@@ -36,8 +36,17 @@ RegimeCentre CentreOf(const RegimeFeatures& features);
 double DistanceOf(const RegimeFeatures& a, const RegimeFeatures& b);
 
 std::string BucketOf(const RegimeFeatures& features);
-// Returns the middle of the bucket's cell. Returns nothing if the text is not a bucket.
+// Returns the middle of the bucket's cell. This and RangeOf return nothing if the text is not a
+// bucket.
 std::optional<RegimeFeatures> MiddleOf(std::string_view bucket);
+
+// The descriptors of a bucket, as two corners of its cell. A feature that was not measured is
+// absent in both.
+struct BucketRange {
+  RegimeCentre low;
+  RegimeCentre high;
+};
+std::optional<BucketRange> RangeOf(std::string_view bucket);
 
 // Returns the index of the bucket whose middle is the nearest one to these features. Returns
 // nothing if none is nearer than `limit`. REQUIRES: all of them are buckets.

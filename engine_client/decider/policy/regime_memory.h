@@ -1,8 +1,9 @@
 // Assigns each scene descriptor to a regime, and recognises a regime when it returns.
 //
-// A descriptor is compared with the mean of a regime. It belongs to the regime if its object count
-// differs by a factor below two, its mean speed by a factor below e, and its static ratio by less
-// than 0.3. A feature that was not measured matches only a feature that was not measured.
+// A descriptor is compared with the mean of a regime. It belongs to the regime if three features
+// are similar: the object count within a factor of two, the mean speed within a factor of e, and
+// the static ratio within 0.3. A feature that was not measured matches only a feature that was not
+// measured.
 //
 // A descriptor that belongs to no known regime begins a new one.
 //

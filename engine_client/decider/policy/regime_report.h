@@ -1,14 +1,14 @@
-// What a session has measured and believes about each regime of its scene: which arm is the best,
+// The measurements and estimates of a session for each regime of its scene: which arm is the best,
 // and what its choices have saved. It is a report for people; decisions do not use it.
 //
 // "Saved" is defined as follows. If arm a ran in n successive frames of a regime, with a mean
 // detection time of c (of calm frames, window.h), they add
-//   n · c                    to the time that ran
+//   n · c                    to the measured time
 //   n · c · e^(y_j − y_a)    to the time of each arm j, where y is the policy's log-cost in this
 //                            regime at that time
-// An arm without a known cost adds n · c. The measured cost of each executed switch is added to the
-// time that ran. The saving against arm j is (time of j − time that ran) ÷ frames. So an arm that
-// runs all the time saves nothing against itself, and a change that affects all arms cancels out.
+// An arm without a known cost adds n · c. The cost of each executed switch is added to the measured
+// time. The saving against arm j is (time of j − measured time) ÷ frames. So an arm that runs all
+// the time saves nothing against itself, and a change that affects all arms cancels out.
 // All measured frames count. Settling frames do not; the cost of the switch contains theirs.
 //
 // Times are in µs. Plain values and pure functions.

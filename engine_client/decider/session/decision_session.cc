@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 #include <utility>
 
 #include "engine_client/decider/policy/log_cost.h"
@@ -218,7 +217,7 @@ Decision DecisionSession::Tick(int64_t now_ns) {
   } else {
     TickExploration(decision);
   }
-  Diagnose(window_teaches() ? std::optional(run().window().Metrics().fps) : std::nullopt);
+  Diagnose(window_is_evidence() ? std::optional(run().window().Metrics().fps) : std::nullopt);
   shadow_samples_.clear();
   descriptor_.reset();
   runs_.ClearWindow();
@@ -266,15 +265,16 @@ void DecisionSession::LearnDescriptor(int64_t now_ns) {
   if (span.has_ended()) span.BeginNext();
 }
 
-// Returns the bucket in which evidence of the present regime is stored.
+// Returns the bucket in which evidence of the present regime is stored. It is empty if the scene
+// has too many regimes and none is similar.
 std::string DecisionSession::PresentBucket() {
-  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
   const RegimeFeatures features = policy_->present_features();
   std::string bucket = BucketOf(features);
   if (bucket.empty()) return bucket;
-  const bool is_full = stored_regimes_.size() >= kMaxStoredRegimes;
-  const auto nearest = NearestOf(stored_regimes_, features, is_full ? kNoLimit : 1);
-  return nearest ? stored_regimes_[*nearest] : stored_regimes_.emplace_back(bucket);
+  if (const auto nearest = NearestOf(stored_regimes_, features, /*limit=*/1))
+    return stored_regimes_[*nearest];
+  if (stored_regimes_.size() >= kMaxStoredRegimes) return {};
+  return stored_regimes_.emplace_back(bucket);
 }
 
 void DecisionSession::ScheduleNextTick(int64_t now_ns) {
@@ -295,13 +295,14 @@ Decision DecisionSession::Open(int64_t now_ns) {
 void DecisionSession::UpdateStandings() {
   const std::vector<BetaPosterior>& posteriors = policy_->posteriors();
   const bool is_diagnosed = !diagnosis_.best_probability.empty();
+  const bool has_ratios = is_diagnosed && policy_->ExpectedLogCost(diagnosis_.leader);
   for (uint32_t arm = 0; arm < standings_.size(); ++arm) {
     ArmStanding& standing = standings_[arm];
     const double evidence = std::max(posteriors[arm].evidence() - BetaPosterior().evidence(), 0.0);
     standing.effective_window_count = evidence / policy_->WindowEvidence(arm);
     standing.best_probability = is_diagnosed ? diagnosis_.best_probability[arm] : 0;
     standing.cost_ratio.reset();
-    if (!is_diagnosed || !goes_by_cost()) continue;
+    if (!has_ratios || !policy_->ExpectedLogCost(arm)) continue;
     standing.cost_ratio = arm == diagnosis_.leader
                               ? CostRatio{}
                               : CostRatioOf(posteriors[arm], posteriors[diagnosis_.leader]);
@@ -338,19 +339,15 @@ void DecisionSession::Diagnose(std::optional<double> fps) {
   if (frame_rate_floor_.degraded()) diagnosis_.verdict = Verdict::kDegraded;
 }
 
-bool DecisionSession::goes_by_cost() const {
-  return policy_kind_.reward_version == kLogCostRewardVersion;
-}
-
 // Returns whether the policy learns from the window. A policy whose rewards measure costs ignores a
 // window without a search.
-bool DecisionSession::window_teaches() const {
+bool DecisionSession::window_is_evidence() const {
   const Window& window = run().window();
-  return !window.empty() && (!goes_by_cost() || window.tells_cost());
+  return !window.empty() && (!policy_kind_.goes_by_cost() || window.shows_cost());
 }
 
 std::optional<DecisionOutcome> DecisionSession::Learn(Decision& decision) {
-  if (!window_teaches()) {
+  if (!window_is_evidence()) {
     const bool first = decision.record.decision_id == setup_.decision_count + 1;
     if (first && StartsFromPriors(setup_, policy_kind_)) return std::nullopt;
     return run().settling_frames_seen() ? DecisionOutcome::kHeldSettling
@@ -477,8 +474,8 @@ Decision DecisionSession::ObserveBailOut(const FrameSample& frame, int64_t now_n
 bool DecisionSession::IsCharged(const FrameSample& frame) const {
   if (mode_ != Mode::kAi || frame.arm >= setup_.arms.size()) return false;
   const int64_t limit_ns = setup_.options.bail_out_ns;
-  return policy_kind_.blames_any_cause ? IsOverBailOutLimit(frame, limit_ns)
-                                       : BlamesArm(frame, limit_ns);
+  return policy_kind_.counts_any_cause ? IsOverBailOutLimit(frame, limit_ns)
+                                       : IsCausedByArm(frame, limit_ns);
 }
 
 void DecisionSession::Blame(const FrameSample& frame, Decision& decision) {

@@ -10,7 +10,7 @@
 //
 // - Two clocks. Ticks, the cooldown and active time use now_ns, the caller's clock. Settling,
 //   warm-up and measuring use frame time, which starts at the end of the first frame of the new
-//   switch epoch. Paused, loading and suspended frames do not count.
+//   switch epoch. Frames with a flag of kFrameWithoutCost do not count.
 // - When a switch counts as executed. ObserveSwitch reports it, but clients report a switch only
 //   when the new arm has settled. Frames of a later epoch that arrive before the report are
 //   therefore collected. The first tick or bail-out that finds some treats the switch as executed.
@@ -193,9 +193,7 @@ class DecisionSession {
   void LearnVisits(Decision& decision);
   void LearnDescriptor(int64_t now_ns);
   std::string PresentBucket();
-  // Returns whether the policy's rewards depend on the cost only.
-  bool goes_by_cost() const;
-  bool window_teaches() const;
+  bool window_is_evidence() const;
   std::optional<DecisionOutcome> Learn(Decision& decision);
   std::optional<DecisionOutcome> Choose(DecisionRecord& record, bool bailed_out) const;
   void SampleAndGate(Decision& decision, std::optional<DecisionOutcome> hold);

@@ -48,8 +48,7 @@ const PolicyKind& PolicyKindOf(std::string_view name, PolicyRegistry policies) {
 }
 
 uint32_t RewardVersionOf(const PolicyKind& kind, const RewardWeights& weights) {
-  const bool uses_weights = kind.reward_version != kLogCostRewardVersion;
-  if (!uses_weights || weights == RewardWeights()) return kind.reward_version;
+  if (kind.goes_by_cost() || weights == RewardWeights()) return kind.reward_version;
   uint64_t hash = kind.reward_version;
   for (const double weight : {weights.fps, weights.detection, weights.memory, weights.checks})
     hash = math::Mix64(hash ^ std::bit_cast<uint64_t>(weight + 0.0));  // -0 becomes 0

@@ -22,7 +22,7 @@ bool IsOverBailOutLimit(const FrameSample& frame, int64_t bail_out_ns) {
          (frame.flags & kFrameBailOut) != 0;
 }
 
-bool BlamesArm(const FrameSample& frame, int64_t bail_out_ns) {
+bool IsCausedByArm(const FrameSample& frame, int64_t bail_out_ns) {
   return IsOverBailOutLimit(frame, bail_out_ns) && IsCausedByDetection(frame);
 }
 

@@ -1,5 +1,6 @@
 // The rules that limit switching (paper §4, §6.3):
-// - which long frames are blamed on the arm (BlamesArm), and which of these frames become evidence
+// - which long frames are blamed on the arm (IsCausedByArm), and which of these frames become
+// evidence
 //   (BailOutBudget)
 // - the cooldown, and at most one command at a time (SwitchGate)
 // - when the scene as a whole is too slow (FrameRateFloor), and when its verdict changes
@@ -19,8 +20,8 @@ namespace sweepstake::decision {
 bool IsOverBailOutLimit(const FrameSample& frame, int64_t bail_out_ns);
 
 // Returns whether the frame is over the bail-out limit because of its arm (IsCausedByDetection).
-// The paper blames any cause: policies with blames_any_cause (policy.h) do not use this function.
-bool BlamesArm(const FrameSample& frame, int64_t bail_out_ns);
+// The paper blames any cause: policies with counts_any_cause (policy.h) do not use this function.
+bool IsCausedByArm(const FrameSample& frame, int64_t bail_out_ns);
 
 // Decides which bail-outs become evidence for other sessions. Each of them takes longer than the
 // limit bail_out_ns, so a game can have at most one per bail_out_ns. A client that reports more

@@ -15,7 +15,8 @@ namespace sweepstake::decision {
 inline constexpr uint32_t kMaxArms = 32;
 inline constexpr double kMaxPriorEvidence = 1e15;  // alpha and beta of a prior are below it
 // Number of regimes in which the evidence of a scene is stored. Sessions store the evidence of
-// further regimes in the most similar one.
+// further regimes without a regime. Sessions that begin at the same time, and imports, can exceed
+// it; a prior then uses the regimes with the most evidence.
 inline constexpr uint32_t kMaxStoredRegimes = 8;
 inline constexpr uint32_t kMaxRegimePriors = 16;
 

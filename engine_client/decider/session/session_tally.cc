@@ -27,7 +27,7 @@ void SessionTally::AddFrame(const FrameSample& frame, const Policy& policy) {
 }
 
 void SessionTally::File(const Policy& policy) {
-  if (!frames_.tells_cost()) return frames_.Clear();
+  if (!frames_.shows_cost()) return frames_.Clear();
   RegimeUse& use = UseOf(policy.present_regime());
   const double ran_us =
       1e3 * frames_.Metrics().calm_detection_ms * static_cast<double>(frames_.frame_count());

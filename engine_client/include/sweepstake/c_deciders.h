@@ -58,7 +58,8 @@ typedef struct swp_decider_options {
   uint64_t decision_interval_ns; /* time between decisions, 1 ns to 100 days; default: 2 s; AI
                                     Decides decides at least every second */
   uint64_t cooldown_ns; /* minimum time between switches that the policy chooses, at most 100
-                               days; default: 40 s */
+                           days; default: 40 s; AI Decides waits only for the settling time plus
+                           one interval */
   double fps_floor;     /* frame-rate floor in frames/s, 0 to 1000; a scene whose best arm is slower
                            is SWP_VERDICT_DEGRADED; default: 30 */
   swp_reward_weights weights;

@@ -93,7 +93,8 @@ struct EmbeddedOptions {
   // Decides (policy `adaptive`) decides at least every second, and when the scene changes.
   uint64_t decision_interval_ns = 2'000'000'000;
   // Minimum time from an executed switch to the next one that the policy chooses, at most 100 days.
-  // Some policies wait less after a cheap switch. Bail-outs do not wait.
+  // AI Decides waits only for settling_ns plus one interval (2 s by default). Bail-outs do not
+  // wait.
   uint64_t cooldown_ns = 40'000'000'000;
   // Frame time after a switch that is excluded from learning, at most 100 days; AI Decides: at most
   // 1 s. A trial lasts for twice this time; with 0 no trials are made.

@@ -178,7 +178,8 @@ struct ArmStanding {
   // would give the same width. Priors and evidence of the lane are included.
   double effective_window_count = 0;
   double best_probability = 0;  // the probability that this arm is the best
-  // Absent before any measurement, and if the policy's reward does not depend on the cost alone.
+  // The arm's cost ÷ the leader's. Absent if one of the two costs is unknown, or if the policy's
+  // reward does not depend on the cost alone.
   std::optional<CostRatio> cost_ratio;
 };
 

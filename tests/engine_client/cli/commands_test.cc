@@ -129,9 +129,10 @@ TEST(Commands, ARunNamesAnInvalidRuleOfItsDecider) {
   for (const std::string decider : {"--embedded", "--daemon 127.0.0.1:1"}) {
     const std::string run = "run --scene suite-b --objects 10 --duration 50ms " + decider;
     ExpectBadUsage({
-        {run + " --weights 0.5,0.5,0.5,0.5", "the reward weights sum to 2.0"},
+        {run + " --policy paper --weights 0.5,0.5,0.5,0.5", "the reward weights sum to 2.0"},
+        {"run --scene suite-b --embedded --weights 1,0,0,0", "--weights needs --policy paper"},
         {run + " --weights 1,0,0", "--weights: give four numbers"},
-        {run + " --weights 2,-1,0,0", "use numbers from 0 to 1"},
+        {run + " --policy paper --weights 2,-1,0,0", "use numbers from 0 to 1"},
         {run + " --interval soon", "--interval"},
         {run + " --cooldown -1s", "--cooldown"},
     });

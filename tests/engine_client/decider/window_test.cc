@@ -101,11 +101,11 @@ TEST(Window, CalmTimeIgnoresFramesWithoutASearch) {
 TEST(Window, MeasuresTheCostOnceAFrameSearched) {
   Window window;
   AddFrames(window, 10, 0);
-  EXPECT_FALSE(window.tells_cost());
+  EXPECT_FALSE(window.shows_cost());
   AddFrames(window, 1, 1);
-  EXPECT_TRUE(window.tells_cost());
+  EXPECT_TRUE(window.shows_cost());
   window.Clear();
-  EXPECT_FALSE(window.tells_cost());
+  EXPECT_FALSE(window.shows_cost());
 }
 
 // If only some frames rebuild and the others have no search, the time of a rebuild is neither the
@@ -113,9 +113,9 @@ TEST(Window, MeasuresTheCostOnceAFrameSearched) {
 TEST(Window, MeasuresTheCostOfRebuildsOnlyIfAllFramesRebuild) {
   Window window;
   window.Add({.frame_time_ns = 1, .detection_time_ns = 1, .flags = kFrameRebuild});
-  EXPECT_TRUE(window.tells_cost());
+  EXPECT_TRUE(window.shows_cost());
   AddFrames(window, 1, 0);
-  EXPECT_FALSE(window.tells_cost());
+  EXPECT_FALSE(window.shows_cost());
 }
 
 TEST(Window, RebuildFramesAreOmittedOnlyFromTheDetectionMean) {

@@ -30,8 +30,8 @@ struct ExperimentReport {
 // Returns "12.2±2.8" with this number of decimals, or only "12.2" for a single value.
 std::string SpreadText(const Spread& spread, int decimals);
 
-// Says what choosing an arm is worth over the cells, in ms per frame, and where it is worth
-// nothing. Empty if no cell was replayed.
+// Returns the gain of choosing an arm over the cells, in ms per frame, and the cells without any.
+// Empty if no cell was replayed.
 std::string WorthText(const ExperimentTruths& truths);
 
 // Prints what choosing is worth, then Tables 3 and 4 in the paper's layout for each policy, beside

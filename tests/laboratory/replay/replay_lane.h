@@ -1,9 +1,9 @@
 // Simulates the shadow lane of a replayed game in virtual time: one worker that visits the arms in
 // the order of the real lane's schedule (shadow_schedule.h) and warms up the next arm.
 //
-// A visit uses the times that the trace contains for a running structure in the frames of the
-// sweep. They are multiplied by the slowdown of a freshly built structure, which the trace has
-// measured in the nearest burst (cost_trace.h). Each frame between two bursts thus still has a time
+// A visit uses the trace's times of a running structure in the frames of the sweep. They are
+// multiplied by the slowdown of a freshly built structure, which the trace has measured in the
+// nearest burst (cost_trace.h). Each frame between two bursts thus still has a time
 // of its own. LaneErrors adds the measurement errors of a real machine. Deterministic; not
 // thread-safe. Borrows the scene. Times are nanoseconds of virtual time.
 #pragma once

@@ -262,7 +262,9 @@ Json ReplayLogJson(const AuditReport& report, const std::string& file) {
 std::string ReplayLogText(const AuditReport& report) {
   return text::Counted(report.decision_count, "decision") + " in " +
          text::Counted(report.segment_count, "segment") + " re-derived, " +
-         (report.difference ? "then a row differs:\n" + report.difference->Text() : "all equal") +
+         (report.difference
+              ? "then a row differs (or another build wrote the log):\n" + report.difference->Text()
+              : "all equal") +
          '\n' + UnderivedText(report);
 }
 

@@ -171,6 +171,13 @@ Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request) {
   if (const auto problem = decision::Validate(request.study.decision, decision::StudyPolicies())) {
     return Invalid(*problem);
   }
+  const bool uses_weights =
+      std::any_of(players->begin(), players->end(), [](const ReplayPlayer& player) {
+        return player.kind == ReplayPlayer::Kind::kPolicy &&
+               !decision::PolicyKindOf(player.name, decision::StudyPolicies()).goes_by_cost();
+      });
+  if (request.study.decision.weights != RewardWeights() && !uses_weights)
+    return Invalid("--weights needs a policy with the paper's reward, such as --policy paper");
   ReplayPlan plan{.scenes = std::move(*scenes), .study = request.study};
   plan.study.players = std::move(*players);
   plan.study.priors = static_cast<ReplayPriors>(priors - kReplayPriorsNames.begin());

@@ -23,7 +23,7 @@ constexpr char kMachineClass[] = "class";
 struct PlayedGame {
   std::string scene = kScene;
   std::string machine_class = kMachineClass;
-  Taught regimes;
+  StoredEvidence regimes;
 };
 
 // Reverses the ranking of the arms that have evidence; the other arms are unchanged.
@@ -42,7 +42,7 @@ std::vector<ArmEvidence> ReversedArms(const std::vector<ArmEvidence>& arms) {
   return reversed;
 }
 
-Taught Reversed(Taught regimes) {
+StoredEvidence Reversed(StoredEvidence regimes) {
   for (auto& [regime, arms] : regimes) arms = ReversedArms(arms);
   return regimes;
 }
@@ -88,7 +88,7 @@ decision::Prior PriorAfter(std::span<const PlayedGame> games, uint32_t arm_count
 
 decision::Prior ServedPrior(ReplayPriors kind, const std::string& policy, const ReplayScene& scene,
                             std::span<const ReplayScene* const> others, uint64_t seed,
-                            const Teach& teach) {
+                            const PlayGame& play) {
   const bool compares =
       decision::PolicyKindOf(policy, decision::StudyPolicies()).starts_from_priors;
   std::vector<PlayedGame> games;
@@ -96,21 +96,21 @@ decision::Prior ServedPrior(ReplayPriors kind, const std::string& policy, const 
     case ReplayPriors::kNone:
       return {};
     case ReplayPriors::kRight:
-      games.push_back({.regimes = teach(scene).taught});
+      games.push_back({.regimes = play(scene).stored});
       break;
     case ReplayPriors::kWrong:
-      games.push_back({.regimes = Reversed(teach(scene).taught)});
+      games.push_back({.regimes = Reversed(play(scene).stored)});
       break;
     case ReplayPriors::kClass:
       games.push_back(
           {.machine_class = "another class",
-           .regimes = teach(scene.WithArmRatios(ClassRatios(scene.arm_count(), seed))).taught});
+           .regimes = play(scene.WithArmRatios(ClassRatios(scene.arm_count(), seed))).stored});
       break;
     case ReplayPriors::kScenes:
       if (!compares) return {};
       // The names keep the order of the scenes: hexadecimal names of equal length sort by value.
       for (const ReplayScene* other : others)
-        games.push_back({.scene = math::HexOf(games.size()), .regimes = teach(*other).taught});
+        games.push_back({.scene = math::HexOf(games.size()), .regimes = play(*other).stored});
       break;
   }
   return PriorAfter(games, scene.arm_count(), compares);

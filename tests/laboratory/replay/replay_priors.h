@@ -30,14 +30,14 @@ inline constexpr std::array<std::string_view, 5> kReplayPriorsNames = {"none", "
 // tests/bench/results/amd-zen4-2cores-instruction-sets.csv.
 inline constexpr double kClassDeviation = 0.17;
 
-// Plays a game on a scene. The evidence of that game (ReplayResult::taught) becomes the priors.
-using Teach = std::function<ReplayResult(const ReplayScene& scene)>;
+// Plays a game on a scene. The evidence of that game (ReplayResult::stored) becomes the priors.
+using PlayGame = std::function<ReplayResult(const ReplayScene& scene)>;
 
 // Returns the prior of a new session, which is unknown if there is no evidence. `others` are the
 // project's other scenes. For kClass, `seed` determines how the costs of the arms differ between
 // the machine classes.
 decision::Prior ServedPrior(ReplayPriors kind, const std::string& policy, const ReplayScene& scene,
                             std::span<const ReplayScene* const> others, uint64_t seed,
-                            const Teach& teach);
+                            const PlayGame& play);
 
 }  // namespace sweepstake::cli

@@ -70,7 +70,7 @@ class Game {
   void Flush();
   void TickUntil(int64_t now_ns);
   void Accept(const decision::Decision& decision, int64_t now_ns);
-  void NoteTaught(const decision::Decision& decision);
+  void NoteStored(const decision::Decision& decision);
   void Meter(const FrameSample& frame);
   bool IsOverLimit(FrameSample frame);
   FrameSample StopTrial();
@@ -253,7 +253,7 @@ void Game::TickUntil(int64_t now_ns) {
 
 void Game::Accept(const decision::Decision& decision, int64_t now_ns) {
   if (setup_.on_decision) setup_.on_decision(decision.record);
-  NoteTaught(decision);
+  NoteStored(decision);
   if (!decision.command) return;
   if (decision.command->arm == arm_) {
     session_.ObserveRefusal(decision.command->command_id);
@@ -266,9 +266,9 @@ void Game::Accept(const decision::Decision& decision, int64_t now_ns) {
   if (pending_->warm) pending_->ready_ns = lane_->WarmUp(decision.command->arm, place(now_ns));
 }
 
-void Game::NoteTaught(const decision::Decision& decision) {
+void Game::NoteStored(const decision::Decision& decision) {
   if (!decision.increment && decision.lane_increments.empty()) return;
-  std::vector<decision::ArmEvidence>& arms = result_.taught[decision.regime];
+  std::vector<decision::ArmEvidence>& arms = result_.stored[decision.regime];
   arms.resize(scene_.arm_count());
   const auto add = [](const decision::Increment& increment, decision::EvidenceSum& sum) {
     sum.alpha += increment.alpha;

@@ -82,7 +82,7 @@ class Reliability {
 };
 
 // Evidence of a game, per arm, by regime (a bucket of decider/policy/regime_bucket.h).
-using Taught = std::map<std::string, std::vector<decision::ArmEvidence>>;
+using StoredEvidence = std::map<std::string, std::vector<decision::ArmEvidence>>;
 
 struct ReplayResult {
   // All sums of this struct leave out the time that FrameLoad adds to frames.
@@ -102,7 +102,7 @@ struct ReplayResult {
   // The choice of the first tick: the arm that it commands, or the active arm if it commands no
   // switch. Absent if there was no tick.
   std::optional<uint32_t> first_choice;
-  Taught taught;                             // evidence that a daemon would store
+  StoredEvidence stored;                     // evidence that a daemon would store
   std::array<uint64_t, 5> verdict_counts{};  // number of ticks, by Verdict
   Reliability reliability;                   // reliability of P(best) at the ticks
   uint64_t shadow_visit_count = 0;

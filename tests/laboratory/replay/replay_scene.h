@@ -69,8 +69,8 @@ class ReplayScene {
   const SceneDescriptor* descriptor(uint32_t trace_frame) const;
 
   // Returns a factor for each of the first frames of a fresh structure of `arm`, beginning with the
-  // frame that builds it: its time ÷ the time of a running structure. The factors were measured in
-  // the burst nearest to this frame.
+  // frame that builds it. A factor is the frame's time ÷ the time of a running structure, measured
+  // in the burst nearest to this frame.
   std::span<const double> slowdown(uint32_t trace_frame, uint32_t arm) const {
     return std::span(slowdown_[nearest_burst_[trace_frame]])
         .subspan(size_t{arm} * burst_frame_count_, burst_frame_count_);
@@ -129,7 +129,7 @@ class FrameOrder {
 uint32_t OffsetOfSeed(const ReplayScene& scene, uint64_t seed);
 
 // Computes the total time of each fixed arm and of two oracles on the frames of one seed's game. An
-// oracle knows all costs in advance. Exploration and the build of the first structure are free.
+// oracle has all costs in advance. Exploration and the build of the first structure are free.
 // Borrows the scene.
 class FixedCosts {
  public:

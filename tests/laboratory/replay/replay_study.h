@@ -22,7 +22,8 @@
 
 namespace sweepstake::cli {
 
-// A player of a traced scene: a policy, one fixed arm, or the oracle that knows all costs.
+// A player of a traced scene: a policy, one fixed arm, or the oracle, which has all costs in
+// advance.
 struct ReplayPlayer {
   enum class Kind { kPolicy, kFixed, kOracle };
   std::string name;  // "paper", "fixed:SAP", "oracle"

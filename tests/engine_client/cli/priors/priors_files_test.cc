@@ -82,9 +82,9 @@ TEST_F(PriorsFilesTest, ShowsEachRegime) {
     EXPECT_NEAR(scenes[i]["arms"][1 - i]["cost_ratio"].get<double>(), 2, 0.1);
   }
   const std::string text = RunCommand("priors show --in " + file).out;
-  EXPECT_THAT(text, HasSubstr("in build 1.1, about "));
-  EXPECT_THAT(text,
-              AllOf(HasSubstr(" objects, speed 0.0015, 15 % static"), HasSubstr(" speed 1.")));
+  EXPECT_THAT(text, HasSubstr("in build 1.1, 545 to 1,096 objects"));
+  EXPECT_THAT(text, AllOf(HasSubstr(" objects, speed 0.0009 to 0.0025, 0 to 30 % static"),
+                          HasSubstr(" speed 1.0000 to 2.7183")));
 }
 
 TEST_F(PriorsFilesTest, SumsCountLikeTheirSessionsAndCannotBeImported) {
@@ -145,7 +145,8 @@ TEST_F(PriorsFilesTest, TheDoctorShowsWhatCountsAndWhyTheRestDoesNot) {
   const json reward = changed([](PriorRecord& record) { record.key.reward_version = 1; });
   EXPECT_EQ(reward["fitness"], "foreign");
   EXPECT_EQ(reward["weight"], 0);
-  EXPECT_THAT(reward["reasons"][0], HasSubstr("its reward has version 1"));
+  EXPECT_THAT(reward["reasons"][0],
+              HasSubstr("learnt by the policy paper, which the default policy cannot use"));
   EXPECT_EQ(changed([](PriorRecord& record) { record.key.arm = "Octree"; })["fitness"], "foreign");
   const json old = changed([](PriorRecord& record) { record.last_seen_unix_s = 1'000'000'000; });
   EXPECT_EQ(old["fitness"], "valid");

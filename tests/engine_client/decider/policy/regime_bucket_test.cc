@@ -23,7 +23,7 @@ TEST(RegimeBucket, NamesTheCellOfADescriptor) {
   EXPECT_EQ(BucketOf(Features(0, -1, -1)), "0/-/-");
   EXPECT_EQ(BucketOf(Features(-1, -1, 0.5F)), "-/-/1");
   EXPECT_EQ(BucketOf(Features(-1, -1, -1)), "");
-  EXPECT_EQ(BucketOf(Features(3e38F, 3e38F, 3e38F)), "100/88/100");
+  EXPECT_EQ(BucketOf(Features(3e38F, 3e38F, 3e38F)), "100/88/3");
 }
 
 TEST(RegimeBucket, IsReadBackAsTheMiddleOfItsCell) {

@@ -135,15 +135,15 @@ TEST(BailOut, DoesNotCountForOtherPoliciesIfDetectionDoesNotExplainIt) {
 }
 
 TEST(BailOut, IsJudgedByTheLimitOrTheClientsFlag) {
-  EXPECT_FALSE(BlamesArm({.frame_time_ns = 100, .detection_time_ns = 90}, 100));
-  EXPECT_TRUE(BlamesArm({.frame_time_ns = 101, .detection_time_ns = 90}, 100));
+  EXPECT_FALSE(IsCausedByArm({.frame_time_ns = 100, .detection_time_ns = 90}, 100));
+  EXPECT_TRUE(IsCausedByArm({.frame_time_ns = 101, .detection_time_ns = 90}, 100));
   EXPECT_TRUE(
-      BlamesArm({.frame_time_ns = 50, .detection_time_ns = 25, .flags = kFrameBailOut}, 100));
+      IsCausedByArm({.frame_time_ns = 50, .detection_time_ns = 25, .flags = kFrameBailOut}, 100));
   EXPECT_FALSE(
-      BlamesArm({.frame_time_ns = 50, .detection_time_ns = 24, .flags = kFrameBailOut}, 100));
+      IsCausedByArm({.frame_time_ns = 50, .detection_time_ns = 24, .flags = kFrameBailOut}, 100));
   const uint64_t huge = ~uint64_t{0};
-  EXPECT_TRUE(BlamesArm({.frame_time_ns = huge, .detection_time_ns = huge}, 100));
-  EXPECT_TRUE(BlamesArm({.frame_time_ns = 101, .detection_time_ns = huge}, 100));
+  EXPECT_TRUE(IsCausedByArm({.frame_time_ns = huge, .detection_time_ns = huge}, 100));
+  EXPECT_TRUE(IsCausedByArm({.frame_time_ns = 101, .detection_time_ns = huge}, 100));
 }
 
 TEST(BailOut, OverTheBudgetOfAGameIsAnsweredButIsNotEvidence) {

@@ -236,10 +236,14 @@ TEST(RegimePriors, ASceneHasALimitedNumberOfRegimes) {
   for (int i = 0; i < 40; ++i) {
     game.TicksOn(0, std::exp(i - 5), 8);
   }
+  bool has_other_evidence = false;
   for (const Decision& decision : game.log()) {
-    if (decision.increment) regimes.insert(decision.regime);
+    if (!decision.increment) continue;
+    has_other_evidence = has_other_evidence || decision.regime.empty();
+    if (!decision.regime.empty()) regimes.insert(decision.regime);
   }
   EXPECT_EQ(regimes.size(), kMaxStoredRegimes);
+  EXPECT_TRUE(has_other_evidence) << "evidence of a ninth regime must not enter another one";
 }
 
 TEST(RegimePriors, AreChecked) {

@@ -72,6 +72,18 @@ void PlayResting(ChangingGame& game, int ticks) {
   game.Play(kRestingUs, DescriptorOf(0.001F), ticks);
 }
 
+// Without a lane and before any frame, all arms have the same belief, which says nothing.
+TEST(Standings, AnArmWithoutAMeasuredCostHasNoRatio) {
+  ScriptedClient client(AdaptiveSetup());
+  client.session.Tick(client.session.next_tick_ns());
+  EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kUnknown);
+  for (const ArmStanding& standing : client.session.standings()) EXPECT_FALSE(standing.cost_ratio);
+  client.frame.detection_time_ns = client.frame.frame_time_ns = 10'000'000;
+  client.RunToTick();
+  EXPECT_NE(client.session.diagnosis().verdict, Verdict::kUnknown);
+  EXPECT_FALSE(client.session.standings()[1].cost_ratio);
+}
+
 TEST(Report, DescribesTheRegimesOfAChangingScene) {
   ChangingGame game;
   for (int period = 0; period < 10; ++period) {

@@ -440,14 +440,14 @@ TEST(RunStudy, TheOpeningIsTheFirstTenSeconds) {
 }
 
 // Returns the evidence of 50 visits per arm, measured in a game in which `arm` is the cheaper one.
-ReplayResult TaughtThat(uint32_t arm) {
+ReplayResult EvidenceThat(uint32_t arm) {
   ReplayResult result;
-  std::vector<decision::ArmEvidence>& taught = result.taught[""];
-  taught.resize(2);
+  std::vector<decision::ArmEvidence>& stored = result.stored[""];
+  stored.resize(2);
   for (uint32_t each : {0U, 1U}) {
     const double reward = decision::RewardOf(each == arm ? std::log(100.0) : std::log(200.0));
     const decision::Increment visit = decision::LogCostIncrement(each, reward, 0.02 * 0.02);
-    taught[each].lane = {50 * visit.alpha, 50 * visit.beta};
+    stored[each].lane = {50 * visit.alpha, 50 * visit.beta};
   }
   return result;
 }
@@ -459,11 +459,11 @@ TEST(ServedPrior, OfANewSceneAreWhatTheOthersHaveInCommon) {
   const auto priors =
       ServedPrior(ReplayPriors::kScenes, "adaptive", own, others, 1, [&](const auto& scene) {
         EXPECT_EQ(&scene, &other) << "nobody has played it";
-        return TaughtThat(1);
+        return EvidenceThat(1);
       }).posteriors();
   ASSERT_EQ(priors.size(), 2U);
   EXPECT_GT(priors[1].mean(), priors[0].mean());
-  const auto never = [](const ReplayScene&) -> ReplayResult { throw std::logic_error("taught"); };
+  const auto never = [](const ReplayScene&) -> ReplayResult { throw std::logic_error("played"); };
   EXPECT_FALSE(ServedPrior(ReplayPriors::kScenes, "adaptive", own, {}, 1, never).is_known());
   EXPECT_FALSE(ServedPrior(ReplayPriors::kNone, "adaptive", own, others, 1, never).is_known());
 }
@@ -473,7 +473,7 @@ TEST(ServedPrior, OfAnotherClassOfMachinesAreOfOtherCostsAndCountLess) {
   const auto widths = [&](ReplayPriors kind, double& ratio) {
     const auto priors = ServedPrior(kind, "adaptive", own, {}, 1, [&](const auto& scene) {
                           ratio = scene.detection_ns(0, 1) / scene.detection_ns(0, 0);
-                          return TaughtThat(0);
+                          return EvidenceThat(0);
                         }).posteriors();
     return decision::BeliefOf(priors.at(0)).variance;
   };

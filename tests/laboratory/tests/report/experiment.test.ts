@@ -40,9 +40,13 @@ describe('an experiment', () => {
 
   it('counts one cell as one', () => {
     const row = { policy: 'paper', cell: 'a', dominant: 'KDTree', scene: 'brownian', objects: 1000 };
-    const one = { truths: [truth('a', 0.1)], rows: [row], paper: [{ ...row }] } as unknown as ExperimentDocument;
+    const one = { truths: [truth('a', 0.1)], rows: [row], paper: [{ ...row }], options: {} } as unknown as ExperimentDocument;
     expect(trulyFastest(one, wordsOf({ cells: [], own_policy: 'adaptive' }), 'paper')).toContain('in 1 of 1 cell.');
     expect(sameAsPaper(one)).toContain('in 1 of 1 cell that both have.');
+    expect(sameAsPaper(one)).not.toContain('settling or weights');
+    const decision = { decision_interval_ns: 1e9, cooldown_ns: 40e9, settling_ns: 2e9, weights: { fps: 0.55, detection: 0.25, memory: 0.12, checks: 0.08 } };
+    const other = { ...one, options: { decision } } as unknown as ExperimentDocument;
+    expect(sameAsPaper(other)).toContain('settling or weights of this run also differ');
   });
 
   it('compares posteriors with the paper only for the paper’s policy', () => {

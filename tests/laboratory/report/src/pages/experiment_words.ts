@@ -42,7 +42,7 @@ function resultHeadline(document: ExperimentDocument, words: Words): Child {
   if (ours === undefined) return null;
   return headline(percent(ours), `of frame time is the mean loss of ${words.policyTitle('default')} against the best fixed algorithm over ` +
     `${counted(document.truths.length, 'cell', 'cells')}, including start and exploration. The best algorithm is not known beforehand. Below 0 the policy is ` +
-    `faster than any single algorithm.${papers !== undefined && document.own_policy !== 'paper' ? ` The paper’s policy loses ${percent(papers)}.` : ''}`);
+    `faster than any single algorithm.${papers !== undefined && document.own_policy !== 'paper' ? ` The policy paper loses ${percent(papers)}${hasPapersRules(document) ? '' : ', with the settings of this run'}.` : ''}`);
 }
 
 export function trulyFastest(document: ExperimentDocument, words: Words, policy: string): Child {
@@ -51,12 +51,20 @@ export function trulyFastest(document: ExperimentDocument, words: Words, policy:
     `${fastest} of ${counted(all, 'cell', 'cells')}${tied > 0 ? `, and at most 3 % slower than the fastest in ${tied} more` : ''}.`;
 }
 
-export function sameAsPaper({ rows, paper = [] }: ExperimentDocument): Child {
+// Whether the decider's rules are those of the paper.
+function hasPapersRules({ options }: ExperimentDocument): boolean {
+  const rules = options.decision;
+  return !rules || (rules.decision_interval_ns === 2e9 && rules.cooldown_ns === 40e9 && rules.settling_ns === 2e9 &&
+    rules.weights.fps === 0.55 && rules.weights.detection === 0.25 && rules.weights.memory === 0.12);
+}
+
+export function sameAsPaper(document: ExperimentDocument): Child {
+  const { rows, paper = [] } = document;
   const compared = rows.filter(({ policy }) => policy === 'paper').flatMap((row) =>
     paper.filter(({ scene, objects }) => scene === row.scene && objects === row.objects).map(({ dominant }) => dominant === row.dominant));
   return compared.length > 0 && `The same algorithm as in the paper’s Table 3 dominates in ${compared.filter(Boolean).length} of ` +
     `${counted(compared.length, 'cell', 'cells')} that both have. A difference is not an error: machine and code of the seven algorithms differ from the paper’s, so ` +
-    'their relative speeds differ, too.';
+    `their relative speeds differ, too.${hasPapersRules(document) ? '' : ' Interval, cooldown, settling or weights of this run also differ from the paper’s.'}`;
 }
 
 function agreed(document: ExperimentDocument): Child {
@@ -69,7 +77,7 @@ function agreed(document: ExperimentDocument): Child {
 function selectorCost({ runs }: ExperimentDocument): Child {
   const parts = timeParts(runs);
   const frames = frameTime(parts);
-  return frames > 0 && `The selector took ${significant((100 * parts[7]!) / frames, 2)} % of the frames’ time, on a thread of its own. Building ` +
+  return frames > 0 && `The decider took ${significant((100 * parts[7]!) / frames, 2)} % of the frames’ time, on a thread of its own. Building ` +
     `data structures after switches took ${significant((100 * parts[2]!) / frames, 2)} % on the frame thread.`;
 }
 

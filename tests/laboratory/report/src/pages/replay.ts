@@ -27,7 +27,7 @@ function results(document: ReplayDocument): Child[] {
   return [
     typeof ours === 'number' && headline(percent(ours), `of frame time is the mean loss of the policy ${policy} against the best fixed algorithm over ` +
       `${counted(traces, 'trace', 'traces')} and ${counted(document.seeds, 'seed', 'seeds')}, including start and exploration. Below 0 it is faster than any ` +
-      `single algorithm.${papers === undefined ? '' : ` The paper’s policy loses ${percent(papers)}.`}`)];
+      `single algorithm.${papers === undefined ? '' : ` The policy paper loses ${percent(papers)}.`}`)];
 }
 
 function goals({ goals = [] }: ReplayDocument): Child[] {
