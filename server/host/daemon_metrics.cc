@@ -57,8 +57,10 @@ constexpr CounterRow kGauges[] = {
 };
 
 constexpr CounterRow kCounters[] = {
-    {&Counters::flooding_connection_count, "sweepstake_flooding_connections_total",
-     "Connections that were closed because they started too many calls."},
+    {&Counters::refused_connection_count, "sweepstake_refused_connections_total",
+     "Connections that were closed because they reset too many calls, or were not HTTP/2."},
+    {&Counters::unread_call_count, "sweepstake_unread_calls_total",
+     "Calls that were ended before their message was read: it was too long, compressed or late."},
     {&Counters::connected_stream_count, "sweepstake_welcomed_streams_total",
      "Streams that received a welcome."},
     {&Counters::resumed_count, "sweepstake_resumed_sessions_total",

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +15,7 @@ namespace sweepstake::net {
 namespace {
 
 constexpr std::string_view kIpv6 = "ipv6:";
+constexpr std::string_view kLocal = "unix-abstract:";
 constexpr size_t kNetworkBytes = 8;
 
 using NameOfSocket = int (*)(int descriptor, sockaddr* address, socklen_t* size);
@@ -43,6 +45,16 @@ std::string_view WithoutPort(std::string_view name) { return name.substr(0, name
 }  // namespace
 
 std::string PeerOf(int descriptor) { return NameFrom(getpeername, descriptor); }
+
+std::string LocalNameOf(std::string_view peer, uint64_t number) {
+  return absl::StrCat(absl::string_view(peer.data(), peer.size()), "/", getpid(), "/", number);
+}
+
+std::string ClientOf(std::string_view peer) {
+  if (!peer.starts_with(kLocal)) return std::string(peer);
+  peer.remove_prefix(kLocal.size());
+  return std::string(peer.substr(0, peer.find('/')));
+}
 
 bool ConnectsItself(int descriptor) {
   const std::string peer = PeerOf(descriptor);

@@ -51,6 +51,15 @@ void TcpAcceptor::Resume() {
   }
 }
 
+void TcpAcceptor::Close() {
+  closed_ = true;
+  error_code ignored;
+  for (Socket& socket : sockets_) {
+    socket.acceptor.close(ignored);
+    socket.retry.cancel();
+  }
+}
+
 void TcpAcceptor::Accept(Socket& socket) {
   socket.acceptor.async_accept([this, &socket](error_code error, tcp::socket connection) {
     OnAccepted(socket, error, std::move(connection));
@@ -58,6 +67,7 @@ void TcpAcceptor::Accept(Socket& socket) {
 }
 
 void TcpAcceptor::OnAccepted(Socket& socket, error_code error, tcp::socket connection) {
+  if (closed_) return;
   if (error) {
     socket.retry.expires_after(retry_);
     return socket.retry.async_wait([this, &socket](error_code ended) {

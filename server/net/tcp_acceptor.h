@@ -34,6 +34,8 @@ class TcpAcceptor {
   // Between Pause and Resume at most one more connection per address is accepted.
   void Pause() { paused_ = true; }
   void Resume();
+  // Accepts no further connections.
+  void Close();
 
  private:
   struct Socket {
@@ -53,6 +55,7 @@ class TcpAcceptor {
   const OnConnection on_connection_;
   std::deque<Socket> sockets_;  // a deque, because handlers hold references
   bool paused_ = false;
+  bool closed_ = false;
 };
 
 }  // namespace sweepstake::net

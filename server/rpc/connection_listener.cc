@@ -1,8 +1,17 @@
 #include "server/rpc/connection_listener.h"
 
 #include <netinet/tcp.h>
+#include <unistd.h>
 
+#include <array>
+#include <boost/asio/post.hpp>
 #include <chrono>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/net/peer_address.h"
+#include "server/rpc/common/error_reasons.h"
+#include "server/rpc/guarded_connection.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -14,23 +23,40 @@ constexpr std::chrono::milliseconds kAcceptRetry{100};
 // TCP_USER_TIMEOUT: closes a connection if the peer has not acknowledged sent data for this time.
 // gRPC's own listener sets it to the keepalive timeout of SetLimits.
 constexpr int kSendPatienceMs = 20'000;
-// gRPC first reads all bytes that the system has received on a connection, and only then starts the
-// calls in them. Until then ConnectionCalls cannot count these calls. A small receive buffer limits
-// their number.
-constexpr int kReceiveBufferBytes = 32 * 1024;
 using SendPatience = boost::asio::detail::socket_option::integer<IPPROTO_TCP, TCP_USER_TIMEOUT>;
+
+struct RefusalText {
+  v1::ErrorReason reason;
+  const char* text;
+};
+
+// Indexed by net::Http2Refusal.
+constexpr std::array<RefusalText, 7> kRefusals = {{
+    {v1::ERROR_REASON_INVALID_MESSAGE, "a call announced a message that is too long"},
+    {v1::ERROR_REASON_INVALID_MESSAGE, "a call sent a compressed message"},
+    {v1::ERROR_REASON_TOO_MANY_STREAMS, "a call announced too many bytes beside those of others"},
+    {v1::ERROR_REASON_CALL_STALLED, "the first message of a call did not arrive in time"},
+    {v1::ERROR_REASON_TOO_MANY_STREAMS, "a call began while too many waited for a message"},
+    {v1::ERROR_REASON_TOO_MANY_STREAMS, "a connection reset too many calls"},
+    {v1::ERROR_REASON_MALFORMED_MESSAGE, "a connection sent bytes that are not HTTP/2"},
+}};
+
+bool EndsConnection(net::Http2Refusal why) {
+  return why == net::Http2Refusal::kResets || why == net::Http2Refusal::kNotHttp2;
+}
 
 }  // namespace
 
 ConnectionListener::ConnectionListener(
-    std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> grpc,
-    std::shared_ptr<ConnectionCalls> calls, OpenConnections open, RefusalLog& refusals)
+    std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> grpc, const RpcOptions& options,
+    const sessions::LoopClock& clock, Counters& counters, RefusalLog& refusals)
     : grpc_(std::move(grpc)),
-      calls_(std::move(calls)),
-      open_(std::move(open)),
+      clock_(clock),
+      counters_(counters),
       refusals_(refusals),
-      acceptor_(io_, kAcceptRetry,
-                [this](tcp::socket connection) { HandOver(std::move(connection)); }) {}
+      tls_files_(options.tls),
+      open_(options),
+      acceptor_(io_, kAcceptRetry, [this](tcp::socket client) { HandOver(std::move(client)); }) {}
 
 ConnectionListener::~ConnectionListener() {
   io_.stop();
@@ -38,24 +64,76 @@ ConnectionListener::~ConnectionListener() {
 }
 
 absl::Status ConnectionListener::Listen(const std::string& address) {
+  if (absl::Status status = ReadCertificate(); !status.ok()) return status;
   if (absl::Status status = acceptor_.Listen(address); !status.ok()) return status;
+  port_ = acceptor_.port();
+  Look();
   thread_ = std::thread([this] { io_.run(); });
   return absl::OkStatus();
 }
 
-void ConnectionListener::HandOver(tcp::socket connection) {
-  if (const absl::Status admitted = open_.Add(connection.native_handle()); !admitted.ok())
-    return refusals_.Tell(net::PeerOf(connection.native_handle()), admitted);
-  // These calls fail if the connection has already ended; gRPC detects that by itself.
+void ConnectionListener::StopAccepting() {
+  boost::asio::post(io_, [this] { acceptor_.Close(); });
+}
+
+void ConnectionListener::HandOver(tcp::socket client) {
+  const std::string peer = net::PeerOf(client.native_handle());
+  auto address = open_.Add(peer, net::ConnectsItself(client.native_handle()));
+  if (!address.ok()) return refusals_.Tell(peer, address.status());
+  // These calls fail if the connection has already ended, which the first read shows.
   boost::system::error_code ignored;
-  connection.native_non_blocking(true, ignored);
-  connection.set_option(tcp::no_delay(true), ignored);
-  connection.set_option(SendPatience(kSendPatienceMs), ignored);
-  connection.set_option(tcp::socket::receive_buffer_size(kReceiveBufferBytes), ignored);
+  client.set_option(tcp::no_delay(true), ignored);
+  client.set_option(SendPatience(kSendPatienceMs), ignored);
+  const uint64_t number = ++connection_count_;
+  const auto connection =
+      GuardedConnection::Make(std::move(client), net::LocalNameOf(peer, number), tls_, use_,
+                              [this, peer](net::Http2Refusal why) { OnRefusal(peer, why); });
+  if (!connection.ok()) {
+    open_.Remove(*address);
+    return refusals_.Tell(peer, connection.status());
+  }
+  connections_.emplace(number, *connection);
   grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
-  parameters.fd = connection.release(ignored);
-  calls_->Add(parameters.fd);
+  parameters.fd = (*connection)->TakeServerEnd();
   grpc_->HandleNewConnection(&parameters);
+  (*connection)
+      ->Start([this] { return clock_.NowNs(); },
+              [this, number, address = *address] {
+                connections_.erase(number);
+                open_.Remove(address);
+              });
+}
+
+void ConnectionListener::OnRefusal(const std::string& peer, net::Http2Refusal why) {
+  ++(EndsConnection(why) ? counters_.refused_connection_count : counters_.unread_call_count);
+  const RefusalText& refusal = kRefusals[static_cast<size_t>(why)];
+  refusals_.Tell(peer, Refused(refusal.reason, refusal.text));
+}
+
+absl::Status ConnectionListener::ReadCertificate() {
+  if (tls_files_.cert.empty()) return absl::OkStatus();
+  const auto texts = tls::Read(tls_files_);
+  if (!texts.ok()) return texts.status();
+  std::string all = absl::StrCat(texts->cert, texts->key, texts->ca);
+  if (all == tls_texts_) return absl::OkStatus();
+  auto context = tls::TlsContext::Make(*texts);
+  if (!context.ok()) return context.status();
+  tls_ = *std::move(context);
+  tls_texts_ = std::move(all);
+  return absl::OkStatus();
+}
+
+void ConnectionListener::Look() {
+  ReadCertificate().IgnoreError();  // the daemon's FilesWatch reports it
+  // EndLateCalls may end a connection, which removes it from connections_.
+  for (auto next = connections_.begin(); next != connections_.end();) {
+    const std::shared_ptr<GuardedConnection> connection = (next++)->second.lock();
+    if (connection) connection->EndLateCalls();
+  }
+  second_.expires_after(std::chrono::seconds(1));
+  second_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) Look();
+  });
 }
 
 }  // namespace sweepstake::rpc

@@ -6,7 +6,6 @@
 #include <grpcpp/impl/server_builder_plugin.h>
 #include <grpcpp/resource_quota.h>
 #include <grpcpp/security/server_credentials.h>
-#include <grpcpp/security/tls_certificate_provider.h>
 #include <spdlog/logger.h>
 
 #include <future>
@@ -31,9 +30,6 @@ class WithoutReflection : public grpc::ServerBuilderOption {
 };
 
 constexpr int kSecond = 1'000;
-// Maximum unfinished calls of a connection, as a multiple of max_streams_per_connection. More calls
-// than streams are possible, because calls that the client has cancelled take some time to finish.
-constexpr uint32_t kCallsPerStream = 3;
 constexpr int64_t kHealthIntervalNs = 1'000'000'000;
 constexpr int64_t kLossReportIntervalNs = 60'000'000'000;
 // longer than the time after which a session repeats a commit
@@ -41,7 +37,6 @@ constexpr int64_t kKeepIntervalNs = 5 * kHealthIntervalNs;
 constexpr int64_t kMaxSilenceNs =
     10 * kHealthIntervalNs;  // without a beat for this time, the loop counts as unresponsive
 constexpr std::chrono::milliseconds kCommitPollInterval{5};
-constexpr unsigned kCertificateIntervalS = 1;  // between two checks of the TLS files
 
 void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   // Without a quota one connection can make gRPC use a gigabyte of memory.
@@ -49,6 +44,8 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   quota.Resize(options.memory_quota_bytes);
   builder.SetResourceQuota(quota);
   builder.SetMaxReceiveMessageSize(static_cast<int>(kMaxMessageBytes));
+  // Otherwise gRPC raises its limit of a frame's length, which the guard does not know.
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
                              static_cast<int>(options.max_streams_per_connection));
   const auto add = [&](const char* name, std::chrono::milliseconds time) {
@@ -62,22 +59,6 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   add(GRPC_ARG_MAX_CONNECTION_IDLE_MS, options.connection_idle_patience);
   add(GRPC_ARG_MAX_CONNECTION_AGE_MS, options.connection_age);
   add(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, options.connection_age_grace);
-}
-
-// Requires TLS 1.2 or newer. gRPC reads the files again at each interval, for new connections. It
-// does not report files that it cannot use, so they are checked here first.
-absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeCredentials(const tls::Files& files) {
-  if (files.cert.empty()) return grpc::InsecureServerCredentials();
-  if (const auto read = tls::Read(files); !read.ok()) return read.status();
-  grpc::experimental::TlsServerCredentialsOptions options(
-      std::make_shared<grpc::experimental::FileWatcherCertificateProvider>(
-          files.key.string(), files.cert.string(), files.ca.string(), kCertificateIntervalS));
-  options.watch_identity_key_cert_pairs();
-  if (!files.ca.empty()) {
-    options.watch_root_certs();
-    options.set_cert_request_type(GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
-  }
-  return grpc::experimental::TlsServerCredentials(options);
 }
 
 }  // namespace
@@ -109,30 +90,22 @@ absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& l
   return server;
 }
 
-void RpcServer::BindListener(grpc::ServerBuilder& builder,
-                             const std::shared_ptr<grpc::ServerCredentials>& credentials) {
-  const auto calls = std::make_shared<ConnectionCalls>(
-      kCallsPerStream * options_.max_streams_per_connection, counters_.flooding_connection_count);
-  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
-  interceptors.push_back(CountCalls(calls));
-  auto connections = builder.experimental();
-  connections.SetInterceptorCreators(std::move(interceptors));
+void RpcServer::BindListener(grpc::ServerBuilder& builder) {
   listener_ = std::make_unique<ConnectionListener>(
-      connections.AddExternalConnectionAcceptor(
-          grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials),
-      calls, OpenConnections(options_, loop_.clock()), access_.refusals());
+      builder.experimental().AddExternalConnectionAcceptor(
+          grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+          grpc::InsecureServerCredentials()),
+      options_, loop_.clock(), counters_, access_.refusals());
 }
 
 absl::Status RpcServer::Listen(const std::string& address) {
-  const auto credentials = MakeCredentials(options_.tls);
-  if (!credentials.ok()) return credentials.status();
   grpc::EnableDefaultHealthCheckService(true);
   // This call is needed even without reflection: it prevents the linker from dropping the library.
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   SetLimits(builder, options_);
   if (!options_.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
-  BindListener(builder, *credentials);
+  BindListener(builder);
   builder.RegisterService(&telemetry_);
   builder.RegisterService(&posteriors_);
   builder.RegisterService(&priors_);
@@ -288,9 +261,10 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
     sessions_.RetryCommits();
     admin_.Retry();
   });
-  listener_.reset();
+  listener_->StopAccepting();
   server_->Shutdown(std::chrono::system_clock::now() + patience);
   server_->Wait();
+  listener_.reset();
   AwaitCommits(deadline);
   if (options_.keep_waiting) RunOnLoop([this] { options_.keep_waiting(Waiting()); });
 }

@@ -91,8 +91,7 @@ class RpcServer {
             spdlog::logger& log);
   absl::Status Listen(const std::string& address);
   // Creates listener_. The gRPC server that `builder` builds later serves its connections.
-  void BindListener(grpc::ServerBuilder& builder,
-                    const std::shared_ptr<grpc::ServerCredentials>& credentials);
+  void BindListener(grpc::ServerBuilder& builder);
   // Runs on the loop once per second: checks the store, the tokens and the waiting updates.
   // responsive() checks when it ran last.
   void WatchStore();

@@ -99,6 +99,33 @@ TEST_F(AttackTest, GamesConnectOnceDescriptorsAreFreeAgain) {
   EXPECT_EQ(Get(daemon_.http_port(), "/livez").status, 200);
 }
 
+// 5,000 calls, of which 50 announce 100 MB and 50 a compressed message. The others send nothing.
+TEST_F(AttackTest, CallsWithoutAReadableMessageDisturbNoGame) {
+  ScriptedGame game(daemon_.address(), FastOptions());
+  ASSERT_TRUE(game.RunUntil(Learns));
+  const size_t before_kib = ResidentKib();
+  std::string calls = Http2Preface();
+  for (uint32_t stream = 1; stream < 200; stream += 2)
+    calls += Http2Call(stream, "/sweepstake.v1.TelemetryService/StreamTelemetry");
+  calls += Http2Frame(Http2Type::kData, 0, 1, std::string("\0\x06\0\0\0", 5));
+  calls += Http2Frame(Http2Type::kData, 0, 3, std::string("\1\0\0\0\1", 5));
+  const auto strangers = Connect(port(), 50);
+  for (const auto& stranger : strangers) stranger->Send(calls);
+
+  const uint64_t acknowledged = game.stats().acknowledged_sequence;
+  EXPECT_TRUE(game.RunUntil(
+      [&](const SessionStats& stats) { return stats.acknowledged_sequence > acknowledged + 20; }));
+  EXPECT_EQ(game.stats().connection_count, 1u);
+  EXPECT_THAT(daemon_.log(), ::testing::HasSubstr("announced a message that is too long"));
+  EXPECT_TRUE(rpc::Eventually([&] {
+    const std::string metrics = Get(daemon_.http_port(), "/metrics").body;
+    return metrics.find("sweepstake_unread_calls_total 0") == std::string::npos;
+  }));
+#if !SWEEPSTAKE_ASAN && !SWEEPSTAKE_TSAN
+  EXPECT_LT(ResidentKib(), before_kib + 32 * 1024);
+#endif
+}
+
 // Without the daemon's limit each of these calls would take about 20 KiB.
 TEST_F(AttackTest, StreamsResetAtOnceStayWithinTheMemoryQuota) {
 #if SWEEPSTAKE_ASAN || SWEEPSTAKE_TSAN

@@ -32,7 +32,7 @@ std::string HolderOf(int64_t token_id) { return absl::StrCat("token ", token_id)
 }  // namespace
 
 absl::StatusOr<Caller> AccessControl::Authorize(const grpc::ServerContextBase& call, Rpc rpc) {
-  return Check(call.peer(), TokenOf(call), asks_for_tokens(), rpc);
+  return Check(net::ClientOf(call.peer()), TokenOf(call), asks_for_tokens(), rpc);
 }
 
 absl::StatusOr<Caller> AccessControl::Check(const std::string& peer,

@@ -159,8 +159,9 @@ struct RpcOptions : sessions::HostedSessionOptions {
 struct Counters : sessions::SessionCounters {
   std::atomic<uint64_t> open_stream_count{0};   // streams that are open now
   std::atomic<uint64_t> open_watcher_count{0};  // watchers that are connected now
-  // Connections that were ended because of too many unfinished calls (ConnectionCalls).
-  std::atomic<uint64_t> flooding_connection_count{0};
+  // Connections and calls that the guard has ended (net/http2_guard.h).
+  std::atomic<uint64_t> refused_connection_count{0};
+  std::atomic<uint64_t> unread_call_count{0};
   std::atomic<uint64_t> connected_stream_count{0};  // streams that received a welcome message
   std::atomic<uint64_t> resumed_count{0};           // connected streams that resumed a session
   // Sessions that began without some of their stored evidence, because the store could not read it.

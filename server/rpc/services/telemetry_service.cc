@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "server/net/peer_address.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/stall_sweep.h"
@@ -44,7 +45,7 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   void Cancel(const absl::Status& status) override {
     rpc::Cancel(call_, ToGrpc(status, counters_));
   }
-  std::string peer() const override { return call_.peer(); }
+  std::string peer() const override { return net::ClientOf(call_.peer()); }
 
   void OnReadDone(bool ok) override {
     if (!ok) return loop_.Post([this] { stream_->OnHalfClose(); });

@@ -54,7 +54,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   void OnEnd(const absl::Status& status) override {
     if (end_) return;
     end_ = status;
-    context_.access.refusals().TellEnd(call_.peer(), status);
+    context_.access.refusals().TellEnd(net::ClientOf(call_.peer()), status);
     subscriber_.reset();
     context_.stalls.Remove(*this);
     if (!writing_) return Finish(ToGrpc(status, context_.counters));
@@ -158,7 +158,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* ServeWatch(ServiceContext& context,
   absl::Status status = caller.status();
   if (status.ok() && !parsed) {
     status = Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse");
-    context.access.refusals().TellEnd(call.peer(), status);
+    context.access.refusals().TellEnd(net::ClientOf(call.peer()), status);
   }
   if (status.ok()) return new WatchCall(context, call, std::move(wish), *caller);
   return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(context, status);

@@ -7,7 +7,14 @@
 
 namespace sweepstake::test_support {
 
-enum class Http2Type : char { kHeaders = 1, kResetStream = 3, kSettings = 4, kPing = 6 };
+enum class Http2Type : char {
+  kData = 0,
+  kHeaders = 1,
+  kResetStream = 3,
+  kSettings = 4,
+  kPing = 6,
+  kContinuation = 9
+};
 
 inline std::string Http2Frame(Http2Type type, char flags, uint32_t stream,
                               std::string_view payload) {

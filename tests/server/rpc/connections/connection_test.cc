@@ -1,14 +1,7 @@
 // Tests connections with invalid or incomplete HTTP/2, over real sockets.
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <deque>
 #include <future>
 #include <vector>
 
-#include "server/net/peer_address.h"
-#include "server/rpc/connection_calls.h"
 #include "tests/server/rpc/http2_frames.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/support/http_exchange.h"
@@ -98,82 +91,8 @@ TEST_F(ConnectionTest, AFloodOfPingsIsAnsweredWithGoAway) {
   TelemetryClient(channel_).Open(HelloMessage());
 }
 
-// A socket that listens on all IPv4 addresses, or connects from its own port to one of these
-// addresses.
-class TcpSocket {
- public:
-  explicit TcpSocket(int descriptor = socket(AF_INET, SOCK_STREAM, 0)) : descriptor_(descriptor) {
-    const int yes = 1;
-    setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  }
-  ~TcpSocket() { close(descriptor_); }
-  TcpSocket(const TcpSocket&) = delete;
-  TcpSocket& operator=(const TcpSocket&) = delete;
-
-  int descriptor() const { return descriptor_; }
-  bool Bind(uint32_t address, int port) {
-    const sockaddr_in own = Endpoint(address, port);
-    return bind(descriptor_, reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0;
-  }
-  bool Connect(uint32_t address, int port) {
-    const sockaddr_in other = Endpoint(address, port);
-    return connect(descriptor_, reinterpret_cast<const sockaddr*>(&other), sizeof other) == 0;
-  }
-  int port() const {
-    sockaddr_in own{};
-    socklen_t size = sizeof own;
-    getsockname(descriptor_, reinterpret_cast<sockaddr*>(&own), &size);
-    return ntohs(own.sin_port);
-  }
-  bool ended() const {
-    char byte = 0;
-    return recv(descriptor_, &byte, 1, MSG_DONTWAIT) == 0;
-  }
-
- private:
-  static sockaddr_in Endpoint(uint32_t address, int port) {
-    sockaddr_in endpoint{};
-    endpoint.sin_family = AF_INET;
-    endpoint.sin_addr.s_addr = htonl(address);
-    endpoint.sin_port = htons(static_cast<uint16_t>(port));
-    return endpoint;
-  }
-
-  const int descriptor_;
-};
-
-TEST(ConnectionCallsTest, TwoConnectionsOfOnePeerAreCountedAndEndedTogether) {
-  constexpr uint32_t kAddresses[] = {INADDR_LOOPBACK, INADDR_LOOPBACK + 1};
-  TcpSocket listener;
-  ASSERT_TRUE(listener.Bind(INADDR_ANY, 0));
-  ASSERT_EQ(listen(listener.descriptor(), 2), 0);
-  std::atomic<uint64_t> ended = 0;
-  ConnectionCalls calls(/*max_calls=*/2, ended);
-  TcpSocket clients[2];
-  ASSERT_TRUE(clients[0].Bind(INADDR_LOOPBACK, 0));
-  std::deque<TcpSocket> accepted;
-  for (size_t i = 0; i < 2; ++i) {
-    ASSERT_TRUE(i == 0 || clients[1].Bind(INADDR_LOOPBACK, clients[0].port()));
-    ASSERT_TRUE(clients[i].Connect(kAddresses[i], listener.port()));
-    calls.Add(accepted.emplace_back(accept(listener.descriptor(), nullptr, nullptr)).descriptor());
-  }
-  const std::string name = net::PeerOf(accepted[0].descriptor());
-  ASSERT_EQ(net::PeerOf(accepted[1].descriptor()), name);
-  const auto peer = calls.Begin(name);
-  ASSERT_TRUE(peer);
-  calls.Begin(name);
-  calls.End(*peer);
-  calls.Begin(name);
-  EXPECT_EQ(ended, 0u);
-  calls.Begin(name);
-  EXPECT_EQ(ended, 1u);
-  for (const TcpSocket& client : clients) EXPECT_TRUE(Eventually([&] { return client.ended(); }));
-}
-
-TEST_F(ConnectionTest, AConnectionThatBeginsCallsTooFastIsEnded) {
-  options_.max_streams_per_connection = 1;
-  RestartServer();
-  const auto& ended = server_->counters().flooding_connection_count;
+TEST_F(ConnectionTest, AConnectionThatResetsTooManyCallsIsEnded) {
+  const auto& ended = server_->counters().refused_connection_count;
   uint64_t count = 0;
   for (const std::string method :
        {"/sweepstake.v1.TelemetryService/StreamTelemetry", "/no.such.Service/Method"}) {
@@ -187,6 +106,21 @@ TEST_F(ConnectionTest, AConnectionThatBeginsCallsTooFastIsEnded) {
     })) << method;
     socket.ReadAll();
     EXPECT_EQ(ended, ++count);
+  }
+  TelemetryClient(channel_).Open(HelloMessage());
+}
+
+TEST_F(ConnectionTest, ACallEndsAtTheAnnouncementOfALongOrCompressedMessage) {
+  const auto& unread = server_->counters().unread_call_count;
+  HttpSocket socket(server_->port());
+  socket.Send(Http2Preface());
+  uint32_t stream = 1;
+  for (const std::string& prefix : {std::string("\0\x06\0\0\0", 5), std::string("\1\0\0\0\1", 5)}) {
+    socket.Send(Http2Call(stream, "/sweepstake.v1.TelemetryService/StreamTelemetry") +
+                Http2Frame(Http2Type::kData, 0, stream, prefix));
+    const uint64_t expected = (stream + 1) / 2;
+    EXPECT_TRUE(Eventually([&] { return unread == expected; })) << stream;
+    stream += 2;
   }
   TelemetryClient(channel_).Open(HelloMessage());
 }

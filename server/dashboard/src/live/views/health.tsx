@@ -135,7 +135,8 @@ function refusalRows(all: readonly Sample[]): Row[] {
     ...total('sweepstake_invalid_messages_total', 'Invalid messages'),
     ...total('sweepstake_replayed_messages_total', 'Messages sent twice'),
     ...total('sweepstake_surplus_bail_outs_total', 'Surplus bail-outs'),
-    ...total('sweepstake_flooding_connections_total', 'Flooding connections'),
+    ...total('sweepstake_refused_connections_total', 'Refused connections'),
+    ...total('sweepstake_unread_calls_total', 'Calls ended unread'),
     ...total('sweepstake_failed_commits_total', 'Failed commits'),
     ...total('sweepstake_degraded_starts_total', 'Starts without evidence'),
   ];
