@@ -99,7 +99,7 @@ std::shared_ptr<grpc::Channel> MakeChannel(
 // this way. The error text depends on which side wrote first.
 bool IsHungUp(const std::string& reason) {
   return Has(reason, "Socket closed") || Has(reason, "Connection reset by peer") ||
-         Has(reason, "Broken pipe");
+         Has(reason, "Broken pipe") || Has(reason, "Endpoint read failed");
 }
 
 }  // namespace

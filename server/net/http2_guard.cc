@@ -15,8 +15,9 @@ constexpr double kResetSeconds = 10;         // over which resets are averaged
 // Types and flags of frames, RFC 9113.
 constexpr uint8_t kData = 0, kHeaders = 1, kReset = 3, kContinuation = 9;
 constexpr uint8_t kEndStream = 1, kEndHeaders = 4, kPadded = 8;
-// Error codes. gRPC's clients report the second one as RESOURCE_EXHAUSTED.
-constexpr uint32_t kCancel = 8, kEnhanceYourCalm = 11;
+// Error codes.
+constexpr uint32_t kNoError = 0, kCancel = 8;
+constexpr char kStatus200 = '\x88';  // the header `:status: 200` (RFC 7541, appendix A)
 
 void AppendNumber(std::string& bytes, uint32_t value, int byte_count) {
   for (int shift = 8 * (byte_count - 1); shift >= 0; shift -= 8)
@@ -29,13 +30,50 @@ uint32_t NumberOf(std::string_view bytes) {
   return value;
 }
 
+void AppendFrameHeader(std::string& bytes, size_t length, uint8_t type, uint8_t flags,
+                       uint32_t stream) {
+  AppendNumber(bytes, static_cast<uint32_t>(length), 3);
+  AppendNumber(bytes, type, 1);
+  AppendNumber(bytes, flags, 1);
+  AppendNumber(bytes, stream, 4);
+}
+
 // Appends a frame RST_STREAM.
 void AppendReset(std::string& bytes, uint32_t stream, uint32_t code) {
-  AppendNumber(bytes, 4, 3);  // length of the payload
-  AppendNumber(bytes, kReset, 1);
-  AppendNumber(bytes, 0, 1);  // flags
-  AppendNumber(bytes, stream, 4);
+  AppendFrameHeader(bytes, 4, kReset, 0, stream);
   AppendNumber(bytes, code, 4);
+}
+
+// Appends a string literal without Huffman coding (RFC 7541, section 5.2).
+void AppendLiteral(std::string& bytes, std::string_view text) {
+  constexpr size_t kMaxInPrefix = 127;
+  size_t length = text.size();
+  AppendNumber(bytes, static_cast<uint32_t>(std::min(length, kMaxInPrefix)), 1);
+  if (length >= kMaxInPrefix) {
+    length -= kMaxInPrefix;
+    for (; length >= 128; length /= 128)
+      AppendNumber(bytes, static_cast<uint32_t>(length % 128 + 128), 1);
+    AppendNumber(bytes, static_cast<uint32_t>(length), 1);
+  }
+  bytes += text;
+}
+
+// Appends a frame HEADERS that ends the call. `is_first`: gRPC has sent no headers for it.
+void AppendStatus(std::string& bytes, uint32_t stream, const Http2Guard::Headers& status,
+                  bool is_first) {
+  std::string block;
+  const auto append = [&](std::string_view name, std::string_view value) {
+    block.push_back(0);  // a literal that is not added to the dynamic table
+    AppendLiteral(block, name);
+    AppendLiteral(block, value);
+  };
+  if (is_first) {
+    block.push_back(kStatus200);
+    append("content-type", "application/grpc");
+  }
+  for (const auto& [name, value] : status) append(name, value);
+  AppendFrameHeader(bytes, block.size(), kHeaders, kEndHeaders | kEndStream, stream);
+  bytes += block;
 }
 
 }  // namespace
@@ -204,10 +242,10 @@ void Http2Guard::EndLateCalls(int64_t now_ns, std::string& to_server) {
 }
 
 void Http2Guard::Refuse(uint32_t id, Http2Refusal why) {
-  Forget(id);
+  AppendStatus(answers_, id, on_refusal_(why), !streams_.at(id).has_answer);
+  AppendReset(answers_, id, kNoError);  // the client shall send nothing more
   AppendReset(resets_to_server_, id, kCancel);
-  AppendReset(resets_to_client_, id, kEnhanceYourCalm);
-  on_refusal_(why);
+  Forget(id);
 }
 
 bool Http2Guard::Close(Http2Refusal why) {
@@ -224,7 +262,7 @@ void Http2Guard::FromServer(std::string_view bytes, std::string& to_client) {
       server_missing_ -= static_cast<uint32_t>(taken);
       continue;
     }
-    TakeResets(to_client);
+    TakeAnswers(to_client);
     const size_t taken = std::min(kHeaderBytes - server_header_.size(), bytes.size());
     server_header_ += bytes.substr(0, taken);
     bytes.remove_prefix(taken);
@@ -235,20 +273,24 @@ void Http2Guard::FromServer(std::string_view bytes, std::string& to_client) {
     server_missing_ = frame.length;
     NoteServerFrame(frame);
   }
-  TakeResets(to_client);
+  TakeAnswers(to_client);
 }
 
 void Http2Guard::NoteServerFrame(const Frame& frame) {
   if (frame.type == kHeaders || frame.type == kContinuation)
     in_server_headers_ = (frame.flags & kEndHeaders) == 0;
   const bool can_end = frame.type == kHeaders || frame.type == kData;
-  if (frame.type == kReset || (can_end && (frame.flags & kEndStream) != 0)) Forget(frame.stream);
+  if (frame.type == kReset || (can_end && (frame.flags & kEndStream) != 0)) {
+    Forget(frame.stream);
+  } else if (const auto found = streams_.find(frame.stream); can_end && found != streams_.end()) {
+    found->second.has_answer = true;
+  }
 }
 
-void Http2Guard::TakeResets(std::string& to_client) {
+void Http2Guard::TakeAnswers(std::string& to_client) {
   if (server_missing_ > 0 || in_server_headers_) return;
-  to_client += resets_to_client_;
-  resets_to_client_.clear();
+  to_client += answers_;
+  answers_.clear();
 }
 
 }  // namespace sweepstake::net

@@ -3,12 +3,13 @@
 // gRPC 1.51 uses memory before it checks. It buffers a message up to its announced length, it
 // inflates compressed messages, and it holds calls whose message never arrives. Once its memory
 // quota is exceeded, it ends calls of other clients. This guard ends such a call itself, before
-// gRPC reads the message. The client then sees RESOURCE_EXHAUSTED.
+// gRPC reads the message, and sends the client a gRPC status.
 //
 // The guard reads the frames of one connection (RFC 9113) and the prefix of each gRPC message in
 // DATA frames: one byte that is 1 if the message is compressed, and its length in four bytes. It
 // forwards every frame unchanged, also those of a call that it has ended: gRPC has received a
-// RST_STREAM for that call and ignores them. It does not decode headers.
+// RST_STREAM for that call and ignores them. It does not decode headers. The headers that it sends
+// leave the compression state of the connection unchanged (RFC 7541, section 6.2.2).
 //
 // Plain values; one thread at a time. The memory is bounded by one frame and the open streams.
 #pragma once
@@ -22,6 +23,7 @@
 #include <string_view>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 namespace sweepstake::net {
 
@@ -37,7 +39,7 @@ struct Http2Limits {
   int64_t first_message_patience_ns = 10'000'000'000;
   Http2Use of_connection = {.calls = 100, .bytes = 1024 * 1024};
   // Of all connections together. Beyond it, a connection may have one call and one message.
-  Http2Use of_all = {.calls = 1'000, .bytes = 16 * 1024 * 1024};
+  Http2Use of_all = {.calls = 500, .bytes = 16 * 1024 * 1024};
   // Calls that the client may reset per second, on average over ten seconds.
   uint32_t max_resets_per_s = 100;
 };
@@ -55,8 +57,11 @@ enum class Http2Refusal : uint8_t {
 
 class Http2Guard {
  public:
-  // Called for each call or connection that the guard ends.
-  using OnRefusal = std::function<void(Http2Refusal)>;
+  // Names in lower case, and values in ASCII.
+  using Headers = std::vector<std::pair<std::string, std::string>>;
+  // Called for each call or connection that the guard ends. Returns the headers that state the
+  // status of the call (grpc-status, grpc-message).
+  using OnRefusal = std::function<Headers(Http2Refusal)>;
 
   // `all` counts the use of all connections together. The guards that share it use one thread.
   Http2Guard(const Http2Limits& limits, std::shared_ptr<Http2Use> all, OnRefusal on_refusal)
@@ -73,9 +78,9 @@ class Http2Guard {
   // Ends the calls whose first message is late. Call it about once per second while
   // waiting_call_count() > 0.
   void EndLateCalls(int64_t now_ns, std::string& to_server);
-  // Appends the ends of calls that the client shall read to `to_client`, unless a frame of gRPC is
-  // incomplete. Call it after FromClient and EndLateCalls; FromServer does the same.
-  void TakeResets(std::string& to_client);
+  // Appends the answers to refused calls to `to_client`, unless a frame of gRPC is incomplete. Call
+  // it after FromClient and EndLateCalls; FromServer does the same.
+  void TakeAnswers(std::string& to_client);
 
   uint64_t waiting_call_count() const { return use_.calls; }
   size_t open_call_count() const { return streams_.size(); }
@@ -94,6 +99,7 @@ class Http2Guard {
     uint32_t length = 0;        // of the message, as far as its prefix has arrived
     uint32_t missing = 0;       // bytes of the message that have not arrived
     bool has_message = false;   // a message has arrived
+    bool has_answer = false;    // gRPC has sent headers
   };
 
   static Frame HeaderOf(std::string_view bytes);
@@ -130,7 +136,7 @@ class Http2Guard {
   std::string server_header_;  // an incomplete frame header
   uint32_t server_missing_ = 0;
   bool in_server_headers_ = false;
-  std::string resets_to_client_;  // frames that wait for the end of gRPC's frame
+  std::string answers_;  // frames that wait for the end of gRPC's frame
 };
 
 }  // namespace sweepstake::net

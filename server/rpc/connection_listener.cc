@@ -3,11 +3,11 @@
 #include <netinet/tcp.h>
 #include <unistd.h>
 
-#include <array>
 #include <boost/asio/post.hpp>
 #include <chrono>
 #include <utility>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "server/net/peer_address.h"
 #include "server/rpc/common/error_reasons.h"
@@ -25,21 +25,32 @@ constexpr std::chrono::milliseconds kAcceptRetry{100};
 constexpr int kSendPatienceMs = 20'000;
 using SendPatience = boost::asio::detail::socket_option::integer<IPPROTO_TCP, TCP_USER_TIMEOUT>;
 
-struct RefusalText {
-  v1::ErrorReason reason;
-  const char* text;
-};
-
-// Indexed by net::Http2Refusal.
-constexpr std::array<RefusalText, 7> kRefusals = {{
-    {v1::ERROR_REASON_INVALID_MESSAGE, "a call announced a message that is too long"},
-    {v1::ERROR_REASON_INVALID_MESSAGE, "a call sent a compressed message"},
-    {v1::ERROR_REASON_TOO_MANY_STREAMS, "a call announced too many bytes beside those of others"},
-    {v1::ERROR_REASON_CALL_STALLED, "the first message of a call did not arrive in time"},
-    {v1::ERROR_REASON_TOO_MANY_STREAMS, "a call began while too many waited for a message"},
-    {v1::ERROR_REASON_TOO_MANY_STREAMS, "a connection reset too many calls"},
-    {v1::ERROR_REASON_MALFORMED_MESSAGE, "a connection sent bytes that are not HTTP/2"},
-}};
+// The status of a call that the guard ends. Connections that it closes get none, but it is logged.
+absl::Status StatusOf(net::Http2Refusal why) {
+  switch (why) {
+    case net::Http2Refusal::kLongMessage:
+      return Refused(v1::ERROR_REASON_MESSAGE_TOO_LONG,
+                     absl::StrCat("the call announced a message of more than ", kMaxMessageBytes,
+                                  " bytes, the maximum; send shorter messages"));
+    case net::Http2Refusal::kCompressedMessage:
+      return Refused(v1::ERROR_REASON_MESSAGE_COMPRESSED,
+                     "the daemon reads no compressed messages; send plain ones");
+    case net::Http2Refusal::kWaitingBytes:
+      return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
+                     "too many bytes of incomplete messages wait; send them one after another");
+    case net::Http2Refusal::kLateMessage:
+      return Refused(v1::ERROR_REASON_CALL_STALLED,
+                     "the first message of the call did not arrive in time; call again");
+    case net::Http2Refusal::kWaitingCalls:
+      return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
+                     "too many calls wait for their first message; send it with the call");
+    case net::Http2Refusal::kResets:
+      return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS, "a connection cancelled too many calls");
+    case net::Http2Refusal::kNotHttp2:
+      break;
+  }
+  return Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "a connection sent bytes that are not HTTP/2");
+}
 
 bool EndsConnection(net::Http2Refusal why) {
   return why == net::Http2Refusal::kResets || why == net::Http2Refusal::kNotHttp2;
@@ -87,7 +98,7 @@ void ConnectionListener::HandOver(tcp::socket client) {
   const uint64_t number = ++connection_count_;
   const auto connection =
       GuardedConnection::Make(std::move(client), net::LocalNameOf(peer, number), tls_, use_,
-                              [this, peer](net::Http2Refusal why) { OnRefusal(peer, why); });
+                              [this, peer](net::Http2Refusal why) { return OnRefusal(peer, why); });
   if (!connection.ok()) {
     open_.Remove(*address);
     return refusals_.Tell(peer, connection.status());
@@ -104,10 +115,18 @@ void ConnectionListener::HandOver(tcp::socket client) {
               });
 }
 
-void ConnectionListener::OnRefusal(const std::string& peer, net::Http2Refusal why) {
+net::Http2Guard::Headers ConnectionListener::OnRefusal(const std::string& peer,
+                                                       net::Http2Refusal why) {
   ++(EndsConnection(why) ? counters_.refused_connection_count : counters_.unread_call_count);
-  const RefusalText& refusal = kRefusals[static_cast<size_t>(why)];
-  refusals_.Tell(peer, Refused(refusal.reason, refusal.text));
+  const absl::Status status = StatusOf(why);
+  refusals_.Tell(peer, status);
+  const grpc::Status answer = ToGrpc(status, counters_);
+  net::Http2Guard::Headers headers = {
+      {"grpc-status", absl::StrCat(static_cast<int>(answer.error_code()))},
+      {"grpc-message", answer.error_message()}};
+  if (!answer.error_details().empty())
+    headers.emplace_back("grpc-status-details-bin", absl::Base64Escape(answer.error_details()));
+  return headers;
 }
 
 absl::Status ConnectionListener::ReadCertificate() {

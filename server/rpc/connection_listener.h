@@ -52,7 +52,7 @@ class ConnectionListener {
  private:
   // The functions below run on thread_.
   void HandOver(boost::asio::ip::tcp::socket client);
-  void OnRefusal(const std::string& peer, net::Http2Refusal why);
+  net::Http2Guard::Headers OnRefusal(const std::string& peer, net::Http2Refusal why);
   // Run once per second.
   void Look();
   absl::Status ReadCertificate();

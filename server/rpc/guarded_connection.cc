@@ -109,7 +109,7 @@ void GuardedConnection::OnClientReadable() {
     if (!tls_->FromClient(bytes, plain, to_client_)) client_ended_ = true;
     bytes = plain;
   }
-  if (!guard_.FromClient(bytes, now_ns_(), to_server_) || !SendResets()) return Close();
+  if (!guard_.FromClient(bytes, now_ns_(), to_server_) || !SendAnswers()) return Close();
   FlushToServer();
   FlushToClient();
 }
@@ -120,10 +120,10 @@ bool GuardedConnection::SendToClient(std::string_view plain) {
   return true;
 }
 
-bool GuardedConnection::SendResets() {
-  std::string resets;
-  guard_.TakeResets(resets);
-  return resets.empty() || SendToClient(resets);
+bool GuardedConnection::SendAnswers() {
+  std::string answers;
+  guard_.TakeAnswers(answers);
+  return answers.empty() || SendToClient(answers);
 }
 
 void GuardedConnection::FlushToServer() {
@@ -170,7 +170,7 @@ void GuardedConnection::FlushToClient() {
 void GuardedConnection::EndLateCalls() {
   if (guard_.waiting_call_count() == 0 || !client_.is_open()) return;
   guard_.EndLateCalls(now_ns_(), to_server_);
-  if (!SendResets()) return Close();
+  if (!SendAnswers()) return Close();
   FlushToServer();
   FlushToClient();
 }

@@ -60,8 +60,8 @@ class GuardedConnection : public std::enable_shared_from_this<GuardedConnection>
   void OnClientReadable();
   // Adds plain bytes to to_client_. Returns false if TLS has failed.
   bool SendToClient(std::string_view plain);
-  // Adds the ends of refused calls to to_client_.
-  bool SendResets();
+  // Adds the answers to refused calls to to_client_.
+  bool SendAnswers();
   void OnServerReadable();
   // Writes what is pending. Then reads from the other side again, unless it does so already.
   void FlushToServer();

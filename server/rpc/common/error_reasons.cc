@@ -24,6 +24,9 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_HELLO_OVERDUE:
     case v1::ERROR_REASON_CALL_STALLED:
       return absl::StatusCode::kDeadlineExceeded;
+    case v1::ERROR_REASON_MESSAGE_COMPRESSED:
+      return absl::StatusCode::kUnimplemented;
+    case v1::ERROR_REASON_MESSAGE_TOO_LONG:
     case v1::ERROR_REASON_TOO_MANY_STREAMS:
     case v1::ERROR_REASON_TOO_MANY_IMPORTS:
     case v1::ERROR_REASON_IMPORT_TOO_LARGE:

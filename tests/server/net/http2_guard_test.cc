@@ -45,8 +45,20 @@ std::string Open(uint32_t stream) {
 std::string ToServerReset(uint32_t stream) {
   return Frame(Http2Type::kResetStream, 0, stream, Number(8, 4));
 }
-std::string ToClientReset(uint32_t stream) {
-  return Frame(Http2Type::kResetStream, 0, stream, Number(11, 4));
+std::string Literal(const std::string& text) { return Number(text.size(), 1) + text; }
+// The answer to a refused call. `is_first`: gRPC has sent no headers for the call.
+std::string Refusal(uint32_t stream, bool is_first = true) {
+  std::string block = Number(0, 1) + Literal("grpc-status") + Literal("8");
+  const std::string first =
+      "\x88" + Number(0, 1) + Literal("content-type") + Literal("application/grpc");
+  if (is_first) block = first + block;
+  return Frame(Http2Type::kHeaders, kEndHeaders | kEndStream, stream, block) +
+         Frame(Http2Type::kResetStream, 0, stream, Number(0, 4));
+}
+
+Http2Guard::Headers Unexpected(Http2Refusal why) {
+  ADD_FAILURE() << static_cast<int>(why);
+  return {};
 }
 
 class Http2GuardTest : public ::testing::Test {
@@ -57,7 +69,7 @@ class Http2GuardTest : public ::testing::Test {
   std::string Send(const std::string& bytes) {
     std::string to_server;
     is_open_ = is_open_ && guard_.FromClient(bytes, now_ns_, to_server);
-    guard_.TakeResets(to_client_);
+    guard_.TakeAnswers(to_client_);
     return to_server;
   }
   // Returns what the client has read since the last call.
@@ -72,7 +84,10 @@ class Http2GuardTest : public ::testing::Test {
                                .max_resets_per_s = 2};
   const std::shared_ptr<Http2Use> all_ = std::make_shared<Http2Use>();
   std::vector<Http2Refusal> refusals_;
-  Http2Guard guard_{limits_, all_, [this](Http2Refusal why) { refusals_.push_back(why); }};
+  Http2Guard guard_{limits_, all_, [this](Http2Refusal why) {
+                      refusals_.push_back(why);
+                      return Http2Guard::Headers{{"grpc-status", "8"}};
+                    }};
   int64_t now_ns_ = 0;
   bool is_open_ = true;
   std::string to_client_;
@@ -83,7 +98,7 @@ TEST_F(Http2GuardTest, ForwardsEveryByteInAnySlices) {
                             Frame(Http2Type::kData, 0, 1, Message(100)) +
                             Frame(Http2Type::kData, kEndStream, 1, Message(3) + Message(0));
   for (size_t slice = 1; slice < bytes.size(); slice += 7) {
-    Http2Guard guard(limits_, all_, [](Http2Refusal) { FAIL(); });
+    Http2Guard guard(limits_, all_, &Unexpected);
     std::string to_server, to_client;
     EXPECT_TRUE(guard.FromClient(kPreface, 0, to_server));
     for (size_t at = 0; at < bytes.size(); at += slice) {
@@ -99,7 +114,7 @@ TEST_F(Http2GuardTest, ForwardsEveryByteInAnySlices) {
 TEST_F(Http2GuardTest, EndsACallAtTheAnnouncedLength) {
   const std::string prefix = Frame(Http2Type::kData, 0, 1, Number(0, 1) + Number(101, 4));
   EXPECT_EQ(Send(Open(1) + prefix), Open(1) + prefix + ToServerReset(1));
-  EXPECT_EQ(Answer(), ToClientReset(1));
+  EXPECT_EQ(Answer(), Refusal(1));
   EXPECT_THAT(refusals_, ElementsAre(Http2Refusal::kLongMessage));
   const std::string rest = Frame(Http2Type::kData, 0, 1, std::string(101, 'x'));
   EXPECT_EQ(Send(rest + Open(3)), rest + Open(3)) << "gRPC ignores data of a call that has ended";
@@ -118,7 +133,27 @@ TEST_F(Http2GuardTest, FindsAPrefixInSeveralFrames) {
 TEST_F(Http2GuardTest, EndsACallWithACompressedMessage) {
   Send(Open(1) + Frame(Http2Type::kData, 0, 1, Number(1, 1)));
   EXPECT_THAT(refusals_, ElementsAre(Http2Refusal::kCompressedMessage));
-  EXPECT_EQ(Answer(), ToClientReset(1));
+  EXPECT_EQ(Answer(), Refusal(1));
+}
+
+TEST_F(Http2GuardTest, AnswersACallThatGrpcHasAnsweredWithTrailers) {
+  const std::string answer = Frame(Http2Type::kHeaders, kEndHeaders, 1, "answer");
+  Send(Open(1));
+  EXPECT_EQ(Answer(answer), answer);
+  Send(Frame(Http2Type::kData, 0, 1, Number(1, 1)));
+  EXPECT_EQ(Answer(), Refusal(1, /*is_first=*/false));
+}
+
+TEST_F(Http2GuardTest, WritesLongHeaders) {
+  const std::string message(127 + 200, 'm');
+  Http2Guard guard(limits_, all_, [&](Http2Refusal) {
+    return Http2Guard::Headers{{"grpc-message", message}};
+  });
+  std::string to_server, to_client;
+  guard.FromClient(std::string(kPreface) + Open(1) + Frame(Http2Type::kData, 0, 1, Number(1, 1)), 0,
+                   to_server);
+  guard.TakeAnswers(to_client);
+  EXPECT_NE(to_client.find("grpc-message\x7F\xC8\x01" + message), std::string::npos);
 }
 
 TEST_F(Http2GuardTest, LimitsTheBytesOfIncompleteMessagesOfAConnection) {
@@ -163,7 +198,7 @@ TEST_F(Http2GuardTest, AConnectionMayHaveOneCallIfAllHaveTooMany) {
   std::string to_server;
   std::vector<std::unique_ptr<Http2Guard>> others;
   for (int i = 0; i < 8; ++i) {
-    others.push_back(std::make_unique<Http2Guard>(limits_, all_, [](Http2Refusal) { FAIL(); }));
+    others.push_back(std::make_unique<Http2Guard>(limits_, all_, &Unexpected));
     EXPECT_TRUE(others.back()->FromClient(std::string(kPreface) + Open(1), 0, to_server));
   }
   Send(Open(1));
@@ -188,9 +223,9 @@ TEST_F(Http2GuardTest, AResetDoesNotDivideAHeaderBlock) {
 
   const std::string server_frame = Frame(Http2Type::kData, 0, 5, "data");
   EXPECT_EQ(Answer(server_frame.substr(0, 11)),
-            ToClientReset(1) + ToClientReset(3) + server_frame.substr(0, 11));
+            Refusal(1) + Refusal(3) + server_frame.substr(0, 11));
   Send(Open(7) + Frame(Http2Type::kData, 0, 7, Number(1, 1)));
-  EXPECT_EQ(Answer(server_frame.substr(11)), server_frame.substr(11) + ToClientReset(7));
+  EXPECT_EQ(Answer(server_frame.substr(11)), server_frame.substr(11) + Refusal(7));
 }
 
 TEST_F(Http2GuardTest, ClosesAConnectionThatResetsTooManyCalls) {
@@ -217,8 +252,10 @@ TEST(Http2GuardBytes, ClosesWhatIsNotHttp2) {
   };
   for (const std::string& bytes : samples) {
     std::vector<Http2Refusal> refusals;
-    Http2Guard guard({}, std::make_shared<Http2Use>(),
-                     [&](Http2Refusal why) { refusals.push_back(why); });
+    Http2Guard guard({}, std::make_shared<Http2Use>(), [&](Http2Refusal why) {
+      refusals.push_back(why);
+      return Http2Guard::Headers();
+    });
     std::string to_server;
     EXPECT_FALSE(guard.FromClient(bytes, 0, to_server)) << bytes;
     EXPECT_THAT(refusals, ElementsAre(Http2Refusal::kNotHttp2)) << bytes;

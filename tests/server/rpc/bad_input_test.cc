@@ -21,15 +21,20 @@ namespace {
 
 using ::testing::HasSubstr;
 
+constexpr char kStreamTelemetry[] = "/sweepstake.v1.TelemetryService/StreamTelemetry";
+
 // Sends raw bytes that no generated stub would send.
 class RawClient {
  public:
   explicit RawClient(const std::shared_ptr<grpc::Channel>& channel,
-                     const char* method = "/sweepstake.v1.TelemetryService/StreamTelemetry")
-      : method_(method, grpc::internal::RpcMethod::BIDI_STREAMING, channel),
-        stream_(
-            grpc::internal::ClientReaderWriterFactory<grpc::ByteBuffer, grpc::ByteBuffer>::Create(
-                channel.get(), method_, &context_)) {}
+                     const char* method = kStreamTelemetry,
+                     grpc_compression_algorithm compression = GRPC_COMPRESS_NONE)
+      : method_(method, grpc::internal::RpcMethod::BIDI_STREAMING, channel) {
+    context_.set_compression_algorithm(compression);
+    stream_ = std::unique_ptr<grpc::ClientReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer>>(
+        grpc::internal::ClientReaderWriterFactory<grpc::ByteBuffer, grpc::ByteBuffer>::Create(
+            channel.get(), method_, &context_));
+  }
   void Send(const std::string& bytes) {
     const grpc::Slice slice(bytes);
     stream_->Write(grpc::ByteBuffer(&slice, 1));
@@ -240,7 +245,19 @@ TEST_F(BadInputTest, AWatchersUnparsableBytesAreLogged) {
 TEST_F(BadInputTest, AMessageOverTheLimitExhaustsResources) {
   RawClient raw(channel_);
   raw.Send(std::string(256 * 1024 + 1, 'x'));
-  EXPECT_EQ(raw.Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  const grpc::Status status = raw.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_MESSAGE_TOO_LONG);
+  EXPECT_THAT(status.error_message(), HasSubstr("262144 bytes"));
+}
+
+TEST_F(BadInputTest, ACompressedMessageIsNotImplemented) {
+  RawClient raw(channel_, kStreamTelemetry, GRPC_COMPRESS_GZIP);
+  raw.Send(std::string(10'000, 'x'));
+  const grpc::Status status = raw.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::UNIMPLEMENTED);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_MESSAGE_COMPRESSED);
+  EXPECT_THAT(status.error_message(), HasSubstr("compressed"));
 }
 
 TEST_F(BadInputTest, TheFirstRequestMustBeHello) {

@@ -101,14 +101,22 @@ TEST_F(StreamBoundsTest, NothingIsReadForHellosOfClientsThatLeft) {
 }
 
 TEST_F(StreamBoundsTest, StreamsWithoutASessionAreCountedToo) {
+  std::promise<void> release;
+  Block(release);
   std::vector<std::unique_ptr<TelemetryClient>> clients;
+  const auto begin_stream = [&] {
+    clients.push_back(std::make_unique<TelemetryClient>(channel_));
+    clients.back()->Send(Request(HelloMessage()));
+  };
   const uint64_t max_count = options_.max_sessions + kMaxStreamsWithoutSession;
-  while (clients.size() < max_count) clients.push_back(std::make_unique<TelemetryClient>(channel_));
+  while (clients.size() < max_count) begin_stream();
   ASSERT_TRUE(StreamsOpen(max_count));
   EXPECT_EQ(ReasonOf(TelemetryClient(channel_).Finish()), v1::ERROR_REASON_TOO_MANY_STREAMS);
   clients.pop_back();
   ASSERT_TRUE(StreamsOpen(max_count - 1));
-  TelemetryClient(channel_).Open(HelloMessage());
+  begin_stream();
+  EXPECT_TRUE(StreamsOpen(max_count));
+  release.set_value();
 }
 
 }  // namespace
