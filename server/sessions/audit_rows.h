@@ -2,6 +2,7 @@
 // (engine_client/decider/audit/audit_row.h). Plain values.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -26,16 +27,23 @@ struct AuditRows {
   std::vector<StoredAuditRow> rows;  // ascending by number; numbers may be missing
 };
 
+// Returns the time of the steady clock.
+inline int64_t SteadyNs() {
+  return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 // Limits of a store's audit log, over all sessions except kAdminSession, whose rows are the actions
 // of administrators (engine_client/decider/audit/audit_log.h). Above the limits the oldest rows are
 // removed, 1/32 of the log at a time.
 struct AuditLimits {
   // Maximum size of all rows; 0: stores none. A row of a session with 7 arms has about 0.8 kB.
   uint64_t bytes = 256ull << 20;
-  uint64_t age_s = 30ull * 86'400;  // maximum time since a row's commit, by the wall clock
+  uint64_t age_s = 30ull * 86'400;  // maximum time since a row's commit (RetentionClock)
   // Number of the latest rows of kAdminSession that are kept, about 200 bytes each. The other
   // limits do not apply to them, because rows of games would push them out.
   uint64_t admin_row_count = 50'000;
+  // The steady clock by which the retention clock is limited. Tests replace it.
+  int64_t (*steady_ns)() = SteadyNs;
 
   friend bool operator==(const AuditLimits&, const AuditLimits&) = default;
 };

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "server/sessions/common/unix_time.h"
 #include "server/storage/backup/sqlite_backup.h"
@@ -26,7 +27,7 @@ constexpr absl::string_view kBackup = ".backup-";
 constexpr absl::string_view kQuarantine = ".quarantine-";
 constexpr size_t kMaxQuarantined = 2;
 
-// Returns the time (UTC) as text that sorts in the order of time.
+// Returns the time (UTC) as text.
 std::string TimeText() {
   const std::time_t now = priors::UnixNowS();
   std::tm utc{};
@@ -36,8 +37,17 @@ std::string TimeText() {
   return text;
 }
 
+// Returns the number in the name of a copy; 0 if it has none.
+uint64_t NumberOf(const fs::path& copy, absl::string_view kind) {
+  const std::string name = copy.filename().string();
+  const size_t begin = name.rfind(std::string(kind)) + kind.size();
+  uint64_t number = 0;
+  return absl::SimpleAtoi(name.substr(begin, name.find('-', begin) - begin), &number) ? number : 0;
+}
+
 // Lists the files beside the database whose names consist of its name, `kind` (kBackup or
-// kQuarantine), a time and `end`. The newest comes first. `end` includes the Z of the time.
+// kQuarantine), a number, a time and `end`. The newest comes first. `end` includes the Z of the
+// time.
 std::vector<fs::path> ListCopies(const fs::path& path, absl::string_view kind,
                                  absl::string_view end = "Z") {
   const std::string begin = absl::StrCat(path.filename().string(), kind);
@@ -48,8 +58,17 @@ std::vector<fs::path> ListCopies(const fs::path& path, absl::string_view kind,
     const std::string name = entry->path().filename().string();
     if (absl::StartsWith(name, begin) && absl::EndsWith(name, end)) copies.push_back(entry->path());
   }
-  std::sort(copies.rbegin(), copies.rend());
+  std::sort(copies.begin(), copies.end(), [&](const fs::path& a, const fs::path& b) {
+    return std::pair(NumberOf(a, kind), a) > std::pair(NumberOf(b, kind), b);
+  });
   return copies;
+}
+
+// Returns the name of the next copy.
+fs::path NextCopy(const fs::path& path, absl::string_view kind) {
+  const std::vector<fs::path> copies = ListCopies(path, kind);
+  const uint64_t number = copies.empty() ? 0 : NumberOf(copies.front(), kind);
+  return absl::StrCat(path.string(), kind, absl::Dec(number + 1, absl::kZeroPad6), "-", TimeText());
 }
 
 void RemoveOldest(const fs::path& path, absl::string_view kind, size_t max) {
@@ -136,7 +155,7 @@ absl::Status WithAdvice(const absl::Status& problem, const fs::path& path, bool 
   const std::string name = path.filename().string();
   std::string text(problem.message());
   if (damaged)
-    absl::StrAppend(&text, ", and there is no undamaged backup ", name, kBackup, "TIME beside it");
+    absl::StrAppend(&text, ", and there is no undamaged backup ", name, kBackup, "* beside it");
   absl::StrAppend(&text, "; move away those of ", name, ", ", name, "-wal and ", name,
                   "-shm that exist, then restore a backup with `sweepstaked restore`, or delete ",
                   StoreIdFile(path).string(), " too, to start with an empty store");
@@ -164,7 +183,7 @@ absl::StatusOr<OpenedStore> OpenStoreOrBackup(const fs::path& path,
   const bool damaged = IsDamaged(path);
   const std::optional<fs::path> backup = damaged ? LastWholeBackup(path) : std::nullopt;
   if (!backup) return WithAdvice(problem, path, damaged);
-  const fs::path kept = absl::StrCat(path.string(), kQuarantine, TimeText());
+  const fs::path kept = NextCopy(path, kQuarantine);
   if (absl::Status status = Replace(path, *backup, kept); !status.ok()) return status;
   RemoveOldest(path, kQuarantine, kMaxQuarantined);
   store = OpenSqlitePriorStore(path, audit_limits, max_bytes, std::move(on_sync));
@@ -187,7 +206,7 @@ std::optional<fs::file_time_type> LastBackupTime(const fs::path& path) {
 
 absl::StatusOr<fs::path> SaveMisplacedStore(priors::PriorStore& store, const fs::path& path) {
   mkdir(path.parent_path().c_str(), 0700);  // if this fails, CopyStore returns an error
-  const fs::path file = absl::StrCat(path.string(), kBackup, TimeText());
+  const fs::path file = NextCopy(path, kBackup);
   absl::Status status =
       CopyStore(store, file, [](SqliteDatabase& copy) { LeaveOutDamagedRows(copy); });
   if (!status.ok()) return status;
@@ -255,7 +274,7 @@ absl::StatusOr<MadeBackup> AutomaticBackups::MakeOne() {
         "a backup needs ", bytes >> 19,
         " MiB of free space, twice the size of the store; free some, or set backup_count to 0"));
   }
-  const fs::path file = absl::StrCat(path_.string(), kBackup, TimeText());
+  const fs::path file = NextCopy(path_, kBackup);
   const auto contents = BackUpStore(path_.parent_path(), file, &stopping_);
   if (contents.ok()) return MadeBackup{file, contents->damaged_row_count};
   if (!absl::IsAlreadyExists(contents.status())) fs::remove(file, unknown);

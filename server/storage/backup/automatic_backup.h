@@ -2,9 +2,10 @@
 // good backup replaces it. A database whose file was removed or replaced while in use is saved,
 // too.
 //
-// Backups lie beside the database as NAME.backup-TIME, and contain no damaged rows. A damaged
-// database is kept as NAME.quarantine-TIME. Only the newest BackupPlan::count backups and the
-// newest two damaged databases are kept.
+// Backups lie beside the database as NAME.backup-NUMBER-TIME, and contain no damaged rows. A
+// damaged database is kept as NAME.quarantine-NUMBER-TIME. The number is that of the newest such
+// file plus one, so a wrong wall clock does not change their order. Only the newest
+// BackupPlan::count backups and the newest two damaged databases are kept.
 #pragma once
 
 #include <atomic>

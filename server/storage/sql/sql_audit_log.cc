@@ -85,13 +85,29 @@ absl::Status SqlAuditLog::AppendAll(std::span<const priors::SourceUpdate* const>
   for (const priors::SourceUpdate* update : updates)
     unix_now_s = std::max(unix_now_s, update->unix_time_s);
   absl::Status status = database_.Run(kLockLog);
+  if (!status.ok()) return status;
+  const auto now_s = RetentionTime(unix_now_s);
+  if (!now_s.ok()) return now_s.status();
   // If the file has reached its maximum size, the new rows need the space of the rows removed here.
-  if (status.ok() && !database_.shared()) status = Trim(unix_now_s);
-  for (size_t i = 0; i < updates.size() && status.ok(); ++i) status = AppendOne(*updates[i], lost);
-  return status.ok() ? Trim(unix_now_s) : status;
+  if (!database_.shared()) status = Trim(*now_s);
+  for (size_t i = 0; i < updates.size() && status.ok(); ++i)
+    status = AppendOne(*updates[i], *now_s, lost);
+  return status.ok() ? Trim(*now_s) : status;
 }
 
-absl::Status SqlAuditLog::AppendOne(const priors::SourceUpdate& update, uint64_t& lost) {
+absl::StatusOr<uint64_t> SqlAuditLog::RetentionTime(uint64_t unix_now_s) {
+  if (!clock_) {
+    uint64_t start_s = 0;
+    absl::Status status =
+        database_.ForEachRow(kLatestChunk, [&](const SqlRow& row) { start_s = row.Unsigned(1); });
+    if (!status.ok()) return status;
+    clock_.emplace(start_s);
+  }
+  return clock_->Follow(unix_now_s, limits_.steady_ns());
+}
+
+absl::Status SqlAuditLog::AppendOne(const priors::SourceUpdate& update, uint64_t now_s,
+                                    uint64_t& lost) {
   const auto segment = Find(update.progress.source_id, update.audit.segment);
   if (!segment.ok()) return segment.status();
   std::vector<const StoredAuditRow*> rows;
@@ -113,7 +129,7 @@ absl::Status SqlAuditLog::AppendOne(const priors::SourceUpdate& update, uint64_t
   }
   absl::Status status = id.status();
   const bool is_admin = update.progress.source_id == decision::kAdminSession;
-  if (status.ok() && !is_admin) status = GrowChunk(bytes, update.unix_time_s);
+  if (status.ok() && !is_admin) status = GrowChunk(bytes, now_s);
   if (!status.ok()) return status;
   SqlBatch batch;
   for (const StoredAuditRow* row : rows) batch.Add(*id, row->number, SqlBytes{row->bytes});
@@ -132,22 +148,21 @@ absl::StatusOr<SqlAuditLog::Segment> SqlAuditLog::Find(const std::string& sessio
       session_id, segment);
 }
 
-absl::Status SqlAuditLog::GrowChunk(uint64_t bytes, uint64_t unix_now_s) {
+absl::Status SqlAuditLog::GrowChunk(uint64_t bytes, uint64_t now_s) {
   int64_t first_row_id = 0;
   absl::Status status = database_.ForEachRow(kLatestChunk, [&](const SqlRow& row) {
-    if (!IsFull(ChunkOf(row), limits_, unix_now_s)) first_row_id = row.Integer(0);
+    if (!IsFull(ChunkOf(row), limits_, now_s)) first_row_id = row.Integer(0);
   });
   if (!status.ok()) return status;
-  return first_row_id == 0 ? database_.Run(kAddChunk, unix_now_s, bytes)
+  return first_row_id == 0 ? database_.Run(kAddChunk, now_s, bytes)
                            : database_.Run(kGrowChunk, first_row_id, bytes);
 }
 
-absl::Status SqlAuditLog::Trim(uint64_t unix_now_s) {
+absl::Status SqlAuditLog::Trim(uint64_t now_s) {
   while (true) {
     int64_t first_row_id = 0;
     absl::Status status = database_.ForEachRow(kOldestChunk, [&](const SqlRow& row) {
-      if (IsBeyond(ChunkOf(row), row.Unsigned(3), limits_, unix_now_s))
-        first_row_id = row.Integer(0);
+      if (IsBeyond(ChunkOf(row), row.Unsigned(3), limits_, now_s)) first_row_id = row.Integer(0);
     });
     if (!status.ok() || first_row_id == 0) return status;
     status = RemoveRows(kDeleteRows, first_row_id, decision::kAdminSession);

@@ -8,11 +8,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "absl/status/statusor.h"
 #include "server/sessions/prior_store.h"
+#include "server/storage/retention_clock.h"
 #include "server/storage/sql/sql_database.h"
 
 namespace sweepstake::storage {
@@ -25,8 +27,9 @@ class SqlAuditLog {
 
   // Changes the limits. Trim and Append remove rows beyond them.
   void Limit(const priors::AuditLimits& limits) { limits_ = limits; }
-  // Removes rows beyond the limits, in the caller's transaction.
-  absl::Status Trim(uint64_t unix_now_s);
+  // Removes rows beyond the limits, in the caller's transaction. `now_s` is the time of the
+  // retention clock; 0 removes no rows because of their age.
+  absl::Status Trim(uint64_t now_s);
   // Appends the rows of the updates in the caller's transaction. Returns how many could not be
   // written: invalid rows or, after an error, all rows. If no rows could be written, the
   // transaction is as it was before the call, or SQLite has ended it (disk full). Errors, only in a
@@ -41,10 +44,12 @@ class SqlAuditLog {
   };
 
   absl::Status AppendAll(std::span<const priors::SourceUpdate* const> updates, uint64_t& lost);
-  absl::Status AppendOne(const priors::SourceUpdate& update, uint64_t& lost);
+  absl::Status AppendOne(const priors::SourceUpdate& update, uint64_t now_s, uint64_t& lost);
   absl::StatusOr<Segment> Find(const std::string& session_id, uint32_t segment);
   // Adds `bytes` to the size of the latest chunk. Begins a new chunk if the latest one is full.
-  absl::Status GrowChunk(uint64_t bytes, uint64_t unix_now_s);
+  absl::Status GrowChunk(uint64_t bytes, uint64_t now_s);
+  // Returns the time of the retention clock, which begins at the time of the latest chunk.
+  absl::StatusOr<uint64_t> RetentionTime(uint64_t unix_now_s);
   // Runs a statement that removes rows and returns their segments. Then removes the segments that
   // have no rows left.
   template <typename... Args>
@@ -52,6 +57,7 @@ class SqlAuditLog {
 
   SqlDatabase& database_;
   priors::AuditLimits limits_;
+  std::optional<RetentionClock> clock_;  // absent before the first use
 };
 
 }  // namespace sweepstake::storage

@@ -1,6 +1,7 @@
 // Sample evidence for tests of stores.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -26,6 +27,12 @@ inline EvidenceKey Key(const std::string& arm, const std::string& scene = "harbo
           .backend_version = 1,
           .machine_class = "desktop",
           .reward_version = 1};
+}
+
+// A steady clock for AuditLimits that is so fast that the retention clock is the wall clock.
+inline int64_t FastSteadyNs() {
+  static std::atomic<int64_t> now_ns = 0;
+  return now_ns += int64_t{100} * 86'400'000'000'000;
 }
 
 // Returns the key of an arm's evidence in a regime.

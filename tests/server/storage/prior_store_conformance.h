@@ -26,7 +26,7 @@ namespace sweepstake::storage {
 
 // The limits of the audit logs of the tested stores.
 inline constexpr priors::AuditLimits kConformanceAuditLimits{
-    .bytes = 64, .age_s = 3200, .admin_row_count = 5};
+    .bytes = 64, .age_s = 3200, .admin_row_count = 5, .steady_ns = FastSteadyNs};
 
 using MakeStore = std::function<std::unique_ptr<PriorStore>()>;
 

@@ -309,13 +309,29 @@ TEST_F(SqlitePriorStoreTest, AChangedAgeLimitOfAuditRowsAppliesFromTheNextCommit
     update.unix_time_s = unix_s;
     return std::vector{std::move(update)};
   };
-  auto store = *OpenSqlitePriorStore(path_, {.age_s = 1'000});
+  auto store = *OpenSqlitePriorStore(path_, {.age_s = 1'000, .steady_ns = FastSteadyNs});
   ASSERT_TRUE(store->Commit(at(Audited("a", 1, 1, 5), 1'000)).ok());
   ASSERT_TRUE(store->Commit(at(Audited("b", 1, 1, 3), 1'300)).ok());
   EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_row"), 8);
-  ASSERT_TRUE(LimitStore(*store, {.age_s = 200}, /*max_bytes=*/1 << 30).ok());
+  ASSERT_TRUE(
+      LimitStore(*store, {.age_s = 200, .steady_ns = FastSteadyNs}, /*max_bytes=*/1 << 30).ok());
   ASSERT_TRUE(store->Commit(at(Audited("b", 2, 4, 1), 1'301)).ok());
   EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_row"), 4);
+}
+
+// A wall clock that is two years ahead for one start, and then right again.
+TEST_F(SqlitePriorStoreTest, AWrongWallClockRemovesNoAuditRows) {
+  constexpr uint64_t kDayS = 86'400, kNow = 20'000 * kDayS;
+  const auto commit = [&](const char* session, uint64_t unix_s) {
+    SourceUpdate update = Audited(session, 1, 1, 5);
+    update.unix_time_s = unix_s;
+    return (*OpenSqlitePriorStore(path_))->Commit(std::vector{update});
+  };
+  ASSERT_TRUE(commit("a", kNow).ok());
+  ASSERT_TRUE(commit("b", kNow + 730 * kDayS).ok());
+  ASSERT_TRUE(commit("c", kNow + 730 * kDayS).ok()) << "a second start";
+  ASSERT_TRUE(commit("d", kNow + kDayS).ok());
+  EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_row"), 20);
 }
 
 TEST_F(SqlitePriorStoreTest, AFileAtItsMaximumSizeAcceptsNoNewEvidence) {
