@@ -27,6 +27,7 @@
 #include "server/config.h"
 #include "server/daemon.h"
 #include "server/host/exit_guard.h"
+#include "server/host/grpc_log.h"
 #include "server/host/service_manager.h"
 #include "server/rpc/health_probe.h"
 #include "server/sessions/common/decision_loop.h"
@@ -264,14 +265,24 @@ void OpenStandardStreams() {
   if (file > STDERR_FILENO) close(file);
 }
 
+// SQLite maps its -shm file. An access beyond the end of a file that was cut raises SIGBUS. What
+// was acknowledged is in the database, so a restart continues.
+extern "C" void OnBusError(int /*signal*/) {
+  constexpr std::string_view kText =
+      "sweepstaked: a file of the data directory was cut while it was in use, or its disk does not "
+      "answer; start the daemon again\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kText.data(), kText.size());
+  _exit(kDidNotEnd);
+}
+
 int Run(const Config& config, CommandLine& line) {
   const sigset_t signals = BlockSignals();
   // A closed log pipe must not end the daemon.
   std::signal(SIGPIPE, SIG_IGN);
   // At a limit of the file size (ulimit -f) writes fail as on a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
-  // gRPC and protobuf write lines to stderr that are not JSON. gRPC's failures are in the log
-  // anyway.
+  std::signal(SIGBUS, OnBusError);
+  // gRPC and protobuf write lines to stderr that are not JSON. GrpcLog takes them later.
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
   // protobuf writes a line for each text that is not UTF-8, so clients could cause any number of
   // lines.
@@ -283,6 +294,7 @@ int Run(const Config& config, CommandLine& line) {
   sessions::SteadyLoopClock clock;
   auto daemon = Daemon::Start(config, clock);
   if (!daemon.ok()) return Fail(kCouldNotStart, std::string(daemon.status().message()));
+  const GrpcLog grpc_log((*daemon)->log());
   const auto interval = WatchdogInterval();
   if (interval && !(*daemon)->Alive(*interval)) return Fail(kCouldNotStart, kNoWatchdog);
   const Watchdog watchdog(interval, [&] { return (*daemon)->Alive(*interval); });

@@ -66,27 +66,36 @@ absl::Status PublishFile(const fs::path& unfinished, const fs::path& path) {
   return Sync(ParentOf(path));
 }
 
-absl::StatusOr<FileId> FileId::Of(const fs::path& path) {
+absl::StatusOr<FileId> FileId::Of(const fs::path& path, uint64_t* bytes) {
   struct stat found {};
-  if (stat(path.c_str(), &found) == 0) return FileId{found.st_dev, found.st_ino};
-  if (errno == ENOENT || errno == ENOTDIR) return FileId{};
-  return Unavailable(path, errno);
+  if (stat(path.c_str(), &found) != 0)
+    return errno == ENOENT || errno == ENOTDIR ? absl::StatusOr<FileId>(FileId{})
+                                               : Unavailable(path, errno);
+  if (bytes != nullptr) *bytes = static_cast<uint64_t>(found.st_size);
+  return FileId{found.st_dev, found.st_ino};
 }
 
-absl::Status FilesInUse::Add(const fs::path& path) {
-  const auto id = FileId::Of(path);
+absl::Status FilesInUse::Add(const fs::path& path, bool may_shrink) {
+  File file{.path = path, .id = {}, .may_shrink = may_shrink};
+  const auto id = FileId::Of(path, &file.bytes);
   if (!id.ok()) return id.status();
-  files_.emplace_back(path, *id);
+  file.id = *id;
+  files_.push_back(std::move(file));
   return absl::OkStatus();
 }
 
-absl::Status FilesInUse::Check() const {
-  for (const auto& [path, id] : files_) {
-    const auto now = FileId::Of(path);
+absl::Status FilesInUse::Check() {
+  for (File& file : files_) {
+    uint64_t bytes = 0;
+    const auto now = FileId::Of(file.path, &bytes);
     if (!now.ok()) return now.status();
-    if (*now == id) continue;
-    return absl::NotFoundError(absl::StrCat(path.string(), " was ",
-                                            *now == FileId() ? "removed" : "replaced",
+    const bool is_cut = !file.may_shrink && bytes < file.bytes;
+    if (*now == file.id && !is_cut) {
+      file.bytes = bytes;
+      continue;
+    }
+    const char* what = *now == FileId() ? "removed" : *now == file.id ? "cut" : "replaced";
+    return absl::NotFoundError(absl::StrCat(file.path.string(), " was ", what,
                                             " while it was in use, and new commits would be lost"));
   }
   return absl::OkStatus();

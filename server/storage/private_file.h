@@ -27,22 +27,30 @@ struct FileId {
   uint64_t device = 0;
   uint64_t inode = 0;
 
-  // Returns the identity of the file that `path` names now. Error: UNAVAILABLE (`stat` fails).
-  static absl::StatusOr<FileId> Of(const std::filesystem::path& path);
+  // Returns the identity of the file that `path` names now, and its size if `bytes` is not null.
+  // Error: UNAVAILABLE (`stat` fails).
+  static absl::StatusOr<FileId> Of(const std::filesystem::path& path, uint64_t* bytes = nullptr);
   friend bool operator==(const FileId&, const FileId&) = default;
 };
 
 // Files in use. Stores the identity of each file when it is added.
 class FilesInUse {
  public:
-  // Error: UNAVAILABLE (`stat` fails).
-  absl::Status Add(const std::filesystem::path& path);
-  // Checks that each path still names the same file. Errors: NOT_FOUND (a file was removed or
-  // replaced), UNAVAILABLE.
-  absl::Status Check() const;
+  // `may_shrink`: the file may become shorter. Error: UNAVAILABLE (`stat` fails).
+  absl::Status Add(const std::filesystem::path& path, bool may_shrink);
+  // Checks that each path still names the same file, and that it was not cut. Errors: NOT_FOUND (a
+  // file was removed, replaced or cut), UNAVAILABLE.
+  absl::Status Check();
 
  private:
-  std::vector<std::pair<std::filesystem::path, FileId>> files_;
+  struct File {
+    std::filesystem::path path;
+    FileId id;
+    bool may_shrink = false;
+    uint64_t bytes = 0;  // the largest size so far
+  };
+
+  std::vector<File> files_;
 };
 
 }  // namespace sweepstake::storage

@@ -340,8 +340,8 @@ absl::Status SqliteDatabase::TimeSyncs(OnSync on_sync) {
 }
 
 absl::Status SqliteDatabase::SetPlace(const std::filesystem::path& path) {
-  absl::Status status = files_.Add(path);
-  return status.ok() ? files_.Add(path.string() + "-wal") : status;
+  absl::Status status = files_.Add(path, /*may_shrink=*/false);
+  return status.ok() ? files_.Add(path.string() + "-wal", /*may_shrink=*/true) : status;
 }
 
 absl::Status SqliteDatabase::Begin() {

@@ -66,7 +66,7 @@ class SqliteDatabase final : public SqlDatabase {
   // Also ends copies.
   void StopWhen(const std::atomic<bool>* flag) override;
   // Remembers the file at `path` and its write-ahead log. From now on CheckPlace fails if one of
-  // them was removed or replaced.
+  // them was removed or replaced, or if the database was cut.
   absl::Status SetPlace(const std::filesystem::path& path);
 
   bool shared() const override { return false; }

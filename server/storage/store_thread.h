@@ -65,9 +65,9 @@ struct StoreThreadOptions {
   // Called on the store's thread every `check_interval`, and when the thread ends. May be empty.
   std::function<void(priors::PriorStore&)> on_check = {};
   // Called on the store's thread with the cause when commits begin to fail, and with OK when they
-  // succeed again. NOT_FOUND means that the file was removed or replaced (PriorStore::CheckPlace).
-  // NOT_FOUND is reported even if commits already fail. If the file is back and the disk still
-  // fails, the disk error is reported again.
+  // succeed again. NOT_FOUND means that the file was removed, replaced or cut
+  // (PriorStore::CheckPlace). NOT_FOUND is reported even if commits already fail. If the file is
+  // back and the disk still fails, the disk error is reported again.
   std::function<void(const absl::Status&)> on_health = [](const absl::Status&) {};
   // Called on the store's thread after `on_health`, at each check that returns NOT_FOUND. It can
   // save the store elsewhere. `last` is true in the last call, when the thread ends. May be empty.

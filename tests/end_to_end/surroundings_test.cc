@@ -49,6 +49,22 @@ TEST(SurroundingsTest, AtALimitOfFileSizesTheDaemonWaitsAsOnAFullDisk) {
   EXPECT_EQ(daemon.Terminate(), 0);
 }
 
+TEST(SurroundingsTest, ACutMappedFileEndsTheDaemonWithAMessage) {
+  const TemporaryDirectory data;
+  DaemonProcess daemon(data.path());
+  rpc::TelemetryClient game(
+      grpc::CreateChannel(daemon.address(), grpc::InsecureChannelCredentials()));
+  v1::Hello hello = rpc::OneArmHello();
+  hello.set_time_scale(200);
+  game.Open(hello);
+  game.Send(rpc::Frames(1, 30));
+  game.AwaitAcknowledgement(1);
+  fs::resize_file(data.path() / "priors.db-shm", 0);
+  game.Send(rpc::Frames(2, 30));
+  EXPECT_TRUE(rpc::Eventually([&] { return daemon.ended(); }));
+  EXPECT_NE(daemon.log().find("was cut while it was in use"), std::string::npos) << daemon.log();
+}
+
 TEST(SurroundingsTest, ClosedStandardStreamsAreNotFilesOfTheData) {
   const TemporaryDirectory data;
   const fs::path port_file = data.path() / "port";

@@ -104,6 +104,16 @@ TEST_F(SqlitePriorStoreTest, AnImportThatIsStoppedAtAnyStatementChangesNothing) 
   EXPECT_EQ(store->Export({}, {}, 10)->records.size(), records.size());
 }
 
+TEST_F(SqlitePriorStoreTest, AStoreWhoseFileWasCutAcceptsNothing) {
+  const auto store = *OpenSqlitePriorStore(path_);
+  ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+  ASSERT_TRUE(store->CheckPlace().ok());
+  std::filesystem::resize_file(path_, 0);
+  EXPECT_TRUE(absl::IsNotFound(store->CheckPlace()));
+  EXPECT_THAT(std::string(store->CheckPlace().message()), HasSubstr(path_.string() + " was cut"));
+  EXPECT_TRUE(absl::IsUnavailable(store->Commit(std::vector{Update("a", 2, {Key("Grid")})})));
+}
+
 // A store in use whose database file or log is moved away. A copy may replace it.
 class MisplacedStoreTest : public SqlitePriorStoreTest,
                            public ::testing::WithParamInterface<std::pair<const char*, bool>> {
