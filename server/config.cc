@@ -112,17 +112,22 @@ void CheckHosts(const Config& config, Problems& problems) {
   }
 }
 
+// Returns whether other machines can reach the HTTP listener.
+bool HttpIsOpen(const Config& config) {
+  return !config.http.empty() && !tls::IsLoopback(config.http);
+}
+
 void CheckReach(const Config& config, Problems& problems) {
-  if (config.insecure) return;
-  if (config.rpc.tls.cert.empty() && !tls::IsLoopback(config.listen)) {
+  if (!config.rpc.tls.cert.empty()) return;
+  if (!config.insecure && !tls::IsLoopback(config.listen)) {
     problems.Add(absl::StrCat("listen: other machines can reach ", config.listen,
                               " and TLS is off; set --tls-cert and --tls-key, listen on "
                               "127.0.0.1, or allow plain text with --insecure"));
   }
-  if (!config.http.empty() && !tls::IsLoopback(config.http)) {
+  if (!config.http_plain && HttpIsOpen(config)) {
     problems.Add(absl::StrCat("http: other machines can reach ", config.http,
-                              " and HTTP is plain text; listen on 127.0.0.1, or allow plain text "
-                              "with --insecure"));
+                              " and TLS is off; set --tls-cert and --tls-key, listen on "
+                              "127.0.0.1, or allow plain text with --http-plain"));
   }
 }
 
@@ -254,8 +259,13 @@ absl::Status CheckConfigFile(const std::filesystem::path& path) {
 }
 
 bool NeedsToken(const Config& config) {
-  return config.require_tokens ||
-         (!config.insecure && config.rpc.tls.ca.empty() && !tls::IsLoopback(config.listen));
+  return config.require_tokens || (!config.insecure && config.rpc.tls.ca.empty() &&
+                                   (!tls::IsLoopback(config.listen) || HttpIsOpen(config)));
+}
+
+tls::Files HttpTls(const Config& config) {
+  if (config.http_plain || !HttpIsOpen(config)) return {};
+  return {.cert = config.rpc.tls.cert, .key = config.rpc.tls.key, .ca = {}};
 }
 
 std::set<std::string, std::less<>> HttpHosts(const Config& config) {

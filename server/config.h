@@ -30,10 +30,11 @@ struct Config {
   std::string http_hosts;  // further names of the daemon, separated by commas
   std::filesystem::path data = "sweepstake-data";
   std::string store;  // URL of the prior store that several daemons share; empty: one in `data`
-  std::filesystem::path port_file;       // the ports are written to it once the daemon listens
-  std::string log_level = "info";        // trace, debug, info, warn, error or off
-  bool require_tokens = false;           // refuses to start without a token, on every address
-  bool insecure = false;                 // allows plain text on addresses other than loopback
+  std::filesystem::path port_file;  // the ports are written to it once the daemon listens
+  std::string log_level = "info";   // trace, debug, info, warn, error or off
+  bool require_tokens = false;      // refuses to start without a token, on every address
+  bool insecure = false;    // gRPC: allows plain text without tokens on addresses besides loopback
+  bool http_plain = false;  // HTTP: allows plain text on addresses besides loopback
   uint64_t database_bytes = 4ull << 30;  // maximum size of priors.db
   priors::AuditLimits audit;             // limits of the audit log in priors.db
   size_t backup_count = 3;               // automatic backups that are kept; 0 makes none
@@ -78,9 +79,10 @@ class Settings {
   std::vector<Setting> settings_;  // in the order of --print-config
 };
 
-// Checks the rules that concern several settings: addresses other than loopback need TLS or
-// `insecure`, each listener has its own address, and the weights sum to 1. Does not read files. All
-// problems are reported, one per line, also by the next two functions.
+// Checks the rules that concern several settings: addresses other than loopback need TLS,
+// `insecure` (gRPC) or `http_plain` (HTTP), each listener has its own address, and the weights sum
+// to 1. Does not read files. All problems are reported, one per line, also by the next two
+// functions.
 absl::Status Validate(const Config& config);
 // Checks the files that the configuration names, and creates none: the TLS files must be readable
 // and belong together, the parents of `data` and `port_file` must exist, `data` must not be a file,
@@ -93,6 +95,10 @@ absl::Status CheckConfigFile(const std::filesystem::path& path);
 // machines can connect and neither client certificates nor `insecure` admit them. REQUIRES: the
 // configuration is valid.
 bool NeedsToken(const Config& config);
+
+// Returns the TLS files of the HTTP listener: those of gRPC without the clients' authority. Empty
+// if it uses plain text, on a loopback address or because of `http_plain`.
+tls::Files HttpTls(const Config& config);
 
 // Returns the host names that a browser may use for the daemon, in lower case and without ports:
 // those of http_hosts and the host of `http`.

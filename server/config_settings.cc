@@ -122,7 +122,10 @@ void AddFixed(Table& table, Config& config) {
                "refuse to start without a token, on loopback addresses too; for daemons behind a "
                "proxy");
   table.Switch("insecure", config.insecure,
-               "allow plain text on addresses that other machines can reach");
+               "let other machines use gRPC in plain text and without tokens");
+  table.Switch("http_plain", config.http_plain,
+               "let other machines use HTTP in plain text, for instance through a proxy that ends "
+               "TLS");
   table.Text("tls_cert", config.rpc.tls.cert,
              "PEM file of the server certificate, followed by its issuers; checked for changes "
              "every second");

@@ -269,8 +269,10 @@ absl::Status Daemon::OpenTokens() {
     return absl::FailedPreconditionError(
         "require_tokens: there is no token; create one with `sweepstaked token create`");
   }
+  const bool is_http = tls::IsLoopback(config_.listen);
   return absl::FailedPreconditionError(
-      absl::StrCat("listen: other machines can reach ", config_.listen,
+      absl::StrCat(is_http ? "http" : "listen", ": other machines can reach ",
+                   is_http ? config_.http : config_.listen,
                    " and there is no token; create one with `sweepstaked token create`, set "
                    "--tls-client-ca, listen on 127.0.0.1, or allow everyone with --insecure"));
 }
@@ -342,19 +344,21 @@ void Daemon::SaveStore(priors::PriorStore& store, bool last) {
 
 absl::Status Daemon::OpenHttp() {
   if (config_.http.empty()) return absl::OkStatus();
-  web::ApiOptions api = ApiOf(config_, *rpc_);
+  web::ApiOptions api = ApiOf(*rpc_);
   api.event_counters = events_;
-  const bool takes_tokens = api.takes_tokens_from_afar;
-  auto server = web::HttpServer::Start(config_.http,
-                                       MakeSite(std::move(api), HttpHosts(config_), HttpPages()));
+  const tls::Files tls = HttpTls(config_);
+  auto server = web::HttpServer::Start(
+      config_.http, MakeSite(std::move(api), HttpHosts(config_), HttpPages()), tls);
   if (!server.ok()) return server.status();
   web_ = *std::move(server);
-  log_->info("serving the dashboard, /metrics, /livez and /readyz on port {}", web_->port());
-  if (!tls::IsLoopback(config_.http)) {
+  const bool is_plain = tls.cert.empty();
+  log_->info("serving the dashboard, /metrics, /livez and /readyz by {} on port {}",
+             is_plain ? "HTTP" : "HTTPS", web_->port());
+  if (is_plain && !tls::IsLoopback(config_.http)) {
     log_->warn(
-        "http: other machines can reach {}, and the network can read {} in plain text",
-        config_.http,
-        takes_tokens ? "tokens and the content of the dashboard" : "the content of the dashboard");
+        "http: other machines can reach {}, and the network can read tokens and the dashboard in "
+        "plain text",
+        config_.http);
   }
   return absl::OkStatus();
 }

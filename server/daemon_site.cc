@@ -33,16 +33,16 @@ bool TlsKeepsOut(const tls::Files& files) {
 
 }  // namespace
 
-web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc) {
+web::ApiOptions ApiOf(rpc::RpcServer& rpc) {
   web::ApiOptions options;
   for (const rpc::Rpc& method : rpc::kRoleTable) options.methods.emplace_back(method.name);
   options.begin_call = [&rpc](auto request, const std::string& peer, const auto& token,
                               auto on_response, auto on_end) {
     return rpc.CallOverHttp({.request = std::move(request),
                              .peer = peer,
-                             .token = token,
                              .on_response = std::move(on_response),
-                             .on_end = std::move(on_end)});
+                             .on_end = std::move(on_end)},
+                            token);
   };
   options.identify = [&rpc](const std::string& peer, std::optional<std::string_view> token) {
     return rpc.IdentifyOverHttp(peer, token);
@@ -56,8 +56,6 @@ web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc) {
   options.version = SWEEPSTAKE_VERSION;
   options.stable_probability = decision::kStableProbability;
   options.tie_loss_ratio = decision::kTieLossRatio;
-  // If gRPC uses TLS, tokens from other machines are refused over HTTP, which is not encrypted.
-  options.takes_tokens_from_afar = config.rpc.tls.cert.empty();
   return options;
 }
 

@@ -15,7 +15,7 @@ namespace sweepstake::server {
 
 // Returns options for an API that calls the services of `rpc`, which must outlive the API.
 // REQUIRES: the configuration is valid.
-web::ApiOptions ApiOf(const Config& config, rpc::RpcServer& rpc);
+web::ApiOptions ApiOf(rpc::RpcServer& rpc);
 
 // Returns a handler for the dashboard, the API and the pages. `hosts` are the accepted host names,
 // as in Site::Options.

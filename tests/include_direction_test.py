@@ -58,9 +58,10 @@ ALLOWED = {
     "server/auth": {"server/storage"},
     "server/events": DECIDER | {"server/sessions"},
     "server/net": set(),
-    "server/web": {"engine_client/telemetry/tls", "server/auth", "server/dashboard", "server/events", "server/net", "server/sessions", "proto"},
+    "server/web": {"engine_client/telemetry/tls", "server/auth", "server/dashboard", "server/events", "server/net", "server/sessions", "server/tls", "proto"},
     "server/rpc": DECIDER | {
-        "server/auth", "server/events", "server/net", "server/sessions", "engine_client/telemetry/conversion", "engine_client/telemetry/tls", "proto"},
+        "server/auth", "server/events", "server/net", "server/sessions", "server/tls", "engine_client/telemetry/conversion", "engine_client/telemetry/tls",
+        "proto"},
     "server/host": {"server/sessions", "server/rpc", "server/storage", "server/web", "proto"},
     "server": DECIDER | {
         "server/auth", "server/events", "server/host", "server/sessions", "server/storage", "engine_client/telemetry/tls", "server/tls", "server/rpc",

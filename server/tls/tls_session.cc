@@ -4,50 +4,8 @@
 #include <openssl/err.h>
 
 #include <array>
-#include <boost/asio/buffer.hpp>
-
-#include "absl/strings/str_cat.h"
 
 namespace sweepstake::tls {
-namespace {
-
-namespace ssl = boost::asio::ssl;
-
-constexpr std::array<unsigned char, 3> kHttp2 = {2, 'h', '2'};
-
-int SelectHttp2(SSL* /*session*/, const unsigned char** chosen, unsigned char* chosen_size,
-                const unsigned char* offered, unsigned int offered_size, void* /*unused*/) {
-  unsigned char* selected = nullptr;
-  const int result = SSL_select_next_proto(&selected, chosen_size, kHttp2.data(), kHttp2.size(),
-                                           offered, offered_size);
-  *chosen = selected;
-  return result == OPENSSL_NPN_NEGOTIATED ? SSL_TLSEXT_ERR_OK : SSL_TLSEXT_ERR_ALERT_FATAL;
-}
-
-}  // namespace
-
-absl::StatusOr<std::shared_ptr<TlsContext>> TlsContext::Make(const Texts& texts) {
-  auto made = std::make_shared<TlsContext>();
-  boost::system::error_code error;
-  ssl::context& context = made->context_;
-  context.use_certificate_chain(boost::asio::buffer(texts.cert), error);
-  if (!error) context.use_private_key(boost::asio::buffer(texts.key), ssl::context::pem, error);
-  if (!error && !texts.ca.empty()) {
-    context.add_certificate_authority(boost::asio::buffer(texts.ca), error);
-    context.set_verify_mode(ssl::verify_peer | ssl::verify_fail_if_no_peer_cert);
-  }
-  if (error)
-    return absl::InvalidArgumentError(
-        absl::StrCat("the TLS files are unusable: ", error.message()));
-  SSL_CTX* handle = made->handle();
-  SSL_CTX_set_min_proto_version(handle, TLS1_2_VERSION);
-  SSL_CTX_set_options(handle, SSL_OP_NO_RENEGOTIATION);
-  SSL_CTX_set_session_cache_mode(handle, SSL_SESS_CACHE_OFF);
-  SSL_CTX_set_mode(handle, SSL_MODE_RELEASE_BUFFERS);
-  SSL_CTX_set_alpn_select_cb(handle, SelectHttp2, nullptr);
-  return made;
-}
-
 TlsSession::TlsSession(const std::shared_ptr<TlsContext>& context)
     : context_(context),
       ssl_(SSL_new(context->handle())),

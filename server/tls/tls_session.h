@@ -1,32 +1,17 @@
 // Ends TLS in the daemon, so that it can read what clients send before gRPC does.
 //
-// A TlsContext has the certificate; a TlsSession converts the bytes of one connection. Neither uses
-// sockets. TLS 1.2 or newer, the protocol "h2" by ALPN.
+// A TlsSession converts the bytes of one connection. It does not use sockets.
 #pragma once
 
 #include <openssl/ssl.h>
 
-#include <boost/asio/ssl/context.hpp>
 #include <memory>
 #include <string>
 #include <string_view>
 
-#include "absl/status/statusor.h"
-#include "engine_client/telemetry/tls/tls_files.h"
+#include "server/tls/certificate.h"
 
 namespace sweepstake::tls {
-
-class TlsContext {
- public:
-  // With `texts.ca`, clients must have a certificate of one of these authorities. Error:
-  // INVALID_ARGUMENT (OpenSSL cannot use the texts).
-  static absl::StatusOr<std::shared_ptr<TlsContext>> Make(const Texts& texts);
-
-  SSL_CTX* handle() { return context_.native_handle(); }
-
- private:
-  boost::asio::ssl::context context_{boost::asio::ssl::context::tls_server};
-};
 
 // One thread at a time.
 class TlsSession {

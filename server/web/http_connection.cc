@@ -85,14 +85,16 @@ std::string_view Request::Header(std::string_view name) const {
   return {found->value().data(), found->value().size()};
 }
 
-HttpConnection::HttpConnection(tcp::socket socket, ConnectionShared& shared,
+HttpConnection::HttpConnection(tcp::socket socket, std::shared_ptr<tls::TlsContext> tls,
+                               ConnectionShared& shared,
                                std::function<void(HttpConnection&)> on_closed)
     : shared_(shared),
       on_closed_(std::move(on_closed)),
-      stream_(std::move(socket)),
+      stream_(std::move(socket), std::move(tls)),
       buffer_(size_t{2} * shared.limits.max_header_bytes) {
-  request_.peer = net::PeerOf(stream_.socket().native_handle());
-  request_.own_host = HostOf(stream_.socket());
+  request_.peer = net::PeerOf(stream_.tcp().socket().native_handle());
+  request_.own_host = HostOf(stream_.tcp().socket());
+  request_.is_tls = stream_.is_tls();
 }
 
 HttpConnection::~HttpConnection() {
@@ -100,13 +102,22 @@ HttpConnection::~HttpConnection() {
   on_closed_(*this);
 }
 
+void HttpConnection::Start() {
+  idle_since_ = std::chrono::steady_clock::now();
+  stream_.tcp().expires_after(shared_.limits.patience);
+  stream_.Handshake([self = shared_from_this()](error_code error) {
+    if (!error) self->Read();
+  });
+}
+
 void HttpConnection::Read() {
+  idle_since_ = std::chrono::steady_clock::now();
   ReserveBody(0);
   parser_.emplace();
   parser_->header_limit(shared_.limits.max_header_bytes);
   parser_->body_limit(shared_.limits.max_body_bytes);
   // One deadline for the whole request, however slowly its bytes arrive.
-  stream_.expires_after(shared_.limits.patience);
+  stream_.tcp().expires_after(shared_.limits.patience);
   http::async_read_header(stream_, buffer_, *parser_,
                           [self = shared_from_this()](error_code error, size_t /*byte_count*/) {
                             self->OnHeader(error);
@@ -148,6 +159,7 @@ void HttpConnection::ReserveBody(size_t byte_count) {
 void HttpConnection::OnBody(error_code error) {
   if (IsMalformed(error)) return Reject(MalformedPage(error));
   if (error) return;
+  idle_since_.reset();
   request_.message = parser_->release();
   shared_.handler(shared_from_this());
 }
@@ -169,7 +181,7 @@ void HttpConnection::Write(Page page, bool keep_alive) {
   response_.prepare_payload();
   // The answer to a HEAD has the Content-Length of the answer to a GET, but not its body.
   if (request_.message.method() == http::verb::head) response_.body().clear();
-  stream_.expires_after(PatienceFor(response_.body().size()));
+  stream_.tcp().expires_after(PatienceFor(response_.body().size()));
   http::async_write(stream_, response_,
                     [self = shared_from_this()](error_code error, size_t /*byte_count*/) {
                       self->OnWritten(error);
@@ -179,8 +191,8 @@ void HttpConnection::Write(Page page, bool keep_alive) {
 void HttpConnection::OnWritten(error_code error) {
   if (error) return;
   if (response_.keep_alive()) return Read();
-  stream_.socket().shutdown(tcp::socket::shutdown_send, error);
-  stream_.expires_after(shared_.limits.patience);
+  stream_.tcp().socket().shutdown(tcp::socket::shutdown_send, error);
+  stream_.tcp().expires_after(shared_.limits.patience);
   Linger();
 }
 
@@ -193,8 +205,9 @@ void HttpConnection::Linger() {
 }
 
 void HttpConnection::Drop() {
+  idle_since_.reset();
   source_.reset();
-  stream_.close();
+  stream_.tcp().close();
 }
 
 void HttpConnection::Stream(std::string content_type, std::unique_ptr<PartSource> source) {
@@ -208,7 +221,7 @@ void HttpConnection::Stream(std::string content_type, std::unique_ptr<PartSource
     if (!self || self->writing_) return;
     boost::asio::post(self->stream_.get_executor(), [self] { self->WriteParts(); });
   });
-  stream_.expires_never();
+  stream_.tcp().expires_never();
   AwaitEnd();
   WriteStreamHead(std::move(content_type));
 }
@@ -220,7 +233,7 @@ void HttpConnection::WriteStreamHead(std::string content_type) {
   head_.keep_alive(false);
   head_.chunked(true);
   serializer_.emplace(head_);
-  stream_.expires_after(shared_.limits.patience);
+  stream_.tcp().expires_after(shared_.limits.patience);
   http::async_write_header(stream_, *serializer_,
                            [self = shared_from_this()](error_code error, size_t /*byte_count*/) {
                              self->OnPartWritten(error);
@@ -240,10 +253,10 @@ void HttpConnection::AwaitEnd() {
 }
 
 void HttpConnection::AwaitReset() {
-  stream_.socket().async_wait(tcp::socket::wait_error,
-                              [self = shared_from_this()](error_code /*error*/) {
-                                if (self->source_) self->Drop();
-                              });
+  stream_.tcp().socket().async_wait(tcp::socket::wait_error,
+                                    [self = shared_from_this()](error_code /*error*/) {
+                                      if (self->source_) self->Drop();
+                                    });
 }
 
 void HttpConnection::WriteParts() {
@@ -255,7 +268,7 @@ void HttpConnection::WriteParts() {
   part_ = source_->Next();
   writing_ = part_ != nullptr || source_->ended();
   if (!writing_) return;
-  stream_.expires_after(PatienceFor(part_ ? part_->size() : 0));
+  stream_.tcp().expires_after(PatienceFor(part_ ? part_->size() : 0));
   if (part_) {
     boost::asio::async_write(stream_, http::make_chunk(boost::asio::buffer(*part_)), on_written);
   } else {
@@ -270,7 +283,7 @@ void HttpConnection::OnPartWritten(error_code error) {
   if (source_) return WriteParts();
   // Closing now cannot discard the last part on the client's side, because everything that the
   // client sent has been read.
-  stream_.socket().shutdown(tcp::socket::shutdown_send, error);
+  stream_.tcp().socket().shutdown(tcp::socket::shutdown_send, error);
   Drop();
 }
 

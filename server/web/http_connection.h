@@ -2,9 +2,7 @@
 // handler. Pending operations and unanswered requests keep it alive.
 #pragma once
 
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/serializer.hpp>
@@ -16,6 +14,7 @@
 
 #include "server/web/http_message.h"
 #include "server/web/http_server.h"
+#include "server/web/http_stream.h"
 
 namespace sweepstake::web {
 
@@ -28,15 +27,18 @@ struct ConnectionShared {
 
 class HttpConnection final : public Exchange, public std::enable_shared_from_this<HttpConnection> {
  public:
-  // `on_closed` runs when the connection is destroyed. `shared` must live until then.
-  HttpConnection(boost::asio::ip::tcp::socket socket, ConnectionShared& shared,
-                 std::function<void(HttpConnection&)> on_closed);
+  // `tls` is null for plain text. `on_closed` runs when the connection is destroyed. `shared` must
+  // live until then.
+  HttpConnection(boost::asio::ip::tcp::socket socket, std::shared_ptr<tls::TlsContext> tls,
+                 ConnectionShared& shared, std::function<void(HttpConnection&)> on_closed);
   ~HttpConnection() override;
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
 
-  // Reads the next request.
-  void Read();
+  // Makes the handshake, if the connection uses TLS, and reads the first request.
+  void Start();
+  // Since when the connection waits for a request. Absent: it is answering one.
+  std::optional<std::chrono::steady_clock::time_point> idle_since() const { return idle_since_; }
   // Ends the connection at once, also during an answer.
   void Drop();
 
@@ -48,6 +50,8 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   using Parser = boost::beast::http::request_parser<boost::beast::http::string_body>;
   using Error = boost::system::error_code;
 
+  // Reads the next request.
+  void Read();
   void OnHeader(Error error);
   void OnBody(Error error);
   // Returns the error of a request whose header is read; nothing if its body may be read.
@@ -73,8 +77,9 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
 
   ConnectionShared& shared_;
   const std::function<void(HttpConnection&)> on_closed_;
-  boost::beast::tcp_stream stream_;
+  HttpStream stream_;
   boost::beast::flat_buffer buffer_;
+  std::optional<std::chrono::steady_clock::time_point> idle_since_;
   // The four members below are made again for each request.
   std::optional<Parser> parser_;
   Request request_;

@@ -17,6 +17,7 @@ struct Request {
   boost::beast::http::request<boost::beast::http::string_body> message;
   std::string peer;      // the remote address in gRPC's format: "ipv4:127.0.0.1:4711"
   std::string own_host;  // the local address as in a URL: "127.0.0.1", "[::1]"
+  bool is_tls = false;   // the connection uses TLS
 
   std::string_view target() const { return {message.target().data(), message.target().size()}; }
   // Return the part of the target before and after the question mark.

@@ -1,4 +1,4 @@
-// An HTTP/1.1 listener, whose requests a handler answers.
+// An HTTP/1.1 listener, with TLS or in plain text, whose requests a handler answers.
 //
 // A separate thread serves all connections and runs the handler, so that nothing here delays a
 // decision. A request that violates the protocol or a limit is answered with a 4xx or 503 that
@@ -13,12 +13,14 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "engine_client/telemetry/tls/tls_files.h"
 #include "server/web/http_message.h"
 
 namespace sweepstake::web {
 
 struct HttpLimits {
-  // The maximum number of open connections; the next one waits until one ends.
+  // The maximum number of open connections. The next one replaces the one that has waited longest
+  // for a request. If all are answering requests, it waits until one ends.
   size_t max_connections = 2'048;
   // A request whose request line and headers are longer is answered with 431.
   uint32_t max_header_bytes = 8 * 1024;
@@ -40,9 +42,12 @@ using MakeHandler = std::function<Handler(boost::asio::io_context&)>;
 
 class HttpServer {
  public:
-  // `listen` is HOST:PORT; port 0 means any free port. Error: UNAVAILABLE (cannot listen there).
+  // `listen` is HOST:PORT; port 0 means any free port. With the files of `tls`, all connections use
+  // TLS; new ones use the certificate that the files have now. Errors: UNAVAILABLE (cannot listen
+  // there), those of tls::Certificate.
   static absl::StatusOr<std::unique_ptr<HttpServer>> Start(const std::string& listen,
                                                            const MakeHandler& make_handler,
+                                                           const tls::Files& tls = {},
                                                            HttpLimits limits = {});
   // Drops all connections and ends the thread.
   ~HttpServer();

@@ -259,19 +259,32 @@ TEST_F(ConfigTest, AMissingFileIsAnError) {
   EXPECT_TRUE(absl::IsNotFound(Loaded().settings.ReadFile("/nonexistent.toml")));
 }
 
-TEST_F(ConfigTest, PlainTextOnOtherAddressesNeedsInsecure) {
+TEST_F(ConfigTest, PlainTextOnOtherAddressesNeedsASwitch) {
   EXPECT_THAT(Error("listen = '0.0.0.0:7433'\n"), HasSubstr("--insecure"));
   EXPECT_THAT(Error("listen = '127.0.0.1.example.com:7433'\n"), HasSubstr("--insecure"));
   EXPECT_TRUE(FromFile("listen = '0.0.0.0:7433'\ninsecure = true\n").ok());
   EXPECT_TRUE(FromFile("listen = '[::1]:7433'\n").ok());
   EXPECT_THAT(Error("http = '0.0.0.0:7434'\n"),
-              AllOf(HasSubstr("http: "), HasSubstr("--insecure")));
-  EXPECT_TRUE(FromFile("http = '0.0.0.0:7434'\ninsecure = true\n").ok());
+              AllOf(HasSubstr("http: "), HasSubstr("--http-plain")));
+  EXPECT_THAT(Error("http = '0.0.0.0:7434'\ninsecure = true\n"), HasSubstr("--http-plain"));
+  const auto plain = FromFile("http = '0.0.0.0:7434'\nhttp_plain = true\n");
+  ASSERT_TRUE(plain.ok()) << plain.status();
+  EXPECT_TRUE(NeedsToken(*plain)) << "plain HTTP does not admit everyone";
+}
+
+TEST_F(ConfigTest, HttpUsesTlsWhereOtherMachinesReachIt) {
+  const std::string tls = "tls_cert = 'c'\ntls_key = 'k'\ntls_client_ca = 'a'\n";
+  const tls::Files files = HttpTls(*FromFile(tls + "http = '0.0.0.0:7434'\n"));
+  EXPECT_EQ(files.cert, "c");
+  EXPECT_EQ(files.key, "k");
+  EXPECT_EQ(files.ca, "") << "browsers have no certificates";
+  EXPECT_EQ(HttpTls(*FromFile(tls + "http = '127.0.0.1:7434'\n")).cert, "");
+  EXPECT_EQ(HttpTls(*FromFile(tls + "http = '0.0.0.0:7434'\nhttp_plain = true\n")).cert, "");
 }
 
 TEST_F(ConfigTest, HttpHostsAreTheHostOfHttpAndTheListedNames) {
   const auto config = FromFile(
-      "insecure = true\nhttp = 'Build-Server:7434'\nhttp_hosts = ' dash.example.com,B_1 ,, "
+      "http_plain = true\nhttp = 'Build-Server:7434'\nhttp_hosts = ' dash.example.com,B_1 ,, "
       "[2001:db8::1]'\n");
   ASSERT_TRUE(config.ok()) << config.status();
   EXPECT_THAT(HttpHosts(*config),

@@ -62,7 +62,7 @@ std::string CookieOf(const Request& request) {
 // Returns the header that sets the cookie. After a login over TLS, browsers send the cookie over
 // TLS only.
 std::pair<std::string, std::string> SetCookie(const Request& request, const std::string& value) {
-  const bool is_safe = request.Header("X-Forwarded-Proto") == "https";
+  const bool is_safe = request.is_tls || request.Header("X-Forwarded-Proto") == "https";
   return {"Set-Cookie",
           absl::StrCat(CookieName(request), value, "; HttpOnly; SameSite=Strict; Path=/",
                        is_safe ? "; Secure" : "", value.empty() ? "; Max-Age=0" : "")};
@@ -128,14 +128,6 @@ void Api::Watch(const std::shared_ptr<Exchange>& exchange, std::string_view name
   topics_.Watch(exchange, *method, **message, *token);
 }
 
-absl::Status Api::CheckWay(const Request& request) const {
-  if (options_.takes_tokens_from_afar || net::IsLoopbackAddress(net::AddressOf(request.peer)))
-    return absl::OkStatus();
-  return absl::PermissionDeniedError(
-      "this connection is plain text, so others could read the token; use a proxy with TLS on the "
-      "daemon's machine, or a tunnel (ssh -L)");
-}
-
 absl::StatusOr<Api::Token> Api::TokenOf(const Request& request) {
   Token token;
   const std::string_view authorization = request.Header("Authorization");
@@ -147,13 +139,10 @@ absl::StatusOr<Api::Token> Api::TokenOf(const Request& request) {
   } else if (const std::string cookie = CookieOf(request); !cookie.empty()) {
     token = logins_.Find(cookie, priors::UnixNowS());
   }
-  const absl::Status allowed = token ? CheckWay(request) : absl::OkStatus();
-  if (!allowed.ok()) return allowed;
   return token;
 }
 
 Page Api::LogIn(const Request& request) {
-  if (const absl::Status allowed = CheckWay(request); !allowed.ok()) return ErrorPage(allowed);
   if (!options_.asks_for_tokens())
     return ErrorPage(absl::FailedPreconditionError("this daemon does not use tokens"));
   const std::string token = TokenIn(request.message.body());

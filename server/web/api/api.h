@@ -42,8 +42,6 @@ struct ApiOptions {
   // Thresholds of the verdicts "stable" and "tie", which the dashboard shows in charts.
   double stable_probability = 0;
   double tie_loss_ratio = 0;
-  // Whether tokens are accepted from other machines, although the connection is not encrypted.
-  bool takes_tokens_from_afar = false;
   BeginWatch begin_watch;   // thread-safe
   PostToLoop post_to_loop;  // thread-safe
   EventLimits events = {};
@@ -65,10 +63,9 @@ class Api {
   Page LogIn(const Request& request);
   Page LogOut(const Request& request);
   Page WhoAmI(const Request& request);
-  // Returns the token of the request, if there is one. Errors: INVALID_ARGUMENT (it cannot be a
-  // token), PERMISSION_DENIED (it came as plain text over a network).
+  // Returns the token of the request, if there is one. Error: INVALID_ARGUMENT (it cannot be a
+  // token).
   absl::StatusOr<Token> TokenOf(const Request& request);
-  absl::Status CheckWay(const Request& request) const;
 
   const ApiOptions options_;
   const Methods methods_;

@@ -98,7 +98,7 @@ Handler MakeEcho(boost::asio::io_context& io) {
 }
 
 std::unique_ptr<HttpServer> StartServer(HttpLimits limits = kPatient) {
-  auto server = HttpServer::Start("127.0.0.1:0", MakeEcho, limits);
+  auto server = HttpServer::Start("127.0.0.1:0", MakeEcho, /*tls=*/{}, limits);
   EXPECT_TRUE(server.ok()) << server.status();
   return *std::move(server);
 }
@@ -293,18 +293,36 @@ TEST(HttpServerTest, AHeaderThatDoesNotEndIsDroppedInTime) {
   EXPECT_EQ(idle.ReadAll(), "");
 }
 
-TEST(HttpServerTest, BeyondTheBoundAConnectionWaitsUntilAnotherEnds) {
+TEST(HttpServerTest, BeyondTheBoundAConnectionWaitsUntilAnAnswerEnds) {
   const auto server = StartServer({.max_connections = 2, .patience = kPatient.patience});
   auto first = std::make_unique<HttpSocket>(server->port());
   HttpSocket second(server->port());
-  HttpSocket third(server->port());
   for (HttpSocket* socket : {first.get(), &second}) {
-    socket->Send("GET /hello HTTP/1.1\r\n\r\n");
-    EXPECT_THAT(socket->ReadAnswer(), StartsWith("HTTP/1.1 200"));
+    socket->Send("GET /parts HTTP/1.1\r\n\r\n");
+    EXPECT_THAT(socket->ReadUntil("\r\n\r\n"), StartsWith("HTTP/1.1 200"));
   }
+  HttpSocket third(server->port());
   third.Send("GET /hello?third HTTP/1.1\r\n\r\n");
   first.reset();
   EXPECT_THAT(third.ReadAnswer(), EndsWith("third\n"));
+}
+
+// 2,300 idle connections must not keep a health probe out.
+TEST(HttpServerTest, BeyondTheBoundTheLongestIdleConnectionIsClosed) {
+  const auto server = StartServer({.max_connections = 3, .patience = kPatient.patience});
+  HttpSocket busy(server->port());
+  busy.Send("GET /parts HTTP/1.1\r\n\r\n");
+  EXPECT_THAT(busy.ReadUntil("\r\n\r\n"), StartsWith("HTTP/1.1 200"));
+  HttpSocket oldest(server->port());
+  oldest.Send("GET /hello HTTP/1.1\r\n\r\n");
+  EXPECT_THAT(oldest.ReadAnswer(), StartsWith("HTTP/1.1 200"));
+  HttpSocket idle(server->port());
+  idle.Send("GET /hello HTTP/1.1\r\n\r\n");
+  EXPECT_THAT(idle.ReadAnswer(), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(Get(server->port(), "/hello?probe").body, "probe\n");
+  EXPECT_EQ(oldest.ReadAll(), "");
+  idle.Send("GET /hello?idle HTTP/1.1\r\n\r\n");
+  EXPECT_THAT(idle.ReadAnswer(), EndsWith("idle\n"));
 }
 
 TEST(HttpServerTest, TheServerAcceptsAgainAfterATimeWithoutDescriptors) {

@@ -33,10 +33,11 @@ class ApiTest : public rpc::RpcTest {
     RpcTest::TearDown();
   }
   void StartHttp() {
-    web::ApiOptions api = ApiOf(config_, *server_);
+    web::ApiOptions api = ApiOf(*server_);
     api.event_counters = events_;
     api.events = event_limits_;
-    auto http = web::HttpServer::Start("127.0.0.1:0", MakeSite(std::move(api), {}, {}), limits_);
+    auto http = web::HttpServer::Start("127.0.0.1:0", MakeSite(std::move(api), {}, {}), /*tls=*/{},
+                                       limits_);
     ASSERT_TRUE(http.ok()) << http.status();
     http_ = *std::move(http);
   }

@@ -157,33 +157,5 @@ TEST_F(ApiCertificatesTest, HttpRequiresAToken) {
       v1::PosteriorsService::NewStub(channel_)->ListPosteriors(&context, {}, &response).ok());
 }
 
-// A client that uses plain text from another machine, although gRPC has TLS.
-class ApiFromAfarTest : public ApiTokensTest {
- protected:
-  int Status(const std::string& peer, bool grpc_has_tls) {
-    Config config;
-    if (grpc_has_tls) config.rpc.tls.cert = "cert.pem";
-    boost::asio::io_context io;
-    web::Api api(ApiOf(config, *server_), io);
-    const auto login = std::make_shared<web::FakeExchange>(boost::beast::http::verb::post, "/login",
-                                                           web::FakeExchange::OfPage(),
-                                                           R"({"token":"ann-token"})", peer);
-    api.Handle(login);
-    const auto call = std::make_shared<web::FakeExchange>(
-        boost::beast::http::verb::get, "/api/whoami",
-        web::FakeExchange::Headers{{"Authorization", "Bearer ann-token"}}, "", peer);
-    api.Handle(call);
-    EXPECT_EQ(login->answer().status == 204, call->answer().status == 200);
-    return login->answer().status;
-  }
-};
-
-TEST_F(ApiFromAfarTest, TokensInPlainTextFromAnotherMachineAreRefused) {
-  EXPECT_EQ(Status("ipv4:192.0.2.7:4711", true), 403);
-  EXPECT_EQ(Status("ipv6:%5B2001:db8::1%5D:4711", true), 403);
-  EXPECT_EQ(Status("ipv4:127.0.0.1:4711", true), 204);
-  EXPECT_EQ(Status("ipv4:192.0.2.7:4711", false), 204) << "gRPC has them in plain text, too";
-}
-
 }  // namespace
 }  // namespace sweepstake::server
