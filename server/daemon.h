@@ -60,6 +60,7 @@ class Daemon {
   // Acknowledged evidence is lost if the process exits during that time. The flag outlives the
   // daemon.
   std::shared_ptr<const std::atomic<bool>> saving() const { return saving_; }
+  const std::shared_ptr<spdlog::logger>& log() const { return log_; }
 
   // Sets health to NOT_SERVING, asks clients to reconnect later, and waits for pending writes.
   // Takes at most `patience` plus the time of one commit. If the database's file was removed, it

@@ -18,6 +18,8 @@ constexpr uint64_t kOwnDescriptors = 256 + web::HttpLimits().max_connections;
 // Descriptors for a connection of the daemon to itself: two ends, and the files of the host name
 // lookup.
 constexpr size_t kProbeDescriptors = 4;
+// The client's socket, and the pair of local sockets of rpc::GuardedConnection.
+constexpr uint64_t kDescriptorsPerConnection = 3;
 
 }  // namespace
 
@@ -29,8 +31,9 @@ uint64_t RaiseDescriptorLimit() {
 }
 
 std::optional<std::string> DescriptorShortage(uint64_t limit, const rpc::RpcOptions& options) {
-  const uint64_t needed = uint64_t{options.max_sessions} + rpc::kMaxStreamsWithoutSession +
-                          options.max_watchers + kOwnDescriptors;
+  const uint64_t connections =
+      uint64_t{options.max_sessions} + rpc::kMaxStreamsWithoutSession + options.max_watchers;
+  const uint64_t needed = kDescriptorsPerConnection * connections + kOwnDescriptors;
   if (limit >= needed) return std::nullopt;
   return absl::StrCat("the limit of open files is ", limit, ", and ",
                       uint32_t{options.max_sessions}, " sessions may need ", needed,

@@ -13,7 +13,7 @@ constexpr uint32_t kMaxFrameBytes = 16'384;  // gRPC announces no larger SETTING
 constexpr double kResetSeconds = 10;         // over which resets are averaged
 
 // Types and flags of frames, RFC 9113.
-constexpr uint8_t kData = 0, kHeaders = 1, kReset = 3, kContinuation = 9;
+constexpr uint8_t kData = 0, kHeaders = 1, kReset = 3, kGoAway = 7, kContinuation = 9;
 constexpr uint8_t kEndStream = 1, kEndHeaders = 4, kPadded = 8;
 // Error codes.
 constexpr uint32_t kNoError = 0, kCancel = 8;
@@ -105,7 +105,12 @@ bool Http2Guard::FromClient(std::string_view bytes, int64_t now_ns, std::string&
     if (frame.length > kMaxFrameBytes) return Close(Http2Refusal::kNotHttp2);
     if (bytes.size() < kHeaderBytes + frame.length) break;
     if (!TakeFrame(frame, bytes.substr(kHeaderBytes, frame.length), now_ns)) return false;
-    to_server += bytes.substr(0, kHeaderBytes + frame.length);
+    // After a GOAWAY nothing of a further call is forwarded. gRPC then no longer has the state of
+    // the headers' compression, but it gets no further headers either.
+    const bool is_forwarded =
+        !is_going_away_ ||
+        (frame.stream <= last_stream_ && frame.type != kHeaders && frame.type != kContinuation);
+    if (is_forwarded) to_server += bytes.substr(0, kHeaderBytes + frame.length);
     bytes.remove_prefix(kHeaderBytes + frame.length);
     if (in_client_headers_) continue;
     to_server += resets_to_server_;
@@ -120,19 +125,22 @@ bool Http2Guard::TakeFrame(const Frame& frame, std::string_view payload, int64_t
   if (frame.type == kHeaders || frame.type == kContinuation)
     in_client_headers_ = (frame.flags & kEndHeaders) == 0;
   if (frame.type == kHeaders && frame.stream > last_stream_) {
-    Begin(frame, now_ns);
+    if (!is_going_away_) Begin(frame, now_ns);
   } else if (frame.type == kHeaders && (frame.flags & kEndStream) != 0) {
     Forget(frame.stream);
   } else if (frame.type == kData) {
-    return TakeData(frame, payload);
+    return TakeData(frame, payload, now_ns);
   } else if (frame.type == kReset && streams_.contains(frame.stream)) {
     Forget(frame.stream);
-    return CountReset(now_ns);
+    CountReset(now_ns);
   }
   return true;
 }
 
 void Http2Guard::Begin(const Frame& frame, int64_t now_ns) {
+  const bool is_shared_out = all_->calls >= limits_.of_all.calls && use_.calls > 0;
+  if (is_shared_out || use_.calls >= limits_.of_connection.calls)
+    return GoAway(Http2Refusal::kWaitingCalls);
   last_stream_ = frame.stream;
   Stream stream = {.begin_ns = now_ns};
   // A call without a message: gRPC answers it.
@@ -141,20 +149,25 @@ void Http2Guard::Begin(const Frame& frame, int64_t now_ns) {
   if (stream.has_message) return;
   Add(1, 0);
   begun_.emplace_back(now_ns, frame.stream);
-  const bool is_shared_out = all_->calls > limits_.of_all.calls && use_.calls > 1;
-  if (is_shared_out || use_.calls > limits_.of_connection.calls)
-    Refuse(frame.stream, Http2Refusal::kWaitingCalls);
+}
+
+void Http2Guard::GoAway(Http2Refusal why) {
+  if (std::exchange(is_going_away_, true)) return;
+  on_refusal_(why);
+  AppendFrameHeader(answers_, 8, kGoAway, 0, 0);
+  AppendNumber(answers_, last_stream_, 4);
+  AppendNumber(answers_, kNoError, 4);
 }
 
 // The average decreases by the factor e in kResetSeconds.
-bool Http2Guard::CountReset(int64_t now_ns) {
+void Http2Guard::CountReset(int64_t now_ns) {
   const double passed_s = static_cast<double>(now_ns - reset_ns_) * 1e-9;
   resets_ = 1 + resets_ * std::exp(-std::max(passed_s, 0.0) / kResetSeconds);
   reset_ns_ = now_ns;
-  return resets_ <= kResetSeconds * limits_.max_resets_per_s || Close(Http2Refusal::kResets);
+  if (resets_ > kResetSeconds * limits_.max_resets_per_s) GoAway(Http2Refusal::kResets);
 }
 
-bool Http2Guard::TakeData(const Frame& frame, std::string_view payload) {
+bool Http2Guard::TakeData(const Frame& frame, std::string_view payload, int64_t now_ns) {
   const auto found = streams_.find(frame.stream);
   if (found == streams_.end()) return true;  // gRPC ignores the data of a call that has ended
   if ((frame.flags & kPadded) != 0) {
@@ -164,7 +177,7 @@ bool Http2Guard::TakeData(const Frame& frame, std::string_view payload) {
   }
   const Http2Refusal why = Scan(found->second, payload);
   if (why != Http2Refusal::kNotHttp2) {
-    Refuse(frame.stream, why);
+    Refuse(frame.stream, why, now_ns);
   } else if ((frame.flags & kEndStream) != 0) {
     // The client has sent everything. gRPC answers a message that is not complete.
     Stream& stream = found->second;
@@ -233,7 +246,7 @@ void Http2Guard::EndLateCalls(int64_t now_ns, std::string& to_server) {
     const auto found = streams_.find(id);
     const bool waits = found != streams_.end() && !found->second.has_message;
     if (waits && now_ns - begin_ns < limits_.first_message_patience_ns) break;
-    if (waits) Refuse(id, Http2Refusal::kLateMessage);
+    if (waits) Refuse(id, Http2Refusal::kLateMessage, now_ns);
     begun_.pop_front();
   }
   if (in_client_headers_) return;
@@ -241,11 +254,12 @@ void Http2Guard::EndLateCalls(int64_t now_ns, std::string& to_server) {
   resets_to_server_.clear();
 }
 
-void Http2Guard::Refuse(uint32_t id, Http2Refusal why) {
+void Http2Guard::Refuse(uint32_t id, Http2Refusal why, int64_t now_ns) {
   AppendStatus(answers_, id, on_refusal_(why), !streams_.at(id).has_answer);
   AppendReset(answers_, id, kNoError);  // the client shall send nothing more
   AppendReset(resets_to_server_, id, kCancel);
   Forget(id);
+  CountReset(now_ns);
 }
 
 bool Http2Guard::Close(Http2Refusal why) {

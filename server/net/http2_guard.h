@@ -5,6 +5,10 @@
 // quota is exceeded, it ends calls of other clients. This guard ends such a call itself, before
 // gRPC reads the message, and sends the client a gRPC status.
 //
+// A connection with too many calls gets a GOAWAY. Its calls go on, and the client makes further
+// calls on another connection. Memory that gRPC has used for a refused call is not given back at
+// once, so refusing each of them would not help.
+//
 // The guard reads the frames of one connection (RFC 9113) and the prefix of each gRPC message in
 // DATA frames: one byte that is 1 if the message is compressed, and its length in four bytes. It
 // forwards every frame unchanged, also those of a call that it has ended: gRPC has received a
@@ -37,10 +41,10 @@ struct Http2Limits {
   uint32_t max_message_bytes = 256 * 1024;
   // The first message of a call must be complete after this time.
   int64_t first_message_patience_ns = 10'000'000'000;
-  Http2Use of_connection = {.calls = 100, .bytes = 1024 * 1024};
-  // Of all connections together. Beyond it, a connection may have one call and one message.
+  Http2Use of_connection = {.calls = 20, .bytes = 1024 * 1024};
+  // The use of all connections together. Beyond it, a connection may have one call and one message.
   Http2Use of_all = {.calls = 500, .bytes = 16 * 1024 * 1024};
-  // Calls that the client may reset per second, on average over ten seconds.
+  // Calls per second that the client resets or the guard refuses, on average over ten seconds.
   uint32_t max_resets_per_s = 100;
 };
 
@@ -83,6 +87,8 @@ class Http2Guard {
   void TakeAnswers(std::string& to_client);
 
   uint64_t waiting_call_count() const { return use_.calls; }
+  // Returns whether the connection got a GOAWAY and its last call has ended. Close it then.
+  bool is_done() const { return is_going_away_ && streams_.empty(); }
   size_t open_call_count() const { return streams_.size(); }
 
  private:
@@ -105,16 +111,18 @@ class Http2Guard {
   static Frame HeaderOf(std::string_view bytes);
   // Returns false if the connection must be closed.
   bool TakeFrame(const Frame& frame, std::string_view payload, int64_t now_ns);
-  bool TakeData(const Frame& frame, std::string_view payload);
+  bool TakeData(const Frame& frame, std::string_view payload, int64_t now_ns);
   void Begin(const Frame& frame, int64_t now_ns);
-  bool CountReset(int64_t now_ns);
+  void CountReset(int64_t now_ns);
+  // Accepts no further calls.
+  void GoAway(Http2Refusal why);
   // Returns why the call must end; kNotHttp2 if it may go on.
   Http2Refusal Scan(Stream& stream, std::string_view data);
   void EndMessage(Stream& stream);
   // Adds to the use of the connection and of all connections.
   void Add(int64_t calls, int64_t bytes);
   void Forget(uint32_t id);
-  void Refuse(uint32_t id, Http2Refusal why);
+  void Refuse(uint32_t id, Http2Refusal why, int64_t now_ns);
   bool Close(Http2Refusal why);
   void NoteServerFrame(const Frame& frame);
 
@@ -124,7 +132,8 @@ class Http2Guard {
   std::unordered_map<uint32_t, Stream> streams_;
   std::deque<std::pair<int64_t, uint32_t>> begun_;  // calls in the order in which they began
   Http2Use use_;
-  uint32_t last_stream_ = 0;
+  uint32_t last_stream_ = 0;  // the latest accepted call
+  bool is_going_away_ = false;
   double resets_ = 0;  // recent resets, with a half-life
   int64_t reset_ns_ = 0;
 

@@ -43,9 +43,10 @@ absl::Status StatusOf(net::Http2Refusal why) {
                      "the first message of the call did not arrive in time; call again");
     case net::Http2Refusal::kWaitingCalls:
       return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
-                     "too many calls wait for their first message; send it with the call");
+                     "a connection has too many calls that wait for their first message");
     case net::Http2Refusal::kResets:
-      return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS, "a connection cancelled too many calls");
+      return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
+                     "too many calls of a connection were cancelled or refused");
     case net::Http2Refusal::kNotHttp2:
       break;
   }
@@ -53,7 +54,8 @@ absl::Status StatusOf(net::Http2Refusal why) {
 }
 
 bool EndsConnection(net::Http2Refusal why) {
-  return why == net::Http2Refusal::kResets || why == net::Http2Refusal::kNotHttp2;
+  return why == net::Http2Refusal::kWaitingCalls || why == net::Http2Refusal::kResets ||
+         why == net::Http2Refusal::kNotHttp2;
 }
 
 }  // namespace
@@ -65,7 +67,7 @@ ConnectionListener::ConnectionListener(
       clock_(clock),
       counters_(counters),
       refusals_(refusals),
-      tls_files_(options.tls),
+      certificate_(options.tls, tls::Protocol::kHttp2),
       open_(options),
       acceptor_(io_, kAcceptRetry, [this](tcp::socket client) { HandOver(std::move(client)); }) {}
 
@@ -75,7 +77,7 @@ ConnectionListener::~ConnectionListener() {
 }
 
 absl::Status ConnectionListener::Listen(const std::string& address) {
-  if (absl::Status status = ReadCertificate(); !status.ok()) return status;
+  if (absl::Status status = certificate_.Read(); !status.ok()) return status;
   if (absl::Status status = acceptor_.Listen(address); !status.ok()) return status;
   port_ = acceptor_.port();
   Look();
@@ -96,9 +98,9 @@ void ConnectionListener::HandOver(tcp::socket client) {
   client.set_option(tcp::no_delay(true), ignored);
   client.set_option(SendPatience(kSendPatienceMs), ignored);
   const uint64_t number = ++connection_count_;
-  const auto connection =
-      GuardedConnection::Make(std::move(client), net::LocalNameOf(peer, number), tls_, use_,
-                              [this, peer](net::Http2Refusal why) { return OnRefusal(peer, why); });
+  const auto connection = GuardedConnection::Make(
+      std::move(client), net::LocalNameOf(peer, number), certificate_.context(), use_,
+      [this, peer](net::Http2Refusal why) { return OnRefusal(peer, why); });
   if (!connection.ok()) {
     open_.Remove(*address);
     return refusals_.Tell(peer, connection.status());
@@ -129,21 +131,8 @@ net::Http2Guard::Headers ConnectionListener::OnRefusal(const std::string& peer,
   return headers;
 }
 
-absl::Status ConnectionListener::ReadCertificate() {
-  if (tls_files_.cert.empty()) return absl::OkStatus();
-  const auto texts = tls::Read(tls_files_);
-  if (!texts.ok()) return texts.status();
-  std::string all = absl::StrCat(texts->cert, texts->key, texts->ca);
-  if (all == tls_texts_) return absl::OkStatus();
-  auto context = tls::TlsContext::Make(*texts);
-  if (!context.ok()) return context.status();
-  tls_ = *std::move(context);
-  tls_texts_ = std::move(all);
-  return absl::OkStatus();
-}
-
 void ConnectionListener::Look() {
-  ReadCertificate().IgnoreError();  // the daemon's FilesWatch reports it
+  certificate_.Read().IgnoreError();  // the daemon's FilesWatch reports it
   // EndLateCalls may end a connection, which removes it from connections_.
   for (auto next = connections_.begin(); next != connections_.end();) {
     const std::shared_ptr<GuardedConnection> connection = (next++)->second.lock();

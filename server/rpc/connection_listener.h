@@ -23,7 +23,7 @@
 #include "server/rpc/common/refusal_log.h"
 #include "server/rpc/open_connections.h"
 #include "server/sessions/common/decision_loop.h"
-#include "server/tls/tls_session.h"
+#include "server/tls/certificate.h"
 
 namespace sweepstake::rpc {
 
@@ -55,15 +55,12 @@ class ConnectionListener {
   net::Http2Guard::Headers OnRefusal(const std::string& peer, net::Http2Refusal why);
   // Run once per second.
   void Look();
-  absl::Status ReadCertificate();
 
   const std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> grpc_;
   const sessions::LoopClock& clock_;
   Counters& counters_;
   RefusalLog& refusals_;
-  const tls::Files tls_files_;
-  std::string tls_texts_;                 // in use
-  std::shared_ptr<tls::TlsContext> tls_;  // null: plain text
+  tls::Certificate certificate_;
   const std::shared_ptr<net::Http2Use> use_ = std::make_shared<net::Http2Use>();
   OpenConnections open_;
   int port_ = 0;

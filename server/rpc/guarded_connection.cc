@@ -159,7 +159,7 @@ void GuardedConnection::OnServerReadable() {
 
 void GuardedConnection::FlushToClient() {
   if (!WriteTo(client_, to_client_)) return Close();
-  if (to_client_.empty()) return server_ended_ ? Close() : AwaitServer();
+  if (to_client_.empty()) return server_ended_ || guard_.is_done() ? Close() : AwaitServer();
   if (std::exchange(writes_to_client_, true)) return;
   client_.async_wait(Client::wait_write, [self = shared_from_this()](const error_code& error) {
     self->writes_to_client_ = false;

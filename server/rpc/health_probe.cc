@@ -42,7 +42,9 @@ std::string Advice(const std::string& reason, const tls::Files& files) {
   if (has("Connection refused")) return "; is the daemon running there?";
   if (has("wrong version number"))
     return "; the daemon uses plain text: omit --tls-cert and --tls-key";
-  if (!has("Socket closed") && !has("Connection reset by peer") && !has("Broken pipe")) return "";
+  if (!has("Socket closed") && !has("Connection reset by peer") && !has("Broken pipe") &&
+      !has("Endpoint read failed"))
+    return "";
   if (files.cert.empty()) return "; the daemon may require TLS: give its --tls-cert and --tls-key";
   return "; if the daemon uses --tls-client-ca, that authority must accept the daemon's own "
          "certificate as a client certificate, and it must not have expired";

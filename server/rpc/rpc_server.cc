@@ -1,7 +1,6 @@
 #include "server/rpc/rpc_server.h"
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
-#include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/impl/server_builder_option.h>
 #include <grpcpp/impl/server_builder_plugin.h>
 #include <grpcpp/resource_quota.h>
@@ -72,12 +71,8 @@ RpcServer::RpcServer(RpcOptions options, sessions::LoopClock& clock, priors::Asy
       context_{options_,  loop_,   store,   counters_, events_,
                sessions_, stalls_, access_, log,       admin_},
       stalls_(loop_, options_.watcher_patience_ns),
-      telemetry_(context_),
+      generic_(context_),
       admin_(options_, loop_, store, counters_),
-      posteriors_(context_),
-      priors_(context_),
-      audit_(context_),
-      sessions_service_(context_),
       loop_(clock, options_.on_timer) {}
 
 absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,
@@ -99,18 +94,13 @@ void RpcServer::BindListener(grpc::ServerBuilder& builder) {
 }
 
 absl::Status RpcServer::Listen(const std::string& address) {
-  grpc::EnableDefaultHealthCheckService(true);
   // This call is needed even without reflection: it prevents the linker from dropping the library.
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   SetLimits(builder, options_);
   if (!options_.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
   BindListener(builder);
-  builder.RegisterService(&telemetry_);
-  builder.RegisterService(&posteriors_);
-  builder.RegisterService(&priors_);
-  builder.RegisterService(&audit_);
-  builder.RegisterService(&sessions_service_);
+  generic_.Register(builder);
   server_ = builder.BuildAndStart();
   if (server_ == nullptr) return absl::UnavailableError("gRPC could not start its server");
   if (absl::Status status = listener_->Listen(address); !status.ok()) return status;
@@ -120,8 +110,8 @@ absl::Status RpcServer::Listen(const std::string& address) {
   return absl::OkStatus();
 }
 
-bool RpcServer::CallOverHttp(HttpCall call) {
-  if (!drained_) return BeginHttpCall(context_, std::move(call));
+bool RpcServer::CallOverHttp(ServedCall call, const std::optional<std::string>& token) {
+  if (!drained_) return BeginHttpCall(context_, std::move(call), token);
   call.on_end(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; try again later"));
   return true;
 }
@@ -198,14 +188,14 @@ void RpcServer::FollowOthers() {
 
 void RpcServer::EndRefused() {
   if (!access_.asks_for_tokens()) return;
-  telemetry_.EndRefused();
+  generic_.telemetry().EndRefused();
   events_.EndRefused();
 }
 
 void RpcServer::UpdateHealth() {
   if (context_.store.healthy() == serving_) return;
   serving_ = !serving_;
-  server_->GetHealthCheckService()->SetServingStatus(serving_);
+  generic_.health().Set(serving_);
   if (serving_) {
     context_.log.info("the prior store can be written and read again");
   } else {
@@ -253,10 +243,10 @@ std::vector<priors::SourceUpdate> RpcServer::Waiting() const {
 void RpcServer::Drain(std::chrono::milliseconds patience) {
   if (server_ == nullptr || drained_.exchange(true)) return;
   const auto deadline = std::chrono::steady_clock::now() + patience;
-  server_->GetHealthCheckService()->Shutdown();
+  generic_.health().ShutDown();
   RunOnLoop([this] {
     draining_ = true;
-    telemetry_.Drain();
+    generic_.telemetry().Drain();
     events_.Drain();
     sessions_.RetryCommits();
     admin_.Retry();

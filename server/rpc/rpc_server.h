@@ -23,15 +23,11 @@
 #include "absl/status/statusor.h"
 #include "server/events/event_bus.h"
 #include "server/rpc/common/access_control.h"
-#include "server/rpc/services/audit_service.h"
+#include "server/rpc/generic_service.h"
 #include "server/rpc/services/event_encoder.h"
-#include "server/rpc/services/http_calls.h"
-#include "server/rpc/services/posteriors_service.h"
-#include "server/rpc/services/priors_service.h"
+#include "server/rpc/services/served_methods.h"
 #include "server/rpc/services/service_context.h"
-#include "server/rpc/services/sessions_service.h"
 #include "server/rpc/services/stall_sweep.h"
-#include "server/rpc/services/telemetry_service.h"
 #include "server/sessions/admin_log.h"
 #include "server/sessions/common/decision_loop.h"
 #include "server/sessions/session_table.h"
@@ -60,7 +56,7 @@ class RpcServer {
     admin_.Record(std::move(who), std::move(action));
   }
   // Begins a call for an HTTP request (BeginHttpCall). Once Drain has begun, calls are UNAVAILABLE.
-  bool CallOverHttp(HttpCall call);
+  bool CallOverHttp(ServedCall call, const std::optional<std::string>& token);
   // Identifies the caller of an HTTP request by its token, whatever the role of the token. Any
   // thread may call it.
   absl::StatusOr<auth::Principal> IdentifyOverHttp(const std::string& peer,
@@ -119,12 +115,8 @@ class RpcServer {
   sessions::SessionTable sessions_;
   ServiceContext context_;  // also refers to members declared below
   StallSweep stalls_;
-  TelemetryService telemetry_;
+  GenericService generic_;
   sessions::AdminLog admin_;
-  PosteriorsService posteriors_;
-  PriorsService priors_;
-  AuditService audit_;
-  SessionsService sessions_service_;
   std::atomic<int64_t> last_beat_ns_{0};  // when the loop last ran WatchStore
   bool serving_ = true;                   // the reported health; used on the loop
   bool draining_ = false;                 // used on the loop

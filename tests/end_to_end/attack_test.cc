@@ -116,7 +116,7 @@ TEST_F(AttackTest, CallsWithoutAReadableMessageDisturbNoGame) {
   EXPECT_TRUE(game.RunUntil(
       [&](const SessionStats& stats) { return stats.acknowledged_sequence > acknowledged + 20; }));
   EXPECT_EQ(game.stats().connection_count, 1u);
-  EXPECT_THAT(daemon_.log(), ::testing::HasSubstr("announced a message that is too long"));
+  EXPECT_THAT(daemon_.log(), ::testing::HasSubstr("announced a message of more than"));
   EXPECT_TRUE(rpc::Eventually([&] {
     const std::string metrics = Get(daemon_.http_port(), "/metrics").body;
     return metrics.find("sweepstake_unread_calls_total 0") == std::string::npos;

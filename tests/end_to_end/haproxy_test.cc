@@ -292,5 +292,29 @@ TEST_F(HaproxyTest, ARapidResetAttackIsDisconnectedAndGamesPlayOn) {
   EXPECT_EQ(game.stats().connection_count, 1u);
 }
 
+// Each connection makes 100 calls. One announces 100 MB, one sends a compressed message, the others
+// send nothing. HAProxy refuses further connections of the attacker.
+TEST_F(HaproxyTest, CallsWithoutAReadableMessageDisturbNoGame) {
+  Start();
+  ScriptedGame game(haproxy_->address(), Trusting(authority_));
+  ASSERT_TRUE(game.RunUntil(IsConnected)) << game.stats().last_error;
+  std::string calls = Http2Preface();
+  for (uint32_t stream = 1; stream < 200; stream += 2)
+    calls += Http2Call(stream, "/sweepstake.v1.TelemetryService/StreamTelemetry");
+  calls += Http2Frame(Http2Type::kData, 0, 1, std::string("\0\x06\0\0\0", 5));
+  calls += Http2Frame(Http2Type::kData, 0, 3, std::string("\1\0\0\0\1", 5));
+  std::vector<std::unique_ptr<RawClient>> attackers;
+  bool is_admitted = true;
+  for (int i = 0; i < 50 && is_admitted; ++i) {
+    attackers.push_back(std::make_unique<RawClient>(haproxy_->port(), "127.0.0.2"));
+    is_admitted = attackers.back()->Handshake() && attackers.back()->Send(calls);
+    ASSERT_TRUE(is_admitted || i > 0);
+  }
+  const uint64_t acknowledged = game.stats().acknowledged_sequence;
+  ASSERT_TRUE(game.RunUntil(
+      [&](const SessionStats& stats) { return stats.acknowledged_sequence > acknowledged + 20; }));
+  EXPECT_EQ(game.stats().connection_count, 1u);
+}
+
 }  // namespace
 }  // namespace sweepstake::test_support

@@ -1,5 +1,6 @@
-// Decides who may call what. Every handler calls Authorize first: gRPC's interceptors cannot refuse
-// a call in C++, and its AuthMetadataProcessor does not run without TLS.
+// Decides who may call what. GenericService calls Authorize as soon as the headers of a call have
+// arrived: gRPC's interceptors cannot refuse a call in C++, and its AuthMetadataProcessor does not
+// run without TLS.
 //
 // A call carries its token as metadata: `authorization: Bearer TOKEN`. While the daemon has no
 // tokens, every caller may do everything.

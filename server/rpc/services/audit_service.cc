@@ -144,16 +144,4 @@ absl::StatusOr<LoadPage> PagesOf(const Caller& caller, const v1::ExportDecisions
   });
 }
 
-grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAuditSegments(
-    grpc::CallbackServerContext* call, const v1::ListAuditSegmentsRequest* request) {
-  return ServePages<v1::ListAuditSegmentsResponse>(
-      context_, *call, RpcOf("AuditService/ListAuditSegments"), *request);
-}
-
-grpc::ServerWriteReactor<v1::ExportDecisionsResponse>* AuditService::ExportDecisions(
-    grpc::CallbackServerContext* call, const v1::ExportDecisionsRequest* request) {
-  return ServePages<v1::ExportDecisionsResponse>(context_, *call,
-                                                 RpcOf("AuditService/ExportDecisions"), *request);
-}
-
 }  // namespace sweepstake::rpc

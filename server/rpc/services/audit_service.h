@@ -4,26 +4,11 @@
 #pragma once
 
 #include "server/rpc/services/page_stream.h"
-#include "sweepstake/v1/audit.grpc.pb.h"
+#include "sweepstake/v1/audit.pb.h"
 
 namespace sweepstake::rpc {
 
 absl::StatusOr<LoadPage> PagesOf(const Caller& caller, const v1::ListAuditSegmentsRequest& request);
 absl::StatusOr<LoadPage> PagesOf(const Caller& caller, const v1::ExportDecisionsRequest& request);
-
-class AuditService final
-    : public v1::AuditService::WithCallbackMethod_ListAuditSegments<
-          v1::AuditService::WithCallbackMethod_ExportDecisions<v1::AuditService::Service>> {
- public:
-  explicit AuditService(ServiceContext& context) : context_(context) {}
-
-  grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* ListAuditSegments(
-      grpc::CallbackServerContext* call, const v1::ListAuditSegmentsRequest* request) override;
-  grpc::ServerWriteReactor<v1::ExportDecisionsResponse>* ExportDecisions(
-      grpc::CallbackServerContext* call, const v1::ExportDecisionsRequest* request) override;
-
- private:
-  ServiceContext& context_;
-};
 
 }  // namespace sweepstake::rpc

@@ -1,14 +1,9 @@
 // A response stream whose pages are read from the store, as fast as the client reads them. While
 // one page is written to the client, the next one is read from the store. Every streaming export
 // uses it.
-//
-// Each such method has a function
-//   absl::StatusOr<LoadPage> PagesOf(const Caller&, const Request&)
-// whose errors refuse the call.
 #pragma once
 
 #include <google/protobuf/message.h>
-#include <grpcpp/grpcpp.h>
 
 #include <functional>
 #include <memory>
@@ -17,8 +12,8 @@
 
 #include "absl/status/statusor.h"
 #include "server/rpc/common/error_reasons.h"
+#include "server/rpc/services/end_call.h"
 #include "server/rpc/services/stall_sweep.h"
-#include "server/rpc/services/unary_call.h"
 #include "server/sessions/prior_store.h"
 
 namespace sweepstake::rpc {
@@ -73,61 +68,5 @@ class PageStream final : public Transfer, public std::enable_shared_from_this<Pa
   bool writes_ = false;
   bool ended_ = false;
 };
-
-// A PageStream over gRPC. gRPC's callbacks run on gRPC's threads and only post to the loop. The
-// object deletes itself after OnDone.
-template <typename Response>
-class PageCall final : public grpc::ServerWriteReactor<Response>, public PageSink {
- public:
-  PageCall(ServiceContext& context, grpc::CallbackServerContext& call, Caller caller, LoadPage load)
-      : context_(context),
-        call_(call),
-        stream_(std::make_shared<PageStream>(context, std::move(caller), std::move(load), *this)) {
-    context.loop.Post([this] { stream_->Begin(); });
-  }
-
-  void Write(const std::shared_ptr<const google::protobuf::Message>& response) override {
-    this->StartWrite(static_cast<const Response*>(response.get()));
-  }
-  void Finish(const absl::Status& status) override {
-    grpc::ServerWriteReactor<Response>::Finish(ToGrpc(status, context_.counters));
-  }
-  void Cancel(const absl::Status& status) override {
-    rpc::Cancel(call_, ToGrpc(status, context_.counters));
-  }
-  void OnWriteDone(bool ok) override {
-    context_.loop.Post([this, ok] { stream_->OnWritten(ok); });
-  }
-  // Nothing to do: the pending write, or else the next one, fails and ends the stream.
-  void OnCancel() override {}
-  void OnDone() override {
-    context_.loop.Post([this] { delete this; });
-  }
-
- private:
-  ServiceContext& context_;
-  grpc::CallbackServerContext& call_;
-  const std::shared_ptr<PageStream> stream_;
-};
-
-// Returns the result of PagesOf, or the error of an unauthorized caller. Refusals are logged.
-template <typename Request>
-absl::StatusOr<LoadPage> PagesFor(ServiceContext& context, const absl::StatusOr<Caller>& caller,
-                                  const Request& request) {
-  if (!caller.ok()) return caller.status();
-  auto load = PagesOf(*caller, request);
-  context.access.refusals().TellEnd(caller->peer, load.status());
-  return load;
-}
-
-template <typename Response, typename Request>
-grpc::ServerWriteReactor<Response>* ServePages(ServiceContext& context,
-                                               grpc::CallbackServerContext& call, Rpc rpc,
-                                               const Request& request) {
-  const auto caller = context.access.Authorize(call, rpc);
-  auto load = PagesFor(context, caller, request);
-  if (load.ok()) return new PageCall<Response>(context, call, *caller, *std::move(load));
-  return new RefusedCall<grpc::ServerWriteReactor<Response>>(context, load.status());
-}
 
 }  // namespace sweepstake::rpc

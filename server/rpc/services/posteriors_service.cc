@@ -9,7 +9,7 @@
 #include "engine_client/text/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
-#include "server/rpc/services/unary_call.h"
+#include "server/rpc/services/end_call.h"
 #include "server/rpc/services/watch_call.h"
 #include "server/sessions/session_table.h"
 
@@ -122,11 +122,6 @@ void Answer(ServiceContext& context, const Caller& caller, const v1::GetPosterio
         ToProto(context.sessions.ActivityOf(key), *response.mutable_scene());
         return absl::OkStatus();
       });
-}
-
-grpc::ServerWriteReactor<grpc::ByteBuffer>* PosteriorsService::WatchPosteriors(
-    grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
-  return ServeWatch<v1::WatchPosteriorsRequest>(context_, *call, *request);
 }
 
 }  // namespace sweepstake::rpc

@@ -153,15 +153,12 @@ void OnEvidence(ServiceContext& context, const absl::Status& status,
 
 // One import. gRPC's callbacks parse and check one message at a time and post to the decision loop.
 // Everything else runs on the loop, except the job on the store's writing thread.
-class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, public Transfer {
+class PriorImport final : public grpc::ServerGenericBidiReactor, public Transfer {
  public:
   // `collected_count` counts the records that all imports together hold in memory.
   PriorImport(ServiceContext& context, std::atomic<size_t>& collected_count,
-              grpc::CallbackServerContext& call, grpc::ByteBuffer& response, Caller caller)
-      : Transfer(context, std::move(caller)),
-        collected_count_(collected_count),
-        call_(call),
-        response_(response) {
+              grpc::CallbackServerContext& call, Caller caller)
+      : Transfer(context, std::move(caller)), collected_count_(collected_count), call_(call) {
     context_.loop.Post([this] { Begin(); });
   }
   ~PriorImport() override { collected_count_ -= records_.size(); }
@@ -244,7 +241,8 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
 
   void End(const absl::Status& status) {
     EndTransfer(status);
-    Finish(ToGrpc(status, context_.counters));
+    const grpc::Status end = ToGrpc(status, context_.counters);
+    status.ok() ? StartWriteAndFinish(&response_, {}, end) : Finish(end);
   }
 
   absl::Status Take() {
@@ -283,7 +281,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
 
   std::atomic<size_t>& collected_count_;
   grpc::CallbackServerContext& call_;
-  grpc::ByteBuffer& response_;
+  grpc::ByteBuffer response_;
   grpc::ByteBuffer bytes_;
   v1::ImportPriorsRequest request_;
   std::vector<PriorRecord> records_;
@@ -451,24 +449,9 @@ void Answer(ServiceContext& context, const Caller& caller, const v1::PromotePrio
   ChangeSources(context, caller, request, response, end);
 }
 
-grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
-    grpc::CallbackServerContext* call, const v1::ExportPriorsRequest* request) {
-  return ServePages<v1::ExportPriorsResponse>(context_, *call, RpcOf("PriorsService/ExportPriors"),
-                                              *request);
-}
-
-grpc::ServerWriteReactor<v1::CompareBuildsResponse>* PriorsService::CompareBuilds(
-    grpc::CallbackServerContext* call, const v1::CompareBuildsRequest* request) {
-  return ServePages<v1::CompareBuildsResponse>(context_, *call,
-                                               RpcOf("PriorsService/CompareBuilds"), *request);
-}
-
-grpc::ServerReadReactor<grpc::ByteBuffer>* PriorsService::ImportPriors(
-    grpc::CallbackServerContext* call, grpc::ByteBuffer* response) {
-  auto caller = context_.access.Authorize(*call, RpcOf("PriorsService/ImportPriors"));
-  if (caller.ok())
-    return new PriorImport(context_, collected_count_, *call, *response, *std::move(caller));
-  return new RefusedCall<grpc::ServerReadReactor<grpc::ByteBuffer>>(context_, caller.status());
+grpc::ServerGenericBidiReactor* PriorImports::Serve(grpc::CallbackServerContext& call,
+                                                    Caller caller) {
+  return new PriorImport(context_, collected_count_, call, std::move(caller));
 }
 
 }  // namespace sweepstake::rpc

@@ -10,11 +10,13 @@
 // that begin after the promotion use it.
 #pragma once
 
+#include <grpcpp/grpcpp.h>
+
 #include <atomic>
 
+#include "server/rpc/services/end_call.h"
 #include "server/rpc/services/page_stream.h"
-#include "server/rpc/services/unary_call.h"
-#include "sweepstake/v1/priors.grpc.pb.h"
+#include "sweepstake/v1/priors.pb.h"
 
 namespace sweepstake::rpc {
 
@@ -25,31 +27,12 @@ void Answer(ServiceContext& context, const Caller& caller, const v1::RevokePrior
 void Answer(ServiceContext& context, const Caller& caller, const v1::PromotePriorsRequest& request,
             v1::PromotePriorsResponse& response, const EndCall& end);
 
-class PriorsService final : public v1::PriorsService::WithCallbackMethod_ExportPriors<
-                                v1::PriorsService::WithRawCallbackMethod_ImportPriors<
-                                    v1::PriorsService::WithCallbackMethod_RevokePriors<
-                                        v1::PriorsService::WithCallbackMethod_PromotePriors<
-                                            v1::PriorsService::WithCallbackMethod_CompareBuilds<
-                                                v1::PriorsService::Service>>>>> {
+class PriorImports {
  public:
-  explicit PriorsService(ServiceContext& context) : context_(context) {}
+  explicit PriorImports(ServiceContext& context) : context_(context) {}
 
-  grpc::ServerWriteReactor<v1::ExportPriorsResponse>* ExportPriors(
-      grpc::CallbackServerContext* call, const v1::ExportPriorsRequest* request) override;
-  grpc::ServerReadReactor<grpc::ByteBuffer>* ImportPriors(grpc::CallbackServerContext* call,
-                                                          grpc::ByteBuffer* response) override;
-  grpc::ServerUnaryReactor* RevokePriors(grpc::CallbackServerContext* call,
-                                         const v1::RevokePriorsRequest* request,
-                                         v1::RevokePriorsResponse* response) override {
-    return ServeUnary(context_, *call, RpcOf("PriorsService/RevokePriors"), *request, *response);
-  }
-  grpc::ServerUnaryReactor* PromotePriors(grpc::CallbackServerContext* call,
-                                          const v1::PromotePriorsRequest* request,
-                                          v1::PromotePriorsResponse* response) override {
-    return ServeUnary(context_, *call, RpcOf("PriorsService/PromotePriors"), *request, *response);
-  }
-  grpc::ServerWriteReactor<v1::CompareBuildsResponse>* CompareBuilds(
-      grpc::CallbackServerContext* call, const v1::CompareBuildsRequest* request) override;
+  // Serves a call of ImportPriors.
+  grpc::ServerGenericBidiReactor* Serve(grpc::CallbackServerContext& call, Caller caller);
 
  private:
   ServiceContext& context_;

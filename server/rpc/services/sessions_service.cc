@@ -13,7 +13,7 @@
 #include "engine_client/text/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
-#include "server/rpc/services/unary_call.h"
+#include "server/rpc/services/end_call.h"
 #include "server/rpc/services/watch_call.h"
 #include "server/sessions/session_table.h"
 
@@ -129,16 +129,6 @@ void Answer(ServiceContext& context, const Caller& caller, const v1::OrderSessio
       end(status);
     });
   });
-}
-
-grpc::ServerWriteReactor<grpc::ByteBuffer>* SessionsService::WatchSessions(
-    grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
-  return ServeWatch<v1::WatchSessionsRequest>(context_, *call, *request);
-}
-
-grpc::ServerWriteReactor<grpc::ByteBuffer>* SessionsService::WatchBoxes(
-    grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
-  return ServeWatch<v1::WatchBoxesRequest>(context_, *call, *request);
 }
 
 }  // namespace sweepstake::rpc

@@ -10,7 +10,6 @@
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/stall_sweep.h"
-#include "server/rpc/services/unary_call.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -20,8 +19,7 @@ namespace {
 // gRPC's callbacks run on gRPC's threads. They only parse messages and post tasks to the decision
 // loop. This class parses the messages itself, into reused memory: gRPC would report a message that
 // does not parse as an orderly half-close. The object deletes itself after OnDone.
-class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
-                            public TelemetryTransport {
+class TelemetryCall final : public grpc::ServerGenericBidiReactor, public TelemetryTransport {
  public:
   TelemetryCall(ServiceContext& context, TelemetryStreams& streams,
                 grpc::CallbackServerContext& call, auth::Principal caller)
@@ -40,7 +38,7 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
     StartWrite(&write_bytes_);
   }
   void Finish(const absl::Status& status) override {
-    ServerBidiReactor::Finish(ToGrpc(status, counters_));
+    grpc::ServerGenericBidiReactor::Finish(ToGrpc(status, counters_));
   }
   void Cancel(const absl::Status& status) override {
     rpc::Cancel(call_, ToGrpc(status, counters_));
@@ -94,12 +92,9 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
 
 }  // namespace
 
-grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* TelemetryService::StreamTelemetry(
-    grpc::CallbackServerContext* call) {
-  auto caller = context_.access.Authorize(*call, RpcOf("TelemetryService/StreamTelemetry"));
-  if (caller.ok()) return new TelemetryCall(context_, streams_, *call, *std::move(caller));
-  return new RefusedCall<grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>>(
-      context_, caller.status());
+grpc::ServerGenericBidiReactor* TelemetryService::Serve(grpc::CallbackServerContext& call,
+                                                        auth::Principal caller) {
+  return new TelemetryCall(context_, streams_, call, std::move(caller));
 }
 
 }  // namespace sweepstake::rpc

@@ -6,17 +6,15 @@
 
 #include "server/rpc/services/service_context.h"
 #include "server/rpc/services/telemetry_stream.h"
-#include "sweepstake/v1/telemetry.grpc.pb.h"
 
 namespace sweepstake::rpc {
 
-class TelemetryService final : public v1::TelemetryService::WithRawCallbackMethod_StreamTelemetry<
-                                   v1::TelemetryService::Service> {
+class TelemetryService {
  public:
   explicit TelemetryService(ServiceContext& context) : context_(context) {}
 
-  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* StreamTelemetry(
-      grpc::CallbackServerContext* call) override;
+  // Serves a call of StreamTelemetry.
+  grpc::ServerGenericBidiReactor* Serve(grpc::CallbackServerContext& call, auth::Principal caller);
 
   // Refuses new streams and requests the connected clients to reconnect later. Called on the loop.
   void Drain() { streams_.Drain(context_.options); }

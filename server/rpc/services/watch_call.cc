@@ -1,11 +1,11 @@
 #include "server/rpc/services/watch_call.h"
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "server/net/peer_address.h"
 #include "server/rpc/services/stall_sweep.h"
-#include "server/rpc/services/unary_call.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -26,22 +26,40 @@ grpc::ByteBuffer MessageOf(const std::vector<EventPtr>& events) {
   return {slices.data(), slices.size()};
 }
 
+std::unique_ptr<google::protobuf::Message> NewRequest(events::Kind kind) {
+  switch (kind) {
+    case events::Kind::kPosteriors:
+      return std::make_unique<v1::WatchPosteriorsRequest>();
+    case events::Kind::kSessions:
+      return std::make_unique<v1::WatchSessionsRequest>();
+    case events::Kind::kBoxes:
+      break;
+  }
+  return std::make_unique<v1::WatchBoxesRequest>();
+}
+
 // A watcher over gRPC. When a message has been written, it takes the next events from its
 // subscriber. It is used on the loop; gRPC's callbacks run on gRPC's threads and only post to the
 // loop. The object deletes itself after OnDone.
-class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
+class WatchCall final : public grpc::ServerGenericBidiReactor,
                         public StallingCall,
                         public events::Sink {
  public:
-  WatchCall(ServiceContext& context, grpc::CallbackServerContext& call, events::Wish wish,
-            const Caller& caller)
+  WatchCall(ServiceContext& context, grpc::CallbackServerContext& call, events::Kind kind,
+            Caller caller)
       : context_(context),
         call_(call),
-        max_events_(wish.kind == events::Kind::kSessions ? kSessionsPerPage : 1) {
-    context_.loop.Post([this, wish = std::move(wish), caller] {
-      context_.stalls.Add(*this);
-      BeginWatch(context_, wish, caller, *this);
-    });
+        kind_(kind),
+        caller_(std::move(caller)),
+        max_events_(kind == events::Kind::kSessions ? kSessionsPerPage : 1) {
+    StartRead(&message_);
+  }
+
+  void OnReadDone(bool ok) override {
+    const std::unique_ptr<google::protobuf::Message> request = NewRequest(kind_);
+    std::optional<events::Wish> wish;
+    if (ok && Parse(message_, *request)) wish = WishOf(*request);
+    context_.loop.Post([this, wish = std::move(wish)] { OnRequest(wish); });
   }
 
   void Begin(std::unique_ptr<events::Subscriber> subscriber) override {
@@ -89,6 +107,14 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
     StartWrite(&message_);
   }
 
+  void OnRequest(const std::optional<events::Wish>& wish) {
+    if (end_) return;  // the client has left
+    if (!wish)
+      return OnEnd(Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse"));
+    context_.stalls.Add(*this);
+    BeginWatch(context_, *wish, caller_, *this);
+  }
+
   void OnWritten(bool ok) {
     writing_ = false;
     if (end_) return Finish(ToGrpc(*end_, context_.counters));
@@ -98,9 +124,11 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
 
   ServiceContext& context_;
   grpc::CallbackServerContext& call_;
+  const events::Kind kind_;
+  const Caller caller_;
   const size_t max_events_;  // maximum number of events in one message
   std::unique_ptr<events::Subscriber> subscriber_;
-  grpc::ByteBuffer message_;
+  grpc::ByteBuffer message_;  // the request, then the events
   bool writing_ = false;
   int64_t write_start_ns_ = 0;
   std::optional<absl::Status> end_;
@@ -135,6 +163,14 @@ Rpc RpcOf(events::Kind kind) {
   return RpcOf("SessionsService/WatchBoxes");
 }
 
+std::optional<events::Kind> WatchedBy(std::string_view method) {
+  for (const events::Kind kind :
+       {events::Kind::kPosteriors, events::Kind::kSessions, events::Kind::kBoxes}) {
+    if (RpcOf(kind).name == method) return kind;
+  }
+  return std::nullopt;
+}
+
 void BeginWatch(ServiceContext& context, events::Wish wish, const Caller& caller,
                 events::Sink& sink) {
   const absl::Status allowed = Narrow(caller, wish.filter);
@@ -151,17 +187,10 @@ void BeginWatch(ServiceContext& context, events::Wish wish, const Caller& caller
   context.events.Subscribe(std::move(wish), sink);
 }
 
-grpc::ServerWriteReactor<grpc::ByteBuffer>* ServeWatch(ServiceContext& context,
-                                                       grpc::CallbackServerContext& call,
-                                                       events::Wish wish, bool parsed) {
-  const auto caller = context.access.Authorize(call, RpcOf(wish.kind));
-  absl::Status status = caller.status();
-  if (status.ok() && !parsed) {
-    status = Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse");
-    context.access.refusals().TellEnd(net::ClientOf(call.peer()), status);
-  }
-  if (status.ok()) return new WatchCall(context, call, std::move(wish), *caller);
-  return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(context, status);
+grpc::ServerGenericBidiReactor* ServeWatch(ServiceContext& context,
+                                           grpc::CallbackServerContext& call, events::Kind kind,
+                                           Caller caller) {
+  return new WatchCall(context, call, kind, std::move(caller));
 }
 
 }  // namespace sweepstake::rpc

@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "server/events/event_bus.h"
@@ -21,6 +22,8 @@ std::optional<events::Wish> WishOf(const google::protobuf::Message& request);
 
 // Returns the Watch method that streams events of this kind.
 Rpc RpcOf(events::Kind kind);
+// Inverts RpcOf. Returns nothing for other methods.
+std::optional<events::Kind> WatchedBy(std::string_view method);
 
 // Begins to watch for an authorized caller. Called on the loop. Errors go to Sink::OnEnd, some of
 // them before BeginWatch returns:
@@ -32,18 +35,9 @@ void BeginWatch(ServiceContext& context, events::Wish wish, const Caller& caller
                 events::Sink& sink);
 
 // Serves a call that watches. A client that does not read for RpcOptions::watcher_patience_ns is
-// disconnected. If `parsed` is false, the request did not parse, and the call is refused.
-grpc::ServerWriteReactor<grpc::ByteBuffer>* ServeWatch(ServiceContext& context,
-                                                       grpc::CallbackServerContext& call,
-                                                       events::Wish wish, bool parsed);
-
-template <typename Request>
-grpc::ServerWriteReactor<grpc::ByteBuffer>* ServeWatch(ServiceContext& context,
-                                                       grpc::CallbackServerContext& call,
-                                                       grpc::ByteBuffer bytes) {
-  Request request;
-  const bool parsed = Parse(bytes, request);
-  return ServeWatch(context, call, WishOf(request).value(), parsed);
-}
+// disconnected.
+grpc::ServerGenericBidiReactor* ServeWatch(ServiceContext& context,
+                                           grpc::CallbackServerContext& call, events::Kind kind,
+                                           Caller caller);
 
 }  // namespace sweepstake::rpc

@@ -27,10 +27,10 @@ TEST(DescriptorLimitTest, ALimitTooLowForTheSessionsGivesAWarning) {
   rpc::RpcOptions options;
   options.max_sessions = 20'000;
   options.max_watchers = 256;
-  EXPECT_EQ(DescriptorShortage(65'536, options), std::nullopt);
-  EXPECT_EQ(DescriptorShortage(23'560, options), std::nullopt);
-  EXPECT_THAT(DescriptorShortage(23'559, options).value(),
-              AllOf(HasSubstr("is 23559"), HasSubstr("may need 23560"), HasSubstr("LimitNOFILE"),
+  EXPECT_EQ(DescriptorShortage(131'072, options), std::nullopt);
+  EXPECT_EQ(DescriptorShortage(66'072, options), std::nullopt);
+  EXPECT_THAT(DescriptorShortage(66'071, options).value(),
+              AllOf(HasSubstr("is 66071"), HasSubstr("may need 66072"), HasSubstr("LimitNOFILE"),
                     HasSubstr("--max-sessions")));
 }
 

@@ -45,6 +45,9 @@ std::string Open(uint32_t stream) {
 std::string ToServerReset(uint32_t stream) {
   return Frame(Http2Type::kResetStream, 0, stream, Number(8, 4));
 }
+std::string GoAway(uint32_t last_stream) {
+  return Frame(Http2Type::kGoAway, 0, 0, Number(last_stream, 4) + Number(0, 4));
+}
 std::string Literal(const std::string& text) { return Number(text.size(), 1) + text; }
 // The answer to a refused call. `is_first`: gRPC has sent no headers for the call.
 std::string Refusal(uint32_t stream, bool is_first = true) {
@@ -186,12 +189,28 @@ TEST_F(Http2GuardTest, EndsCallsWhoseFirstMessageIsLate) {
 
 TEST_F(Http2GuardTest, LimitsTheCallsWithoutAMessage) {
   for (uint32_t stream = 1; stream < 9; stream += 2) Send(Open(stream));
-  EXPECT_THAT(refusals_, IsEmpty());
-  Send(Open(9));
-  EXPECT_THAT(refusals_, ElementsAre(Http2Refusal::kWaitingCalls));
   Answer(Frame(Http2Type::kHeaders, kEndHeaders | kEndStream, 1, "trailers") + ToServerReset(3));
-  Send(Open(11) + Open(13));
-  EXPECT_EQ(refusals_.size(), 1u) << "calls that gRPC has ended do not count";
+  Send(Open(9) + Open(11));
+  EXPECT_THAT(refusals_, IsEmpty()) << "calls that gRPC has ended do not count";
+  const std::string more = Open(13) + Frame(Http2Type::kData, 0, 13, Message(1));
+  EXPECT_EQ(Send(more + more), "");
+  EXPECT_THAT(refusals_, ElementsAre(Http2Refusal::kWaitingCalls));
+  EXPECT_EQ(Answer(), GoAway(11));
+}
+
+TEST_F(Http2GuardTest, AfterAGoAwayTheAcceptedCallsGoOn) {
+  for (uint32_t stream = 1; stream < 11; stream += 2) Send(Open(stream));
+  EXPECT_EQ(Answer(), GoAway(7));
+  const std::string data = Frame(Http2Type::kData, kEndStream, 1, Message(3));
+  EXPECT_EQ(Send(data + Frame(Http2Type::kPing, 0, 0, "12345678")),
+            data + Frame(Http2Type::kPing, 0, 0, "12345678"));
+  EXPECT_EQ(Send(Open(11)), "") << "although fewer calls wait";
+  EXPECT_TRUE(is_open_);
+  for (uint32_t stream = 1; stream < 9; stream += 2) {
+    EXPECT_FALSE(guard_.is_done());
+    Answer(Frame(Http2Type::kHeaders, kEndHeaders | kEndStream, stream, "trailers"));
+  }
+  EXPECT_TRUE(guard_.is_done());
 }
 
 TEST_F(Http2GuardTest, AConnectionMayHaveOneCallIfAllHaveTooMany) {
@@ -207,8 +226,6 @@ TEST_F(Http2GuardTest, AConnectionMayHaveOneCallIfAllHaveTooMany) {
   EXPECT_THAT(refusals_, ElementsAre(Http2Refusal::kWaitingCalls));
   others.clear();
   EXPECT_EQ(all_->calls, 1u);
-  Send(Open(5));
-  EXPECT_EQ(refusals_.size(), 1u);
 }
 
 TEST_F(Http2GuardTest, AResetDoesNotDivideAHeaderBlock) {
@@ -228,11 +245,18 @@ TEST_F(Http2GuardTest, AResetDoesNotDivideAHeaderBlock) {
   EXPECT_EQ(Answer(server_frame.substr(11)), server_frame.substr(11) + Refusal(7));
 }
 
-TEST_F(Http2GuardTest, ClosesAConnectionThatResetsTooManyCalls) {
-  for (uint32_t stream = 1; is_open_ && stream < 1'000; stream += 2)
+TEST_F(Http2GuardTest, AConnectionThatResetsTooManyCallsMakesNoMore) {
+  for (uint32_t stream = 1; stream < 1'000; stream += 2)
     Send(Open(stream) + Frame(Http2Type::kResetStream, 0, stream, Number(8, 4)));
   EXPECT_THAT(refusals_, ElementsAre(Http2Refusal::kResets));
-  EXPECT_FALSE(is_open_);
+  EXPECT_TRUE(guard_.is_done());
+}
+
+TEST_F(Http2GuardTest, RefusedCallsCountAsResets) {
+  for (uint32_t stream = 1; stream < 1'000; stream += 2)
+    Send(Open(stream) + Frame(Http2Type::kData, 0, stream, Number(1, 1)));
+  EXPECT_EQ(refusals_.back(), Http2Refusal::kResets);
+  EXPECT_EQ(refusals_.size(), 22u);
 }
 
 TEST_F(Http2GuardTest, AllowsResetsThatAreSpreadOverTime) {

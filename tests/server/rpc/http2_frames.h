@@ -13,6 +13,7 @@ enum class Http2Type : char {
   kResetStream = 3,
   kSettings = 4,
   kPing = 6,
+  kGoAway = 7,
   kContinuation = 9
 };
 

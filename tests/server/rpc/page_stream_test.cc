@@ -24,8 +24,7 @@ class BusyStore final : public priors::AsyncPriorStore {
   uint64_t lost_audit_row_count() const override { return 0; }
 };
 
-// The services that a stream needs, without a server. The stream's call never begins, so that using
-// the call ends the program.
+// The services that a stream needs, without a server.
 struct Services {
   // Returns when the loop has run all posted and due tasks.
   void Settle() {
@@ -52,16 +51,28 @@ struct Services {
                          sessions, stalls, access, log,      admin};
 };
 
+// Counts the ends of a stream.
+struct CountingSink final : PageSink {
+  void Write(const std::shared_ptr<const google::protobuf::Message>& /*response*/) override {}
+  void Finish(const absl::Status& /*status*/) override { ++finish_count; }
+  void Cancel(const absl::Status& /*status*/) override { ++cancel_count; }
+
+  int finish_count = 0;
+  int cancel_count = 0;
+};
+
 TEST(PageStreamTest, AFinishedStreamIsNotEndedAgainBeforeTheLoopProcessesItsEnd) {
   Services services;
-  grpc::CallbackServerContext call;
-  auto* const stream = new PageCall<v1::ExportPriorsResponse>(
-      services.context, call, {}, [](priors::PriorReader&) { return StreamPage{}; });
+  CountingSink sink;
+  const auto stream = std::make_shared<PageStream>(
+      services.context, Caller(), [](priors::PriorReader&) { return StreamPage{}; }, sink);
+  services.loop.Post([&] { stream->Begin(); });
   services.Settle();
+  EXPECT_EQ(sink.finish_count, 1);
   services.clock.Advance(2 * services.options.watcher_patience_ns);
   services.Settle();
-  stream->OnDone();
-  services.Settle();
+  EXPECT_EQ(sink.finish_count, 1);
+  EXPECT_EQ(sink.cancel_count, 0);
 }
 
 }  // namespace

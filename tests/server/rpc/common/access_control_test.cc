@@ -468,9 +468,9 @@ TEST_F(AccessTest, FailuresOverHttpAreCountedForTheAddressOfTheBrowser) {
     absl::Status end;
     EXPECT_TRUE(server_->CallOverHttp({.request = std::make_shared<v1::ListPosteriorsRequest>(),
                                        .peer = peer,
-                                       .token = "guess",
                                        .on_response = {},
-                                       .on_end = [&end](const auto& status) { end = status; }}));
+                                       .on_end = [&end](const auto& status) { end = status; }},
+                                      "guess"));
     return ReasonOfRefusal(end);
   };
   for (uint32_t i = 0; i < auth::FailureLimit::kMaxFailures; ++i)
