@@ -7,6 +7,10 @@ namespace sweepstake::net {
 namespace {
 
 constexpr std::string_view kPreface = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
+// For browsers. A client that begins with TLS recognises plain text.
+constexpr std::string_view kNoHttp2 =
+    "HTTP/1.1 400 Bad Request\r\nConnection: close\r\nContent-Type: text/plain\r\n\r\n"
+    "This port serves gRPC (HTTP/2 without TLS).\n";
 constexpr size_t kHeaderBytes = 9;
 constexpr size_t kPrefixBytes = 5;
 constexpr uint32_t kMaxFrameBytes = 16'384;  // gRPC announces no larger SETTINGS_MAX_FRAME_SIZE
@@ -87,7 +91,10 @@ Http2Guard::Frame Http2Guard::HeaderOf(std::string_view bytes) {
 
 bool Http2Guard::FromClient(std::string_view bytes, int64_t now_ns, std::string& to_server) {
   while (preface_count_ < kPreface.size() && !bytes.empty()) {
-    if (bytes.front() != kPreface[preface_count_]) return Close(Http2Refusal::kNotHttp2);
+    if (bytes.front() != kPreface[preface_count_]) {
+      answers_ = kNoHttp2;
+      return Close(Http2Refusal::kNotHttp2);
+    }
     to_server.push_back(bytes.front());
     bytes.remove_prefix(1);
     ++preface_count_;

@@ -75,7 +75,7 @@ class Http2Guard {
   Http2Guard& operator=(const Http2Guard&) = delete;
 
   // Takes bytes of the client, and appends what gRPC shall read to `to_server`. Returns false if
-  // the connection must be closed.
+  // the connection must be closed, after the client has got what TakeAnswers appends.
   bool FromClient(std::string_view bytes, int64_t now_ns, std::string& to_server);
   // Takes bytes of gRPC, and appends what the client shall read to `to_client`.
   void FromServer(std::string_view bytes, std::string& to_client);

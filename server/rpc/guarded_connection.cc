@@ -109,7 +109,11 @@ void GuardedConnection::OnClientReadable() {
     if (!tls_->FromClient(bytes, plain, to_client_)) client_ended_ = true;
     bytes = plain;
   }
-  if (!guard_.FromClient(bytes, now_ns_(), to_server_) || !SendAnswers()) return Close();
+  if (!guard_.FromClient(bytes, now_ns_(), to_server_)) {
+    if (SendAnswers()) WriteTo(client_, to_client_);
+    return Close();
+  }
+  if (!SendAnswers()) return Close();
   FlushToServer();
   FlushToClient();
 }

@@ -283,6 +283,9 @@ TEST(Http2GuardBytes, ClosesWhatIsNotHttp2) {
     std::string to_server;
     EXPECT_FALSE(guard.FromClient(bytes, 0, to_server)) << bytes;
     EXPECT_THAT(refusals, ElementsAre(Http2Refusal::kNotHttp2)) << bytes;
+    std::string to_client;
+    guard.TakeAnswers(to_client);
+    EXPECT_EQ(to_client.starts_with("HTTP/1.1 400"), bytes.starts_with("GET")) << bytes;
   }
 }
 
