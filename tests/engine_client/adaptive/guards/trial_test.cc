@@ -11,6 +11,7 @@
 #include "engine_client/adaptive/guards/suspension_guard.h"
 #include "engine_client/adaptive/guards/trial_guard.h"
 #include "engine_client/adaptive/shadow_schedule.h"
+#include "engine_client/broad_phase/host/hook_points.h"
 #include "tests/support/recording_sink.h"
 #include "tests/support/scripted_broad_phase.h"
 
@@ -324,6 +325,7 @@ TEST_F(TrialTest, ACommandWithoutALimitStartsNoTrial) {
 
 // Other threads have the core for 6 s. Then the arm itself takes too long.
 TEST_F(TrialTest, TimeWithoutTheCoreDoesNotEndATrial) {
+  if (ThreadTimeNs() == 0) GTEST_SKIP() << "the CPU time of a thread is not precise here";
   clock_.ReportCpu();
   TryB();
   SearchOfBTakes(10, /*poll_count=*/10);
