@@ -136,7 +136,7 @@ bool Http2Guard::TakeFrame(const Frame& frame, std::string_view payload, int64_t
   } else if (frame.type == kHeaders && (frame.flags & kEndStream) != 0) {
     Forget(frame.stream);
   } else if (frame.type == kData) {
-    return TakeData(frame, payload, now_ns);
+    return TakeData(frame, payload);
   } else if (frame.type == kReset && streams_.contains(frame.stream)) {
     Forget(frame.stream);
     CountReset(now_ns);
@@ -174,7 +174,7 @@ void Http2Guard::CountReset(int64_t now_ns) {
   if (resets_ > kResetSeconds * limits_.max_resets_per_s) GoAway(Http2Refusal::kResets);
 }
 
-bool Http2Guard::TakeData(const Frame& frame, std::string_view payload, int64_t now_ns) {
+bool Http2Guard::TakeData(const Frame& frame, std::string_view payload) {
   const auto found = streams_.find(frame.stream);
   if (found == streams_.end()) return true;  // gRPC ignores the data of a call that has ended
   if ((frame.flags & kPadded) != 0) {
@@ -184,7 +184,7 @@ bool Http2Guard::TakeData(const Frame& frame, std::string_view payload, int64_t 
   }
   const Http2Refusal why = Scan(found->second, payload);
   if (why != Http2Refusal::kNotHttp2) {
-    Refuse(frame.stream, why, now_ns);
+    Refuse(frame.stream, why);
   } else if ((frame.flags & kEndStream) != 0) {
     // The client has sent everything. gRPC answers a message that is not complete.
     Stream& stream = found->second;
@@ -253,7 +253,7 @@ void Http2Guard::EndLateCalls(int64_t now_ns, std::string& to_server) {
     const auto found = streams_.find(id);
     const bool waits = found != streams_.end() && !found->second.has_message;
     if (waits && now_ns - begin_ns < limits_.first_message_patience_ns) break;
-    if (waits) Refuse(id, Http2Refusal::kLateMessage, now_ns);
+    if (waits) Refuse(id, Http2Refusal::kLateMessage);
     begun_.pop_front();
   }
   if (in_client_headers_) return;
@@ -261,12 +261,12 @@ void Http2Guard::EndLateCalls(int64_t now_ns, std::string& to_server) {
   resets_to_server_.clear();
 }
 
-void Http2Guard::Refuse(uint32_t id, Http2Refusal why, int64_t now_ns) {
+void Http2Guard::Refuse(uint32_t id, Http2Refusal why) {
   AppendStatus(answers_, id, on_refusal_(why), !streams_.at(id).has_answer);
   AppendReset(answers_, id, kNoError);  // the client shall send nothing more
   AppendReset(resets_to_server_, id, kCancel);
   Forget(id);
-  CountReset(now_ns);
+  if (++refusal_count_ > limits_.max_refusals) GoAway(Http2Refusal::kRefusals);
 }
 
 bool Http2Guard::Close(Http2Refusal why) {

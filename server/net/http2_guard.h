@@ -44,8 +44,10 @@ struct Http2Limits {
   Http2Use of_connection = {.calls = 20, .bytes = 1024 * 1024};
   // The use of all connections together. Beyond it, a connection may have one call and one message.
   Http2Use of_all = {.calls = 500, .bytes = 16 * 1024 * 1024};
-  // Calls per second that the client resets or the guard refuses, on average over ten seconds.
+  // Calls per second that the client may reset, on average over ten seconds.
   uint32_t max_resets_per_s = 100;
+  // Calls of a connection that the guard refuses, before the connection gets a GOAWAY.
+  uint32_t max_refusals = 3;
 };
 
 // Why the guard has ended a call or a connection.
@@ -56,6 +58,7 @@ enum class Http2Refusal : uint8_t {
   kLateMessage,
   kWaitingCalls,
   kResets,
+  kRefusals,
   kNotHttp2,
 };
 
@@ -111,7 +114,7 @@ class Http2Guard {
   static Frame HeaderOf(std::string_view bytes);
   // Returns false if the connection must be closed.
   bool TakeFrame(const Frame& frame, std::string_view payload, int64_t now_ns);
-  bool TakeData(const Frame& frame, std::string_view payload, int64_t now_ns);
+  bool TakeData(const Frame& frame, std::string_view payload);
   void Begin(const Frame& frame, int64_t now_ns);
   void CountReset(int64_t now_ns);
   // Accepts no further calls.
@@ -122,7 +125,7 @@ class Http2Guard {
   // Adds to the use of the connection and of all connections.
   void Add(int64_t calls, int64_t bytes);
   void Forget(uint32_t id);
-  void Refuse(uint32_t id, Http2Refusal why, int64_t now_ns);
+  void Refuse(uint32_t id, Http2Refusal why);
   bool Close(Http2Refusal why);
   void NoteServerFrame(const Frame& frame);
 
@@ -134,6 +137,7 @@ class Http2Guard {
   Http2Use use_;
   uint32_t last_stream_ = 0;  // the latest accepted call
   bool is_going_away_ = false;
+  uint32_t refusal_count_ = 0;
   double resets_ = 0;  // recent resets, with a half-life
   int64_t reset_ns_ = 0;
 

@@ -45,8 +45,10 @@ absl::Status StatusOf(net::Http2Refusal why) {
       return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
                      "a connection has too many calls that wait for their first message");
     case net::Http2Refusal::kResets:
+      return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS, "a connection cancelled too many calls");
+    case net::Http2Refusal::kRefusals:
       return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
-                     "too many calls of a connection were cancelled or refused");
+                     "too many calls of a connection were refused");
     case net::Http2Refusal::kNotHttp2:
       break;
   }
@@ -55,7 +57,7 @@ absl::Status StatusOf(net::Http2Refusal why) {
 
 bool EndsConnection(net::Http2Refusal why) {
   return why == net::Http2Refusal::kWaitingCalls || why == net::Http2Refusal::kResets ||
-         why == net::Http2Refusal::kNotHttp2;
+         why == net::Http2Refusal::kRefusals || why == net::Http2Refusal::kNotHttp2;
 }
 
 }  // namespace
