@@ -240,7 +240,7 @@ void Daemon::FollowTls() {
     if (status.ok()) {
       log_->info("read the TLS files; {}", expiry(expires_unix_s));
     } else {
-      log_->error("the TLS files are invalid, and new connections may fail: {}",
+      log_->error("the TLS files are invalid, and the previous certificate stays in use: {}",
                   std::string(status.message()));
     }
   };

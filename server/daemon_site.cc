@@ -110,7 +110,7 @@ std::optional<std::string> Daemon::StoreProblem() const {
 std::optional<std::string> Daemon::TlsProblem() const {
   const std::lock_guard lock(mutex_);
   if (tls_problem_.empty()) return std::nullopt;
-  return "new connections may fail: " + tls_problem_;
+  return "the TLS files are invalid: " + tls_problem_;
 }
 
 std::optional<std::string> Daemon::ShutdownProblem() const {

@@ -282,7 +282,7 @@ int Run(const Config& config, CommandLine& line) {
   // At a limit of the file size (ulimit -f) writes fail as on a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGBUS, OnBusError);
-  // gRPC and protobuf write lines to stderr that are not JSON. GrpcLog takes them later.
+  // gRPC and protobuf write lines to stderr that are not JSON. GrpcLog takes those of gRPC later.
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
   // protobuf writes a line for each text that is not UTF-8, so clients could cause any number of
   // lines.

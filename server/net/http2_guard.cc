@@ -10,14 +10,15 @@ constexpr std::string_view kPreface = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
 // For browsers. A client that begins with TLS recognises plain text.
 constexpr std::string_view kNoHttp2 =
     "HTTP/1.1 400 Bad Request\r\nConnection: close\r\nContent-Type: text/plain\r\n\r\n"
-    "This port serves gRPC (HTTP/2 without TLS).\n";
+    "This port serves gRPC, over HTTP/2.\n";
 constexpr size_t kHeaderBytes = 9;
 constexpr size_t kPrefixBytes = 5;
 constexpr uint32_t kMaxFrameBytes = 16'384;  // gRPC announces no larger SETTINGS_MAX_FRAME_SIZE
 constexpr double kResetSeconds = 10;         // over which resets are averaged
 
 // Types and flags of frames, RFC 9113.
-constexpr uint8_t kData = 0, kHeaders = 1, kReset = 3, kGoAway = 7, kContinuation = 9;
+constexpr uint8_t kData = 0, kHeaders = 1, kReset = 3, kGoAway = 7, kWindowUpdate = 8,
+                  kContinuation = 9;
 constexpr uint8_t kEndStream = 1, kEndHeaders = 4, kPadded = 8;
 // Error codes.
 constexpr uint32_t kNoError = 0, kCancel = 8;
@@ -115,9 +116,13 @@ bool Http2Guard::FromClient(std::string_view bytes, int64_t now_ns, std::string&
     // After a GOAWAY nothing of a further call is forwarded. gRPC then no longer has the state of
     // the headers' compression, but it gets no further headers either.
     const bool is_forwarded =
-        !is_going_away_ ||
-        (frame.stream <= last_stream_ && frame.type != kHeaders && frame.type != kContinuation);
+        !is_going_away_ || (frame.stream <= last_stream_ && frame.type != kHeaders);
     if (is_forwarded) to_server += bytes.substr(0, kHeaderBytes + frame.length);
+    if (!is_forwarded && frame.type == kData && frame.length > 0) {
+      // gRPC does not get these bytes, so it does not enlarge the connection's window again.
+      AppendFrameHeader(answers_, 4, kWindowUpdate, 0, 0);
+      AppendNumber(answers_, frame.length, 4);
+    }
     bytes.remove_prefix(kHeaderBytes + frame.length);
     if (in_client_headers_) continue;
     to_server += resets_to_server_;
@@ -131,10 +136,12 @@ bool Http2Guard::TakeFrame(const Frame& frame, std::string_view payload, int64_t
   if (in_client_headers_ != (frame.type == kContinuation)) return Close(Http2Refusal::kNotHttp2);
   if (frame.type == kHeaders || frame.type == kContinuation)
     in_client_headers_ = (frame.flags & kEndHeaders) == 0;
+  // gRPC ignores calls with an even number, which clients must not use.
+  if (frame.type == kHeaders && frame.stream % 2 == 0) return Close(Http2Refusal::kNotHttp2);
   if (frame.type == kHeaders && frame.stream > last_stream_) {
     if (!is_going_away_) Begin(frame, now_ns);
   } else if (frame.type == kHeaders && (frame.flags & kEndStream) != 0) {
-    Forget(frame.stream);
+    EndRequests(frame.stream);
   } else if (frame.type == kData) {
     return TakeData(frame, payload);
   } else if (frame.type == kReset && streams_.contains(frame.stream)) {
@@ -155,6 +162,7 @@ void Http2Guard::Begin(const Frame& frame, int64_t now_ns) {
   streams_.emplace(frame.stream, stream);
   if (stream.has_message) return;
   Add(1, 0);
+  while (!begun_.empty() && !Waits(begun_.front().second)) begun_.pop_front();
   begun_.emplace_back(now_ns, frame.stream);
 }
 
@@ -186,13 +194,19 @@ bool Http2Guard::TakeData(const Frame& frame, std::string_view payload) {
   if (why != Http2Refusal::kNotHttp2) {
     Refuse(frame.stream, why);
   } else if ((frame.flags & kEndStream) != 0) {
-    // The client has sent everything. gRPC answers a message that is not complete.
-    Stream& stream = found->second;
-    Add(0, -int64_t{stream.missing});
-    stream.missing = 0;
-    if (!stream.has_message) EndMessage(stream);
+    EndRequests(frame.stream);
   }
   return true;
+}
+
+// The client has sent everything. gRPC answers a message that is not complete.
+void Http2Guard::EndRequests(uint32_t id) {
+  const auto found = streams_.find(id);
+  if (found == streams_.end()) return;
+  Stream& stream = found->second;
+  Add(0, -int64_t{stream.missing});
+  stream.missing = 0;
+  EndMessage(stream);
 }
 
 Http2Refusal Http2Guard::Scan(Stream& stream, std::string_view data) {
@@ -250,8 +264,7 @@ void Http2Guard::Forget(uint32_t id) {
 void Http2Guard::EndLateCalls(int64_t now_ns, std::string& to_server) {
   while (!begun_.empty()) {
     const auto& [begin_ns, id] = begun_.front();
-    const auto found = streams_.find(id);
-    const bool waits = found != streams_.end() && !found->second.has_message;
+    const bool waits = Waits(id);
     if (waits && now_ns - begin_ns < limits_.first_message_patience_ns) break;
     if (waits) Refuse(id, Http2Refusal::kLateMessage);
     begun_.pop_front();
@@ -259,6 +272,11 @@ void Http2Guard::EndLateCalls(int64_t now_ns, std::string& to_server) {
   if (in_client_headers_) return;
   to_server += resets_to_server_;
   resets_to_server_.clear();
+}
+
+bool Http2Guard::Waits(uint32_t id) const {
+  const auto found = streams_.find(id);
+  return found != streams_.end() && !found->second.has_message;
 }
 
 void Http2Guard::Refuse(uint32_t id, Http2Refusal why) {
@@ -278,7 +296,7 @@ void Http2Guard::FromServer(std::string_view bytes, std::string& to_client) {
   while (!bytes.empty()) {
     if (server_missing_ > 0) {
       const size_t taken = std::min<size_t>(server_missing_, bytes.size());
-      to_client += bytes.substr(0, taken);
+      if (!drops_server_frame_) to_client += bytes.substr(0, taken);
       bytes.remove_prefix(taken);
       server_missing_ -= static_cast<uint32_t>(taken);
       continue;
@@ -289,7 +307,9 @@ void Http2Guard::FromServer(std::string_view bytes, std::string& to_client) {
     bytes.remove_prefix(taken);
     if (server_header_.size() < kHeaderBytes) return;
     const Frame frame = HeaderOf(server_header_);
-    to_client += server_header_;
+    // After the guard's GOAWAY, one of gRPC could allow further calls.
+    drops_server_frame_ = is_going_away_ && frame.type == kGoAway;
+    if (!drops_server_frame_) to_client += server_header_;
     server_header_.clear();
     server_missing_ = frame.length;
     NoteServerFrame(frame);
@@ -306,6 +326,11 @@ void Http2Guard::NoteServerFrame(const Frame& frame) {
   } else if (const auto found = streams_.find(frame.stream); can_end && found != streams_.end()) {
     found->second.has_answer = true;
   }
+}
+
+bool Http2Guard::is_done() const {
+  return is_going_away_ && streams_.empty() && answers_.empty() && server_missing_ == 0 &&
+         server_header_.empty() && !in_server_headers_;
 }
 
 void Http2Guard::TakeAnswers(std::string& to_client) {

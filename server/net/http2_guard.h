@@ -15,7 +15,7 @@
 // RST_STREAM for that call and ignores them. It does not decode headers. The headers that it sends
 // leave the compression state of the connection unchanged (RFC 7541, section 6.2.2).
 //
-// Plain values; one thread at a time. The memory is bounded by one frame and the open streams.
+// Plain values; one thread at a time. The memory is bounded by one frame and the open calls.
 #pragma once
 
 #include <cstddef>
@@ -91,7 +91,7 @@ class Http2Guard {
 
   uint64_t waiting_call_count() const { return use_.calls; }
   // Returns whether the connection got a GOAWAY and its last call has ended. Close it then.
-  bool is_done() const { return is_going_away_ && streams_.empty(); }
+  bool is_done() const;
   size_t open_call_count() const { return streams_.size(); }
 
  private:
@@ -122,6 +122,9 @@ class Http2Guard {
   // Returns why the call must end; kNotHttp2 if it may go on.
   Http2Refusal Scan(Stream& stream, std::string_view data);
   void EndMessage(Stream& stream);
+  void EndRequests(uint32_t id);
+  // Returns whether the call waits for its first message.
+  bool Waits(uint32_t id) const;
   // Adds to the use of the connection and of all connections.
   void Add(int64_t calls, int64_t bytes);
   void Forget(uint32_t id);
@@ -149,6 +152,7 @@ class Http2Guard {
   std::string server_header_;  // an incomplete frame header
   uint32_t server_missing_ = 0;
   bool in_server_headers_ = false;
+  bool drops_server_frame_ = false;
   std::string answers_;  // frames that wait for the end of gRPC's frame
 };
 

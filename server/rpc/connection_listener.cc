@@ -91,6 +91,19 @@ void ConnectionListener::StopAccepting() {
   boost::asio::post(io_, [this] { acceptor_.Close(); });
 }
 
+void ConnectionListener::AwaitEnd(std::chrono::milliseconds patience) {
+  std::unique_lock lock(mutex_);
+  ended_.wait_for(lock, patience, [this] { return open_count_ == 0; });
+}
+
+void ConnectionListener::CountOpen() {
+  {
+    const std::lock_guard lock(mutex_);
+    open_count_ = connections_.size();
+  }
+  ended_.notify_all();
+}
+
 void ConnectionListener::HandOver(tcp::socket client) {
   const std::string peer = net::PeerOf(client.native_handle());
   auto address = open_.Add(peer, net::ConnectsItself(client.native_handle()));
@@ -108,6 +121,7 @@ void ConnectionListener::HandOver(tcp::socket client) {
     return refusals_.Tell(peer, connection.status());
   }
   connections_.emplace(number, *connection);
+  CountOpen();
   grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
   parameters.fd = (*connection)->TakeServerEnd();
   grpc_->HandleNewConnection(&parameters);
@@ -115,6 +129,7 @@ void ConnectionListener::HandOver(tcp::socket client) {
       ->Start([this] { return clock_.NowNs(); },
               [this, number, address = *address] {
                 connections_.erase(number);
+                CountOpen();
                 open_.Remove(address);
               });
 }

@@ -10,9 +10,12 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -48,13 +51,17 @@ class ConnectionListener {
   int port() const { return port_; }
   // Accepts no further connections. The existing ones continue.
   void StopAccepting();
+  // Waits until the clients have got what gRPC has sent, at most for `patience`. Call it after
+  // gRPC's server has ended.
+  void AwaitEnd(std::chrono::milliseconds patience);
 
  private:
   // The functions below run on thread_.
   void HandOver(boost::asio::ip::tcp::socket client);
   net::Http2Guard::Headers OnRefusal(const std::string& peer, net::Http2Refusal why);
-  // Run once per second.
+  // Runs once per second.
   void Look();
+  void CountOpen();
 
   const std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> grpc_;
   const sessions::LoopClock& clock_;
@@ -66,6 +73,9 @@ class ConnectionListener {
   int port_ = 0;
   uint64_t connection_count_ = 0;  // accepted so far
   std::map<uint64_t, std::weak_ptr<GuardedConnection>> connections_;
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  size_t open_count_ = 0;  // of connections_; guarded by mutex_
   boost::asio::io_context io_{1};
   boost::asio::steady_timer second_{io_};
   net::TcpAcceptor acceptor_;

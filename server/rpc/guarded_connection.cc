@@ -24,6 +24,9 @@ std::array<char, 64 * 1024>& ReadBuffer() {
   return buffer;
 }
 
+// Beyond it, the client must read before it is read from: TLS answers some of its messages.
+constexpr size_t kMaxPendingBytes = 64 * 1024;
+
 bool IsWait(const error_code& error) {
   return error == boost::asio::error::would_block || error == boost::asio::error::try_again;
 }
@@ -94,7 +97,8 @@ void GuardedConnection::Start(std::function<int64_t()> now_ns, std::function<voi
 }
 
 void GuardedConnection::AwaitClient() {
-  if (waits_for_client_ || client_ended_ || !to_server_.empty()) return;
+  const bool is_full = !to_server_.empty() || to_client_.size() > kMaxPendingBytes;
+  if (waits_for_client_ || client_ended_ || is_full) return;
   waits_for_client_ = true;
   client_.async_wait(Client::wait_read, [self = shared_from_this()](const error_code& error) {
     self->waits_for_client_ = false;
@@ -131,7 +135,12 @@ bool GuardedConnection::SendAnswers() {
 }
 
 void GuardedConnection::FlushToServer() {
-  if (!WriteTo(server_, to_server_)) return Close();
+  if (!WriteTo(server_, to_server_)) {
+    // gRPC has closed its end. What it sent before is still read.
+    to_server_.clear();
+    client_ended_ = true;
+    return;
+  }
   if (to_server_.empty()) {
     // gRPC reads the end of the stream, ends its calls, and closes its socket.
     error_code ignored;
@@ -163,7 +172,9 @@ void GuardedConnection::OnServerReadable() {
 
 void GuardedConnection::FlushToClient() {
   if (!WriteTo(client_, to_client_)) return Close();
-  if (to_client_.empty()) return server_ended_ || guard_.is_done() ? Close() : AwaitServer();
+  if (to_client_.empty() && (server_ended_ || guard_.is_done())) return Close();
+  AwaitClient();
+  if (to_client_.empty()) return AwaitServer();
   if (std::exchange(writes_to_client_, true)) return;
   client_.async_wait(Client::wait_write, [self = shared_from_this()](const error_code& error) {
     self->writes_to_client_ = false;

@@ -31,10 +31,14 @@ class HealthService::Call : public grpc::ServerGenericBidiReactor {
  public:
   Call() { StartRead(&request_); }
   void OnReadDone(bool ok) override {
-    if (!ok) return Finish({grpc::StatusCode::INVALID_ARGUMENT, "the request is missing"});
+    if (!ok) return End({grpc::StatusCode::INVALID_ARGUMENT, "the request is missing"});
     OnRequest(/*is_known=*/request_.Length() == 0);
   }
+
+ protected:
   virtual void OnRequest(bool is_known) = 0;
+  // Finishes the call, unless it was finished.
+  virtual void End(grpc::Status status) { Finish(std::move(status)); }
 
  private:
   grpc::ByteBuffer request_;
@@ -43,14 +47,15 @@ class HealthService::Call : public grpc::ServerGenericBidiReactor {
 class HealthService::CheckCall final : public Call {
  public:
   explicit CheckCall(const HealthService& service) : service_(service) {}
+  void OnDone() override { delete this; }
+
+ private:
   void OnRequest(bool is_known) override {
     if (!is_known) return Finish({grpc::StatusCode::NOT_FOUND, "unknown service"});
     response_ = ResponseOf(StatusOf(service_.is_serving()));
     StartWriteAndFinish(&response_, {}, grpc::Status::OK);
   }
-  void OnDone() override { delete this; }
 
- private:
   const HealthService& service_;
   grpc::ByteBuffer response_;
 };
@@ -66,16 +71,12 @@ class HealthService::WatchCall final : public Call, public std::enable_shared_fr
   }
   explicit WatchCall(HealthService& service) : service_(service) {}
 
-  void OnRequest(bool is_known) override {
-    if (!is_known) return Send(ServingStatus::kServiceUnknown);
-    if (!service_.Add(shared_from_this()))
-      return End({grpc::StatusCode::RESOURCE_EXHAUSTED, "too many health watches; use Check"});
-    Send(StatusOf(service_.is_serving()));
-  }
-  void Send(ServingStatus health) {
+  // Sends the health; with `is_last`, ends the call after it.
+  void Send(ServingStatus health, bool is_last = false) {
     {
       const std::lock_guard lock(mutex_);
       next_ = health;
+      is_last_ = is_last_ || is_last;
       if (is_writing_ || end_) return;
       is_writing_ = true;
     }
@@ -86,6 +87,7 @@ class HealthService::WatchCall final : public Call, public std::enable_shared_fr
     {
       const std::lock_guard lock(mutex_);
       if (!ok && !end_) end_ = grpc::Status::CANCELLED;
+      if (is_last_ && !next_ && !end_) end_ = {grpc::StatusCode::UNAVAILABLE, "the daemon ends"};
       goes_on = is_writing_ = next_ && !end_;
       if (!goes_on && !end_) return;
     }
@@ -98,6 +100,18 @@ class HealthService::WatchCall final : public Call, public std::enable_shared_fr
   }
 
  private:
+  void OnRequest(bool is_known) override {
+    if (!is_known) return Send(ServingStatus::kServiceUnknown);
+    if (!service_.Add(shared_from_this()))
+      return End({grpc::StatusCode::RESOURCE_EXHAUSTED, "too many health watches; use Check"});
+    // The health may change until Send has returned.
+    bool is_serving = service_.is_serving();
+    Send(StatusOf(is_serving));
+    while (service_.is_serving() != is_serving) {
+      is_serving = !is_serving;
+      Send(StatusOf(is_serving));
+    }
+  }
   void WriteNext() {
     {
       const std::lock_guard lock(mutex_);
@@ -105,7 +119,7 @@ class HealthService::WatchCall final : public Call, public std::enable_shared_fr
     }
     StartWrite(&response_);
   }
-  void End(grpc::Status status) {
+  void End(grpc::Status status) override {
     {
       const std::lock_guard lock(mutex_);
       if (!end_) end_ = std::move(status);
@@ -127,6 +141,7 @@ class HealthService::WatchCall final : public Call, public std::enable_shared_fr
   std::mutex mutex_;  // guards the members below
   std::optional<ServingStatus> next_;
   std::optional<grpc::Status> end_;
+  bool is_last_ = false;  // the call ends after next_
   bool is_writing_ = false;
   bool is_finished_ = false;
 };
@@ -153,13 +168,16 @@ void HealthService::Remove(const std::shared_ptr<WatchCall>& watch) {
 
 void HealthService::Set(bool is_serving) {
   std::set<std::shared_ptr<WatchCall>> watches;
+  bool is_last = false;
   {
     const std::lock_guard lock(mutex_);
     is_serving_ = is_serving && !is_down_;
     watches = watches_;
     is_serving = is_serving_;
+    is_last = is_down_;
   }
-  for (const std::shared_ptr<WatchCall>& watch : watches) watch->Send(StatusOf(is_serving));
+  for (const std::shared_ptr<WatchCall>& watch : watches)
+    watch->Send(StatusOf(is_serving), is_last);
 }
 
 void HealthService::ShutDown() {

@@ -1,5 +1,5 @@
-// grpc.health.v1: Check and Watch of the whole daemon, which has the empty service name. Replaces
-// gRPC's own service, whose watches have no limit and need no token. Thread-safe.
+// grpc.health.v1: Check and Watch of the whole daemon, which has the empty service name. No token
+// is needed. It replaces gRPC's own service, because that does not limit the watches. Thread-safe.
 #pragma once
 
 #include <grpcpp/generic/async_generic_service.h>
@@ -19,7 +19,7 @@ class HealthService {
 
   // Sends the new health to all watches.
   void Set(bool is_serving);
-  // Reports NOT_SERVING from now on.
+  // Reports NOT_SERVING from now on, and ends all watches.
   void ShutDown();
   // Serves a call. Returns null if the path is not that of a health method.
   grpc::ServerGenericBidiReactor* Serve(std::string_view path);

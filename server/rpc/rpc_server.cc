@@ -36,6 +36,7 @@ constexpr int64_t kKeepIntervalNs = 5 * kHealthIntervalNs;
 constexpr int64_t kMaxSilenceNs =
     10 * kHealthIntervalNs;  // without a beat for this time, the loop counts as unresponsive
 constexpr std::chrono::milliseconds kCommitPollInterval{5};
+constexpr std::chrono::seconds kEndPatience{1};  // for bytes that clients have not read
 
 void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   // Without a quota one connection can make gRPC use a gigabyte of memory.
@@ -254,6 +255,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
   listener_->StopAccepting();
   server_->Shutdown(std::chrono::system_clock::now() + patience);
   server_->Wait();
+  listener_->AwaitEnd(kEndPatience);
   listener_.reset();
   AwaitCommits(deadline);
   if (options_.keep_waiting) RunOnLoop([this] { options_.keep_waiting(Waiting()); });

@@ -13,7 +13,8 @@ class RetentionClock {
  public:
   static constexpr double kMaxSpeed = 30;
 
-  // `start_s` is the time of the newest row, in seconds since 1970; 0: there is none.
+  // `start_s` is the time at which the latest chunk of rows began, in seconds since 1970; 0: there
+  // is none, and the wall clock is trusted.
   explicit RetentionClock(uint64_t start_s) : now_s_(static_cast<double>(start_s)) {}
 
   // Returns the time in seconds since 1970, never later than `unix_now_s`. `steady_ns` never

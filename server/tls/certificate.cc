@@ -43,7 +43,8 @@ absl::StatusOr<std::shared_ptr<TlsContext>> TlsContext::Make(const Texts& texts,
         absl::StrCat("the TLS files are unusable: ", error.message()));
   SSL_CTX* handle = made->handle();
   SSL_CTX_set_min_proto_version(handle, TLS1_2_VERSION);
-  SSL_CTX_set_options(handle, SSL_OP_NO_RENEGOTIATION);
+  SSL_CTX_set_options(handle, SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_TICKET);
+  SSL_CTX_set_num_tickets(handle, 0);  // sessions of clients with certificates cannot be resumed
   SSL_CTX_set_session_cache_mode(handle, SSL_SESS_CACHE_OFF);
   SSL_CTX_set_mode(handle, SSL_MODE_RELEASE_BUFFERS);
   SSL_CTX_set_alpn_select_cb(handle, Select,

@@ -1,6 +1,6 @@
-// Checks the files of a running TLS endpoint, and reports changes and problems. gRPC reads the same
-// files at the same interval, but reports nothing. While a file cannot be read, gRPC keeps using
-// the previous files. While a file is broken, new connections fail.
+// Checks the files of a running TLS endpoint, and reports changes and problems. The listeners read
+// the same files at the same interval (certificate.h), but report nothing. While the files cannot
+// be used, they keep the previous certificate.
 //
 // Thread-safe. It owns one thread, which the destructor ends. Callbacks run on that thread, except
 // for the first check, which runs in the constructor.

@@ -103,7 +103,7 @@ TEST_F(AttackTest, GamesConnectOnceDescriptorsAreFreeAgain) {
 TEST_F(AttackTest, CallsWithoutAReadableMessageDisturbNoGame) {
   ScriptedGame game(daemon_.address(), FastOptions());
   ASSERT_TRUE(game.RunUntil(Learns));
-  const size_t before_kib = ResidentKib();
+  [[maybe_unused]] const size_t before_kib = ResidentKib();
   std::string calls = Http2Preface();
   for (uint32_t stream = 1; stream < 200; stream += 2)
     calls += Http2Call(stream, "/sweepstake.v1.TelemetryService/StreamTelemetry");

@@ -190,7 +190,7 @@ TEST_F(TlsTest, BrokenFilesAreReportedOnceAndNoRunningStreamIsLost) {
   std::ofstream(server_.key) << "-----BEGIN PRIVATE KEY-----\nhalf of i";
   EXPECT_THAT(reloads(0), HasSubstr("sweepstake_tls_certificate_expiry_timestamp_seconds 1"));
   EXPECT_THAT(Get(daemon.http_port(), "/readyz").body,
-              HasSubstr("[-]tls failed: new connections may fail: " + server_.key.string()));
+              HasSubstr("[-]tls failed: the TLS files are invalid: " + server_.key.string()));
   const uint64_t acknowledged = running.stats().acknowledged_sequence;
   EXPECT_TRUE(running.RunUntil(
       [&](const SessionStats& stats) { return stats.acknowledged_sequence > acknowledged; }));

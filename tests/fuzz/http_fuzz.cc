@@ -94,9 +94,9 @@ std::string Talk(std::string_view request) {
   boost::asio::ip::tcp::socket socket(io);
   socket.assign(boost::asio::ip::tcp::v4(), ends[0]);
   int closed_count = 0;
-  std::make_shared<HttpConnection>(std::move(socket), shared, [&](HttpConnection&) {
-    ++closed_count;
-  })->Read();
+  std::make_shared<HttpConnection>(std::move(socket), /*tls=*/nullptr, shared,
+                                   [&](HttpConnection&) { ++closed_count; })
+      ->Start();
   Require(write(ends[1], request.data(), request.size()) >= 0, "the request is sent");
   shutdown(ends[1], SHUT_WR);
   io.run();

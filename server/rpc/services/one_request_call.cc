@@ -16,6 +16,7 @@ OneRequestCall::OneRequestCall(ServiceContext& context, const ServedMethod& meth
 
 void OneRequestCall::OnReadDone(bool ok) {
   const std::shared_ptr<google::protobuf::Message> request(method_.request->New());
+  if (!ok && call_.IsCancelled()) return End(absl::CancelledError("the client has left"));
   if (!ok || !Parse(request_, *request)) {
     const absl::Status status =
         Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse");

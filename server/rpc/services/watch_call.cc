@@ -109,6 +109,7 @@ class WatchCall final : public grpc::ServerGenericBidiReactor,
 
   void OnRequest(const std::optional<events::Wish>& wish) {
     if (end_) return;  // the client has left
+    if (!wish && call_.IsCancelled()) return OnEnd(absl::CancelledError("the client has left"));
     if (!wish)
       return OnEnd(Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse"));
     context_.stalls.Add(*this);

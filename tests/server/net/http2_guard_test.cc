@@ -195,7 +195,8 @@ TEST_F(Http2GuardTest, LimitsTheCallsWithoutAMessage) {
   const std::string more = Open(13) + Frame(Http2Type::kData, 0, 13, Message(1));
   EXPECT_EQ(Send(more + more), "");
   EXPECT_THAT(refusals_, ElementsAre(Http2Refusal::kWaitingCalls));
-  EXPECT_EQ(Answer(), GoAway(11));
+  const std::string window = Frame(Http2Type::kWindowUpdate, 0, 0, Number(6, 4));
+  EXPECT_EQ(Answer(), GoAway(11) + window + window);
 }
 
 TEST_F(Http2GuardTest, AfterAGoAwayTheAcceptedCallsGoOn) {
@@ -206,6 +207,7 @@ TEST_F(Http2GuardTest, AfterAGoAwayTheAcceptedCallsGoOn) {
             data + Frame(Http2Type::kPing, 0, 0, "12345678"));
   EXPECT_EQ(Send(Open(11)), "") << "although fewer calls wait";
   EXPECT_TRUE(is_open_);
+  EXPECT_EQ(Answer(GoAway(0x7FFFFFFF)), "") << "gRPC's own would allow further calls";
   for (uint32_t stream = 1; stream < 9; stream += 2) {
     EXPECT_FALSE(guard_.is_done());
     Answer(Frame(Http2Type::kHeaders, kEndHeaders | kEndStream, stream, "trailers"));
@@ -271,6 +273,7 @@ TEST(Http2GuardBytes, ClosesWhatIsNotHttp2) {
       std::string(kPreface) + Number(16'385, 3) + std::string(6, 0),
       std::string(kPreface) + Frame(Http2Type::kContinuation, kEndHeaders, 1),
       std::string(kPreface) + Frame(Http2Type::kHeaders, 0, 1) + Frame(Http2Type::kData, 0, 1),
+      std::string(kPreface) + Open(2),
       std::string(kPreface) + Open(1) + Frame(Http2Type::kData, kPadded, 1),
       std::string(kPreface) + Open(1) + Frame(Http2Type::kData, kPadded, 1, std::string(3, 3)),
   };

@@ -7,10 +7,14 @@
 #include <vector>
 
 #include "server/rpc/health_service.h"
+#include "tests/server/rpc/http2_frames.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/support/http_exchange.h"
 
 namespace sweepstake::rpc {
 namespace {
+
+using test_support::HttpSocket;
 
 constexpr char kCheck[] = "/grpc.health.v1.Health/Check";
 constexpr char kWatch[] = "/grpc.health.v1.Health/Watch";
@@ -73,6 +77,17 @@ TEST_F(HealthTest, AWatchReportsTheDrainAndEndsWithTheServer) {
   EXPECT_EQ(watch.Read(), kNotServing);
   EXPECT_EQ(watch.Read(), "end");
   EXPECT_NE(watch.End(), grpc::StatusCode::OK);
+}
+
+// A call that ends before its request has arrived must be finished once.
+TEST_F(HealthTest, CallsWithoutARequestEnd) {
+  for (int i = 0; i < 20; ++i) {
+    HttpSocket socket(server_->port());
+    socket.Send(test_support::Http2Preface() + test_support::Http2Call(1, kWatch) +
+                test_support::Http2Call(3, kCheck));
+    if (i % 2 == 0) socket.Send(test_support::Http2Reset(1) + test_support::Http2Reset(3));
+  }
+  EXPECT_EQ(HealthCall(channel_, kCheck).Read(), kServing);
 }
 
 TEST_F(HealthTest, WatchesAreLimited) {

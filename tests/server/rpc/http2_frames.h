@@ -14,6 +14,7 @@ enum class Http2Type : char {
   kSettings = 4,
   kPing = 6,
   kGoAway = 7,
+  kWindowUpdate = 8,
   kContinuation = 9
 };
 
