@@ -66,6 +66,8 @@ class HealthService::WatchCall final : public Call, public std::enable_shared_fr
  public:
   static grpc::ServerGenericBidiReactor* Make(HealthService& service) {
     const auto call = std::make_shared<WatchCall>(service);
+    // ThreadSanitizer does not see that gRPC calls OnCancel after this. The lock shows it.
+    const std::lock_guard lock(call->mutex_);
     call->self_ = call;
     return call.get();
   }
