@@ -72,6 +72,9 @@ class HealthService::WatchCall final : public Call, public std::enable_shared_fr
     return call.get();
   }
   explicit WatchCall(HealthService& service) : service_(service) {}
+  // The last reference may be that of Set on another thread. The lock makes all writes visible
+  // there.
+  ~WatchCall() override { const std::lock_guard lock(mutex_); }
 
   // Sends the health; with `is_last`, ends the call after it.
   void Send(ServingStatus health, bool is_last = false) {
@@ -130,11 +133,13 @@ class HealthService::WatchCall final : public Call, public std::enable_shared_fr
     FinishOnce();
   }
   void FinishOnce() {
+    grpc::Status end;
     {
       const std::lock_guard lock(mutex_);
       if (std::exchange(is_finished_, true)) return;
+      end = *end_;
     }
-    Finish(*end_);
+    Finish(end);
   }
 
   HealthService& service_;
