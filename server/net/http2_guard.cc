@@ -156,11 +156,10 @@ void Http2Guard::Begin(const Frame& frame, int64_t now_ns) {
   if (is_shared_out || use_.calls >= limits_.of_connection.calls)
     return GoAway(Http2Refusal::kWaitingCalls);
   last_stream_ = frame.stream;
-  Stream stream = {.begin_ns = now_ns};
-  // A call without a message: gRPC answers it.
-  stream.has_message = (frame.flags & kEndStream) != 0;
-  streams_.emplace(frame.stream, stream);
-  if (stream.has_message) return;
+  // gRPC answers a call whose client ends it without a message.
+  const bool has_ended = (frame.flags & kEndStream) != 0;
+  streams_.emplace(frame.stream, Stream{.has_message = has_ended});
+  if (has_ended) return;
   Add(1, 0);
   while (!begun_.empty() && !Waits(begun_.front().second)) begun_.pop_front();
   begun_.emplace_back(now_ns, frame.stream);

@@ -38,7 +38,7 @@ struct Http2Use {
 };
 
 struct Http2Limits {
-  uint32_t max_message_bytes = 256 * 1024;
+  uint32_t max_message_bytes = 0;
   // The first message of a call must be complete after this time.
   int64_t first_message_patience_ns = 10'000'000'000;
   Http2Use of_connection = {.calls = 20, .bytes = 1024 * 1024};
@@ -103,7 +103,6 @@ class Http2Guard {
   };
   // A call that neither side has ended.
   struct Stream {
-    int64_t begin_ns = 0;
     uint32_t prefix_count = 0;  // bytes of the next message's prefix that have arrived
     uint32_t length = 0;        // of the message, as far as its prefix has arrived
     uint32_t missing = 0;       // bytes of the message that have not arrived
@@ -141,7 +140,7 @@ class Http2Guard {
   uint32_t last_stream_ = 0;  // the latest accepted call
   bool is_going_away_ = false;
   uint32_t refusal_count_ = 0;
-  double resets_ = 0;  // recent resets, with a half-life
+  double resets_ = 0;  // recent resets; older ones count less (CountReset)
   int64_t reset_ns_ = 0;
 
   std::string from_client_;  // an incomplete frame

@@ -20,6 +20,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/net/http2_guard.h"
+#include "server/rpc/common/options.h"
 #include "server/tls/tls_session.h"
 
 namespace sweepstake::rpc {
@@ -53,7 +54,7 @@ class GuardedConnection : public std::enable_shared_from_this<GuardedConnection>
         server_(std::move(server)),
         server_end_(server_end),
         tls_(std::move(tls)),
-        guard_({}, std::move(use), std::move(on_refusal)) {}
+        guard_({.max_message_bytes = kMaxMessageBytes}, std::move(use), std::move(on_refusal)) {}
 
   void AwaitClient();
   void AwaitServer();

@@ -26,16 +26,20 @@ void LimitFiles(pid_t process, rlim_t bytes) {
   ASSERT_EQ(prlimit(process, RLIMIT_FSIZE, &limit, nullptr), 0);
 }
 
-TEST(SurroundingsTest, AtALimitOfFileSizesTheDaemonWaitsAsOnAFullDisk) {
-  const TemporaryDirectory data;
-  DaemonProcess daemon(data.path(), "127.0.0.1:0", {"--http", "127.0.0.1:0"});
-  rpc::TelemetryClient game(
-      grpc::CreateChannel(daemon.address(), grpc::InsecureChannelCredentials()));
+void StoreFirstFrames(rpc::TelemetryClient& game) {
   v1::Hello hello = rpc::OneArmHello();
   hello.set_time_scale(200);
   game.Open(hello);
   game.Send(rpc::Frames(1, 30));
   game.AwaitAcknowledgement(1);
+}
+
+TEST(SurroundingsTest, AtALimitOfFileSizesTheDaemonWaitsAsOnAFullDisk) {
+  const TemporaryDirectory data;
+  DaemonProcess daemon(data.path(), "127.0.0.1:0", {"--http", "127.0.0.1:0"});
+  rpc::TelemetryClient game(
+      grpc::CreateChannel(daemon.address(), grpc::InsecureChannelCredentials()));
+  StoreFirstFrames(game);
   const auto is_ready = [&] { return Get(daemon.http_port(), "/readyz").status == 200; };
   EXPECT_TRUE(is_ready());
 
@@ -54,11 +58,7 @@ TEST(SurroundingsTest, ACutMappedFileEndsTheDaemonWithAMessage) {
   DaemonProcess daemon(data.path());
   rpc::TelemetryClient game(
       grpc::CreateChannel(daemon.address(), grpc::InsecureChannelCredentials()));
-  v1::Hello hello = rpc::OneArmHello();
-  hello.set_time_scale(200);
-  game.Open(hello);
-  game.Send(rpc::Frames(1, 30));
-  game.AwaitAcknowledgement(1);
+  StoreFirstFrames(game);
   fs::resize_file(data.path() / "priors.db-shm", 0);
   game.Send(rpc::Frames(2, 30));
   EXPECT_TRUE(rpc::Eventually([&] { return daemon.ended(); }));
