@@ -4,6 +4,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <exception>
 #include <iostream>
@@ -19,11 +20,13 @@ ScreenSize SizeOf(int descriptor) {
   return known ? ScreenSize{size.ws_col, size.ws_row} : ScreenSize{};
 }
 
-volatile std::sig_atomic_t stop_requested = 0;
-volatile std::sig_atomic_t suspend_requested = 0;
+// Any thread may run the handlers that set these flags.
+std::atomic<bool> stop_requested = false;
+std::atomic<bool> suspend_requested = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a handler must not lock");
 
 void OnStop(int signal) {
-  stop_requested = 1;
+  stop_requested = true;
   std::signal(signal, SIG_DFL);
 }
 
@@ -52,25 +55,25 @@ void InstallStopSignal() {
   std::signal(SIGTERM, OnStop);
 }
 
-bool StopRequested() { return stop_requested != 0; }
+bool StopRequested() { return stop_requested; }
 
 void CatchSuspendSignal() {
-  std::signal(SIGTSTP, [](int /*signal*/) { suspend_requested = 1; });
+  std::signal(SIGTSTP, [](int /*signal*/) { suspend_requested = true; });
 }
 
-bool SuspendRequested() { return suspend_requested != 0; }
+bool SuspendRequested() { return suspend_requested; }
 
 void Suspend() {
   std::signal(SIGTSTP, SIG_DFL);
   std::raise(SIGTSTP);
-  suspend_requested = 0;
+  suspend_requested = false;
   CatchSuspendSignal();
 }
 
 void ReleaseSuspendSignal() {
   std::signal(SIGTSTP, SIG_DFL);
-  if (suspend_requested != 0) std::raise(SIGTSTP);
-  suspend_requested = 0;
+  if (suspend_requested) std::raise(SIGTSTP);
+  suspend_requested = false;
 }
 
 }  // namespace sweepstake::cli
