@@ -1,12 +1,12 @@
 // Informs ThreadSanitizer of the order that gRPC guarantees. ThreadSanitizer cannot see it, because
 // the libraries of gRPC and Abseil are built without it. An operation starts before its callback
 // runs. Data written before StartRead, StartWrite or Finish are therefore visible in OnReadDone,
-// OnWriteDone and OnDone. Nothing else is ordered: accesses that our own locks must guard are still
-// checked.
+// OnWriteDone and OnDone. A server starts before a call of it begins. Nothing else is ordered:
+// accesses that our own locks must guard are still checked.
 //
 // This file replaces functions of the C library underneath gRPC's headers, in programs that have it
-// among their sources: functions that start a batch of operations, and functions that release the
-// call just before the callback.
+// among their sources: functions that start a server or a batch of operations, the function that
+// keeps a new call, and functions that release the call just before the callback.
 #include <dlfcn.h>
 #include <grpc/grpc.h>
 
@@ -25,6 +25,24 @@ Function* Next(const char* name) {
 }
 
 }  // namespace
+
+namespace {
+
+char server_start;  // its address stands for the start of any server
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) void grpc_server_start(grpc_server* server) {
+  static auto* const next = Next<decltype(grpc_server_start)>("grpc_server_start");
+  __tsan_release(&server_start);
+  next(server);
+}
+
+extern "C" __attribute__((visibility("default"))) void grpc_call_ref(grpc_call* call) {
+  static auto* const next = Next<decltype(grpc_call_ref)>("grpc_call_ref");
+  __tsan_acquire(&server_start);
+  next(call);
+}
 
 extern "C" __attribute__((visibility("default"))) grpc_call_error grpc_call_start_batch(
     grpc_call* call, const grpc_op* ops, size_t count, void* tag, void* reserved) {
