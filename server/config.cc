@@ -259,8 +259,9 @@ absl::Status CheckConfigFile(const std::filesystem::path& path) {
 }
 
 bool NeedsToken(const Config& config) {
-  return config.require_tokens || (!config.insecure && config.rpc.tls.ca.empty() &&
-                                   (!tls::IsLoopback(config.listen) || HttpIsOpen(config)));
+  return config.require_tokens || config.rpc.trusts_proxy ||
+         (!config.insecure && config.rpc.tls.ca.empty() &&
+          (!tls::IsLoopback(config.listen) || HttpIsOpen(config)));
 }
 
 tls::Files HttpTls(const Config& config) {

@@ -91,9 +91,9 @@ absl::Status CheckFiles(const Config& config);
 // Reads a TOML file and makes all checks. Each line begins with the name of the file.
 absl::Status CheckConfigFile(const std::filesystem::path& path);
 
-// Returns whether the daemon refuses to start without a token: `require_tokens` is set, or other
-// machines can connect and neither client certificates nor `insecure` admit them. REQUIRES: the
-// configuration is valid.
+// Returns whether the daemon refuses to start without a token: `require_tokens` or `trusted_proxy`
+// is set, or other machines can connect and neither client certificates nor `insecure` admit them.
+// REQUIRES: the configuration is valid.
 bool NeedsToken(const Config& config);
 
 // Returns the TLS files of the HTTP listener: those of gRPC without the clients' authority. Empty

@@ -121,6 +121,10 @@ void AddFixed(Table& table, Config& config) {
   table.Switch("require_tokens", config.require_tokens,
                "refuse to start without a token, on loopback addresses too; for daemons behind a "
                "proxy");
+  table.Switch(
+      "trusted_proxy", config.rpc.trusts_proxy,
+      "clients on the daemon's machine are a proxy, whose header x-forwarded-for names the "
+      "real client; implies require_tokens");
   table.Switch("insecure", config.insecure,
                "let other machines use gRPC in plain text and without tokens");
   table.Switch("http_plain", config.http_plain,

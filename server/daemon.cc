@@ -265,9 +265,10 @@ absl::Status Daemon::OpenTokens() {
   if (!tokens.ok()) return tokens.status();
   tokens_ = *std::move(tokens);
   if (!tokens_->empty() || !NeedsToken(config_)) return absl::OkStatus();
-  if (config_.require_tokens) {
+  if (config_.require_tokens || config_.rpc.trusts_proxy) {
     return absl::FailedPreconditionError(
-        "require_tokens: there is no token; create one with `sweepstaked token create`");
+        absl::StrCat(config_.require_tokens ? "require_tokens" : "trusted_proxy",
+                     ": there is no token; create one with `sweepstaked token create`"));
   }
   const bool is_http = tls::IsLoopback(config_.listen);
   return absl::FailedPreconditionError(
@@ -347,8 +348,9 @@ absl::Status Daemon::OpenHttp() {
   web::ApiOptions api = ApiOf(*rpc_);
   api.event_counters = events_;
   const tls::Files tls = HttpTls(config_);
-  auto server = web::HttpServer::Start(
-      config_.http, MakeSite(std::move(api), HttpHosts(config_), HttpPages()), tls);
+  auto server = web::HttpServer::Start(config_.http,
+                                       MakeSite(std::move(api), HttpHosts(config_), HttpPages()),
+                                       tls, {.trusts_proxy = config_.rpc.trusts_proxy});
   if (!server.ok()) return server.status();
   web_ = *std::move(server);
   const bool is_plain = tls.cert.empty();

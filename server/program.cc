@@ -344,7 +344,7 @@ int RunProgram(int argc, char** argv) {
     return kDone;
   }
   if (app.got_subcommand("probe")) EndBesideThreads(Probe(*config));
-  if (app.got_subcommand("token")) {
+  if (line.token.parsed()) {
     const absl::Status status = line.token.Run(config->data, std::cout, std::cerr);
     return status.ok() ? kDone : Fail(kCheckFailed, std::string(status.message()));
   }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -15,6 +16,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "engine_client/text/names.h"
+#include "server/auth/ticket.h"
 #include "server/auth/token_store.h"
 #include "server/sessions/common/unix_time.h"
 #include "server/storage/data_directory.h"
@@ -28,6 +30,7 @@ using auth::TokenStore;
 using Json = nlohmann::ordered_json;
 
 constexpr int64_t kSecondsPerDay = 86'400;
+constexpr int64_t kSecondsPerHour = 3'600;
 
 // Returns the name of the user who runs the command; the token list shows it.
 std::string UserName() {
@@ -90,7 +93,8 @@ Json OrNull(const std::optional<int64_t>& unix_s) { return unix_s ? Json(*unix_s
 
 Json JsonOf(const StoredToken& token, int64_t now_s) {
   const auto& projects = token.request.projects;
-  return {{"name", token.request.name},
+  return {{"id", token.id},
+          {"name", token.request.name},
           {"role", auth::NameOf(token.request.role)},
           {"projects", projects.empty() ? std::vector<std::string>{"*"} : projects},
           {"state", StateOf(token, now_s)},
@@ -126,7 +130,7 @@ class SecretFile {
 }  // namespace
 
 void TokenCommand::AddTo(CLI::App& app) {
-  CLI::App* token =
+  CLI::App* const token = token_ =
       app.add_subcommand("token", "create, list and revoke the tokens that clients must send");
   token->require_subcommand(1);
   token->fallthrough();
@@ -134,8 +138,8 @@ void TokenCommand::AddTo(CLI::App& app) {
   create_->add_option("name", name_, "its name in lists and in the log")->required();
   create_
       ->add_option("--role", role_,
-                   "ingest: games; watch: reads; operator: watch and operate; "
-                   "admin: everything")
+                   "player: games that players have; ingest: games of the studio, which may add "
+                   "scenes and arms; watch: reads; operator: watch and operate; admin: everything")
       ->required()
       ->check(CLI::IsMember(
           std::vector<std::string>(auth::kRoleNames.begin(), auth::kRoleNames.end())));
@@ -157,9 +161,21 @@ void TokenCommand::AddTo(CLI::App& app) {
   revoke->add_option("name", name_, "the token's name")->required();
   revoke->fallthrough();
   revoke->footer("Example: sweepstaked token revoke arcade --data /var/lib/sweepstake");
+  ticket_ = app.add_subcommand(
+      "ticket", "sign a ticket, with which one player may use a game's token, and print it");
+  ticket_->add_option("player", player_, "the player: letters, digits, '-' and '_'")->required();
+  ticket_->add_option("--token-file", token_file_, "file with a token of the role player")
+      ->required();
+  ticket_->add_option("--hours", hours_, "hours until the ticket expires")
+      ->check(CLI::Range(int64_t{1}, auth::kMaxTicketLifeS / kSecondsPerHour))
+      ->capture_default_str();
+  ticket_->footer(
+      "For tests: a studio's backend signs tickets itself (deploy/OPERATING.md, Tickets).\n"
+      "Example: sweepstaked ticket player-17 --token-file arcade.token --hours 12");
 }
 
 absl::Status TokenCommand::Run(const fs::path& data, std::ostream& out, std::ostream& notes) const {
+  if (ticket_->parsed()) return Sign(out);
   if (create_->parsed()) return Create(data, out, notes);
   return list_->parsed() ? List(data, out) : Revoke(data, out);
 }
@@ -204,6 +220,18 @@ absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out,
                                              "; revoke the token and create another one"));
 }
 
+absl::Status TokenCommand::Sign(std::ostream& out) const {
+  if (!auth::IsPlayer(player_))
+    return absl::InvalidArgumentError("a player has 1 to 64 letters, digits, '-' and '_'");
+  std::string token;
+  std::ifstream file(token_file_);
+  if (!(file >> token))
+    return absl::UnavailableError(absl::StrCat("cannot read a token from ", token_file_.string()));
+  out << auth::SignTicket(token, player_, priors::UnixNowS() + hours_ * kSecondsPerHour) << '\n'
+      << std::flush;
+  return out ? absl::OkStatus() : absl::UnavailableError("cannot print the ticket");
+}
+
 absl::Status TokenCommand::List(const fs::path& data, std::ostream& out) const {
   auto store = OpenStore(data);
   if (!store.ok()) return store.status();
@@ -216,12 +244,12 @@ absl::Status TokenCommand::List(const fs::path& data, std::ostream& out) const {
     out << list.dump(2) << '\n';
     return absl::OkStatus();
   }
-  constexpr const char* kRow = "%-24s  %-8s  %-7s  %-10s  %-10s  %-10s  %s\n";
-  const auto row = absl::ParsedFormat<'s', 's', 's', 's', 's', 's', 's'>::New(kRow);
-  out << absl::StrFormat(*row, "NAME", "ROLE", "STATE", "CREATED", "EXPIRES", "LAST USED",
+  constexpr const char* kRow = "%4s  %-24s  %-8s  %-7s  %-10s  %-10s  %-10s  %s\n";
+  const auto row = absl::ParsedFormat<'s', 's', 's', 's', 's', 's', 's', 's'>::New(kRow);
+  out << absl::StrFormat(*row, "ID", "NAME", "ROLE", "STATE", "CREATED", "EXPIRES", "LAST USED",
                          "PROJECTS");
   for (const StoredToken& token : *tokens) {
-    out << absl::StrFormat(*row, text::PrintableLine(token.request.name),
+    out << absl::StrFormat(*row, absl::StrCat(token.id), text::PrintableLine(token.request.name),
                            std::string(auth::NameOf(token.request.role)),
                            std::string(StateOf(token, now_s)), DateText(token.created_unix_s),
                            DateText(token.request.expires_unix_s), DateText(token.last_used_unix_s),

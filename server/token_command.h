@@ -1,5 +1,5 @@
 // `sweepstaked token create|list|revoke`: the tokens in a data directory. A running daemon applies
-// a change within a second.
+// a change within a second. `sweepstaked ticket`: signs a ticket, as a studio's backend does.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -20,10 +20,13 @@ class TokenCommand {
   // command line.
   void AddTo(CLI::App& app);
 
+  // Returns whether the command line has one of these commands.
+  bool parsed() const { return token_->parsed() || ticket_->parsed(); }
+
   // Runs the parsed subcommand on the tokens of the directory `data`. A new token is written only
   // to `out` or to the file of --out; remarks about it go to `notes`. Errors: those of TokenStore,
-  // NOT_FOUND (no such directory, or no tokens in it) and UNAVAILABLE (a file or directory cannot
-  // be created).
+  // INVALID_ARGUMENT (not a player), NOT_FOUND (no such directory, or no tokens in it) and
+  // UNAVAILABLE (a file or directory cannot be read or created).
   absl::Status Run(const std::filesystem::path& data, std::ostream& out, std::ostream& notes) const;
 
  private:
@@ -31,7 +34,10 @@ class TokenCommand {
                       std::ostream& notes) const;
   absl::Status List(const std::filesystem::path& data, std::ostream& out) const;
   absl::Status Revoke(const std::filesystem::path& data, std::ostream& out) const;
+  absl::Status Sign(std::ostream& out) const;
 
+  CLI::App* token_ = nullptr;
+  CLI::App* ticket_ = nullptr;
   CLI::App* create_ = nullptr;
   CLI::App* list_ = nullptr;
   std::string name_;
@@ -40,6 +46,9 @@ class TokenCommand {
   std::optional<int64_t> days_;
   std::filesystem::path out_file_;
   bool json_ = false;
+  std::string player_;
+  std::filesystem::path token_file_;
+  int64_t hours_ = 24;
 };
 
 }  // namespace sweepstake::server

@@ -219,12 +219,12 @@ Status CheckTimes(const v1::SourceFilter& sources) {
 // Returns an error unless there is a filter besides the project. Otherwise a forgotten option could
 // revoke a whole project or daemon.
 Status CheckNamesAny(const v1::SourceFilter& sources) {
-  const bool any = !sources.source_id().empty() || !sources.build().empty() ||
-                   sources.token_id() != 0 || sources.unix_from_s() != 0 ||
-                   sources.unix_until_s() != 0;
-  if (any) return CheckTimes(sources);
+  v1::SourceFilter others = sources;
+  others.clear_project();
+  if (others.ByteSizeLong() > 0) return CheckTimes(sources);
   return {StatusCode::kInvalidArgument,
-          "select the sessions to revoke with --source, --build, --token-id, --since or --until"};
+          "select the sessions to revoke with --source, --build, --token-id, --player, --network, "
+          "--since or --until"};
 }
 
 // Returns text that explains why a revocation removes nothing.
@@ -308,6 +308,11 @@ void DeclareSources(CLI::App& command, PriorsOptions& options) {
         ->check(NotNegative());
   };
   add_number("--token-id", &v1::SourceFilter::set_token_id, "Sessions that began with this token");
+  command.add_option("--player", *sources.mutable_player(),
+                     "Sessions that began with a ticket of this player");
+  command.add_option("--network", *sources.mutable_network(),
+                     "Sessions from this address's network, such as 203.0.113.7 (its first 24 "
+                     "bits) or 2001:db8::1 (its first 64 bits)");
   add_number("--since", &v1::SourceFilter::set_unix_from_s,
              "Sessions that began at this time or later")
       ->type_name("UNIX_S");

@@ -11,18 +11,20 @@
 
 namespace sweepstake::auth {
 
-// The permissions of a token.
-enum class Role : uint8_t { kIngest, kWatch, kOperator, kAdmin };
+// The permissions of a token. A token of the role kPlayer is part of a game that players have, who
+// can read it. Their games send evidence, but only about scenes and arms that others have used.
+enum class Role : uint8_t { kPlayer, kIngest, kWatch, kOperator, kAdmin };
 // Names on the command line and in the database, in the order of Role.
-inline constexpr std::array<std::string_view, 4> kRoleNames = {"ingest", "watch", "operator",
-                                                               "admin"};
+inline constexpr std::array<std::string_view, 5> kRoleNames = {"player", "ingest", "watch",
+                                                               "operator", "admin"};
 
 constexpr std::string_view NameOf(Role role) { return kRoleNames[static_cast<size_t>(role)]; }
 
-// Returns whether a token with the role `held` may make calls that need `needed`. An operator may
-// also watch; an admin may do everything.
+// Returns whether a token with the role `held` may make calls that need `needed`. A player may make
+// the calls of games; an operator may also watch; an admin may do everything.
 constexpr bool Includes(Role held, Role needed) {
   return held == needed || held == Role::kAdmin ||
+         (held == Role::kPlayer && needed == Role::kIngest) ||
          (held == Role::kOperator && needed == Role::kWatch);
 }
 
@@ -35,6 +37,7 @@ struct Principal {
   // SHA-256 of the token. Distinguishes the token from one with the same id in a token file that
   // has replaced the first file.
   std::string digest = {};
+  std::string player = {};  // player that the caller's ticket names; empty without a ticket
 
   bool MayUse(std::string_view project) const {
     return projects.empty() ||
@@ -49,7 +52,8 @@ class TokenDirectory {
   // Returns whether no token was ever created, so that calls need none. Revoked and expired tokens
   // count as created.
   virtual bool empty() const = 0;
-  // Returns the token's holder, or nothing if the token is unknown or no longer valid.
+  // Returns the holder of a token or ticket (ticket.h), or nothing if it is unknown or no longer
+  // valid.
   virtual std::optional<Principal> Find(std::string_view token) const = 0;
   // Returns whether the holder's token is still valid.
   virtual bool IsValid(const Principal& holder) const = 0;

@@ -8,11 +8,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "engine_client/text/names.h"
+#include "server/auth/ticket.h"
 
 namespace sweepstake::auth {
 namespace {
-
-constexpr size_t kIndexedDigits = 16;
 
 std::string NameFor(const StoredToken& token) { return text::PrintableLine(token.request.name); }
 
@@ -58,19 +57,27 @@ std::shared_ptr<const TokenRegistry::Entries> TokenRegistry::Current() const {
 }
 
 std::optional<Principal> TokenRegistry::Find(std::string_view token) const {
-  const std::string digest = DigestOf(token);
   const int64_t now_s = options_.unix_now_s();
+  const auto ticket = ReadTicket(token);
+  if (ticket && !ticket->IsValidAt(now_s)) return std::nullopt;
+  const std::string digest = DigestOf(token);
   const auto entries = Current();
   const Entry* found = nullptr;
-  const auto [first, last] = entries->by_digest.equal_range(digest.substr(0, kIndexedDigits));
+  const auto [first, last] =
+      entries->by_digest.equal_range(ticket ? ticket->key : digest.substr(0, kTicketKeyDigits));
   for (auto place = first; place != last; ++place) {
     const Entry& entry = entries->list[place->second];
-    if (CRYPTO_memcmp(entry.token.digest.data(), digest.data(), digest.size()) == 0) found = &entry;
+    const std::string& stored = entry.token.digest;
+    if (ticket ? entry.token.request.role == Role::kPlayer && IsSignedWith(token, stored)
+               : CRYPTO_memcmp(stored.data(), digest.data(), digest.size()) == 0) {
+      found = &entry;
+    }
   }
   if (found == nullptr || !found->token.IsValidAt(now_s)) return std::nullopt;
   *found->last_used_unix_s = now_s;
   const TokenRequest& request = found->token.request;
-  return Principal{found->token.id, request.name, request.role, request.projects, digest};
+  return Principal{found->token.id,  request.name,        request.role,
+                   request.projects, found->token.digest, ticket ? ticket->player : ""};
 }
 
 bool TokenRegistry::IsValid(const Principal& holder) const {
@@ -104,7 +111,7 @@ absl::Status TokenRegistry::Read() {
     auto last_used =
         known ? before->list[i].last_used_unix_s
               : std::make_shared<std::atomic<int64_t>>(token.last_used_unix_s.value_or(0));
-    after.by_digest.emplace(token.digest.substr(0, kIndexedDigits), i);
+    after.by_digest.emplace(token.digest.substr(0, kTicketKeyDigits), i);
     after.list.push_back({std::move(token), std::move(last_used)});
   }
   if (thread_.joinable()) Report(*before, after);

@@ -56,8 +56,8 @@ class TokenRegistry final : public TokenDirectory {
   };
   struct Entries {
     std::vector<Entry> list;  // ordered by id
-    // Indices in the list, by the first digits of the digest. The lookup need not take constant
-    // time: an attacker who guesses tokens cannot choose their digests.
+    // Indices in the list, by the first kTicketKeyDigits digits of the digest. The lookup need not
+    // take constant time: an attacker who guesses tokens cannot choose their digests.
     std::unordered_multimap<std::string, size_t> by_digest;
   };
 

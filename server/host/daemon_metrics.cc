@@ -67,6 +67,8 @@ constexpr CounterRow kCounters[] = {
      "Welcomes that resumed a session."},
     {&Counters::degraded_start_count, "sweepstake_degraded_starts_total",
      "Sessions that started without their evidence, because the store could not read it."},
+    {&Counters::unknown_arm_session_count, "sweepstake_sessions_with_unknown_arms_total",
+     "Sessions of players with arms that are not known, about which no evidence is stored."},
     {&Counters::goodbye_count, "sweepstake_ended_sessions_total", "Sessions that a client ended."},
     {&Counters::malformed_message_count, "sweepstake_malformed_messages_total",
      "Messages that could not be parsed."},

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 
@@ -84,6 +85,43 @@ std::string AddressOf(std::string_view peer) {
   std::array<char, INET6_ADDRSTRLEN> network{};
   inet_ntop(AF_INET6, &address, network.data(), network.size());
   return std::string(kIpv6) + network.data() + "/64";
+}
+
+std::optional<std::string> NetworkNamed(std::string_view text) {
+  const size_t slash = text.find('/');
+  const std::string host(text.substr(0, slash));
+  const std::string_view bits = slash == std::string_view::npos ? "" : text.substr(slash);
+  in_addr ipv4{};
+  if (inet_pton(AF_INET, host.c_str(), &ipv4) == 1) {
+    if (!bits.empty() && bits != "/24") return std::nullopt;
+    return absl::StrCat(host.substr(0, host.rfind('.')), ".0/24");
+  }
+  in6_addr ipv6{};
+  if (inet_pton(AF_INET6, host.c_str(), &ipv6) != 1 || (!bits.empty() && bits != "/64"))
+    return std::nullopt;
+  const std::string address = AddressOf(absl::StrCat(std::string(kIpv6), "[", host, "]:0"));
+  const std::string without_kind = address.substr(kIpv6.size());
+  return address.starts_with(kIpv6) ? without_kind : NetworkNamed(without_kind);
+}
+
+std::string NetworkOf(std::string_view peer) {
+  const std::string address = AddressOf(peer);
+  const bool is_ip = address.starts_with("ipv4:") || address.starts_with(kIpv6);
+  if (!is_ip || IsLoopbackAddress(address)) return {};
+  return NetworkNamed(std::string_view(address).substr(kIpv6.size())).value_or("");
+}
+
+std::string ForwardedPeer(std::string_view peer, std::string_view forwarded_for) {
+  const absl::string_view list(forwarded_for.data(), forwarded_for.size());
+  const std::string last(
+      absl::StripAsciiWhitespace(list.substr(list.rfind(',') + 1)));  // npos + 1 is 0
+  in_addr ipv4{};
+  in6_addr ipv6{};
+  if (!IsLoopbackAddress(AddressOf(peer))) return std::string(peer);
+  if (inet_pton(AF_INET, last.c_str(), &ipv4) == 1) return absl::StrCat("ipv4:", last, ":0");
+  if (inet_pton(AF_INET6, last.c_str(), &ipv6) == 1)
+    return absl::StrCat(std::string(kIpv6), "%5B", last, "%5D:0");
+  return std::string(peer);
 }
 
 bool IsLoopbackAddress(std::string_view address) {

@@ -19,11 +19,11 @@ struct SessionRequest {
   priors::SceneKey scene;  // with the reward version of the policy
   std::vector<std::string> arms;
   std::vector<uint32_t> backend_versions;  // one per arm
-  std::string build;                       // empty if unknown
-  std::string session_id;                  // id of the session to resume; empty for a new one
-  std::string resume_token;                // proves that the client owns the session
-  std::string policy;                      // never empty
-  DecisionRules rules;                     // before the time scale
+  priors::SourceOrigin origin;
+  std::string session_id;    // id of the session to resume; empty for a new one
+  std::string resume_token;  // proves that the client owns the session
+  std::string policy;        // never empty
+  DecisionRules rules;       // before the time scale
   Mode mode = Mode::kManual;
   uint32_t active_arm = 0;
   uint32_t switch_epoch = 0;

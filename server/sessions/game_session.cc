@@ -60,8 +60,7 @@ std::shared_ptr<GameSession> GameSession::Create(const SessionContext& context,
                                          std::span<const priors::KeyedEvidence> increments) {
         if (const auto self = weak.lock()) self->OnCommitted(status, increments);
       });
-  session->ledger_->SetOrigin(
-      {.build = session->identity_.build, .token_id = session->identity_.token_id});
+  session->ledger_->SetOrigin(session->identity_.origin);
   return session;
 }
 
@@ -450,6 +449,7 @@ void GameSession::PublishDecision(const decision::DecisionRecord& record) {
 void GameSession::AddEvidence(const decision::Increment& increment, std::string_view measured_by,
                               const std::string& regime) {
   const uint32_t arm = increment.arm;
+  if (!identity_.kept_arms[arm]) return;
   ledger_->Add(
       {EvidenceKeyOf(identity_.scene, identity_.arms[arm], identity_.backend_versions[arm],
                      measured_by, regime),

@@ -15,6 +15,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -67,8 +68,16 @@ struct SourceProgress {
 
 // The origin of a source, stored with the source's first update.
 struct SourceOrigin {
-  std::string build;     // build of the game; empty if unknown
-  int64_t token_id = 0;  // token with which the session began; 0 for none
+  std::string build;         // build of the game; empty if unknown
+  int64_t token_id = 0;      // token with which the session began; 0 for none
+  std::string player = {};   // player that the session's ticket names; empty without a ticket
+  std::string network = {};  // network of the client (net::NetworkOf); empty for the own machine
+  // Whether the scenes and arms of the source become known (PriorReader::LoadKnownArms).
+  bool makes_known = true;
+
+  // Returns who began the source, as far as it is known. The sources of a scene are divided evenly
+  // among these parties. The ids of players have no '/', so they differ from all networks.
+  const std::string& party() const { return player.empty() ? network : player; }
 
   friend bool operator==(const SourceOrigin&, const SourceOrigin&) = default;
 };
@@ -262,6 +271,8 @@ struct SourceFilter {
   std::string project = {};
   std::string build = {};
   int64_t token_id = 0;
+  std::string player = {};
+  std::string network = {};
   // Sources that began at this time or later; for an imported source, 0 counts as its start.
   uint64_t from_unix_s = 0;
   uint64_t until_unix_s = (1ull << 63) - 1;  // sources that began at this time or before
@@ -313,9 +324,9 @@ class PriorReader {
 
   // Returns evidence about the scene, with the key's reward version. For each arm it is that of at
   // most kSourcesOfScene sources of the scene's class and kSourcesOfOtherClass sources of each of
-  // kOtherClasses other classes. decision::ChooseSources chooses them among the latest sources, and
-  // divides the places evenly among the tokens that started the sources. The cost does not depend
-  // on the number of stored sources.
+  // kOtherClasses other classes. decision::ChooseSources chooses them among the latest sources of
+  // the parties that were active last, and divides the places evenly among tokens and parties. The
+  // cost does not depend on the number of stored sources.
   virtual absl::StatusOr<std::vector<SceneSource>> LoadSources(const SceneKey& scene) = 0;
 
   // Returns the state of a source, or nothing if the source was never committed here (an imported
@@ -330,6 +341,18 @@ class PriorReader {
 
   // Returns the scene's evidence, or nothing if there is none.
   virtual absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) = 0;
+
+  // Returns the known arms of a scene, with their backend versions: those of sources that make them
+  // known, and of imported evidence. Evidence about other arms of a scene can be stored, too. A
+  // revocation makes no arm unknown.
+  virtual absl::StatusOr<std::set<std::pair<std::string, uint32_t>>> LoadKnownArms(
+      const std::string& project, const std::string& scene) = 0;
+
+  // Returns for how many machine classes and reward versions of this scene the party has stored
+  // evidence.
+  virtual absl::StatusOr<uint64_t> CountKeysOfParty(const std::string& project,
+                                                    const std::string& scene,
+                                                    const SourceOrigin& origin) = 0;
 
   virtual absl::StatusOr<SceneCount> CountScenes(const std::string& project) = 0;
 
@@ -422,7 +445,7 @@ class PriorStore : public virtual PriorReader {
   // Removes exactly the evidence of the selected sources, in quarantine or not, and refuses their
   // later commits and imports. If no source has the filter's id, and no project is set, a later
   // source with this id is refused too. The log of administrators cannot be revoked. With `preview`
-  // nothing changes. REQUIRES: the filter has an id, a build, a token or a time.
+  // nothing changes. REQUIRES: the filter has more than a project.
   virtual absl::StatusOr<ChangeResult> Revoke(const SourceFilter& filter,
                                               const Preview& preview) = 0;
 };

@@ -11,11 +11,11 @@ namespace sweepstake::sessions {
 
 struct SessionIdentity {
   std::string id;
-  int64_t token_id = 0;  // id of the token that began the session; no other token may resume it
-  std::string build;     // build of the game; empty if unknown
+  priors::SourceOrigin origin;  // no other token than the origin's may resume the session
   priors::SceneKey scene;
   std::vector<std::string> arms;
   std::vector<uint32_t> backend_versions;  // one per arm
+  std::vector<bool> kept_arms;             // whether evidence about each arm is stored
   uint64_t seed = 0;
   std::string policy;                      // its name in the registry of policies
   uint32_t audit_segment = 1;              // segment of the session's audit log

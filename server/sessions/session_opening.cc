@@ -33,7 +33,7 @@ absl::Status SessionOpening::CheckResumption() {
   const auto token_id =
       TokenOfSession(hello_.session_id, hello_.resume_token, context().options.resume_secret);
   if (!token_id) hello_.session_id.clear();
-  if (token_id && *token_id != token_id_) {
+  if (token_id && *token_id != hello_.origin.token_id) {
     return Refused(reasons::kForeignSession,
                    "this session was started with another token; start a new session");
   }
@@ -60,7 +60,7 @@ void SessionOpening::ReadStore() {
     const auto self = weak.lock();
     if (!self) return;
     StoredStart nothing;
-    nothing.new_scene = UnstoredScene{.project_count = 0};
+    if (self->hello_.origin.makes_known) nothing.new_scene = UnstoredScene{.project_count = 0};
     nothing.status = Refused(reasons::kStoreBusy, "no answer");
     self->OnRead(nothing);
   });
@@ -130,7 +130,7 @@ absl::StatusOr<OpenedSession> SessionOpening::Begin(const StoredStart& start) {
     if (!taken.ok()) return taken.status();
     hold.emplace(*std::move(taken));
   }
-  auto session = MakeSession(context(), hello_, start, token_id_);
+  auto session = MakeSession(context(), hello_, start);
   if (!session.ok()) return session.status();
   if (hold) (*session)->Keep(*std::move(hold));
   if (absl::Status status = table_.Add(*session); !status.ok()) return status;

@@ -46,9 +46,9 @@ class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
  public:
   using Done = std::function<void(absl::StatusOr<OpenedSession>)>;
 
-  // `table` must outlive this object. `token_id` is the id of the client's token, 0 for none.
-  SessionOpening(SessionTable& table, SessionRequest hello, int64_t token_id, Done done)
-      : table_(table), hello_(std::move(hello)), token_id_(token_id), done_(std::move(done)) {}
+  // `table` must outlive this object.
+  SessionOpening(SessionTable& table, SessionRequest hello, Done done)
+      : table_(table), hello_(std::move(hello)), done_(std::move(done)) {}
 
   // Calls `done` once, on the loop, perhaps before Run returns. Errors: PERMISSION_DENIED (the
   // session began with another token, or was kicked), RESOURCE_EXHAUSTED (a quota is exceeded, or
@@ -74,7 +74,6 @@ class SessionOpening : public std::enable_shared_from_this<SessionOpening> {
 
   SessionTable& table_;
   SessionRequest hello_;
-  const int64_t token_id_;
   Done done_;  // empty after the call
 };
 

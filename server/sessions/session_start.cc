@@ -47,7 +47,7 @@ decision::PriorKey PriorKeyOf(const SessionRequest& hello, const StoredStart& st
           .scene = hello.scene.scene,
           .machine_class = hello.scene.machine_class,
           .reward_version = hello.scene.reward_version,
-          .build = hello.build,
+          .build = hello.origin.build,
           .source = start.source ? start.source->progress.source_id : "",
           .arms = hello.arms,
           .backend_versions = hello.backend_versions,
@@ -176,7 +176,7 @@ absl::Status LoadPrior(priors::PriorReader& store, const SessionRequest& hello,
                        bool is_writing_thread, StoredStart& start) {
   const decision::PriorKey key = PriorKeyOf(hello, start);
   StoredEvidence stored;
-  if (start.source) stored.AddOwn(*start.source, hello.build);
+  if (start.source) stored.AddOwn(*start.source, hello.origin.build);
   absl::Status status;
   if (!hello.ignores_priors) {
     status = key.compares_sources ? AddSources(store, hello, start, stored)
@@ -219,6 +219,17 @@ void AddStoredRegimes(const std::set<std::string>& names, size_t arm_count,
   }
 }
 
+bool Keeps(const SessionRequest& hello, const StoredStart& start, size_t arm) {
+  return hello.origin.makes_known || (arm < start.kept_arms.size() && start.kept_arms[arm]);
+}
+
+bool KeepsAny(const SessionRequest& hello, const StoredStart& start) {
+  for (size_t i = 0; i < hello.arms.size(); ++i) {
+    if (Keeps(hello, start, i)) return true;
+  }
+  return false;
+}
+
 // Checks the scene and its arms against the quotas. Sets start.refusal and start.new_scene. Returns
 // the buckets of the scene's stored regimes.
 std::set<std::string> CheckQuota(priors::PriorReader& store, const SessionRequest& hello,
@@ -226,11 +237,31 @@ std::set<std::string> CheckQuota(priors::PriorReader& store, const SessionReques
                                  StoredStart& start) {
   SceneQuota quota(store, options, counts);
   for (size_t i = 0; i < hello.arms.size(); ++i) {
+    if (!Keeps(hello, start, i)) continue;
     start.refusal = quota.Add(hello.scene, hello.arms[i], hello.backend_versions[i]);
     if (!start.refusal.ok()) return {};
   }
+  if (!KeepsAny(hello, start)) return {};
   start.new_scene = quota.unstored();
   return quota.regimes(hello.scene);
+}
+
+// Sets start.kept_arms for a session of a player.
+absl::Status LimitToKnownArms(priors::PriorReader& store, const SessionRequest& hello,
+                              StoredStart& start) {
+  const priors::SceneKey& scene = hello.scene;
+  const auto known = store.LoadKnownArms(scene.project, scene.scene);
+  if (!known.ok()) return known.status();
+  for (size_t i = 0; i < hello.arms.size(); ++i)
+    start.kept_arms.push_back(known->contains({hello.arms[i], hello.backend_versions[i]}));
+  if (!KeepsAny(hello, start)) return absl::OkStatus();
+  const auto stored = store.LoadScene(scene);
+  if (!stored.ok()) return stored.status();
+  if (stored->has_value()) return absl::OkStatus();
+  const auto count = store.CountKeysOfParty(scene.project, scene.scene, hello.origin);
+  if (!count.ok()) return count.status();
+  if (*count >= kMaxKeysOfParty) start.kept_arms.clear();
+  return absl::OkStatus();
 }
 
 decision::DecisionOptions OptionsOf(const SessionRequest& hello,
@@ -240,11 +271,10 @@ decision::DecisionOptions OptionsOf(const SessionRequest& hello,
   return chosen.Scaled(hello.time_scale);
 }
 
-SessionIdentity IdentityOf(const SessionRequest& hello, const StoredStart& start, int64_t token_id,
+SessionIdentity IdentityOf(const SessionRequest& hello, const StoredStart& start,
                            const HostedSessionOptions& options) {
   SessionIdentity identity;
-  identity.token_id = token_id;
-  identity.build = hello.build;
+  identity.origin = hello.origin;
   identity.prior_sources = start.prior_sources;
   identity.id = start.source             ? start.source->progress.source_id
                 : !start.kept_id.empty() ? start.kept_id
@@ -252,6 +282,8 @@ SessionIdentity IdentityOf(const SessionRequest& hello, const StoredStart& start
   identity.scene = hello.scene;
   identity.arms = hello.arms;
   identity.backend_versions = hello.backend_versions;
+  for (size_t i = 0; i < hello.arms.size(); ++i)
+    identity.kept_arms.push_back(Keeps(hello, start, i));
   // The seed determines the order of exploration, so a resumed session keeps its seed.
   identity.seed = hello.seed != 0 ? hello.seed : options.random_bits();
   if (start.source) {
@@ -289,12 +321,16 @@ decision::SessionSetup SetupOf(const SessionRequest& hello, const SessionIdentit
 StoredStart LoadStart(priors::PriorReader& store, const SessionRequest& hello,
                       const HostedSessionOptions& options, bool is_writing_thread) {
   StoredStart start;
+  if (!hello.origin.makes_known) {
+    start.status = LimitToKnownArms(store, hello, start);
+    if (!start.status.ok()) start.kept_arms.clear();
+  }
   const std::set<std::string> regimes = CheckQuota(store, hello, options, /*counts=*/false, start);
   if (!start.refusal.ok()) return start;
   if (!hello.session_id.empty()) {
     auto source = store.LoadSource(hello.session_id);
     if (!source.ok()) {
-      start.status = source.status();
+      start.status.Update(source.status());
     } else if (!source->has_value()) {
       if (options.shares_store) start.kept_id = hello.session_id;
     } else if (BelongsTo(**source, KeysOf(hello))) {
@@ -313,9 +349,8 @@ void CountScene(priors::PriorReader& store, const SessionRequest& hello,
 
 absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(const SessionContext& context,
                                                          const SessionRequest& hello,
-                                                         const StoredStart& start,
-                                                         int64_t token_id) {
-  SessionIdentity identity = IdentityOf(hello, start, token_id, context.options);
+                                                         const StoredStart& start) {
+  SessionIdentity identity = IdentityOf(hello, start, context.options);
   const decision::SessionSetup setup =
       SetupOf(hello, identity, start, context.options, context.loop.clock().NowNs());
   if (const auto problem = decision::Validate(setup, decision::ShippedPolicies()))

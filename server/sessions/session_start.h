@@ -2,9 +2,11 @@
 //
 // A new session starts from Beta(1,1) plus the evidence of all sources of its scene. For arms
 // without such evidence the project's other scenes are used. Each regime of the scene has a prior
-// of its own. A session that is resumed from the store starts from the same evidence, its own
-// included. With Hello::ignores_priors, only its own evidence is used. Evidence with another reward
-// version than the policy's is not used.
+// of its own. A session of a player stores evidence only about known arms of a known scene
+// (PriorReader::LoadKnownArms), and a player may add kMaxKeysOfParty machine classes and reward
+// versions to a scene. So players who invent names use up no quota. A session that is resumed from
+// the store starts from the same evidence, its own included. With Hello::ignores_priors, only its
+// own evidence is used. Evidence with another reward version than the policy's is not used.
 #pragma once
 
 #include <memory>
@@ -20,6 +22,8 @@
 
 namespace sweepstake::sessions {
 
+inline constexpr uint64_t kMaxKeysOfParty = 4;
+
 // The result of reading the store for a Hello.
 struct StoredStart {
   decision::Prior prior;                        // prior of the Hello's arms
@@ -31,8 +35,10 @@ struct StoredStart {
   // twice.
   std::string kept_id = {};
   std::optional<UnstoredScene> new_scene;  // present if the store does not have the scene
-  absl::Status refusal;                    // an error if the session would exceed a quota
-  absl::Status status;  // the error that made some evidence missing; OK if none is missing
+  // For a session of a player: whether evidence about each arm may be stored. Empty: about none.
+  std::vector<bool> kept_arms = {};
+  absl::Status refusal;  // an error if the session would exceed a quota
+  absl::Status status;   // the error that made some evidence missing; OK if none is missing
 };
 
 // Reads all that the Hello's session needs, on one of the store's threads. A scene that is not
@@ -46,11 +52,10 @@ StoredStart LoadStart(priors::PriorReader& store, const SessionRequest& hello,
 void CountScene(priors::PriorReader& store, const SessionRequest& hello,
                 const HostedSessionOptions& options, StoredStart& start);
 
-// Creates the session of a Hello for the caller's token. Error: INVALID_ARGUMENT (the setup is not
+// Creates the session of a Hello. Error: INVALID_ARGUMENT (the setup is not
 // valid).
 absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(const SessionContext& context,
                                                          const SessionRequest& hello,
-                                                         const StoredStart& start,
-                                                         int64_t token_id);
+                                                         const StoredStart& start);
 
 }  // namespace sweepstake::sessions

@@ -21,7 +21,7 @@ std::shared_ptr<GameSession> SessionTable::Find(const std::string& id) const {
 }
 
 absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
-  const int64_t token_id = session->identity().token_id;
+  const int64_t token_id = session->identity().origin.token_id;
   const auto held = token_counts_.find(token_id);
   if (token_id != 0 && held != token_counts_.end() &&
       held->second >= context_.options.max_sessions_per_token && !MakeRoom(token_id)) {
@@ -153,7 +153,7 @@ void SessionTable::Lose(Entry& entry) {
 
 void SessionTable::Recover(Entry& entry) {
   lost_.erase(*std::exchange(entry.lost, std::nullopt));
-  leaving_.Remove(entry.session->identity().token_id, entry.rank);
+  leaving_.Remove(entry.session->identity().origin.token_id, entry.rank);
 }
 
 void SessionTable::LookAgainAt(int64_t due_ns, Entry& entry) {
@@ -163,7 +163,7 @@ void SessionTable::LookAgainAt(int64_t due_ns, Entry& entry) {
   entry.rank.state = entry.session->settled() ? LostState::kSettled
                      : entry.session->ended() ? LostState::kEnding
                                               : LostState::kUnsettled;
-  leaving_.Add(identity.token_id, entry.rank, identity.id);
+  leaving_.Add(identity.origin.token_id, entry.rank, identity.id);
 }
 
 void SessionTable::ScheduleSweep() {
@@ -203,7 +203,7 @@ void SessionTable::Remove(const std::string& id) {
   const auto found = entries_.find(id);
   if (found->second.lost) Recover(found->second);
   Disconnect(*found->second.session);
-  const auto count = token_counts_.find(found->second.session->identity().token_id);
+  const auto count = token_counts_.find(found->second.session->identity().origin.token_id);
   if (--count->second == 0) token_counts_.erase(count);
   found->second.session->PublishEnd();
   entries_.erase(found);

@@ -58,6 +58,8 @@ absl::string_view WrongUpdate(const priors::SourceUpdate& update) {
   if (wrong.empty() && !IsOptionalName(update.origin.build))
     wrong = "build must be absent or a name";
   if (wrong.empty() && update.origin.token_id < 0) wrong = "token_id must not be negative";
+  if (wrong.empty() && update.origin.player.size() > kMaxPartyBytes) wrong = "player is too long";
+  if (wrong.empty() && update.origin.network.size() > kMaxPartyBytes) wrong = "network is too long";
   for (const auto& increment : update.increments) {
     if (wrong.empty()) wrong = WrongKey(increment.key);
     if (wrong.empty()) wrong = WrongEvidence(increment.evidence);

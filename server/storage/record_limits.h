@@ -12,6 +12,7 @@ namespace sweepstake::storage {
 inline constexpr double kMaxEvidence = 1e15;  // exclusive maximum of an increment and of a sum
 // The maximum of sequences and counts, which must fit SQLite's integers.
 inline constexpr uint64_t kMaxCount = (1ull << 63) - 1;
+inline constexpr size_t kMaxPartyBytes = 64;  // of a player or a network
 
 // Check all updates or records. The error INVALID_ARGUMENT contains the index (from 0) of the first
 // invalid one, and its field.

@@ -85,6 +85,14 @@ std::string_view Request::Header(std::string_view name) const {
   return {found->value().data(), found->value().size()};
 }
 
+std::string_view Request::LastHeader(std::string_view name) const {
+  const auto [first, last] =
+      message.equal_range(boost::beast::string_view(name.data(), name.size()));
+  if (first == last) return {};
+  const auto value = std::prev(last)->value();
+  return {value.data(), value.size()};
+}
+
 HttpConnection::HttpConnection(tcp::socket socket, std::shared_ptr<tls::TlsContext> tls,
                                ConnectionShared& shared,
                                std::function<void(HttpConnection&)> on_closed)
@@ -92,7 +100,6 @@ HttpConnection::HttpConnection(tcp::socket socket, std::shared_ptr<tls::TlsConte
       on_closed_(std::move(on_closed)),
       stream_(std::move(socket), std::move(tls)),
       buffer_(size_t{2} * shared.limits.max_header_bytes) {
-  request_.peer = net::PeerOf(stream_.tcp().socket().native_handle());
   request_.own_host = HostOf(stream_.tcp().socket());
   request_.is_tls = stream_.is_tls();
 }
@@ -161,6 +168,9 @@ void HttpConnection::OnBody(error_code error) {
   if (error) return;
   idle_since_.reset();
   request_.message = parser_->release();
+  request_.peer = net::PeerOf(stream_.tcp().socket().native_handle());
+  if (shared_.limits.trusts_proxy)
+    request_.peer = net::ForwardedPeer(request_.peer, request_.LastHeader("x-forwarded-for"));
   shared_.handler(shared_from_this());
 }
 

@@ -25,6 +25,8 @@ struct Request {
   std::string_view query() const;
   // Returns the header, empty if it is absent.
   std::string_view Header(std::string_view name) const;
+  // Returns the last header of this name, empty if there is none.
+  std::string_view LastHeader(std::string_view name) const;
   bool is_post() const { return message.method() == boost::beast::http::verb::post; }
 };
 

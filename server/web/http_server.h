@@ -31,6 +31,8 @@ struct HttpLimits {
   // A connection ends if after this time a request is not complete, an answer is not read, or no
   // further request has begun. An answer gets one more millisecond for every 16 bytes.
   std::chrono::milliseconds patience{10'000};
+  // Whether clients on this machine are a proxy whose header x-forwarded-for names the real client.
+  bool trusts_proxy = false;
   // The time between two attempts to accept while there are no free descriptors.
   std::chrono::milliseconds accept_retry{100};
 };

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sweepstake/v1/posteriors.grpc.pb.h"
+#include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/end_to_end/scripted_game.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/support/daemon_process.h"
@@ -73,6 +74,49 @@ TEST_F(TokenTest, AGameWithATokenLearnsAndOneWithoutGetsAnError) {
   EXPECT_THAT(other.stats().refusal, HasSubstr("TOKEN_MISSING"));
   game.Stop();
   EXPECT_EQ(daemon.Terminate(), 0);
+}
+
+TEST_F(TokenTest, AGameWithATicketLearnsAndItsEvidenceIsRevokedByItsPlayer) {
+  const std::string token = MakeToken("game", "--role player");
+  const std::string admin = MakeToken("admin", "--role admin");
+  const DaemonProcess daemon(data_.path());
+  for (const std::string player : {"alice", "mallory"}) {
+    const std::string file = token + "." + player;
+    std::ofstream(file) << RunDaemonCommand("ticket " + player + " --token-file " + token);
+    ScriptedGame game(daemon.address(), With(file));
+    EXPECT_TRUE(game.RunUntil(IsConnected));
+    game.Stop();
+  }
+  grpc::ClientContext call;
+  std::ifstream admin_file(admin);
+  std::string secret;
+  admin_file >> secret;
+  call.AddMetadata("authorization", "Bearer " + secret);
+  v1::RevokePriorsRequest request;
+  request.mutable_sources()->set_player("mallory");
+  v1::RevokePriorsResponse response;
+  const auto channel = grpc::CreateChannel(daemon.address(), grpc::InsecureChannelCredentials());
+  const auto status = v1::PriorsService::NewStub(channel)->RevokePriors(&call, request, &response);
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(response.source_count(), 1u);
+}
+
+TEST_F(TokenTest, ATicketThatWasChangedOrIsSignedByAnotherTokenIsRefused) {
+  const std::string token = MakeToken("game", "--role player");
+  const std::string watch = MakeToken("watch", "--role watch");
+  const DaemonProcess daemon(data_.path());
+  std::string changed = RunDaemonCommand("ticket alice --token-file " + token);
+  changed.replace(changed.find("alice"), 5, "carol");
+  const std::string file = token + ".ticket";
+  for (const std::string& ticket :
+       {changed, RunDaemonCommand("ticket alice --token-file " + watch)}) {
+    std::ofstream(file) << ticket;
+    ScriptedGame game(daemon.address(), With(file));
+    EXPECT_TRUE(game.RunUntil(IsRefused));
+    EXPECT_THAT(game.stats().refusal, HasSubstr("TOKEN_REFUSED"));
+  }
+  EXPECT_THAT(RunDaemonCommand("ticket 'a b' --token-file " + token), HasSubstr("letters, digits"));
+  EXPECT_THAT(RunDaemonCommand("ticket alice --token-file /nowhere"), HasSubstr("cannot read"));
 }
 
 TEST_F(TokenTest, ATokenOfAnotherRoleOrProjectIsRefused) {

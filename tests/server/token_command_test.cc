@@ -133,7 +133,7 @@ TEST_F(TokenCommandTest, RevokeStoresTheUserAndListShowsTheState) {
 
 TEST_F(TokenCommandTest, MissingAndUnknownArgumentsAreErrors) {
   EXPECT_THAT(Run({"create", "game"}), HasSubstr("--role is required"));
-  EXPECT_THAT(Run({"create", "game", "--role", "king"}), HasSubstr("king not in {ingest"));
+  EXPECT_THAT(Run({"create", "game", "--role", "king"}), HasSubstr("king not in {player"));
   EXPECT_THAT(Run({"create", "--help"}), HasSubstr("Example: sweepstaked token create"));
   EXPECT_THAT(Run({}), HasSubstr("subcommand is required"));
 }

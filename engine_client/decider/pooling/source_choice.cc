@@ -2,31 +2,45 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "engine_client/math/hash.h"
 
 namespace sweepstake::decision {
 namespace {
 
-uint64_t HashOf(int64_t token) { return math::SplitMix64{static_cast<uint64_t>(token)}.Next(); }
+using Indices = std::vector<size_t>;
+
+uint64_t HashOf(int64_t token_id) { return math::Mix64(static_cast<uint64_t>(token_id)); }
+// FNV-1a alone orders similar texts similarly.
+uint64_t HashOf(std::string_view party) {
+  return math::Mix64(math::Fnv1a(math::kFnv1aStart, party));
+}
+
+// Takes one index of each list in turn, in the order of the keys' hashes.
+template <typename Key>
+Indices InRounds(const std::map<Key, Indices>& lists) {
+  std::vector<std::pair<uint64_t, const Indices*>> order;
+  for (const auto& [key, list] : lists) order.emplace_back(HashOf(key), &list);
+  std::sort(order.begin(), order.end());
+  Indices taken;
+  for (size_t round = 0; !order.empty(); ++round) {
+    std::erase_if(order, [&](const auto& entry) { return entry.second->size() <= round; });
+    for (const auto& [hash, list] : order) taken.push_back((*list)[round]);
+  }
+  return taken;
+}
 
 }  // namespace
 
-std::vector<size_t> ChooseSources(std::span<const int64_t> tokens, size_t limit) {
-  std::vector<std::vector<size_t>> rounds;  // each round has at most one source per token
-  std::map<int64_t, size_t> counts;
-  for (size_t place = 0; place < std::min(tokens.size(), kSourcesPerPlace * limit); ++place) {
-    const size_t round = counts[tokens[place]]++;
-    if (round == rounds.size()) rounds.emplace_back();
-    rounds[round].push_back(place);
-  }
-  std::vector<size_t> chosen;
-  for (std::vector<size_t>& round : rounds) {
-    std::sort(round.begin(), round.end(),
-              [&](size_t a, size_t b) { return HashOf(tokens[a]) < HashOf(tokens[b]); });
-    round.resize(std::min(round.size(), limit - chosen.size()));
-    chosen.insert(chosen.end(), round.begin(), round.end());
-  }
+std::vector<size_t> ChooseSources(std::span<const SourceOwner> owners, size_t limit) {
+  std::map<int64_t, std::map<std::string_view, Indices>> parties;
+  for (size_t i = 0; i < std::min(owners.size(), kSourcesPerPlace * limit); ++i)
+    parties[owners[i].token_id][owners[i].party].push_back(i);
+  std::map<int64_t, Indices> tokens;
+  for (const auto& [token_id, lists] : parties) tokens[token_id] = InRounds(lists);
+  Indices chosen = InRounds(tokens);
+  chosen.resize(std::min(chosen.size(), limit));
   std::sort(chosen.begin(), chosen.end());
   return chosen;
 }

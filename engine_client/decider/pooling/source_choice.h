@@ -1,13 +1,14 @@
 // Chooses which sources of a scene new sessions use, if a scene has more sources than the limit.
 //
-// The owner of a token can start any number of sessions. If the latest sources were chosen, one
-// owner could soon supply all of them. So the places are divided among the tokens, and places that
-// a token does not fill go to the others. Pure functions.
+// One client can start any number of sessions. If the latest sources were chosen, one client could
+// soon supply all of them. So the places are divided among the tokens, and the places of a token
+// among its parties. Places that a token or party does not fill go to the others. Pure functions.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace sweepstake::decision {
@@ -15,12 +16,19 @@ namespace sweepstake::decision {
 // For each place, this many of the latest sources are candidates.
 inline constexpr uint32_t kSourcesPerPlace = 8;
 
-// `tokens` has, for each source, the number of the token that began it, latest source first. 0 (no
-// token) counts as one more token. Returns the indices of up to `limit` sources, ascending.
-// - Each round gives one place to every token that has sources left, for the latest of them.
-// - If a round has fewer places than tokens, a hash of the token numbers decides. So a token gains
-//   nothing by starting its sources last, and any tenth of the tokens gets about a tenth of the
-//   places.
-std::vector<size_t> ChooseSources(std::span<const int64_t> tokens, size_t limit);
+// The token and the party that began a source.
+struct SourceOwner {
+  int64_t token_id = 0;  // 0 (no token) counts as one more token
+  // The player that the ticket names, or the network of the client's address; empty if unknown.
+  std::string_view party;
+};
+
+// `owners` has the owner of each source, latest source first. Returns the indices of up to `limit`
+// sources, ascending.
+// - Each round gives one place to every token that has sources left. Within a token, each round
+//   gives one place to every party that has sources left, for the latest of them.
+// - If a round has fewer places than tokens or parties, a hash of them decides. So they gain
+//   nothing by starting their sources last, and any tenth of them gets about a tenth of the places.
+std::vector<size_t> ChooseSources(std::span<const SourceOwner> owners, size_t limit);
 
 }  // namespace sweepstake::decision

@@ -26,13 +26,33 @@ std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
   return value.substr(kScheme.size());
 }
 
+// Returns the last header x-forwarded-for of the call; empty if it has none.
+std::string_view ForwardedFor(const grpc::ServerContextBase& call) {
+  const auto [first, last] = call.client_metadata().equal_range("x-forwarded-for");
+  if (first == last) return {};
+  const grpc::string_ref value = std::prev(last)->second;
+  return {value.data(), value.size()};
+}
+
 // Returns the key of a token in the rate limits and in Shares.
 std::string HolderOf(int64_t token_id) { return absl::StrCat("token ", token_id); }
+
+// Returns the party of a game, as the key of a rate limit and for messages; empty if the game has
+// no limit.
+std::string PartyOf(const auth::Principal& caller, const std::string& peer) {
+  if (!caller.player.empty())
+    return absl::StrCat("the player ", caller.player, " of ", HolderOf(caller.token_id));
+  const std::string network = net::NetworkOf(peer);
+  if (!network.empty()) return absl::StrCat("the network ", network);
+  return caller.token_id == 0 ? "" : HolderOf(caller.token_id);
+}
 
 }  // namespace
 
 absl::StatusOr<Caller> AccessControl::Authorize(const grpc::ServerContextBase& call, Rpc rpc) {
-  return Check(net::ClientOf(call.peer()), TokenOf(call), asks_for_tokens(), rpc);
+  std::string peer = net::ClientOf(call.peer());
+  if (options_.trusts_proxy) peer = net::ForwardedPeer(peer, ForwardedFor(call));
+  return Check(peer, TokenOf(call), asks_for_tokens(), rpc);
 }
 
 absl::StatusOr<Caller> AccessControl::Check(const std::string& peer,
@@ -60,6 +80,12 @@ absl::StatusOr<auth::Principal> AccessControl::Identify(const std::string& peer,
 
 absl::Status AccessControl::CheckRole(const auth::Principal& caller, const std::string& address,
                                       Rpc rpc) {
+  const bool operates = rpc.role == auth::Role::kOperator || rpc.role == auth::Role::kAdmin;
+  if (caller.token_id == 0 && operates && !net::IsLoopbackAddress(address)) {
+    return Refused(v1::ERROR_REASON_NOT_ALLOWED,
+                   "without a token this call is for programs on the daemon's machine only; create "
+                   "a token with `sweepstaked token create`");
+  }
   if (auth::Includes(caller.role, rpc.role)) {
     return rpc.role == auth::Role::kWatch ? BeginRead(address, caller.token_id) : absl::OkStatus();
   }
@@ -97,24 +123,20 @@ std::string AccessControl::Count(auth::RateLimit& limit, double per_s, const std
   return allowed ? "" : "this token";
 }
 
-std::string AccessControl::CountGame(auth::RateLimit& limit, double per_s,
-                                     const std::string& address, int64_t token_id) {
-  return Count(limit, per_s, net::IsLoopbackAddress(address) ? "" : address, token_id);
-}
-
-bool AccessControl::SpendBailOut(const std::string& address, int64_t token_id) {
+bool AccessControl::SpendBailOut(const auth::Principal& caller, const std::string& peer) {
   const double per_s_of_game = 1e9 / static_cast<double>(options_.decision.bail_out_ns);
   const double per_s = std::max(kMinBailOutsPerS, kBailingOutGames * per_s_of_game);
-  return CountGame(bail_outs_, per_s, address, token_id).empty();
+  const std::string party = PartyOf(caller, peer);
+  return party.empty() || bail_outs_.Take(party, per_s, clock_.NowNs());
 }
 
-absl::Status AccessControl::BeginHello(const std::string& address, int64_t token_id) {
+absl::Status AccessControl::BeginHello(const auth::Principal& caller, const std::string& peer) {
   const uint32_t per_s = options_.max_hellos_per_s;
-  const std::string who = CountGame(hellos_, per_s, address, token_id);
-  if (who.empty()) return absl::OkStatus();
+  const std::string party = PartyOf(caller, peer);
+  if (party.empty() || hellos_.Take(party, per_s, clock_.NowNs())) return absl::OkStatus();
   return Refused(
       v1::ERROR_REASON_TOO_MANY_HELLOS,
-      absl::StrCat(who, " starts more than ", per_s,
+      absl::StrCat(party, " starts more than ", per_s,
                    " streams per second (max_hellos_per_s; bursts of ten times this are allowed); "
                    "connect again in ten seconds, or raise the limit on the daemon"));
 }

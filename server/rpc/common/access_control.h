@@ -72,15 +72,16 @@ class AccessControl {
   // calls it. Error: RESOURCE_EXHAUSTED (one of the limits is exceeded).
   absl::Status BeginRead(const std::string& address, int64_t token_id);
 
-  // Counts a Hello against the rate limits of the token (0: none) and of the address. Addresses of
-  // the daemon's own machine are not counted. Error: RESOURCE_EXHAUSTED (one of the limits is
-  // exceeded).
-  absl::Status BeginHello(const std::string& address, int64_t token_id);
+  // Counts a Hello against the rate limit of the caller's party: the player of its ticket, else the
+  // network of its address, else (on the daemon's own machine, because of proxies) its token. So a
+  // client that shares its token with others does not use up their rate. Without a token, the own
+  // machine has no limit. Error: RESOURCE_EXHAUSTED (the limit is exceeded).
+  absl::Status BeginHello(const auth::Principal& caller, const std::string& peer);
 
-  // Counts a bail-out against the rate limits of the token and of the address, as BeginHello does.
-  // Returns whether both are within the rate of kBailingOutGames games. Only then is the bail-out
-  // evidence. More sessions do not raise the limit.
-  bool SpendBailOut(const std::string& address, int64_t token_id);
+  // Counts a bail-out against the rate limit of the same party. Returns whether it is within the
+  // rate of kBailingOutGames games. Only then is the bail-out evidence. More sessions do not raise
+  // the limit.
+  bool SpendBailOut(const auth::Principal& caller, const std::string& peer);
 
   // A slot that is counted until the last copy is destroyed. It may outlive the server.
   using Share = std::shared_ptr<void>;
@@ -118,10 +119,6 @@ class AccessControl {
   // does.
   std::string Count(auth::RateLimit& limit, double per_s, const std::string& address,
                     int64_t token_id);
-  // Like Count, but an address of the daemon's own machine is not counted, because all games behind
-  // a local proxy share it.
-  std::string CountGame(auth::RateLimit& limit, double per_s, const std::string& address,
-                        int64_t token_id);
   absl::Status Unauthenticated(const std::string& peer, bool has_token);
 
   const RpcOptions& options_;

@@ -45,8 +45,8 @@ inline constexpr uint32_t kAuditRowsPerPage = 500;
 // A message of an audit export is sent when its rows reach this size. It may exceed the size by one
 // row.
 inline constexpr size_t kAuditBytesPerMessage = 128 * 1024;
-// Limits the rate of bail-outs that count as evidence. The limit holds for all sessions of a token,
-// and for all sessions from an address that is not on the daemon's own machine.
+// Limits the rate of bail-outs that count as evidence, over all sessions of a party
+// (AccessControl::BeginHello).
 // - Rate: the rate of kBailingOutGames games with one bail-out per DecisionOptions::bail_out_ns,
 //   but at least kMinBailOutsPerS per second.
 // - Burst: ten seconds of that rate, which exceeds the limit of one session
@@ -87,8 +87,8 @@ struct RpcOptions : sessions::HostedSessionOptions {
   // batch holds at most kMaxBatchFrames. After a reconnection a client also resends unacknowledged
   // messages.
   sessions::Adjustable<uint32_t> max_messages_per_s = 200;
-  // The maximum Hellos per second, per token and per address that is not on the daemon's own
-  // machine. The burst is ten seconds of that rate. Above the limit a Hello is RESOURCE_EXHAUSTED.
+  // The maximum Hellos per second of a party (AccessControl::BeginHello). The burst is ten seconds
+  // of that rate. Above the limit a Hello is RESOURCE_EXHAUSTED.
   // The limit exists because a Hello can cause a read of the store. The burst is enough for 10,000
   // games behind one address that reconnect after a restart.
   sessions::Adjustable<uint32_t> max_hellos_per_s = 1'000;
@@ -103,6 +103,9 @@ struct RpcOptions : sessions::HostedSessionOptions {
   // The valid tokens. If null or empty, every caller may do everything. Borrowed; it must outlive
   // the server.
   const auth::TokenDirectory* tokens = nullptr;
+  // Whether clients on the daemon's machine are a proxy whose header x-forwarded-for names the real
+  // client.
+  bool trusts_proxy = false;
   // The maximum number of watchers at a time; the next one is RESOURCE_EXHAUSTED. One token may
   // have at most half of this number, rounded up. So may one address that is not on the daemon's
   // own machine.
@@ -166,6 +169,8 @@ struct Counters : sessions::SessionCounters {
   std::atomic<uint64_t> resumed_count{0};           // connected streams that resumed a session
   // Sessions that began without some of their stored evidence, because the store could not read it.
   std::atomic<uint64_t> degraded_start_count{0};
+  // Sessions of players with arms that are not known, about which no evidence is stored.
+  std::atomic<uint64_t> unknown_arm_session_count{0};
   std::atomic<uint64_t> malformed_message_count{0};  // messages that could not be parsed
   std::atomic<uint64_t> invalid_message_count{0};    // messages that broke a rule of the contract
   // Calls and streams that ended with an error, by v1::ErrorReason. A client that disconnects is

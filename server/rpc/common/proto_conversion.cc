@@ -241,7 +241,7 @@ void ToProto(const sessions::GameSession& session, const sessions::SessionReques
   if (hello.stops_trials) message.add_capabilities(v1::CAPABILITY_STOPS_TRIALS);
   message.set_session_id(identity.id);
   message.set_resume_token(
-      sessions::ResumeTokenOf(identity.id, identity.token_id, options.resume_secret));
+      sessions::ResumeTokenOf(identity.id, identity.origin.token_id, options.resume_secret));
   message.set_acknowledged_sequence(session.durable_sequence());
   message.set_max_batch_frames(kMaxBatchFrames);
   message.set_max_message_bytes(kMaxMessageBytes);
@@ -450,7 +450,7 @@ sessions::SessionRequest FromProto(const v1::Hello& message) {
                 decision::RewardVersionOf(policy, rules.weights.value_or(RewardWeights()))},
       .arms = {},
       .backend_versions = {},
-      .build = message.build(),
+      .origin = {.build = message.build()},
       .session_id = message.session_id(),
       .resume_token = message.resume_token(),
       .policy = message.policy(),

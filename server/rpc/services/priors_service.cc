@@ -14,6 +14,8 @@
 #include "engine_client/decider/pooling/priors_sums.h"
 #include "engine_client/text/counts.h"
 #include "engine_client/text/names.h"
+#include "server/auth/ticket.h"
+#include "server/net/peer_address.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/leader_preview.h"
 #include "server/rpc/common/message_validation.h"
@@ -290,9 +292,9 @@ class PriorImport final : public grpc::ServerGenericBidiReactor, public Transfer
   std::vector<priors::SceneKey> new_scenes_;
 };
 
-bool NamesAny(const v1::SourceFilter& sources) {
-  return !sources.source_id().empty() || !sources.build().empty() || sources.token_id() != 0 ||
-         sources.unix_from_s() != 0 || sources.unix_until_s() != 0;
+bool NamesAny(v1::SourceFilter sources) {
+  sources.clear_project();
+  return sources.ByteSizeLong() > 0;
 }
 
 // Returns the store's filter for the sources that the request selects.
@@ -306,11 +308,27 @@ absl::StatusOr<priors::SourceFilter> FilterOf(const v1::SourceFilter& sources,
       return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
                      "a name must have at most 128 bytes of UTF-8 and no control characters");
   }
+  if (!sources.player().empty() && !auth::IsPlayer(sources.player())) {
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                   "a player has 1 to 64 letters, digits, '-' and '_', as in its ticket");
+  }
+  std::string network;
+  if (!sources.network().empty()) {
+    const auto named = net::NetworkNamed(sources.network());
+    if (!named) {
+      return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                     "a network is an address such as 203.0.113.7 or 2001:db8::1, or a network "
+                     "such as 203.0.113.0/24 or 2001:db8::/64");
+    }
+    network = *named;
+  }
   if (absl::Status allowed = CheckProject(caller, sources.project()); !allowed.ok()) return allowed;
   priors::SourceFilter filter{.id = sources.source_id(),
                               .project = sources.project(),
                               .build = sources.build(),
                               .token_id = sources.token_id(),
+                              .player = sources.player(),
+                              .network = network,
                               .from_unix_s = static_cast<uint64_t>(sources.unix_from_s())};
   if (sources.unix_until_s() != 0)
     filter.until_unix_s = static_cast<uint64_t>(sources.unix_until_s());
@@ -331,16 +349,18 @@ std::string ChangeText(const char* verb, const priors::ChangeResult& result,
   add("session", sources.source_id());
   add("build", sources.build());
   add("token", sources.token_id());
+  add("player", sources.player());
+  add("network", sources.network());
   add("started at or after Unix time", sources.unix_from_s());
   add("started at or before Unix time", sources.unix_until_s());
   return text;
 }
 
 // Returns whether a promotion with this filter selects the record in quarantine. A filter by token
-// or by start time selects nothing, because imported sources have neither.
+// player, network or start time selects nothing, because imported sources have none of these.
 bool IsMeant(const PriorRecord& record, const priors::SourceFilter& filter) {
-  return filter.token_id == 0 && filter.from_unix_s == 0 &&
-         (filter.id.empty() || filter.id == record.source_id) &&
+  return filter.token_id == 0 && filter.player.empty() && filter.network.empty() &&
+         filter.from_unix_s == 0 && (filter.id.empty() || filter.id == record.source_id) &&
          (filter.build.empty() || filter.build == record.build);
 }
 
@@ -380,7 +400,8 @@ void ChangeSources(ServiceContext& context, const Caller& caller, const Request&
   if (!kPromotes && !NamesAny(request.sources())) {
     return end(Refused(
         v1::ERROR_REASON_INVALID_MESSAGE,
-        "select the sources to revoke by source_id, build, token_id, unix_from_s or unix_until_s"));
+        "select the sources to revoke by source_id, build, token_id, player, network, unix_from_s "
+        "or unix_until_s"));
   }
   const auto change = [&context, &request, &response, caller, end,
                        filter = *std::move(selected)](priors::PriorStore& store) {

@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "server/net/peer_address.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/stall_sweep.h"
@@ -22,11 +21,12 @@ namespace {
 class TelemetryCall final : public grpc::ServerGenericBidiReactor, public TelemetryTransport {
  public:
   TelemetryCall(ServiceContext& context, TelemetryStreams& streams,
-                grpc::CallbackServerContext& call, auth::Principal caller)
+                grpc::CallbackServerContext& call, const Caller& caller)
       : loop_(context.loop),
         counters_(context.counters),
         call_(call),
-        stream_(std::make_shared<TelemetryStream>(context, streams, *this, std::move(caller))) {
+        peer_(caller.peer),
+        stream_(std::make_shared<TelemetryStream>(context, streams, *this, caller)) {
     loop_.Post([this] { stream_->Accept(); });
   }
 
@@ -43,7 +43,7 @@ class TelemetryCall final : public grpc::ServerGenericBidiReactor, public Teleme
   void Cancel(const absl::Status& status) override {
     rpc::Cancel(call_, ToGrpc(status, counters_));
   }
-  std::string peer() const override { return net::ClientOf(call_.peer()); }
+  std::string peer() const override { return peer_; }
 
   void OnReadDone(bool ok) override {
     if (!ok) return loop_.Post([this] { stream_->OnHalfClose(); });
@@ -77,6 +77,7 @@ class TelemetryCall final : public grpc::ServerGenericBidiReactor, public Teleme
   sessions::DecisionLoop& loop_;
   Counters& counters_;
   grpc::CallbackServerContext& call_;
+  const std::string peer_;
   const std::shared_ptr<TelemetryStream> stream_;
 
   // Number of Read() calls that have not received a message. While it is above 0, a gRPC read is
@@ -93,8 +94,8 @@ class TelemetryCall final : public grpc::ServerGenericBidiReactor, public Teleme
 }  // namespace
 
 grpc::ServerGenericBidiReactor* TelemetryService::Serve(grpc::CallbackServerContext& call,
-                                                        auth::Principal caller) {
-  return new TelemetryCall(context_, streams_, call, std::move(caller));
+                                                        const Caller& caller) {
+  return new TelemetryCall(context_, streams_, call, caller);
 }
 
 }  // namespace sweepstake::rpc

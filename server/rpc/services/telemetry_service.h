@@ -14,7 +14,7 @@ class TelemetryService {
   explicit TelemetryService(ServiceContext& context) : context_(context) {}
 
   // Serves a call of StreamTelemetry.
-  grpc::ServerGenericBidiReactor* Serve(grpc::CallbackServerContext& call, auth::Principal caller);
+  grpc::ServerGenericBidiReactor* Serve(grpc::CallbackServerContext& call, const Caller& caller);
 
   // Refuses new streams and requests the connected clients to reconnect later. Called on the loop.
   void Drain() { streams_.Drain(context_.options); }

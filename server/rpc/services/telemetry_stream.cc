@@ -101,9 +101,8 @@ bool TelemetryStream::SaidGoodbye() const { return session_ && session_->ended()
 absl::Status TelemetryStream::CountMessage(const v1::StreamTelemetryRequest& request) {
   const uint32_t per_s = context_.options.max_messages_per_s;
   if (messages_.Take(per_s * time_scale_, context_.loop.clock().NowNs())) {
-    return request.has_hello()
-               ? context_.access.BeginHello(net::AddressOf(transport_.peer()), caller_.token_id)
-               : absl::OkStatus();
+    return request.has_hello() ? context_.access.BeginHello(caller_, transport_.peer())
+                               : absl::OkStatus();
   }
   return Refused(v1::ERROR_REASON_TOO_MANY_MESSAGES,
                  absl::StrCat("the game sent too many messages: max_messages_per_s allows ", per_s,
@@ -147,8 +146,13 @@ absl::Status TelemetryStream::Open(v1::Hello& hello) {
   if (!hello.has_weights()) *hello.mutable_weights() = ToProto(defaults.weights);
   if (absl::Status status = CheckHello(hello, context_.options); !status.ok()) return status;
   if (absl::Status status = CheckProject(caller_, hello.project()); !status.ok()) return status;
+  sessions::SessionRequest request = FromProto(hello);
+  request.origin.token_id = caller_.token_id;
+  request.origin.player = caller_.player;
+  request.origin.network = net::NetworkOf(transport_.peer());
+  request.origin.makes_known = caller_.role != auth::Role::kPlayer;
   opening_ = std::make_shared<sessions::SessionOpening>(
-      context_.sessions, FromProto(hello), caller_.token_id,
+      context_.sessions, std::move(request),
       [this](const absl::StatusOr<sessions::OpenedSession>& opened) { OnOpened(opened); });
   opening_->Run();
   return absl::OkStatus();
@@ -176,11 +180,27 @@ void TelemetryStream::ReportMissingEvidence(const absl::Status& status) {
       std::string(status.message()), count);
 }
 
+void TelemetryStream::ReportUnknownArms(const sessions::SessionIdentity& identity) {
+  const auto unknown = std::find(identity.kept_arms.begin(), identity.kept_arms.end(), false);
+  if (unknown == identity.kept_arms.end()) return;
+  const uint64_t count = ++context_.counters.unknown_arm_session_count;
+  if (!NoteIsDue(streams_.next_unknown_arms_note_ns)) return;
+  const auto arm = static_cast<size_t>(unknown - identity.kept_arms.begin());
+  context_.log.warn(
+      "session {}: evidence of players about arm {} (version {}) of scene {} of project {} is not "
+      "stored, because the arm is not known there; run the game once with a token of the role "
+      "ingest, or import evidence about it; such sessions so far: {}",
+      identity.id, identity.arms[arm], identity.backend_versions[arm], identity.scene.scene,
+      identity.scene.project, count);
+}
+
 void TelemetryStream::Enter(const sessions::OpenedSession& opened) {
   session_ = opened.session;
+  ReportUnknownArms(session_->identity());
   const std::shared_ptr<sessions::SessionOpening> opening = std::exchange(opening_, nullptr);
   const sessions::SessionRequest& hello = opening->hello();
-  context_.sessions.Attach(*session_, *this, {.address = transport_.peer(), .build = hello.build});
+  context_.sessions.Attach(*session_, *this,
+                           {.address = transport_.peer(), .build = hello.origin.build});
   ++context_.counters.connected_stream_count;
   if (opened.resumed) ++context_.counters.resumed_count;
   v1::Welcome& welcome = *Outbox().mutable_welcome();
@@ -285,7 +305,7 @@ void TelemetryStream::SendBoxRequest(uint32_t interval_ms, uint32_t max_bytes, u
 }
 
 bool TelemetryStream::SpendBailOut() {
-  return context_.access.SpendBailOut(net::AddressOf(transport_.peer()), caller_.token_id);
+  return context_.access.SpendBailOut(caller_, transport_.peer());
 }
 
 void TelemetryStream::WriteNext() {

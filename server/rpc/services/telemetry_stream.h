@@ -28,6 +28,7 @@ struct TelemetryStreams {
   uint64_t last_number = 0;
   bool draining = false;
   int64_t next_store_warning_ns = std::numeric_limits<int64_t>::min();
+  int64_t next_unknown_arms_note_ns = std::numeric_limits<int64_t>::min();
   int64_t next_suspension_note_ns = std::numeric_limits<int64_t>::min();
   int64_t next_invalid_boxes_note_ns = std::numeric_limits<int64_t>::min();
 
@@ -120,7 +121,7 @@ class TelemetryStream final : public sessions::ClientStream,
   absl::Status CountAddress();
   void OnHelloOverdue();
   // Counts a message against the rate limits. Error: RESOURCE_EXHAUSTED (the stream exceeds
-  // RpcOptions::max_messages_per_s, or its token or address exceeds max_hellos_per_s).
+  // RpcOptions::max_messages_per_s, or its party exceeds max_hellos_per_s).
   absl::Status CountMessage(const v1::StreamTelemetryRequest& request);
   absl::Status Dispatch(v1::StreamTelemetryRequest& request);
   absl::Status Open(v1::Hello& hello);
@@ -131,6 +132,9 @@ class TelemetryStream final : public sessions::ClientStream,
   // Counts a session that begins without some of its stored evidence, because the store could not
   // read it. Logs a warning at most once per minute for all streams.
   void ReportMissingEvidence(const absl::Status& status);
+  // Counts a session whose evidence about some arms is not stored, because a player must not add
+  // arms. Logs a warning at most once per minute for all streams.
+  void ReportUnknownArms(const sessions::SessionIdentity& identity);
   void Enter(const sessions::OpenedSession& opened);
   // Logs that the session's game was suspended, at most once per minute for all streams.
   void ReportSuspension(const sessions::GameSession& session);

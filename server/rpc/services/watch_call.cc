@@ -72,7 +72,7 @@ class WatchCall final : public grpc::ServerGenericBidiReactor,
   void OnEnd(const absl::Status& status) override {
     if (end_) return;
     end_ = status;
-    context_.access.refusals().TellEnd(net::ClientOf(call_.peer()), status);
+    context_.access.refusals().TellEnd(caller_.peer, status);
     subscriber_.reset();
     context_.stalls.Remove(*this);
     if (!writing_) return Finish(ToGrpc(status, context_.counters));

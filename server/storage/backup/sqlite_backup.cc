@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/storage/data_directory.h"
+#include "server/storage/sql/sql_schema.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_schema.h"
 
@@ -44,6 +45,12 @@ constexpr const char* kSourcesOfNothing = R"sql(
   SELECT source_id, scene_id FROM scene_source
   EXCEPT SELECT source_id, k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id)sql";
 
+constexpr const char* kWrongParties = R"sql(
+  WITH of_sources AS
+    (SELECT scene_id, token_id, party, max(source_id) FROM scene_source GROUP BY 1, 2, 3)
+  SELECT (SELECT count(*) FROM (SELECT * FROM of_sources EXCEPT SELECT * FROM scene_party)) +
+         (SELECT count(*) FROM (SELECT * FROM scene_party EXCEPT SELECT * FROM of_sources)))sql";
+
 // A damaged key or scene can be repaired. Its names and ids are in an index as well, so SQLite's
 // integrity_check verifies them. Its other columns are sums, which are computed again from the
 // undamaged rows.
@@ -75,7 +82,8 @@ constexpr const char* kMakeSumsAnew = R"sql();
     FROM (SELECT scene.id, count(source_id) AS n
           FROM scene LEFT JOIN scene_source ON scene_id = scene.id GROUP BY scene.id) AS c
     WHERE c.id = scene.id AND source_count <> n;
-  UPDATE scene SET hash = content_hash WHERE hash <> content_hash;)sql";
+  UPDATE scene SET hash = content_hash WHERE hash <> content_hash;
+  DELETE FROM scene_party;)sql";
 
 absl::Status Corrupt(const fs::path& file, absl::string_view what) {
   return absl::DataLossError(
@@ -105,9 +113,11 @@ absl::Status CheckRows(SqliteDatabase& database, const fs::path& file) {
   if (status.ok())
     status = CheckNone(database, kUncountedSources, file,
                        "sources are missing in the list of their scene");
+  if (status.ok())
+    status = CheckNone(database, absl::StrCat("SELECT count(*) FROM (", kSourcesOfNothing, ")"),
+                       file, "sources are listed for a scene but have no evidence of it");
   if (!status.ok()) return status;
-  return CheckNone(database, absl::StrCat("SELECT count(*) FROM (", kSourcesOfNothing, ")"), file,
-                   "sources are listed for a scene but have no evidence of it");
+  return CheckNone(database, kWrongParties, file, "parties of scenes have a wrong latest source");
 }
 
 absl::StatusOr<StoreContents> Count(SqliteDatabase& database) {
@@ -164,8 +174,8 @@ int64_t LeaveOutDamagedRows(SqliteDatabase& copy) {
   if (!count.ok() || *count == 0) return 0;
   const auto verdict = copy.QueryText("PRAGMA integrity_check(1)");
   if (!verdict.ok() || *verdict != "ok") return 0;
-  const std::string sql =
-      absl::StrCat(kMarkDamagedRows, kDeleteDamagedRows, kSourcesOfNothing, kMakeSumsAnew);
+  const std::string sql = absl::StrCat(kMarkDamagedRows, kDeleteDamagedRows, kSourcesOfNothing,
+                                       kMakeSumsAnew, kMakeParties);
   const absl::Status status = InTransaction(copy, [&] { return copy.Execute(sql); });
   return status.ok() ? *count : 0;
 }

@@ -11,6 +11,7 @@
 #include "server/storage/outbox/outbox.h"
 #include "server/storage/postgres/postgres_connection.h"
 #include "server/storage/postgres/postgres_prior_store.h"
+#include "server/storage/sql/sql_schema.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_schema.h"
 
@@ -89,7 +90,9 @@ std::vector<Table> MakeTables() {
         {"created_unix_s"},
         {"last_seen_unix_s"},
         {"build", Kind::kText},
-        {"token_id"}}},
+        {"token_id"},
+        {"player", Kind::kText},
+        {"network", Kind::kText}}},
       {"scene",
        1,
        true,
@@ -111,10 +114,14 @@ std::vector<Table> MakeTables() {
         {"backend_version"},
         {"machine_class", Kind::kText},
         {"reward_version"},
-        {"regime", Kind::kText}}},
+        {"regime", Kind::kText},
+        {"is_known", Kind::kBoolean}}},
       {"evidence", 2, true, evidence},
       {"quarantined_evidence", 2, true, evidence},
-      {"scene_source", 2, false, {{"source_id"}, {"scene_id"}}},
+      {"scene_source",
+       2,
+       false,
+       {{"source_id"}, {"scene_id"}, {"token_id"}, {"party", Kind::kText}}},
       {"audit_segment",
        1,
        false,
@@ -258,6 +265,7 @@ absl::Status CopyAll(SqlDatabase& from, SqlDatabase& to, const OnMigrated& on_mi
       if (status.ok()) status = CopyTable(table, from, to, on_migrated);
     }
     if (status.ok()) status = to.Run(kMakeSums);
+    if (status.ok()) status = to.Run(kMakeParties);
     if (status.ok()) status = to.Run(kSetNumbers);
     for (const Table& table : Tables()) {
       if (status.ok() && table.is_hashed && !to.shared())

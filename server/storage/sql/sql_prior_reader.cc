@@ -1,8 +1,11 @@
 #include "server/storage/sql/sql_prior_reader.h"
 
 #include <algorithm>
+#include <functional>
+#include <set>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "engine_client/decider/pooling/source_choice.h"
@@ -23,11 +26,22 @@ constexpr const char* kSceneClasses = R"sql(
 constexpr const char* kSceneKeys = R"sql(
     SELECT scene_id, id, arm, backend_version, measured_by, regime, [hash = content_hash]{true}
     FROM evidence_key{, @given} WHERE scene_id = ?1 AND source_count > 0)sql";
-constexpr const char* kLatestSources = R"sql(
+// The parties of a scene that were active last, with their latest source.
+constexpr const char* kLatestParties = R"sql(
     {SELECT latest.* FROM @given CROSS JOIN LATERAL (}
-    SELECT key_id, source_id FROM evidence WHERE key_id = ?1 ORDER BY source_id DESC LIMIT ?2
-    {) latest ORDER BY 1, 2 DESC})sql";
-constexpr const char* kTokens = "SELECT id, token_id FROM source{, @given} WHERE id = ?1";
+    SELECT scene_id, latest_source_id, token_id, party FROM scene_party
+    WHERE scene_id = ?1 ORDER BY latest_source_id DESC LIMIT ?2
+    {) latest})sql";
+constexpr const char* kEarlierSources = R"sql(
+    {SELECT earlier.* FROM @given CROSS JOIN LATERAL (}
+    SELECT scene_id, source_id, token_id, party FROM scene_source
+    WHERE scene_id = ?1 AND token_id = ?2 AND party = ?3 AND source_id < ?4
+    ORDER BY source_id DESC LIMIT ?5
+    {) earlier})sql";
+// Keys of a scene were mostly added together, so most keys in this range belong to the scene.
+constexpr const char* kKeysOfSources = R"sql(
+    SELECT source_id, key_id FROM evidence{, @given}
+    WHERE source_id = ?1 AND key_id BETWEEN ?2 AND ?3)sql";
 // Rows with a wrong hash were excluded from the sums too.
 constexpr const char* kEvidenceOfSources = R"sql(
     SELECT key_id, s.id, name, build, last_seen_unix_s, alpha, beta, window_count, bail_out_count
@@ -77,6 +91,12 @@ constexpr const char* kSceneAges = R"sql(
                   ORDER BY source_id DESC LIMIT ?2) e
                  [CROSS] JOIN source s ON s.id = e.source_id [AND s.hash = s.content_hash])
     FROM evidence_key k{, @given} WHERE scene_id = ?1 AND source_count > 0)sql";
+constexpr const char* kKnownArms = R"sql(
+    SELECT DISTINCT arm, backend_version FROM evidence_key
+    WHERE project = ?1 AND scene = ?2 AND is_known)sql";
+constexpr const char* kCountKeysOfParty = R"sql(
+    SELECT count(*) FROM scene s JOIN scene_party p ON p.scene_id = s.id
+    WHERE project = ?1 AND scene = ?2 AND token_id = ?3 AND party = ?4)sql";
 constexpr const char* kCountScenes =
     "SELECT count(DISTINCT scene), count(*) FROM scene WHERE project = ?1 AND source_count > 0";
 // Finds each next project by one lookup in the index, so that the cost does not depend on the
@@ -170,6 +190,7 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
   if (!snapshot.status().ok()) return snapshot.status();
   std::vector<SceneKey> classes;
   std::map<int64_t, size_t> class_of;  // place in `classes` by the id of the scene
+  std::map<int64_t, uint32_t> limits;  // the number of sources to load, by the id of the scene
   SqlBatch ids;
   bool whole = true;
   absl::Status status = database_.ForEachRow(
@@ -179,6 +200,8 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
         ids.Add(row.Integer(0));
         classes.push_back(scene);
         classes.back().machine_class = row.Text(1);
+        limits[row.Integer(0)] =
+            classes.back() == scene ? priors::kSourcesOfScene : priors::kSourcesOfOtherClass;
         whole = whole && row.Boolean(2);
       },
       scene.project, scene.scene, scene.machine_class, scene.reward_version,
@@ -188,10 +211,8 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
   status = database_.ForEachRow(
       kSceneKeys,
       [&](const SqlRow& row) {
-        const size_t of = class_of.at(row.Integer(0));
-        keys[row.Integer(1)] = {.class_number = of,
-                                .source_limit = classes[of] == scene ? priors::kSourcesOfScene
-                                                                     : priors::kSourcesOfOtherClass,
+        keys[row.Integer(1)] = {.class_number = class_of.at(row.Integer(0)),
+                                .scene_id = row.Integer(0),
                                 .arm = row.Text(2),
                                 .backend_version = row.Small(3),
                                 .measured_by = row.Text(4),
@@ -201,7 +222,7 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
       ids);
   if (status.ok() && !whole) return DamagedScene(scene.project, scene.scene);
   SqlBatch chosen;
-  if (status.ok()) status = ChooseSources(keys, chosen);
+  if (status.ok()) status = ChooseSources(limits, keys, chosen);
   if (!status.ok()) return status;
   // By class number and source id.
   std::map<std::pair<size_t, int64_t>, priors::SceneSource> sources;
@@ -225,30 +246,80 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
   return list;
 }
 
-absl::Status SqlPriorReader::ChooseSources(const ArmKeys& keys, SqlBatch& chosen) {
-  SqlBatch places;
-  for (const auto& [id, key] : keys) places.Add(id, decision::kSourcesPerPlace * key.source_limit);
-  std::map<int64_t, std::vector<int64_t>> latest;  // source ids by key id, the latest one first
-  absl::Status status = database_.ForEachRow(
-      kLatestSources, [&](const SqlRow& row) { latest[row.Integer(0)].push_back(row.Integer(1)); },
-      places);
+absl::StatusOr<SqlPriorReader::Candidates> SqlPriorReader::LoadCandidates(
+    const std::map<int64_t, uint32_t>& limits) {
+  SqlBatch scenes;
+  for (const auto& [scene, limit] : limits) scenes.Add(scene, decision::kSourcesPerPlace * limit);
+  Candidates candidates;
+  const auto add = [&](const SqlRow& row) {
+    candidates[row.Integer(0)].push_back({row.Integer(1), row.Integer(2), row.Text(3)});
+  };
+  absl::Status status = database_.ForEachRow(kLatestParties, add, scenes);
   if (!status.ok()) return status;
-  std::map<int64_t, int64_t> token_of;  // token id by source id
-  for (const auto& [key, sources] : latest) {
-    for (const int64_t source : sources) token_of.try_emplace(source, 0);
+  const Candidates parties = candidates;
+  SqlBatch earlier;
+  for (const auto& [scene, of_scene] : parties) {
+    const size_t per_party = decision::kSourcesPerPlace * limits.at(scene) / of_scene.size();
+    if (per_party < 2) continue;
+    for (const Candidate& party : of_scene)
+      earlier.Add(scene, party.token_id, party.party, party.source_id, per_party - 1);
   }
-  SqlBatch ids;
-  for (const auto& [source, token] : token_of) ids.Add(source);
-  status = database_.ForEachRow(
-      kTokens, [&](const SqlRow& row) { token_of[row.Integer(0)] = row.Integer(1); }, ids);
+  status = database_.ForEachRow(kEarlierSources, add, earlier);
   if (!status.ok()) return status;
-  for (const auto& [key, sources] : latest) {
-    std::vector<int64_t> tokens;
-    for (const int64_t source : sources) tokens.push_back(token_of[source]);
-    for (const size_t i : decision::ChooseSources(tokens, keys.at(key).source_limit))
-      chosen.Add(key, sources[i]);
+  for (auto& [scene, of_scene] : candidates) {
+    std::sort(of_scene.begin(), of_scene.end(),
+              [](const auto& a, const auto& b) { return a.source_id > b.source_id; });
+  }
+  return candidates;
+}
+
+absl::Status SqlPriorReader::ChooseSources(const std::map<int64_t, uint32_t>& limits,
+                                           const ArmKeys& keys, SqlBatch& chosen) {
+  const auto candidates = LoadCandidates(limits);
+  if (!candidates.ok()) return candidates.status();
+  std::map<int64_t, std::pair<int64_t, int64_t>> key_ranges;  // by the id of the scene
+  for (const auto& [id, key] : keys) {
+    auto& [first, last] = key_ranges.try_emplace(key.scene_id, id, id).first->second;
+    first = std::min(first, id);
+    last = std::max(last, id);
+  }
+  SqlBatch ranges;
+  absl::flat_hash_map<int64_t, decision::SourceOwner> owners;  // by the id of the source
+  for (const auto& [scene, of_scene] : *candidates) {
+    const auto range = key_ranges.find(scene);
+    if (range == key_ranges.end()) continue;
+    for (const Candidate& candidate : of_scene) {
+      ranges.Add(candidate.source_id, range->second.first, range->second.second);
+      owners[candidate.source_id] = {candidate.token_id, candidate.party};
+    }
+  }
+  absl::flat_hash_map<int64_t, std::vector<int64_t>> sources;  // ids by the id of the key
+  absl::Status status = database_.ForEachRow(
+      kKeysOfSources, [&](const SqlRow& row) { sources[row.Integer(1)].push_back(row.Integer(0)); },
+      ranges);
+  if (!status.ok()) return status;
+  for (const auto& [id, key] : keys) {
+    std::vector<int64_t>& of_key = sources[id];
+    std::sort(of_key.begin(), of_key.end(), std::greater<>());
+    std::vector<decision::SourceOwner> owners_of_key;
+    for (const int64_t source : of_key) owners_of_key.push_back(owners.at(source));
+    for (const size_t i : decision::ChooseSources(owners_of_key, limits.at(key.scene_id)))
+      chosen.Add(id, of_key[i]);
   }
   return status;
+}
+
+absl::StatusOr<std::set<std::pair<std::string, uint32_t>>> SqlPriorReader::LoadKnownArms(
+    const std::string& project, const std::string& scene) {
+  return database_.Collect<std::set<std::pair<std::string, uint32_t>>>(
+      kKnownArms, [](const SqlRow& row, auto& arms) { arms.emplace(row.Text(0), row.Small(1)); },
+      project, scene);
+}
+
+absl::StatusOr<uint64_t> SqlPriorReader::CountKeysOfParty(const std::string& project,
+                                                          const std::string& scene,
+                                                          const priors::SourceOrigin& origin) {
+  return database_.ReadInteger(kCountKeysOfParty, project, scene, origin.token_id, origin.party());
 }
 
 absl::StatusOr<std::optional<priors::SourceState>> SqlPriorReader::LoadSource(

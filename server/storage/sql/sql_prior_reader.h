@@ -44,6 +44,10 @@ class SqlPriorReader : public virtual priors::PriorReader {
       uint32_t limit) override;
   absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(
       const priors::SceneKey& key) override;
+  absl::StatusOr<std::set<std::pair<std::string, uint32_t>>> LoadKnownArms(
+      const std::string& project, const std::string& scene) override;
+  absl::StatusOr<uint64_t> CountKeysOfParty(const std::string& project, const std::string& scene,
+                                            const priors::SourceOrigin& origin) override;
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override;
   absl::StatusOr<uint64_t> CountProjects() override;
   absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
@@ -74,10 +78,10 @@ class SqlPriorReader : public virtual priors::PriorReader {
     int64_t id = 0;  // 0: there is no further key
     bool damaged = false;
   };
-  // The key of an arm's evidence in a scene, and how many of its sources are used.
+  // The key of an arm's evidence in a scene.
   struct ArmKey {
     size_t class_number = 0;
-    uint32_t source_limit = 0;
+    int64_t scene_id = 0;
     std::string arm;
     uint32_t backend_version = 1;
     std::string measured_by;
@@ -85,8 +89,21 @@ class SqlPriorReader : public virtual priors::PriorReader {
   };
   using ArmKeys = std::map<int64_t, ArmKey>;  // by the ids of evidence_key
 
+  // A source from which the sources of a scene are chosen.
+  struct Candidate {
+    int64_t source_id = 0;
+    int64_t token_id = 0;
+    std::string party;  // SourceOrigin::party
+  };
+  using Candidates = std::map<int64_t, std::vector<Candidate>>;  // by the id of the scene
+
+  // Returns up to kSourcesPerPlace times the scene's limit of candidates, the latest first, from as
+  // many parties as possible and about equally many per party. `limits` has the numbers of sources
+  // to choose, by the id of the scene.
+  absl::StatusOr<Candidates> LoadCandidates(const std::map<int64_t, uint32_t>& limits);
   // Appends a pair of key id and source id to `chosen` for each piece of evidence to load.
-  absl::Status ChooseSources(const ArmKeys& keys, SqlBatch& chosen);
+  absl::Status ChooseSources(const std::map<int64_t, uint32_t>& limits, const ArmKeys& keys,
+                             SqlBatch& chosen);
   absl::Status LoadArms(const std::map<int64_t, priors::SceneEvidence*>& scenes);
   // Exports the evidence in use or, if `quarantined`, the evidence in quarantine.
   absl::StatusOr<priors::ExportPage> ExportAll(const priors::SceneFilter& filter,

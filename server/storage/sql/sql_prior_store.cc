@@ -8,6 +8,7 @@
 #include "engine_client/decider/audit/audit_log.h"
 #include "server/sessions/common/unix_time.h"
 #include "server/storage/record_limits.h"
+#include "server/storage/sql/sql_prior_statements.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -22,171 +23,6 @@ using priors::SourceUpdate;
 constexpr const char* kFirstTransaction = "0";
 constexpr int kAttempts = 20;  // limit for a transaction that conflicts with other daemons
 constexpr size_t kMaxKnownKeys = 100'000;  // cached keys, of about 200 bytes each
-
-// In SQLite each statement that writes a row also writes its hash (sql_schema.h). A new row gets
-// row_hash of its values. A changed row gets next_hash, which keeps a wrong hash wrong, so that
-// damage stays visible.
-
-constexpr const char* kLockSources = R"sql(
-    SELECT name, id, is_session, revoked, commit_sequence, [0]{writer} FROM source{, @given}
-    WHERE name = ?1 {ORDER BY name FOR NO KEY UPDATE OF source})sql";
-constexpr const char* kNextSourceIds = R"sql(
-    [WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < ?1)
-     SELECT i + (SELECT coalesce(max(id), 0) FROM source) FROM n]
-    {SELECT nextval('source_number') FROM generate_series(1, ?1)})sql";
-constexpr const char* kAddSources = R"sql(
-    INSERT INTO source (id, name, build, last_seen_unix_s[, hash])
-    [VALUES (?1, ?2, ?3, ?4, row_hash(?2, 0, 0, 0, 0, 0, 0, 0, 0, 0, ?4, ?3, 0))]
-    {SELECT ?1, ?2, ?3, ?4 FROM @given} ON CONFLICT (name) DO NOTHING RETURNING id)sql";
-// The first commit of a source sets created_unix_s, build and token_id. Later commits keep them.
-constexpr const char* kUpdateSources = R"sql(
-    UPDATE source
-    SET is_session = true, commit_sequence = ?2, message_sequence = ?3, explored_arm_count = ?4,
-        decision_count = ?5, frame_count = ?6, seed = ?7, last_seen_unix_s = ?8,
-        created_unix_s = CASE WHEN is_session THEN created_unix_s ELSE ?9 END,
-        build = CASE WHEN is_session THEN build ELSE ?10 END,
-        token_id = CASE WHEN is_session THEN token_id ELSE ?11 END
-        {, writer = ?12}
-        [, hash = next_hash(hash, content_hash,
-                            row_hash(name, 1, revoked, ?2, ?3, ?4, ?5, ?6, ?7,
-                                     iif(is_session, created_unix_s, ?9), ?8,
-                                     iif(is_session, build, ?10),
-                                     iif(is_session, token_id, ?11)))]
-    {FROM @given} WHERE id = ?1)sql";
-constexpr const char* kLockMatching = R"sql(
-    SELECT id FROM source
-    WHERE (NOT revoked OR ?8) AND (?1 = '' OR name = ?1) AND (?2 = '' OR build = ?2)
-      AND (?3 = 0 OR token_id = ?3) AND created_unix_s BETWEEN ?4 AND ?5 AND name <> ?7
-      AND (?6 = ''
-           OR EXISTS (SELECT 1 FROM scene_source j JOIN scene s ON s.id = scene_id
-                      WHERE source_id = source.id AND project = ?6)
-           OR EXISTS (SELECT 1 FROM quarantined_evidence q JOIN evidence_key k ON k.id = key_id
-                      WHERE source_id = source.id AND project = ?6))
-      AND (NOT ?8 OR EXISTS (SELECT 1 FROM quarantined_evidence WHERE source_id = source.id))
-    ORDER BY name {FOR NO KEY UPDATE})sql";
-constexpr const char* kBar = R"sql(
-    UPDATE source
-    SET revoked = true
-        [, hash = next_hash(hash, content_hash,
-                            row_hash(name, is_session, 1, commit_sequence, message_sequence,
-                                     explored_arm_count, decision_count, frame_count, seed,
-                                     created_unix_s, last_seen_unix_s, build, token_id))]
-    {FROM @given} WHERE id = ?1)sql";
-
-constexpr const char* kFindKeys = R"sql(
-    SELECT ?9, id, scene_id FROM evidence_key{, @given}
-    WHERE project = ?1 AND scene = ?2 AND measured_by = ?3 AND arm = ?4 AND backend_version = ?5
-      AND machine_class = ?6 AND reward_version = ?7 AND regime = ?8)sql";
-constexpr const char* kAddScenes = R"sql(
-    INSERT INTO scene (project, scene, machine_class, reward_version[, source_count, hash])
-    [VALUES (?1, ?2, ?3, ?4, 0, row_hash(?1, ?2, ?3, ?4, 0))]
-    {SELECT ?1, ?2, ?3, ?4 FROM @given} ON CONFLICT DO NOTHING)sql";
-// ON CONFLICT DO NOTHING, because another daemon may have added a key after kFindKeys found
-// none.
-constexpr const char* kAddKeys = R"sql(
-    INSERT INTO evidence_key (project, scene, measured_by, arm, backend_version, machine_class,
-                              reward_version, regime, scene_id[, hash])
-    SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, id
-           [, row_hash(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, id, 0.0, 0.0, 0, 0, 0)]
-    FROM scene{, @given}
-    WHERE project = ?1 AND scene = ?2 AND machine_class = ?6 AND reward_version = ?7
-    {ORDER BY 1, 2, 3, 4, 5, 6, 7, 8} ON CONFLICT DO NOTHING)sql";
-
-// ForBothTables replaces the word TABLE by `evidence` or by `quarantined_evidence`.
-constexpr const char* kLoadSequences = R"sql(
-    SELECT key_id, source_id, sequence FROM TABLE{, @given}
-    WHERE key_id = ?1 AND source_id = ?2)sql";
-constexpr const char* kPutRows = R"sql(
-    INSERT INTO TABLE (key_id, source_id, sequence, alpha, beta, window_count,
-                       bail_out_count[, hash])
-    [VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, row_hash(?1, ?2, ?3, ?4, ?5, ?6, ?7))]
-    {SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 FROM @given}
-    ON CONFLICT (key_id, source_id) DO UPDATE
-      SET sequence = excluded.sequence, alpha = excluded.alpha, beta = excluded.beta,
-          window_count = excluded.window_count, bail_out_count = excluded.bail_out_count
-          [, hash = next_hash(hash, content_hash, excluded.hash)])sql";
-// Has no RETURNING clause, because SQLite would then keep a journal of each changed row.
-constexpr const char* kAddToRows = R"sql(
-    UPDATE evidence
-    SET sequence = ?3, alpha = alpha + ?4, beta = beta + ?5, window_count = window_count + ?6,
-        bail_out_count = bail_out_count + ?7
-        [, hash = next_hash(hash, content_hash,
-                            row_hash(key_id, source_id, ?3, alpha + ?4, beta + ?5,
-                                     window_count + ?6, bail_out_count + ?7))]
-    {FROM @given} WHERE key_id = ?1 AND source_id = ?2)sql";
-constexpr const char* kLockKeys = R"sql({
-    SELECT 1 FROM evidence_key, @given WHERE id = ?1 ORDER BY id FOR NO KEY UPDATE OF evidence_key
-    })sql";
-// In SQLite the sums of counts stop at 2^63 - 1. Without this limit two imported records could
-// overflow a sum, which would make the scene unreadable.
-constexpr const char* kAddToSums = R"sql(
-    UPDATE evidence_key
-    SET alpha_sum = alpha_sum + ?2, beta_sum = beta_sum + ?3,
-        window_sum = [min(window_sum, 9223372036854775807 - ?4)]{window_sum} + ?4,
-        bail_out_sum = [min(bail_out_sum, 9223372036854775807 - ?5)]{bail_out_sum} + ?5,
-        source_count = source_count + ?6
-        [, hash = next_hash(hash, content_hash,
-                            row_hash(project, scene, measured_by, arm, backend_version,
-                                     machine_class, reward_version, regime, scene_id,
-                                     alpha_sum + ?2, beta_sum + ?3,
-                                     min(window_sum, 9223372036854775807 - ?4) + ?4,
-                                     min(bail_out_sum, 9223372036854775807 - ?5) + ?5,
-                                     source_count + ?6))]
-    {FROM @given} WHERE id = ?1)sql";
-constexpr const char* kRecountSums = R"sql(
-    UPDATE evidence_key
-    SET (alpha_sum, beta_sum, window_sum, bail_out_sum, source_count[, hash]) =
-          (SELECT a, b, w, o, n
-                  [, next_hash(hash, content_hash,
-                               row_hash(project, scene, measured_by, arm, backend_version,
-                                        machine_class, reward_version, regime, scene_id, a, b, w,
-                                        o, n))]
-           FROM (SELECT [total(alpha)]{coalesce(sum(alpha), 0)} AS a,
-                        [total(beta)]{coalesce(sum(beta), 0)} AS b,
-                        [CAST(total(window_count) AS INTEGER)]{coalesce(sum(window_count), 0)} AS w,
-                        [CAST(total(bail_out_count) AS INTEGER)]
-                        {coalesce(sum(bail_out_count), 0)} AS o, count(*) AS n
-                 FROM evidence WHERE key_id = ?1 [AND evidence.hash = evidence.content_hash]) sums)
-    {FROM @given} WHERE id = ?1)sql";
-constexpr const char* kDeleteEvidence = R"sql(
-    DELETE FROM evidence {USING @given}
-    WHERE source_id = ?1
-      AND (?2 = '' OR (SELECT project FROM evidence_key WHERE id = key_id) = ?2)
-    RETURNING key_id, window_count)sql";
-
-// Adds sources to scenes. Returns the scenes that gained a source.
-constexpr const char* kJoinScenes = R"sql(
-    INSERT INTO scene_source (source_id, scene_id) [VALUES (?1, ?2)]{SELECT ?1, ?2 FROM @given}
-    ON CONFLICT DO NOTHING RETURNING scene_id)sql";
-constexpr const char* kLeaveScenes = R"sql(
-    DELETE FROM scene_source {USING @given}
-    WHERE source_id = ?1 AND (?2 = '' OR (SELECT project FROM scene WHERE id = scene_id) = ?2)
-    RETURNING scene_id)sql";
-constexpr const char* kLockScenes =
-    "{SELECT 1 FROM scene, @given WHERE id = ?1 ORDER BY id FOR NO KEY UPDATE OF scene}";
-// In SQLite the third column of the result is true if the scene had no sources before.
-constexpr const char* kChangeScenes = R"sql(
-    UPDATE scene
-    SET source_count = source_count + ?2
-        {, changed_in = pg_current_xact_id()}
-        [, hash = next_hash(hash, content_hash,
-                            row_hash(project, scene, machine_class, reward_version,
-                                     source_count + ?2))]
-    {FROM @given} WHERE id = ?1 [RETURNING project, scene, source_count = ?2])sql";
-constexpr const char* kCountKeysOfName = R"sql(
-    SELECT count(*) FROM scene WHERE project = ?1 AND scene = ?2 AND source_count > 0)sql";
-
-constexpr const char* kTakeOut = R"sql(
-    DELETE FROM quarantined_evidence {USING @given}
-    WHERE source_id = ?1
-      AND (?2 = '' OR (SELECT project FROM evidence_key WHERE id = key_id) = ?2)
-      AND (?3 [OR hash = content_hash]{OR true})
-    RETURNING key_id, source_id, sequence, alpha, beta, window_count, bail_out_count,
-              (SELECT scene_id FROM evidence_key WHERE id = key_id))sql";
-constexpr const char* kDropWaiting = R"sql(
-    DELETE FROM quarantined_evidence {USING @given}
-    WHERE key_id = ?1 AND source_id = ?2 AND sequence <= ?3)sql";
-constexpr const char* kCountWaiting = "SELECT count(*) FROM quarantined_evidence";
 
 // Returns the pairs of key id and source id of the rows.
 template <typename Rows>
@@ -241,7 +77,7 @@ absl::Status SqlPriorStore::TryTransaction(Body& body) {
   });
   if (!status.ok()) return status;
   if (known_keys_.size() + new_keys_.size() > kMaxKnownKeys) known_keys_.clear();
-  known_keys_.insert(new_keys_.begin(), new_keys_.end());
+  for (const auto& [key, stored] : new_keys_) known_keys_[key] = stored;
   for (const auto& [project, added] : added_counts_) {
     scene_counts_[project].names += added.names;
     scene_counts_[project].keys += added.keys;
@@ -313,6 +149,7 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
   auto sources = LockOrAdd(names);
   if (!sources.ok()) return sources.status();
   std::vector<const EvidenceKey*> keys;
+  std::set<size_t> known;  // indices of `keys`
   std::vector<std::pair<const Source*, const SourceUpdate*>> applied;
   std::vector<const SourceUpdate*> audited;
   // Sources whose first commit this is; their imported records in quarantine are removed.
@@ -327,7 +164,10 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
     if (!is_new.ok()) return is_new.status();
     if (!*is_new) continue;
     applied.emplace_back(&source, &update);
-    for (const auto& increment : update.increments) keys.push_back(&increment.key);
+    for (const auto& increment : update.increments) {
+      if (update.origin.makes_known) known.insert(keys.size());
+      keys.push_back(&increment.key);
+    }
     if (!update.audit.rows.empty()) audited.push_back(&update);
     if (!source.is_session) begun.insert(source.id);
   }
@@ -343,9 +183,10 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
       AddTo(row.evidence, priors::InUnits(evidence));
     }
   }
-  absl::Status status = AddEvidence(rows);
+  absl::Status status = UpdateSources(*sources);
+  if (status.ok()) status = AddEvidence(rows);
+  if (status.ok()) status = MakeKnown(keys, *stored_keys, known);
   if (status.ok()) status = TakeOut(begun, "", /*with_damaged=*/true).status();
-  if (status.ok()) status = UpdateSources(*sources);
   if (!status.ok() || audited.empty() || lost == nullptr) return status;
   const auto lost_rows = audit_.Append(audited);
   *lost = lost_rows.value_or(0);
@@ -463,7 +304,7 @@ absl::Status SqlPriorStore::UpdateSources(const Sources& sources) {
     if (source.last == nullptr) continue;
     const auto& progress = source.last->progress;
     const auto& origin = source.first->origin;
-    const std::array<SqlValue, 12> values = {ToSql(source.id),
+    const std::array<SqlValue, 14> values = {ToSql(source.id),
                                              ToSql(progress.commit_sequence),
                                              ToSql(progress.message_sequence),
                                              ToSql(progress.explored_arm_count),
@@ -474,6 +315,8 @@ absl::Status SqlPriorStore::UpdateSources(const Sources& sources) {
                                              ToSql(source.first->unix_time_s),
                                              ToSql(origin.build),
                                              ToSql(origin.token_id),
+                                             ToSql(origin.player),
+                                             ToSql(origin.network),
                                              ToSql(source.writer)};
     // The column `writer`, the last value, exists in PostgreSQL only.
     batch.Add(std::span(values).first(database_->shared() ? values.size() : values.size() - 1));
@@ -486,7 +329,7 @@ absl::StatusOr<SqlPriorStore::Ids> SqlPriorStore::LockMatching(const priors::Sou
   return database_->Collect<Ids>(
       kLockMatching, [](const SqlRow& row, Ids& ids) { ids.insert(row.Integer(0)); }, filter.id,
       filter.build, filter.token_id, filter.from_unix_s, filter.until_unix_s, filter.project,
-      decision::kAdminSession, quarantined);
+      decision::kAdminSession, quarantined, filter.player, filter.network);
 }
 
 absl::Status SqlPriorStore::Bar(const Ids& sources) {
@@ -538,11 +381,31 @@ absl::Status SqlPriorStore::FindKeys(std::set<EvidenceKey>& unknown) {
   absl::Status status = database_->ForEachRow(
       kFindKeys,
       [&](const SqlRow& row) {
-        new_keys_[*keys[row.Unsigned(0)]] = {.id = row.Integer(1), .scene = row.Integer(2)};
+        new_keys_[*keys[row.Unsigned(0)]] = {
+            .id = row.Integer(1), .scene = row.Integer(2), .is_known = row.Boolean(3)};
       },
       batch);
   std::erase_if(unknown, [&](const EvidenceKey& key) { return new_keys_.contains(key); });
   return status;
+}
+
+absl::Status SqlPriorStore::MakeKnown(std::span<const EvidenceKey* const> keys,
+                                      std::span<const StoredKey> stored,
+                                      const std::set<size_t>& known) {
+  Ids unknown;
+  for (const size_t i : known) {
+    if (stored[i].is_known) continue;
+    unknown.insert(stored[i].id);
+    new_keys_[*keys[i]] = {.id = stored[i].id, .scene = stored[i].scene, .is_known = true};
+  }
+  return MakeKnown(unknown);
+}
+
+absl::Status SqlPriorStore::MakeKnown(const Ids& keys) {
+  SqlBatch batch;
+  for (const int64_t key : keys) batch.Add(key);
+  absl::Status status = database_->Run(kLockKeys, batch);
+  return status.ok() ? database_->Run(kMakeKnown, batch) : status;
 }
 
 absl::StatusOr<ImportResult> SqlPriorStore::Import(std::span<const PriorRecord> records) {
@@ -663,6 +526,7 @@ absl::Status SqlPriorStore::Replace(const Sequences& stored, const RowList& rows
   absl::Status status = database_->Run(put[quarantined ? 1 : 0].c_str(), batch);
   if (!status.ok() || quarantined) return status;
   status = RecountSums(keys);
+  if (status.ok()) status = MakeKnown(keys);
   if (status.ok()) status = JoinScenes(joined, scenes);
   return status.ok() ? ChangeScenes(scenes) : status;
 }
@@ -692,8 +556,9 @@ absl::Status SqlPriorStore::JoinScenes(
     const std::set<std::pair<int64_t, int64_t>>& sources_and_scenes, SourceCounts& scenes) {
   SqlBatch batch;
   for (const auto& [source, scene] : sources_and_scenes) batch.Add(source, scene);
-  return database_->ForEachRow(
+  absl::Status status = database_->ForEachRow(
       kJoinScenes, [&](const SqlRow& row) { ++scenes[row.Integer(0)]; }, batch);
+  return status.ok() ? database_->Run(kJoinParties, batch) : status;
 }
 
 absl::Status SqlPriorStore::ChangeScenes(const SourceCounts& changes) {
@@ -772,8 +637,18 @@ absl::StatusOr<priors::ChangeResult> SqlPriorStore::RevokeAll(const priors::Sour
   for (const int64_t source : *matching) sources.Add(source, filter.project);
   SourceCounts scenes;
   Ids keys;
+  std::set<std::tuple<int64_t, int64_t, std::string>> left;
   absl::Status status = database_->ForEachRow(
-      kLeaveScenes, [&](const SqlRow& row) { --scenes[row.Integer(0)]; }, sources);
+      kLeaveScenes,
+      [&](const SqlRow& row) {
+        --scenes[row.Integer(0)];
+        left.emplace(row.Integer(0), row.Integer(1), row.Text(2));
+      },
+      sources);
+  SqlBatch parties;
+  for (const auto& [scene, token_id, party] : left) parties.Add(scene, token_id, party);
+  if (status.ok()) status = database_->Run(kLeaveParties, parties);
+  if (status.ok()) status = database_->Run(kKeepParties, parties);
   if (status.ok())
     status = database_->ForEachRow(
         kDeleteEvidence,

@@ -93,10 +93,11 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
                           key.machine_class, key.reward_version, key.regime);
     }
   };
-  // The ids of a key and of its scene.
+  // A row of evidence_key, and the id of its scene.
   struct StoredKey {
     int64_t id = 0;  // 0: unknown
     int64_t scene = 0;
+    bool is_known = false;  // the column of evidence_key
   };
   using Keys = absl::flat_hash_map<priors::EvidenceKey, StoredKey, KeyHash>;
   using SceneCounts = std::map<std::string, priors::SceneCount>;  // by project
@@ -140,6 +141,10 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   // Returns the stored keys in the order of `keys`. Adds the missing ones.
   absl::StatusOr<std::vector<StoredKey>> FindOrAddKeys(
       std::span<const priors::EvidenceKey* const> keys);
+  // Makes the arms of the keys with these indices known. `stored` has the rows of `keys`.
+  absl::Status MakeKnown(std::span<const priors::EvidenceKey* const> keys,
+                         std::span<const StoredKey> stored, const std::set<size_t>& known);
+  absl::Status MakeKnown(const Ids& keys);
   // Looks the keys up in the database. Moves the keys that it finds from `unknown` to `new_keys_`.
   absl::Status FindKeys(std::set<priors::EvidenceKey>& unknown);
 

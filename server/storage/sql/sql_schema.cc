@@ -26,13 +26,15 @@ constexpr const char* kSchema = R"sql(
     created_unix_s INTEGER NOT NULL DEFAULT 0 CHECK (created_unix_s >= 0),
     last_seen_unix_s INTEGER NOT NULL DEFAULT 0 CHECK (last_seen_unix_s >= 0),
     build TEXT NOT NULL DEFAULT '' CHECK (octet_length(build) <= 128),
-    token_id INTEGER NOT NULL DEFAULT 0 CHECK (token_id >= 0)
+    token_id INTEGER NOT NULL DEFAULT 0 CHECK (token_id >= 0),
+    player TEXT NOT NULL DEFAULT '' CHECK (octet_length(player) <= 64),
+    network TEXT NOT NULL DEFAULT '' CHECK (octet_length(network) <= 64)
     {, writer INTEGER NOT NULL DEFAULT 0}
     [, hash INTEGER NOT NULL,
     content_hash INTEGER GENERATED ALWAYS AS (
       row_hash(name, is_session, revoked, commit_sequence, message_sequence, explored_arm_count,
                decision_count, frame_count, seed, created_unix_s, last_seen_unix_s, build,
-               token_id)) VIRTUAL]
+               token_id, player, network)) VIRTUAL]
   ) OPTIONS;
 
   CREATE TABLE scene (
@@ -52,8 +54,20 @@ constexpr const char* kSchema = R"sql(
   CREATE TABLE scene_source (
     source_id INTEGER NOT NULL REFERENCES source,
     scene_id INTEGER NOT NULL REFERENCES scene,
+    token_id INTEGER NOT NULL,
+    party TEXT NOT NULL,
     PRIMARY KEY (source_id, scene_id)
   ) [STRICT, WITHOUT ROWID];
+  CREATE INDEX scene_source_by_party ON scene_source (scene_id, token_id, party, source_id);
+
+  CREATE TABLE scene_party (
+    scene_id INTEGER NOT NULL REFERENCES scene,
+    token_id INTEGER NOT NULL,
+    party TEXT NOT NULL,
+    latest_source_id INTEGER NOT NULL,
+    PRIMARY KEY (scene_id, token_id, party)
+  ) [STRICT, WITHOUT ROWID];
+  CREATE INDEX scene_party_by_latest ON scene_party (scene_id, latest_source_id);
 
   CREATE TABLE evidence_key (
     id ROW_ID PRIMARY KEY,
@@ -71,15 +85,17 @@ constexpr const char* kSchema = R"sql(
     window_sum COUNT NOT NULL DEFAULT 0 CHECK (window_sum >= 0 {AND window_sum < 1e40}),
     bail_out_sum COUNT NOT NULL DEFAULT 0 CHECK (bail_out_sum >= 0 {AND bail_out_sum < 1e40}),
     source_count INTEGER NOT NULL DEFAULT 0 CHECK (source_count >= 0),
+    is_known BOOLEAN NOT NULL DEFAULT FALSE [CHECK (is_known IN (0, 1))],
     [hash INTEGER NOT NULL,
     content_hash INTEGER GENERATED ALWAYS AS (
       row_hash(project, scene, measured_by, arm, backend_version, machine_class, reward_version,
                regime, scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum,
-               source_count)) VIRTUAL,]
+               source_count, is_known)) VIRTUAL,]
     UNIQUE (project, scene, regime, measured_by, arm, backend_version, machine_class,
             reward_version)
   ) OPTIONS;
   CREATE INDEX evidence_key_by_scene ON evidence_key (scene_id, arm, backend_version);
+  CREATE INDEX known_arm ON evidence_key (project, scene, arm, backend_version) WHERE is_known;
 
   CREATE TABLE evidence (
     key_id INTEGER NOT NULL [REFERENCES evidence_key],

@@ -1,11 +1,14 @@
 // The tables of the prior store in SQLite and PostgreSQL.
 //
 // A row of `evidence_key` is about one regime of a scene: a bucket (policy/regime_bucket.h), or an
-// empty text for evidence without a scene descriptor. It holds the sums of its rows of `evidence`,
+// empty text for evidence without a scene descriptor. Its `is_known` makes its arm known
+// (PriorReader::LoadKnownArms). It holds the sums of its rows of `evidence`,
 // a row of `scene` the number of its sources. Readers therefore need not visit the sources. A row
-// of `scene_source` means that the source has evidence about the scene. Names are compared byte by
-// byte. Every CHECK of an amount has two bounds, because `alpha >= 0` alone would accept +Inf in
-// SQLite, and NaN in PostgreSQL.
+// of `scene_source` means that the source has evidence about the scene; `token_id` and `party` are
+// those of the source (SourceOrigin::party). `scene_party` has the latest source of each party in a
+// scene, so that readers find the latest parties without visiting all of their sources. Names are
+// compared byte by byte. Every CHECK of an amount has two bounds, because `alpha >= 0` alone would
+// accept +Inf in SQLite, and NaN in PostgreSQL.
 //
 // In SQLite the rows of evidence, keys, scenes' sources and sources have two columns against
 // changes on the disk, which SQLite's own checks miss. `hash` is stored; `content_hash` is computed
@@ -29,6 +32,11 @@
 namespace sweepstake::storage {
 
 inline constexpr int64_t kSchemaVersion = 1;
+
+// Fills the empty table scene_party.
+inline constexpr const char* kMakeParties = R"sql(
+    INSERT INTO scene_party (scene_id, token_id, party, latest_source_id)
+    SELECT scene_id, token_id, party, max(source_id) FROM scene_source GROUP BY 1, 2, 3)sql";
 
 // Return the statements that create the tables.
 std::string SqliteSchema();

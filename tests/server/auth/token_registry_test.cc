@@ -5,6 +5,7 @@
 
 #include <future>
 
+#include "server/auth/ticket.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::auth {
@@ -17,10 +18,11 @@ class TokenRegistryTest : public ::testing::Test {
  protected:
   TokenRegistryTest() : writer_(TokenStore::Open(path_).value()) {}
 
-  std::string Make(const std::string& name, std::optional<int64_t> expires_unix_s = std::nullopt) {
+  std::string Make(const std::string& name, std::optional<int64_t> expires_unix_s = std::nullopt,
+                   Role role = Role::kIngest) {
     return writer_
         .Create({.name = name,
-                 .role = Role::kIngest,
+                 .role = role,
                  .projects = {"arcade"},
                  .expires_unix_s = expires_unix_s,
                  .made_by = "ann"},
@@ -98,6 +100,31 @@ TEST_F(TokenRegistryTest, FindsTheHolderOfAValidTokenOnly) {
   EXPECT_FALSE(registry->Find(token + "a"));
   EXPECT_FALSE(registry->Find(token.substr(1)));
   EXPECT_FALSE(registry->Find(DigestOf(token)));
+}
+
+TEST_F(TokenRegistryTest, ATicketNamesAPlayerOfItsToken) {
+  const std::string token = Make("game", std::nullopt, Role::kPlayer);
+  const auto registry = Open();
+  const auto holder = registry->Find(SignTicket(token, "alice", 2'000));
+  ASSERT_TRUE(holder);
+  EXPECT_EQ(holder->player, "alice");
+  EXPECT_EQ(holder->token_id, registry->Find(token)->token_id);
+  EXPECT_EQ(registry->Find(token)->player, "");
+  EXPECT_THAT(holder->projects, ElementsAre("arcade"));
+  EXPECT_TRUE(registry->IsValid(*holder));
+  EXPECT_FALSE(registry->Find(SignTicket("sweepstake_unknown", "alice", 2'000)));
+  EXPECT_FALSE(registry->Find(SignTicket(token, "alice", now_s_)));
+  EXPECT_FALSE(registry->Find(SignTicket(token, "alice", now_s_ + kMaxTicketLifeS + 1)));
+  EXPECT_TRUE(writer_.Revoke("game", "bob", 2'000).ok());
+  while (registry->Find(SignTicket(token, "alice", 2'000))) std::this_thread::yield();
+  EXPECT_FALSE(registry->IsValid(*holder));
+}
+
+TEST_F(TokenRegistryTest, OnlyTokensOfPlayersSignTickets) {
+  for (const Role role : {Role::kIngest, Role::kWatch, Role::kOperator, Role::kAdmin}) {
+    const std::string token = Make(std::string(NameOf(role)), std::nullopt, role);
+    EXPECT_FALSE(Open()->Find(SignTicket(token, "alice", 2'000)));
+  }
 }
 
 TEST_F(TokenRegistryTest, ATokenEndsWhenItExpires) {

@@ -38,7 +38,7 @@ class OperatorOrderTest : public ::testing::Test {
  protected:
   void SetUp() override {
     OnLoop([&] {
-      session_ = *sessions::MakeSession(context_, FromProto(HelloMessage()), {}, 0);
+      session_ = *sessions::MakeSession(context_, FromProto(HelloMessage()), {});
       Begin(/*takes_orders=*/true);
     });
   }

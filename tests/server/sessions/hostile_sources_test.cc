@@ -1,9 +1,10 @@
 // A tenth of a game's clients sends false evidence, as strong as the store accepts. The priors of
-// other sessions hardly change. After their tokens are revoked the priors are as if these clients
-// had never existed.
+// other sessions hardly change. After these clients are revoked the priors are as if they had never
+// existed. The clients have tokens of their own, or share one and differ by ticket or network.
 #include <cmath>
 #include <future>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine_client/decider/policy/diagnosis.h"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr int kHonest = 90;
 constexpr int kHostile = 10;
+constexpr int64_t kSharedToken = 7;
 constexpr int64_t kFirstHonestToken = 100;
 constexpr int64_t kFirstHostileToken = 1000;
 
@@ -36,16 +38,16 @@ class HostileSourcesTest : public RpcTest {
     hello.set_build("1.1");
     return hello;
   }
-  // Stores the evidence of a new session with this token: `visits` visits of each arm of Hello() at
-  // these costs.
-  void Teach(const std::string& scene, int64_t token_id, const std::vector<double>& costs_us,
-             double visits) {
+  // Stores the evidence of a new session: `visits` visits of each arm of Hello() at these costs.
+  void Teach(const std::string& scene, priors::SourceOrigin origin,
+             const std::vector<double>& costs_us, double visits) {
     const v1::Hello hello = Hello(scene);
     priors::SourceUpdate update;
     update.progress.source_id = scene + " " + std::to_string(++source_count_);
     update.progress.commit_sequence = 1;
     update.unix_time_s = 100;
-    update.origin = {hello.build(), token_id};
+    update.origin = std::move(origin);
+    update.origin.build = hello.build();
     for (int arm = 0; arm < hello.arms_size(); ++arm) {
       const double reward = decision::RewardOf(std::log(costs_us[static_cast<size_t>(arm)]));
       const auto visit = decision::LogCostIncrement(0, reward, /*noise=*/0.02 * 0.02);
@@ -62,14 +64,49 @@ class HostileSourcesTest : public RpcTest {
   // Stores honest evidence from machines of different speeds. SAP is mostly worse than Grid, and
   // KDTree always is.
   void TeachHonestly(const std::string& scene, int client) {
+    TeachHonestly(scene, client, {.build = "", .token_id = kFirstHonestToken + client});
+  }
+  void TeachHonestly(const std::string& scene, int client, const priors::SourceOrigin& origin) {
     decision::RandomStream random(7, decision::RandomPurpose::kChoice,
                                   static_cast<uint64_t>(client), 0);
     const double speed = std::exp(random.NextUniform() - 0.5);
     const double noise = std::exp(0.2 * (random.NextUniform() - 0.5));
-    Teach(scene, kFirstHonestToken + client, {100 * speed, 110 * speed * noise, 400 * speed}, 50);
+    Teach(scene, origin, {100 * speed, 110 * speed * noise, 400 * speed}, 50);
   }
   void Lie(const std::string& scene, int client) {
-    Teach(scene, kFirstHostileToken + client, {5e6, 0.01, 0.001}, 5e7);
+    Lie(scene, {.build = "", .token_id = kFirstHostileToken + client});
+  }
+  void Lie(const std::string& scene, const priors::SourceOrigin& origin) {
+    Teach(scene, origin, {5e6, 0.01, 0.001}, 5e7);
+  }
+  // The origin of a game of these players, who share one token.
+  static priors::SourceOrigin AtNetwork(int player, int network = 0) {
+    return {.build = "",
+            .token_id = kSharedToken,
+            .player = "",
+            .network = "10." + std::to_string(network) + "." + std::to_string(player) + ".0/24"};
+  }
+  static priors::SourceOrigin WithTicket(int number) {
+    return {.build = "",
+            .token_id = kSharedToken,
+            .player = "player-" + std::to_string(number),
+            .network = "203.0.113.0/24"};
+  }
+  // Each honest player begins one session. Then each hostile one begins `sessions` sessions from
+  // three networks, or three sessions with the same ticket.
+  void PlayWithOneToken(bool with_tickets, int sessions) {
+    const auto origin = [&](int player, int network) {
+      return with_tickets ? WithTicket(player) : AtNetwork(player, network);
+    };
+    for (int client = 0; client < kHonest; ++client) {
+      TeachHonestly("honest", client, origin(client, 0));
+      TeachHonestly("attacked", client, origin(client, 0));
+    }
+    for (int session = 0; session < sessions; ++session) {
+      for (int client = kHonest; client < kHonest + kHostile; ++client) {
+        for (int network = 0; network < 3; ++network) Lie("attacked", origin(client, network));
+      }
+    }
   }
 
   std::vector<decision::BetaPosterior> BeginsWith(const std::string& scene) {
@@ -96,16 +133,21 @@ class HostileSourcesTest : public RpcTest {
     const std::vector<double> moved = BestProbabilities(attacked);
     for (size_t arm = 0; arm < honest.size(); ++arm) EXPECT_NEAR(moved[arm], honest[arm], 0.05);
   }
-  void RevokeTheHostile() {
+  void Revoke(const v1::SourceFilter& sources) {
+    grpc::ClientContext context;
+    context.AddMetadata("authorization", "Bearer all-token");
+    v1::RevokePriorsRequest request;
+    *request.mutable_sources() = sources;
+    v1::RevokePriorsResponse response;
     const auto service = v1::PriorsService::NewStub(channel_);
+    EXPECT_TRUE(service->RevokePriors(&context, request, &response).ok());
+    EXPECT_GT(response.source_count(), 0u);
+  }
+  void RevokeTheHostile() {
     for (int client = 0; client < kHostile; ++client) {
-      grpc::ClientContext context;
-      context.AddMetadata("authorization", "Bearer all-token");
-      v1::RevokePriorsRequest request;
-      request.mutable_sources()->set_token_id(kFirstHostileToken + client);
-      v1::RevokePriorsResponse response;
-      EXPECT_TRUE(service->RevokePriors(&context, request, &response).ok());
-      EXPECT_GT(response.source_count(), 0u);
+      v1::SourceFilter sources;
+      sources.set_token_id(kFirstHostileToken + client);
+      Revoke(sources);
     }
   }
   void ExpectRestored(const std::string& attacked) {
@@ -154,6 +196,39 @@ TEST_F(HostileSourcesTest, ATokenWithEndlessSessionsGainsNothing) {
   ExpectHardlyMoved("attacked");
   RevokeTheHostile();
   ExpectRestored("attacked");
+}
+
+TEST_F(HostileSourcesTest, ATenthOfThePlayersWithTicketsHardlyChangesPriorsUntilRevoked) {
+  PlayWithOneToken(/*with_tickets=*/true, /*sessions=*/10);
+  ExpectHardlyMoved("attacked");
+  for (int client = kHonest; client < kHonest + kHostile; ++client) {
+    v1::SourceFilter sources;
+    sources.set_player(WithTicket(client).player);
+    Revoke(sources);
+  }
+  ExpectRestored("attacked");
+}
+
+TEST_F(HostileSourcesTest, ATenthOfThePlayersOnThreeNetworksHardlyChangesPriorsUntilRevoked) {
+  PlayWithOneToken(/*with_tickets=*/false, /*sessions=*/10);
+  ExpectHardlyMoved("attacked");
+  for (int client = kHonest; client < kHonest + kHostile; ++client) {
+    for (int network = 0; network < 3; ++network) {
+      v1::SourceFilter sources;
+      sources.set_network(AtNetwork(client, network).network);
+      Revoke(sources);
+    }
+  }
+  ExpectRestored("attacked");
+}
+
+TEST_F(HostileSourcesTest, OneClientWithThreeHundredSessionsOfTheSharedTokenGainsNothing) {
+  for (int client = 0; client < 64; ++client) {
+    TeachHonestly("honest", client, AtNetwork(client));
+    TeachHonestly("attacked", client, AtNetwork(client));
+  }
+  for (int session = 0; session < 300; ++session) Lie("attacked", AtNetwork(200));
+  ExpectHardlyMoved("attacked");
 }
 
 }  // namespace

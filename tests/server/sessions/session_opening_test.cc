@@ -80,8 +80,9 @@ class SessionOpeningTest : public ::testing::Test {
 
   std::shared_ptr<SessionOpening> Open(SessionRequest hello, int64_t token_id = 0) {
     opened_.reset();
+    hello.origin.token_id = token_id;
     const auto opening = std::make_shared<SessionOpening>(
-        table_, std::move(hello), token_id,
+        table_, std::move(hello),
         [this](absl::StatusOr<OpenedSession> opened) { opened_ = std::move(opened); });
     opening->Run();
     return opening;

@@ -162,6 +162,52 @@ TEST_P(SourceConformance, ATokenWithManySourcesLeavesPlacesForOtherTokens) {
   EXPECT_EQ(count_honest(), 30);
 }
 
+// Without the limit per party the flood would be all of the latest sources.
+TEST_P(SourceConformance, APartyWithManySourcesLeavesPlacesForOthersOfItsToken) {
+  const auto commit = [&](const std::string& source, const std::string& player,
+                          const std::string& network) {
+    ASSERT_TRUE(Commit({UpdateOf({"1.0", 7, player, network}, 100, source, {Key("Grid")})}).ok());
+  };
+  const auto chosen = [&] {
+    std::vector<std::string> ids;
+    const auto sources = *store_->LoadSources({"game", "harbour", "desktop", 1});
+    for (const auto& source : sources) ids.push_back(source.id);
+    return ids;
+  };
+  for (int i = 0; i < 24; ++i)
+    commit("honest " + std::to_string(i), "", "203.0." + std::to_string(i) + ".0/24");
+  commit("ticket", "alice", "203.0.1.0/24");
+  const auto before = chosen();
+  EXPECT_EQ(before.size(), 25u);
+  for (int i = 0; i < 300; ++i) commit("flood " + std::to_string(i), "", "198.51.100.0/24");
+  const auto attacked = chosen();
+  EXPECT_EQ(attacked.size(), priors::kSourcesOfScene);
+  for (const std::string& id : before)
+    EXPECT_NE(std::find(attacked.begin(), attacked.end(), id), attacked.end()) << id;
+  EXPECT_NE(std::find(attacked.begin(), attacked.end(), "flood 299"), attacked.end());
+  EXPECT_EQ(store_->Revoke({.network = "198.51.100.0/24"}, false)->source_count, 300u);
+  EXPECT_EQ(chosen(), before);
+  EXPECT_EQ(store_->Revoke({.token_id = 7, .player = "alice"}, false)->source_count, 1u);
+  EXPECT_EQ(store_->Revoke({.player = "bob"}, false)->source_count, 0u);
+  EXPECT_EQ(chosen().size(), 24u);
+}
+
+// If the latest source of a party is revoked, an earlier one takes its place.
+TEST_P(SourceConformance, APartyKeepsItsSourcesThatWereNotRevoked) {
+  for (const char* id : {"a", "b", "c"}) {
+    ASSERT_TRUE(
+        Commit({UpdateOf({"1.0", 7, "", "203.0.113.0/24"}, 100, id, {Key("Grid"), Key("SAP")})})
+            .ok());
+  }
+  ASSERT_TRUE(store_->Revoke({.id = "c"}, false).ok());
+  const auto sources = *store_->LoadSources({"game", "harbour", "desktop", 1});
+  ASSERT_EQ(sources.size(), 2u);
+  EXPECT_EQ(sources[1].id, "b");
+  EXPECT_EQ(sources[1].evidence.arms.size(), 2u);
+  ASSERT_TRUE(store_->Revoke({.network = "203.0.113.0/24"}, false).ok());
+  EXPECT_TRUE(store_->LoadSources({"game", "harbour", "desktop", 1})->empty());
+}
+
 TEST_P(SourceConformance, TheOriginOfASourceIsExportedWithItsRecords) {
   ASSERT_TRUE(Commit({UpdateOf({"1.0", 7}, 100, "a", {Key("Grid")})}).ok());
   SourceUpdate later = UpdateOf({"2.0", 8}, 200, "a", {Key("Grid")});

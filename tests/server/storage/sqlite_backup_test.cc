@@ -135,11 +135,18 @@ TEST_F(SqliteBackupTest, ReportsSourcesThatDifferFromTheEvidence) {
               HasSubstr("2 sources are missing in the list"));
   Execute("UPDATE scene_source SET scene_id = 3 - scene_id");
   EXPECT_TRUE(VerifyStore(file_).ok());
-  Execute("INSERT INTO scene_source SELECT 1, id FROM scene WHERE scene = 'desert'");
+  Execute("INSERT INTO scene_source SELECT 1, id, 0, '' FROM scene WHERE scene = 'desert'");
   Execute("UPDATE scene SET source_count = 2 WHERE scene = 'desert'");
   Execute("UPDATE scene SET hash = content_hash");
   EXPECT_THAT(std::string(VerifyStore(file_).status().message()),
               HasSubstr("1 sources are listed for a scene"));
+}
+
+TEST_F(SqliteBackupTest, ReportsWrongParties) {
+  BackUp();
+  Execute("UPDATE scene_party SET latest_source_id = 99 WHERE scene_id = 1");
+  EXPECT_THAT(std::string(VerifyStore(file_).status().message()),
+              HasSubstr("2 parties of scenes have a wrong latest source"));
 }
 
 TEST_F(SqliteBackupTest, ReportsDanglingReferences) {

@@ -244,11 +244,12 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseSchemaRefusesInvalidEvidence) {
   auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
   ASSERT_TRUE(
       database
-          .Execute("INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0, 0, 0, 0, '', 0, 0);"
-                   "INSERT INTO scene VALUES (1, 'p', 's', '', 1, 1, 0);"
-                   "INSERT INTO evidence_key (project, scene, measured_by, arm, backend_version,"
-                   "  machine_class, reward_version, regime, scene_id, hash)"
-                   "VALUES ('p', 's', '', 'Grid', 1, '', 1, '', 1, 0);")
+          .Execute(
+              "INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0, 0, 0, 0, '', 0, '', '', 0);"
+              "INSERT INTO scene VALUES (1, 'p', 's', '', 1, 1, 0);"
+              "INSERT INTO evidence_key (project, scene, measured_by, arm, backend_version,"
+              "  machine_class, reward_version, regime, scene_id, hash)"
+              "VALUES ('p', 's', '', 'Grid', 1, '', 1, '', 1, 0);")
           .ok());
   for (const char* wrong : {"-1", "9e999", "1e15", "NULL", "'text'"}) {
     const std::string sql =

@@ -190,7 +190,7 @@ TEST(PriorsCommand, ACommandThatMatchesNothingSaysSo) {
   for (const char* const command : {"priors revoke --project p", "priors revoke"}) {
     const CommandRun run = RunCommand(command + at);
     EXPECT_EQ(run.exit_code, 2);
-    EXPECT_THAT(run.err, HasSubstr("--source, --build, --token-id, --since or --until"));
+    EXPECT_THAT(run.err, HasSubstr("--token-id, --player, --network, --since or --until"));
   }
   for (const std::string& command : {std::string("priors revoke"), std::string("priors promote")}) {
     const CommandRun run = RunCommand(command + " --since 10 --until 5" + at);

@@ -9,6 +9,7 @@
 #include "sweepstake/v1/sessions.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/server/sessions/manual_clock.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -478,6 +479,57 @@ TEST_F(AccessTest, FailuresOverHttpAreCountedForTheAddressOfTheBrowser) {
   EXPECT_EQ(list("ipv4:192.0.2.7:2"), v1::ERROR_REASON_TOO_MANY_FAILURES);
   EXPECT_EQ(list("ipv4:192.0.2.8:1"), v1::ERROR_REASON_TOKEN_REFUSED)
       << "other addresses have their own count";
+}
+
+class ProxyTest : public RpcTest {
+ protected:
+  ProxyTest() { options_.trusts_proxy = true; }
+};
+
+TEST_F(ProxyTest, AClientBehindAProxyHasItsOwnAddress) {
+  const auto sessions_of = [&](const std::string& address) {
+    grpc::ClientContext context;
+    context.AddMetadata("x-forwarded-for", address);
+    v1::KickSessionRequest request;
+    request.set_session_id("none");
+    v1::KickSessionResponse response;
+    return v1::SessionsService::NewStub(channel_)->KickSession(&context, request, &response);
+  };
+  EXPECT_EQ(sessions_of("127.0.0.1").error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(sessions_of("203.0.113.7").error_code(), grpc::StatusCode::PERMISSION_DENIED)
+      << "another machine without a token";
+  EXPECT_EQ(sessions_of("127.0.0.1, 203.0.113.7").error_code(),
+            grpc::StatusCode::PERMISSION_DENIED);
+}
+
+TEST_F(AccessTest, WithoutATrustedProxyTheHeaderIsIgnored) {
+  grpc::ClientContext context;
+  context.AddMetadata("authorization", "Bearer all-token");
+  context.AddMetadata("x-forwarded-for", "203.0.113.7");
+  TelemetryClient client(channel_, "all-token");
+  client.Open(OneArmHello());
+  v1::ListSessionsResponse response;
+  ASSERT_TRUE(v1::SessionsService::NewStub(channel_)->ListSessions(&context, {}, &response).ok());
+  EXPECT_THAT(response.sessions(0).client_address(), HasSubstr("127.0.0.1"));
+}
+
+// Addresses of other machines cannot occur in a test's connection.
+TEST(AccessWithoutTokensTest, OtherMachinesMayPlayAndReadButNotOperate) {
+  const RpcOptions options;
+  const sessions::ManualClock clock;
+  spdlog::logger log("test");
+  AccessControl access(options, clock, log);
+  for (const Rpc& rpc : kRoleTable) {
+    const bool operates = rpc.role == auth::Role::kOperator;
+    for (const char* own : {"ipv4:127.0.0.1:9", "ipv6:[::1]:9", "unix:/run/s"})
+      EXPECT_TRUE(access.AuthorizeOverHttp(own, std::nullopt, rpc).ok()) << rpc.name;
+    const auto other = access.AuthorizeOverHttp("ipv4:192.0.2.7:9", std::nullopt, rpc);
+    EXPECT_EQ(other.ok(), !operates) << rpc.name;
+    if (operates) {
+      EXPECT_TRUE(absl::IsPermissionDenied(other.status()));
+      EXPECT_THAT(std::string(other.status().message()), HasSubstr("sweepstaked token create"));
+    }
+  }
 }
 
 }  // namespace

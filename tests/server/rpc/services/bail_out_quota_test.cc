@@ -1,5 +1,5 @@
-// Tests the limit of bail-outs per token and address that count as evidence, over any number of
-// sessions.
+// Tests the limit of bail-outs per player, network or token that count as evidence, over any number
+// of sessions.
 #include <string>
 
 #include "engine_client/decider/audit/rederive.h"
@@ -39,7 +39,7 @@ class BailOutQuotaTest : public ::testing::Test {
   PromptDaemon daemon_;
 };
 
-TEST_F(BailOutQuotaTest, ATokenWithManyShortSessionsHardlyChangesThePriors) {
+TEST_F(BailOutQuotaTest, ANetworkWithManyShortSessionsHardlyChangesThePriors) {
   const priors::PriorRecord others = LearntInHours();
   ASSERT_TRUE(daemon_.store.store.Import({&others, 1}).status().ok());
   for (int host = 0; host < 100; ++host)
@@ -51,12 +51,12 @@ TEST_F(BailOutQuotaTest, ATokenWithManyShortSessionsHardlyChangesThePriors) {
   EXPECT_EQ(daemon_.counters.surplus_bail_out_count, 100 * kOfASession - kAtOnce);
 }
 
-TEST_F(BailOutQuotaTest, AnAddressHasOneLimitForAllItsTokensAndOthersAreNotAffected) {
+TEST_F(BailOutQuotaTest, ANetworkHasOneLimitForAllItsTokensAndOthersAreNotAffected) {
   for (int64_t token = 1; token <= 10; ++token) BailOutOfSessions(1, "ipv4:192.0.2.7", token);
   EXPECT_EQ(Stored().bail_out_count, kAtOnce);
-  BailOutOfSessions(10, "ipv4:192.0.2.8", 0);
+  BailOutOfSessions(10, "ipv4:198.51.100.8", 0);
   EXPECT_EQ(Stored().bail_out_count, 2 * kAtOnce);
-  BailOutOfSessions(1, "ipv4:192.0.2.9", 11);
+  BailOutOfSessions(1, "ipv4:203.0.113.9", 1);
   EXPECT_EQ(Stored().bail_out_count, 2 * kAtOnce + kOfASession);
 }
 

@@ -88,9 +88,11 @@ class HelloQuotaTest : public ::testing::Test {
  protected:
   // Opens streams and drops each once it has its answer. Returns how many received a welcome
   // message.
-  int OpenAndDrop(int count, const std::string& address, int64_t token_id = 0) {
+  int OpenAndDrop(int count, const std::string& address, int64_t token_id = 0,
+                  const std::string& player = "") {
     auth::Principal caller;
     caller.token_id = token_id;
+    caller.player = player;
     int welcome_count = 0;
     for (int i = 0; i < count; ++i) {
       PromptStream stream(daemon_, address + ":" + std::to_string(1'000 + i), caller);
@@ -108,11 +110,12 @@ class HelloQuotaTest : public ::testing::Test {
   PromptDaemon daemon_;
 };
 
-TEST_F(HelloQuotaTest, OpeningAndDroppingStreamsIsLimitedPerAddress) {
+TEST_F(HelloQuotaTest, OpeningAndDroppingStreamsIsLimitedPerNetwork) {
   daemon_.options.max_hellos_per_s = 2;
   EXPECT_EQ(OpenAndDrop(100, "ipv4:192.0.2.7"), 20);
   EXPECT_EQ(daemon_.counters.invalid_message_count, 0u);
-  EXPECT_EQ(OpenAndDrop(20, "ipv4:192.0.2.8"), 20);
+  EXPECT_EQ(OpenAndDrop(20, "ipv4:192.0.2.8"), 0) << "an address of the same network";
+  EXPECT_EQ(OpenAndDrop(20, "ipv4:198.51.100.8"), 20);
   daemon_.Advance(kSecondNs);
   EXPECT_EQ(OpenAndDrop(100, "ipv4:192.0.2.7"), 2);
   daemon_.options.max_hellos_per_s = 1'000;
@@ -120,13 +123,20 @@ TEST_F(HelloQuotaTest, OpeningAndDroppingStreamsIsLimitedPerAddress) {
   EXPECT_EQ(OpenAndDrop(100, "ipv4:192.0.2.7"), 100) << "the rate can be changed at any time";
 }
 
-TEST_F(HelloQuotaTest, ATokenHasOneRateForAllAddresses) {
+TEST_F(HelloQuotaTest, AClientDoesNotUseUpTheRateOfOthersWithItsToken) {
+  daemon_.options.max_hellos_per_s = 2;
+  EXPECT_EQ(OpenAndDrop(100, "ipv4:192.0.2.7", 7), 20);
+  EXPECT_EQ(OpenAndDrop(20, "ipv4:198.51.100.8", 7), 20);
+}
+
+TEST_F(HelloQuotaTest, APlayerWithATicketHasOneRateForAllAddresses) {
   daemon_.options.max_hellos_per_s = 2;
   int welcome_count = 0;
   for (int host = 0; host < 50; ++host)
-    welcome_count += OpenAndDrop(1, "ipv4:192.0.2." + std::to_string(host), 7);
+    welcome_count += OpenAndDrop(1, "ipv4:192.0." + std::to_string(host) + ".2", 7, "mallory");
   EXPECT_EQ(welcome_count, 20);
-  EXPECT_EQ(OpenAndDrop(1, "ipv4:192.0.2.99", 8), 1);
+  EXPECT_EQ(OpenAndDrop(20, "ipv4:192.0.2.7", 7, "alice"), 20);
+  EXPECT_EQ(OpenAndDrop(20, "ipv4:192.0.2.7", 7), 20);
 }
 
 TEST_F(HelloQuotaTest, TheOwnMachineHasNoRateBecauseOfProxies) {

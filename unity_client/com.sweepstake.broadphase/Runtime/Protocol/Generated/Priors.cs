@@ -33,65 +33,66 @@ namespace Sweepstake.Protocol.V1 {
             "b3JSZWNvcmQiUwoTSW1wb3J0UHJpb3JzUmVxdWVzdBIrCgdyZWNvcmRzGAEg",
             "AygLMhouc3dlZXBzdGFrZS52MS5QcmlvclJlY29yZBIPCgdwcm9tb3RlGAIg",
             "ASgIIkYKFEltcG9ydFByaW9yc1Jlc3BvbnNlEhUKDWFwcGxpZWRfY291bnQY",
-            "ASABKAQSFwoPdW5jaGFuZ2VkX2NvdW50GAIgASgEIn4KDFNvdXJjZUZpbHRl",
-            "chIPCgdwcm9qZWN0GAEgASgJEhEKCXNvdXJjZV9pZBgCIAEoCRINCgVidWls",
-            "ZBgDIAEoCRIQCgh0b2tlbl9pZBgEIAEoAxITCgt1bml4X2Zyb21fcxgFIAEo",
-            "AxIUCgx1bml4X3VudGlsX3MYBiABKAMifAoMTGVhZGVyQ2hhbmdlEg8KB3By",
-            "b2plY3QYASABKAkSDQoFc2NlbmUYAiABKAkSFQoNbWFjaGluZV9jbGFzcxgD",
-            "IAEoCRIWCg5yZXdhcmRfdmVyc2lvbhgEIAEoDRILCgNhcm0YBSABKAkSEAoI",
-            "bmV4dF9hcm0YBiABKAkiUQoNTGVhZGVyQ2hhbmdlcxIrCgZzY2VuZXMYASAD",
-            "KAsyGy5zd2VlcHN0YWtlLnYxLkxlYWRlckNoYW5nZRITCgtzY2VuZV9jb3Vu",
-            "dBgCIAEoBCJUChNSZXZva2VQcmlvcnNSZXF1ZXN0EiwKB3NvdXJjZXMYASAB",
-            "KAsyGy5zd2VlcHN0YWtlLnYxLlNvdXJjZUZpbHRlchIPCgdwcmV2aWV3GAIg",
-            "ASgIIo4BChRSZXZva2VQcmlvcnNSZXNwb25zZRIUCgxzb3VyY2VfY291bnQY",
-            "ASABKAQSFAoMcmVjb3JkX2NvdW50GAIgASgEEhQKDHdpbmRvd19jb3VudBgD",
-            "IAEoBBI0Cg5sZWFkZXJfY2hhbmdlcxgEIAEoCzIcLnN3ZWVwc3Rha2UudjEu",
-            "TGVhZGVyQ2hhbmdlcyJVChRQcm9tb3RlUHJpb3JzUmVxdWVzdBIsCgdzb3Vy",
-            "Y2VzGAEgASgLMhsuc3dlZXBzdGFrZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJl",
-            "dmlldxgCIAEoCCKkAQoVUHJvbW90ZVByaW9yc1Jlc3BvbnNlEhQKDHNvdXJj",
-            "ZV9jb3VudBgBIAEoBBIUCgxyZWNvcmRfY291bnQYAiABKAQSFAoMd2luZG93",
-            "X2NvdW50GAMgASgEEhMKC3NjZW5lX2NvdW50GAQgASgEEjQKDmxlYWRlcl9j",
-            "aGFuZ2VzGAUgASgLMhwuc3dlZXBzdGFrZS52MS5MZWFkZXJDaGFuZ2VzIpgD",
-            "CgtQcmlvclJlY29yZBIPCgdwcm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJ",
-            "EhMKC21lYXN1cmVkX2J5GAMgASgJEgsKA2FybRgEIAEoCRIXCg9iYWNrZW5k",
-            "X3ZlcnNpb24YBSABKA0SFQoNbWFjaGluZV9jbGFzcxgGIAEoCRIWCg5yZXdh",
-            "cmRfdmVyc2lvbhgHIAEoDRIRCglzb3VyY2VfaWQYCCABKAkSFwoPc291cmNl",
-            "X3NlcXVlbmNlGAkgASgEEhcKD2FscGhhX2luY3JlbWVudBgKIAEoARIWCg5i",
-            "ZXRhX2luY3JlbWVudBgLIAEoARIUCgx3aW5kb3dfY291bnQYDCABKAQSFgoO",
-            "YmFpbF9vdXRfY291bnQYDSABKAQSDQoFYnVpbGQYDiABKAkSGAoQdW5peF9s",
-            "YXN0X3NlZW5fcxgPIAEoAxITCgtpc19pbXBvcnRlZBgQIAEoCBIWCg5pc19x",
-            "dWFyYW50aW5lZBgRIAEoCBIOCgZ3ZWlnaHQYEiABKAESDgoGcmVnaW1lGBMg",
-            "ASgJIjsKC0J1aWxkQ2hvaWNlEhIKBWJ1aWxkGAEgASgJSACIAQESDgoGb3Ro",
-            "ZXJzGAIgASgIQggKBl9idWlsZCKjAQoUQ29tcGFyZUJ1aWxkc1JlcXVlc3QS",
-            "DwoHcHJvamVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIqCgZiZWZvcmUYAyAB",
-            "KAsyGi5zd2VlcHN0YWtlLnYxLkJ1aWxkQ2hvaWNlEikKBWFmdGVyGAQgASgL",
-            "Mhouc3dlZXBzdGFrZS52MS5CdWlsZENob2ljZRIUCgxjaGFuZ2VzX29ubHkY",
-            "BSABKAgiRwoVQ29tcGFyZUJ1aWxkc1Jlc3BvbnNlEi4KBnNjZW5lcxgBIAMo",
-            "CzIeLnN3ZWVwc3Rha2UudjEuU2NlbmVDb21wYXJpc29uIucBCg9TY2VuZUNv",
-            "bXBhcmlzb24SDwoHcHJvamVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIVCg1t",
-            "YWNoaW5lX2NsYXNzGAMgASgJEhYKDnJld2FyZF92ZXJzaW9uGAQgASgNEioK",
-            "BGFybXMYBSADKAsyHC5zd2VlcHN0YWtlLnYxLkFybUNvbXBhcmlzb24SFQoN",
-            "a25vd25faW5fYm90aBgGIAEoCBIWCg5sZWFkZXJfY2hhbmdlZBgHIAEoCBIa",
-            "ChJsYXJnZXN0X2xvZ19jaGFuZ2UYCCABKAESDgoGYnVpbGRzGAkgAygJIoQB",
-            "Cg1Bcm1Db21wYXJpc29uEgsKA2FybRgBIAEoCRIqCgZiZWZvcmUYAiABKAsy",
-            "Gi5zd2VlcHN0YWtlLnYxLkFybUV2aWRlbmNlEikKBWFmdGVyGAMgASgLMhou",
-            "c3dlZXBzdGFrZS52MS5Bcm1FdmlkZW5jZRIPCgdjaGFuZ2VkGAQgASgIIsoB",
-            "CgtBcm1FdmlkZW5jZRIxCglwb3N0ZXJpb3IYASABKAsyHi5zd2VlcHN0YWtl",
-            "LnYxLlJld2FyZFBvc3RlcmlvchIsCgRsaXZlGAIgASgLMh4uc3dlZXBzdGFr",
-            "ZS52MS5SZXdhcmRQb3N0ZXJpb3ISLAoEbGFuZRgDIAEoCzIeLnN3ZWVwc3Rh",
-            "a2UudjEuUmV3YXJkUG9zdGVyaW9yEiwKCmNvc3RfcmF0aW8YBCABKAsyGC5z",
-            "d2VlcHN0YWtlLnYxLkNvc3RSYXRpbzLYAwoNUHJpb3JzU2VydmljZRJZCgxF",
-            "eHBvcnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1JlcXVl",
-            "c3QaIy5zd2VlcHN0YWtlLnYxLkV4cG9ydFByaW9yc1Jlc3BvbnNlMAESWQoM",
-            "SW1wb3J0UHJpb3JzEiIuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXF1",
-            "ZXN0GiMuc3dlZXBzdGFrZS52MS5JbXBvcnRQcmlvcnNSZXNwb25zZSgBElcK",
-            "DFJldm9rZVByaW9ycxIiLnN3ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3JzUmVx",
-            "dWVzdBojLnN3ZWVwc3Rha2UudjEuUmV2b2tlUHJpb3JzUmVzcG9uc2USWgoN",
-            "UHJvbW90ZVByaW9ycxIjLnN3ZWVwc3Rha2UudjEuUHJvbW90ZVByaW9yc1Jl",
-            "cXVlc3QaJC5zd2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNSZXNwb25zZRJc",
-            "Cg1Db21wYXJlQnVpbGRzEiMuc3dlZXBzdGFrZS52MS5Db21wYXJlQnVpbGRz",
-            "UmVxdWVzdBokLnN3ZWVwc3Rha2UudjEuQ29tcGFyZUJ1aWxkc1Jlc3BvbnNl",
-            "MAFCGaoCFlN3ZWVwc3Rha2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
+            "ASABKAQSFwoPdW5jaGFuZ2VkX2NvdW50GAIgASgEIp8BCgxTb3VyY2VGaWx0",
+            "ZXISDwoHcHJvamVjdBgBIAEoCRIRCglzb3VyY2VfaWQYAiABKAkSDQoFYnVp",
+            "bGQYAyABKAkSEAoIdG9rZW5faWQYBCABKAMSEwoLdW5peF9mcm9tX3MYBSAB",
+            "KAMSFAoMdW5peF91bnRpbF9zGAYgASgDEg4KBnBsYXllchgHIAEoCRIPCgdu",
+            "ZXR3b3JrGAggASgJInwKDExlYWRlckNoYW5nZRIPCgdwcm9qZWN0GAEgASgJ",
+            "Eg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xhc3MYAyABKAkSFgoOcmV3",
+            "YXJkX3ZlcnNpb24YBCABKA0SCwoDYXJtGAUgASgJEhAKCG5leHRfYXJtGAYg",
+            "ASgJIlEKDUxlYWRlckNoYW5nZXMSKwoGc2NlbmVzGAEgAygLMhsuc3dlZXBz",
+            "dGFrZS52MS5MZWFkZXJDaGFuZ2USEwoLc2NlbmVfY291bnQYAiABKAQiVAoT",
+            "UmV2b2tlUHJpb3JzUmVxdWVzdBIsCgdzb3VyY2VzGAEgASgLMhsuc3dlZXBz",
+            "dGFrZS52MS5Tb3VyY2VGaWx0ZXISDwoHcHJldmlldxgCIAEoCCKOAQoUUmV2",
+            "b2tlUHJpb3JzUmVzcG9uc2USFAoMc291cmNlX2NvdW50GAEgASgEEhQKDHJl",
+            "Y29yZF9jb3VudBgCIAEoBBIUCgx3aW5kb3dfY291bnQYAyABKAQSNAoObGVh",
+            "ZGVyX2NoYW5nZXMYBCABKAsyHC5zd2VlcHN0YWtlLnYxLkxlYWRlckNoYW5n",
+            "ZXMiVQoUUHJvbW90ZVByaW9yc1JlcXVlc3QSLAoHc291cmNlcxgBIAEoCzIb",
+            "LnN3ZWVwc3Rha2UudjEuU291cmNlRmlsdGVyEg8KB3ByZXZpZXcYAiABKAgi",
+            "pAEKFVByb21vdGVQcmlvcnNSZXNwb25zZRIUCgxzb3VyY2VfY291bnQYASAB",
+            "KAQSFAoMcmVjb3JkX2NvdW50GAIgASgEEhQKDHdpbmRvd19jb3VudBgDIAEo",
+            "BBITCgtzY2VuZV9jb3VudBgEIAEoBBI0Cg5sZWFkZXJfY2hhbmdlcxgFIAEo",
+            "CzIcLnN3ZWVwc3Rha2UudjEuTGVhZGVyQ2hhbmdlcyKYAwoLUHJpb3JSZWNv",
+            "cmQSDwoHcHJvamVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRITCgttZWFzdXJl",
+            "ZF9ieRgDIAEoCRILCgNhcm0YBCABKAkSFwoPYmFja2VuZF92ZXJzaW9uGAUg",
+            "ASgNEhUKDW1hY2hpbmVfY2xhc3MYBiABKAkSFgoOcmV3YXJkX3ZlcnNpb24Y",
+            "ByABKA0SEQoJc291cmNlX2lkGAggASgJEhcKD3NvdXJjZV9zZXF1ZW5jZRgJ",
+            "IAEoBBIXCg9hbHBoYV9pbmNyZW1lbnQYCiABKAESFgoOYmV0YV9pbmNyZW1l",
+            "bnQYCyABKAESFAoMd2luZG93X2NvdW50GAwgASgEEhYKDmJhaWxfb3V0X2Nv",
+            "dW50GA0gASgEEg0KBWJ1aWxkGA4gASgJEhgKEHVuaXhfbGFzdF9zZWVuX3MY",
+            "DyABKAMSEwoLaXNfaW1wb3J0ZWQYECABKAgSFgoOaXNfcXVhcmFudGluZWQY",
+            "ESABKAgSDgoGd2VpZ2h0GBIgASgBEg4KBnJlZ2ltZRgTIAEoCSI7CgtCdWls",
+            "ZENob2ljZRISCgVidWlsZBgBIAEoCUgAiAEBEg4KBm90aGVycxgCIAEoCEII",
+            "CgZfYnVpbGQiowEKFENvbXBhcmVCdWlsZHNSZXF1ZXN0Eg8KB3Byb2plY3QY",
+            "ASABKAkSDQoFc2NlbmUYAiABKAkSKgoGYmVmb3JlGAMgASgLMhouc3dlZXBz",
+            "dGFrZS52MS5CdWlsZENob2ljZRIpCgVhZnRlchgEIAEoCzIaLnN3ZWVwc3Rh",
+            "a2UudjEuQnVpbGRDaG9pY2USFAoMY2hhbmdlc19vbmx5GAUgASgIIkcKFUNv",
+            "bXBhcmVCdWlsZHNSZXNwb25zZRIuCgZzY2VuZXMYASADKAsyHi5zd2VlcHN0",
+            "YWtlLnYxLlNjZW5lQ29tcGFyaXNvbiLnAQoPU2NlbmVDb21wYXJpc29uEg8K",
+            "B3Byb2plY3QYASABKAkSDQoFc2NlbmUYAiABKAkSFQoNbWFjaGluZV9jbGFz",
+            "cxgDIAEoCRIWCg5yZXdhcmRfdmVyc2lvbhgEIAEoDRIqCgRhcm1zGAUgAygL",
+            "Mhwuc3dlZXBzdGFrZS52MS5Bcm1Db21wYXJpc29uEhUKDWtub3duX2luX2Jv",
+            "dGgYBiABKAgSFgoObGVhZGVyX2NoYW5nZWQYByABKAgSGgoSbGFyZ2VzdF9s",
+            "b2dfY2hhbmdlGAggASgBEg4KBmJ1aWxkcxgJIAMoCSKEAQoNQXJtQ29tcGFy",
+            "aXNvbhILCgNhcm0YASABKAkSKgoGYmVmb3JlGAIgASgLMhouc3dlZXBzdGFr",
+            "ZS52MS5Bcm1FdmlkZW5jZRIpCgVhZnRlchgDIAEoCzIaLnN3ZWVwc3Rha2Uu",
+            "djEuQXJtRXZpZGVuY2USDwoHY2hhbmdlZBgEIAEoCCLKAQoLQXJtRXZpZGVu",
+            "Y2USMQoJcG9zdGVyaW9yGAEgASgLMh4uc3dlZXBzdGFrZS52MS5SZXdhcmRQ",
+            "b3N0ZXJpb3ISLAoEbGl2ZRgCIAEoCzIeLnN3ZWVwc3Rha2UudjEuUmV3YXJk",
+            "UG9zdGVyaW9yEiwKBGxhbmUYAyABKAsyHi5zd2VlcHN0YWtlLnYxLlJld2Fy",
+            "ZFBvc3RlcmlvchIsCgpjb3N0X3JhdGlvGAQgASgLMhguc3dlZXBzdGFrZS52",
+            "MS5Db3N0UmF0aW8y2AMKDVByaW9yc1NlcnZpY2USWQoMRXhwb3J0UHJpb3Jz",
+            "EiIuc3dlZXBzdGFrZS52MS5FeHBvcnRQcmlvcnNSZXF1ZXN0GiMuc3dlZXBz",
+            "dGFrZS52MS5FeHBvcnRQcmlvcnNSZXNwb25zZTABElkKDEltcG9ydFByaW9y",
+            "cxIiLnN3ZWVwc3Rha2UudjEuSW1wb3J0UHJpb3JzUmVxdWVzdBojLnN3ZWVw",
+            "c3Rha2UudjEuSW1wb3J0UHJpb3JzUmVzcG9uc2UoARJXCgxSZXZva2VQcmlv",
+            "cnMSIi5zd2VlcHN0YWtlLnYxLlJldm9rZVByaW9yc1JlcXVlc3QaIy5zd2Vl",
+            "cHN0YWtlLnYxLlJldm9rZVByaW9yc1Jlc3BvbnNlEloKDVByb21vdGVQcmlv",
+            "cnMSIy5zd2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNSZXF1ZXN0GiQuc3dl",
+            "ZXBzdGFrZS52MS5Qcm9tb3RlUHJpb3JzUmVzcG9uc2USXAoNQ29tcGFyZUJ1",
+            "aWxkcxIjLnN3ZWVwc3Rha2UudjEuQ29tcGFyZUJ1aWxkc1JlcXVlc3QaJC5z",
+            "d2VlcHN0YWtlLnYxLkNvbXBhcmVCdWlsZHNSZXNwb25zZTABQhmqAhZTd2Vl",
+            "cHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
@@ -99,7 +100,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ExportPriorsResponse), global::Sweepstake.Protocol.V1.ExportPriorsResponse.Parser, new[]{ "Records" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsRequest), global::Sweepstake.Protocol.V1.ImportPriorsRequest.Parser, new[]{ "Records", "Promote" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ImportPriorsResponse), global::Sweepstake.Protocol.V1.ImportPriorsResponse.Parser, new[]{ "AppliedCount", "UnchangedCount" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SourceFilter), global::Sweepstake.Protocol.V1.SourceFilter.Parser, new[]{ "Project", "SourceId", "Build", "TokenId", "UnixFromS", "UnixUntilS" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SourceFilter), global::Sweepstake.Protocol.V1.SourceFilter.Parser, new[]{ "Project", "SourceId", "Build", "TokenId", "UnixFromS", "UnixUntilS", "Player", "Network" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.LeaderChange), global::Sweepstake.Protocol.V1.LeaderChange.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arm", "NextArm" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.LeaderChanges), global::Sweepstake.Protocol.V1.LeaderChanges.Parser, new[]{ "Scenes", "SceneCount" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RevokePriorsRequest), global::Sweepstake.Protocol.V1.RevokePriorsRequest.Parser, new[]{ "Sources", "Preview" }, null, null, null, null),
@@ -1157,6 +1158,8 @@ namespace Sweepstake.Protocol.V1 {
       tokenId_ = other.tokenId_;
       unixFromS_ = other.unixFromS_;
       unixUntilS_ = other.unixUntilS_;
+      player_ = other.player_;
+      network_ = other.network_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -1257,6 +1260,37 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "player" field.</summary>
+    public const int PlayerFieldNumber = 7;
+    private string player_ = "";
+    /// <summary>
+    /// Player whose ticket began the session. Absent: any.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Player {
+      get { return player_; }
+      set {
+        player_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
+    /// <summary>Field number for the "network" field.</summary>
+    public const int NetworkFieldNumber = 8;
+    private string network_ = "";
+    /// <summary>
+    /// Network of the client that began the session: an IPv4 address ("203.0.113.7", selects its first 24 bits), an IPv6 address
+    /// ("2001:db8::1", selects its first 64 bits), or such a network ("203.0.113.0/24"). Absent: any.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Network {
+      get { return network_; }
+      set {
+        network_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -1278,6 +1312,8 @@ namespace Sweepstake.Protocol.V1 {
       if (TokenId != other.TokenId) return false;
       if (UnixFromS != other.UnixFromS) return false;
       if (UnixUntilS != other.UnixUntilS) return false;
+      if (Player != other.Player) return false;
+      if (Network != other.Network) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -1291,6 +1327,8 @@ namespace Sweepstake.Protocol.V1 {
       if (TokenId != 0L) hash ^= TokenId.GetHashCode();
       if (UnixFromS != 0L) hash ^= UnixFromS.GetHashCode();
       if (UnixUntilS != 0L) hash ^= UnixUntilS.GetHashCode();
+      if (Player.Length != 0) hash ^= Player.GetHashCode();
+      if (Network.Length != 0) hash ^= Network.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -1333,6 +1371,14 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(48);
         output.WriteInt64(UnixUntilS);
       }
+      if (Player.Length != 0) {
+        output.WriteRawTag(58);
+        output.WriteString(Player);
+      }
+      if (Network.Length != 0) {
+        output.WriteRawTag(66);
+        output.WriteString(Network);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -1367,6 +1413,14 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(48);
         output.WriteInt64(UnixUntilS);
       }
+      if (Player.Length != 0) {
+        output.WriteRawTag(58);
+        output.WriteString(Player);
+      }
+      if (Network.Length != 0) {
+        output.WriteRawTag(66);
+        output.WriteString(Network);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -1394,6 +1448,12 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (UnixUntilS != 0L) {
         size += 1 + pb::CodedOutputStream.ComputeInt64Size(UnixUntilS);
+      }
+      if (Player.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Player);
+      }
+      if (Network.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Network);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -1424,6 +1484,12 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.UnixUntilS != 0L) {
         UnixUntilS = other.UnixUntilS;
+      }
+      if (other.Player.Length != 0) {
+        Player = other.Player;
+      }
+      if (other.Network.Length != 0) {
+        Network = other.Network;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -1468,6 +1534,14 @@ namespace Sweepstake.Protocol.V1 {
             UnixUntilS = input.ReadInt64();
             break;
           }
+          case 58: {
+            Player = input.ReadString();
+            break;
+          }
+          case 66: {
+            Network = input.ReadString();
+            break;
+          }
         }
       }
     #endif
@@ -1509,6 +1583,14 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 48: {
             UnixUntilS = input.ReadInt64();
+            break;
+          }
+          case 58: {
+            Player = input.ReadString();
+            break;
+          }
+          case 66: {
+            Network = input.ReadString();
             break;
           }
         }
@@ -2209,7 +2291,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SourcesFieldNumber = 1;
     private global::Sweepstake.Protocol.V1.SourceFilter sources_;
     /// <summary>
-    /// The sources. One of source_id, build, token_id, unix_from_s and unix_until_s must be set.
+    /// The sources. A field other than project must be set.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
