@@ -32,6 +32,7 @@
 #include "server/rpc/health_probe.h"
 #include "server/sessions/common/decision_loop.h"
 #include "server/storage/backup/sqlite_backup.h"
+#include "server/storage/data_directory.h"
 #include "server/storage/postgres/shared_store.h"
 #include "server/token_command.h"
 
@@ -87,9 +88,12 @@ void AddOptions(CommandLine& line) {
   check->add_option("file", line.file, "the TOML file")->required();
   CLI::App* backup = app.add_subcommand(
       "backup", "copy the priors and the audit log to a new file; the daemon may be running");
-  backup->add_option("file", line.file, "the file to write")->required();
+  backup->add_option("file", line.file, "the file to write; - for standard output")->required();
   backup->fallthrough();
-  backup->footer("Example: sweepstaked backup priors-monday.db --data /var/lib/sweepstake");
+  backup->footer(
+      "The backup also contains the tokens' digests and the resume key, so keep it secret.\n"
+      "Example: sweepstaked backup priors-monday.db --data /var/lib/sweepstake\n"
+      "         sweepstaked backup - | ssh other-host 'cat > priors-monday.db'");
   CLI::App* restore = app.add_subcommand(
       "restore", "check a backup and copy it into a data directory that has no store");
   restore->add_option("file", line.file, "the file that `backup` wrote")->required();
@@ -152,18 +156,32 @@ int CheckConfig(const std::string& file) {
   return kDone;
 }
 
-int ReportContents(const std::string& file,
-                   const absl::StatusOr<storage::StoreContents>& contents) {
+int ReportContents(const std::string& file, const absl::StatusOr<storage::StoreContents>& contents,
+                   std::ostream& out = std::cout) {
   if (!contents.ok()) return Fail(kCheckFailed, std::string(contents.status().message()));
-  std::cout << file << ": undamaged; " << text::Counted(contents->record_count, "record") << " of "
-            << text::Counted(contents->source_count, "source") << " about "
-            << text::Counted(contents->scene_count, "scene") << ", "
-            << text::Counted(contents->audit_row_count, "row") << " of the audit log\n";
+  out << file << ": undamaged; " << text::Counted(contents->record_count, "record") << " of "
+      << text::Counted(contents->source_count, "source") << " about "
+      << text::Counted(contents->scene_count, "scene") << ", "
+      << text::Counted(contents->audit_row_count, "row") << " of the audit log\n";
   if (contents->damaged_row_count == 0) return kDone;
   return Fail(kCheckFailed, absl::StrCat(contents->damaged_row_count,
                                          " damaged rows of the database are not in ", file,
                                          "; check the disk, and restore this or an earlier "
                                          "backup"));
+}
+
+// Writes a backup to standard output. It is first made beside the database, because a copy that
+// cannot be verified must not be written.
+int BackUpToOutput(const Config& config) {
+  const std::filesystem::path file =
+      config.data / absl::StrCat(storage::DataDirectory::kDatabaseName, ".new-", getpid());
+  const auto contents = storage::BackUpStore(config.data, file);
+  const bool written =
+      !contents.ok() || (std::cout << std::ifstream(file, std::ios::binary).rdbuf() << std::flush);
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);
+  if (!written) return Fail(kCheckFailed, "cannot write the backup to standard output");
+  return ReportContents("standard output", contents, std::cerr);
 }
 
 int Migrate(const Config& config, bool to_store) {
@@ -348,6 +366,7 @@ int RunProgram(int argc, char** argv) {
     const absl::Status status = line.token.Run(config->data, std::cout, std::cerr);
     return status.ok() ? kDone : Fail(kCheckFailed, std::string(status.message()));
   }
+  if (app.got_subcommand("backup") && line.file == "-") return BackUpToOutput(*config);
   if (app.got_subcommand("backup"))
     return ReportContents(line.file, storage::BackUpStore(config->data, line.file));
   if (app.got_subcommand("migrate")) return Migrate(*config, line.direction == kToStore);

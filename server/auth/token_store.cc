@@ -16,6 +16,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "engine_client/text/names.h"
+#include "server/storage/data_directory.h"
 #include "server/storage/private_file.h"
 
 namespace sweepstake::auth {
@@ -68,7 +69,9 @@ fs::path UnfinishedName(const fs::path& path) {
   return absl::StrCat(path.string(), ".new-", getpid());
 }
 
-fs::path NoteBeside(const fs::path& path) { return path.parent_path() / "tokens-made"; }
+fs::path NoteBeside(const fs::path& path) {
+  return path.parent_path() / storage::DataDirectory::kTokensMadeName;
+}
 
 bool Exists(const fs::path& path) {
   std::error_code unknown;  // a file that cannot be examined cannot be opened either

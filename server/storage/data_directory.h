@@ -14,6 +14,8 @@ class DataDirectory {
  public:
   static constexpr const char* kDatabaseName = "priors.db";
   static constexpr const char* kTokensName = "tokens.db";
+  static constexpr const char* kTokensMadeName = "tokens-made";
+  static constexpr const char* kResumeKeyName = "resume-key";
   static constexpr const char* kOutboxName = "outbox.db";
 
   // Creates the directory if it is missing, but not its parents. A new directory is accessible to
@@ -27,7 +29,7 @@ class DataDirectory {
   // Returns whether users other than the owner have access to the directory or one of its files.
   bool open_to_others() const { return open_to_others_; }
   std::filesystem::path database() const { return path_ / kDatabaseName; }
-  std::filesystem::path resume_key() const { return path_ / "resume-key"; }
+  std::filesystem::path resume_key() const { return path_ / kResumeKeyName; }
   std::filesystem::path outbox() const { return path_ / kOutboxName; }
   std::filesystem::path tokens() const { return path_ / kTokensName; }
 

@@ -265,7 +265,7 @@ absl::Status SqliteDatabase::CopyTo(const std::string& path, const Edit& edit) {
   {
     auto copy = Open(unfinished, OpenMode::kExisting);
     status = copy.ok() ? CopyPagesTo(*copy) : copy.status();
-    if (status.ok() && edit) edit(*copy);
+    if (status.ok() && edit) status = edit(*copy);
   }
   if (status.ok()) return PublishFile(unfinished, path);
   std::error_code ignored;

@@ -60,8 +60,8 @@ class SqliteDatabase final : public SqlDatabase {
   absl::StatusOr<std::string> QueryText(std::string_view sql);
   // Writes the committed content to a new file at `path`, replacing an existing one. Reads the
   // whole database once; other connections can write during that time. `edit`, if any, changes the
-  // copy before it appears at `path`. After an error no new file appears.
-  using Edit = std::function<void(SqliteDatabase&)>;
+  // copy before it appears at `path`. After an error, of `edit` too, no new file appears.
+  using Edit = std::function<absl::Status(SqliteDatabase&)>;
   absl::Status CopyTo(const std::string& path, const Edit& edit = {});
   // Also ends copies.
   void StopWhen(const std::atomic<bool>* flag) override;

@@ -20,8 +20,8 @@ namespace sweepstake::storage {
 inline constexpr int64_t kSqliteApplicationId = 0x53575031;  // "SWP1"
 
 // The tables whose rows have a hash.
-inline constexpr const char* kHashedTables[] = {"source", "scene", "evidence_key", "evidence",
-                                                "quarantined_evidence"};
+inline constexpr const char* kHashedTables[] = {
+    "source", "scene", "evidence_key", "evidence", "quarantined_evidence", "kept_file"};
 
 // Returns the path of the file store-id beside the database `path`.
 std::filesystem::path StoreIdFile(const std::filesystem::path& path);

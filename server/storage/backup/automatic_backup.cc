@@ -13,6 +13,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "server/sessions/common/unix_time.h"
+#include "server/storage/backup/kept_files.h"
 #include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/private_file.h"
 #include "server/storage/sqlite_prior_store.h"
@@ -83,7 +84,7 @@ void RemoveOldest(const fs::path& path, absl::string_view kind, size_t max) {
 // the time, so no later backup would overwrite them.
 void RemoveUnfinished(const fs::path& path) {
   std::error_code ignored;
-  for (const char* end : {"Z.new", "Z.new-journal"}) {
+  for (const char* end : {"Z.new", "Z.new-journal", "Z.tokens", "Z.tokens.new"}) {
     for (const fs::path& file : ListCopies(path, kBackup, end)) fs::remove(file, ignored);
   }
 }
@@ -125,8 +126,9 @@ absl::Status Replace(const fs::path& path, const fs::path& backup, const fs::pat
   const std::string unfinished = path.string() + ".restored";
   auto source = SqliteDatabase::Open(backup.string(), SqliteDatabase::OpenMode::kReadOnly);
   if (!source.ok()) return source.status();
-  if (absl::Status status = source->CopyTo(unfinished); !status.ok()) return status;
-  if (absl::Status status = Keep(path, kept); !status.ok()) return status;
+  absl::Status status = source->CopyTo(unfinished, DropKeptFiles);
+  if (!status.ok()) return status;
+  if (status = Keep(path, kept); !status.ok()) return status;
   std::error_code error;
   // SQLite would replay the write-ahead log of the damaged database onto the backup.
   fs::rename(path.string() + "-wal", kept.string() + "-wal", error);
@@ -207,8 +209,10 @@ std::optional<fs::file_time_type> LastBackupTime(const fs::path& path) {
 absl::StatusOr<fs::path> SaveMisplacedStore(priors::PriorStore& store, const fs::path& path) {
   mkdir(path.parent_path().c_str(), 0700);  // if this fails, CopyStore returns an error
   const fs::path file = NextCopy(path, kBackup);
-  absl::Status status =
-      CopyStore(store, file, [](SqliteDatabase& copy) { LeaveOutDamagedRows(copy); });
+  absl::Status status = CopyStore(store, file, [](SqliteDatabase& copy) {
+    LeaveOutDamagedRows(copy);
+    return absl::OkStatus();
+  });
   if (!status.ok()) return status;
   return file;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/storage/backup/kept_files.h"
 #include "server/storage/data_directory.h"
 #include "server/storage/sql/sql_schema.h"
 #include "server/storage/sqlite_database.h"
@@ -198,6 +199,7 @@ absl::StatusOr<StoreContents> BackUpStore(const fs::path& directory, const fs::p
   status = database->CopyTo(file.string(), [&](SqliteDatabase& copy) {
     copy.StopWhen(stop);
     damaged_row_count = LeaveOutDamagedRows(copy);
+    return AddKeptFiles(directory, file.string() + ".tokens", copy);
   });
   if (!status.ok()) return status;
   auto contents = VerifyStore(file, stop);
@@ -224,7 +226,10 @@ absl::StatusOr<StoreContents> RestoreStore(const fs::path& file, const fs::path&
   if (!status.ok()) return status;
   auto database = OpenToRead(file);
   if (!database.ok()) return database.status();
-  if (status = database->CopyTo(data->database().string()); !status.ok()) return status;
+  // The database appears after the other files: only then is the restore complete.
+  status = database->CopyTo(data->database().string(),
+                            [&](SqliteDatabase& copy) { return TakeKeptFiles(copy, directory); });
+  if (!status.ok()) return status;
   return contents;
 }
 

@@ -32,10 +32,10 @@ absl::StatusOr<StoreContents> VerifyStore(const std::filesystem::path& file,
 // integrity check finds a fault.
 int64_t LeaveOutDamagedRows(SqliteDatabase& copy);
 
-// Copies the database of a data directory to a new file without damaged rows, and verifies the
-// file. A daemon may be using the database. Another thread can set `stop` to cancel the backup.
-// Errors: those of VerifyStore, ALREADY_EXISTS, CANCELLED (by `stop`), NOT_FOUND (the directory has
-// no database).
+// Copies the database of a data directory to a new file without damaged rows, adds the other files
+// that a restore needs (kept_files.h), and verifies the file. A daemon may be using the database.
+// Another thread can set `stop` to cancel the backup. Errors: those of VerifyStore, ALREADY_EXISTS,
+// CANCELLED (by `stop`), NOT_FOUND (the directory has no database).
 absl::StatusOr<StoreContents> BackUpStore(const std::filesystem::path& directory,
                                           const std::filesystem::path& file,
                                           const std::atomic<bool>* stop = nullptr);
@@ -43,9 +43,9 @@ absl::StatusOr<StoreContents> BackUpStore(const std::filesystem::path& directory
 // Error: ALREADY_EXISTS (the data directory has a database).
 absl::Status CheckNoDatabase(const std::filesystem::path& directory);
 
-// Verifies the file and copies it into a data directory. The directory must have no database, and
-// no daemon may use it. Makes the directory if it is missing. Errors: those of VerifyStore and of
-// DataDirectory::Open, ALREADY_EXISTS.
+// Verifies the file and copies it into a data directory, with the kept files that the directory
+// lacks. The directory must have no database, and no daemon may use it. Makes the directory if it
+// is missing. Errors: those of VerifyStore and of DataDirectory::Open, ALREADY_EXISTS.
 absl::StatusOr<StoreContents> RestoreStore(const std::filesystem::path& file,
                                            const std::filesystem::path& directory);
 

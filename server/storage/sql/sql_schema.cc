@@ -111,6 +111,13 @@ constexpr const char* kSchema = R"sql(
   ) [STRICT, WITHOUT ROWID];
   CREATE INDEX quarantined_evidence_by_source ON quarantined_evidence (source_id);
 
+  [CREATE TABLE kept_file (
+    name TEXT PRIMARY KEY,
+    content BLOB NOT NULL,
+    hash INTEGER NOT NULL,
+    content_hash INTEGER GENERATED ALWAYS AS (row_hash(name, content)) VIRTUAL
+  ) STRICT;]
+
   CREATE TABLE audit_segment (
     id ROW_ID PRIMARY KEY,
     session TEXT NOT NULL CHECK (octet_length(session) BETWEEN 1 AND 128),

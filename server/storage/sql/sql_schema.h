@@ -14,6 +14,8 @@
 // changes on the disk, which SQLite's own checks miss. `hash` is stored; `content_hash` is computed
 // (row_hash of sqlite_database.h) at each read. If they differ, the row is damaged.
 //
+// The table kept_file is for backups (backup/kept_files.h).
+//
 // In PostgreSQL:
 // - Amounts and counts of windows are numeric columns, whose sums are exact in any order. Amounts
 //   are whole units of 2⁻²⁰.

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <iterator>
 
 #include "server/storage/data_directory.h"
 #include "server/storage/sqlite_database.h"
@@ -55,6 +56,70 @@ TEST_F(SqliteBackupTest, ACopyOfAStoreInUseHasAllCommits) {
   EXPECT_EQ(contents->source_count, 2);
   EXPECT_EQ(contents->scene_count, 2);
   EXPECT_FALSE(std::filesystem::exists(file_.string() + ".new"));
+}
+
+TEST_F(SqliteBackupTest, AlsoHasTokensAndResumeKeyAndARestoreWritesThem) {
+  const auto content = [](const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  {
+    auto tokens =
+        *SqliteDatabase::Open((data_ / "tokens.db").string(), SqliteDatabase::OpenMode::kCreate);
+    ASSERT_TRUE(
+        tokens.Execute("CREATE TABLE token (name TEXT); INSERT INTO token VALUES ('a')").ok());
+    std::ofstream(data_ / "tokens-made");
+    std::ofstream(data_ / "resume-key", std::ios::binary) << std::string("\0key\xff", 5);
+    BackUp();
+  }
+  ASSERT_TRUE(RestoreStore(file_, empty_).ok());
+  EXPECT_EQ(content(empty_ / "resume-key"), std::string("\0key\xff", 5));
+  EXPECT_TRUE(std::filesystem::exists(empty_ / "tokens-made"));
+  auto tokens =
+      *SqliteDatabase::Open((empty_ / "tokens.db").string(), SqliteDatabase::OpenMode::kReadOnly);
+  EXPECT_EQ(*tokens.QueryText("SELECT name FROM token"), "a");
+  struct stat found {};
+  for (const char* name : {"tokens.db", "tokens-made", "resume-key"}) {
+    ASSERT_EQ(stat((empty_ / name).c_str(), &found), 0);
+    EXPECT_EQ(found.st_mode & 0777, 0600u) << name;
+  }
+  auto restored =
+      *SqliteDatabase::Open((empty_ / "priors.db").string(), SqliteDatabase::OpenMode::kReadOnly);
+  EXPECT_EQ(*restored.QueryInteger("SELECT count(*) FROM kept_file"), 0);
+  EXPECT_FALSE(std::filesystem::exists(file_.string() + ".tokens"));
+}
+
+TEST_F(SqliteBackupTest, ARestoreKeepsTheFilesOfTheDirectory) {
+  std::ofstream(data_ / "resume-key") << "old";
+  BackUp();
+  std::filesystem::create_directory(empty_);
+  std::ofstream(empty_ / "resume-key") << "new";
+  ASSERT_TRUE(RestoreStore(file_, empty_).ok());
+  std::string key;
+  std::ifstream(empty_ / "resume-key") >> key;
+  EXPECT_EQ(key, "new");
+}
+
+// A backup from elsewhere must not write anywhere else.
+TEST_F(SqliteBackupTest, ARestoreWritesOnlyFilesThatItKnows) {
+  BackUp();
+  Execute("INSERT INTO kept_file VALUES ('../stolen', x'00', row_hash('../stolen', x'00'))");
+  ASSERT_TRUE(RestoreStore(file_, empty_).ok());
+  EXPECT_FALSE(std::filesystem::exists(directory_.path() / "stolen"));
+}
+
+TEST_F(SqliteBackupTest, AChangedKeptFileIsReported) {
+  std::ofstream(data_ / "resume-key") << "key";
+  BackUp();
+  Execute("UPDATE kept_file SET content = x'00'");
+  EXPECT_THAT(std::string(VerifyStore(file_).status().message()),
+              HasSubstr("1 rows were changed on the disk"));
+}
+
+TEST_F(SqliteBackupTest, WithDamagedTokensThereIsNoBackup) {
+  std::ofstream(data_ / "tokens.db") << std::string(5'000, 'x');
+  EXPECT_TRUE(absl::IsDataLoss(BackUpStore(data_, file_).status()));
+  EXPECT_FALSE(std::filesystem::exists(file_));
 }
 
 TEST_F(SqliteBackupTest, ABackupOverwritesNoFile) {
