@@ -30,6 +30,7 @@ using OrderedJson = nlohmann::ordered_json;
 constexpr std::string_view kFormat = "sweepstake-priors";
 constexpr int kVersion = 1;
 constexpr uintmax_t kMaxFileBytes = uintmax_t{128} << 20;
+constexpr size_t kReadBytes = size_t{1} << 20;
 constexpr size_t kMaxRecords = 200'000;
 constexpr size_t kMaxSums = 1'000'000;
 // Maximum of counts and sequence numbers, as in the store. It leaves room below UINT64_MAX, so the
@@ -544,18 +545,20 @@ std::string FormatPriors(std::span<const PriorRecord> records) {
 
 Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
+  const auto found = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(found) || std::filesystem::is_directory(found)) {
     return Status(StatusCode::kNotFound, "there is no priors file " + path.string());
   }
-  const uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error || bytes > kMaxFileBytes)
-    return Broken(path.string() + ": is over 128 MiB, or its size cannot be read");
-  std::string text(static_cast<size_t>(bytes), '\0');
   std::ifstream file(path, std::ios::binary);
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!file || static_cast<uintmax_t>(file.gcount()) != bytes) {
-    return Broken(path.string() + ": cannot be read to its end");
+  std::string text;
+  while (file && text.size() <= kMaxFileBytes) {  // a pipe has no size
+    const size_t before = text.size();
+    text.resize(before + kReadBytes);
+    file.read(text.data() + before, kReadBytes);
+    text.resize(before + static_cast<size_t>(file.gcount()));
   }
+  if (text.size() > kMaxFileBytes) return Broken(path.string() + ": is over 128 MiB");
+  if (!file.eof()) return Broken(path.string() + ": cannot be read to its end");
   Result<std::vector<PriorRecord>> records = ParsePriors(text);
   if (!records.ok()) return Broken(path.string() + ": " + records.status().message());
   return records;

@@ -1,11 +1,14 @@
 // Tests of `sweepstake priors show|doctor|diff|merge|arm`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "engine_client/cli/io/whole_file.h"
@@ -69,6 +72,18 @@ class PriorsFilesTest : public testing::Test {
 };
 
 // The sum of both regimes would show no difference between the arms.
+// As of `zcat priors.json.gz | sweepstake priors show --in /dev/stdin`.
+TEST_F(PriorsFilesTest, APipeIsRead) {
+  const std::string pipe = (folder_.path() / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(pipe) << FormatPriors(Honest()); });
+  const auto records = ReadPriorsFile(pipe);
+  writer.join();
+  ASSERT_TRUE(records.ok()) << records.status().message();
+  EXPECT_EQ(records->size(), 2u);
+  EXPECT_EQ(ReadPriorsFile(folder_.path()).status().code(), StatusCode::kNotFound);
+}
+
 TEST_F(PriorsFilesTest, ShowsEachRegime) {
   std::vector<PriorRecord> records = {RecordOf("a", "Grid", 100), RecordOf("a", "SAP", 200),
                                       RecordOf("a", "Grid", 200), RecordOf("a", "SAP", 100)};
