@@ -153,8 +153,8 @@ void AddLive(Table& table, Config& config) {
               "learns and commits that many times as often");
   table.Whole("max_sessions", rpc.max_sessions, 1, kMillion,
               "sessions in memory, connected or resumable");
-  table.Whole("max_sessions_per_token", rpc.max_sessions_per_token, 1, kMillion,
-              "sessions in memory that one token started");
+  table.Whole("max_sessions_per_party", rpc.max_sessions_per_party, 1, kMillion,
+              "sessions in memory of one player, network or token");
   table.Whole("max_streams_per_address", rpc.max_streams_per_address, 1, kMillion,
               "game streams from one remote address");
   table.Whole("max_projects", rpc.max_projects, 1, kMillion, "projects of games and imports");

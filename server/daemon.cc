@@ -15,6 +15,7 @@
 #include "server/daemon_site.h"
 #include "server/host/descriptor_limit.h"
 #include "server/sessions/common/unix_time.h"
+#include "server/storage/commit_mark.h"
 #include "server/storage/postgres/shared_store.h"
 #include "server/storage/sqlite_prior_store.h"
 
@@ -127,7 +128,13 @@ absl::Status Daemon::Open(sessions::LoopClock& clock) {
   metrics_.SetMaxStoreBytes(config_.database_bytes);
   storage::StoreThreadOptions store_options;
   if (shared_) store_options.group_rows = storage::kSharedGroupRows;
-  if (!shared_) store_options.on_check = [this](auto& store) { LookAtSpace(store); };
+  if (!shared_) {
+    store_options.on_check = [this, mark = storage::CommitMark(directory_.database())](
+                                 priors::PriorStore& store) mutable {
+      LookAtSpace(store);
+      if (const auto count = storage::CountCommits(store); count.ok()) mark.Write(*count);
+    };
+  }
   store_options.on_health = [this](const absl::Status& status) { ReportStore(status); };
   store_options.on_misplaced = [this](auto& store, bool last) { SaveStore(store, last); };
   store_file_ = opened->file;

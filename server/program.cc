@@ -162,7 +162,9 @@ int ReportContents(const std::string& file, const absl::StatusOr<storage::StoreC
   out << file << ": undamaged; " << text::Counted(contents->record_count, "record") << " of "
       << text::Counted(contents->source_count, "source") << " about "
       << text::Counted(contents->scene_count, "scene") << ", "
-      << text::Counted(contents->audit_row_count, "row") << " of the audit log\n";
+      << text::Counted(contents->audit_row_count, "row") << " of the audit log";
+  for (const std::string& name : contents->kept_files) out << ", " << name;
+  out << '\n';
   if (contents->damaged_row_count == 0) return kDone;
   return Fail(kCheckFailed, absl::StrCat(contents->damaged_row_count,
                                          " damaged rows of the database are not in ", file,
@@ -176,11 +178,12 @@ int BackUpToOutput(const Config& config) {
   const std::filesystem::path file =
       config.data / absl::StrCat(storage::DataDirectory::kDatabaseName, ".new-", getpid());
   const auto contents = storage::BackUpStore(config.data, file);
-  const bool written =
-      !contents.ok() || (std::cout << std::ifstream(file, std::ios::binary).rdbuf() << std::flush);
+  std::ifstream copy(file, std::ios::binary);
   std::error_code ignored;
-  std::filesystem::remove(file, ignored);
-  if (!written) return Fail(kCheckFailed, "cannot write the backup to standard output");
+  std::filesystem::remove(file, ignored);  // the open file can still be read
+  std::signal(SIGPIPE, SIG_IGN);
+  if (contents.ok() && !(std::cout << copy.rdbuf() << std::flush))
+    return Fail(kCheckFailed, "cannot write the backup to standard output");
   return ReportContents("standard output", contents, std::cerr);
 }
 

@@ -138,8 +138,9 @@ void TokenCommand::AddTo(CLI::App& app) {
   create_->add_option("name", name_, "its name in lists and in the log")->required();
   create_
       ->add_option("--role", role_,
-                   "player: games that players have; ingest: games of the studio, which may add "
-                   "scenes and arms; watch: reads; operator: watch and operate; admin: everything")
+                   "player: games that players have; ticket: signs the tickets of players; ingest: "
+                   "games of the studio, which may add scenes and arms; watch: reads; operator: "
+                   "watch and operate; admin: everything")
       ->required()
       ->check(CLI::IsMember(
           std::vector<std::string>(auth::kRoleNames.begin(), auth::kRoleNames.end())));
@@ -164,7 +165,7 @@ void TokenCommand::AddTo(CLI::App& app) {
   ticket_ = app.add_subcommand(
       "ticket", "sign a ticket, with which one player may use a game's token, and print it");
   ticket_->add_option("player", player_, "the player: letters, digits, '-' and '_'")->required();
-  ticket_->add_option("--token-file", token_file_, "file with a token of the role player")
+  ticket_->add_option("--token-file", token_file_, "file with a token of the role ticket")
       ->required();
   ticket_->add_option("--hours", hours_, "hours until the ticket expires")
       ->check(CLI::Range(int64_t{1}, auth::kMaxTicketLifeS / kSecondsPerHour))
@@ -225,7 +226,7 @@ absl::Status TokenCommand::Sign(std::ostream& out) const {
     return absl::InvalidArgumentError("a player has 1 to 64 letters, digits, '-' and '_'");
   std::string token;
   std::ifstream file(token_file_);
-  if (!(file >> token))
+  if (!(file >> token) || !auth::IsToken(token))
     return absl::UnavailableError(absl::StrCat("cannot read a token from ", token_file_.string()));
   out << auth::SignTicket(token, player_, priors::UnixNowS() + hours_ * kSecondsPerHour) << '\n'
       << std::flush;

@@ -312,12 +312,12 @@ void DeclareSources(CLI::App& command, PriorsOptions& options) {
                      "Sessions that began with a ticket of this player");
   command.add_option("--network", *sources.mutable_network(),
                      "Sessions from this address's network, such as 203.0.113.7 (its first 24 "
-                     "bits) or 2001:db8::1 (its first 64 bits)");
+                     "bits) or 2001:db8::1 (its first 48 bits)");
   add_number("--since", &v1::SourceFilter::set_unix_from_s,
-             "Sessions that began at this time or later")
+             "Sessions whose first evidence was stored at this time or later")
       ->type_name("UNIX_S");
   add_number("--until", &v1::SourceFilter::set_unix_until_s,
-             "Sessions that began at this time or earlier")
+             "Sessions whose first evidence was stored at this time or earlier")
       ->type_name("UNIX_S");
   command.add_flag("--yes", options.yes,
                    "Make the change; without it, only show what would change");

@@ -12,11 +12,12 @@
 namespace sweepstake::auth {
 
 // The permissions of a token. A token of the role kPlayer is part of a game that players have, who
-// can read it. Their games send evidence, but only about scenes and arms that others have used.
-enum class Role : uint8_t { kPlayer, kIngest, kWatch, kOperator, kAdmin };
+// can read it. Their games send evidence, but only about scenes and arms that others have used. A
+// token of the role kTicket makes no calls: it signs the tickets of players (ticket.h).
+enum class Role : uint8_t { kPlayer, kTicket, kIngest, kWatch, kOperator, kAdmin };
 // Names on the command line and in the database, in the order of Role.
-inline constexpr std::array<std::string_view, 5> kRoleNames = {"player", "ingest", "watch",
-                                                               "operator", "admin"};
+inline constexpr std::array<std::string_view, 6> kRoleNames = {"player", "ticket",   "ingest",
+                                                               "watch",  "operator", "admin"};
 
 constexpr std::string_view NameOf(Role role) { return kRoleNames[static_cast<size_t>(role)]; }
 

@@ -65,7 +65,7 @@ bool IsSignedWith(std::string_view text, std::string_view digest) {
   if (end == std::string_view::npos) return false;
   const std::string expected = SignatureOf(text.substr(0, end), digest);
   const std::string_view given = text.substr(end + 1);
-  return given.size() == expected.size() &&
+  return !expected.empty() && given.size() == expected.size() &&
          CRYPTO_memcmp(given.data(), expected.data(), expected.size()) == 0;
 }
 

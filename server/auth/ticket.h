@@ -1,5 +1,5 @@
-// Tickets: a studio's backend signs one for each player, with a token of the role `player` that
-// only the backend has.
+// Tickets: a studio's backend signs one for each player, with a token of the role `ticket` that
+// only the backend has. The token of a shipped game cannot sign tickets: its players can read it.
 //
 // A game sends its ticket in place of a token. The daemon then divides places for evidence and
 // quotas among players, and a revocation can name a player. Without tickets all players of a game

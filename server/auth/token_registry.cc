@@ -68,7 +68,7 @@ std::optional<Principal> TokenRegistry::Find(std::string_view token) const {
   for (auto place = first; place != last; ++place) {
     const Entry& entry = entries->list[place->second];
     const std::string& stored = entry.token.digest;
-    if (ticket ? entry.token.request.role == Role::kPlayer && IsSignedWith(token, stored)
+    if (ticket ? entry.token.request.role == Role::kTicket && IsSignedWith(token, stored)
                : CRYPTO_memcmp(stored.data(), digest.data(), digest.size()) == 0) {
       found = &entry;
     }
@@ -76,7 +76,8 @@ std::optional<Principal> TokenRegistry::Find(std::string_view token) const {
   if (found == nullptr || !found->token.IsValidAt(now_s)) return std::nullopt;
   *found->last_used_unix_s = now_s;
   const TokenRequest& request = found->token.request;
-  return Principal{found->token.id,  request.name,        request.role,
+  const Role role = ticket ? Role::kPlayer : request.role;
+  return Principal{found->token.id,  request.name,        role,
                    request.projects, found->token.digest, ticket ? ticket->player : ""};
 }
 

@@ -43,7 +43,7 @@ constexpr const char* kSchema = R"sql(
     id INTEGER PRIMARY KEY AUTOINCREMENT,
     name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
     digest TEXT NOT NULL UNIQUE CHECK (length(digest) = 64),
-    role TEXT NOT NULL CHECK (role IN ('player', 'ingest', 'watch', 'operator', 'admin')),
+    role TEXT NOT NULL CHECK (role IN ('player', 'ticket', 'ingest', 'watch', 'operator', 'admin')),
     projects TEXT NOT NULL CHECK (length(CAST(projects AS BLOB)) BETWEEN 1 AND 65536),
     created_unix_s INTEGER NOT NULL CHECK (created_unix_s BETWEEN 0 AND 9223372036854775807),
     created_by TEXT NOT NULL CHECK (length(CAST(created_by AS BLOB)) BETWEEN 1 AND 128),
@@ -212,6 +212,8 @@ StoredToken TokenOf(const SqlRow& row) {
 }
 
 }  // namespace
+
+bool IsToken(std::string_view text) { return text.starts_with(kTokenPrefix); }
 
 std::string DigestOf(std::string_view token) {
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};

@@ -50,6 +50,9 @@ struct StoredToken {
   }
 };
 
+// Returns whether the text begins as a token does.
+bool IsToken(std::string_view text);
+
 // Returns the SHA-256 of the token, 64 hexadecimal digits.
 std::string DigestOf(std::string_view token);
 

@@ -18,6 +18,7 @@ namespace {
 constexpr std::string_view kIpv6 = "ipv6:";
 constexpr std::string_view kLocal = "unix-abstract:";
 constexpr size_t kNetworkBytes = 8;
+constexpr size_t kSiteBytes = 6;
 
 using NameOfSocket = int (*)(int descriptor, sockaddr* address, socklen_t* size);
 
@@ -97,11 +98,14 @@ std::optional<std::string> NetworkNamed(std::string_view text) {
     return absl::StrCat(host.substr(0, host.rfind('.')), ".0/24");
   }
   in6_addr ipv6{};
-  if (inet_pton(AF_INET6, host.c_str(), &ipv6) != 1 || (!bits.empty() && bits != "/64"))
-    return std::nullopt;
+  if (inet_pton(AF_INET6, host.c_str(), &ipv6) != 1) return std::nullopt;
+  if (!bits.empty() && bits != "/48" && bits != "/64") return std::nullopt;
   const std::string address = AddressOf(absl::StrCat(std::string(kIpv6), "[", host, "]:0"));
-  const std::string without_kind = address.substr(kIpv6.size());
-  return address.starts_with(kIpv6) ? without_kind : NetworkNamed(without_kind);
+  if (!address.starts_with(kIpv6)) return NetworkNamed(address.substr(kIpv6.size()));
+  std::fill_n(reinterpret_cast<uint8_t*>(&ipv6) + kSiteBytes, sizeof ipv6 - kSiteBytes, uint8_t{0});
+  std::array<char, INET6_ADDRSTRLEN> network{};
+  inet_ntop(AF_INET6, &ipv6, network.data(), network.size());
+  return std::string(network.data()) + "/48";
 }
 
 std::string NetworkOf(std::string_view peer) {
@@ -113,15 +117,17 @@ std::string NetworkOf(std::string_view peer) {
 
 std::string ForwardedPeer(std::string_view peer, std::string_view forwarded_for) {
   const absl::string_view list(forwarded_for.data(), forwarded_for.size());
-  const std::string last(
-      absl::StripAsciiWhitespace(list.substr(list.rfind(',') + 1)));  // npos + 1 is 0
+  std::string last(absl::StripAsciiWhitespace(list.substr(list.rfind(',') + 1)));  // npos + 1 is 0
+  // Some proxies add the port, and brackets around an IPv6 address.
+  if (last.starts_with('[')) last = last.substr(1, last.find(']') - 1);
+  if (std::count(last.begin(), last.end(), ':') == 1) last.resize(last.find(':'));
   in_addr ipv4{};
   in6_addr ipv6{};
-  if (!IsLoopbackAddress(AddressOf(peer))) return std::string(peer);
+  if (!IsLoopbackAddress(AddressOf(peer)) || forwarded_for.empty()) return std::string(peer);
   if (inet_pton(AF_INET, last.c_str(), &ipv4) == 1) return absl::StrCat("ipv4:", last, ":0");
   if (inet_pton(AF_INET6, last.c_str(), &ipv6) == 1)
     return absl::StrCat(std::string(kIpv6), "%5B", last, "%5D:0");
-  return std::string(peer);
+  return "ipv4:0.0.0.0:0";
 }
 
 bool IsLoopbackAddress(std::string_view address) {

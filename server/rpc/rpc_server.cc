@@ -145,7 +145,7 @@ void RpcServer::Adjust(const RpcOptions& options) {
   options_.keeps_audit = options.keeps_audit;
   options_.max_time_scale = options.max_time_scale;
   options_.max_sessions = options.max_sessions;
-  options_.max_sessions_per_token = options.max_sessions_per_token;
+  options_.max_sessions_per_party = options.max_sessions_per_party;
   options_.max_streams_per_address = options.max_streams_per_address;
   options_.max_projects = options.max_projects;
   options_.max_scenes = options.max_scenes;

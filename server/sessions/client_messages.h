@@ -20,10 +20,11 @@ struct SessionRequest {
   std::vector<std::string> arms;
   std::vector<uint32_t> backend_versions;  // one per arm
   priors::SourceOrigin origin;
-  std::string session_id;    // id of the session to resume; empty for a new one
-  std::string resume_token;  // proves that the client owns the session
-  std::string policy;        // never empty
-  DecisionRules rules;       // before the time scale
+  bool is_of_player = false;  // stores evidence about known arms only
+  std::string session_id;     // id of the session to resume; empty for a new one
+  std::string resume_token;   // proves that the client owns the session
+  std::string policy;         // never empty
+  DecisionRules rules;        // before the time scale
   Mode mode = Mode::kManual;
   uint32_t active_arm = 0;
   uint32_t switch_epoch = 0;

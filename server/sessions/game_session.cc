@@ -60,7 +60,8 @@ std::shared_ptr<GameSession> GameSession::Create(const SessionContext& context,
                                          std::span<const priors::KeyedEvidence> increments) {
         if (const auto self = weak.lock()) self->OnCommitted(status, increments);
       });
-  session->ledger_->SetOrigin(session->identity_.origin);
+  session->ledger_->SetOrigin(session->identity_.origin, session->identity_.is_of_player,
+                              session->KnownKeys());
   return session;
 }
 
@@ -77,6 +78,14 @@ GameSession::GameSession(const SessionContext& context, SessionIdentity identity
       has_stored_evidence_(stored.has_evidence),
       boxes_(context.loop) {
   ++context_.counters.session_count;
+}
+
+std::vector<priors::EvidenceKey> GameSession::KnownKeys() const {
+  std::vector<priors::EvidenceKey> keys;
+  for (size_t i = 0; i < identity_.arms.size() && !identity_.is_of_player; ++i)
+    keys.push_back(
+        EvidenceKeyOf(identity_.scene, identity_.arms[i], identity_.backend_versions[i], {}));
+  return keys;
 }
 
 void GameSession::MarkActive() {
@@ -209,7 +218,7 @@ void GameSession::ApplyMessage(protocol::BailOut& bail_out) {
   if (rejection) return Count(*rejection, context_.counters.rejected_frame_counts);
   const int64_t now_ns = context_.loop.clock().NowNs();
   // Only a bail-out that the session would use as evidence counts against the limit of the client's
-  // token and address.
+  // party.
   if (decisions_.IsEvidence(frame, now_ns) && link_ != nullptr && !link_->SpendBailOut())
     frame.flags |= decision::kFrameNoEvidence;
   // The evidence of the bail-out goes to disk with the next tick. Committing it now would also

@@ -62,8 +62,8 @@ class ClientStream {
   // `max_bytes`, for the next `until_ms`. If all arguments are 0, requests the game to stop sending
   // boxes.
   virtual void SendBoxRequest(uint32_t interval_ms, uint32_t max_bytes, uint32_t until_ms) = 0;
-  // Counts a bail-out against the limits of the client's token and address. Returns whether it is
-  // within the limits and therefore evidence.
+  // Counts a bail-out against the limit of the client's party. Returns whether it is within the
+  // limit and therefore evidence.
   virtual bool SpendBailOut() = 0;
   // Ends the stream after all messages are written. REQUIRES: the session does not use the stream
   // any more.
@@ -171,6 +171,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   GameSession(const SessionContext& context, SessionIdentity identity,
               const decision::SessionSetup& setup, const StoredSession& stored);
 
+  // Returns the keys whose arms the session makes known.
+  std::vector<priors::EvidenceKey> KnownKeys() const;
   // Makes the next tick decide. The first call also starts the session's audit log. The Hello does
   // not start it: for a session that only sends a Hello, the first rows of the log would dominate
   // the cost.

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "server/sessions/prior_store.h"
+
 namespace sweepstake::sessions {
 
 // Whether a lost session has evidence that is not on disk. Sessions with a smaller value leave
@@ -32,27 +34,29 @@ struct LostRank {
 
 class LostSessions {
  public:
-  void Add(int64_t token_id, LostRank rank, std::string session_id) {
-    of_token_.emplace(std::pair(token_id, rank), session_id);
+  using Owner = priors::SourceOrigin::Owner;
+
+  void Add(const Owner& owner, LostRank rank, std::string session_id) {
+    of_owner_.emplace(std::pair(owner, rank), session_id);
     all_.emplace(rank, std::move(session_id));
   }
   // Removes the session that was added with these arguments.
-  void Remove(int64_t token_id, LostRank rank) {
+  void Remove(const Owner& owner, LostRank rank) {
     all_.erase(rank);
-    of_token_.erase({token_id, rank});
+    of_owner_.erase({owner, rank});
   }
 
-  // Returns the first session to leave; if `token_id` is given, the first one of that token.
-  std::optional<std::string> First(std::optional<int64_t> token_id) const {
-    if (!token_id) return all_.empty() ? std::nullopt : std::optional(all_.begin()->second);
-    const auto first = of_token_.lower_bound({*token_id, {}});
-    if (first == of_token_.end() || first->first.first != *token_id) return std::nullopt;
+  // Returns the first session to leave; if `owner` is given, the first one of that owner.
+  std::optional<std::string> First(const std::optional<Owner>& owner) const {
+    if (!owner) return all_.empty() ? std::nullopt : std::optional(all_.begin()->second);
+    const auto first = of_owner_.lower_bound({*owner, {}});
+    if (first == of_owner_.end() || first->first.first != *owner) return std::nullopt;
     return first->second;
   }
 
  private:
   std::map<LostRank, std::string> all_;
-  std::map<std::pair<int64_t, LostRank>, std::string> of_token_;
+  std::map<std::pair<Owner, LostRank>, std::string> of_owner_;
 };
 
 }  // namespace sweepstake::sessions

@@ -72,12 +72,13 @@ struct SourceOrigin {
   int64_t token_id = 0;      // token with which the session began; 0 for none
   std::string player = {};   // player that the session's ticket names; empty without a ticket
   std::string network = {};  // network of the client (net::NetworkOf); empty for the own machine
-  // Whether the scenes and arms of the source become known (PriorReader::LoadKnownArms).
-  bool makes_known = true;
 
   // Returns who began the source, as far as it is known. The sources of a scene are divided evenly
   // among these parties. The ids of players have no '/', so they differ from all networks.
   const std::string& party() const { return player.empty() ? network : player; }
+  // The token and the party; a default value for programs of the own machine without a token.
+  using Owner = std::pair<int64_t, std::string>;
+  Owner owner() const { return {token_id, party()}; }
 
   friend bool operator==(const SourceOrigin&, const SourceOrigin&) = default;
 };
@@ -98,7 +99,16 @@ struct SourceUpdate {
   AuditRows audit;
   SourceOrigin origin = {};
   SourceWriter writer = {};
+  // Keys whose scene and arm become known (PriorReader::LoadKnownArms). They are stored without
+  // evidence.
+  std::vector<EvidenceKey> known = {};
+  // Whether the source is a player's. The party of such sources may add at most
+  // kMaxScenesOfParty machine classes and reward versions to a scene; increments beyond them are
+  // not stored.
+  bool is_of_player = false;
 };
+
+inline constexpr uint64_t kMaxScenesOfParty = 4;
 
 // Returns whether a commit failed because of an update that can never be stored: the update is
 // invalid, or its source has another writer.
@@ -324,9 +334,10 @@ class PriorReader {
 
   // Returns evidence about the scene, with the key's reward version. For each arm it is that of at
   // most kSourcesOfScene sources of the scene's class and kSourcesOfOtherClass sources of each of
-  // kOtherClasses other classes. decision::ChooseSources chooses them among the latest sources of
-  // the parties that were active last, and divides the places evenly among tokens and parties. The
-  // cost does not depend on the number of stored sources.
+  // kOtherClasses other classes, preferably of those with known arms. decision::ChooseSources
+  // chooses them among the latest sources of the parties that were active last, and divides the
+  // places evenly among tokens and parties. The cost does not depend on the number of stored
+  // sources.
   virtual absl::StatusOr<std::vector<SceneSource>> LoadSources(const SceneKey& scene) = 0;
 
   // Returns the state of a source, or nothing if the source was never committed here (an imported
@@ -342,17 +353,11 @@ class PriorReader {
   // Returns the scene's evidence, or nothing if there is none.
   virtual absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) = 0;
 
-  // Returns the known arms of a scene, with their backend versions: those of sources that make them
-  // known, and of imported evidence. Evidence about other arms of a scene can be stored, too. A
-  // revocation makes no arm unknown.
+  // Returns the known arms of a scene, with their backend versions: those of SourceUpdate::known,
+  // and of imported evidence. A revocation makes the arms of a scene unknown about which no
+  // evidence is left.
   virtual absl::StatusOr<std::set<std::pair<std::string, uint32_t>>> LoadKnownArms(
       const std::string& project, const std::string& scene) = 0;
-
-  // Returns for how many machine classes and reward versions of this scene the party has stored
-  // evidence.
-  virtual absl::StatusOr<uint64_t> CountKeysOfParty(const std::string& project,
-                                                    const std::string& scene,
-                                                    const SourceOrigin& origin) = 0;
 
   virtual absl::StatusOr<SceneCount> CountScenes(const std::string& project) = 0;
 

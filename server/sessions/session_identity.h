@@ -16,6 +16,7 @@ struct SessionIdentity {
   std::vector<std::string> arms;
   std::vector<uint32_t> backend_versions;  // one per arm
   std::vector<bool> kept_arms;             // whether evidence about each arm is stored
+  bool is_of_player = false;               // adds no known arms to the store
   uint64_t seed = 0;
   std::string policy;                      // its name in the registry of policies
   uint32_t audit_segment = 1;              // segment of the session's audit log

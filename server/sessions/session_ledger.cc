@@ -91,7 +91,9 @@ priors::SourceUpdate SessionLedger::NextUpdate() const {
                               .increments = {},
                               .audit = audit_,
                               .origin = origin_,
-                              .writer = writer_};
+                              .writer = writer_,
+                              .known = known_,
+                              .is_of_player = is_of_player_};
   ++update.progress.commit_sequence;
   for (const auto& [key, evidence] : waiting_) update.increments.push_back({key, evidence});
   return update;
@@ -148,6 +150,7 @@ void SessionLedger::OnCommitted(const absl::Status& status) {
   if (status.ok()) {
     ++counters_.stored_commit_count;
     durable_sequence_ = offered_->progress.message_sequence;
+    known_.clear();
     stored = std::move(offered_->increments);
     DropOffer();
   } else {

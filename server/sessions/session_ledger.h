@@ -55,8 +55,14 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   SessionLedger& operator=(const SessionLedger&) = delete;
 
   void Add(const priors::KeyedEvidence& increment);
-  // Sets the origin of the source. REQUIRES: no update was offered to the store yet.
-  void SetOrigin(priors::SourceOrigin origin) { origin_ = std::move(origin); }
+  // Sets the members of all updates that have these names; `known` is part of the first ones, until
+  // one is stored. REQUIRES: no update was offered to the store yet.
+  void SetOrigin(priors::SourceOrigin origin, bool is_of_player,
+                 std::vector<priors::EvidenceKey> known) {
+    origin_ = std::move(origin);
+    is_of_player_ = is_of_player;
+    known_ = std::move(known);
+  }
   // Starts the session's audit log. `head` identifies its segment, and has no rows.
   void StartAudit(priors::AuditRows head) { audit_ = std::move(head); }
   // Adds the bytes of the next row. REQUIRES: StartAudit was called.
@@ -103,6 +109,8 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
 
   priors::SourceProgress progress_;  // progress at the latest checkpoint
   priors::SourceOrigin origin_;
+  bool is_of_player_ = false;
+  std::vector<priors::EvidenceKey> known_;
   const priors::SourceWriter writer_;
   uint64_t durable_sequence_;
   std::map<priors::EvidenceKey, priors::Evidence> open_;  // evidence since the latest checkpoint

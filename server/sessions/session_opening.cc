@@ -60,7 +60,7 @@ void SessionOpening::ReadStore() {
     const auto self = weak.lock();
     if (!self) return;
     StoredStart nothing;
-    if (self->hello_.origin.makes_known) nothing.new_scene = UnstoredScene{.project_count = 0};
+    if (!self->hello_.is_of_player) nothing.new_scene = UnstoredScene{.project_count = 0};
     nothing.status = Refused(reasons::kStoreBusy, "no answer");
     self->OnRead(nothing);
   });
@@ -127,8 +127,15 @@ absl::StatusOr<OpenedSession> SessionOpening::Begin(const StoredStart& start) {
   std::optional<NewScenes::Hold> hold;
   if (start.new_scene) {
     auto taken = table_.new_scenes().Take(hello_.scene, *start.new_scene);
-    if (!taken.ok()) return taken.status();
-    hold.emplace(*std::move(taken));
+    if (!taken.ok() && !hello_.is_of_player) return taken.status();
+    if (!taken.ok()) {
+      StoredStart unkept = start;
+      unkept.kept_arms.clear();
+      unkept.new_scene.reset();
+      return Begin(unkept);
+    }
+    // A player's session must not use up the quota before it has evidence.
+    if (!hello_.is_of_player) hold.emplace(*std::move(taken));
   }
   auto session = MakeSession(context(), hello_, start);
   if (!session.ok()) return session.status();

@@ -220,7 +220,7 @@ void AddStoredRegimes(const std::set<std::string>& names, size_t arm_count,
 }
 
 bool Keeps(const SessionRequest& hello, const StoredStart& start, size_t arm) {
-  return hello.origin.makes_known || (arm < start.kept_arms.size() && start.kept_arms[arm]);
+  return !hello.is_of_player || (arm < start.kept_arms.size() && start.kept_arms[arm]);
 }
 
 bool KeepsAny(const SessionRequest& hello, const StoredStart& start) {
@@ -239,7 +239,11 @@ std::set<std::string> CheckQuota(priors::PriorReader& store, const SessionReques
   for (size_t i = 0; i < hello.arms.size(); ++i) {
     if (!Keeps(hello, start, i)) continue;
     start.refusal = quota.Add(hello.scene, hello.arms[i], hello.backend_versions[i]);
-    if (!start.refusal.ok()) return {};
+    if (start.refusal.ok()) continue;
+    // The session of a player can begin, but stores nothing.
+    if (hello.is_of_player) start.refusal = absl::OkStatus();
+    start.kept_arms.clear();
+    return {};
   }
   if (!KeepsAny(hello, start)) return {};
   start.new_scene = quota.unstored();
@@ -254,13 +258,6 @@ absl::Status LimitToKnownArms(priors::PriorReader& store, const SessionRequest& 
   if (!known.ok()) return known.status();
   for (size_t i = 0; i < hello.arms.size(); ++i)
     start.kept_arms.push_back(known->contains({hello.arms[i], hello.backend_versions[i]}));
-  if (!KeepsAny(hello, start)) return absl::OkStatus();
-  const auto stored = store.LoadScene(scene);
-  if (!stored.ok()) return stored.status();
-  if (stored->has_value()) return absl::OkStatus();
-  const auto count = store.CountKeysOfParty(scene.project, scene.scene, hello.origin);
-  if (!count.ok()) return count.status();
-  if (*count >= kMaxKeysOfParty) start.kept_arms.clear();
   return absl::OkStatus();
 }
 
@@ -282,6 +279,7 @@ SessionIdentity IdentityOf(const SessionRequest& hello, const StoredStart& start
   identity.scene = hello.scene;
   identity.arms = hello.arms;
   identity.backend_versions = hello.backend_versions;
+  identity.is_of_player = hello.is_of_player;
   for (size_t i = 0; i < hello.arms.size(); ++i)
     identity.kept_arms.push_back(Keeps(hello, start, i));
   // The seed determines the order of exploration, so a resumed session keeps its seed.
@@ -321,7 +319,7 @@ decision::SessionSetup SetupOf(const SessionRequest& hello, const SessionIdentit
 StoredStart LoadStart(priors::PriorReader& store, const SessionRequest& hello,
                       const HostedSessionOptions& options, bool is_writing_thread) {
   StoredStart start;
-  if (!hello.origin.makes_known) {
+  if (hello.is_of_player) {
     start.status = LimitToKnownArms(store, hello, start);
     if (!start.status.ok()) start.kept_arms.clear();
   }

@@ -3,10 +3,10 @@
 // A new session starts from Beta(1,1) plus the evidence of all sources of its scene. For arms
 // without such evidence the project's other scenes are used. Each regime of the scene has a prior
 // of its own. A session of a player stores evidence only about known arms of a known scene
-// (PriorReader::LoadKnownArms), and a player may add kMaxKeysOfParty machine classes and reward
-// versions to a scene. So players who invent names use up no quota. A session that is resumed from
-// the store starts from the same evidence, its own included. With Hello::ignores_priors, only its
-// own evidence is used. Evidence with another reward version than the policy's is not used.
+// (PriorReader::LoadKnownArms), and does not keep a claim to a quota. So players who invent names
+// use up no quota. A session that is resumed from the store starts from the same evidence, its own
+// included. With Hello::ignores_priors, only its own evidence is used. Evidence with another reward
+// version than the policy's is not used.
 #pragma once
 
 #include <memory>
@@ -21,8 +21,6 @@
 #include "server/sessions/new_scenes.h"
 
 namespace sweepstake::sessions {
-
-inline constexpr uint64_t kMaxKeysOfParty = 4;
 
 // The result of reading the store for a Hello.
 struct StoredStart {

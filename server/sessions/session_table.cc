@@ -21,28 +21,28 @@ std::shared_ptr<GameSession> SessionTable::Find(const std::string& id) const {
 }
 
 absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
-  const int64_t token_id = session->identity().origin.token_id;
-  const auto held = token_counts_.find(token_id);
-  if (token_id != 0 && held != token_counts_.end() &&
-      held->second >= context_.options.max_sessions_per_token && !MakeRoom(token_id)) {
+  const Owner owner = session->identity().origin.owner();
+  const auto held = owner_counts_.find(owner);
+  if (owner != Owner() && held != owner_counts_.end() &&
+      held->second >= context_.options.max_sessions_per_party && !MakeRoom(owner)) {
     return Refused(reasons::kTooManySessions,
-                   absl::StrCat("this token has ", held->second,
-                                " sessions, the maximum (max_sessions_per_token); end some, "
-                                "or use another token"));
+                   absl::StrCat("this player, network or token has ", held->second,
+                                " sessions, the maximum (max_sessions_per_party); end some, or "
+                                "raise the limit on the daemon"));
   }
   if (entries_.size() >= context_.options.max_sessions && !MakeRoom(std::nullopt)) {
     return Refused(reasons::kTooManySessions,
                    "this daemon has the maximum number of sessions (max_sessions); try again "
                    "later, or use another daemon");
   }
-  ++token_counts_[token_id];
+  ++owner_counts_[owner];
   std::string id = session->identity().id;
   entries_[std::move(id)].session = std::move(session);
   return absl::OkStatus();
 }
 
-bool SessionTable::MakeRoom(std::optional<int64_t> token_id) {
-  const std::optional<std::string> first = leaving_.First(token_id);
+bool SessionTable::MakeRoom(const std::optional<Owner>& owner) {
+  const std::optional<std::string> first = leaving_.First(owner);
   if (!first) return false;
   GameSession& session = *entries_.at(*first).session;
   if (session.ended() && !session.settled()) return false;
@@ -153,7 +153,7 @@ void SessionTable::Lose(Entry& entry) {
 
 void SessionTable::Recover(Entry& entry) {
   lost_.erase(*std::exchange(entry.lost, std::nullopt));
-  leaving_.Remove(entry.session->identity().origin.token_id, entry.rank);
+  leaving_.Remove(entry.session->identity().origin.owner(), entry.rank);
 }
 
 void SessionTable::LookAgainAt(int64_t due_ns, Entry& entry) {
@@ -163,7 +163,7 @@ void SessionTable::LookAgainAt(int64_t due_ns, Entry& entry) {
   entry.rank.state = entry.session->settled() ? LostState::kSettled
                      : entry.session->ended() ? LostState::kEnding
                                               : LostState::kUnsettled;
-  leaving_.Add(identity.origin.token_id, entry.rank, identity.id);
+  leaving_.Add(identity.origin.owner(), entry.rank, identity.id);
 }
 
 void SessionTable::ScheduleSweep() {
@@ -203,8 +203,8 @@ void SessionTable::Remove(const std::string& id) {
   const auto found = entries_.find(id);
   if (found->second.lost) Recover(found->second);
   Disconnect(*found->second.session);
-  const auto count = token_counts_.find(found->second.session->identity().origin.token_id);
-  if (--count->second == 0) token_counts_.erase(count);
+  const auto count = owner_counts_.find(found->second.session->identity().origin.owner());
+  if (--count->second == 0) owner_counts_.erase(count);
   found->second.session->PublishEnd();
   entries_.erase(found);
 }

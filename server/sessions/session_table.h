@@ -133,6 +133,7 @@ class SessionTable {
   const SessionContext& context() const { return context_; }
 
  private:
+  using Owner = priors::SourceOrigin::Owner;
   // The time (ns) of a lost session's next check, and a unique number.
   using LostKey = std::pair<int64_t, uint64_t>;
   struct Entry {
@@ -150,9 +151,9 @@ class SessionTable {
   int64_t UnixMsOf(int64_t time_ns) const;
   // Returns the session of the scene that has been connected the longest; null if there is none.
   const GameSession* FirstOf(const priors::SceneKey& scene) const;
-  // Removes the session that was lost first, preferably one whose evidence is on disk. If a token
-  // is given, only sessions of that token may leave. Returns whether a session could leave.
-  bool MakeRoom(std::optional<int64_t> token_id);
+  // Removes the session that was lost first, preferably one whose evidence is on disk. If an
+  // owner is given, only sessions of that owner may leave. Returns whether a session could leave.
+  bool MakeRoom(const std::optional<Owner>& owner);
   void Lose(Entry& entry);
   // Removes the entry from `lost_` and `leaving_`. REQUIRES: its session is lost.
   void Recover(Entry& entry);
@@ -170,7 +171,7 @@ class SessionTable {
   LostSessions leaving_;  // lost sessions in the order in which they leave to make room
   // The connected sessions of each scene, in the order of their connection.
   std::map<priors::SceneKey, std::vector<const GameSession*>> connected_;
-  std::map<int64_t, uint32_t> token_counts_;  // sessions in the table, by the token's id
+  std::map<Owner, uint32_t> owner_counts_;  // sessions in the table
   std::set<std::string> kicked_;
   std::deque<std::string> kicks_;  // kicked ids, the oldest first
   uint64_t last_lost_number_ = 0;

@@ -47,6 +47,10 @@ absl::StatusOr<std::unique_ptr<ReadConnection>> OpenSqliteReadConnection(
   return MakeReadConnection(Own(*std::move(database)));
 }
 
+absl::StatusOr<uint64_t> CountCommits(priors::PriorStore& store) {
+  return StoreOf(store).CountCommits();
+}
+
 absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,
                         uint64_t max_bytes) {
   absl::Status status;

@@ -44,6 +44,10 @@ absl::StatusOr<std::unique_ptr<ReadConnection>> OpenSqliteReadConnection(
 absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,
                         uint64_t max_bytes);
 
+// Returns how many commits of sources the store has. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES:
+// OpenSqlitePriorStore returned `store`.
+absl::StatusOr<uint64_t> CountCommits(priors::PriorStore& store);
+
 // Returns the bytes of the file that are in use. Removed rows free bytes. Errors: UNAVAILABLE,
 // DATA_LOSS. REQUIRES: OpenSqlitePriorStore returned `store`.
 absl::StatusOr<uint64_t> UsedBytes(priors::PriorStore& store);

@@ -204,6 +204,8 @@ absl::StatusOr<SqliteDatabase> OpenPriorDatabaseInMemory() {
   if (!database.ok()) return database.status();
   absl::Status status = database->Configure();
   if (status.ok()) status = CreateTables(*database);
+  // The id decides which sources are chosen, so tests need the same one each time.
+  if (status.ok()) status = database->Execute("UPDATE store SET id = 'memory'");
   if (!status.ok()) return status;
   return database;
 }

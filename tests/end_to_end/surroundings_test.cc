@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -63,6 +64,30 @@ TEST(SurroundingsTest, ACutMappedFileEndsTheDaemonWithAMessage) {
   game.Send(rpc::Frames(2, 30));
   EXPECT_TRUE(rpc::Eventually([&] { return daemon.ended(); }));
   EXPECT_NE(daemon.log().find("was cut while it was in use"), std::string::npos) << daemon.log();
+}
+
+// SQLite opens such a database as if nothing were missing.
+TEST(SurroundingsTest, ARemovedWriteAheadLogIsReported) {
+  const TemporaryDirectory data;
+  {
+    DaemonProcess daemon(data.path());
+    rpc::TelemetryClient game(
+        grpc::CreateChannel(daemon.address(), grpc::InsecureChannelCredentials()));
+    StoreFirstFrames(game);
+    uint64_t marked = 0;
+    EXPECT_TRUE(rpc::Eventually(
+        [&] { return std::ifstream(data.path() / "store-commits") >> marked && marked > 0; }));
+    daemon.Kill();
+  }
+  {
+    DaemonProcess daemon(data.path());
+    EXPECT_EQ(daemon.log().find("lacks"), std::string::npos) << "a kill alone loses nothing";
+    daemon.Kill();
+  }
+  fs::remove(data.path() / "priors.db-wal");
+  fs::remove(data.path() / "priors.db-shm");
+  DaemonProcess daemon(data.path());
+  EXPECT_NE(daemon.log().find("commits that it had before"), std::string::npos) << daemon.log();
 }
 
 TEST(SurroundingsTest, ClosedStandardStreamsAreNotFilesOfTheData) {

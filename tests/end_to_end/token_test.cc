@@ -77,9 +77,13 @@ TEST_F(TokenTest, AGameWithATokenLearnsAndOneWithoutGetsAnError) {
 }
 
 TEST_F(TokenTest, AGameWithATicketLearnsAndItsEvidenceIsRevokedByItsPlayer) {
-  const std::string token = MakeToken("game", "--role player");
+  const std::string token = MakeToken("backend", "--role ticket");
   const std::string admin = MakeToken("admin", "--role admin");
+  const std::string studio = MakeToken("studio", "--role ingest");
   const DaemonProcess daemon(data_.path());
+  ScriptedGame first(daemon.address(), With(studio));
+  EXPECT_TRUE(first.RunUntil(IsConnected));
+  first.Stop();
   for (const std::string player : {"alice", "mallory"}) {
     const std::string file = token + "." + player;
     std::ofstream(file) << RunDaemonCommand("ticket " + player + " --token-file " + token);
@@ -99,17 +103,18 @@ TEST_F(TokenTest, AGameWithATicketLearnsAndItsEvidenceIsRevokedByItsPlayer) {
   const auto status = v1::PriorsService::NewStub(channel)->RevokePriors(&call, request, &response);
   EXPECT_TRUE(status.ok()) << status.error_message();
   EXPECT_EQ(response.source_count(), 1u);
+  EXPECT_GT(response.record_count(), 0u);
 }
 
 TEST_F(TokenTest, ATicketThatWasChangedOrIsSignedByAnotherTokenIsRefused) {
-  const std::string token = MakeToken("game", "--role player");
-  const std::string watch = MakeToken("watch", "--role watch");
+  const std::string token = MakeToken("backend", "--role ticket");
+  const std::string player = MakeToken("player", "--role player");
   const DaemonProcess daemon(data_.path());
   std::string changed = RunDaemonCommand("ticket alice --token-file " + token);
   changed.replace(changed.find("alice"), 5, "carol");
   const std::string file = token + ".ticket";
   for (const std::string& ticket :
-       {changed, RunDaemonCommand("ticket alice --token-file " + watch)}) {
+       {changed, RunDaemonCommand("ticket alice --token-file " + player)}) {
     std::ofstream(file) << ticket;
     ScriptedGame game(daemon.address(), With(file));
     EXPECT_TRUE(game.RunUntil(IsRefused));
@@ -117,6 +122,8 @@ TEST_F(TokenTest, ATicketThatWasChangedOrIsSignedByAnotherTokenIsRefused) {
   }
   EXPECT_THAT(RunDaemonCommand("ticket 'a b' --token-file " + token), HasSubstr("letters, digits"));
   EXPECT_THAT(RunDaemonCommand("ticket alice --token-file /nowhere"), HasSubstr("cannot read"));
+  EXPECT_THAT(RunDaemonCommand("ticket alice --token-file " + file), HasSubstr("cannot read"))
+      << "a ticket is not a token";
 }
 
 TEST_F(TokenTest, ATokenOfAnotherRoleOrProjectIsRefused) {

@@ -11,17 +11,19 @@ namespace {
 
 using Indices = std::vector<size_t>;
 
-uint64_t HashOf(int64_t token_id) { return math::Mix64(static_cast<uint64_t>(token_id)); }
+uint64_t HashOf(int64_t token_id, uint64_t seed) {
+  return math::Mix64(math::Mix64(seed) + static_cast<uint64_t>(token_id));
+}
 // FNV-1a alone orders similar texts similarly.
-uint64_t HashOf(std::string_view party) {
-  return math::Mix64(math::Fnv1a(math::kFnv1aStart, party));
+uint64_t HashOf(std::string_view party, uint64_t seed) {
+  return math::Mix64(math::Mix64(seed) + math::Fnv1a(math::kFnv1aStart, party));
 }
 
 // Takes one index of each list in turn, in the order of the keys' hashes.
 template <typename Key>
-Indices InRounds(const std::map<Key, Indices>& lists) {
+Indices InRounds(const std::map<Key, Indices>& lists, uint64_t seed) {
   std::vector<std::pair<uint64_t, const Indices*>> order;
-  for (const auto& [key, list] : lists) order.emplace_back(HashOf(key), &list);
+  for (const auto& [key, list] : lists) order.emplace_back(HashOf(key, seed), &list);
   std::sort(order.begin(), order.end());
   Indices taken;
   for (size_t round = 0; !order.empty(); ++round) {
@@ -33,13 +35,14 @@ Indices InRounds(const std::map<Key, Indices>& lists) {
 
 }  // namespace
 
-std::vector<size_t> ChooseSources(std::span<const SourceOwner> owners, size_t limit) {
+std::vector<size_t> ChooseSources(std::span<const SourceOwner> owners, size_t limit,
+                                  uint64_t seed) {
   std::map<int64_t, std::map<std::string_view, Indices>> parties;
-  for (size_t i = 0; i < std::min(owners.size(), kSourcesPerPlace * limit); ++i)
+  for (size_t i = 0; i < owners.size(); ++i)
     parties[owners[i].token_id][owners[i].party].push_back(i);
   std::map<int64_t, Indices> tokens;
-  for (const auto& [token_id, lists] : parties) tokens[token_id] = InRounds(lists);
-  Indices chosen = InRounds(tokens);
+  for (const auto& [token_id, lists] : parties) tokens[token_id] = InRounds(lists, seed);
+  Indices chosen = InRounds(tokens, seed);
   chosen.resize(std::min(chosen.size(), limit));
   std::sort(chosen.begin(), chosen.end());
   return chosen;

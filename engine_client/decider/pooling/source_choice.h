@@ -13,7 +13,7 @@
 
 namespace sweepstake::decision {
 
-// For each place, this many of the latest sources are candidates.
+// For each place, readers should offer about this many of the latest sources.
 inline constexpr uint32_t kSourcesPerPlace = 8;
 
 // The token and the party that began a source.
@@ -27,8 +27,9 @@ struct SourceOwner {
 // sources, ascending.
 // - Each round gives one place to every token that has sources left. Within a token, each round
 //   gives one place to every party that has sources left, for the latest of them.
-// - If a round has fewer places than tokens or parties, a hash of them decides. So they gain
-//   nothing by starting their sources last, and any tenth of them gets about a tenth of the places.
-std::vector<size_t> ChooseSources(std::span<const SourceOwner> owners, size_t limit);
+// - If a round has fewer places than tokens or parties, a hash of them and of `seed` decides. So
+//   they gain nothing by starting their sources last, and any tenth of them gets about a tenth of
+//   the places. Keep the seed secret: a client could choose a network by its hash.
+std::vector<size_t> ChooseSources(std::span<const SourceOwner> owners, size_t limit, uint64_t seed);
 
 }  // namespace sweepstake::decision

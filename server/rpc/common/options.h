@@ -169,7 +169,7 @@ struct Counters : sessions::SessionCounters {
   std::atomic<uint64_t> resumed_count{0};           // connected streams that resumed a session
   // Sessions that began without some of their stored evidence, because the store could not read it.
   std::atomic<uint64_t> degraded_start_count{0};
-  // Sessions of players with arms that are not known, about which no evidence is stored.
+  // Sessions of players that began with arms that are not known, about which no evidence is stored.
   std::atomic<uint64_t> unknown_arm_session_count{0};
   std::atomic<uint64_t> malformed_message_count{0};  // messages that could not be parsed
   std::atomic<uint64_t> invalid_message_count{0};    // messages that broke a rule of the contract

@@ -318,7 +318,7 @@ absl::StatusOr<priors::SourceFilter> FilterOf(const v1::SourceFilter& sources,
     if (!named) {
       return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
                      "a network is an address such as 203.0.113.7 or 2001:db8::1, or a network "
-                     "such as 203.0.113.0/24 or 2001:db8::/64");
+                     "such as 203.0.113.0/24 or 2001:db8::/48");
     }
     network = *named;
   }

@@ -150,7 +150,7 @@ absl::Status TelemetryStream::Open(v1::Hello& hello) {
   request.origin.token_id = caller_.token_id;
   request.origin.player = caller_.player;
   request.origin.network = net::NetworkOf(transport_.peer());
-  request.origin.makes_known = caller_.role != auth::Role::kPlayer;
+  request.is_of_player = caller_.role == auth::Role::kPlayer;
   opening_ = std::make_shared<sessions::SessionOpening>(
       context_.sessions, std::move(request),
       [this](const absl::StatusOr<sessions::OpenedSession>& opened) { OnOpened(opened); });
@@ -188,15 +188,17 @@ void TelemetryStream::ReportUnknownArms(const sessions::SessionIdentity& identit
   const auto arm = static_cast<size_t>(unknown - identity.kept_arms.begin());
   context_.log.warn(
       "session {}: evidence of players about arm {} (version {}) of scene {} of project {} is not "
-      "stored, because the arm is not known there; run the game once with a token of the role "
-      "ingest, or import evidence about it; such sessions so far: {}",
+      "stored, because the arm is not known there, or the project has too many machine classes; "
+      "run "
+      "the game once with a token of the role ingest, or import evidence; such sessions so far: {}",
       identity.id, identity.arms[arm], identity.backend_versions[arm], identity.scene.scene,
       identity.scene.project, count);
 }
 
 void TelemetryStream::Enter(const sessions::OpenedSession& opened) {
   session_ = opened.session;
-  ReportUnknownArms(session_->identity());
+  // If the store could not be read, the reason has been reported.
+  if (!opened.resumed && opened.missing.ok()) ReportUnknownArms(session_->identity());
   const std::shared_ptr<sessions::SessionOpening> opening = std::exchange(opening_, nullptr);
   const sessions::SessionRequest& hello = opening->hello();
   context_.sessions.Attach(*session_, *this,

@@ -45,10 +45,10 @@ struct HostedSessionOptions {
   // that lost its connection first leaves memory, but it can still be resumed from the store. If
   // all sessions are connected, a new session is RESOURCE_EXHAUSTED.
   Adjustable<uint32_t> max_sessions = 20'000;
-  // The maximum number of sessions per token. At this limit, a session of the token that has lost
-  // its connection leaves memory. If there is none, a new session is RESOURCE_EXHAUSTED. The
-  // default leaves half of max_sessions to other tokens.
-  Adjustable<uint32_t> max_sessions_per_token = 10'000;
+  // The maximum number of sessions per party of a token (SourceOrigin::owner). At this limit, a
+  // session of the party that has lost its connection leaves memory. If there is none, a new
+  // session is RESOURCE_EXHAUSTED. The default leaves half of max_sessions to others.
+  Adjustable<uint32_t> max_sessions_per_party = 10'000;
   // The maximum number of stored projects. A Hello or an import that would exceed it is
   // RESOURCE_EXHAUSTED. For a Hello, the projects of sessions in memory that are not stored yet
   // count too.

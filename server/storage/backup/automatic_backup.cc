@@ -15,6 +15,7 @@
 #include "server/sessions/common/unix_time.h"
 #include "server/storage/backup/kept_files.h"
 #include "server/storage/backup/sqlite_backup.h"
+#include "server/storage/commit_mark.h"
 #include "server/storage/private_file.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "server/storage/sqlite_schema.h"
@@ -164,6 +165,17 @@ absl::Status WithAdvice(const absl::Status& problem, const fs::path& path, bool 
   return {problem.code(), text};
 }
 
+// Returns a warning if the store has fewer commits than when it was last looked at.
+std::string DescribeLostCommits(priors::PriorStore& store, const fs::path& path) {
+  const auto count = CountCommits(store);
+  const uint64_t marked = CommitMark(path).Read();
+  if (!count.ok() || *count >= marked) return {};
+  return absl::StrCat(path.string(), " lacks ", marked - *count,
+                      " commits that it had before: its write-ahead log was removed, or an older "
+                      "copy is in its place. Their evidence is lost unless you stop the daemon and "
+                      "put the files back. A backup may have it");
+}
+
 absl::StatusOr<OpenedStore> WithReads(std::unique_ptr<priors::PriorStore> store,
                                       const fs::path& path, std::string damage) {
   auto reads = OpenSqliteReadConnection(path);
@@ -179,7 +191,12 @@ absl::StatusOr<OpenedStore> OpenStoreOrBackup(const fs::path& path,
                                               const priors::AuditLimits& audit_limits,
                                               uint64_t max_bytes, OnSync on_sync) {
   auto store = OpenSqlitePriorStore(path, audit_limits, max_bytes, on_sync);
-  if (store.ok()) return WithReads(*std::move(store), path, DescribeDamagedRows(path));
+  if (store.ok()) {
+    std::string damage = DescribeDamagedRows(path);
+    const std::string lost = DescribeLostCommits(**store, path);
+    absl::StrAppend(&damage, damage.empty() || lost.empty() ? "" : ". ", lost);
+    return WithReads(*std::move(store), path, std::move(damage));
+  }
   const absl::Status problem = store.status();
   if (!absl::IsDataLoss(problem)) return problem;
   const bool damaged = IsDamaged(path);

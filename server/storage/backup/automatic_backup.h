@@ -37,7 +37,8 @@ struct OpenedStore {
 // Opens the store as OpenSqlitePriorStore does. If the file is damaged, it is put into quarantine,
 // and a copy of the last whole backup is opened in its place. Without a backup nothing is changed,
 // and the error says what to do. `reads` is opened after `store`, so that both have the same file.
-// Also reads all rows of evidence once to check their hashes.
+// Also reads all rows of evidence once to check their hashes, and compares the number of commits
+// with the CommitMark.
 absl::StatusOr<OpenedStore> OpenStoreOrBackup(const std::filesystem::path& path,
                                               const priors::AuditLimits& audit_limits = {},
                                               uint64_t max_bytes = 0, OnSync on_sync = {});

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "server/storage/data_directory.h"
@@ -71,13 +72,21 @@ absl::Status TakeKeptFiles(SqliteDatabase& copy, const fs::path& directory) {
   const auto files = copy.Collect<std::map<std::string, std::string>>(
       kList, [](const SqlRow& row, auto& all) { all[row.Text(0)] = row.Bytes(1); });
   if (!files.ok()) return files.status();
+  absl::Status status = DropKeptFiles(copy);
+  std::vector<fs::path> written;
   for (const char* name : kNames) {
     const auto kept = files->find(name);
     std::error_code unknown;
-    if (kept == files->end() || fs::exists(directory / name, unknown)) continue;
-    if (absl::Status status = Write(directory / name, kept->second); !status.ok()) return status;
+    if (!status.ok() || kept == files->end() || fs::exists(directory / name, unknown)) continue;
+    status = Write(directory / name, kept->second);
+    written.push_back(directory / name);
   }
-  return DropKeptFiles(copy);
+  // A later restore would keep these files.
+  std::error_code ignored;
+  for (const fs::path& file : written) {
+    if (!status.ok()) fs::remove(file, ignored);
+  }
+  return status;
 }
 
 absl::Status DropKeptFiles(SqliteDatabase& copy) { return copy.Execute("DELETE FROM kept_file"); }

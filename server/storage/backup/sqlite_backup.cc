@@ -98,6 +98,22 @@ absl::Status CheckNone(SqliteDatabase& database, std::string_view sql, const fs:
   return *count == 0 ? absl::OkStatus() : Corrupt(file, absl::StrCat(*count, " ", what));
 }
 
+// Compares the schema with that of a new database: a trigger or view of another program would act
+// on the restored one.
+absl::Status CheckSchema(SqliteDatabase& database, const fs::path& file) {
+  constexpr const char* kSchema =
+      "SELECT group_concat(type || ' ' || name || ' ' || coalesce(sql, '')) FROM "
+      "(SELECT * FROM sqlite_schema WHERE name NOT LIKE 'sqlite_stat%' ORDER BY type, name)";
+  auto fresh = OpenPriorDatabaseInMemory();
+  if (!fresh.ok()) return fresh.status();
+  const auto expected = fresh->QueryText(kSchema);
+  if (!expected.ok()) return expected.status();
+  const auto found = database.QueryText(kSchema);
+  if (!found.ok()) return Corrupt(file, found.status().message());
+  return *found == *expected ? absl::OkStatus()
+                             : Corrupt(file, "its schema is not that of a prior store");
+}
+
 absl::Status CheckRows(SqliteDatabase& database, const fs::path& file) {
   auto verdict = database.QueryText("PRAGMA integrity_check(1)");
   if (!verdict.ok()) return Corrupt(file, verdict.status().message());
@@ -136,6 +152,11 @@ absl::StatusOr<StoreContents> Count(SqliteDatabase& database) {
     if (!value.ok()) return value.status();
     *count = *value;
   }
+  const auto files = database.Collect<std::vector<std::string>>(
+      "SELECT name FROM kept_file ORDER BY name",
+      [](const SqlRow& row, auto& names) { names.push_back(row.Text(0)); });
+  if (!files.ok()) return files.status();
+  contents.kept_files = *files;
   return contents;
 }
 
@@ -165,6 +186,7 @@ absl::StatusOr<StoreContents> VerifyStore(const fs::path& file, const std::atomi
   if (!database.ok()) return database.status();
   database->StopWhen(stop);
   absl::Status status = CheckPriorDatabase(*database, file);
+  if (status.ok()) status = CheckSchema(*database, file);
   if (status.ok()) status = CheckRows(*database, file);
   if (!status.ok()) return status;
   return Count(*database);

@@ -5,6 +5,8 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "server/storage/sqlite_database.h"
@@ -17,6 +19,7 @@ struct StoreContents {
   int64_t source_count = 0;  // sources with evidence
   int64_t record_count = 0;
   int64_t audit_row_count = 0;
+  std::vector<std::string> kept_files = {};  // kept_files.h
   int64_t damaged_row_count = 0;  // damaged rows of the original, which this copy leaves out
 };
 

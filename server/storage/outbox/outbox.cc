@@ -23,10 +23,10 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceProgress, source_id, commit_sequence, m
                                    explored_arm_count, decision_count, frame_count, seed)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StoredAuditRow, number, bytes)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AuditRows, segment, project, scene, unix_start_ms, rows)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceOrigin, build, token_id, player, network, makes_known)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceOrigin, build, token_id, player, network)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceWriter, id, resumed_sequence)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourceUpdate, progress, unix_time_s, increments, audit, origin,
-                                   writer)
+                                   writer, known, is_of_player)
 
 }  // namespace sweepstake::priors
 

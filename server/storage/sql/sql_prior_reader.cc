@@ -5,10 +5,10 @@
 #include <set>
 #include <utility>
 
-#include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "engine_client/decider/pooling/source_choice.h"
+#include "engine_client/math/hash.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -18,20 +18,38 @@ using priors::SceneEvidence;
 using priors::SceneFilter;
 using priors::SceneKey;
 
-// Finds the rows of a scene, one per machine class: the given class first, then the newest rows.
+// Finds the rows of a scene, one per machine class: the given class first, then the newest of those
+// with known arms, then the oldest of the others, which players have added.
 constexpr const char* kSceneClasses = R"sql(
     SELECT id, machine_class, [hash = content_hash]{true} FROM scene
     WHERE project = ?1 AND scene = ?2 AND reward_version = ?4 AND source_count > 0
-    ORDER BY machine_class = ?3 DESC, id DESC LIMIT ?5)sql";
+    ORDER BY machine_class = ?3 DESC, is_known DESC, CASE WHEN is_known THEN -id ELSE id END
+    LIMIT ?5)sql";
 constexpr const char* kSceneKeys = R"sql(
     SELECT scene_id, id, arm, backend_version, measured_by, regime, [hash = content_hash]{true}
     FROM evidence_key{, @given} WHERE scene_id = ?1 AND source_count > 0)sql";
-// The parties of a scene that were active last, with their latest source.
+// The parties of a scene that were active last, with their latest source: of all tokens, and of one
+// token.
 constexpr const char* kLatestParties = R"sql(
     {SELECT latest.* FROM @given CROSS JOIN LATERAL (}
     SELECT scene_id, latest_source_id, token_id, party FROM scene_party
     WHERE scene_id = ?1 ORDER BY latest_source_id DESC LIMIT ?2
     {) latest})sql";
+constexpr const char* kLatestPartiesOfToken = R"sql(
+    {SELECT latest.* FROM @given CROSS JOIN LATERAL (}
+    SELECT scene_id, latest_source_id, token_id, party FROM scene_party
+    WHERE scene_id = ?1 AND token_id = ?2 ORDER BY latest_source_id DESC LIMIT ?3
+    {) latest})sql";
+// Finds each next token, the newest first, by one lookup in the index.
+constexpr const char* kNewestTokens = R"sql(
+    WITH RECURSIVE of_scene(token_id) AS (
+      SELECT max(token_id) FROM scene_party WHERE scene_id = ?1
+      UNION ALL
+      SELECT (SELECT max(p.token_id) FROM scene_party p
+              WHERE p.scene_id = ?1 AND p.token_id < of_scene.token_id)
+      FROM of_scene WHERE of_scene.token_id IS NOT NULL)
+    SELECT token_id FROM of_scene WHERE token_id IS NOT NULL LIMIT ?2)sql";
+constexpr const char* kStoreId = "SELECT id FROM store";
 constexpr const char* kEarlierSources = R"sql(
     {SELECT earlier.* FROM @given CROSS JOIN LATERAL (}
     SELECT scene_id, source_id, token_id, party FROM scene_source
@@ -94,9 +112,6 @@ constexpr const char* kSceneAges = R"sql(
 constexpr const char* kKnownArms = R"sql(
     SELECT DISTINCT arm, backend_version FROM evidence_key
     WHERE project = ?1 AND scene = ?2 AND is_known)sql";
-constexpr const char* kCountKeysOfParty = R"sql(
-    SELECT count(*) FROM scene s JOIN scene_party p ON p.scene_id = s.id
-    WHERE project = ?1 AND scene = ?2 AND token_id = ?3 AND party = ?4)sql";
 constexpr const char* kCountScenes =
     "SELECT count(DISTINCT scene), count(*) FROM scene WHERE project = ?1 AND source_count > 0";
 // Finds each next project by one lookup in the index, so that the cost does not depend on the
@@ -149,6 +164,9 @@ constexpr const char* kChangedScenes = R"sql({
     SELECT project, scene, machine_class, reward_version FROM scene WHERE changed_in >= ?1::xid8
     })sql";
 constexpr const char* kOldestTransaction = "{SELECT pg_snapshot_xmin(pg_current_snapshot())}";
+
+// Tokens of a scene whose parties are candidates in any case.
+constexpr uint32_t kMaxTokensOfScene = 64;
 
 EvidenceKey KeyOf(const SqlRow& row) {
   return {.project = row.Text(0),
@@ -246,6 +264,21 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
   return list;
 }
 
+absl::Status SqlPriorReader::AddPartiesOfTokens(const std::map<int64_t, uint32_t>& limits,
+                                                const SqlDatabase::OnRow& add) {
+  SqlBatch tokens;
+  for (const auto& [scene, limit] : limits) {
+    absl::Status status = database_.ForEachRow(
+        kNewestTokens,
+        [&, scene = scene](const SqlRow& row) {
+          tokens.Add(scene, row.Integer(0), decision::kSourcesPerPlace);
+        },
+        scene, kMaxTokensOfScene);
+    if (!status.ok()) return status;
+  }
+  return database_.ForEachRow(kLatestPartiesOfToken, add, tokens);
+}
+
 absl::StatusOr<SqlPriorReader::Candidates> SqlPriorReader::LoadCandidates(
     const std::map<int64_t, uint32_t>& limits) {
   SqlBatch scenes;
@@ -255,7 +288,13 @@ absl::StatusOr<SqlPriorReader::Candidates> SqlPriorReader::LoadCandidates(
     candidates[row.Integer(0)].push_back({row.Integer(1), row.Integer(2), row.Text(3)});
   };
   absl::Status status = database_.ForEachRow(kLatestParties, add, scenes);
+  // Many parties of one token must not displace the other tokens.
+  if (status.ok()) status = AddPartiesOfTokens(limits, add);
   if (!status.ok()) return status;
+  for (auto& [scene, of_scene] : candidates) {
+    std::sort(of_scene.begin(), of_scene.end(), IsLater);
+    of_scene.erase(std::unique(of_scene.begin(), of_scene.end(), IsSame), of_scene.end());
+  }
   const Candidates parties = candidates;
   SqlBatch earlier;
   for (const auto& [scene, of_scene] : parties) {
@@ -266,11 +305,28 @@ absl::StatusOr<SqlPriorReader::Candidates> SqlPriorReader::LoadCandidates(
   }
   status = database_.ForEachRow(kEarlierSources, add, earlier);
   if (!status.ok()) return status;
-  for (auto& [scene, of_scene] : candidates) {
-    std::sort(of_scene.begin(), of_scene.end(),
-              [](const auto& a, const auto& b) { return a.source_id > b.source_id; });
-  }
+  for (auto& [scene, of_scene] : candidates) std::sort(of_scene.begin(), of_scene.end(), IsLater);
   return candidates;
+}
+
+std::set<int64_t> SqlPriorReader::SourcesOfClass(int64_t scene, const ArmKeys& keys,
+                                                 const SourcesOfKeys& sources, const Owners& owners,
+                                                 uint32_t limit, uint64_t seed) {
+  std::set<int64_t, std::greater<>> with_evidence;
+  for (const auto& [id, of_key] : sources) {
+    const auto key = keys.find(id);
+    if (key == keys.end() || key->second.scene_id != scene) continue;
+    for (const int64_t source : of_key) {
+      if (owners.contains({scene, source})) with_evidence.insert(source);
+    }
+  }
+  const std::vector<int64_t> candidates(with_evidence.begin(), with_evidence.end());
+  std::vector<decision::SourceOwner> owners_of_class;
+  for (const int64_t source : candidates) owners_of_class.push_back(owners.at({scene, source}));
+  std::set<int64_t> chosen;
+  for (const size_t i : decision::ChooseSources(owners_of_class, limit, seed))
+    chosen.insert(candidates[i]);
+  return chosen;
 }
 
 absl::Status SqlPriorReader::ChooseSources(const std::map<int64_t, uint32_t>& limits,
@@ -283,27 +339,43 @@ absl::Status SqlPriorReader::ChooseSources(const std::map<int64_t, uint32_t>& li
     first = std::min(first, id);
     last = std::max(last, id);
   }
+  const auto store_id = database_.ReadText(kStoreId);
+  if (!store_id.ok()) return store_id.status();
+  const uint64_t seed = math::Fnv1a(math::kFnv1aStart, *store_id);  // clients do not know the id
   SqlBatch ranges;
-  absl::flat_hash_map<int64_t, decision::SourceOwner> owners;  // by the id of the source
+  Owners owners;
   for (const auto& [scene, of_scene] : *candidates) {
     const auto range = key_ranges.find(scene);
     if (range == key_ranges.end()) continue;
     for (const Candidate& candidate : of_scene) {
       ranges.Add(candidate.source_id, range->second.first, range->second.second);
-      owners[candidate.source_id] = {candidate.token_id, candidate.party};
+      owners[{scene, candidate.source_id}] = {candidate.token_id, candidate.party};
     }
   }
-  absl::flat_hash_map<int64_t, std::vector<int64_t>> sources;  // ids by the id of the key
+  SourcesOfKeys sources;
   absl::Status status = database_.ForEachRow(
       kKeysOfSources, [&](const SqlRow& row) { sources[row.Integer(1)].push_back(row.Integer(0)); },
       ranges);
   if (!status.ok()) return status;
+  std::map<int64_t, std::set<int64_t>> of_class;  // sources by the id of the scene
+  for (const auto& [scene, limit] : limits) {
+    if (limit != priors::kSourcesOfScene)
+      of_class[scene] = SourcesOfClass(scene, keys, sources, owners, limit, seed);
+  }
   for (const auto& [id, key] : keys) {
+    // A source with evidence of several scenes can be a candidate for some of them only, and its
+    // keys can be in several ranges.
     std::vector<int64_t>& of_key = sources[id];
+    std::erase_if(of_key, [&, scene = key.scene_id](int64_t source) {
+      const auto chosen_sources = of_class.find(scene);
+      return !owners.contains({scene, source}) ||
+             (chosen_sources != of_class.end() && !chosen_sources->second.contains(source));
+    });
     std::sort(of_key.begin(), of_key.end(), std::greater<>());
+    of_key.erase(std::unique(of_key.begin(), of_key.end()), of_key.end());
     std::vector<decision::SourceOwner> owners_of_key;
-    for (const int64_t source : of_key) owners_of_key.push_back(owners.at(source));
-    for (const size_t i : decision::ChooseSources(owners_of_key, limits.at(key.scene_id)))
+    for (const int64_t source : of_key) owners_of_key.push_back(owners.at({key.scene_id, source}));
+    for (const size_t i : decision::ChooseSources(owners_of_key, limits.at(key.scene_id), seed))
       chosen.Add(id, of_key[i]);
   }
   return status;
@@ -314,12 +386,6 @@ absl::StatusOr<std::set<std::pair<std::string, uint32_t>>> SqlPriorReader::LoadK
   return database_.Collect<std::set<std::pair<std::string, uint32_t>>>(
       kKnownArms, [](const SqlRow& row, auto& arms) { arms.emplace(row.Text(0), row.Small(1)); },
       project, scene);
-}
-
-absl::StatusOr<uint64_t> SqlPriorReader::CountKeysOfParty(const std::string& project,
-                                                          const std::string& scene,
-                                                          const priors::SourceOrigin& origin) {
-  return database_.ReadInteger(kCountKeysOfParty, project, scene, origin.token_id, origin.party());
 }
 
 absl::StatusOr<std::optional<priors::SourceState>> SqlPriorReader::LoadSource(

@@ -11,10 +11,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/status/statusor.h"
+#include "engine_client/decider/pooling/source_choice.h"
 #include "server/sessions/prior_store.h"
 #include "server/storage/read_thread.h"
 #include "server/storage/sql/sql_database.h"
@@ -46,8 +49,6 @@ class SqlPriorReader : public virtual priors::PriorReader {
       const priors::SceneKey& key) override;
   absl::StatusOr<std::set<std::pair<std::string, uint32_t>>> LoadKnownArms(
       const std::string& project, const std::string& scene) override;
-  absl::StatusOr<uint64_t> CountKeysOfParty(const std::string& project, const std::string& scene,
-                                            const priors::SourceOrigin& origin) override;
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override;
   absl::StatusOr<uint64_t> CountProjects() override;
   absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
@@ -95,12 +96,25 @@ class SqlPriorReader : public virtual priors::PriorReader {
     int64_t token_id = 0;
     std::string party;  // SourceOrigin::party
   };
+  static bool IsLater(const Candidate& a, const Candidate& b) { return a.source_id > b.source_id; }
+  static bool IsSame(const Candidate& a, const Candidate& b) { return a.source_id == b.source_id; }
   using Candidates = std::map<int64_t, std::vector<Candidate>>;  // by the id of the scene
 
-  // Returns up to kSourcesPerPlace times the scene's limit of candidates, the latest first, from as
+  // Calls `add` for the latest parties of each of the newest tokens of these scenes.
+  absl::Status AddPartiesOfTokens(const std::map<int64_t, uint32_t>& limits,
+                                  const SqlDatabase::OnRow& add);
+  // Returns about kSourcesPerPlace times the scene's limit of candidates, the latest first, from as
   // many parties as possible and about equally many per party. `limits` has the numbers of sources
   // to choose, by the id of the scene.
   absl::StatusOr<Candidates> LoadCandidates(const std::map<int64_t, uint32_t>& limits);
+  // The owners of the candidates, by the ids of scene and source.
+  using Owners = absl::flat_hash_map<std::pair<int64_t, int64_t>, decision::SourceOwner>;
+  using SourcesOfKeys = absl::flat_hash_map<int64_t, std::vector<int64_t>>;  // ids by key id
+  // Returns the sources of a scene that has another machine class than the reader: `limit` for all
+  // keys together. Otherwise each regime, which a client can invent, would have places of its own.
+  static std::set<int64_t> SourcesOfClass(int64_t scene, const ArmKeys& keys,
+                                          const SourcesOfKeys& sources, const Owners& owners,
+                                          uint32_t limit, uint64_t seed);
   // Appends a pair of key id and source id to `chosen` for each piece of evidence to load.
   absl::Status ChooseSources(const std::map<int64_t, uint32_t>& limits, const ArmKeys& keys,
                              SqlBatch& chosen);

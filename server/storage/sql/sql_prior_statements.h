@@ -59,14 +59,23 @@ inline constexpr const char* kBar = R"sql(
                                      network))]
     {FROM @given} WHERE id = ?1)sql";
 
+inline constexpr const char* kCountCommits =
+    "SELECT CAST(total(commit_sequence) AS INTEGER) FROM source";
+
 inline constexpr const char* kFindKeys = R"sql(
     SELECT ?9, id, scene_id, is_known FROM evidence_key{, @given}
     WHERE project = ?1 AND scene = ?2 AND measured_by = ?3 AND arm = ?4 AND backend_version = ?5
       AND machine_class = ?6 AND reward_version = ?7 AND regime = ?8)sql";
 inline constexpr const char* kAddScenes = R"sql(
-    INSERT INTO scene (project, scene, machine_class, reward_version[, source_count, hash])
-    [VALUES (?1, ?2, ?3, ?4, 0, row_hash(?1, ?2, ?3, ?4, 0))]
-    {SELECT ?1, ?2, ?3, ?4 FROM @given} ON CONFLICT DO NOTHING)sql";
+    INSERT INTO scene (project, scene, machine_class, reward_version, added_by_token,
+                       added_by_party[, hash])
+    [VALUES (?1, ?2, ?3, ?4, ?5, ?6, row_hash(?1, ?2, ?3, ?4, 0, 0, ?5, ?6))]
+    {SELECT ?1, ?2, ?3, ?4, ?5, ?6 FROM @given} ON CONFLICT DO NOTHING)sql";
+// Counts the scenes of this name that the party has added, and whether the given one is stored.
+inline constexpr const char* kCountAdded = R"sql(
+    SELECT coalesce(sum(CASE WHEN added_by_token = ?5 AND added_by_party = ?6 THEN 1 ELSE 0 END), 0),
+           coalesce(max(CASE WHEN machine_class = ?3 AND reward_version = ?4 THEN 1 ELSE 0 END), 0)
+    FROM scene WHERE project = ?1 AND scene = ?2)sql";
 // ON CONFLICT DO NOTHING, because another daemon may have added a key after kFindKeys found
 // none.
 inline constexpr const char* kAddKeys = R"sql(
@@ -127,6 +136,22 @@ inline constexpr const char* kMakeKnown = R"sql(
                                      machine_class, reward_version, regime, scene_id, alpha_sum,
                                      beta_sum, window_sum, bail_out_sum, source_count, 1))]
     {FROM @given} WHERE id = ?1)sql";
+// Arms without evidence, after a revocation.
+inline constexpr const char* kMakeUnknown = R"sql(
+    UPDATE evidence_key
+    SET is_known = false
+        [, hash = next_hash(hash, content_hash,
+                            row_hash(project, scene, measured_by, arm, backend_version,
+                                     machine_class, reward_version, regime, scene_id, alpha_sum,
+                                     beta_sum, window_sum, bail_out_sum, source_count, 0))]
+    {FROM @given} WHERE scene_id = ?1 AND source_count = 0 AND is_known)sql";
+inline constexpr const char* kMakeScenesKnown = R"sql(
+    UPDATE scene
+    SET is_known = true
+        [, hash = next_hash(hash, content_hash,
+                            row_hash(project, scene, machine_class, reward_version, source_count, 1,
+                                     added_by_token, added_by_party))]
+    {FROM @given} WHERE id = ?1)sql";
 inline constexpr const char* kRecountSums = R"sql(
     UPDATE evidence_key
     SET (alpha_sum, beta_sum, window_sum, bail_out_sum, source_count[, hash]) =
@@ -173,7 +198,10 @@ inline constexpr const char* kLeaveParties = R"sql(
 inline constexpr const char* kKeepParties = R"sql(
     INSERT INTO scene_party (scene_id, token_id, party, latest_source_id)
     SELECT scene_id, token_id, party, max(source_id) FROM scene_source{, @given}
-    WHERE scene_id = ?1 AND token_id = ?2 AND party = ?3 GROUP BY 1, 2, 3)sql";
+    WHERE scene_id = ?1 AND token_id = ?2 AND party = ?3 GROUP BY 1, 2, 3
+    ON CONFLICT (scene_id, token_id, party) DO UPDATE
+      SET latest_source_id = [max]{greatest}(scene_party.latest_source_id,
+                                             excluded.latest_source_id))sql";
 inline constexpr const char* kLockScenes =
     "{SELECT 1 FROM scene, @given WHERE id = ?1 ORDER BY id FOR NO KEY UPDATE OF scene}";
 // In SQLite the third column of the result is true if the scene had no sources before.
@@ -183,7 +211,8 @@ inline constexpr const char* kChangeScenes = R"sql(
         {, changed_in = pg_current_xact_id()}
         [, hash = next_hash(hash, content_hash,
                             row_hash(project, scene, machine_class, reward_version,
-                                     source_count + ?2))]
+                                     source_count + ?2, is_known, added_by_token,
+                                     added_by_party))]
     {FROM @given} WHERE id = ?1 [RETURNING project, scene, source_count = ?2])sql";
 inline constexpr const char* kCountKeysOfName = R"sql(
     SELECT count(*) FROM scene WHERE project = ?1 AND scene = ?2 AND source_count > 0)sql";

@@ -73,11 +73,13 @@ absl::Status SqlPriorStore::TryTransaction(Body& body) {
     CheckIncarnation();
     new_keys_.clear();
     added_counts_.clear();
+    added_commits_ = 0;
     return body();
   });
   if (!status.ok()) return status;
   if (known_keys_.size() + new_keys_.size() > kMaxKnownKeys) known_keys_.clear();
   for (const auto& [key, stored] : new_keys_) known_keys_[key] = stored;
+  if (commit_count_) *commit_count_ += added_commits_;
   for (const auto& [project, added] : added_counts_) {
     scene_counts_[project].names += added.names;
     scene_counts_[project].keys += added.keys;
@@ -125,6 +127,14 @@ absl::StatusOr<priors::SceneCount> SqlPriorStore::CountScenes(const std::string&
   return count;
 }
 
+absl::StatusOr<uint64_t> SqlPriorStore::CountCommits() {
+  if (commit_count_) return *commit_count_;
+  const auto count = database_->ReadInteger(kCountCommits);
+  if (!count.ok()) return count.status();
+  commit_count_ = static_cast<uint64_t>(*count);
+  return *commit_count_;
+}
+
 absl::Status SqlPriorStore::Commit(std::span<const SourceUpdate> updates) {
   if (absl::Status status = CheckUpdates(updates); !status.ok()) return status;
   uint64_t lost = 0;
@@ -148,9 +158,15 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
   for (const SourceUpdate& update : updates) names.push_back({update.progress.source_id});
   auto sources = LockOrAdd(names);
   if (!sources.ok()) return sources.status();
-  std::vector<const EvidenceKey*> keys;
-  std::set<size_t> known;  // indices of `keys`
-  std::vector<std::pair<const Source*, const SourceUpdate*>> applied;
+  struct Addition {
+    const Source* source;
+    const SourceUpdate* update;
+    const priors::KeyedEvidence* increment;
+  };
+  std::vector<Addition> additions;
+  std::vector<const EvidenceKey*> keys;   // those of `additions`, then `known`
+  std::vector<const EvidenceKey*> known;  // keys whose arms become known
+  Adders adders;
   std::vector<const SourceUpdate*> audited;
   // Sources whose first commit this is; their imported records in quarantine are removed.
   Ids begun;
@@ -160,37 +176,68 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
       if (!update.audit.rows.empty()) audited.push_back(&update);
       continue;
     }
+    const uint64_t before = source.commit_sequence;
     const auto is_new = Advance(source, update);
     if (!is_new.ok()) return is_new.status();
     if (!*is_new) continue;
-    applied.emplace_back(&source, &update);
+    added_commits_ += source.commit_sequence - before;
     for (const auto& increment : update.increments) {
-      if (update.origin.makes_known) known.insert(keys.size());
+      const auto may_add = MayAdd(update, increment.key, adders);
+      if (!may_add.ok()) return may_add.status();
+      if (!*may_add) continue;
+      additions.push_back({&source, &update, &increment});
       keys.push_back(&increment.key);
     }
+    for (const EvidenceKey& key : update.known) known.push_back(&key);
     if (!update.audit.rows.empty()) audited.push_back(&update);
     if (!source.is_session) begun.insert(source.id);
   }
-  const auto stored_keys = FindOrAddKeys(keys);
+  keys.insert(keys.end(), known.begin(), known.end());
+  const auto stored_keys = FindOrAddKeys(keys, adders);
   if (!stored_keys.ok()) return stored_keys.status();
   Rows rows;
   auto stored = stored_keys->begin();
-  for (const auto& [source, update] : applied) {
-    for (const auto& [key, evidence] : update->increments) {
-      Row& row = rows[{stored->id, source->id}];
-      row.scene = (stored++)->scene;
-      row.sequence = update->progress.commit_sequence;
-      AddTo(row.evidence, priors::InUnits(evidence));
-    }
+  for (const auto& [source, update, increment] : additions) {
+    Row& row = rows[{stored->id, source->id}];
+    row.scene = (stored++)->scene;
+    row.sequence = update->progress.commit_sequence;
+    AddTo(row.evidence, priors::InUnits(increment->evidence));
   }
   absl::Status status = UpdateSources(*sources);
   if (status.ok()) status = AddEvidence(rows);
-  if (status.ok()) status = MakeKnown(keys, *stored_keys, known);
+  if (status.ok()) status = MakeKnown(known, std::span(*stored_keys).subspan(additions.size()));
   if (status.ok()) status = TakeOut(begun, "", /*with_damaged=*/true).status();
   if (!status.ok() || audited.empty() || lost == nullptr) return status;
   const auto lost_rows = audit_.Append(audited);
   *lost = lost_rows.value_or(0);
   return lost_rows.status();
+}
+
+absl::StatusOr<bool> SqlPriorStore::MayAdd(const SourceUpdate& update, const EvidenceKey& key,
+                                           Adders& adders) {
+  const priors::SourceOrigin::Owner owner = update.origin.owner();
+  if (!update.is_of_player || owner.second.empty() || known_keys_.contains(key)) return true;
+  const SceneKey scene{key.project, key.scene, key.machine_class, key.reward_version};
+  if (const auto adder = adders.find(scene); adder != adders.end()) return true;
+  uint64_t added_count = 0;
+  bool is_stored = false;
+  absl::Status status = database_->ForEachRow(
+      kCountAdded,
+      [&](const SqlRow& row) {
+        added_count = row.Unsigned(0);
+        is_stored = row.Integer(1) != 0;
+      },
+      scene.project, scene.scene, scene.machine_class, scene.reward_version, owner.first,
+      owner.second);
+  if (!status.ok()) return status;
+  if (is_stored) return true;
+  for (const auto& [other, adder] : adders) {
+    if (adder == owner && other.project == scene.project && other.scene == scene.scene)
+      ++added_count;
+  }
+  if (added_count >= priors::kMaxScenesOfParty) return false;
+  adders[scene] = owner;
+  return true;
 }
 
 absl::StatusOr<bool> SqlPriorStore::Advance(Source& source, const SourceUpdate& update) const {
@@ -339,7 +386,7 @@ absl::Status SqlPriorStore::Bar(const Ids& sources) {
 }
 
 absl::StatusOr<std::vector<SqlPriorStore::StoredKey>> SqlPriorStore::FindOrAddKeys(
-    std::span<const EvidenceKey* const> keys) {
+    std::span<const EvidenceKey* const> keys, const Adders& adders) {
   std::vector<StoredKey> found;
   std::set<EvidenceKey> unknown;
   for (const EvidenceKey* key : keys) {
@@ -352,13 +399,20 @@ absl::StatusOr<std::vector<SqlPriorStore::StoredKey>> SqlPriorStore::FindOrAddKe
   if (status.ok() && !unknown.empty()) {
     std::set<std::tuple<std::string_view, std::string_view, std::string_view, uint32_t>> scenes;
     SqlBatch new_scenes, new_keys;
+    const std::string no_party;
     for (const EvidenceKey& key : unknown) {
       scenes.emplace(key.project, key.scene, key.machine_class, key.reward_version);
       new_keys.Add(key.project, key.scene, key.measured_by, key.arm, key.backend_version,
                    key.machine_class, key.reward_version, key.regime);
     }
-    for (const auto& [project, scene, machine_class, reward_version] : scenes)
-      new_scenes.Add(project, scene, machine_class, reward_version);
+    for (const auto& [project, scene, machine_class, reward_version] : scenes) {
+      const auto adder = adders.find(
+          {std::string(project), std::string(scene), std::string(machine_class), reward_version});
+      const bool has_adder = adder != adders.end();
+      new_scenes.Add(project, scene, machine_class, reward_version,
+                     has_adder ? adder->second.first : 0,
+                     std::string_view(has_adder ? adder->second.second : no_party));
+    }
     status = database_->Run(kAddScenes, new_scenes);
     if (status.ok()) status = database_->Run(kAddKeys, new_keys);
     if (status.ok()) status = FindKeys(unknown);
@@ -390,22 +444,25 @@ absl::Status SqlPriorStore::FindKeys(std::set<EvidenceKey>& unknown) {
 }
 
 absl::Status SqlPriorStore::MakeKnown(std::span<const EvidenceKey* const> keys,
-                                      std::span<const StoredKey> stored,
-                                      const std::set<size_t>& known) {
-  Ids unknown;
-  for (const size_t i : known) {
+                                      std::span<const StoredKey> stored) {
+  Ids unknown, scenes;
+  for (size_t i = 0; i < keys.size(); ++i) {
     if (stored[i].is_known) continue;
     unknown.insert(stored[i].id);
+    scenes.insert(stored[i].scene);
     new_keys_[*keys[i]] = {.id = stored[i].id, .scene = stored[i].scene, .is_known = true};
   }
-  return MakeKnown(unknown);
+  return MakeKnown(unknown, scenes);
 }
 
-absl::Status SqlPriorStore::MakeKnown(const Ids& keys) {
-  SqlBatch batch;
-  for (const int64_t key : keys) batch.Add(key);
-  absl::Status status = database_->Run(kLockKeys, batch);
-  return status.ok() ? database_->Run(kMakeKnown, batch) : status;
+absl::Status SqlPriorStore::MakeKnown(const Ids& keys, const Ids& scenes) {
+  SqlBatch of_keys, of_scenes;
+  for (const int64_t key : keys) of_keys.Add(key);
+  for (const int64_t scene : scenes) of_scenes.Add(scene);
+  absl::Status status = database_->Run(kLockKeys, of_keys);
+  if (status.ok()) status = database_->Run(kMakeKnown, of_keys);
+  if (status.ok()) status = database_->Run(kLockScenes, of_scenes);
+  return status.ok() ? database_->Run(kMakeScenesKnown, of_scenes) : status;
 }
 
 absl::StatusOr<ImportResult> SqlPriorStore::Import(std::span<const PriorRecord> records) {
@@ -526,7 +583,9 @@ absl::Status SqlPriorStore::Replace(const Sequences& stored, const RowList& rows
   absl::Status status = database_->Run(put[quarantined ? 1 : 0].c_str(), batch);
   if (!status.ok() || quarantined) return status;
   status = RecountSums(keys);
-  if (status.ok()) status = MakeKnown(keys);
+  Ids changed;
+  for (const auto& [scene, added] : scenes) changed.insert(scene);
+  if (status.ok()) status = MakeKnown(keys, changed);
   if (status.ok()) status = JoinScenes(joined, scenes);
   return status.ok() ? ChangeScenes(scenes) : status;
 }
@@ -554,11 +613,33 @@ absl::Status SqlPriorStore::RecountSums(const Ids& keys) {
 
 absl::Status SqlPriorStore::JoinScenes(
     const std::set<std::pair<int64_t, int64_t>>& sources_and_scenes, SourceCounts& scenes) {
-  SqlBatch batch;
+  SqlBatch batch, ids;
   for (const auto& [source, scene] : sources_and_scenes) batch.Add(source, scene);
-  absl::Status status = database_->ForEachRow(
+  Ids joined;
+  for (const auto& [source, scene] : sources_and_scenes) joined.insert(scene);
+  for (const int64_t scene : joined) ids.Add(scene);
+  absl::Status status = database_->Run(kLockScenes, ids);
+  if (!status.ok()) return status;
+  status = database_->ForEachRow(
       kJoinScenes, [&](const SqlRow& row) { ++scenes[row.Integer(0)]; }, batch);
   return status.ok() ? database_->Run(kJoinParties, batch) : status;
+}
+
+absl::Status SqlPriorStore::LeaveScenes(const SqlBatch& sources, SourceCounts& scenes) {
+  std::set<std::tuple<int64_t, int64_t, std::string>> left;
+  absl::Status status = database_->ForEachRow(
+      kLeaveScenes,
+      [&](const SqlRow& row) {
+        --scenes[row.Integer(0)];
+        left.emplace(row.Integer(0), row.Integer(1), row.Text(2));
+      },
+      sources);
+  SqlBatch ids, parties;
+  for (const auto& [scene, count] : scenes) ids.Add(scene);
+  for (const auto& [scene, token_id, party] : left) parties.Add(scene, token_id, party);
+  if (status.ok()) status = database_->Run(kLockScenes, ids);
+  if (status.ok()) status = database_->Run(kLeaveParties, parties);
+  return status.ok() ? database_->Run(kKeepParties, parties) : status;
 }
 
 absl::Status SqlPriorStore::ChangeScenes(const SourceCounts& changes) {
@@ -621,6 +702,7 @@ absl::StatusOr<priors::ChangeResult> SqlPriorStore::PromoteAll(const priors::Sou
 absl::StatusOr<priors::ChangeResult> SqlPriorStore::Revoke(const priors::SourceFilter& filter,
                                                            const priors::Preview& preview) {
   scene_counts_.clear();  // a revocation can leave scenes without evidence
+  known_keys_.clear();    // and arms unknown
   return ChangeUnless<priors::ChangeResult>(preview, [&] { return RevokeAll(filter); });
 }
 
@@ -635,30 +717,21 @@ absl::StatusOr<priors::ChangeResult> SqlPriorStore::RevokeAll(const priors::Sour
   }
   SqlBatch sources;
   for (const int64_t source : *matching) sources.Add(source, filter.project);
-  SourceCounts scenes;
   Ids keys;
-  std::set<std::tuple<int64_t, int64_t, std::string>> left;
   absl::Status status = database_->ForEachRow(
-      kLeaveScenes,
+      kDeleteEvidence,
       [&](const SqlRow& row) {
-        --scenes[row.Integer(0)];
-        left.emplace(row.Integer(0), row.Integer(1), row.Text(2));
+        keys.insert(row.Integer(0));
+        ++result.record_count;
+        result.window_count += row.Count(1);
       },
       sources);
-  SqlBatch parties;
-  for (const auto& [scene, token_id, party] : left) parties.Add(scene, token_id, party);
-  if (status.ok()) status = database_->Run(kLeaveParties, parties);
-  if (status.ok()) status = database_->Run(kKeepParties, parties);
-  if (status.ok())
-    status = database_->ForEachRow(
-        kDeleteEvidence,
-        [&](const SqlRow& row) {
-          keys.insert(row.Integer(0));
-          ++result.record_count;
-          result.window_count += row.Count(1);
-        },
-        sources);
   if (status.ok()) status = RecountSums(keys);
+  SourceCounts scenes;
+  if (status.ok()) status = LeaveScenes(sources, scenes);
+  SqlBatch left;
+  for (const auto& [scene, count] : scenes) left.Add(scene);
+  if (status.ok()) status = database_->Run(kMakeUnknown, left);
   if (status.ok()) status = ChangeScenes(scenes);
   if (!status.ok()) return status;
   const auto waited = TakeOut(*matching, filter.project, /*with_damaged=*/true);

@@ -4,7 +4,7 @@
 // transaction that conflicts with another daemon is repeated. If the connection is lost during a
 // commit, its updates may be stored or not. Committing them again is safe, because stored updates
 // are ignored (PriorStore::Commit). Rows are locked in this order, so that daemons do not deadlock:
-// sources by name, keys by id, scenes by id.
+// sources by name, keys by id, scenes by id, parties of the locked scenes.
 //
 // A commit adds its increments to the stored sums of its evidence keys. Import, Promote and Revoke
 // compute the sums of the changed keys again, from one row of evidence per source.
@@ -40,6 +40,10 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   // Changes the limits of the audit log, and removes rows beyond them. If the database cannot
   // remove them now, a later commit does.
   void Limit(const priors::AuditLimits& audit_limits);
+
+  // Returns the sum of the numbers of the sources' latest commits. Only the first call reads the
+  // sources. REQUIRES: the database is not shared.
+  absl::StatusOr<uint64_t> CountCommits();
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
   absl::Status CheckPlace() override { return database_->CheckPlace(); }
@@ -86,6 +90,8 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   using RowList = std::vector<std::pair<Place, Row>>;  // can contain a place several times
   using Sequences = std::map<Place, uint64_t>;
   using Ids = std::set<int64_t>;
+  // The players that add scenes in the running transaction.
+  using Adders = std::map<priors::SceneKey, priors::SourceOrigin::Owner>;
   using SourceCounts = std::map<int64_t, int64_t>;  // change of the number of sources, by scene id
   struct KeyHash {
     size_t operator()(const priors::EvidenceKey& key) const {
@@ -138,13 +144,18 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   absl::StatusOr<Ids> LockMatching(const priors::SourceFilter& filter, bool quarantined);
   absl::Status Bar(const Ids& sources);
 
-  // Returns the stored keys in the order of `keys`. Adds the missing ones.
+  // Returns whether the update may add evidence with this key (SourceUpdate::is_of_player). If that
+  // adds a scene, it is noted in `adders`.
+  absl::StatusOr<bool> MayAdd(const priors::SourceUpdate& update, const priors::EvidenceKey& key,
+                              Adders& adders);
+  // Returns the stored keys in the order of `keys`. Adds the missing ones, with `adders` for their
+  // scenes.
   absl::StatusOr<std::vector<StoredKey>> FindOrAddKeys(
-      std::span<const priors::EvidenceKey* const> keys);
-  // Makes the arms of the keys with these indices known. `stored` has the rows of `keys`.
+      std::span<const priors::EvidenceKey* const> keys, const Adders& adders = {});
+  // Makes the arms of the keys known. `stored` has the rows of `keys`.
   absl::Status MakeKnown(std::span<const priors::EvidenceKey* const> keys,
-                         std::span<const StoredKey> stored, const std::set<size_t>& known);
-  absl::Status MakeKnown(const Ids& keys);
+                         std::span<const StoredKey> stored);
+  absl::Status MakeKnown(const Ids& keys, const Ids& scenes);
   // Looks the keys up in the database. Moves the keys that it finds from `unknown` to `new_keys_`.
   absl::Status FindKeys(std::set<priors::EvidenceKey>& unknown);
 
@@ -175,6 +186,9 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   // for each pair that is new.
   absl::Status JoinScenes(const std::set<std::pair<int64_t, int64_t>>& sources_and_scenes,
                           SourceCounts& scenes);
+  // The opposite: removes the sources of the batch (id, project) from their scenes, and subtracts 1
+  // from the scene's count in `scenes` for each.
+  absl::Status LeaveScenes(const SqlBatch& sources, SourceCounts& scenes);
   // Adds the changes to the source counts of the scenes. In a shared database also marks the scenes
   // as changed by this transaction.
   absl::Status ChangeScenes(const SourceCounts& changes);
@@ -188,7 +202,9 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   Keys new_keys_;              // found or added by the running transaction
   // Results of CountScenes by project, cached for projects with scenes. Empty in a shared database.
   SceneCounts scene_counts_;
-  SceneCounts added_counts_;  // changes of scene_counts_ by the running transaction
+  SceneCounts added_counts_;              // changes of scene_counts_ by the running transaction
+  std::optional<uint64_t> commit_count_;  // the result of CountCommits
+  uint64_t added_commits_ = 0;            // by the running transaction
   uint64_t lost_audit_row_count_ = 0;
 };
 

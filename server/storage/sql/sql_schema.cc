@@ -44,10 +44,14 @@ constexpr const char* kSchema = R"sql(
     machine_class TEXT NOT NULL CHECK (octet_length(machine_class) <= 128),
     reward_version INTEGER NOT NULL CHECK (reward_version BETWEEN 1 AND 4294967295),
     source_count INTEGER NOT NULL DEFAULT 0 CHECK (source_count >= 0),
+    is_known BOOLEAN NOT NULL DEFAULT FALSE [CHECK (is_known IN (0, 1))],
+    added_by_token INTEGER NOT NULL DEFAULT 0,
+    added_by_party TEXT NOT NULL DEFAULT '',
     {changed_in xid8 NOT NULL DEFAULT pg_current_xact_id(),}
     [hash INTEGER NOT NULL,
     content_hash INTEGER GENERATED ALWAYS AS (
-      row_hash(project, scene, machine_class, reward_version, source_count)) VIRTUAL,]
+      row_hash(project, scene, machine_class, reward_version, source_count, is_known,
+               added_by_token, added_by_party)) VIRTUAL,]
     UNIQUE (project, scene, machine_class, reward_version)
   ) OPTIONS;
 
@@ -68,6 +72,7 @@ constexpr const char* kSchema = R"sql(
     PRIMARY KEY (scene_id, token_id, party)
   ) [STRICT, WITHOUT ROWID];
   CREATE INDEX scene_party_by_latest ON scene_party (scene_id, latest_source_id);
+  CREATE INDEX scene_party_of_token ON scene_party (scene_id, token_id, latest_source_id);
 
   CREATE TABLE evidence_key (
     id ROW_ID PRIMARY KEY,

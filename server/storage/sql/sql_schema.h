@@ -2,13 +2,15 @@
 //
 // A row of `evidence_key` is about one regime of a scene: a bucket (policy/regime_bucket.h), or an
 // empty text for evidence without a scene descriptor. Its `is_known` makes its arm known
-// (PriorReader::LoadKnownArms). It holds the sums of its rows of `evidence`,
-// a row of `scene` the number of its sources. Readers therefore need not visit the sources. A row
-// of `scene_source` means that the source has evidence about the scene; `token_id` and `party` are
-// those of the source (SourceOrigin::party). `scene_party` has the latest source of each party in a
-// scene, so that readers find the latest parties without visiting all of their sources. Names are
-// compared byte by byte. Every CHECK of an amount has two bounds, because `alpha >= 0` alone would
-// accept +Inf in SQLite, and NaN in PostgreSQL.
+// (PriorReader::LoadKnownArms), that of `scene` shows that some of its arms are. `added_by_token`
+// and `added_by_party` of a scene are those of the player whose evidence added it, or 0 and empty.
+// It holds the sums of its rows of `evidence`, a row of `scene` the number of its sources. Readers
+// therefore need not visit the sources. A row of `scene_source` means that the source has evidence
+// about the scene; `token_id` and `party` are those of the source (SourceOrigin::party).
+// `scene_party` has the latest source of each party in a scene, so that readers find the latest
+// parties without visiting all of their sources. Names are compared byte by byte. Every CHECK of an
+// amount has two bounds, because `alpha >= 0` alone would accept +Inf in SQLite, and NaN in
+// PostgreSQL.
 //
 // In SQLite the rows of evidence, keys, scenes' sources and sources have two columns against
 // changes on the disk, which SQLite's own checks miss. `hash` is stored; `content_hash` is computed
@@ -33,7 +35,7 @@
 
 namespace sweepstake::storage {
 
-inline constexpr int64_t kSchemaVersion = 1;
+inline constexpr int64_t kSchemaVersion = 2;
 
 // Fills the empty table scene_party.
 inline constexpr const char* kMakeParties = R"sql(

@@ -103,11 +103,12 @@ TEST_F(TokenRegistryTest, FindsTheHolderOfAValidTokenOnly) {
 }
 
 TEST_F(TokenRegistryTest, ATicketNamesAPlayerOfItsToken) {
-  const std::string token = Make("game", std::nullopt, Role::kPlayer);
+  const std::string token = Make("game", std::nullopt, Role::kTicket);
   const auto registry = Open();
   const auto holder = registry->Find(SignTicket(token, "alice", 2'000));
   ASSERT_TRUE(holder);
   EXPECT_EQ(holder->player, "alice");
+  EXPECT_EQ(holder->role, Role::kPlayer);
   EXPECT_EQ(holder->token_id, registry->Find(token)->token_id);
   EXPECT_EQ(registry->Find(token)->player, "");
   EXPECT_THAT(holder->projects, ElementsAre("arcade"));
@@ -120,8 +121,9 @@ TEST_F(TokenRegistryTest, ATicketNamesAPlayerOfItsToken) {
   EXPECT_FALSE(registry->IsValid(*holder));
 }
 
-TEST_F(TokenRegistryTest, OnlyTokensOfPlayersSignTickets) {
-  for (const Role role : {Role::kIngest, Role::kWatch, Role::kOperator, Role::kAdmin}) {
+TEST_F(TokenRegistryTest, OnlyTokensForTicketsSignThem) {
+  for (const Role role :
+       {Role::kPlayer, Role::kIngest, Role::kWatch, Role::kOperator, Role::kAdmin}) {
     const std::string token = Make(std::string(NameOf(role)), std::nullopt, role);
     EXPECT_FALSE(Open()->Find(SignTicket(token, "alice", 2'000)));
   }

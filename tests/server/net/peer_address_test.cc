@@ -32,7 +32,7 @@ TEST(PeerAddressTest, RecognisesLoopback) {
 TEST(PeerAddressTest, TheNetworkOfAPeerIsThatOfOnePerson) {
   EXPECT_EQ(NetworkOf("ipv4:203.0.113.7:5123"), "203.0.113.0/24");
   EXPECT_EQ(NetworkOf("ipv6:[::ffff:203.0.113.7]:5123"), "203.0.113.0/24");
-  EXPECT_EQ(NetworkOf("ipv6:%5B2001:db8:1:2::9%5D:80"), "2001:db8:1:2::/64");
+  EXPECT_EQ(NetworkOf("ipv6:%5B2001:db8:1:2::9%5D:80"), "2001:db8:1::/48");
   for (const char* peer : {"ipv4:127.0.0.1:80", "ipv6:[::1]:80", "unix:/run/s", "", "fd:7"})
     EXPECT_EQ(NetworkOf(peer), "") << peer;
 }
@@ -40,11 +40,12 @@ TEST(PeerAddressTest, TheNetworkOfAPeerIsThatOfOnePerson) {
 TEST(PeerAddressTest, ANetworkIsNamedByAnAddressOrAPrefix) {
   EXPECT_EQ(NetworkNamed("203.0.113.7"), "203.0.113.0/24");
   EXPECT_EQ(NetworkNamed("203.0.113.0/24"), "203.0.113.0/24");
-  EXPECT_EQ(NetworkNamed("2001:DB8:0:0:1::9"), "2001:db8::/64");
-  EXPECT_EQ(NetworkNamed("2001:db8::/64"), "2001:db8::/64");
+  EXPECT_EQ(NetworkNamed("2001:DB8:0:0:1::9"), "2001:db8::/48");
+  EXPECT_EQ(NetworkNamed("2001:db8:0:7::/64"), "2001:db8::/48");
+  EXPECT_EQ(NetworkNamed("2001:db8::/48"), "2001:db8::/48");
   EXPECT_EQ(NetworkNamed("::ffff:203.0.113.7"), "203.0.113.0/24");
   for (const char* text : {"", "203.0.113", "203.0.113.7/16", "203.0.113.7/", "2001:db8::/32",
-                           "localhost", "203.0.113.7/24/24", "2001:db8::/64x"})
+                           "localhost", "203.0.113.7/24/24", "2001:db8::/48x"})
     EXPECT_EQ(NetworkNamed(text), std::nullopt) << text;
 }
 
@@ -55,9 +56,12 @@ TEST(PeerAddressTest, AProxyOnThisMachineNamesTheClient) {
   EXPECT_EQ(forwarded("203.0.113.7"), "ipv4:203.0.113.7:0");
   EXPECT_EQ(forwarded("198.51.100.1, 203.0.113.7 "), "ipv4:203.0.113.7:0") << "the last one";
   EXPECT_EQ(forwarded("2001:db8::9"), "ipv6:%5B2001:db8::9%5D:0");
-  EXPECT_EQ(NetworkOf(forwarded("2001:db8::9")), "2001:db8::/64");
-  for (const char* wrong : {"", ",", "localhost", "203.0.113.7,", "203.0.113.7:80"})
-    EXPECT_EQ(forwarded(wrong), "ipv4:127.0.0.1:80") << wrong;
+  EXPECT_EQ(NetworkOf(forwarded("2001:db8::9")), "2001:db8::/48");
+  EXPECT_EQ(forwarded("203.0.113.7:80"), "ipv4:203.0.113.7:0");
+  EXPECT_EQ(forwarded("[2001:db8::9]:80"), "ipv6:%5B2001:db8::9%5D:0");
+  EXPECT_EQ(forwarded(""), "ipv4:127.0.0.1:80") << "a program of this machine";
+  for (const char* wrong : {",", "localhost", "203.0.113.7,", "[", "[::1"})
+    EXPECT_NE(forwarded(wrong), "ipv4:127.0.0.1:80") << wrong;
   EXPECT_EQ(ForwardedPeer("ipv4:198.51.100.1:80", "203.0.113.7"), "ipv4:198.51.100.1:80")
       << "of another machine";
 }

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <spdlog/sinks/ostream_sink.h>
 
+#include <memory>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "server/sessions/session_start.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -106,11 +108,65 @@ TEST_F(PlayerNamesTest, APlayerAddsFewMachineClassesAndOthersAddTheirs) {
   ASSERT_TRUE(Play(auth::Role::kIngest, OneArmHello(), "192.0.2"));
   for (int i = 0; i < 20; ++i)
     EXPECT_TRUE(Play(auth::Role::kPlayer, HelloOfClass("invented " + std::to_string(i))));
-  EXPECT_EQ(daemon_.store.store.CountScenes("game")->keys, 1 + sessions::kMaxKeysOfParty);
+  EXPECT_EQ(daemon_.store.store.CountScenes("game")->keys, 1 + priors::kMaxScenesOfParty);
   EXPECT_TRUE(Play(auth::Role::kPlayer, HelloOfClass("laptop"), "198.51.100"));
   EXPECT_TRUE(Play(auth::Role::kPlayer, HelloOfClass("laptop"))) << "a class that exists";
-  EXPECT_EQ(daemon_.store.store.CountScenes("game")->keys, 2 + sessions::kMaxKeysOfParty);
-  EXPECT_EQ(BailOuts("Grid"), 1 + sessions::kMaxKeysOfParty + 2);
+  EXPECT_EQ(daemon_.store.store.CountScenes("game")->keys, 2 + priors::kMaxScenesOfParty);
+  EXPECT_EQ(BailOuts("Grid"), 1 + priors::kMaxScenesOfParty + 2);
+}
+
+// None of these sessions has evidence when the others begin.
+TEST_F(PlayerNamesTest, SimultaneousSessionsAddNoMoreMachineClasses) {
+  ASSERT_TRUE(Play(auth::Role::kIngest, OneArmHello(), "192.0.2"));
+  auth::Principal caller;
+  caller.token_id = 7;
+  caller.role = auth::Role::kPlayer;
+  std::vector<std::unique_ptr<PromptStream>> streams;
+  for (int i = 0; i < 10; ++i) {
+    streams.push_back(std::make_unique<PromptStream>(daemon_, "ipv4:203.0.113.7:1", caller));
+    streams.back()->Send(Request(HelloOfClass("invented " + std::to_string(i))));
+  }
+  for (const auto& stream : streams) {
+    stream->Send(BailOut(1, 1));
+    stream->Send(Goodbye());
+  }
+  EXPECT_EQ(daemon_.store.store.CountScenes("game")->keys, 1 + priors::kMaxScenesOfParty);
+}
+
+TEST_F(PlayerNamesTest, SilentSessionsUseUpNoQuota) {
+  daemon_.options.max_scenes = 1;
+  ASSERT_TRUE(Play(auth::Role::kIngest, OneArmHello(), "192.0.2"));
+  auth::Principal caller;
+  caller.role = auth::Role::kPlayer;
+  std::vector<std::unique_ptr<PromptStream>> streams;
+  for (int i = 0; i < 40; ++i) {
+    streams.push_back(std::make_unique<PromptStream>(daemon_, "ipv4:203.0.113.7:1", caller));
+    streams.back()->Send(Request(HelloOfClass("invented " + std::to_string(i))));
+    EXPECT_TRUE(streams.back()->welcomed());
+  }
+  EXPECT_TRUE(Play(auth::Role::kIngest, HelloOfClass("laptop"), "192.0.2"));
+  EXPECT_EQ(daemon_.store.store.CountScenes("game")->keys, 2u);
+}
+
+TEST_F(PlayerNamesTest, ArmsThatTheStudioHasNotMeasuredAreKnownToo) {
+  ASSERT_TRUE(Play(auth::Role::kIngest, HelloMessage()));
+  EXPECT_EQ(BailOuts("KDTree"), 0u);
+  v1::Hello hello = HelloMessage();
+  hello.set_active_arm(2);
+  EXPECT_TRUE(Play(auth::Role::kPlayer, hello));
+  EXPECT_EQ(daemon_.counters.unknown_arm_session_count, 0u);
+}
+
+TEST_F(PlayerNamesTest, TheArmsOfARevokedBuildAreUnknown) {
+  v1::Hello wrong = HelloWithArm("Wrong");
+  wrong.set_build("bad");
+  ASSERT_TRUE(Play(auth::Role::kIngest, wrong));
+  ASSERT_TRUE(Play(auth::Role::kIngest, OneArmHello()));
+  ASSERT_EQ(daemon_.store.store.Revoke({.build = "bad"}, false)->source_count, 1u);
+  EXPECT_TRUE(Play(auth::Role::kPlayer, wrong));
+  EXPECT_EQ(BailOuts("Wrong"), 0u);
+  EXPECT_TRUE(Play(auth::Role::kPlayer, OneArmHello()));
+  EXPECT_EQ(BailOuts("Grid"), 2u);
 }
 
 TEST_F(PlayerNamesTest, EvidenceThatIsNotStoredIsCountedAndLogged) {

@@ -12,6 +12,7 @@
 #include <future>
 
 #include "server/storage/backup/sqlite_backup.h"
+#include "server/storage/commit_mark.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
@@ -93,6 +94,21 @@ class AutomaticBackupTest : public ::testing::Test {
   test_support::TemporaryDirectory directory_;
   std::filesystem::path path_ = directory_.path() / "priors.db";
 };
+
+TEST_F(AutomaticBackupTest, AnOlderCopyInPlaceOfTheDatabaseIsReported) {
+  Commit(1);
+  std::filesystem::copy_file(path_, directory_.path() / "older.db");
+  Commit(2);
+  Commit(3);
+  {
+    const auto opened = OpenStoreOrBackup(path_);
+    CommitMark(path_).Write(*CountCommits(*opened->store));
+    EXPECT_EQ(opened->damage, "");
+  }
+  EXPECT_EQ(OpenStoreOrBackup(path_)->damage, "");
+  std::filesystem::rename(directory_.path() / "older.db", path_);
+  EXPECT_THAT(OpenStoreOrBackup(path_)->damage, HasSubstr("lacks 2 commits that it had before"));
+}
 
 TEST_F(AutomaticBackupTest, ADamagedFileIsKeptAndReplacedByTheLastIntactBackup) {
   Commit(1);

@@ -50,10 +50,6 @@ class ForwardingStore : public priors::PriorStore {
       const std::string& project, const std::string& scene) override {
     return store_->LoadKnownArms(project, scene);
   }
-  absl::StatusOr<uint64_t> CountKeysOfParty(const std::string& project, const std::string& scene,
-                                            const priors::SourceOrigin& origin) override {
-    return store_->CountKeysOfParty(project, scene, origin);
-  }
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
     return store_->CountScenes(project);
   }

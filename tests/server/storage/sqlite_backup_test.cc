@@ -108,6 +108,12 @@ TEST_F(SqliteBackupTest, ARestoreWritesOnlyFilesThatItKnows) {
   EXPECT_FALSE(std::filesystem::exists(directory_.path() / "stolen"));
 }
 
+TEST_F(SqliteBackupTest, AForeignTriggerIsReported) {
+  BackUp();
+  Execute("CREATE TRIGGER foreign_one AFTER INSERT ON source BEGIN DELETE FROM audit_row; END");
+  EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("its schema is not"));
+}
+
 TEST_F(SqliteBackupTest, AChangedKeptFileIsReported) {
   std::ofstream(data_ / "resume-key") << "key";
   BackUp();

@@ -178,7 +178,7 @@ TEST_F(SqlitePriorStoreTest, AStoreWhoseDirectoryWasRemovedIsSavedInANewOne) {
 TEST_F(SqlitePriorStoreTest, ANewFileHasOurApplicationId) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
   EXPECT_EQ(QueryInteger("PRAGMA application_id"), kSqliteApplicationId);
-  EXPECT_EQ(QueryInteger("PRAGMA user_version"), 1);
+  EXPECT_EQ(QueryInteger("PRAGMA user_version"), 2);
 }
 
 TEST_F(SqlitePriorStoreTest, AnEmptyFileIsNeitherAdoptedNorChanged) {
@@ -205,7 +205,7 @@ TEST_F(SqlitePriorStoreTest, AFileOfAnotherSchemaVersionIsRefusedAndNotChanged) 
   EXPECT_TRUE(absl::IsFailedPrecondition(OpenSqlitePriorStore(path_).status()));
   EXPECT_TRUE(absl::IsFailedPrecondition(VerifyStore(path_).status()));
   EXPECT_THAT(OpenError(),
-              HasSubstr("has schema version 11, but this daemon reads only version 1"));
+              HasSubstr("has schema version 11, but this daemon reads only version 2"));
   EXPECT_EQ(QueryInteger("PRAGMA user_version"), 11);
 }
 
@@ -246,7 +246,7 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseSchemaRefusesInvalidEvidence) {
       database
           .Execute(
               "INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0, 0, 0, 0, '', 0, '', '', 0);"
-              "INSERT INTO scene VALUES (1, 'p', 's', '', 1, 1, 0);"
+              "INSERT INTO scene VALUES (1, 'p', 's', '', 1, 1, 0, 0, '', 0);"
               "INSERT INTO evidence_key (project, scene, measured_by, arm, backend_version,"
               "  machine_class, reward_version, regime, scene_id, hash)"
               "VALUES ('p', 's', '', 'Grid', 1, '', 1, '', 1, 0);")

@@ -16,11 +16,13 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
+constexpr uint64_t kSeed = 7;
+
 // Chooses among sources of these tokens, whose parties are unknown.
 std::vector<size_t> ChooseByTokens(const std::vector<int64_t>& tokens, size_t limit) {
   std::vector<SourceOwner> owners;
   for (const int64_t token : tokens) owners.push_back({token, ""});
-  return ChooseSources(owners, limit);
+  return ChooseSources(owners, limit, kSeed);
 }
 
 // Returns how many of the chosen sources each token has.
@@ -36,7 +38,7 @@ std::map<std::string, size_t> CountsOfParties(const std::vector<std::string>& pa
   std::vector<SourceOwner> owners;
   for (const std::string& party : parties) owners.push_back({7, party});
   std::map<std::string, size_t> counts;
-  for (const size_t place : ChooseSources(owners, limit)) ++counts[parties[place]];
+  for (const size_t place : ChooseSources(owners, limit, kSeed)) ++counts[parties[place]];
   return counts;
 }
 
@@ -98,16 +100,23 @@ TEST(ChooseSources, ATokenWithManyPartiesGetsNoMorePlacesThanOneWithFew) {
   std::vector<SourceOwner> owners(20, {1, "a"});
   const std::vector<std::string> parties = {"b", "c", "d", "e", "f", "g", "h", "i"};
   for (const std::string& party : parties) owners.push_back({2, party});
-  const auto chosen = ChooseSources(owners, 8);
+  const auto chosen = ChooseSources(owners, 8, kSeed);
   EXPECT_EQ(std::count_if(chosen.begin(), chosen.end(),
                           [&](size_t place) { return owners[place].token_id == 1; }),
             4);
 }
 
-TEST(ChooseSources, ConsidersOnlyALimitedNumberOfTheLatestSources) {
-  std::vector<int64_t> tokens(kSourcesPerPlace * 4, 1);
-  tokens.push_back(2);
-  EXPECT_EQ(CountsOf(tokens, 4), (std::map<int64_t, size_t>{{1, 4}}));
+TEST(ChooseSources, TheSeedDecidesWhoGetsAPlace) {
+  std::vector<std::string> parties;
+  for (int party = 0; party < 100; ++party) parties.push_back(std::to_string(party));
+  std::vector<SourceOwner> owners;
+  for (const std::string& party : parties) owners.push_back({7, party});
+  const auto chosen = ChooseSources(owners, 32, 1);
+  const auto others = ChooseSources(owners, 32, 2);
+  std::vector<size_t> both;
+  std::set_intersection(chosen.begin(), chosen.end(), others.begin(), others.end(),
+                        std::back_inserter(both));
+  EXPECT_NEAR(static_cast<double>(both.size()), 10, 8);
 }
 
 }  // namespace

@@ -396,7 +396,7 @@ TEST_F(AccessTest, AnExportWhoseTokenIsRevokedMeanwhileSendsNoFurtherPage) {
 
 class SessionQuotaTest : public AccessTest {
  protected:
-  SessionQuotaTest() { options_.max_sessions_per_token = 2; }
+  SessionQuotaTest() { options_.max_sessions_per_party = 2; }
 };
 
 TEST_F(SessionQuotaTest, ATokenHasLimitedSessionsAndALostOneMakesRoom) {

@@ -7,7 +7,7 @@ interface Account {
   asksForTokens: boolean;
   loggedIn: boolean;
   name: string;  // name of the token; empty without a token
-  role: 'player' | 'ingest' | 'watch' | 'operator' | 'admin';
+  role: 'player' | 'ticket' | 'ingest' | 'watch' | 'operator' | 'admin';
   projects: readonly string[];  // the projects that the token allows; empty: all
   stableProbability: number;  // minimum of the leader's P(best) for the verdict "stable"
   tieLossRatio: number;  // maximum expected loss for the verdict "tie" of a scene that is not stable

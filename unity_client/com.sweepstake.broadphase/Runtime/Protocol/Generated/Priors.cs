@@ -1280,7 +1280,7 @@ namespace Sweepstake.Protocol.V1 {
     private string network_ = "";
     /// <summary>
     /// Network of the client that began the session: an IPv4 address ("203.0.113.7", selects its first 24 bits), an IPv6 address
-    /// ("2001:db8::1", selects its first 64 bits), or such a network ("203.0.113.0/24"). Absent: any.
+    /// ("2001:db8::1", selects its first 48 bits), or such a network ("203.0.113.0/24"). Absent: any.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
