@@ -268,10 +268,10 @@ struct ImportResult {
 };
 
 // The prior of a new session uses at most this evidence of its scene: kSourcesOfScene sources of
-// the session's machine class, and kSourcesOfOtherClass sources of each of kOtherClasses other
+// the session's machine class, and kSourcesOfOtherClasses sources of kOtherClasses other
 // machine classes.
 inline constexpr uint32_t kSourcesOfScene = 32;
-inline constexpr uint32_t kSourcesOfOtherClass = 4;
+inline constexpr uint32_t kSourcesOfOtherClasses = 32;
 inline constexpr uint32_t kOtherClasses = 8;
 
 // Selects sources; an unset field matches all.
@@ -333,11 +333,11 @@ class PriorReader {
   virtual ~PriorReader() = default;
 
   // Returns evidence about the scene, with the key's reward version. For each arm it is that of at
-  // most kSourcesOfScene sources of the scene's class and kSourcesOfOtherClass sources of each of
-  // kOtherClasses other classes, preferably of those with known arms. decision::ChooseSources
-  // chooses them among the latest sources of the parties that were active last, and divides the
-  // places evenly among tokens and parties. The cost does not depend on the number of stored
-  // sources.
+  // most kSourcesOfScene sources of the scene's class. In addition, it is that of
+  // kSourcesOfOtherClasses sources of kOtherClasses other classes, preferably those with known
+  // arms. decision::ChooseSources chooses them among the latest sources of the parties that were
+  // active last, and divides the places evenly among tokens and parties. The cost does not depend
+  // on the number of stored sources.
   virtual absl::StatusOr<std::vector<SceneSource>> LoadSources(const SceneKey& scene) = 0;
 
   // Returns the state of a source, or nothing if the source was never committed here (an imported

@@ -218,8 +218,9 @@ absl::StatusOr<std::vector<priors::SceneSource>> SqlPriorReader::LoadSources(
         ids.Add(row.Integer(0));
         classes.push_back(scene);
         classes.back().machine_class = row.Text(1);
-        limits[row.Integer(0)] =
-            classes.back() == scene ? priors::kSourcesOfScene : priors::kSourcesOfOtherClass;
+        limits[row.Integer(0)] = classes.back() == scene
+                                     ? priors::kSourcesOfScene
+                                     : priors::kSourcesOfOtherClasses / priors::kOtherClasses;
         whole = whole && row.Boolean(2);
       },
       scene.project, scene.scene, scene.machine_class, scene.reward_version,
@@ -309,23 +310,28 @@ absl::StatusOr<SqlPriorReader::Candidates> SqlPriorReader::LoadCandidates(
   return candidates;
 }
 
-std::set<int64_t> SqlPriorReader::SourcesOfClass(int64_t scene, const ArmKeys& keys,
-                                                 const SourcesOfKeys& sources, const Owners& owners,
-                                                 uint32_t limit, uint64_t seed) {
-  std::set<int64_t, std::greater<>> with_evidence;
+std::set<std::pair<int64_t, int64_t>> SqlPriorReader::SourcesOfOtherClasses(
+    const std::map<int64_t, uint32_t>& limits, const ArmKeys& keys, const SourcesOfKeys& sources,
+    const Owners& owners, uint64_t seed) {
+  std::set<std::pair<int64_t, int64_t>, std::greater<>> with_evidence;  // source, scene
   for (const auto& [id, of_key] : sources) {
     const auto key = keys.find(id);
-    if (key == keys.end() || key->second.scene_id != scene) continue;
+    if (key == keys.end()) continue;
+    const int64_t scene = key->second.scene_id;
+    if (limits.at(scene) == priors::kSourcesOfScene) continue;
     for (const int64_t source : of_key) {
-      if (owners.contains({scene, source})) with_evidence.insert(source);
+      if (owners.contains({scene, source})) with_evidence.emplace(source, scene);
     }
   }
-  const std::vector<int64_t> candidates(with_evidence.begin(), with_evidence.end());
-  std::vector<decision::SourceOwner> owners_of_class;
-  for (const int64_t source : candidates) owners_of_class.push_back(owners.at({scene, source}));
-  std::set<int64_t> chosen;
-  for (const size_t i : decision::ChooseSources(owners_of_class, limit, seed))
-    chosen.insert(candidates[i]);
+  const std::vector<std::pair<int64_t, int64_t>> candidates(with_evidence.begin(),
+                                                            with_evidence.end());
+  std::vector<decision::SourceOwner> owners_of_candidates;
+  for (const auto& [source, scene] : candidates)
+    owners_of_candidates.push_back(owners.at({scene, source}));
+  std::set<std::pair<int64_t, int64_t>> chosen;
+  for (const size_t i :
+       decision::ChooseSources(owners_of_candidates, priors::kSourcesOfOtherClasses, seed))
+    chosen.emplace(candidates[i].second, candidates[i].first);
   return chosen;
 }
 
@@ -357,25 +363,22 @@ absl::Status SqlPriorReader::ChooseSources(const std::map<int64_t, uint32_t>& li
       kKeysOfSources, [&](const SqlRow& row) { sources[row.Integer(1)].push_back(row.Integer(0)); },
       ranges);
   if (!status.ok()) return status;
-  std::map<int64_t, std::set<int64_t>> of_class;  // sources by the id of the scene
-  for (const auto& [scene, limit] : limits) {
-    if (limit != priors::kSourcesOfScene)
-      of_class[scene] = SourcesOfClass(scene, keys, sources, owners, limit, seed);
-  }
+  const auto of_others = SourcesOfOtherClasses(limits, keys, sources, owners, seed);
   for (const auto& [id, key] : keys) {
     // A source with evidence of several scenes can be a candidate for some of them only, and its
     // keys can be in several ranges.
     std::vector<int64_t>& of_key = sources[id];
-    std::erase_if(of_key, [&, scene = key.scene_id](int64_t source) {
-      const auto chosen_sources = of_class.find(scene);
-      return !owners.contains({scene, source}) ||
-             (chosen_sources != of_class.end() && !chosen_sources->second.contains(source));
+    const int64_t scene = key.scene_id;
+    const bool is_other = limits.at(scene) != priors::kSourcesOfScene;
+    std::erase_if(of_key, [&](int64_t source) {
+      return is_other ? !of_others.contains({scene, source}) : !owners.contains({scene, source});
     });
     std::sort(of_key.begin(), of_key.end(), std::greater<>());
     of_key.erase(std::unique(of_key.begin(), of_key.end()), of_key.end());
     std::vector<decision::SourceOwner> owners_of_key;
-    for (const int64_t source : of_key) owners_of_key.push_back(owners.at({key.scene_id, source}));
-    for (const size_t i : decision::ChooseSources(owners_of_key, limits.at(key.scene_id), seed))
+    for (const int64_t source : of_key) owners_of_key.push_back(owners.at({scene, source}));
+    for (const size_t i :
+         decision::ChooseSources(owners_of_key, is_other ? of_key.size() : limits.at(scene), seed))
       chosen.Add(id, of_key[i]);
   }
   return status;

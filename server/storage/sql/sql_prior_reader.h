@@ -105,16 +105,17 @@ class SqlPriorReader : public virtual priors::PriorReader {
                                   const SqlDatabase::OnRow& add);
   // Returns about kSourcesPerPlace times the scene's limit of candidates, the latest first, from as
   // many parties as possible and about equally many per party. `limits` has the numbers of sources
-  // to choose, by the id of the scene.
+  // to choose, by the id of the scene; for another machine class, its share of them.
   absl::StatusOr<Candidates> LoadCandidates(const std::map<int64_t, uint32_t>& limits);
   // The owners of the candidates, by the ids of scene and source.
   using Owners = absl::flat_hash_map<std::pair<int64_t, int64_t>, decision::SourceOwner>;
   using SourcesOfKeys = absl::flat_hash_map<int64_t, std::vector<int64_t>>;  // ids by key id
-  // Returns the sources of a scene that has another machine class than the reader: `limit` for all
-  // keys together. Otherwise each regime, which a client can invent, would have places of its own.
-  static std::set<int64_t> SourcesOfClass(int64_t scene, const ArmKeys& keys,
-                                          const SourcesOfKeys& sources, const Owners& owners,
-                                          uint32_t limit, uint64_t seed);
+  // Returns the ids of scene and source of kSourcesOfOtherClasses sources of the scenes that have
+  // other machine classes than the reader, for all classes and keys together. With a limit per
+  // class or regime, a client could gain places by inventing these.
+  static std::set<std::pair<int64_t, int64_t>> SourcesOfOtherClasses(
+      const std::map<int64_t, uint32_t>& limits, const ArmKeys& keys, const SourcesOfKeys& sources,
+      const Owners& owners, uint64_t seed);
   // Appends a pair of key id and source id to `chosen` for each piece of evidence to load.
   absl::Status ChooseSources(const std::map<int64_t, uint32_t>& limits, const ArmKeys& keys,
                              SqlBatch& chosen);

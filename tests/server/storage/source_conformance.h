@@ -139,7 +139,7 @@ TEST_P(SourceConformance, OnlyTheLatestOfManySourcesAreUsedForAScene) {
   for (const auto& source : sources) ids[source.evidence.key.machine_class].push_back(source.id);
   ASSERT_EQ(ids["desktop"].size(), priors::kSourcesOfScene);
   EXPECT_EQ(ids["desktop"].front(), "desktop 5");
-  EXPECT_EQ(ids["laptop"].size(), priors::kSourcesOfOtherClass);
+  EXPECT_EQ(ids["laptop"].size(), priors::kSourcesOfOtherClasses);
   EXPECT_EQ(ids["laptop"].back(), "laptop " + std::to_string(priors::kSourcesOfScene + 4));
 }
 
@@ -234,16 +234,26 @@ TEST_P(SourceConformance, MachineClassesThatPlayersAddDoNotDisplaceKnownOnes) {
   for (const auto& source : sources) EXPECT_TRUE(source.id.starts_with("studio")) << source.id;
 }
 
-// A client can invent regimes, and a limit per regime would multiply its sources.
-TEST_P(SourceConformance, AnotherMachineClassHasALimitForAllRegimesTogether) {
-  for (int i = 0; i < 20; ++i) {
-    EvidenceKey laptop = Key("Grid");
-    laptop.machine_class = "laptop";
-    laptop.regime = std::to_string(i % 5) + "/0/0";
-    ASSERT_TRUE(Commit({Update("laptop " + std::to_string(i), 1, {laptop})}).ok());
+// A client can invent classes and regimes. A limit for each of them would multiply its places.
+TEST_P(SourceConformance, OtherMachineClassesHaveOneLimitForAllRegimesTogether) {
+  const auto commit = [&](int number, const std::string& machine_class,
+                          const std::string& network) {
+    EvidenceKey key = Key("Grid");
+    key.machine_class = machine_class;
+    key.regime = std::to_string(number % 8) + "/0/0";
+    ASSERT_TRUE(Commit({UpdateOf({"1.0", 7, "", network}, 100,
+                                 machine_class + " " + std::to_string(number), {key})})
+                    .ok());
+  };
+  for (int i = 0; i < 40; ++i) commit(i, "honest", "10.0." + std::to_string(i) + ".0/24");
+  for (int i = 0; i < 64; ++i) {
+    for (const char* machine_class : {"w", "x", "y", "z"}) commit(i, machine_class, "10.9.9.0/24");
   }
-  EXPECT_EQ(store_->LoadSources({"game", "harbour", "desktop", 1})->size(),
-            priors::kSourcesOfOtherClass);
+  const auto sources = *store_->LoadSources({"game", "harbour", "new", 1});
+  EXPECT_EQ(sources.size(), priors::kSourcesOfOtherClasses);
+  EXPECT_GE(std::count_if(sources.begin(), sources.end(),
+                          [](const auto& source) { return source.id.starts_with("honest"); }),
+            static_cast<int>(priors::kSourcesOfOtherClasses) - 1);
 }
 
 // Its keys have ids between those of the other class.
