@@ -29,7 +29,8 @@ constexpr bool Includes(Role held, Role needed) {
          (held == Role::kOperator && needed == Role::kWatch);
 }
 
-// A caller. If the daemon has no tokens, token_id is 0 and the caller is allowed everything.
+// A caller. If the daemon has no tokens, token_id is 0, and the address decides what is allowed
+// (rpc/common/access_control.h).
 struct Principal {
   int64_t token_id = 0;  // from 1; never reused for another token
   std::string name;      // name of the token

@@ -2,8 +2,8 @@
 // database that has fewer later has lost commits, for instance because its write-ahead log was
 // removed after a crash. SQLite cannot detect that.
 //
-// The file is not synced: after a power failure it may be older than the database, which is then
-// not compared with the lost numbers.
+// The file is not synced. After a power failure it may have an earlier number, and then fewer lost
+// commits are detected.
 #pragma once
 
 #include <cstdint>

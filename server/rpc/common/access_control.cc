@@ -80,8 +80,8 @@ absl::StatusOr<auth::Principal> AccessControl::Identify(const std::string& peer,
 
 absl::Status AccessControl::CheckRole(const auth::Principal& caller, const std::string& address,
                                       Rpc rpc) {
-  const bool operates = rpc.role == auth::Role::kOperator || rpc.role == auth::Role::kAdmin;
-  if (caller.token_id == 0 && operates && !net::IsLoopbackAddress(address)) {
+  if (caller.token_id == 0 && rpc.role == auth::Role::kOperator &&
+      !net::IsLoopbackAddress(address)) {
     return Refused(v1::ERROR_REASON_NOT_ALLOWED,
                    "without a token this call is for programs on the daemon's machine only; create "
                    "a token with `sweepstaked token create`");

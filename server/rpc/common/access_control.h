@@ -3,7 +3,7 @@
 // run without TLS.
 //
 // A call carries its token as metadata: `authorization: Bearer TOKEN`. While the daemon has no
-// tokens, every caller may do everything.
+// tokens, callers on its machine may do everything, and others may send evidence and read.
 //
 // This class also limits the rates of reads (calls that list, export or begin to watch), of new
 // streams and of bail-outs that count as evidence. It limits the numbers of exports, imports and

@@ -100,7 +100,7 @@ struct RpcOptions : sessions::HostedSessionOptions {
   // next one is RESOURCE_EXHAUSTED.
   sessions::Adjustable<uint32_t> max_transfers = 64;
   sessions::Adjustable<uint32_t> max_transfers_per_token = 16;
-  // The valid tokens. If null or empty, every caller may do everything. Borrowed; it must outlive
+  // The valid tokens. If null or empty, calls need none. Borrowed; it must outlive
   // the server.
   const auth::TokenDirectory* tokens = nullptr;
   // Whether clients on the daemon's machine are a proxy whose header x-forwarded-for names the real

@@ -306,7 +306,6 @@ absl::StatusOr<SqlPriorReader::Candidates> SqlPriorReader::LoadCandidates(
   }
   status = database_.ForEachRow(kEarlierSources, add, earlier);
   if (!status.ok()) return status;
-  for (auto& [scene, of_scene] : candidates) std::sort(of_scene.begin(), of_scene.end(), IsLater);
   return candidates;
 }
 
@@ -377,8 +376,9 @@ absl::Status SqlPriorReader::ChooseSources(const std::map<int64_t, uint32_t>& li
     of_key.erase(std::unique(of_key.begin(), of_key.end()), of_key.end());
     std::vector<decision::SourceOwner> owners_of_key;
     for (const int64_t source : of_key) owners_of_key.push_back(owners.at({scene, source}));
-    for (const size_t i :
-         decision::ChooseSources(owners_of_key, is_other ? of_key.size() : limits.at(scene), seed))
+    // The sources of other classes have been chosen already.
+    static_assert(priors::kSourcesOfOtherClasses <= priors::kSourcesOfScene);
+    for (const size_t i : decision::ChooseSources(owners_of_key, priors::kSourcesOfScene, seed))
       chosen.Add(id, of_key[i]);
   }
   return status;

@@ -103,7 +103,7 @@ class SqlPriorReader : public virtual priors::PriorReader {
   // Calls `add` for the latest parties of each of the newest tokens of these scenes.
   absl::Status AddPartiesOfTokens(const std::map<int64_t, uint32_t>& limits,
                                   const SqlDatabase::OnRow& add);
-  // Returns about kSourcesPerPlace times the scene's limit of candidates, the latest first, from as
+  // Returns about kSourcesPerPlace times the scene's limit of candidates from as
   // many parties as possible and about equally many per party. `limits` has the numbers of sources
   // to choose, by the id of the scene; for another machine class, its share of them.
   absl::StatusOr<Candidates> LoadCandidates(const std::map<int64_t, uint32_t>& limits);
