@@ -28,6 +28,7 @@ struct Config {
   std::string listen = "127.0.0.1:7433";  // HOST:PORT; port 0 means any free port
   std::string http;        // HOST:PORT of the dashboard, /metrics, /livez and /readyz; empty: none
   std::string http_hosts;  // further names of the daemon, separated by commas
+  std::string http_base;   // path under which a proxy serves `http`, such as /sweepstake; or empty
   std::filesystem::path data = "sweepstake-data";
   std::string store;  // URL of the prior store that several daemons share; empty: one in `data`
   std::filesystem::path port_file;  // the ports are written to it once the daemon listens

@@ -1,11 +1,13 @@
 // The table of settings (config.h).
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <type_traits>
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
@@ -42,6 +44,20 @@ CLI::Validator Finite() {
             double number = 0;
             if (absl::SimpleAtod(text, &number) && std::isfinite(number)) return "";
             return absl::StrCat("expected a finite number, not ", text);
+          },
+          ""};
+}
+
+CLI::Validator BasePath() {
+  return {[](const std::string& text) -> std::string {
+            const bool is_valid = std::all_of(text.begin(), text.end(), [](char c) {
+              return absl::ascii_isalnum(static_cast<unsigned char>(c)) ||
+                     absl::StrContains("/-_", c);
+            });
+            if (text.empty() || (is_valid && text.front() == '/' && text.back() != '/' &&
+                                 !absl::StrContains(text, "//")))
+              return "";
+            return "expected a path such as /sweepstake, of letters, digits, - and _";
           },
           ""};
 }
@@ -110,6 +126,10 @@ void AddFixed(Table& table, Config& config) {
   table.Text("http_hosts", config.http_hosts,
              "further host names of the dashboard, separated by commas, for instance that of a "
              "proxy in front of it");
+  table
+      .Text("http_base", config.http_base,
+            "path under which a proxy serves the dashboard, such as /sweepstake; empty: /")
+      ->check(BasePath());
   table.Text("data", config.data,
              "directory of the prior store; created if its parent directory exists");
   table.Text("store", config.store,

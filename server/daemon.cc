@@ -355,9 +355,9 @@ absl::Status Daemon::OpenHttp() {
   web::ApiOptions api = ApiOf(*rpc_);
   api.event_counters = events_;
   const tls::Files tls = HttpTls(config_);
-  auto server = web::HttpServer::Start(config_.http,
-                                       MakeSite(std::move(api), HttpHosts(config_), HttpPages()),
-                                       tls, {.trusts_proxy = config_.rpc.trusts_proxy});
+  auto server = web::HttpServer::Start(
+      config_.http, MakeSite(std::move(api), HttpHosts(config_), HttpPages()), tls,
+      {.trusts_proxy = config_.rpc.trusts_proxy, .base_path = config_.http_base});
   if (!server.ok()) return server.status();
   web_ = *std::move(server);
   const bool is_plain = tls.cert.empty();

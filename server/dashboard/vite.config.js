@@ -13,7 +13,9 @@ function daemonProxy() {
   return Object.fromEntries(['/api', '/events', '/login', '/logout', '/metrics', '/livez', '/readyz'].map((path) => [path, toDaemon]));
 }
 
-export default defineConfig({
+// In the built page, URLs begin with "./". The daemon replaces the dot by its setting http_base.
+export default defineConfig(({ command }) => ({
+  base: command === 'build' ? './' : '/',
   build: {
     target: 'es2022',
     modulePreload: { polyfill: false },
@@ -22,4 +24,4 @@ export default defineConfig({
   },
   server: { proxy: daemonProxy() },
   test: { include: ['src/**/*.test.ts'], testTimeout: 60_000, pool: 'threads', isolate: false },
-});
+}));

@@ -24,7 +24,8 @@ constexpr std::array<std::string_view, 6> kPages = {"scenes", "sessions", "decis
 
 bool IsPage(std::string_view path) {
   const std::string_view first = path.substr(1, path.find('/', 1) - 1);
-  return path == "/" || std::find(kPages.begin(), kPages.end(), first) != kPages.end();
+  return path == "/" || path == kIndex ||
+         std::find(kPages.begin(), kPages.end(), first) != kPages.end();
 }
 
 // Decompresses gzip (RFC 1952): a header of ten bytes, the deflated data, checksum and length.
@@ -81,11 +82,13 @@ std::string NamesIn(std::string_view path) {
   return absl::StrJoin(names, " / ");
 }
 
-// Puts the names before the title that chats and mail show for a link to the page.
-std::string WithNames(std::string html, const std::string& names) {
+// Returns the page with `names` before the title that chats and mail show for a link to it, and
+// with the base path in its URLs, which begin with "./".
+std::string CompletePage(std::string html, const std::string& base_path, const std::string& names) {
+  absl::StrReplaceAll({{"=\"./", absl::StrCat("=\"", base_path, "/")}}, &html);
   constexpr std::string_view kTitle = "<meta property=\"og:title\" content=\"";
   const size_t place = html.find(kTitle);
-  if (place == std::string::npos) return html;
+  if (place == std::string::npos || names.empty()) return html;
   const std::string escaped = absl::StrReplaceAll(
       names, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}, {"'", "&#39;"}});
   return html.insert(place + kTitle.size(), absl::StrCat(escaped, " \u00b7 "));
@@ -107,17 +110,19 @@ Page DashboardFiles::PageFor(const Request& request) const {
     if (!is_page) return {404, "This page does not exist.\n"};
     return {.body = absl::StrCat(std::string(problem_), "\n")};
   }
-  const std::string names = is_page ? NamesIn(request.path()) : "";
   Page page;
   page.content_type = std::string(file->content_type);
+  std::string etag(file->etag);
+  if (is_page) etag.insert(etag.size() - 1, request.base_path);
   page.headers = {
-      {"ETag", std::string(file->etag)},
+      {"ETag", etag},
       {"Vary", "Accept-Encoding"},
       {"Cache-Control", file->is_immutable ? "public, max-age=31536000, immutable" : "no-cache"}};
-  if (request.Header("If-None-Match").find(file->etag) != std::string_view::npos) {
+  if (request.Header("If-None-Match").find(etag) != std::string_view::npos) {
     page.status = 304;
-  } else if (!names.empty()) {
-    page.body = WithNames(Decompress(file->gzip_bytes), names);
+  } else if (is_page) {
+    page.body =
+        CompletePage(Decompress(file->gzip_bytes), request.base_path, NamesIn(request.path()));
   } else if (request.Header("Accept-Encoding").find("gzip") != std::string_view::npos) {
     page.headers.emplace_back("Content-Encoding", "gzip");
     page.body = std::string(file->gzip_bytes);

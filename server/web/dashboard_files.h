@@ -18,9 +18,9 @@ class DashboardFiles {
   DashboardFiles(std::span<const DashboardAsset> files, std::string_view problem)
       : files_(files), problem_(problem) {}
 
-  // Returns the file at the request's path. All paths of the dashboard's pages have the same file.
-  // Only the title that chats and mail show for a link (Open Graph) differs: it contains the scene
-  // or session that the path names.
+  // Returns the file at the request's path. All paths of the dashboard's pages have the same file,
+  // with two differences: its URLs begin with the base path, and the title that chats and mail show
+  // for a link (Open Graph) contains the scene or session that the path names.
   Page PageFor(const Request& request) const;
 
  private:

@@ -2,6 +2,7 @@
 
 #include <boost/asio/error.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/socket_base.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/http/chunk_encode.hpp>
 #include <boost/beast/http/error.hpp>
@@ -24,7 +25,6 @@ constexpr int kLengthRequired = 411;
 constexpr int kPayloadTooLarge = 413;
 constexpr int kHeaderTooLarge = 431;
 constexpr int kUnavailable = 503;
-constexpr int kVersionNotSupported = 505;
 constexpr unsigned kHttp11 = 11;
 // A client gets additional time for a long answer: 1 ms for every 16 bytes, which is 16 kB/s.
 constexpr size_t kBytesPerMs = 16;
@@ -171,7 +171,17 @@ void HttpConnection::OnBody(error_code error) {
   request_.peer = net::PeerOf(stream_.tcp().socket().native_handle());
   if (shared_.limits.trusts_proxy)
     request_.peer = net::ForwardedPeer(request_.peer, request_.LastHeader("x-forwarded-for"));
+  StripBase();
   shared_.handler(shared_from_this());
+}
+
+void HttpConnection::StripBase() {
+  request_.base_path = shared_.limits.base_path;
+  std::string target(request_.target());
+  if (request_.base_path.empty() || !target.starts_with(request_.base_path)) return;
+  target.erase(0, request_.base_path.size());
+  if (target.empty() || target.front() == '?') target.insert(0, "/");
+  if (target.front() == '/') request_.message.target(target);
 }
 
 void HttpConnection::Reject(const Page& page) {
@@ -221,8 +231,6 @@ void HttpConnection::Drop() {
 }
 
 void HttpConnection::Stream(std::string content_type, std::unique_ptr<PartSource> source) {
-  if (request_.message.version() < kHttp11)
-    return Write({kVersionNotSupported, "This answer needs HTTP/1.1.\n"}, /*keep_alive=*/false);
   writing_ = true;
   source_ = std::move(source);
   // Requests the parts later, because the caller of `wake` may still be changing them.
@@ -238,10 +246,12 @@ void HttpConnection::Stream(std::string content_type, std::unique_ptr<PartSource
 
 void HttpConnection::WriteStreamHead(std::string content_type) {
   head_ = {};
+  head_.version(request_.message.version());
   SetHeaders(head_, content_type);
   head_.set("X-Accel-Buffering", "no");  // proxies must pass each part on at once
   head_.keep_alive(false);
-  head_.chunked(true);
+  head_.chunked(head_.version() >= kHttp11);
+  if (!head_.chunked()) ResetOnClose(true);
   serializer_.emplace(head_);
   stream_.tcp().expires_after(shared_.limits.patience);
   http::async_write_header(stream_, *serializer_,
@@ -279,12 +289,23 @@ void HttpConnection::WriteParts() {
   writing_ = part_ != nullptr || source_->ended();
   if (!writing_) return;
   stream_.tcp().expires_after(PatienceFor(part_ ? part_->size() : 0));
-  if (part_) {
-    boost::asio::async_write(stream_, http::make_chunk(boost::asio::buffer(*part_)), on_written);
-  } else {
-    source_.reset();
+  const auto bytes = part_ ? boost::asio::buffer(*part_) : boost::asio::const_buffer();
+  if (!part_) source_.reset();
+  if (part_ && head_.chunked()) {
+    boost::asio::async_write(stream_, http::make_chunk(bytes), on_written);
+  } else if (part_) {
+    boost::asio::async_write(stream_, bytes, on_written);
+  } else if (head_.chunked()) {
     boost::asio::async_write(stream_, http::make_chunk_last(), on_written);
+  } else {
+    ResetOnClose(false);
+    OnPartWritten({});
   }
+}
+
+void HttpConnection::ResetOnClose(bool resets) {
+  error_code ignored;
+  stream_.tcp().socket().set_option(boost::asio::socket_base::linger(resets, 0), ignored);
 }
 
 void HttpConnection::OnPartWritten(error_code error) {

@@ -66,7 +66,10 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   // client could lose the answer.
   void Linger();
 
-  // The next five send a stream. A client may close its sending side and receive the rest of the
+  // Removes the base path from the target of the request.
+  void StripBase();
+
+  // The next six send a stream. A client may close its sending side and receive the rest of the
   // stream. If the stream is endless, that client counts as disconnected, as in nginx and Go's
   // net/http.
   void WriteStreamHead(std::string content_type);
@@ -74,6 +77,9 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   void AwaitReset();
   void WriteParts();
   void OnPartWritten(Error error);
+  // Whether the connection is reset when it or the process ends. In HTTP/1.0 the end of the
+  // connection is the end of the answer, so a client could not notice that an answer is incomplete.
+  void ResetOnClose(bool resets);
 
   ConnectionShared& shared_;
   const std::function<void(HttpConnection&)> on_closed_;

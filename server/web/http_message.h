@@ -18,6 +18,9 @@ struct Request {
   std::string peer;      // the remote address in gRPC's format: "ipv4:127.0.0.1:4711"
   std::string own_host;  // the local address as in a URL: "127.0.0.1", "[::1]"
   bool is_tls = false;   // the connection uses TLS
+  // The path under which a proxy serves the daemon: "/sweepstake", or empty. It is not part of the
+  // target, but links and cookies need it.
+  std::string base_path = {};
 
   std::string_view target() const { return {message.target().data(), message.target().size()}; }
   // Return the part of the target before and after the question mark.
@@ -61,8 +64,8 @@ class Exchange {
   virtual ~Exchange() = default;
   virtual const Request& request() const = 0;
   virtual void Answer(Page page) = 0;
-  // Answers with status 200 and the parts of the source. A client that does not use HTTP/1.1
-  // receives a 505, because only HTTP/1.1 has such answers.
+  // Answers with status 200 and the parts of the source: in chunks, or, for a client with HTTP/1.0,
+  // until the end of the connection. If such an answer is not complete, the connection is reset.
   virtual void Stream(std::string content_type, std::unique_ptr<PartSource> source) = 0;
 };
 

@@ -1,4 +1,5 @@
-// An HTTP/1.1 listener, with TLS or in plain text, whose requests a handler answers.
+// A listener for HTTP/1.1 and HTTP/1.0, with TLS or in plain text, whose requests a handler
+// answers.
 //
 // A separate thread serves all connections and runs the handler, so that nothing here delays a
 // decision. A request that violates the protocol or a limit is answered with a 4xx or 503 that
@@ -33,6 +34,9 @@ struct HttpLimits {
   std::chrono::milliseconds patience{10'000};
   // Whether clients on this machine are a proxy whose header x-forwarded-for names the real client.
   bool trusts_proxy = false;
+  // The path under which a proxy serves the daemon: "/sweepstake", or empty. It is removed from the
+  // targets of requests that begin with it.
+  std::string base_path = {};
   // The time between two attempts to accept while there are no free descriptors.
   std::chrono::milliseconds accept_retry{100};
 };

@@ -282,6 +282,19 @@ TEST_F(ConfigTest, HttpUsesTlsWhereOtherMachinesReachIt) {
   EXPECT_EQ(HttpTls(*FromFile(tls + "http = '0.0.0.0:7434'\nhttp_plain = true\n")).cert, "");
 }
 
+TEST_F(ConfigTest, TheBaseOfHttpIsAPath) {
+  const auto config = FromFile("http_base = '/tools/sweep-stake_1'\n");
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_EQ(config->http_base, "/tools/sweep-stake_1");
+  EXPECT_TRUE(FromFile("http_base = ''\n").ok());
+  for (const char* wrong : {"/", "sweepstake", "/sweepstake/", "//a", "/a/../b", "/a b", "/\"><b>",
+                            "https://dash/a", "/a?b"}) {
+    EXPECT_THAT(Error(std::string("http_base = '") + wrong + "'\n"),
+                HasSubstr("expected a path such as /sweepstake"))
+        << wrong;
+  }
+}
+
 TEST_F(ConfigTest, HttpHostsAreTheHostOfHttpAndTheListedNames) {
   const auto config = FromFile(
       "http_plain = true\nhttp = 'Build-Server:7434'\nhttp_hosts = ' dash.example.com,B_1 ,, "

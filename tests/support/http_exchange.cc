@@ -96,12 +96,21 @@ std::string HttpSocket::ReadUntil(std::string_view text) {
   return read;
 }
 
+bool HttpSocket::WasReset() {
+  std::array<char, 4096> bytes;
+  ssize_t count = 0;
+  while ((count = recv(socket_, bytes.data(), bytes.size(), 0)) > 0) {
+  }
+  if (count < 0 && errno == EAGAIN) Die("the server does not end the connection");
+  return count < 0 && errno == ECONNRESET;
+}
+
 HttpAnswer Exchange(int port, std::string_view request) {
   HttpSocket socket(port);
   socket.Send(request);
   const std::string all = socket.ReadAll();
   const size_t end = all.find("\r\n\r\n");
-  if (!all.starts_with("HTTP/1.1 ") || end == std::string::npos) return {};
+  if (!all.starts_with("HTTP/1.") || end == std::string::npos) return {};
   return {std::stoi(all.substr(9, 3)), all.substr(0, end + 2), all.substr(end + 4)};
 }
 

@@ -27,6 +27,8 @@ class HttpSocket {
   std::string ReadAnswer();
   // Returns the data up to the text, or all data if the server closes the connection before.
   std::string ReadUntil(std::string_view text);
+  // Waits until the server ends the connection. Returns whether it ended with a reset.
+  bool WasReset();
 
  private:
   // Returns false at the end of the connection.

@@ -64,7 +64,8 @@ std::string CookieOf(const Request& request) {
 std::pair<std::string, std::string> SetCookie(const Request& request, const std::string& value) {
   const bool is_safe = request.is_tls || request.Header("X-Forwarded-Proto") == "https";
   return {"Set-Cookie",
-          absl::StrCat(CookieName(request), value, "; HttpOnly; SameSite=Strict; Path=/",
+          absl::StrCat(CookieName(request), value,
+                       "; HttpOnly; SameSite=Strict; Path=", request.base_path, "/",
                        is_safe ? "; Secure" : "", value.empty() ? "; Max-Age=0" : "")};
 }
 

@@ -41,6 +41,7 @@ export async function rowsOf(page, caption) {
 }
 
 // Opens a page and records its troubles: errors, violations of the content security policy, and requests to other servers.
+// `origin` may include the base path of the dashboard.
 export async function openPage(context, origin, path = '/') {
   const page = await context.newPage();
   page.setDefaultTimeout(90_000);  // long enough for a busy machine
@@ -70,7 +71,7 @@ export async function expecting(page, expected, act) {
 
 // Returns the HTTP status of a call that the page does not offer.
 export const refusalOf = (page, method, request, headers = { 'X-Sweepstake': '1' }) => expecting(page, refused(403), () =>
-  page.evaluate(async ([name, body, more]) => (await fetch(`/api/sweepstake.v1.${name}`,
+  page.evaluate(async ([name, body, more]) => (await fetch(`${document.querySelector('.brand').getAttribute('href')}api/sweepstake.v1.${name}`,
     { method: 'POST', headers: { 'Content-Type': 'application/json', ...more }, body: JSON.stringify(body) })).status, [method, request, headers]));
 
 // Prints a time in milliseconds. Fails above `limit` if JUDGE_TIMES is set, which needs an idle machine.

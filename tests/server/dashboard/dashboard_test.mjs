@@ -348,10 +348,10 @@ const REFUSAL = { status: 503, contentType: 'application/json', body: '{"error":
 // The daemon refuses every request of a view, and the view shows the error.
 async function checkErrors(context, daemon) {
   const page = await openPage(context, daemon.origin);
-  for (const pattern of ['**/api/sweepstake*/**', '**/events/**', '**/metrics', '**/readyz*']) await page.route(pattern, (route) => route.fulfill(REFUSAL));
   const views = Object.entries(await viewsOf(daemon));
   // The page repeats its requests, between the views too.
   await expecting(page, refused(REFUSAL.status), async () => {
+    for (const pattern of ['**/api/sweepstake*/**', '**/events/**', '**/metrics', '**/readyz*']) await page.route(pattern, (route) => route.fulfill(REFUSAL));
     for (const [name, path] of views) {
       await page.goto(`${daemon.origin}${path}`);
       await isBadge(page, 'offline');
@@ -366,12 +366,14 @@ async function checkErrors(context, daemon) {
 
 // ---- Login and roles.
 
+// All requests of the page are below the base path.
 async function checkLogin(context) {
-  const daemon = daemonIn('tokens', ['--require-tokens']);
+  const base = '/tools/sweepstake';
+  const daemon = daemonIn('tokens', ['--require-tokens', '--http-base', base]);
   const token = daemon.makeToken('reader', 'watch');
   const boss = daemon.makeToken('boss', 'operator');
   await daemon.start();
-  const page = await openPage(context, daemon.origin);
+  const page = await openPage(context, `${daemon.origin}${base}`, '/decisions?q=a');
   await page.getByLabel('Token').fill('wrong');
   await page.screenshot({ path: join(pictures, 'login.png') });
   await assertAccessible(page, 'login');
@@ -388,6 +390,13 @@ async function checkLogin(context) {
   const kept = await page.evaluate(() => JSON.stringify([document.cookie, { ...localStorage }, { ...sessionStorage }]));
   assert.ok(!kept.includes(token), 'scripts can read the token in cookies or storage');
   assert.equal(await page.evaluate(() => document.cookie), '', 'scripts can read the cookie');
+  assert.deepEqual((await context.cookies()).map(({ path }) => path), [`${base}/`]);
+  for (const [link, path] of [['Health', '/health'], ['Sweepstake', '/'], ['Decisions', '/decisions']]) {
+    await page.getByRole('link', { name: link, exact: true }).click();
+    assert.equal(new URL(page.url()).pathname, `${base}${path}`);
+  }
+  await page.reload();
+  await page.getByRole('heading', { name: 'Decisions', level: 1 }).waitFor();
   const order = ['SessionsService/OrderSession', { sessionId: 'any', mode: 'MODE_AI' }];
   assert.equal(await refusalOf(page, ...order), 403, 'a token with the role watch may give orders');
   await page.evaluate(() => { globalThis.marker = 'the same page'; });

@@ -40,20 +40,21 @@ TEST_F(DashboardFilesTest, AFileIsAtItsPathAndThePagesHaveTheIndex) {
   for (const char* path : {"/", "/index.html", "/decisions?range=1h", "/health"}) {
     const Page page = Ask(path, gzip);
     EXPECT_EQ(page.content_type, "text/html; charset=utf-8") << path;
-    EXPECT_EQ(page.body, gzip_);
-    EXPECT_THAT(page.headers, Contains(Pair("Content-Encoding", "gzip")));
+    EXPECT_EQ(page.body, "hello hello hello hello\n");
     EXPECT_THAT(page.headers, Contains(Pair("Vary", "Accept-Encoding")));
     EXPECT_THAT(page.headers, Contains(Pair("Cache-Control", "no-cache")));
   }
   const Page script = Ask("/assets/main-1f2e.js", gzip);
   EXPECT_EQ(script.content_type, "text/javascript");
+  EXPECT_EQ(script.body, gzip_);
+  EXPECT_THAT(script.headers, Contains(Pair("Content-Encoding", "gzip")));
   EXPECT_THAT(script.headers,
               Contains(Pair("Cache-Control", "public, max-age=31536000, immutable")));
   EXPECT_EQ(Ask("/assets/main-0000.js").status, 404);
 }
 
 TEST_F(DashboardFilesTest, AClientWithoutGzipReceivesTheUncompressedFile) {
-  const Page page = Ask("/");
+  const Page page = Ask("/assets/main-1f2e.js");
   EXPECT_EQ(page.body, "hello hello hello hello\n");
   EXPECT_THAT(page.headers, ::testing::Not(Contains(Pair("Content-Encoding", "gzip"))));
 }
@@ -75,6 +76,10 @@ constexpr unsigned char kTitledGzip[] = {
     0x4d, 0x2d, 0x28, 0x2e, 0x49, 0xcc, 0x4e, 0x55, 0xb2, 0xe3, 0xb2, 0x01, 0xcb, 0xda, 0x55, 0xd8,
     0xe8, 0x43, 0x18, 0x5c, 0x00, 0x8b, 0xbd, 0x6d, 0x59, 0x41, 0x00, 0x00, 0x00};
 
+std::string Titled(const std::string& title) {
+  return "<meta property=\"og:title\" content=\"" + title + "\">\n<title>x</title>\n";
+}
+
 // Returns the body of the page at the target, for a client that accepts gzip.
 std::string TitledBody(const std::string& target) {
   const std::string gzip(reinterpret_cast<const char*>(kTitledGzip), sizeof kTitledGzip);
@@ -82,11 +87,7 @@ std::string TitledBody(const std::string& target) {
       {{"/index.html", "text/html", gzip, "\"cafe\"", false}}};
   const FakeExchange exchange(boost::beast::http::verb::get, target, {{"Accept-Encoding", "gzip"}});
   const Page page = DashboardFiles(assets, "").PageFor(exchange.request());
-  return page.body == gzip ? "as it is" : page.body;
-}
-
-std::string Titled(const std::string& title) {
-  return "<meta property=\"og:title\" content=\"" + title + "\">\n<title>x</title>\n";
+  return page.body == Titled("Sweepstake") ? "as it is" : page.body;
 }
 
 TEST(DashboardLinks, AreTitledByTheNamesInTheirPaths) {
@@ -97,6 +98,34 @@ TEST(DashboardLinks, AreTitledByTheNamesInTheirPaths) {
   for (const char* nameless : {"/", "/scenes", "/scenes/a", "/scenes/a/b/c", "/sessions", "/priors",
                                "/decisions?session=a", "/health/a/b"})
     EXPECT_EQ(TitledBody(nameless), "as it is") << nameless;
+}
+
+// The output of
+// `printf '<link href="./assets/a.css"><script src="./assets/a.js"></script>\n' | gzip -n9`.
+constexpr unsigned char kLinkingGzip[] = {
+    0x1f, 0x8b, 0x08, 0x00, 0x00, 0x00, 0x00, 0x00, 0x02, 0x03, 0xb3, 0xc9, 0xc9, 0xcc,
+    0xcb, 0x56, 0xc8, 0x28, 0x4a, 0x4d, 0xb3, 0x55, 0xd2, 0xd3, 0x4f, 0x2c, 0x2e, 0x4e,
+    0x2d, 0x29, 0xd6, 0x4f, 0xd4, 0x4b, 0x2e, 0x2e, 0x56, 0xb2, 0xb3, 0x29, 0x4e, 0x2e,
+    0xca, 0x2c, 0x28, 0x51, 0x28, 0x2e, 0x4a, 0x46, 0x91, 0xcc, 0x02, 0xc9, 0xe9, 0x43,
+    0x24, 0xed, 0xb8, 0x00, 0x79, 0xeb, 0x9e, 0x14, 0x42, 0x00, 0x00, 0x00};
+
+TEST(DashboardLinks, BeginWithTheBasePath) {
+  const std::string gzip(reinterpret_cast<const char*>(kLinkingGzip), sizeof kLinkingGzip);
+  const std::array<DashboardAsset, 1> assets = {
+      {{"/index.html", "text/html", gzip, "\"cafe\"", false}}};
+  const DashboardFiles files(assets, "");
+  FakeExchange exchange(boost::beast::http::verb::get, "/health",
+                        {{"If-None-Match", "\"cafe/tools/sweepstake\""}});
+  Page page = files.PageFor(exchange.request());
+  EXPECT_EQ(page.body, "<link href=\"/assets/a.css\"><script src=\"/assets/a.js\"></script>\n");
+  exchange.mutable_request().base_path = "/tools/sweepstake";
+  EXPECT_EQ(files.PageFor(exchange.request()).status, 304);
+  exchange.mutable_request().message.erase("If-None-Match");
+  page = files.PageFor(exchange.request());
+  EXPECT_EQ(page.body,
+            "<link href=\"/tools/sweepstake/assets/a.css\">"
+            "<script src=\"/tools/sweepstake/assets/a.js\"></script>\n");
+  EXPECT_THAT(page.headers, Contains(Pair("ETag", "\"cafe/tools/sweepstake\"")));
 }
 
 TEST(DashboardLinks, AHostileNameIsEscapedOrOmitted) {
@@ -116,7 +145,7 @@ TEST(DashboardFiles, WithoutFilesThePagesStateTheReason) {
   const DashboardFiles none({}, "build it with Node");
   const FakeExchange page(boost::beast::http::verb::get, "/scenes");
   EXPECT_EQ(none.PageFor(page.request()).body, "build it with Node\n");
-  const FakeExchange file(boost::beast::http::verb::get, "/index.html");
+  const FakeExchange file(boost::beast::http::verb::get, "/assets/main.js");
   EXPECT_EQ(none.PageFor(file.request()).status, 404);
 }
 

@@ -153,7 +153,33 @@ TEST(HttpServerTest, AnAnswerInPartsIsChunkedAndEnds) {
               AllOf(HasSubstr("Transfer-Encoding: chunked\r\n"),
                     HasSubstr("Content-Type: text/x\r\n"), HasSubstr("Connection: close\r\n")));
   EXPECT_EQ(answer.body, "1\r\na\r\n1\r\nb\r\n0\r\n\r\n");
-  EXPECT_EQ(test_support::Exchange(server->port(), "GET /parts?ab HTTP/1.0\r\n\r\n").status, 505);
+}
+
+TEST(HttpServerTest, AnAnswerInPartsToHttp10EndsWithItsConnection) {
+  const auto server = StartServer();
+  const HttpAnswer answer =
+      test_support::Exchange(server->port(), "GET /parts?ab HTTP/1.0\r\n\r\n");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_THAT(answer.head, AllOf(HasSubstr("HTTP/1.0 200 OK\r\n"), Not(HasSubstr("chunked")),
+                                 Not(HasSubstr("keep-alive"))));
+  EXPECT_EQ(answer.body, "ab");
+}
+
+TEST(HttpServerTest, AnIncompleteAnswerToHttp10EndsWithAReset) {
+  auto server = StartServer();
+  HttpSocket endless(server->port());
+  endless.Send("GET /parts HTTP/1.0\r\n\r\n");
+  EXPECT_THAT(endless.ReadUntil("\r\n\r\n"), HasSubstr("200 OK"));
+  server.reset();
+  EXPECT_TRUE(endless.WasReset());
+}
+
+TEST(HttpServerTest, TheBasePathIsNotPartOfTheTarget) {
+  const auto server = StartServer({.base_path = "/tools/sweepstake"});
+  for (const char* target : {"/tools/sweepstake/hello?you", "/tools/sweepstake?you", "/hello?you"})
+    EXPECT_EQ(Get(server->port(), target).body, "you\n") << target;
+  EXPECT_EQ(Get(server->port(), "/tools/sweepstake/parts?a").body, "1\r\na\r\n0\r\n\r\n");
+  EXPECT_EQ(Get(server->port(), "/tools/sweepstakes/parts?a").body, "a\n") << "another path";
 }
 
 TEST(HttpServerTest, AnAnswerInPartsWaitsForPartsAndEndsWithItsClient) {

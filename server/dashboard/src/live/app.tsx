@@ -15,6 +15,7 @@ import { connection } from './state/connection';
 import { startLive } from './state/live';
 import { followLinks, navigate, route, type RouteName } from './state/route';
 import { followScenes } from './state/summaries';
+import { urlOf } from './transport/base';
 import { ApiError, asApiError } from './transport/calls';
 import { Login } from './views/login';
 import { Overview } from './views/overview';
@@ -31,10 +32,10 @@ const LATER: Readonly<Partial<Record<RouteName, Loader>>> = {
 };
 
 const PLACES: readonly { name: RouteName; href: string; title: string; key: string }[] = [
-  { name: 'overview', href: '/', title: 'Overview', key: 'o' },
-  { name: 'decisions', href: '/decisions', title: 'Decisions', key: 'd' },
-  { name: 'priors', href: '/priors', title: 'Priors', key: 'p' },
-  { name: 'health', href: '/health', title: 'Health', key: 'h' },
+  { name: 'overview', href: urlOf('/'), title: 'Overview', key: 'o' },
+  { name: 'decisions', href: urlOf('/decisions'), title: 'Decisions', key: 'd' },
+  { name: 'priors', href: urlOf('/priors'), title: 'Priors', key: 'p' },
+  { name: 'health', href: urlOf('/health'), title: 'Health', key: 'h' },
 ];
 
 // Catches an exception of a view, so that the frame and the other views still work.
@@ -52,7 +53,7 @@ function View() {
   if (name === 'overview') return <Overview />;
   const load = LATER[name];
   if (load) return <Later key={name} name={name} load={load} props={{}} />;
-  return <Empty title="This page does not exist"><p>The dashboard has no page <Name text={path} />. <a href="/">The overview</a> lists all scenes.</p></Empty>;
+  return <Empty title="This page does not exist"><p>The dashboard has no page <Name text={path} />. <a href={urlOf('/')}>The overview</a> lists all scenes.</p></Empty>;
 }
 
 const theme = signal<Theme>(keptTheme());
@@ -81,7 +82,7 @@ function Header() {
   return (
     <header class="top">
       <a class="skip" href="#main">Skip to the content</a>
-      <a class="brand" href="/">Sweepstake</a>
+      <a class="brand" href={urlOf('/')}>Sweepstake</a>
       <nav aria-label="Views">
         {PLACES.map(({ name, href, title }) => <a key={name} href={href} aria-current={route.value.name === name ? 'page' : undefined}>{title}</a>)}
       </nav>

@@ -61,6 +61,13 @@ TEST_F(ApiTokensTest, DaemonsOnOneHostHaveDifferentCookies) {
   }
 }
 
+TEST_F(ApiTokensTest, TheCookieIsOnlySentBelowTheBasePath) {
+  limits_.base_path = "/tools";
+  StartHttp();
+  const Answer login = Post("/tools/login", R"({"token":"ann-token"})");
+  EXPECT_THAT(login.head, HasSubstr("; Path=/tools/\r\n"));
+}
+
 TEST_F(ApiTokensTest, OverTlsTheCookieIsSecure) {
   const Answer login = Post("/login", R"({"token":"ann-token"})", "X-Forwarded-Proto: https\r\n");
   EXPECT_THAT(login.head, HasSubstr("; Path=/; Secure\r\n"));

@@ -1,5 +1,6 @@
 // The account of the page's user, as the daemon reports it.
 import { computed, signal } from '@preact/signals';
+import { urlOf } from '../transport/base';
 import { ApiError, asApiError, send } from '../transport/calls';
 
 interface Account {
@@ -48,5 +49,5 @@ export async function login(token: string): Promise<void> {
 
 export async function logout(): Promise<void> {
   await send('/logout', { method: 'POST' });
-  location.assign('/');  // a reload removes all data from the page's memory
+  location.assign(urlOf('/'));  // a reload removes all data from the page's memory
 }

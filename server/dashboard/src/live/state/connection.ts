@@ -1,6 +1,7 @@
 // The state of the connection: whether the page shows the daemon's current data. The daemon sends nothing while nothing changes, so after
 // some silence the page requests /livez. Without an answer the page's data is stale.
 import { computed, signal } from '@preact/signals';
+import { urlOf } from '../transport/base';
 import type { ApiError } from '../transport/calls';
 
 // 'stale': connected, but nothing was received for 5 s, not even an answer from /livez. 'denied': the daemon requires a token, or one
@@ -50,7 +51,7 @@ export function heard(): void {
 async function ask(): Promise<void> {
   isAsking = true;
   // Without an answer `heard` is not called, so the time of silence grows.
-  await fetch('/livez', { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) }).then(heard, () => undefined);
+  await fetch(urlOf('/livez'), { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) }).then(heard, () => undefined);
   isAsking = false;
 }
 

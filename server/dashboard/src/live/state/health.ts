@@ -1,6 +1,7 @@
 // Polls the daemon's health while a view shows it: the checks of /readyz for the overview and the health view, the figures of /metrics
 // for the health view.
 import { computed, signal, type Signal } from '@preact/signals';
+import { urlOf } from '../transport/base';
 import { asApiError, parseError, type ApiError } from '../transport/calls';
 
 // One check of /readyz?verbose.
@@ -77,7 +78,7 @@ export const healthError = computed(() => checksError.value ?? figuresError.valu
 // That is an error, whatever the HTTP status.
 async function learn(path: string, take: (text: string) => boolean, problem: Signal<ApiError | undefined>): Promise<void> {
   try {
-    const response = await fetch(path, { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) });
+    const response = await fetch(urlOf(path), { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) });
     const text = await response.text();
     if (!take(text)) throw parseError(text, `the daemon answered ${path} with ${response.status} ${response.statusText}`);
     problem.value = undefined;

@@ -1,6 +1,7 @@
 // The current page: path and query. Every view, filter, range and pause has a URL, so that links and the browser's Back and Forward
 // buttons work. The daemon answers the paths of these pages with index.html.
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
+import { pathIn, urlOf } from '../transport/base';
 import type { SceneName } from './scenes';
 
 export type RouteName = 'overview' | 'scene' | 'session' | 'decisions' | 'priors' | 'health' | 'unknown';
@@ -26,7 +27,7 @@ function decoded(part: string): string {
 }
 
 export function routeOf(url: URL): Route {
-  const [first = '', ...rest] = url.pathname.split('/').filter(Boolean).map(decoded);
+  const [first = '', ...rest] = pathIn(url.pathname).split('/').filter(Boolean).map(decoded);
   const route = { path: url.pathname, parts: rest, query: url.searchParams };
   if (first === '') return { ...route, name: 'overview' };
   if (first === 'scenes' && rest.length === 2) return { ...route, name: 'scene' };
@@ -65,9 +66,9 @@ const tail = (query: Readonly<Record<string, string>>) => {
 };
 
 export const sceneHref = ({ project, scene, machineClass, rewardVersion }: SceneName) =>
-  `/scenes/${pathPart(project)}/${pathPart(scene)}${tail({ class: machineClass, reward: String(rewardVersion) })}`;
-export const sessionHref = (id: string) => `/sessions/${pathPart(id)}`;
-export const decisionsHref = (filter: Readonly<Record<string, string>>) => `/decisions${tail(filter)}`;
+  urlOf(`/scenes/${pathPart(project)}/${pathPart(scene)}${tail({ class: machineClass, reward: String(rewardVersion) })}`);
+export const sessionHref = (id: string) => urlOf(`/sessions/${pathPart(id)}`);
+export const decisionsHref = (filter: Readonly<Record<string, string>>) => urlOf(`/decisions${tail(filter)}`);
 
 // Returns the name of the scene in the URL of a scene's page.
 export function sceneNameOf({ parts, query }: Route): SceneName {

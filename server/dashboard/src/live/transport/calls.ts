@@ -2,6 +2,8 @@
 import { create, fromJsonString, toJsonString, type DescMethodServerStreaming, type DescMethodUnary, type DescMessage,
   type MessageInitShape, type MessageShape } from '@bufbuild/protobuf';
 
+import { urlOf } from './base';
+
 const TIMEOUT_MS = 10_000;
 export const HEADERS: Readonly<Record<string, string>> = { 'Content-Type': 'application/json', 'X-Sweepstake': '1' };
 
@@ -49,7 +51,7 @@ export function asApiError(error: unknown): ApiError {
 // Sends a request to the daemon. Throws ApiError; if cancelled, throws the signal's reason.
 export async function send(path: string, init: RequestInit = {}): Promise<Response> {
   try {
-    const response = await fetch(path, { ...init, headers: { ...HEADERS, ...init.headers } });
+    const response = await fetch(urlOf(path), { ...init, headers: { ...HEADERS, ...init.headers } });
     if (response.ok) return response;
     throw await errorOfResponse(response);
   } catch (error) {

@@ -1,6 +1,7 @@
 // Follows an endless RPC over server-sent events while the page is open. After a lost connection it receives the missed events or a
 // new snapshot. It uses fetch instead of EventSource, which reports neither the reason of a refusal nor comments (signs of life).
 import type { DescMessage, DescMethodServerStreaming, MessageInitShape, MessageShape } from '@bufbuild/protobuf';
+import { urlOf } from './base';
 import { type ApiError, asApiError, HEADERS, errorOfResponse, jsonOf, linesOf, messageOf, parseError, pathOf } from './calls';
 
 const FIRST_DELAY_MS = 500;
@@ -121,7 +122,7 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
   }
 
   private url(): string {
-    return `/events/${pathOf(this.method)}?request=${encodeURIComponent(jsonOf(this.method.input, this.request))}`;
+    return urlOf(`/events/${pathOf(this.method)}?request=${encodeURIComponent(jsonOf(this.method.input, this.request))}`);
   }
 
   private take({ name, id, data }: ServerEvent): void {

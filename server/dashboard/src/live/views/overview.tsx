@@ -23,6 +23,7 @@ import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_p
 import { checks, followChecks } from '../state/health';
 import { groupedBy } from '../state/scenes';
 import { connectedSessions, sessions, type SessionState } from '../state/sessions';
+import { urlOf } from '../transport/base';
 
 const sceneOf = ({ state }: SceneSummary) => state.posterior;
 const hasLeader = (row: SceneSummary) => leadersOf(sceneOf(row)).length > 0;
@@ -110,7 +111,7 @@ const projectsOf = (all: readonly SceneSummary[]): Project[] => [...groupedBy(al
   ({ project, scenes: own, worst: own.reduce((worst, row) => (row.uncertainty > worst.uncertainty ? row : worst)) }));
 
 const PROJECTS: readonly Column<Project>[] = [
-  { id: 'project', title: 'Project', sort: ({ project }) => project, cell: ({ project }) => <a href={`/?project=${encodeURIComponent(project)}`}><Name text={project} /></a> },
+  { id: 'project', title: 'Project', sort: ({ project }) => project, cell: ({ project }) => <a href={urlOf(`/?project=${encodeURIComponent(project)}`)}><Name text={project} /></a> },
   { id: 'verdict', title: 'Least certain scene', isText: true, hint: 'The scene of the project whose best arm is least certain. This column sorts by uncertainty.', sort: ({ worst }) => worst.uncertainty,
     csv: ({ worst }) => sceneOf(worst).scene, cell: ({ worst }) => <><VerdictChip verdict={worst.verdict} /> <a href={sceneHref(sceneOf(worst))}><Name text={sceneOf(worst).scene} /></a></> },
   { id: 'unsettled', title: 'Not settled', hint: 'Scenes with the verdict ambiguous or degraded', sort: (row) => row.scenes.filter(isUnsettled).length },
@@ -197,9 +198,9 @@ function concerns(): Concern[] {
   const lost = [...sessions.value.values()].filter(({ info, ended }) => !ended && info.state === Link.LOST);
   const failed = (checks.value ?? []).filter(({ isOk, note }) => !isOk || note !== '');
   return [
-    ...failed.map(({ name, isOk, note }): Concern => ({ text: `${name}: ${note || 'failed'}`, isBad: !isOk, places: [{ href: '/health', name: 'health' }] })),
+    ...failed.map(({ name, isOk, note }): Concern => ({ text: `${name}: ${note || 'failed'}`, isBad: !isOk, places: [{ href: urlOf('/health'), name: 'health' }] })),
     concern(all.filter(({ verdict }) => verdict === Verdict.DEGRADED), 'scene misses the frame-rate floor even with its best arm',
-      'scenes miss the frame-rate floor even with their best arms', true, '/?verdict=degraded'),
+      'scenes miss the frame-rate floor even with their best arms', true, urlOf('/?verdict=degraded')),
     concern(all.filter(bailsOut), 'scene had a bail-out in the last 10 minutes', 'scenes had bail-outs in the last 10 minutes', true),
     concern(lost, 'session has lost the connection to its game', 'sessions have lost the connection to their games', false),
     concern(online.filter(({ info }) => info.droppedFrameCount > 0n), 'game has dropped measurements', 'games have dropped measurements', false),

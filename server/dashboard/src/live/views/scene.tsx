@@ -19,6 +19,7 @@ import { isKnown } from '../state/live';
 import { decisionsHref, route, sceneHref, sceneNameOf } from '../state/route';
 import { sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
+import { urlOf } from '../transport/base';
 import { CompareScenes } from './compare';
 import { Builds, buildStarts, Latest, Sessions, Variants, variantsOf } from './scene/lists';
 import { armNames, type ArmRow, armRows, ArmTable, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/arms';
@@ -119,7 +120,7 @@ function NoScene({ name }: { name: SceneName }) {
       {others.map(({ key, posterior }) => (
         <p key={key}><a href={sceneHref(posterior)}>on <Name text={posterior.machineClass} />, reward version {posterior.rewardVersion}</a></p>
       ))}
-      <p><a href="/">All scenes</a></p>
+      <p><a href={urlOf('/')}>All scenes</a></p>
     </Empty>
   );
 }

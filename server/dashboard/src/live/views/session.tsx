@@ -22,6 +22,7 @@ import { type Column, Table } from '../parts/table';
 import { account, isOperator } from '../state/account';
 import { decisionsHref, route, sceneHref, setQuery } from '../state/route';
 import { isConnected, lastMessageMs, sessionInView, sessions, type SessionState } from '../state/sessions';
+import { urlOf } from '../transport/base';
 import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
@@ -188,7 +189,7 @@ function Opened({ sessionId }: { sessionId: string }) {
   if (!state && log.steps.length === 0) {
     if (log.error) return <Failure what="The session" error={log.error} onRetry={log.again} />;
     return log.isReading ? <Loading what="the session" />
-      : <Empty title="The daemon does not know this session"><p><Name text={sessionId} /> is neither in memory nor in the audit log. <a href="/">The overview</a> lists all scenes.</p></Empty>;
+      : <Empty title="The daemon does not know this session"><p><Name text={sessionId} /> is neither in memory nor in the audit log. <a href={urlOf('/')}>The overview</a> lists all scenes.</p></Empty>;
   }
   return <Session sessionId={sessionId} state={state} log={log} />;
 }
