@@ -95,7 +95,6 @@ struct StoredEvidence {
 
   std::vector<ArmRecord> records;
   std::vector<priors::SceneSource> sources;
-  std::optional<priors::SceneEvidence> sum;
   std::vector<std::vector<priors::SceneEvidence>> other_scenes;  // pages
 };
 
@@ -109,19 +108,6 @@ absl::Status AddSources(priors::PriorReader& store, const SessionRequest& hello,
     if (!start.source || source.id != hello.session_id)
       stored.Add(source.evidence, source.id, source.build, /*source_count=*/1);
   }
-  return absl::OkStatus();
-}
-
-// Reads the sums of all sources, for policies whose rewards cannot be compared between sources. The
-// sums include the session's own evidence.
-absl::Status AddSums(priors::PriorReader& store, const SessionRequest& hello,
-                     StoredEvidence& stored) {
-  auto scene = store.LoadScene(hello.scene);
-  if (!scene.ok()) return scene.status();
-  stored.sum = *std::move(scene);
-  if (!stored.sum) return absl::OkStatus();
-  stored.records.clear();
-  stored.Add(*stored.sum, /*source=*/{}, /*build=*/{}, stored.sum->source_count);
   return absl::OkStatus();
 }
 
@@ -178,10 +164,7 @@ absl::Status LoadPrior(priors::PriorReader& store, const SessionRequest& hello,
   StoredEvidence stored;
   if (start.source) stored.AddOwn(*start.source, hello.origin.build);
   absl::Status status;
-  if (!hello.ignores_priors) {
-    status = key.compares_sources ? AddSources(store, hello, start, stored)
-                                  : AddSums(store, hello, stored);
-  }
+  if (!hello.ignores_priors) status = AddSources(store, hello, start, stored);
   start.prior = decision::PriorFor(stored.records, key);
   const bool reads_others = status.ok() && !hello.ignores_priors && !is_writing_thread;
   if (reads_others && key.compares_sources && start.prior.lacks_arms()) {

@@ -35,9 +35,10 @@ absl::StatusOr<double> SourceWeights::Of(const priors::PriorRecord& record) {
   const auto newest = (*scene)->newest_versions.find(key.arm);
   const uint32_t own = newest == (*scene)->newest_versions.end() ? 0 : newest->second;
   const bool is_newest = key.backend_version == own;
-  if (key.reward_version != decision::kLogCostRewardVersion) return is_newest ? 1 : 0;
   const auto source = (*scene)->sources.find(record.source_id);
   if (source == (*scene)->sources.end() || !IsUsed(source->second, key, own)) return 0;
+  // The rewards of other versions are summed over the sources.
+  if (key.reward_version != decision::kLogCostRewardVersion) return is_newest ? 1 : 0;
   return decision::PowerPriorWeight({.same_build = source->second.build == (*scene)->newest_build,
                                      .same_machine_class = true,
                                      .same_backend_version = is_newest});

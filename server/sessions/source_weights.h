@@ -19,8 +19,7 @@ class SourceWeights {
   // Returns the weight that PriorFor gives the record in a session of its scene and machine class,
   // with the latest build of that scene and machine class and the newest version of the arm.
   // Returns 0 for records that such a session does not use: in quarantine, or not chosen by
-  // LoadSources. Returns 1 if the policy sums rewards over all sources. Errors: those of
-  // PriorReader::LoadSources.
+  // LoadSources. Errors: those of PriorReader::LoadSources.
   absl::StatusOr<double> Of(const priors::PriorRecord& record);
 
  private:

@@ -231,5 +231,31 @@ TEST_F(HostileSourcesTest, OneClientWithThreeHundredSessionsOfTheSharedTokenGain
   ExpectHardlyMoved("attacked");
 }
 
+// The policy `paper` begins with the sum over the same chosen sources.
+TEST_F(HostileSourcesTest, InAPolicyWithSumsOneClientGainsNothingEither) {
+  v1::Hello hello = Hello("attacked");
+  hello.set_policy("paper");
+  const auto commit = [&](const priors::SourceOrigin& origin, double alpha, double beta) {
+    priors::SourceUpdate update;
+    update.progress.source_id = "paper " + std::to_string(++source_count_);
+    update.progress.commit_sequence = 1;
+    update.unix_time_s = 100;
+    update.origin = origin;
+    update.increments.push_back(
+        {EvidenceKeyOf(FromProto(hello).scene, hello.arms(0).name(),
+                       hello.arms(0).backend_version(), {}),
+         {.alpha = alpha, .beta = beta, .window_count = 50, .bail_out_count = 0}});
+    std::promise<absl::Status> done;
+    thread_.Commit(update, [&](const absl::Status& status) { done.set_value(status); });
+    EXPECT_TRUE(done.get_future().get().ok());
+  };
+  for (int client = 0; client < 64; ++client) commit(AtNetwork(client), 40, 10);
+  for (int session = 0; session < 300; ++session) commit(AtNetwork(200), 10, 40);
+  const v1::Welcome welcome = TelemetryClient(channel_, "all-token").Open(hello);
+  EXPECT_EQ(welcome.prior_source_count(), priors::kSourcesOfScene);
+  const v1::BetaPosterior& prior = welcome.priors(0);
+  EXPECT_GE(prior.alpha() / (prior.alpha() + prior.beta()), 0.8 - 0.6 / priors::kSourcesOfScene);
+}
+
 }  // namespace
 }  // namespace sweepstake::rpc
