@@ -104,11 +104,14 @@ struct SourceUpdate {
   std::vector<EvidenceKey> known = {};
   // Whether the source is a player's. The party of such sources may add at most
   // kMaxScenesOfParty machine classes and reward versions to a scene; increments beyond them are
-  // not stored.
+  // not stored. Such sources may add regimes to a scene that has fewer than kMaxRegimesOfPlayers;
+  // further evidence is stored without its regime.
   bool is_of_player = false;
 };
 
 inline constexpr uint64_t kMaxScenesOfParty = 4;
+// Half of the regimes of a scene (decision::kMaxStoredRegimes); the other places are the studio's.
+inline constexpr size_t kMaxRegimesOfPlayers = 4;
 
 // Returns whether a commit failed because of an update that can never be stored: the update is
 // invalid, or its source has another writer.

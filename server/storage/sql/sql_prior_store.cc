@@ -161,12 +161,14 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
   struct Addition {
     const Source* source;
     const SourceUpdate* update;
-    const priors::KeyedEvidence* increment;
+    EvidenceKey key;
+    Evidence evidence;
   };
   std::vector<Addition> additions;
   std::vector<const EvidenceKey*> keys;   // those of `additions`, then `known`
   std::vector<const EvidenceKey*> known;  // keys whose arms become known
   Adders adders;
+  Regimes regimes;
   std::vector<const SourceUpdate*> audited;
   // Sources whose first commit this is; their imported records in quarantine are removed.
   Ids begun;
@@ -181,27 +183,29 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
     if (!is_new.ok()) return is_new.status();
     if (!*is_new) continue;
     added_commits_ += source.commit_sequence - before;
-    for (const auto& increment : update.increments) {
-      const auto may_add = MayAdd(update, increment.key, adders);
+    for (const auto& [key, evidence] : update.increments) {
+      const auto may_add = MayAdd(update, key, adders);
       if (!may_add.ok()) return may_add.status();
       if (!*may_add) continue;
-      additions.push_back({&source, &update, &increment});
-      keys.push_back(&increment.key);
+      additions.push_back({&source, &update, key, evidence});
+      if (absl::Status status = LimitRegimes(update, additions.back().key, regimes); !status.ok())
+        return status;
     }
     for (const EvidenceKey& key : update.known) known.push_back(&key);
     if (!update.audit.rows.empty()) audited.push_back(&update);
     if (!source.is_session) begun.insert(source.id);
   }
+  for (const Addition& addition : additions) keys.push_back(&addition.key);
   keys.insert(keys.end(), known.begin(), known.end());
   const auto stored_keys = FindOrAddKeys(keys, adders);
   if (!stored_keys.ok()) return stored_keys.status();
   Rows rows;
   auto stored = stored_keys->begin();
-  for (const auto& [source, update, increment] : additions) {
+  for (const auto& [source, update, key, evidence] : additions) {
     Row& row = rows[{stored->id, source->id}];
     row.scene = (stored++)->scene;
     row.sequence = update->progress.commit_sequence;
-    AddTo(row.evidence, priors::InUnits(increment->evidence));
+    AddTo(row.evidence, priors::InUnits(evidence));
   }
   absl::Status status = UpdateSources(*sources);
   if (status.ok()) status = AddEvidence(rows);
@@ -238,6 +242,26 @@ absl::StatusOr<bool> SqlPriorStore::MayAdd(const SourceUpdate& update, const Evi
   if (added_count >= priors::kMaxScenesOfParty) return false;
   adders[scene] = owner;
   return true;
+}
+
+absl::Status SqlPriorStore::LimitRegimes(const SourceUpdate& update, EvidenceKey& key,
+                                         Regimes& regimes) {
+  if (!update.is_of_player || key.regime.empty() || known_keys_.contains(key))
+    return absl::OkStatus();
+  const auto [found, is_new] =
+      regimes.try_emplace({key.project, key.scene, key.machine_class, key.reward_version});
+  std::set<std::string>& of_scene = found->second;
+  if (is_new) {
+    absl::Status status = database_->ForEachRow(
+        kRegimes, [&](const SqlRow& row) { of_scene.insert(row.Text(0)); }, key.project, key.scene,
+        key.machine_class, key.reward_version);
+    if (!status.ok()) return status;
+  }
+  if (of_scene.size() < priors::kMaxRegimesOfPlayers)
+    of_scene.insert(key.regime);
+  else if (!of_scene.contains(key.regime))
+    key.regime.clear();
+  return absl::OkStatus();
 }
 
 absl::StatusOr<bool> SqlPriorStore::Advance(Source& source, const SourceUpdate& update) const {

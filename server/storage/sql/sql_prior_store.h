@@ -92,6 +92,8 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   using Ids = std::set<int64_t>;
   // The players that add scenes in the running transaction.
   using Adders = std::map<priors::SceneKey, priors::SourceOrigin::Owner>;
+  // The regimes of scenes, including those that the running transaction adds.
+  using Regimes = std::map<priors::SceneKey, std::set<std::string>>;
   using SourceCounts = std::map<int64_t, int64_t>;  // change of the number of sources, by scene id
   struct KeyHash {
     size_t operator()(const priors::EvidenceKey& key) const {
@@ -148,6 +150,10 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   // adds a scene, it is noted in `adders`.
   absl::StatusOr<bool> MayAdd(const priors::SourceUpdate& update, const priors::EvidenceKey& key,
                               Adders& adders);
+  // Removes the regime of a player's evidence if it would be one too many. `regimes` caches those
+  // of each scene and gets the ones that are added.
+  absl::Status LimitRegimes(const priors::SourceUpdate& update, priors::EvidenceKey& key,
+                            Regimes& regimes);
   // Returns the stored keys in the order of `keys`. Adds the missing ones, with `adders` for their
   // scenes.
   absl::StatusOr<std::vector<StoredKey>> FindOrAddKeys(

@@ -234,6 +234,32 @@ TEST_P(SourceConformance, MachineClassesThatPlayersAddDoNotDisplaceKnownOnes) {
   for (const auto& source : sources) EXPECT_TRUE(source.id.starts_with("studio")) << source.id;
 }
 
+// Otherwise players could use up the places of a scene's regimes.
+TEST_P(SourceConformance, PlayersAddRegimesOnlyWhileTheSceneHasFew) {
+  const auto update_of = [&](int number, bool is_of_player) {
+    EvidenceKey key = Key("Grid");
+    key.regime = std::to_string(number) + "/0/0";
+    SourceUpdate update = UpdateOf(
+        {"1.0", 7}, 100, (is_of_player ? "player " : "studio ") + std::to_string(number), {key});
+    update.is_of_player = is_of_player;
+    return update;
+  };
+  ASSERT_TRUE(Commit({update_of(0, false)}).ok());
+  std::vector<SourceUpdate> updates;  // in one transaction, as of simultaneous sessions
+  for (int i = 1; i < 10; ++i) updates.push_back(update_of(i, true));
+  ASSERT_TRUE(Commit(updates).ok());
+  ASSERT_TRUE(Commit({update_of(10, true), update_of(11, false)}).ok());
+  const auto scene = *store_->LoadScene({"game", "harbour", "desktop", 1});
+  ASSERT_TRUE(scene.has_value());
+  std::map<std::string, uint64_t> windows;
+  for (const auto& [regime, measured] : scene->arms[0].regimes)
+    windows[regime] = measured.live.window_count;
+  EXPECT_EQ(windows,
+            (std::map<std::string, uint64_t>{
+                {"", 7}, {"0/0/0", 1}, {"1/0/0", 1}, {"11/0/0", 1}, {"2/0/0", 1}, {"3/0/0", 1}}));
+  EXPECT_EQ(scene->arms[0].live.window_count, 12u) << "all of it counts for the scene";
+}
+
 // A client can invent classes and regimes. A limit for each of them would multiply its places.
 TEST_P(SourceConformance, OtherMachineClassesHaveOneLimitForAllRegimesTogether) {
   const auto commit = [&](int number, const std::string& machine_class,
