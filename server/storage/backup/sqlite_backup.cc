@@ -171,6 +171,10 @@ absl::StatusOr<SqliteDatabase> OpenToRead(const fs::path& file) {
   std::error_code unknown;  // a file that cannot be examined gives an error when it is opened
   if (!fs::exists(file, unknown) && !unknown)
     return absl::NotFoundError(absl::StrCat(file.string(), ": there is no such file"));
+  // To open a named pipe would wait for a writer.
+  if (!unknown && !fs::is_regular_file(file, unknown))
+    return absl::InvalidArgumentError(
+        absl::StrCat(file.string(), " is not a file; copy the backup into a file"));
   auto database = SqliteDatabase::Open(file.string(), SqliteDatabase::OpenMode::kReadOnly);
   absl::Status status = database.status();
   if (status.ok())

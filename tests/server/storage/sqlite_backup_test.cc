@@ -233,6 +233,9 @@ TEST_F(SqliteBackupTest, AForeignFileIsNotABackup) {
   const absl::Status missing = VerifyStore(directory_.path() / "nowhere").status();
   EXPECT_TRUE(absl::IsNotFound(missing)) << missing;
   EXPECT_THAT(std::string(missing.message()), HasSubstr("nowhere: there is no such file"));
+  ASSERT_EQ(mkfifo((directory_.path() / "pipe").c_str(), 0600), 0);
+  const absl::Status pipe = VerifyStore(directory_.path() / "pipe").status();
+  EXPECT_TRUE(absl::IsInvalidArgument(pipe)) << pipe << "; it must not wait for a writer";
 }
 
 }  // namespace
