@@ -21,7 +21,6 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_MESSAGE_ORDER:
     case v1::ERROR_REASON_PROTOCOL_VERSION:
       return absl::StatusCode::kFailedPrecondition;
-    case v1::ERROR_REASON_HELLO_OVERDUE:
     case v1::ERROR_REASON_CALL_STALLED:
       return absl::StatusCode::kDeadlineExceeded;
     case v1::ERROR_REASON_MESSAGE_COMPRESSED:

@@ -55,7 +55,7 @@ inline constexpr size_t kAuditBytesPerMessage = 128 * 1024;
 inline constexpr double kBailingOutGames = 10;
 inline constexpr double kMinBailOutsPerS = 2;
 // The daemon accepts max_sessions plus this number of streams, because a stream has no session
-// before its Hello. The next stream is RESOURCE_EXHAUSTED.
+// while the store is read for its Hello. The next stream is RESOURCE_EXHAUSTED.
 inline constexpr uint32_t kMaxStreamsWithoutSession = 1'000;
 inline constexpr uint32_t kScenesPerPage = 100;  // maximum number of scenes per page of a listing
 // Maximum number of sessions per page of a listing.
@@ -132,8 +132,6 @@ struct RpcOptions : sessions::HostedSessionOptions {
   // answer does not arrive within keepalive_patience.
   std::chrono::milliseconds keepalive_interval = std::chrono::minutes(1);
   std::chrono::milliseconds keepalive_patience = std::chrono::seconds(20);
-  // A stream that has sent no Hello after this time ends with DEADLINE_EXCEEDED.
-  int64_t hello_patience_ns = 10'000'000'000;
   // When the daemon ends a stream, the client has this time to read the last messages. Then the
   // call is cancelled.
   int64_t close_patience_ns = 2'000'000'000;

@@ -33,10 +33,6 @@ void TelemetryStream::Accept() {
   }
   if (absl::Status status = CountAddress(); !status.ok()) return Reject(status);
   transport_.Read();
-  sessions::DecisionLoop& loop = context_.loop;
-  loop.PostAt(loop.clock().NowNs() + context_.options.hello_patience_ns, [weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->OnHelloOverdue();
-  });
 }
 
 absl::Status TelemetryStream::CountAddress() {
@@ -52,12 +48,6 @@ absl::Status TelemetryStream::CountAddress() {
   ++count;
   address_ = address;
   return absl::OkStatus();
-}
-
-void TelemetryStream::OnHelloOverdue() {
-  if (end_ || opening_ || session_) return;
-  Reject(Refused(v1::ERROR_REASON_HELLO_OVERDUE,
-                 "no Hello arrived in time; send it as the first message of the stream"));
 }
 
 void TelemetryStream::OnCancelled() {

@@ -119,7 +119,6 @@ class TelemetryStream final : public sessions::ClientStream,
   // Counts the stream for its address. Error: RESOURCE_EXHAUSTED (the address has
   // RpcOptions::max_streams_per_address streams).
   absl::Status CountAddress();
-  void OnHelloOverdue();
   // Counts a message against the rate limits. Error: RESOURCE_EXHAUSTED (the stream exceeds
   // RpcOptions::max_messages_per_s, or its party exceeds max_hellos_per_s).
   absl::Status CountMessage(const v1::StreamTelemetryRequest& request);

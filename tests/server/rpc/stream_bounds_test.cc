@@ -54,7 +54,6 @@ TEST(AttackBoundsTest, DefaultsMatchTheListOfAttacks) {
   const RpcOptions options;
   EXPECT_EQ(options.handshake_patience, std::chrono::seconds(10));
   EXPECT_EQ(options.connection_idle_patience, std::chrono::minutes(1));
-  EXPECT_EQ(options.hello_patience_ns, 10 * kSecondNs);
   EXPECT_EQ(options.watcher_patience_ns, 20 * kSecondNs);
   EXPECT_EQ(options.transfer_patience_ns, 1'800 * kSecondNs);
   EXPECT_EQ(RefusalLog::kIntervalNs, 10 * kSecondNs);
@@ -69,19 +68,6 @@ TEST(AttackBoundsTest, DefaultsMatchTheListOfAttacks) {
   EXPECT_EQ(OpenConnections::kSpare, 1'000u);
   EXPECT_EQ(auth::FailureLimit::kMaxFailures, 10u);
   EXPECT_EQ(auth::FailureLimit::kIntervalNs, 60 * kSecondNs);
-}
-
-TEST_F(StreamBoundsTest, AStreamWithoutAHelloIsClosed) {
-  TelemetryClient silent(channel_);
-  TelemetryClient client(channel_);
-  client.Open(HelloMessage());
-  ASSERT_TRUE(StreamsOpen(2));
-  clock_.Advance(options_.hello_patience_ns);
-  const grpc::Status status = silent.Finish();
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
-  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_HELLO_OVERDUE);
-  EXPECT_THAT(status.error_message(), HasSubstr("Hello"));
-  ASSERT_TRUE(StreamsOpen(1)) << "the stream with a session stays";
 }
 
 TEST_F(StreamBoundsTest, NothingIsReadForHellosOfClientsThatLeft) {

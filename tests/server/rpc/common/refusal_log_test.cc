@@ -39,10 +39,10 @@ class RefusalLogTest : public ::testing::Test {
 
 TEST_F(RefusalLogTest, LogsOneLinePerReasonAndTheNumberOfOmittedLines) {
   Refuse(v1::ERROR_REASON_INVALID_MESSAGE, 1'000);
-  Refuse(v1::ERROR_REASON_HELLO_OVERDUE, 1);
+  Refuse(v1::ERROR_REASON_MESSAGE_ORDER, 1);
   EXPECT_EQ(Said(),
             "refused ipv4:192.0.2.7:1 (INVALID_MESSAGE): no\n"
-            "refused ipv4:192.0.2.7:1 (HELLO_OVERDUE): no\n");
+            "refused ipv4:192.0.2.7:1 (MESSAGE_ORDER): no\n");
   clock_.Advance(RefusalLog::kIntervalNs - 1);
   refusals_.TellLeftOut();
   EXPECT_EQ(Said(), "");
@@ -74,7 +74,7 @@ TEST(RefusalLogLockTest, CallsAreRefusedWhileALineIsWritten) {
   sessions::ManualClock clock;
   RefusalLog refusals(clock, log);
   const auto refuse = [&] {
-    refusals.Tell("ipv4:192.0.2.7:1", Refused(v1::ERROR_REASON_HELLO_OVERDUE, "no"));
+    refusals.Tell("ipv4:192.0.2.7:1", Refused(v1::ERROR_REASON_MESSAGE_ORDER, "no"));
   };
   refuse();
   refuse();
