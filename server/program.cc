@@ -182,8 +182,10 @@ int BackUpToOutput(const Config& config) {
   std::error_code ignored;
   std::filesystem::remove(file, ignored);  // the open file can still be read
   std::signal(SIGPIPE, SIG_IGN);
-  if (contents.ok() && !(std::cout << copy.rdbuf() << std::flush))
-    return Fail(kCheckFailed, "cannot write the backup to standard output");
+  // After a write that fails, some of the copy is left.
+  if (contents.ok() && (!(std::cout << copy.rdbuf() << std::flush) || copy.peek() >= 0))
+    return Fail(kCheckFailed,
+                "cannot write the whole backup to standard output; what was written is useless");
   return ReportContents("standard output", contents, std::cerr);
 }
 

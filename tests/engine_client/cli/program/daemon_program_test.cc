@@ -13,6 +13,7 @@
 #include "tests/server/storage/evidence_samples.h"
 #include "tests/support/child_process.h"
 #include "tests/support/daemon_process.h"
+#include "tests/support/file_text.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
@@ -158,6 +159,11 @@ TEST(DaemonProgram, ABackupOfARunningDaemonCanStartAnotherDaemon) {
   const std::string copy = (folder.path() / "piped.db").string();
   std::ofstream(copy, std::ios::binary) << piped.out;
   EXPECT_EQ(RunDaemonProgram("restore " + copy + " --verify").exit_code, 0);
+  // The reader ends after one block.
+  const std::string cut = "set -o pipefail; " SWEEPSTAKED_PATH " backup - --data '" + data +
+                          "' 2>'" + copy + ".err' | head -c 4096 >/dev/null";
+  EXPECT_NE(std::system(("bash -c \"" + cut + "\"").c_str()), 0);
+  EXPECT_THAT(test_support::FileText(copy + ".err"), HasSubstr("cannot write the whole backup"));
   EXPECT_EQ(RunDaemonProgram("restore " + file + " --data " + data).exit_code, 1);
   const ProgramRun restore = RunDaemonProgram("restore " + file + " --data " + other);
   EXPECT_EQ(restore.exit_code, 0) << restore.err;
