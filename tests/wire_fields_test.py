@@ -18,8 +18,6 @@ READ_BY_NAME = "engine_client/telemetry/conversion/audit_conversion.cc accesses 
 EVENTS = "the dashboard reads them in server-sent events"
 # Fields that other programs read or write, and why.
 OTHERS = {
-    "StatusDetails.code": "google.rpc.Status: clients in other languages read it",
-    "StatusDetails.message": "google.rpc.Status: clients in other languages read it",
     "ListPosteriorsRequest.page_size": "callers may choose the size of a page; ours use the daemon's",
     "ListSessionsRequest.page_size": "callers may choose the size of a page; ours use the daemon's",
     "BoxView.frame_index": "the dashboard shows boxes",

@@ -159,9 +159,11 @@ std::string ConnectionAdvice(const std::string& reason, bool with_tls, const Tls
          "); otherwise its own TLS files may be broken: see its log or /readyz";
 }
 
-std::string MessageWithReason(const grpc::Status& status) {
-  const std::string name = protocol::ErrorReasonIn(status.error_details());
-  return name.empty() ? status.error_message() : status.error_message() + " (" + name + ")";
+grpc::Status WithReason(const grpc::Status& status) {
+  const auto own = protocol::StatusIn(status.error_details());
+  if (!own) return status;
+  return {static_cast<grpc::StatusCode>(own->code), own->message + " (" + own->reason + ")",
+          status.error_details()};
 }
 
 }  // namespace sweepstake

@@ -34,7 +34,8 @@ std::string ConnectionAdvice(const std::string& reason, bool with_tls, const Tls
 // if the status contains no reason or one that only newer versions define.
 v1::ErrorReason ReasonOf(const grpc::Status& status);
 
-// Returns the message, with the reason's name in brackets if there is one: "... (DRAINING)".
-std::string MessageWithReason(const grpc::Status& status);
+// Returns the daemon's own status if the details contain it (protocol::StatusIn), else `status`.
+// The message then ends with the reason's name in brackets: "... (DRAINING)".
+grpc::Status WithReason(const grpc::Status& status);
 
 }  // namespace sweepstake

@@ -8,7 +8,8 @@ namespace sweepstake {
 
 v1::ErrorReason ReasonOf(const grpc::Status& status) {
   v1::ErrorReason reason = v1::ERROR_REASON_UNSPECIFIED;
-  v1::ErrorReason_Parse("ERROR_REASON_" + protocol::ErrorReasonIn(status.error_details()), &reason);
+  if (const auto own = protocol::StatusIn(status.error_details()))
+    v1::ErrorReason_Parse("ERROR_REASON_" + own->reason, &reason);
   return reason;
 }
 

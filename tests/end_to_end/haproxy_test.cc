@@ -216,6 +216,20 @@ TEST_F(HaproxyTest, AGameLearnsThroughTheProxy) {
   EXPECT_EQ(Metric("sweepstake_ended_sessions_total"), 1);
 }
 
+// HAProxy resets the stream of a call that the daemon refuses, so gRPC's own status is that of a
+// reset.
+TEST_F(HaproxyTest, AGameLearnsWhyItIsRefused) {
+  Start();
+  SessionOptions options = Trusting(authority_);
+  options.policy = "nonsense";
+  ScriptedGame game(haproxy_->address(), options);
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return !stats.last_error.empty(); }));
+  const std::string error = game.stats().last_error;
+  EXPECT_NE(error.find("refuses the session: unknown policy 'nonsense'"), std::string::npos)
+      << error;
+  EXPECT_NE(error.find("(UNKNOWN_POLICY)"), std::string::npos) << error;
+}
+
 TEST_F(HaproxyTest, AReloadedCertificateIsServedAndNoRunningStreamIsLost) {
   Start();
   ScriptedGame running(haproxy_->address(), Trusting(authority_));

@@ -58,13 +58,14 @@ bool WasConnected(grpc::Channel& channel) {
   return state == GRPC_CHANNEL_READY || state == GRPC_CHANNEL_IDLE;
 }
 
-Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon, bool was_connected,
+Status ToStatus(const grpc::Status& given, const DaemonOptions& daemon, bool was_connected,
                 const std::string& look) {
-  if (status.ok()) return {};
+  if (given.ok()) return {};
+  const grpc::Status status = WithReason(given);
   const StatusCode code = ToCode(status.error_code());
   // A status with details was made by the daemon, so in that case the daemon was reached.
   if (code != StatusCode::kUnavailable || !status.error_details().empty())
-    return {code, MessageWithReason(status)};
+    return {code, status.error_message()};
   if (was_connected) {
     return {code, "the call to " + daemon.address + " broke off (" + status.error_message() + ")" +
                       (look.empty() ? ""

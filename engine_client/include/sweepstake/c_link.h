@@ -165,7 +165,8 @@ SWP_API swp_result swp_link_on_message(swp_link* link, const void* bytes, uint64
                                        uint64_t now_ns);
 /* Reports that the stream has ended, after its last message was passed to swp_link_on_message.
  * `message` and the code come from gRPC's status. `details` are the bytes of the trailer
- * grpc-status-details-bin, decoded from base64. `message` and `details` may be NULL. The first 256
+ * grpc-status-details-bin, decoded from base64. `message` and `details` may be NULL. If the details
+ * have the daemon's own code and message, those count: a proxy may reset the stream. The first 256
  * bytes of the message are kept, and shown as one line of UTF-8. `delay_ms` is the time to wait
  * before the next stream, or SWP_LINK_NEVER. Without a previous swp_link_connected, the call
  * reports that no stream could be opened. */

@@ -381,7 +381,13 @@ std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& given, uint64
     stream_.reset();
     return std::nullopt;
   }
-  const StreamEnd end = Readable(given);
+  std::optional<protocol::DaemonStatus> status = protocol::StatusIn(given.details);
+  StreamEnd end = given;
+  if (status) {
+    end.code = status->code;
+    end.message = std::move(status->message);
+  }
+  end = Readable(std::move(end));
   if (!stream_) {
     const uint32_t delay_ms = backoff_.LongMs();
     last_error_ = (end.message.empty() ? "no stream to " + daemon_ : end.message);
@@ -389,7 +395,7 @@ std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& given, uint64
     return delay_ms;
   }
   const LinkStream stream = *std::exchange(stream_, std::nullopt);
-  const std::string reason = protocol::ErrorReasonIn(end.details);
+  const std::string reason = status ? status->reason : "";
   adaptive_.SetDeciderPresent(false);
   if (reason == "FOREIGN_SESSION") state_.ForgetSession();
   state_.Disconnect(end.code == kGrpcNotFound, end.code == kGrpcInvalidArgument);

@@ -24,6 +24,8 @@ struct Any {
   std::string value;
 };
 struct StatusDetails {
+  int32_t code = 0;
+  std::string message;
   std::vector<Any> details;
 };
 
@@ -123,7 +125,7 @@ void Fields(auto& f, ErrorInfo& m) { f(1, m.reason, m.domain); }
 
 void Fields(auto& f, Any& m) { f(1, m.type_url, m.value); }
 
-void Fields(auto& f, StatusDetails& m) { f(3, m.details); }
+void Fields(auto& f, StatusDetails& m) { f(1, m.code, m.message, m.details); }
 
 template <typename Value>
 constexpr bool kIsVarint = std::is_integral_v<Value> || std::is_enum_v<Value>;
@@ -341,16 +343,20 @@ std::optional<Response> DecodeResponse(std::string_view bytes) {
   }
 }
 
-std::string ErrorReasonIn(std::string_view status_details) {
+std::optional<DaemonStatus> StatusIn(std::string_view status_details) {
+  constexpr int32_t kLastCode = 16;  // UNAUTHENTICATED
   try {
-    StatusDetails details;
-    Reader::Read(status_details, details);
-    for (const Any& detail : details.details) {
-      if (std::string reason = ReasonIn(detail); !reason.empty()) return reason;
+    StatusDetails status;
+    Reader::Read(status_details, status);
+    if (status.code < 1 || status.code > kLastCode) return std::nullopt;
+    for (const Any& detail : status.details) {
+      if (std::string reason = ReasonIn(detail); !reason.empty())
+        return DaemonStatus{static_cast<uint32_t>(status.code), std::move(status.message),
+                            std::move(reason)};
     }
-    return "";
+    return std::nullopt;
   } catch (const protozero::exception&) {
-    return "";
+    return std::nullopt;
   }
 }
 

@@ -32,8 +32,16 @@ std::string Numbered(uint64_t sequence, std::string_view encoded);
 // are not a valid message, or if a text in it is not UTF-8 or has control characters.
 std::optional<Response> DecodeResponse(std::string_view bytes);
 
-// Returns the name of the ErrorReason (errors.proto) without its prefix. `status_details` are the
-// bytes of grpc-status-details-bin. Empty if they contain no reason.
-std::string ErrorReasonIn(std::string_view status_details);
+// The status with which the daemon ended a call.
+struct DaemonStatus {
+  uint32_t code = 0;    // of gRPC
+  std::string message;  // any bytes
+  std::string reason;   // the name of the ErrorReason (errors.proto) without its prefix
+};
+
+// Returns the status in the bytes of grpc-status-details-bin; nothing if it has no ErrorReason.
+// Prefer it to gRPC's own status: if a proxy resets the stream, that has the code and the message
+// of the reset.
+std::optional<DaemonStatus> StatusIn(std::string_view status_details);
 
 }  // namespace sweepstake::protocol

@@ -78,14 +78,18 @@ static bytes snapshot(uint32_t arm_count) {
 }
 
 /* Returns a google.rpc.Status with an ErrorInfo. */
-static bytes details_with(const char* reason) {
+static bytes details_with(uint32_t code, const char* reason) {
   bytes info = {.size = 0};
   bytes any = {.size = 0};
+  bytes status = {.size = 0};
   put_text(&info, 1, reason);
   put_text(&info, 2, "sweepstake");
   put_text(&any, 1, "type.googleapis.com/google.rpc.ErrorInfo");
   put_bytes(&any, 2, info.data, info.size);
-  return response_with(3, &any);
+  put_number(&status, 1, code);
+  put_text(&status, 2, "why");
+  put_bytes(&status, 3, any.data, any.size);
+  return status;
 }
 
 typedef struct game {
@@ -164,7 +168,7 @@ static swp_result receive(const game* played, bytes message) {
 }
 
 static uint32_t disconnect(const game* played, uint32_t code, const char* reason) {
-  const bytes details = details_with(reason);
+  const bytes details = details_with(code, reason);
   uint32_t delay_ms = 99;
   CHECK_OK(swp_link_disconnected(played->link, code, "why", details.data, details.size,
                                  played->now_ns, &delay_ms));

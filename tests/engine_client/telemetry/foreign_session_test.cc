@@ -19,6 +19,8 @@ grpc::Status ForeignSession() {
   info.set_reason("FOREIGN_SESSION");
   info.set_domain("sweepstake");
   v1::StatusDetails details;
+  details.set_code(grpc::StatusCode::PERMISSION_DENIED);
+  details.set_message("not yours");
   google::protobuf::Any& detail = *details.add_details();
   detail.set_type_url("type.googleapis.com/google.rpc.ErrorInfo");
   detail.set_value(info.SerializeAsString());

@@ -659,7 +659,7 @@ Status LoadRun::Shortfall() {
     return {};
   const std::string reason =
       last_error_.ok() ? "the daemon ended the others or did not answer their goodbye in time"
-                       : "the last error: " + MessageWithReason(last_error_);
+                       : "the last error: " + WithReason(last_error_).error_message();
   return {StatusCode::kUnavailable, std::to_string(result_.finished_count) + " of " +
                                         std::to_string(plan_.stream_count) + " games finished; " +
                                         reason};

@@ -60,14 +60,17 @@ TEST(ErrorReasons, TheBytesEqualThoseOfGooglesMessages) {
 TEST(ErrorReasons, TheClientPrintsTheReasonAfterTheMessage) {
   Counters counters;
   const grpc::Status known = ToGrpc(Refused(v1::ERROR_REASON_DRAINING, "come back"), counters);
-  EXPECT_EQ(MessageWithReason(known), "come back (DRAINING)");
+  EXPECT_EQ(WithReason(known).error_message(), "come back (DRAINING)");
   std::string newer = known.error_details();
   newer.replace(newer.find("DRAINING"), 8, "SLEEPING");
   const grpc::Status unknown(grpc::StatusCode::UNAVAILABLE, "come back", newer);
-  EXPECT_EQ(MessageWithReason(unknown), "come back (SLEEPING)");
+  EXPECT_EQ(WithReason(unknown).error_message(), "come back (SLEEPING)");
   EXPECT_EQ(ReasonOf(unknown), v1::ERROR_REASON_UNSPECIFIED);
   const grpc::Status bare(grpc::StatusCode::UNAVAILABLE, "come back", "no details");
-  EXPECT_EQ(MessageWithReason(bare), "come back");
+  EXPECT_EQ(WithReason(bare).error_message(), "come back");
+  const grpc::Status reset(grpc::StatusCode::CANCELLED, "RST_STREAM", known.error_details());
+  EXPECT_EQ(WithReason(reset).error_code(), grpc::StatusCode::UNAVAILABLE) << "a proxy's reset";
+  EXPECT_EQ(WithReason(reset).error_message(), "come back (DRAINING)");
 }
 
 }  // namespace

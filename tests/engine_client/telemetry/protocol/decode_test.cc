@@ -207,6 +207,8 @@ v1::StatusDetails DetailsWith(const std::string& reason, const std::string& doma
   info.set_reason(reason);
   info.set_domain(domain);
   v1::StatusDetails details;
+  details.set_code(9);
+  details.set_message("ends");
   google::protobuf::Any& other = *details.add_details();
   other.set_type_url("type.googleapis.com/google.rpc.RetryInfo");
   other.set_value("\xff\xff");
@@ -216,15 +218,24 @@ v1::StatusDetails DetailsWith(const std::string& reason, const std::string& doma
   return details;
 }
 
-TEST(ErrorReasonIn, FindsTheReasonAmongTheDetails) {
-  EXPECT_EQ(ErrorReasonIn(DetailsWith("DRAINING", "sweepstake").SerializeAsString()), "DRAINING");
+TEST(StatusIn, FindsTheReasonAmongTheDetails) {
+  const auto status = StatusIn(DetailsWith("DRAINING", "sweepstake").SerializeAsString());
+  ASSERT_TRUE(status.has_value());
+  EXPECT_EQ(status->code, 9u);
+  EXPECT_EQ(status->message, "ends");
+  EXPECT_EQ(status->reason, "DRAINING");
 }
 
-TEST(ErrorReasonIn, IsEmptyWithoutAReasonOfTheDaemon) {
-  EXPECT_EQ(ErrorReasonIn(""), "");
-  EXPECT_EQ(ErrorReasonIn("\xff\xff\xff"), "");
-  EXPECT_EQ(ErrorReasonIn(DetailsWith("DRAINING", "proxy.example").SerializeAsString()), "");
-  EXPECT_EQ(ErrorReasonIn(DetailsWith("A\nB", "sweepstake").SerializeAsString()), "");
+TEST(StatusIn, IsNothingWithoutAReasonOfTheDaemon) {
+  EXPECT_FALSE(StatusIn(""));
+  EXPECT_FALSE(StatusIn("\xff\xff\xff"));
+  EXPECT_FALSE(StatusIn(DetailsWith("DRAINING", "proxy.example").SerializeAsString()));
+  EXPECT_FALSE(StatusIn(DetailsWith("A\nB", "sweepstake").SerializeAsString()));
+  for (const int32_t code : {0, -1, 17}) {
+    v1::StatusDetails details = DetailsWith("DRAINING", "sweepstake");
+    details.set_code(code);
+    EXPECT_FALSE(StatusIn(details.SerializeAsString())) << code;
+  }
 }
 
 }  // namespace

@@ -36,6 +36,8 @@ v1::StreamTelemetryResponse WelcomeTo(const std::string& session, bool resumed =
 StreamEnd EndWith(uint32_t code, const std::string& message, const std::string& reason = "") {
   v1::StatusDetails details;
   if (!reason.empty()) {
+    details.set_code(static_cast<int32_t>(code));
+    details.set_message(message);
     v1::ErrorInfo info;
     info.set_reason(reason);
     info.set_domain("sweepstake");
@@ -444,6 +446,18 @@ TEST_F(SessionLinkTest, ReportsWhyTheProtocolWasRefused) {
   Connect();
   EXPECT_TRUE(link_.Disconnected(EndWith(9, "no Hello first", "MESSAGE_ORDER"), now_ns_));
   EXPECT_EQ(link_.stats().refusal, "");
+}
+
+// HAProxy resets the stream of a refused call, so the client's gRPC reports the reset. The details
+// still arrive.
+TEST_F(SessionLinkTest, TheDaemonsOwnStatusCountsIfAProxyResetsTheStream) {
+  Connect();
+  StreamEnd end = EndWith(3, "unknown policy 'x'", "UNKNOWN_POLICY");
+  end.code = 1;
+  end.message = "Received RST_STREAM with error code 8";
+  EXPECT_TRUE(link_.Disconnected(end, now_ns_));
+  EXPECT_EQ(link_.stats().refusal, "unknown policy 'x' (UNKNOWN_POLICY)");
+  EXPECT_THAT(link_.stats().last_error, HasSubstr("the daemon refuses the session: unknown"));
 }
 
 TEST_F(SessionLinkTest, LimitsAnswersThatTheDaemonDoesNotAcknowledge) {

@@ -22,6 +22,8 @@ grpc::Status RefusalOf(grpc::StatusCode code, const std::string& reason) {
   info.set_reason(reason);
   info.set_domain("sweepstake");
   v1::StatusDetails details;
+  details.set_code(code);
+  details.set_message("no");
   google::protobuf::Any& detail = *details.add_details();
   detail.set_type_url("type.googleapis.com/google.rpc.ErrorInfo");
   detail.set_value(info.SerializeAsString());
