@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Prints a bill of materials (SBOM) of programs, as CycloneDX 1.5 JSON: the packages of the shared libraries that they load, and the
-header-only libraries that they were compiled with. Needs dpkg.
+"""Prints a bill of materials (SBOM) of Sweepstake's programs, as CycloneDX 1.5 JSON: the packages of the shared libraries that they
+load, the installed header-only libraries that they are compiled with, and the npm packages inside the dashboard. Needs dpkg.
 
     sbom.py PROGRAM...                                 for instance: deploy/sbom.py build/release/bin/sweepstaked > sbom.json
 """
@@ -14,6 +14,8 @@ import sys
 
 # Libraries whose code is compiled into the programs.
 HEADER_ONLY = ["libboost-dev", "libcli11-dev", "libeigen3-dev", "nlohmann-json3-dev", "libprotozero-dev"]
+# The path of a script of the dashboard, which a daemon contains unless it was built without Node.
+DASHBOARD = b"/assets/index-"
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
@@ -28,7 +30,10 @@ def is_installed(package):
 
 def libraries_of(program):
     """The files of the shared libraries that the program loads."""
-    return {pathlib.Path(path) for path in re.findall(r"(/\S+) \(0x", output_of("ldd", program))}
+    found = subprocess.run(["ldd", program], capture_output=True, text=True, check=False)
+    if found.returncode != 0:
+        sys.exit(f"sbom.py: {program} does not load shared libraries: {found.stderr.strip() or found.stdout.strip()}")
+    return {pathlib.Path(path) for path in re.findall(r"(/\S+) \(0x", found.stdout)}
 
 
 def package_of(library):
@@ -58,6 +63,17 @@ def component(package):
             **({"licenses": licences} if licences else {})}
 
 
+def npm_components():
+    """The packages that the dashboard's page contains; those for development are not part of it."""
+    packages = json.loads((ROOT / "server/dashboard/package-lock.json").read_text(encoding="utf-8"))["packages"]
+    for path, package in packages.items():
+        if not path or package.get("dev"):
+            continue
+        name, version = path.removeprefix("node_modules/"), package["version"]
+        yield {"type": "library", "name": name, "version": version, "purl": f"pkg:npm/{name.replace('@', '%40')}@{version}",
+               **({"licenses": [{"license": {"name": package["license"]}}]} if "license" in package else {})}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0], formatter_class=argparse.RawDescriptionHelpFormatter,
                                      epilog="Example: deploy/sbom.py build/release/bin/sweepstaked > sbom.json")
@@ -72,11 +88,14 @@ def main():
         if package is None:
             sys.exit(f"sbom.py: {library} belongs to no package")
         packages.add(package)
+    components = [component(package) for package in packages]
+    if any(DASHBOARD in program.read_bytes() for program in programs):
+        components += npm_components()
     version = re.search(r"project\(sweepstake VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")).group(1)
     print(json.dumps({
         "bomFormat": "CycloneDX", "specVersion": "1.5", "version": 1,
         "metadata": {"component": {"type": "application", "name": "sweepstake", "version": version}},
-        "components": sorted((component(package) for package in packages), key=lambda each: each["name"]),
+        "components": sorted(components, key=lambda each: each["name"]),
     }, indent=2))
 
 

@@ -26,9 +26,14 @@ def main():
         version = subprocess.run(["dpkg-query", "-W", "-f", "${Version}", name], capture_output=True, text=True, check=True).stdout
         assert components[name]["version"] == version, name
         assert components[name]["purl"].startswith(f"pkg:deb/debian/{name}@"), name
+    has_dashboard = b"/assets/index-" in daemon.read_bytes()
+    assert ("preact" in components) == has_dashboard, "the dashboard contains Preact"
+    assert "vite" not in components, "only used to build the dashboard"
     assert "libgtest-dev" not in components, "only what the daemon contains or loads"
     missing = subprocess.run([script, "/nowhere"], capture_output=True, text=True, check=False)
     assert missing.returncode == 1 and "there is no program /nowhere" in missing.stderr, missing
+    text = subprocess.run([script, script], capture_output=True, text=True, check=False)
+    assert text.returncode == 1 and "does not load shared libraries" in text.stderr, text
     print(len(components), "packages")
 
 
