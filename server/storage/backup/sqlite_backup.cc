@@ -1,5 +1,8 @@
 #include "server/storage/backup/sqlite_backup.h"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -168,7 +171,10 @@ absl::Status CheckAbsent(const fs::path& file, absl::string_view what_to_do) {
 
 // Returns a connection that has not read the file yet.
 absl::StatusOr<SqliteDatabase> OpenToRead(const fs::path& file) {
-  std::error_code unknown;  // a file that cannot be examined gives an error when it is opened
+  std::error_code unknown;
+  if (access(file.c_str(), R_OK) != 0 && errno == EACCES)
+    return absl::UnavailableError(absl::StrCat(
+        file.string(), ": permission denied; run this as the user that owns the data directory"));
   if (!fs::exists(file, unknown) && !unknown)
     return absl::NotFoundError(absl::StrCat(file.string(), ": there is no such file"));
   // To open a named pipe would wait for a writer.
@@ -213,7 +219,7 @@ absl::StatusOr<StoreContents> BackUpStore(const fs::path& directory, const fs::p
   if (!status.ok()) return status;
   const fs::path path = directory / DataDirectory::kDatabaseName;
   std::error_code error;
-  if (!fs::exists(path, error)) {
+  if (!fs::exists(path, error) && !error) {
     return absl::NotFoundError(
         absl::StrCat("there is no ", path.string(), "; name the data directory with --data"));
   }
