@@ -25,14 +25,20 @@ std::string FirstRowText(const v1::AuditSegment& segment) {
   return segment.first_row() == 0 ? "" : std::to_string(segment.first_row());
 }
 
+// Returns who began the session: a player, a network or a token.
+std::string OriginText(const v1::AuditSegment& segment) {
+  if (!segment.party().empty()) return segment.party();
+  return segment.token_id() == 0 ? "" : "token " + std::to_string(segment.token_id());
+}
+
 std::string SegmentsText(const std::vector<v1::AuditSegment>& segments) {
   if (segments.empty()) return "The daemon has no matching decision log\n";
-  TextTable table(
-      {"session", "segment", "began (UTC)", "project", "scene", "rows", "first row", "lost rows"});
+  TextTable table({"session", "segment", "began (UTC)", "project", "scene", "from", "rows",
+                   "first row", "lost rows"});
   for (const v1::AuditSegment& row : segments) {
     table.AddRow({row.session_id(), std::to_string(row.segment()), UtcText(row.unix_start_ms()),
-                  row.project(), row.scene(), std::to_string(row.row_count()), FirstRowText(row),
-                  std::to_string(row.lost_row_count())});
+                  row.project(), row.scene(), OriginText(row), std::to_string(row.row_count()),
+                  FirstRowText(row), std::to_string(row.lost_row_count())});
   }
   return table.Text();
 }
@@ -45,6 +51,8 @@ Json SegmentsJson(const std::vector<v1::AuditSegment>& segments) {
                     {"project", row.project()},
                     {"scene", row.scene()},
                     {"unix_start_ms", row.unix_start_ms()},
+                    {"token_id", row.token_id()},
+                    {"party", row.party()},
                     {"rows", row.row_count()},
                     {"first_row", row.first_row()},
                     {"lost_rows", row.lost_row_count()}});

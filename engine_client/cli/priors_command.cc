@@ -233,7 +233,7 @@ std::string NothingText(const PriorsOptions& options) {
   v1::SourceFilter rest = options.sources;
   rest.clear_source_id();
   if (options.sources.source_id().empty() || rest.ByteSizeLong() > 0)
-    return text + "; `sweepstake audit list` and exports show the sessions\n";
+    return text + "; `sweepstake audit list` shows the sessions and who began them\n";
   return text + "; if its evidence arrives later, it " + (options.yes ? "will" : "would") +
          " not count\n";
 }

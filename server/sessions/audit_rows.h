@@ -58,6 +58,9 @@ struct AuditSegment {
   uint64_t first_row = 1;       // number of the first stored row; earlier rows were removed
   uint64_t row_count = 0;       // stored rows
   uint64_t lost_row_count = 0;  // rows after first_row that could not be written
+  // SourceOrigin::owner() of the session; 0 and empty if nothing of the session is stored.
+  int64_t token_id = 0;
+  std::string party = {};
 
   friend bool operator==(const AuditSegment&, const AuditSegment&) = default;
 };

@@ -325,6 +325,8 @@ void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message) {
   message.set_row_count(segment.row_count);
   message.set_first_row(segment.first_row);
   message.set_lost_row_count(segment.lost_row_count);
+  message.set_token_id(segment.token_id);
+  message.set_party(segment.party);
 }
 
 Mode FromProto(v1::Mode mode) { return static_cast<Mode>(mode); }

@@ -144,15 +144,16 @@ constexpr const char* kKeyEvidence = R"sql(
     WHERE key_id = ?1 AND source_id > ?2
     ORDER BY source_id LIMIT ?3)sql";
 constexpr const char* kListSegments = R"sql(
-    SELECT id, session, segment, project, scene, unix_start_ms,
+    SELECT s.id, session, segment, project, scene, unix_start_ms,
            (SELECT min(number) FROM audit_row WHERE segment_id = s.id),
            (SELECT max(number) FROM audit_row WHERE segment_id = s.id),
-           (SELECT count(*) FROM audit_row WHERE segment_id = s.id)
-    FROM audit_segment s
-    WHERE id > ?4 AND (?1 = '' OR session = ?1) AND (?2 = '' OR project = ?2)
+           (SELECT count(*) FROM audit_row WHERE segment_id = s.id),
+           coalesce(token_id, 0), coalesce(CASE WHEN player = '' THEN network ELSE player END, '')
+    FROM audit_segment s LEFT JOIN source o ON o.name = session
+    WHERE s.id > ?4 AND (?1 = '' OR session = ?1) AND (?2 = '' OR project = ?2)
       AND (?3 = '' OR scene = ?3)
       AND (?6 = '' OR instr(?6, char(10) || project || char(10)) > 0)
-    ORDER BY id LIMIT ?5)sql";
+    ORDER BY s.id LIMIT ?5)sql";
 constexpr const char* kLoadRows = R"sql(
     SELECT number, bytes FROM (
       SELECT number, bytes,
@@ -615,7 +616,9 @@ absl::StatusOr<std::vector<priors::AuditSegment>> SqlPriorReader::ListAudit(
                             .unix_start_ms = row.Integer(5),
                             .first_row = first,
                             .row_count = count,
-                            .lost_row_count = row.Unsigned(7) - first + 1 - count});
+                            .lost_row_count = row.Unsigned(7) - first + 1 - count,
+                            .token_id = row.Integer(9),
+                            .party = row.Text(10)});
       },
       filter.session_id, filter.project, filter.scene, after, limit, LineList(filter.projects));
 }

@@ -66,6 +66,21 @@ TEST_P(AuditConformance, RowsAreStoredInOrderWithTheirOrigin) {
   EXPECT_EQ(segments[0].lost_row_count, 0u);
 }
 
+TEST_P(AuditConformance, ASegmentNamesWhoBeganItsSession) {
+  SourceUpdate update = Update("a", 1, {});
+  update.audit = Rows(1, 1, 1);
+  update.origin = {.build = "", .token_id = 7, .player = "", .network = "203.0.113.0/24"};
+  ASSERT_TRUE(Commit({update}).ok());
+  update.progress.source_id = "b";
+  update.origin.player = "ann";
+  ASSERT_TRUE(Commit({update}).ok());
+  const auto segments = Segments();
+  ASSERT_EQ(segments.size(), 2u);
+  EXPECT_EQ(segments[0].token_id, 7);
+  EXPECT_EQ(segments[0].party, "203.0.113.0/24");
+  EXPECT_EQ(segments[1].party, "ann");
+}
+
 TEST_P(AuditConformance, RowsAreStoredOnceWithTheirCommit) {
   SourceUpdate update = Update("a", 1, {Key("Grid")});
   update.audit = Rows(1, 1, 2);
@@ -86,7 +101,7 @@ TEST_P(AuditConformance, RowsThatAreAlreadyStoredAreIgnored) {
   ASSERT_TRUE(Append("a", Rows(1, 1, 2)).ok());
   ASSERT_TRUE(Append("a", Rows(1, 1, 3)).ok());
   EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/2", "1/3"}));
-  EXPECT_EQ(store_->lost_audit_row_count(), 0u);
+  EXPECT_EQ(store_->losses().audit_row_count, 0u);
 }
 
 TEST_P(AuditConformance, RowsOfARevokedSourceAreStored) {
@@ -137,7 +152,7 @@ TEST_P(AuditConformance, AboveItsSizeLimitTheLogLosesItsOldestRows) {
   ASSERT_EQ(segments.size(), 1u);
   EXPECT_EQ(segments[0].first_row, 7u);
   EXPECT_EQ(segments[0].lost_row_count, 0u);
-  EXPECT_EQ(store_->lost_audit_row_count(), 0u);
+  EXPECT_EQ(store_->losses().audit_row_count, 0u);
 }
 
 TEST_P(AuditConformance, RowsAboveTheAgeLimitAreRemovedWhileTheirSessionLives) {
@@ -162,7 +177,7 @@ TEST_P(AuditConformance, RowsOfAdministratorsAreNotDisplacedByGamesOrAge) {
     ASSERT_TRUE(Append("a", Rows(1, row, 1), 10'000 + row * 1'000).ok());
   EXPECT_LT(Stored("a").size(), 10u);
   EXPECT_EQ(Stored(admin), (std::vector<std::string>{"1/1", "1/2", "1/3"}));
-  EXPECT_EQ(store_->lost_audit_row_count(), 0u);
+  EXPECT_EQ(store_->losses().audit_row_count, 0u);
 }
 
 TEST_P(AuditConformance, OnlyTheLatestRowsOfAdministratorsAreKept) {
@@ -195,14 +210,14 @@ TEST_P(AuditConformance, TooLongOrEmptyRowsAreCountedAsLostAndOthersAreStored) {
   update.audit = rows;
   ASSERT_TRUE(Commit({update}).ok());
   EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/3"}));
-  EXPECT_EQ(store_->lost_audit_row_count(), 1u);
+  EXPECT_EQ(store_->losses().audit_row_count, 1u);
   rows = Rows(1, 1, 1);
   rows.rows[0].bytes.clear();
   ASSERT_TRUE(Append("b", rows).ok());
   rows = Rows(1, 1, 1, std::string(129, 's'));
   ASSERT_TRUE(Append("c", rows).ok());
   EXPECT_EQ(Segments().size(), 1u);
-  EXPECT_EQ(store_->lost_audit_row_count(), 3u);
+  EXPECT_EQ(store_->losses().audit_row_count, 3u);
   EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence.window_count, 1u);
 }
 
