@@ -69,6 +69,9 @@ constexpr CounterRow kCounters[] = {
      "Sessions that started without their evidence, because the store could not read it."},
     {&Counters::unknown_arm_session_count, "sweepstake_sessions_with_unknown_arms_total",
      "Sessions of players with arms that are not known, about which no evidence is stored."},
+    {&Counters::limited_player_evidence_count, "sweepstake_limited_player_records_total",
+     "Records of players that were not stored, or without their regime, because players had added "
+     "the maximum of machine classes or regimes."},
     {&Counters::goodbye_count, "sweepstake_ended_sessions_total", "Sessions that a client ended."},
     {&Counters::malformed_message_count, "sweepstake_malformed_messages_total",
      "Messages that could not be parsed."},

@@ -167,7 +167,7 @@ void RpcServer::WatchStore() {
   access_.refusals().TellLeftOut();
   if (!draining_) {
     UpdateHealth();
-    ReportLostAuditRows();
+    ReportLosses();
     EndRefused();
     admin_.Retry();
     FollowOthers();
@@ -206,17 +206,30 @@ void RpcServer::UpdateHealth() {
   }
 }
 
-void RpcServer::ReportLostAuditRows() {
-  const uint64_t lost_by_store = context_.store.lost_audit_row_count();
-  counters_.lost_audit_row_count += lost_by_store - std::exchange(lost_by_store_, lost_by_store);
-  const uint64_t lost = counters_.lost_audit_row_count;
+void RpcServer::ReportLosses() {
+  const priors::StoreLosses by_store = context_.store.losses();
+  counters_.lost_audit_row_count +=
+      by_store.audit_row_count - std::exchange(lost_by_store_, by_store.audit_row_count);
+  counters_.limited_player_evidence_count = by_store.player_increment_count;
   const int64_t now_ns = last_beat_ns_;
-  if (lost == reported_lost_rows_ || now_ns < next_loss_report_ns_) return;
-  context_.log.warn(
-      "{} rows of the audit log could not be written, {} since the start: later decisions of "
-      "these sessions cannot be replayed from the log",
-      lost - reported_lost_rows_, lost);
-  reported_lost_rows_ = lost;
+  const uint64_t rows = counters_.lost_audit_row_count;
+  const uint64_t limited = by_store.player_increment_count;
+  const bool is_new = rows > reported_lost_rows_ || limited > reported_limited_;
+  if (!is_new || now_ns < next_loss_report_ns_) return;
+  if (rows > reported_lost_rows_)
+    context_.log.warn(
+        "{} rows of the audit log could not be written, {} since the start: later decisions of "
+        "these sessions cannot be replayed from the log",
+        rows - reported_lost_rows_, rows);
+  if (limited > reported_limited_)
+    context_.log.warn(
+        "{} records of players were not stored, or without their regime, {} since the start: a "
+        "party of players may add {} machine classes to a scene, and players regimes until it has "
+        "{}; play such a scene with a token of the role ingest to add more",
+        limited - reported_limited_, limited, priors::kMaxScenesOfParty,
+        priors::kMaxRegimesOfPlayers);
+  reported_lost_rows_ = rows;
+  reported_limited_ = limited;
   next_loss_report_ns_ = now_ns + kLossReportIntervalNs;
 }
 

@@ -97,7 +97,7 @@ class RpcServer {
   void FollowOthers();
   // Reports NOT_SERVING while the store cannot be written or read.
   void UpdateHealth();
-  void ReportLostAuditRows();
+  void ReportLosses();
   // Calls options_.keep_waiting when it is due (rpc/common/options.h).
   void KeepWaiting();
   // Returns the updates that the store has not written yet.
@@ -123,6 +123,7 @@ class RpcServer {
   bool following_ = false;                // whether TakeChangedScenes is running; used on the loop
   uint64_t lost_by_store_ = 0;       // rows lost by the store and already counted; used on the loop
   uint64_t reported_lost_rows_ = 0;  // used on the loop
+  uint64_t reported_limited_ = 0;    // limited records of players; used on the loop
   int64_t next_loss_report_ns_ = 0;  // used on the loop
   int64_t away_at_ns_ = 0;           // when the store was last unhealthy; used on the loop
   int64_t keep_at_ns_ = 0;           // next call of keep_waiting; used on the loop

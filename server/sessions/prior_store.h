@@ -113,6 +113,14 @@ inline constexpr uint64_t kMaxScenesOfParty = 4;
 // Half of the regimes of a scene (decision::kMaxStoredRegimes); the other places are the studio's.
 inline constexpr size_t kMaxRegimesOfPlayers = 4;
 
+// What successful commits did not store since the store was opened.
+struct StoreLosses {
+  uint64_t audit_row_count = 0;  // audit rows that could not be written
+  // Increments of players that were not stored, or stored without their regime
+  // (SourceUpdate::is_of_player).
+  uint64_t player_increment_count = 0;
+};
+
 // Returns whether a commit failed because of an update that can never be stored: the update is
 // invalid, or its source has another writer.
 inline bool IsRefusal(const absl::Status& commit) {
@@ -416,9 +424,7 @@ class PriorStore : public virtual PriorReader {
   // NOT_FOUND (removed or replaced), UNAVAILABLE (the check failed).
   virtual absl::Status CheckPlace() { return absl::OkStatus(); }
 
-  // Returns how many audit rows of successful commits could not be written since the store was
-  // opened.
-  virtual uint64_t lost_audit_row_count() const = 0;
+  virtual StoreLosses losses() const = 0;
 
   // Returns the scenes whose evidence any daemon has changed since the last call, for a store that
   // several daemons share. If the connection to the database was lost since then, it may return all
@@ -489,8 +495,8 @@ class AsyncPriorStore {
   // - while a read takes too long.
   virtual bool healthy() const = 0;
 
-  // Returns PriorStore::lost_audit_row_count after the latest commit.
-  virtual uint64_t lost_audit_row_count() const = 0;
+  // Returns PriorStore::losses after the latest commit.
+  virtual StoreLosses losses() const = 0;
 };
 
 }  // namespace sweepstake::priors

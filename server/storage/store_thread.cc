@@ -191,7 +191,9 @@ void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
     if (place_.ok()) disk_ = status;
     TellHealth();
   }
-  lost_audit_row_count_.store(store_->lost_audit_row_count(), std::memory_order_relaxed);
+  const priors::StoreLosses losses = store_->losses();
+  lost_audit_row_count_.store(losses.audit_row_count, std::memory_order_relaxed);
+  lost_player_increment_count_.store(losses.player_increment_count, std::memory_order_relaxed);
   commit.done(status);
 }
 

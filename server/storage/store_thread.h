@@ -109,8 +109,9 @@ class StoreThread final : public priors::AsyncPriorStore {
   // Returns the number of waiting updates and jobs.
   size_t queued_count() const;
   size_t queued_read_count() const { return reads_ == nullptr ? 0 : reads_->queued_count(); }
-  uint64_t lost_audit_row_count() const override {
-    return lost_audit_row_count_.load(std::memory_order_relaxed);
+  priors::StoreLosses losses() const override {
+    return {.audit_row_count = lost_audit_row_count_.load(std::memory_order_relaxed),
+            .player_increment_count = lost_player_increment_count_.load(std::memory_order_relaxed)};
   }
 
  private:
@@ -160,6 +161,7 @@ class StoreThread final : public priors::AsyncPriorStore {
   absl::Status told_;   // argument of the latest call of on_health
   // Copy of the store's count after the latest commit.
   std::atomic<uint64_t> lost_audit_row_count_{0};
+  std::atomic<uint64_t> lost_player_increment_count_{0};
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

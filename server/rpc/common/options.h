@@ -169,6 +169,8 @@ struct Counters : sessions::SessionCounters {
   std::atomic<uint64_t> degraded_start_count{0};
   // Sessions of players that began with arms that are not known, about which no evidence is stored.
   std::atomic<uint64_t> unknown_arm_session_count{0};
+  // StoreLosses::player_increment_count.
+  std::atomic<uint64_t> limited_player_evidence_count{0};
   std::atomic<uint64_t> malformed_message_count{0};  // messages that could not be parsed
   std::atomic<uint64_t> invalid_message_count{0};    // messages that broke a rule of the contract
   // Calls and streams that ended with an error, by v1::ErrorReason. A client that disconnects is

@@ -177,12 +177,14 @@ void TelemetryStream::ReportUnknownArms(const sessions::SessionIdentity& identit
   if (!NoteIsDue(streams_.next_unknown_arms_note_ns)) return;
   const auto arm = static_cast<size_t>(unknown - identity.kept_arms.begin());
   context_.log.warn(
-      "session {}: evidence of players about arm {} (version {}) of scene {} of project {} is not "
-      "stored, because the arm is not known there, or the project has too many machine classes; "
-      "run "
-      "the game once with a token of the role ingest, or import evidence; such sessions so far: {}",
-      identity.id, identity.arms[arm], identity.backend_versions[arm], identity.scene.scene,
-      identity.scene.project, count);
+      "session {}: evidence of players about {} of {} arms, such as {} (version {}), of scene {} "
+      "of "
+      "project {} is not stored, because they are not known there, or the project has too many "
+      "machine classes; run the game once with a token of the role ingest, or import and promote "
+      "evidence; such sessions so far: {} (at most one line per minute)",
+      identity.id, std::count(identity.kept_arms.begin(), identity.kept_arms.end(), false),
+      identity.kept_arms.size(), identity.arms[arm], identity.backend_versions[arm],
+      identity.scene.scene, identity.scene.project, count);
 }
 
 void TelemetryStream::Enter(const sessions::OpenedSession& opened) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <tuple>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "engine_client/decider/audit/audit_log.h"
@@ -137,23 +138,27 @@ absl::StatusOr<uint64_t> SqlPriorStore::CountCommits() {
 
 absl::Status SqlPriorStore::Commit(std::span<const SourceUpdate> updates) {
   if (absl::Status status = CheckUpdates(updates); !status.ok()) return status;
-  uint64_t lost = 0;
+  priors::StoreLosses lost;
   bool ended = false;
   absl::Status status = InTransaction([&] {
-    lost = 0;
-    const absl::Status committed = CommitAll(updates, &lost);
+    const absl::Status committed = CommitAll(updates, /*with_audit=*/true, lost);
     ended = committed.ok() && !database_->in_transaction();
     return committed;
   });
   // Audit rows must not prevent evidence from being stored. If the file has no room for the audit
   // rows, SQLite ends the transaction. A second transaction then writes the evidence alone.
   if (ended && !database_->shared())
-    status = InTransaction([&] { return CommitAll(updates, nullptr); });
-  if (status.ok()) lost_audit_row_count_ += lost;
+    status = InTransaction([&] { return CommitAll(updates, /*with_audit=*/false, lost); });
+  if (status.ok()) {
+    losses_.audit_row_count += lost.audit_row_count;
+    losses_.player_increment_count += lost.player_increment_count;
+  }
   return status;
 }
 
-absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uint64_t* lost) {
+absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, bool with_audit,
+                                      priors::StoreLosses& lost) {
+  lost.player_increment_count = 0;
   std::vector<NewSource> names;
   for (const SourceUpdate& update : updates) names.push_back({update.progress.source_id});
   auto sources = LockOrAdd(names);
@@ -184,12 +189,17 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
     if (!*is_new) continue;
     added_commits_ += source.commit_sequence - before;
     for (const auto& [key, evidence] : update.increments) {
-      const auto may_add = MayAdd(update, key, adders);
-      if (!may_add.ok()) return may_add.status();
-      if (!*may_add) continue;
-      additions.push_back({&source, &update, key, evidence});
-      if (absl::Status status = LimitRegimes(update, additions.back().key, regimes); !status.ok())
-        return status;
+      Addition addition{&source, &update, key, evidence};
+      if (update.is_of_player && !known_keys_.contains(key)) {
+        const auto may_add = MayAdd(update, key, adders);
+        const auto has_regime = MayAddRegime(key, regimes);
+        if (!may_add.ok()) return may_add.status();
+        if (!has_regime.ok()) return has_regime.status();
+        if (!*may_add || !*has_regime) ++lost.player_increment_count;
+        if (!*may_add) continue;
+        if (!*has_regime) addition.key.regime.clear();
+      }
+      additions.push_back(std::move(addition));
     }
     for (const EvidenceKey& key : update.known) known.push_back(&key);
     if (!update.audit.rows.empty()) audited.push_back(&update);
@@ -211,16 +221,15 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, uin
   if (status.ok()) status = AddEvidence(rows);
   if (status.ok()) status = MakeKnown(known, std::span(*stored_keys).subspan(additions.size()));
   if (status.ok()) status = TakeOut(begun, "", /*with_damaged=*/true).status();
-  if (!status.ok() || audited.empty() || lost == nullptr) return status;
+  if (!status.ok() || audited.empty() || !with_audit) return status;
   const auto lost_rows = audit_.Append(audited);
-  *lost = lost_rows.value_or(0);
+  lost.audit_row_count = lost_rows.value_or(0);
   return lost_rows.status();
 }
 
 absl::StatusOr<bool> SqlPriorStore::MayAdd(const SourceUpdate& update, const EvidenceKey& key,
                                            Adders& adders) {
   const priors::SourceOrigin::Owner owner = update.origin.owner();
-  if (!update.is_of_player || owner.second.empty() || known_keys_.contains(key)) return true;
   const SceneKey scene{key.project, key.scene, key.machine_class, key.reward_version};
   if (const auto adder = adders.find(scene); adder != adders.end()) return true;
   uint64_t added_count = 0;
@@ -244,10 +253,8 @@ absl::StatusOr<bool> SqlPriorStore::MayAdd(const SourceUpdate& update, const Evi
   return true;
 }
 
-absl::Status SqlPriorStore::LimitRegimes(const SourceUpdate& update, EvidenceKey& key,
-                                         Regimes& regimes) {
-  if (!update.is_of_player || key.regime.empty() || known_keys_.contains(key))
-    return absl::OkStatus();
+absl::StatusOr<bool> SqlPriorStore::MayAddRegime(const EvidenceKey& key, Regimes& regimes) {
+  if (key.regime.empty()) return true;
   const auto [found, is_new] =
       regimes.try_emplace({key.project, key.scene, key.machine_class, key.reward_version});
   std::set<std::string>& of_scene = found->second;
@@ -257,11 +264,8 @@ absl::Status SqlPriorStore::LimitRegimes(const SourceUpdate& update, EvidenceKey
         key.machine_class, key.reward_version);
     if (!status.ok()) return status;
   }
-  if (of_scene.size() < priors::kMaxRegimesOfPlayers)
-    of_scene.insert(key.regime);
-  else if (!of_scene.contains(key.regime))
-    key.regime.clear();
-  return absl::OkStatus();
+  if (of_scene.size() < priors::kMaxRegimesOfPlayers) of_scene.insert(key.regime);
+  return of_scene.contains(key.regime);
 }
 
 absl::StatusOr<bool> SqlPriorStore::Advance(Source& source, const SourceUpdate& update) const {

@@ -47,7 +47,7 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
   absl::Status CheckPlace() override { return database_->CheckPlace(); }
-  uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
+  priors::StoreLosses losses() const override { return losses_; }
   absl::StatusOr<std::vector<priors::SceneKey>> TakeChangedScenes() override;
   void StopChangesWhen(const std::atomic<bool>& flag) override { stop_changes_ = &flag; }
   absl::StatusOr<priors::ImportResult> Import(
@@ -123,9 +123,10 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   // may have been restored from a backup.
   void CheckIncarnation();
 
-  // Commits the updates. Sets `lost` to the number of audit rows that could not be written. If
-  // `lost` is null, writes no audit rows.
-  absl::Status CommitAll(std::span<const priors::SourceUpdate> updates, uint64_t* lost);
+  // Commits the updates, and writes their audit rows if `with_audit` is set. Sets what was not
+  // stored in `lost`; without `with_audit`, the number of audit rows stays.
+  absl::Status CommitAll(std::span<const priors::SourceUpdate> updates, bool with_audit,
+                         priors::StoreLosses& lost);
   // Records in `source` that the transaction applies the update, which must outlive `source`.
   // Returns false if the update was applied before or the source is revoked. Error:
   // FAILED_PRECONDITION (see PriorStore::Commit).
@@ -146,14 +147,13 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   absl::StatusOr<Ids> LockMatching(const priors::SourceFilter& filter, bool quarantined);
   absl::Status Bar(const Ids& sources);
 
-  // Returns whether the update may add evidence with this key (SourceUpdate::is_of_player). If that
-  // adds a scene, it is noted in `adders`.
+  // Returns whether the player of the update may add evidence with this key. If that adds a scene,
+  // it is noted in `adders`.
   absl::StatusOr<bool> MayAdd(const priors::SourceUpdate& update, const priors::EvidenceKey& key,
                               Adders& adders);
-  // Removes the regime of a player's evidence if it would be one too many. `regimes` caches those
+  // Returns whether players may add evidence about the regime of this key. `regimes` caches those
   // of each scene and gets the ones that are added.
-  absl::Status LimitRegimes(const priors::SourceUpdate& update, priors::EvidenceKey& key,
-                            Regimes& regimes);
+  absl::StatusOr<bool> MayAddRegime(const priors::EvidenceKey& key, Regimes& regimes);
   // Returns the stored keys in the order of `keys`. Adds the missing ones, with `adders` for their
   // scenes.
   absl::StatusOr<std::vector<StoredKey>> FindOrAddKeys(
@@ -211,7 +211,7 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   SceneCounts added_counts_;              // changes of scene_counts_ by the running transaction
   std::optional<uint64_t> commit_count_;  // the result of CountCommits
   uint64_t added_commits_ = 0;            // by the running transaction
-  uint64_t lost_audit_row_count_ = 0;
+  priors::StoreLosses losses_;
 };
 
 }  // namespace sweepstake::storage

@@ -41,7 +41,7 @@ class ManualStore final : public priors::AsyncPriorStore {
     return !full;
   }
   bool healthy() const override { return true; }
-  uint64_t lost_audit_row_count() const override { return 0; }
+  priors::StoreLosses losses() const override { return {}; }
   void RunJobs() {
     for (; !jobs_.empty(); jobs_.pop_front()) jobs_.front()(store_);
   }

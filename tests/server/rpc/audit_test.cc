@@ -332,6 +332,13 @@ TEST_F(AuditLossTest, LostRowsAreCountedAndLoggedOnceAMinute) {
   EXPECT_TRUE(Told("3 rows of the audit log could not be written, 10 since the start"));
 }
 
+TEST_F(AuditLossTest, EvidenceThatPlayersMayNotAddIsCountedAndLogged) {
+  store_.LimitPlayers(3);
+  clock_.Advance(kSecondNs);
+  EXPECT_TRUE(Told("3 records of players were not stored, or without their regime, 3 since"));
+  EXPECT_EQ(server_->counters().limited_player_evidence_count, 3u);
+}
+
 class SmallAuditTest : public AuditTest {
  protected:
   SmallAuditTest() : AuditTest(*storage::OpenMemoryPriorStore(kLimits)) {}

@@ -40,13 +40,17 @@ class HoldingStore final : public priors::AsyncPriorStore {
     return !failing_ && store_.healthy();
   }
 
-  uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
+  priors::StoreLosses losses() const override {
+    return {.audit_row_count = lost_audit_row_count_,
+            .player_increment_count = limited_increment_count_};
+  }
 
   void Hold() {
     const std::lock_guard lock(mutex_);
     holding_ = true;
   }
   void LoseAuditRows(uint64_t count) { lost_audit_row_count_ += count; }
+  void LimitPlayers(uint64_t count) { limited_increment_count_ += count; }
   void Fail(bool failing) {
     const std::lock_guard lock(mutex_);
     failing_ = failing;
@@ -80,6 +84,7 @@ class HoldingStore final : public priors::AsyncPriorStore {
   priors::AsyncPriorStore& store_;
   std::atomic<size_t> submit_count_{0};
   std::atomic<uint64_t> lost_audit_row_count_{0};
+  std::atomic<uint64_t> limited_increment_count_{0};
   mutable std::mutex mutex_;
   std::vector<Held> held_;  // guarded by mutex_
   bool holding_ = false;    // guarded by mutex_

@@ -21,7 +21,7 @@ class BusyStore final : public priors::AsyncPriorStore {
   bool Submit(Job /*job*/) override { return false; }
   bool Read(ReadJob /*job*/) override { return false; }
   bool healthy() const override { return true; }
-  uint64_t lost_audit_row_count() const override { return 0; }
+  priors::StoreLosses losses() const override { return {}; }
 };
 
 // The services that a stream needs, without a server.

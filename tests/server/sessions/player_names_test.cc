@@ -115,6 +115,15 @@ TEST_F(PlayerNamesTest, APlayerAddsFewMachineClassesAndOthersAddTheirs) {
   EXPECT_EQ(BailOuts("Grid"), 1 + priors::kMaxScenesOfParty + 2);
 }
 
+TEST_F(PlayerNamesTest, OnTheDaemonsMachineTheTokenIsTheParty) {
+  ASSERT_TRUE(Play(auth::Role::kIngest, OneArmHello(), "127.0.0"));
+  for (int i = 0; i < 20; ++i)
+    EXPECT_TRUE(
+        Play(auth::Role::kPlayer, HelloOfClass("invented " + std::to_string(i)), "127.0.0"));
+  EXPECT_EQ(daemon_.store.store.CountScenes("game")->keys, 1 + priors::kMaxScenesOfParty);
+  EXPECT_EQ(daemon_.store.losses().player_increment_count, 20 - priors::kMaxScenesOfParty);
+}
+
 // None of these sessions has evidence when the others begin.
 TEST_F(PlayerNamesTest, SimultaneousSessionsAddNoMoreMachineClasses) {
   ASSERT_TRUE(Play(auth::Role::kIngest, OneArmHello(), "192.0.2"));
@@ -174,7 +183,9 @@ TEST_F(PlayerNamesTest, EvidenceThatIsNotStoredIsCountedAndLogged) {
   daemon_.log.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
   for (int i = 0; i < 3; ++i) Play(auth::Role::kPlayer, OneArmHello());
   EXPECT_EQ(daemon_.counters.unknown_arm_session_count, 3u);
-  EXPECT_THAT(text.str(), HasSubstr("arm Grid (version 1) of scene harbour of project game"));
+  EXPECT_THAT(text.str(),
+              HasSubstr("about 1 of 1 arms, such as Grid (version 1), of scene harbour of project "
+                        "game is not stored"));
   EXPECT_THAT(text.str(), Not(HasSubstr("so far: 2"))) << "once per minute";
 }
 

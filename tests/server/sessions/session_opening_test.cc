@@ -33,7 +33,7 @@ class QueuedStore final : public priors::AsyncPriorStore {
     return true;
   }
   bool healthy() const override { return true; }
-  uint64_t lost_audit_row_count() const override { return 0; }
+  priors::StoreLosses losses() const override { return {}; }
   // RunRead and RunJob return whether there was a job to run.
   bool RunRead() { return Run(reads); }
   bool RunJob() { return Run(jobs); }

@@ -28,7 +28,7 @@ class ForwardingStore : public priors::PriorStore {
     return store_->Commit(updates);
   }
   absl::Status CheckPlace() override { return store_->CheckPlace(); }
-  uint64_t lost_audit_row_count() const override { return store_->lost_audit_row_count(); }
+  priors::StoreLosses losses() const override { return store_->losses(); }
   absl::StatusOr<std::vector<priors::SceneSource>> LoadSources(
       const priors::SceneKey& scene) override {
     return store_->LoadSources(scene);

@@ -249,6 +249,7 @@ TEST_P(SourceConformance, PlayersAddRegimesOnlyWhileTheSceneHasFew) {
   for (int i = 1; i < 10; ++i) updates.push_back(update_of(i, true));
   ASSERT_TRUE(Commit(updates).ok());
   ASSERT_TRUE(Commit({update_of(10, true), update_of(11, false)}).ok());
+  EXPECT_EQ(store_->losses().player_increment_count, 7u);
   const auto scene = *store_->LoadScene({"game", "harbour", "desktop", 1});
   ASSERT_TRUE(scene.has_value());
   std::map<std::string, uint64_t> windows;

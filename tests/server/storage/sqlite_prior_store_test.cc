@@ -293,14 +293,14 @@ TEST_F(SqlitePriorStoreTest, FailedAuditRowsLoseNoEvidenceAndLeaveAGap) {
       store->Commit(std::vector{Audited("a", 2, 3, 2), Audited("b", 1, 1, 3)});
   EXPECT_TRUE(status.ok()) << status;
   EXPECT_EQ(LoadSums(*store, {Key("Grid")})->sums[0].evidence.window_count, 3u);
-  EXPECT_EQ(store->lost_audit_row_count(), 5u);
+  EXPECT_EQ(store->losses().audit_row_count, 5u);
   Execute("ALTER TABLE gone RENAME TO audit_row");
   ASSERT_TRUE(store->Commit(std::vector{Audited("a", 3, 5, 1)}).ok());
   const auto segments = *store->ListAudit({}, 0, 9);
   ASSERT_EQ(segments.size(), 1u);
   EXPECT_EQ(segments[0].row_count, 3u);
   EXPECT_EQ(segments[0].lost_row_count, 2u);
-  EXPECT_EQ(store->lost_audit_row_count(), 5u);
+  EXPECT_EQ(store->losses().audit_row_count, 5u);
 }
 
 TEST_F(SqlitePriorStoreTest, TheLimitsOfTheAuditLogHoldAfterReopening) {
@@ -388,11 +388,11 @@ SourceUpdate WithLongRow(uint64_t n) {
 TEST_F(SqlitePriorStoreTest, AFileAtItsMaximumSizeAcceptsEvidenceOfKnownSessionsWithoutAuditRows) {
   auto store = *OpenSqlitePriorStore(path_, {}, /*max_bytes=*/1);
   uint64_t n = 0;
-  while (n < 1'000 && store->lost_audit_row_count() < 5) {
+  while (n < 1'000 && store->losses().audit_row_count < 5) {
     const absl::Status status = store->Commit(std::vector{WithLongRow(++n)});
     ASSERT_TRUE(status.ok()) << status;
   }
-  EXPECT_EQ(store->lost_audit_row_count(), 5u);
+  EXPECT_EQ(store->losses().audit_row_count, 5u);
   EXPECT_EQ(LoadSums(*store, {Key("Grid")})->sums[0].evidence.window_count, n);
   EXPECT_EQ(store->ListAudit({}, 0, 9)->at(0).row_count, n - 5);
 }
@@ -406,7 +406,7 @@ TEST_F(SqlitePriorStoreTest, AFileAtItsMaximumSizeReplacesOlderAuditRows) {
   auto store = *OpenSqlitePriorStore(path_, {.bytes = 50'000}, /*max_bytes=*/1);
   for (uint64_t n = 101; n <= 150; ++n)
     ASSERT_TRUE(store->Commit(std::vector{WithLongRow(n)}).ok());
-  EXPECT_EQ(store->lost_audit_row_count(), 0u);
+  EXPECT_EQ(store->losses().audit_row_count, 0u);
   EXPECT_GT(store->ListAudit({}, 0, 9)->at(0).first_row, 90u);
 }
 

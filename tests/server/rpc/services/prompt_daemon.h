@@ -50,7 +50,7 @@ class PromptStore final : public priors::AsyncPriorStore {
     for (auto& [state, job] : std::exchange(held_, {})) job(*state);
   }
   bool healthy() const override { return true; }
-  uint64_t lost_audit_row_count() const override { return store.lost_audit_row_count(); }
+  priors::StoreLosses losses() const override { return store.losses(); }
 
   storage::ForwardingStore store;
 
