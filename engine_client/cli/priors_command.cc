@@ -216,17 +216,6 @@ Status CheckTimes(const v1::SourceFilter& sources) {
   return {StatusCode::kInvalidArgument, "--until is before --since; give a later time"};
 }
 
-// Returns an error unless there is a filter besides the project. Otherwise a forgotten option could
-// revoke a whole project or daemon.
-Status CheckNamesAny(const v1::SourceFilter& sources) {
-  v1::SourceFilter others = sources;
-  others.clear_project();
-  if (others.ByteSizeLong() > 0) return CheckTimes(sources);
-  return {StatusCode::kInvalidArgument,
-          "select the sessions to revoke with --source, --build, --token-id, --player, --network, "
-          "--since or --until"};
-}
-
 // Returns text that explains why a revocation removes nothing.
 std::string NothingText(const PriorsOptions& options) {
   std::string text = "no session matches, or all that match are revoked already";
@@ -239,8 +228,7 @@ std::string NothingText(const PriorsOptions& options) {
 }
 
 int RunRevoke(const PriorsOptions& options, Terminal& terminal) {
-  if (const Status named = CheckNamesAny(options.sources); !named.ok())
-    return Fail(terminal, named);
+  if (const Status times = CheckTimes(options.sources); !times.ok()) return Fail(terminal, times);
   const auto result = RevokePriors(options.daemon, options.sources, /*preview=*/!options.yes);
   if (!result.ok()) return FailAnswer(terminal, result.status());
   const Json document = {

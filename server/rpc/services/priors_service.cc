@@ -292,6 +292,8 @@ class PriorImport final : public grpc::ServerGenericBidiReactor, public Transfer
   std::vector<priors::SceneKey> new_scenes_;
 };
 
+// Returns whether there is a filter besides the project. Otherwise a forgotten one could revoke a
+// whole project or daemon.
 bool NamesAny(v1::SourceFilter sources) {
   sources.clear_project();
   return sources.ByteSizeLong() > 0;
@@ -398,10 +400,9 @@ void ChangeSources(ServiceContext& context, const Caller& caller, const Request&
   auto selected = FilterOf(request.sources(), caller);
   if (!selected.ok()) return end(selected.status());
   if (!kPromotes && !NamesAny(request.sources())) {
-    return end(Refused(
-        v1::ERROR_REASON_INVALID_MESSAGE,
-        "select the sources to revoke by source_id, build, token_id, player, network, unix_from_s "
-        "or unix_until_s"));
+    return end(
+        Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                "select the sessions to revoke by source, build, token, player, network or time"));
   }
   const auto change = [&context, &request, &response, caller, end,
                        filter = *std::move(selected)](priors::PriorStore& store) {

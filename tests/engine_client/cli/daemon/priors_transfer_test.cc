@@ -187,11 +187,6 @@ TEST(PriorsCommand, ACommandThatMatchesNothingSaysSo) {
   EXPECT_THAT(RunCommand("priors revoke --source known --build nope --yes" + at).out,
               Not(HasSubstr("if its evidence arrives later")));
   EXPECT_THAT(RunCommand("priors promote" + at).out, HasSubstr("no record in quarantine matches"));
-  for (const char* const command : {"priors revoke --project p", "priors revoke"}) {
-    const CommandRun run = RunCommand(command + at);
-    EXPECT_EQ(run.exit_code, 2);
-    EXPECT_THAT(run.err, HasSubstr("--token-id, --player, --network, --since or --until"));
-  }
   for (const std::string& command : {std::string("priors revoke"), std::string("priors promote")}) {
     const CommandRun run = RunCommand(command + " --since 10 --until 5" + at);
     EXPECT_EQ(run.exit_code, 2);
