@@ -25,6 +25,8 @@ namespace {
 
 // Between two attempts to copy a store whose file was removed.
 constexpr std::chrono::minutes kSavePatience{1};
+// Between two log lines about closed HTTP connections.
+constexpr std::chrono::minutes kHttpNoteInterval{1};
 constexpr int64_t kDayS = 86'400;
 
 // Formats %J as the message in a JSON string.
@@ -357,7 +359,10 @@ absl::Status Daemon::OpenHttp() {
   const tls::Files tls = HttpTls(config_);
   auto server = web::HttpServer::Start(
       config_.http, MakeSite(std::move(api), HttpHosts(config_), HttpPages()), tls,
-      {.trusts_proxy = config_.rpc.trusts_proxy, .base_path = config_.http_base});
+      {.trusts_proxy = config_.rpc.trusts_proxy, .base_path = config_.http_base},
+      [this, next = std::chrono::steady_clock::time_point()](const std::string& peer) mutable {
+        ReportHttpDropped(peer, next);
+      });
   if (!server.ok()) return server.status();
   web_ = *std::move(server);
   const bool is_plain = tls.cert.empty();
@@ -370,6 +375,18 @@ absl::Status Daemon::OpenHttp() {
         config_.http);
   }
   return absl::OkStatus();
+}
+
+void Daemon::ReportHttpDropped(const std::string& peer,
+                               std::chrono::steady_clock::time_point& next) {
+  metrics_.OnHttpDropped();
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next) return;
+  next = now + kHttpNoteInterval;
+  log_->warn(
+      "http: all connections are taken, and the longest idle one was closed, that of {}; "
+      "sweepstake_dropped_http_connections_total counts them (at most one line per minute)",
+      peer);
 }
 
 void Daemon::Reload(const absl::StatusOr<Config>& config) {

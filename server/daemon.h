@@ -86,6 +86,8 @@ class Daemon {
   // Runs on the token registry's thread.
   void ReportToken(const std::string& change);
   absl::Status OpenHttp();
+  // Called on the HTTP thread. `next` is the earliest time of the next line in the log.
+  void ReportHttpDropped(const std::string& peer, std::chrono::steady_clock::time_point& next);
   web::PageTable HttpPages();
   void FollowTls();
   // Each returns the message of a check of /livez or /readyz, or nothing if the check passes.

@@ -259,6 +259,12 @@ DaemonMetrics::DaemonMetrics(const std::string& version)
       timer_lateness_(AddHistogram(registry_, "sweepstake_decision_loop_lateness_seconds",
                                    "How late the decision loop ran its timers, including the "
                                    "ticks of sessions.")),
+      dropped_http_connections_(
+          prometheus::BuildCounter()
+              .Name("sweepstake_dropped_http_connections_total")
+              .Help("Idle HTTP connections that were closed to make room for new ones.")
+              .Register(registry_)
+              .Add({})),
       damaged_(
           AddGauge(registry_, "sweepstake_store_damaged",
                    "1 if the store lost evidence or has damaged rows since its start, else 0.")),

@@ -38,6 +38,7 @@ class DaemonMetrics {
   void OnCommit(std::chrono::nanoseconds duration) { Observe(commits_, duration); }
   void OnRead(std::chrono::nanoseconds duration) { Observe(reads_, duration); }
   void OnSync(std::chrono::nanoseconds duration) { Observe(syncs_, duration); }
+  void OnHttpDropped() { dropped_http_connections_.Increment(); }
   void OnTimer(std::chrono::nanoseconds lateness) { Observe(timer_lateness_, lateness); }
 
   // Reports whether the store lost evidence or has damaged rows since its start.
@@ -65,6 +66,7 @@ class DaemonMetrics {
   prometheus::Histogram& reads_;
   prometheus::Histogram& syncs_;
   prometheus::Histogram& timer_lateness_;
+  prometheus::Counter& dropped_http_connections_;
   prometheus::Gauge& damaged_;
   prometheus::Gauge& max_store_bytes_;
   prometheus::Gauge& used_store_bytes_;

@@ -168,7 +168,7 @@ void HttpConnection::OnBody(error_code error) {
   if (error) return;
   idle_since_.reset();
   request_.message = parser_->release();
-  request_.peer = net::PeerOf(stream_.tcp().socket().native_handle());
+  request_.peer = peer();
   if (shared_.limits.trusts_proxy)
     request_.peer = net::ForwardedPeer(request_.peer, request_.LastHeader("x-forwarded-for"));
   StripBase();
@@ -223,6 +223,8 @@ void HttpConnection::Linger() {
                             if (!error) self->Linger();
                           });
 }
+
+std::string HttpConnection::peer() { return net::PeerOf(stream_.tcp().socket().native_handle()); }
 
 void HttpConnection::Drop() {
   idle_since_.reset();

@@ -39,6 +39,8 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   void Start();
   // Since when the connection waits for a request. Absent: it is answering one.
   std::optional<std::chrono::steady_clock::time_point> idle_since() const { return idle_since_; }
+  // The remote address of the connection itself, in gRPC's format.
+  std::string peer();
   // Ends the connection at once, also during an answer.
   void Drop();
 

@@ -17,10 +17,12 @@ namespace sweepstake::web {
 // Accepts connections. Run starts the thread that serves them.
 class HttpServer::Listener {
  public:
-  Listener(const MakeHandler& make_handler, const tls::Files& tls, HttpLimits limits)
-      : shared_{.limits = limits, .handler = {}},
+  Listener(const MakeHandler& make_handler, const tls::Files& tls, HttpLimits limits,
+           OnDropped on_dropped)
+      : on_dropped_(std::move(on_dropped)),
+        shared_{.limits = std::move(limits), .handler = {}},
         certificate_(tls, tls::Protocol::kHttp1),
-        acceptor_(io_, limits.accept_retry,
+        acceptor_(io_, shared_.limits.accept_retry,
                   [this](auto socket) { OnAccepted(std::move(socket)); }) {
     shared_.handler = make_handler(io_);
   }
@@ -77,8 +79,10 @@ class HttpServer::Listener {
       if (!each->idle_since()) continue;
       if (oldest == nullptr || *each->idle_since() < *oldest->idle_since()) oldest = each;
     }
-    if (oldest != nullptr) oldest->Drop();
-    return oldest != nullptr;
+    if (oldest == nullptr) return false;
+    if (on_dropped_) on_dropped_(oldest->peer());
+    oldest->Drop();
+    return true;
   }
 
   void OnClosed(HttpConnection& connection) {
@@ -90,6 +94,7 @@ class HttpServer::Listener {
     waiting_.pop_front();
   }
 
+  const OnDropped on_dropped_;
   std::set<HttpConnection*> connections_;
   bool ending_ = false;
   ConnectionShared shared_;
@@ -104,8 +109,10 @@ class HttpServer::Listener {
 absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Start(const std::string& listen,
                                                               const MakeHandler& make_handler,
                                                               const tls::Files& tls,
-                                                              HttpLimits limits) {
-  auto listener = std::make_unique<Listener>(make_handler, tls, limits);
+                                                              HttpLimits limits,
+                                                              OnDropped on_dropped) {
+  auto listener =
+      std::make_unique<Listener>(make_handler, tls, std::move(limits), std::move(on_dropped));
   if (absl::Status status = listener->Run(listen); !status.ok())
     return absl::Status(status.code(), absl::StrCat("for HTTP: ", status.message()));
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(listener)));

@@ -46,15 +46,20 @@ struct HttpLimits {
 // destroyed.
 using MakeHandler = std::function<Handler(boost::asio::io_context&)>;
 
+// Called on the server's thread for each idle connection that is closed to make room, with the
+// remote address.
+using OnDropped = std::function<void(const std::string& peer)>;
+
 class HttpServer {
  public:
   // `listen` is HOST:PORT; port 0 means any free port. With the files of `tls`, all connections use
-  // TLS; new ones use the certificate that the files have now. Errors: UNAVAILABLE (cannot listen
-  // there), those of tls::Certificate.
+  // TLS; new ones use the certificate that the files have now. `on_dropped` may be empty. Errors:
+  // UNAVAILABLE (cannot listen there), those of tls::Certificate.
   static absl::StatusOr<std::unique_ptr<HttpServer>> Start(const std::string& listen,
                                                            const MakeHandler& make_handler,
                                                            const tls::Files& tls = {},
-                                                           HttpLimits limits = {});
+                                                           HttpLimits limits = {},
+                                                           OnDropped on_dropped = {});
   // Drops all connections and ends the thread.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;

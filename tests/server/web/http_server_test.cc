@@ -97,8 +97,9 @@ Handler MakeEcho(boost::asio::io_context& io) {
   return [echo = std::make_shared<Echo>(io)](const auto& exchange) { echo->Handle(exchange); };
 }
 
-std::unique_ptr<HttpServer> StartServer(HttpLimits limits = kPatient) {
-  auto server = HttpServer::Start("127.0.0.1:0", MakeEcho, /*tls=*/{}, limits);
+std::unique_ptr<HttpServer> StartServer(HttpLimits limits = kPatient, OnDropped on_dropped = {}) {
+  auto server = HttpServer::Start("127.0.0.1:0", MakeEcho, /*tls=*/{}, std::move(limits),
+                                  std::move(on_dropped));
   EXPECT_TRUE(server.ok()) << server.status();
   return *std::move(server);
 }
@@ -335,7 +336,9 @@ TEST(HttpServerTest, BeyondTheBoundAConnectionWaitsUntilAnAnswerEnds) {
 
 // 2,300 idle connections must not keep a health probe out.
 TEST(HttpServerTest, BeyondTheBoundTheLongestIdleConnectionIsClosed) {
-  const auto server = StartServer({.max_connections = 3, .patience = kPatient.patience});
+  std::vector<std::string> dropped;
+  auto server = StartServer({.max_connections = 3, .patience = kPatient.patience},
+                            [&](const std::string& peer) { dropped.push_back(peer); });
   HttpSocket busy(server->port());
   busy.Send("GET /parts HTTP/1.1\r\n\r\n");
   EXPECT_THAT(busy.ReadUntil("\r\n\r\n"), StartsWith("HTTP/1.1 200"));
@@ -349,6 +352,9 @@ TEST(HttpServerTest, BeyondTheBoundTheLongestIdleConnectionIsClosed) {
   EXPECT_EQ(oldest.ReadAll(), "");
   idle.Send("GET /hello?idle HTTP/1.1\r\n\r\n");
   EXPECT_THAT(idle.ReadAnswer(), EndsWith("idle\n"));
+  server.reset();  // ends its thread
+  ASSERT_EQ(dropped.size(), 1u);
+  EXPECT_THAT(dropped[0], StartsWith("ipv4:127.0.0.1:"));
 }
 
 TEST(HttpServerTest, TheServerAcceptsAgainAfterATimeWithoutDescriptors) {
