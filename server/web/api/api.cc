@@ -153,6 +153,11 @@ Page Api::LogIn(const Request& request) {
   }
   const auto holder = options_.identify(request.peer, token);
   if (!holder.ok()) return ErrorPage(holder.status());
+  if (!auth::Includes(holder->role, auth::Role::kWatch)) {
+    return ErrorPage(absl::PermissionDeniedError(
+        absl::StrCat("a token of the role ", std::string(auth::NameOf(holder->role)),
+                     " cannot read; log in with one of the role watch, operator or admin")));
+  }
   logins_.End(CookieOf(request));
   return {.status = kNoContent,
           .headers = {SetCookie(request, logins_.Begin(token, priors::UnixNowS()))}};

@@ -117,6 +117,13 @@ TEST_F(ApiTokensTest, AnInvalidLoginIsRefused) {
   EXPECT_THAT(Get("/logout").head, HasSubstr("Allow: POST\r\n"));
 }
 
+TEST_F(ApiTokensTest, ATokenThatCannotReadIsNotLoggedIn) {
+  const Answer login = Post("/login", R"({"token":"game-token"})");
+  EXPECT_EQ(login.status, 403);
+  EXPECT_THAT(login.body, HasSubstr("a token of the role ingest cannot read"));
+  EXPECT_THAT(login.head, Not(HasSubstr("Set-Cookie")));
+}
+
 TEST_F(ApiTokensTest, AfterManyFailuresGuessesAreRefusedAndAValidTokenIsNot) {
   for (uint32_t i = 0; i < auth::FailureLimit::kMaxFailures; ++i) {
     const Answer wrong =
