@@ -172,7 +172,7 @@ void AddLive(Table& table, Config& config) {
               "largest time scale that a game may request, for experiments; such a game decides, "
               "learns and commits that many times as often");
   table.Whole("max_sessions", rpc.max_sessions, 1, kMillion,
-              "sessions in memory, connected or resumable");
+              "sessions in memory, connected or resumable; each counts once per 8 arms");
   table.Whole("max_sessions_per_party", rpc.max_sessions_per_party, 1, kMillion,
               "sessions in memory of one player, network or token");
   table.Whole("max_streams_per_address", rpc.max_streams_per_address, 1, kMillion,

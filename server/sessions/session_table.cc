@@ -13,6 +13,11 @@ namespace {
 
 constexpr int64_t kSweepIntervalNs = 2'000'000'000;
 
+size_t PlacesOf(const GameSession& session) {
+  return (session.identity().arms.size() + SessionTable::kArmsPerPlace - 1) /
+         SessionTable::kArmsPerPlace;
+}
+
 }  // namespace
 
 std::shared_ptr<GameSession> SessionTable::Find(const std::string& id) const {
@@ -22,20 +27,28 @@ std::shared_ptr<GameSession> SessionTable::Find(const std::string& id) const {
 
 absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
   const Owner owner = session->identity().origin.owner();
-  const auto held = owner_counts_.find(owner);
-  if (owner != Owner() && held != owner_counts_.end() &&
-      held->second >= context_.options.max_sessions_per_party && !MakeRoom(owner)) {
-    return Refused(reasons::kTooManySessions,
-                   absl::StrCat("this player, network or token has ", held->second,
-                                " sessions, the maximum (max_sessions_per_party); end some, or "
-                                "raise the limit on the daemon"));
+  const size_t places = PlacesOf(*session);
+  const auto held = [&] {
+    const auto found = owner_places_.find(owner);
+    return found == owner_places_.end() ? 0 : found->second;
+  };
+  const uint32_t max_of_owner = context_.options.max_sessions_per_party;
+  while (owner != Owner() && held() + places > max_of_owner) {
+    if (MakeRoom(owner)) continue;
+    return Refused(
+        reasons::kTooManySessions,
+        absl::StrCat("this player, network or token has ", held(), " of ", max_of_owner,
+                     " sessions (max_sessions_per_party; one counts once per ", kArmsPerPlace,
+                     " arms); end some, or raise the limit on the daemon"));
   }
-  if (entries_.size() >= context_.options.max_sessions && !MakeRoom(std::nullopt)) {
+  while (place_count_ + places > context_.options.max_sessions) {
+    if (MakeRoom(std::nullopt)) continue;
     return Refused(reasons::kTooManySessions,
                    "this daemon has the maximum number of sessions (max_sessions); try again "
                    "later, or use another daemon");
   }
-  ++owner_counts_[owner];
+  place_count_ += places;
+  owner_places_[owner] += places;
   std::string id = session->identity().id;
   entries_[std::move(id)].session = std::move(session);
   return absl::OkStatus();
@@ -203,8 +216,10 @@ void SessionTable::Remove(const std::string& id) {
   const auto found = entries_.find(id);
   if (found->second.lost) Recover(found->second);
   Disconnect(*found->second.session);
-  const auto count = owner_counts_.find(found->second.session->identity().origin.owner());
-  if (--count->second == 0) owner_counts_.erase(count);
+  const size_t places = PlacesOf(*found->second.session);
+  const auto of_owner = owner_places_.find(found->second.session->identity().origin.owner());
+  if ((of_owner->second -= places) == 0) owner_places_.erase(of_owner);
+  place_count_ -= places;
   found->second.session->PublishEnd();
   entries_.erase(found);
 }

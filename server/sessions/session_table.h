@@ -82,6 +82,9 @@ struct HeldEvidence {
 
 class SessionTable {
  public:
+  // The memory of a session grows with its arms: about 57 KiB for 7 arms and four regimes, 231 KiB
+  // for 32. For the limits of sessions, a session counts once per this number of arms.
+  static constexpr size_t kArmsPerPlace = 8;
   // Maximum number of ids of kicked sessions that are remembered. An id has 32 characters.
   static constexpr size_t kMaxKicked = 10'000;
 
@@ -90,7 +93,7 @@ class SessionTable {
 
   // Returns null if the session is not in memory.
   std::shared_ptr<GameSession> Find(const std::string& id) const;
-  // Adds the session. Error: RESOURCE_EXHAUSTED (the daemon or the session's token has the maximum
+  // Adds the session. Error: RESOURCE_EXHAUSTED (the daemon or the session's party has the maximum
   // number of sessions, and no lost one can be removed). REQUIRES: its id is not in the table.
   absl::Status Add(std::shared_ptr<GameSession> session);
 
@@ -171,7 +174,8 @@ class SessionTable {
   LostSessions leaving_;  // lost sessions in the order in which they leave to make room
   // The connected sessions of each scene, in the order of their connection.
   std::map<priors::SceneKey, std::vector<const GameSession*>> connected_;
-  std::map<Owner, uint32_t> owner_counts_;  // sessions in the table
+  size_t place_count_ = 0;                // places of the sessions in the table (kArmsPerPlace)
+  std::map<Owner, size_t> owner_places_;  // those of each owner
   std::set<std::string> kicked_;
   std::deque<std::string> kicks_;  // kicked ids, the oldest first
   uint64_t last_lost_number_ = 0;

@@ -43,7 +43,8 @@ struct HostedSessionOptions {
   bool shares_store = false;
   // The maximum number of sessions in memory, connected or resumable. At the limit, the session
   // that lost its connection first leaves memory, but it can still be resumed from the store. If
-  // all sessions are connected, a new session is RESOURCE_EXHAUSTED.
+  // all sessions are connected, a new session is RESOURCE_EXHAUSTED. In both limits, a session
+  // counts once per SessionTable::kArmsPerPlace arms.
   Adjustable<uint32_t> max_sessions = 20'000;
   // The maximum number of sessions per party of a token (SourceOrigin::owner). At this limit, a
   // session of the party that has lost its connection leaves memory. If there is none, a new

@@ -415,6 +415,23 @@ TEST_F(SessionQuotaTest, ATokenHasLimitedSessionsAndALostOneMakesRoom) {
   third.Open(OneArmHello());
 }
 
+// The memory of a session grows with its arms.
+TEST_F(SessionQuotaTest, ASessionCountsOncePerEightArms) {
+  v1::Hello hello = OneArmHello();
+  while (hello.arms_size() < 9) {
+    *hello.add_arms() = hello.arms(0);
+    hello.mutable_arms(hello.arms_size() - 1)->set_name("arm " + std::to_string(hello.arms_size()));
+  }
+  TelemetryClient large(channel_, "game-token");
+  large.Open(hello);
+  EXPECT_EQ(ReasonOf(Refusal(OneArmHello(), "game-token")), v1::ERROR_REASON_TOO_MANY_SESSIONS);
+  hello.mutable_arms()->DeleteSubrange(0, 1);
+  TelemetryClient other(channel_, "other-token");
+  other.Open(hello);
+  TelemetryClient second(channel_, "other-token");
+  second.Open(hello);
+}
+
 TEST_F(AccessTest, GuessingTokensIsSlowedDownAndValidTokensAreAccepted) {
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(ReasonOf(List("guess-" + std::to_string(i))), v1::ERROR_REASON_TOKEN_REFUSED);
