@@ -223,10 +223,10 @@ void RpcServer::ReportLosses() {
         rows - reported_lost_rows_, rows);
   if (limited > reported_limited_)
     context_.log.warn(
-        "{} records of players were not stored, or without their regime, {} since the start: a "
-        "party of players may add {} machine classes to a scene, and players regimes until it has "
-        "{}; play such a scene with a token of the role ingest to add more",
-        limited - reported_limited_, limited, priors::kMaxScenesOfParty,
+        "{} records of players were not stored, or without their regime, {} since the start (the "
+        "latest: {}): a party of players may add {} machine classes to a scene, and players "
+        "regimes until it has {}; play such a scene with a token of the role ingest to add more",
+        limited - reported_limited_, limited, by_store.example, priors::kMaxScenesOfParty,
         priors::kMaxRegimesOfPlayers);
   reported_lost_rows_ = rows;
   reported_limited_ = limited;

@@ -119,6 +119,7 @@ struct StoreLosses {
   // Increments of players that were not stored, or stored without their regime
   // (SourceUpdate::is_of_player).
   uint64_t player_increment_count = 0;
+  std::string example = {};  // scene and party of the latest such increment
 };
 
 // Returns whether a commit failed because of an update that can never be stored: the update is

@@ -177,7 +177,14 @@ absl::Status StoreThread::CommitNow(std::span<const priors::SourceUpdate> update
   absl::Status status = store_->Commit(updates);
   if (reads_ != nullptr) reads_->OnCommitted();
   if (options_.on_commit) options_.on_commit(std::chrono::steady_clock::now() - start);
+  const std::lock_guard lock(mutex_);
+  losses_ = store_->losses();
   return status;
+}
+
+priors::StoreLosses StoreThread::losses() const {
+  const std::lock_guard lock(mutex_);
+  return losses_;
 }
 
 void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
@@ -191,9 +198,6 @@ void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
     if (place_.ok()) disk_ = status;
     TellHealth();
   }
-  const priors::StoreLosses losses = store_->losses();
-  lost_audit_row_count_.store(losses.audit_row_count, std::memory_order_relaxed);
-  lost_player_increment_count_.store(losses.player_increment_count, std::memory_order_relaxed);
   commit.done(status);
 }
 

@@ -109,10 +109,7 @@ class StoreThread final : public priors::AsyncPriorStore {
   // Returns the number of waiting updates and jobs.
   size_t queued_count() const;
   size_t queued_read_count() const { return reads_ == nullptr ? 0 : reads_->queued_count(); }
-  priors::StoreLosses losses() const override {
-    return {.audit_row_count = lost_audit_row_count_.load(std::memory_order_relaxed),
-            .player_increment_count = lost_player_increment_count_.load(std::memory_order_relaxed)};
-  }
+  priors::StoreLosses losses() const override;
 
  private:
   struct PendingCommit {
@@ -159,9 +156,6 @@ class StoreThread final : public priors::AsyncPriorStore {
   absl::Status place_;  // result of the latest CheckPlace; OK after a successful commit
   absl::Status disk_;   // result of the latest commit while place_ was OK
   absl::Status told_;   // argument of the latest call of on_health
-  // Copy of the store's count after the latest commit.
-  std::atomic<uint64_t> lost_audit_row_count_{0};
-  std::atomic<uint64_t> lost_player_increment_count_{0};
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -171,6 +165,7 @@ class StoreThread final : public priors::AsyncPriorStore {
   uint64_t taken_commit_count_ = 0;    // guarded by mutex_; commits taken from commits_ so far
   size_t queued_rows_ = 0;             // guarded by mutex_; sum of RowCount over commits_
   bool closing_ = false;               // guarded by mutex_
+  priors::StoreLosses losses_;         // guarded by mutex_
   std::thread thread_;                 // the last member, because it uses the others
 };
 

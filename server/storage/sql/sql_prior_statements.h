@@ -78,8 +78,8 @@ inline constexpr const char* kCountAdded = R"sql(
     FROM scene WHERE project = ?1 AND scene = ?2)sql";
 inline constexpr const char* kRegimes = R"sql(
     SELECT DISTINCT regime FROM evidence_key
-    WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4
-      AND regime <> '' AND source_count > 0)sql";
+    WHERE project = ?1 AND scene = ?2 AND reward_version = ?3 AND regime <> ''
+      AND source_count > 0)sql";
 // ON CONFLICT DO NOTHING, because another daemon may have added a key after kFindKeys found
 // none.
 inline constexpr const char* kAddKeys = R"sql(

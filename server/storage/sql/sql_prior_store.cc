@@ -141,6 +141,7 @@ absl::Status SqlPriorStore::Commit(std::span<const SourceUpdate> updates) {
   priors::StoreLosses lost;
   bool ended = false;
   absl::Status status = InTransaction([&] {
+    lost = {};
     const absl::Status committed = CommitAll(updates, /*with_audit=*/true, lost);
     ended = committed.ok() && !database_->in_transaction();
     return committed;
@@ -152,6 +153,7 @@ absl::Status SqlPriorStore::Commit(std::span<const SourceUpdate> updates) {
   if (status.ok()) {
     losses_.audit_row_count += lost.audit_row_count;
     losses_.player_increment_count += lost.player_increment_count;
+    if (!lost.example.empty()) losses_.example = lost.example;
   }
   return status;
 }
@@ -166,14 +168,15 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, boo
   struct Addition {
     const Source* source;
     const SourceUpdate* update;
-    EvidenceKey key;
-    Evidence evidence;
+    const priors::KeyedEvidence* increment;
+    std::optional<EvidenceKey> replaced_key;  // in place of that of the increment
+
+    const EvidenceKey& key() const { return replaced_key ? *replaced_key : increment->key; }
   };
   std::vector<Addition> additions;
   std::vector<const EvidenceKey*> keys;   // those of `additions`, then `known`
   std::vector<const EvidenceKey*> known;  // keys whose arms become known
-  Adders adders;
-  Regimes regimes;
+  PlayerAdditions of_players;
   std::vector<const SourceUpdate*> audited;
   // Sources whose first commit this is; their imported records in quarantine are removed.
   Ids begun;
@@ -188,34 +191,40 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, boo
     if (!is_new.ok()) return is_new.status();
     if (!*is_new) continue;
     added_commits_ += source.commit_sequence - before;
-    for (const auto& [key, evidence] : update.increments) {
-      Addition addition{&source, &update, key, evidence};
-      if (update.is_of_player && !known_keys_.contains(key)) {
-        const auto may_add = MayAdd(update, key, adders);
-        const auto has_regime = MayAddRegime(key, regimes);
-        if (!may_add.ok()) return may_add.status();
-        if (!has_regime.ok()) return has_regime.status();
-        if (!*may_add || !*has_regime) ++lost.player_increment_count;
-        if (!*may_add) continue;
-        if (!*has_regime) addition.key.regime.clear();
+    for (const auto& increment : update.increments) {
+      additions.push_back({&source, &update, &increment, std::nullopt});
+      const EvidenceKey& key = increment.key;
+      if (!update.is_of_player || known_keys_.contains(key)) continue;
+      const auto may_add = MayAdd(update, key, of_players);
+      if (!may_add.ok()) return may_add.status();
+      const auto has_regime = *may_add ? MayAddRegime(key, of_players) : false;
+      if (!has_regime.ok()) return has_regime.status();
+      if (*has_regime) continue;
+      ++lost.player_increment_count;
+      lost.example =
+          absl::StrCat("scene ", key.scene, " of project ", key.project, ", from ",
+                       update.origin.party().empty() ? "a token" : update.origin.party());
+      if (!*may_add) {
+        additions.pop_back();
+      } else {
+        additions.back().replaced_key.emplace(key).regime.clear();
       }
-      additions.push_back(std::move(addition));
     }
     for (const EvidenceKey& key : update.known) known.push_back(&key);
     if (!update.audit.rows.empty()) audited.push_back(&update);
     if (!source.is_session) begun.insert(source.id);
   }
-  for (const Addition& addition : additions) keys.push_back(&addition.key);
+  for (const Addition& addition : additions) keys.push_back(&addition.key());
   keys.insert(keys.end(), known.begin(), known.end());
-  const auto stored_keys = FindOrAddKeys(keys, adders);
+  const auto stored_keys = FindOrAddKeys(keys, of_players.adders);
   if (!stored_keys.ok()) return stored_keys.status();
   Rows rows;
   auto stored = stored_keys->begin();
-  for (const auto& [source, update, key, evidence] : additions) {
-    Row& row = rows[{stored->id, source->id}];
+  for (const Addition& addition : additions) {
+    Row& row = rows[{stored->id, addition.source->id}];
     row.scene = (stored++)->scene;
-    row.sequence = update->progress.commit_sequence;
-    AddTo(row.evidence, priors::InUnits(evidence));
+    row.sequence = addition.update->progress.commit_sequence;
+    AddTo(row.evidence, priors::InUnits(addition.increment->evidence));
   }
   absl::Status status = UpdateSources(*sources);
   if (status.ok()) status = AddEvidence(rows);
@@ -228,9 +237,11 @@ absl::Status SqlPriorStore::CommitAll(std::span<const SourceUpdate> updates, boo
 }
 
 absl::StatusOr<bool> SqlPriorStore::MayAdd(const SourceUpdate& update, const EvidenceKey& key,
-                                           Adders& adders) {
+                                           PlayerAdditions& additions) {
   const priors::SourceOrigin::Owner owner = update.origin.owner();
   const SceneKey scene{key.project, key.scene, key.machine_class, key.reward_version};
+  auto& [adders, refused, regimes] = additions;
+  if (refused.contains({scene, owner})) return false;
   if (const auto adder = adders.find(scene); adder != adders.end()) return true;
   uint64_t added_count = 0;
   bool is_stored = false;
@@ -248,20 +259,25 @@ absl::StatusOr<bool> SqlPriorStore::MayAdd(const SourceUpdate& update, const Evi
     if (adder == owner && other.project == scene.project && other.scene == scene.scene)
       ++added_count;
   }
-  if (added_count >= priors::kMaxScenesOfParty) return false;
+  if (added_count >= priors::kMaxScenesOfParty) {
+    refused.emplace(scene, owner);
+    return false;
+  }
   adders[scene] = owner;
   return true;
 }
 
-absl::StatusOr<bool> SqlPriorStore::MayAddRegime(const EvidenceKey& key, Regimes& regimes) {
+// A scene has the same regimes on all machine classes: a session begins with those of several.
+absl::StatusOr<bool> SqlPriorStore::MayAddRegime(const EvidenceKey& key,
+                                                 PlayerAdditions& additions) {
   if (key.regime.empty()) return true;
   const auto [found, is_new] =
-      regimes.try_emplace({key.project, key.scene, key.machine_class, key.reward_version});
+      additions.regimes.try_emplace({key.project, key.scene, "", key.reward_version});
   std::set<std::string>& of_scene = found->second;
   if (is_new) {
     absl::Status status = database_->ForEachRow(
         kRegimes, [&](const SqlRow& row) { of_scene.insert(row.Text(0)); }, key.project, key.scene,
-        key.machine_class, key.reward_version);
+        key.reward_version);
     if (!status.ok()) return status;
   }
   if (of_scene.size() < priors::kMaxRegimesOfPlayers) of_scene.insert(key.regime);

@@ -92,8 +92,15 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   using Ids = std::set<int64_t>;
   // The players that add scenes in the running transaction.
   using Adders = std::map<priors::SceneKey, priors::SourceOrigin::Owner>;
-  // The regimes of scenes, including those that the running transaction adds.
-  using Regimes = std::map<priors::SceneKey, std::set<std::string>>;
+  // What players add in the running transaction.
+  struct PlayerAdditions {
+    Adders adders;
+    // Scenes that the party may not add.
+    std::set<std::pair<priors::SceneKey, priors::SourceOrigin::Owner>> refused;
+    // The regimes of each scene on all machine classes, with those that players add. The keys have
+    // no machine class.
+    std::map<priors::SceneKey, std::set<std::string>> regimes;
+  };
   using SourceCounts = std::map<int64_t, int64_t>;  // change of the number of sources, by scene id
   struct KeyHash {
     size_t operator()(const priors::EvidenceKey& key) const {
@@ -147,13 +154,11 @@ class SqlPriorStore final : public priors::PriorStore, private SqlPriorReader {
   absl::StatusOr<Ids> LockMatching(const priors::SourceFilter& filter, bool quarantined);
   absl::Status Bar(const Ids& sources);
 
-  // Returns whether the player of the update may add evidence with this key. If that adds a scene,
-  // it is noted in `adders`.
+  // Returns whether the player of the update may add evidence with this key. Notes what that adds.
   absl::StatusOr<bool> MayAdd(const priors::SourceUpdate& update, const priors::EvidenceKey& key,
-                              Adders& adders);
-  // Returns whether players may add evidence about the regime of this key. `regimes` caches those
-  // of each scene and gets the ones that are added.
-  absl::StatusOr<bool> MayAddRegime(const priors::EvidenceKey& key, Regimes& regimes);
+                              PlayerAdditions& additions);
+  // Returns whether players may add evidence about the regime of this key. Notes the regime.
+  absl::StatusOr<bool> MayAddRegime(const priors::EvidenceKey& key, PlayerAdditions& additions);
   // Returns the stored keys in the order of `keys`. Adds the missing ones, with `adders` for their
   // scenes.
   absl::StatusOr<std::vector<StoredKey>> FindOrAddKeys(

@@ -335,7 +335,9 @@ TEST_F(AuditLossTest, LostRowsAreCountedAndLoggedOnceAMinute) {
 TEST_F(AuditLossTest, EvidenceThatPlayersMayNotAddIsCountedAndLogged) {
   store_.LimitPlayers(3);
   clock_.Advance(kSecondNs);
-  EXPECT_TRUE(Told("3 records of players were not stored, or without their regime, 3 since"));
+  EXPECT_TRUE(
+      Told("3 records of players were not stored, or without their regime, 3 since the start "
+           "(the latest: scene s)"));
   EXPECT_EQ(server_->counters().limited_player_evidence_count, 3u);
 }
 

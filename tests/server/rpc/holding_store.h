@@ -42,7 +42,8 @@ class HoldingStore final : public priors::AsyncPriorStore {
 
   priors::StoreLosses losses() const override {
     return {.audit_row_count = lost_audit_row_count_,
-            .player_increment_count = limited_increment_count_};
+            .player_increment_count = limited_increment_count_,
+            .example = "scene s"};
   }
 
   void Hold() {

@@ -261,6 +261,43 @@ TEST_P(SourceConformance, PlayersAddRegimesOnlyWhileTheSceneHasFew) {
   EXPECT_EQ(scene->arms[0].live.window_count, 12u) << "all of it counts for the scene";
 }
 
+// A session of one class also begins with the regimes of others.
+TEST_P(SourceConformance, RegimesThatPlayersAddCountOverAllMachineClasses) {
+  std::vector<SourceUpdate> updates;
+  for (int i = 0; i < 6; ++i) {
+    EvidenceKey key = Key("Grid");
+    key.machine_class = "class " + std::to_string(i % 3);
+    key.regime = std::to_string(i) + "/0/0";
+    updates.push_back(UpdateOf({"1.0", 7}, 100, "player " + std::to_string(i), {key}));
+    updates.back().is_of_player = true;
+  }
+  ASSERT_TRUE(Commit(updates).ok());
+  EXPECT_EQ(store_->losses().player_increment_count, 2u);
+}
+
+// Evidence of a refused class is not stored, so its regimes take no places.
+TEST_P(SourceConformance, RegimesOfRefusedMachineClassesDoNotCount) {
+  std::vector<SourceUpdate> updates;
+  for (int i = 0; i < 12; ++i) {
+    EvidenceKey key = Key("Grid");
+    key.machine_class = "class " + std::to_string(i);
+    if (i >= static_cast<int>(priors::kMaxScenesOfParty)) key.regime = std::to_string(i) + "/0/0";
+    updates.push_back(
+        UpdateOf({"1.0", 7, "", "10.0.0.0/24"}, 100, "one " + std::to_string(i), {key}));
+    updates.back().is_of_player = true;
+  }
+  EvidenceKey key = Key("Grid");
+  key.regime = "99/0/0";
+  updates.push_back(UpdateOf({"1.0", 7, "", "10.0.1.0/24"}, 100, "other", {key}));
+  updates.back().is_of_player = true;
+  ASSERT_TRUE(Commit(updates).ok());
+  EXPECT_EQ(
+      store_->LoadScene({"game", "harbour", "desktop", 1})->value().arms[0].regimes.count("99/0/0"),
+      1u);
+  EXPECT_EQ(store_->losses().player_increment_count, 12 - priors::kMaxScenesOfParty);
+  EXPECT_EQ(store_->losses().example, "scene harbour of project game, from 10.0.0.0/24");
+}
+
 // A client can invent classes and regimes. A limit for each of them would multiply its places.
 TEST_P(SourceConformance, OtherMachineClassesHaveOneLimitForAllRegimesTogether) {
   const auto commit = [&](int number, const std::string& machine_class,
