@@ -302,6 +302,10 @@ bool NamesAny(v1::SourceFilter sources) {
 // Returns the store's filter for the sources that the request selects.
 absl::StatusOr<priors::SourceFilter> FilterOf(const v1::SourceFilter& sources,
                                               const auth::Principal& caller) {
+  // A filter that this version does not know must not be ignored: more would be selected.
+  if (!sources.GetReflection()->GetUnknownFields(sources).empty())
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                   "this daemon does not know a field of the filter; update it");
   if (sources.token_id() < 0 || sources.unix_from_s() < 0 || sources.unix_until_s() < 0)
     return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
                    "the numbers of a filter must not be negative");

@@ -157,8 +157,13 @@ TEST_F(RevokeTest, ARequestThatNamesNoSourcesIsRefused) {
   negative.mutable_sources()->set_token_id(-1);
   v1::RevokePriorsRequest before_1970 = OfBuild("1.0");
   before_1970.mutable_sources()->set_unix_until_s(-1);
+  // A filter of a newer version; without it, more would be revoked.
+  v1::RevokePriorsRequest newer = OfBuild("1.0");
+  v1::SourceFilter& filter = *newer.mutable_sources();
+  filter.GetReflection()->MutableUnknownFields(&filter)->AddVarint(99, 1);
   for (const v1::RevokePriorsRequest& request :
-       {v1::RevokePriorsRequest(), all, negative, before_1970, OfBuild(std::string(129, 'x'))}) {
+       {v1::RevokePriorsRequest(), all, negative, before_1970, newer,
+        OfBuild(std::string(129, 'x'))}) {
     EXPECT_EQ(ReasonOf(Revoke(request)), v1::ERROR_REASON_INVALID_MESSAGE)
         << request.ShortDebugString();
   }
