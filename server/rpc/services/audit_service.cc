@@ -15,13 +15,19 @@ namespace {
 using priors::AuditFilter;
 using priors::AuditSegment;
 
+// Names of players and networks are personal data: only callers who may revoke them receive them.
 absl::StatusOr<StreamPage> LoadSegments(priors::PriorReader& store, const AuditFilter& filter,
-                                        uint64_t& after) {
+                                        bool names_parties, uint64_t& after) {
   const auto segments = store.ListAudit(filter, after, kAuditSegmentsPerMessage);
   if (!segments.ok()) return segments.status();
   const auto response = std::make_shared<v1::ListAuditSegmentsResponse>();
   for (const AuditSegment& segment : *segments) {
-    ToProto(segment, *response->add_segments());
+    v1::AuditSegment& message = *response->add_segments();
+    ToProto(segment, message);
+    if (!names_parties) {
+      message.clear_token_id();
+      message.clear_party();
+    }
     after = segment.id;
   }
   return StreamPage{.response = response, .last = segments->size() < kAuditSegmentsPerMessage};
@@ -127,10 +133,11 @@ absl::StatusOr<LoadPage> PagesOf(const Caller& caller,
                                  const v1::ListAuditSegmentsRequest& request) {
   auto filter = FilterOf(caller, request);
   if (!filter.ok()) return filter.status();
-  return LoadPage(
-      [filter = *std::move(filter), after = uint64_t{0}](priors::PriorReader& store) mutable {
-        return LoadSegments(store, filter, after);
-      });
+  return LoadPage([filter = *std::move(filter), after = uint64_t{0},
+                   names_parties = auth::Includes(caller.role, auth::Role::kOperator)](
+                      priors::PriorReader& store) mutable {
+    return LoadSegments(store, filter, names_parties, after);
+  });
 }
 
 absl::StatusOr<LoadPage> PagesOf(const Caller& caller, const v1::ExportDecisionsRequest& request) {

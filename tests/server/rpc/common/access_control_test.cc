@@ -134,6 +134,21 @@ TEST_F(AccessTest, AListingAnExportAndTheAuditLogShowTheTokensProjectsOnly) {
   EXPECT_THAT(text, ::testing::Not(HasSubstr("theirs")));
 }
 
+TEST_F(AccessTest, TheAuditLogNamesPartiesToThoseWhoMayRevokeThem) {
+  tokens_.Add("ann", auth::Role::kWatch);
+  Learn({"game"});
+  const auto audit = v1::AuditService::NewStub(channel_);
+  const auto token_of_session = [&](const std::string& reader) {
+    const auto context = With("Bearer " + reader);
+    const auto segments = audit->ListAuditSegments(context.get(), {});
+    v1::ListAuditSegmentsResponse page;
+    EXPECT_TRUE(segments->Read(&page));
+    return page.segments(0).token_id();
+  };
+  EXPECT_GT(token_of_session("mine-token"), 0);
+  EXPECT_EQ(token_of_session("ann-token"), 0);
+}
+
 // Returns the message without the project's name, which it must contain.
 std::string WithoutName(std::string message, const std::string& project) {
   const size_t place = message.find(project);
