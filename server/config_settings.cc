@@ -49,17 +49,24 @@ CLI::Validator Finite() {
 }
 
 CLI::Validator BasePath() {
-  return {[](const std::string& text) -> std::string {
-            const bool is_valid = std::all_of(text.begin(), text.end(), [](char c) {
-              return absl::ascii_isalnum(static_cast<unsigned char>(c)) ||
-                     absl::StrContains("/-_", c);
-            });
-            if (text.empty() || (is_valid && text.front() == '/' && text.back() != '/' &&
-                                 !absl::StrContains(text, "//")))
-              return "";
-            return "expected a path such as /sweepstake, of letters, digits, - and _";
-          },
-          ""};
+  return {
+      [](const std::string& text) -> std::string {
+        const bool is_valid = std::all_of(text.begin(), text.end(), [](char c) {
+          return absl::ascii_isalnum(static_cast<unsigned char>(c)) || absl::StrContains("/-_", c);
+        });
+        const bool is_path = is_valid && text.starts_with('/') && !text.ends_with('/') &&
+                             !absl::StrContains(text, "//");
+        if (!text.empty() && !is_path)
+          return "expected a path such as /sweepstake, of letters, digits, - and _";
+        // Below these, the daemon's own pages could not be reached.
+        for (const char* own :
+             {"/api", "/events", "/login", "/logout", "/metrics", "/livez", "/readyz", "/assets"}) {
+          if (absl::StartsWith(text + "/", absl::StrCat(own, "/")))
+            return absl::StrCat(own, " is a path of the daemon; choose another");
+        }
+        return "";
+      },
+      ""};
 }
 
 // Adds settings of each type. The fields must outlive the application.

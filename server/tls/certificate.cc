@@ -12,7 +12,7 @@ namespace {
 namespace ssl = boost::asio::ssl;
 
 // Protocols in the format of ALPN (RFC 7301): each has its length before it.
-constexpr std::string_view kNames[] = {"\x08http/1.1", "\x02h2"};
+constexpr std::string_view kNames[] = {"\x08http/1.1\x08http/1.0", "\x02h2"};
 
 int Select(SSL* /*session*/, const unsigned char** chosen, unsigned char* chosen_size,
            const unsigned char* offered, unsigned int offered_size, void* protocol) {

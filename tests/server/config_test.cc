@@ -293,6 +293,8 @@ TEST_F(ConfigTest, TheBaseOfHttpIsAPath) {
                 HasSubstr("expected a path such as /sweepstake"))
         << wrong;
   }
+  EXPECT_THAT(Error("http_base = '/livez'\n"), HasSubstr("/livez is a path of the daemon"));
+  EXPECT_THAT(Error("http_base = '/api/x'\n"), HasSubstr("/api is a path of the daemon"));
 }
 
 TEST_F(ConfigTest, HttpHostsAreTheHostOfHttpAndTheListedNames) {

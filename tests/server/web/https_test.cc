@@ -81,6 +81,7 @@ TEST_F(HttpsTest, AnswersOverTlsOnly) {
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 200"));
   EXPECT_THAT(answer, HasSubstr("over TLS"));
   EXPECT_THAT(Get(server->port(), authority_), HasSubstr("over TLS"));
+  EXPECT_THAT(Get(server->port(), authority_, "http/1.0"), HasSubstr("over TLS"));
   EXPECT_THAT(Get(server->port(), authority_, "h2"), HasSubstr("alert no application protocol"));
   test_support::HttpSocket plain(server->port());
   plain.Send("GET / HTTP/1.1\r\n\r\n");
