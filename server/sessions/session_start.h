@@ -1,8 +1,8 @@
 // Reads the evidence with which a session begins from the store, and creates the session.
 //
-// A new session starts from Beta(1,1) plus the evidence of all sources of its scene. For arms
-// without such evidence the project's other scenes are used. Each regime of the scene has a prior
-// of its own. A session of a player stores evidence only about known arms of a known scene
+// A new session starts from Beta(1,1) plus the evidence of the chosen sources of its scene. For
+// arms without such evidence the project's other scenes are used. Each regime of the scene has a
+// prior of its own. A session of a player stores evidence only about known arms of a known scene
 // (PriorReader::LoadKnownArms), and does not keep a claim to a quota. So players who invent names
 // use up no quota. A session that is resumed from the store starts from the same evidence, its own
 // included. With Hello::ignores_priors, only its own evidence is used. Evidence with another reward

@@ -34,15 +34,16 @@ absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
   };
   const uint32_t max_of_owner = context_.options.max_sessions_per_party;
   while (owner != Owner() && held() + places > max_of_owner) {
-    if (MakeRoom(owner)) continue;
+    if (places <= max_of_owner && MakeRoom(owner)) continue;
     return Refused(
         reasons::kTooManySessions,
         absl::StrCat("this player, network or token has ", held(), " of ", max_of_owner,
                      " sessions (max_sessions_per_party; one counts once per ", kArmsPerPlace,
                      " arms); end some, or raise the limit on the daemon"));
   }
-  while (place_count_ + places > context_.options.max_sessions) {
-    if (MakeRoom(std::nullopt)) continue;
+  const uint32_t max = context_.options.max_sessions;
+  while (place_count_ + places > max) {
+    if (places <= max && MakeRoom(std::nullopt)) continue;
     return Refused(reasons::kTooManySessions,
                    "this daemon has the maximum number of sessions (max_sessions); try again "
                    "later, or use another daemon");

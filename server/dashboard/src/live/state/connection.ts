@@ -50,8 +50,9 @@ export function heard(): void {
 
 async function ask(): Promise<void> {
   isAsking = true;
-  // Without an answer `heard` is not called, so the time of silence grows.
-  await fetch(urlOf('/livez'), { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) }).then(heard, () => undefined);
+  // Without an answer `heard` is not called, so the time of silence grows. An error may be the answer of a proxy.
+  await fetch(urlOf('/livez'), { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS) })
+    .then(({ ok }) => { if (ok) heard(); }, () => undefined);
   isAsking = false;
 }
 

@@ -164,7 +164,7 @@ const SOURCES: readonly Column<Group>[] = [
     sort: ({ example }) => (example.isImported ? 'import' : 'session') },
   BUILD,
   { id: 'weight', title: 'Weight', hint: 'The highest weight of its records in a new session. That session runs on the same class of machines, with the latest build of the scene and '
-    + 'the newest backends. 0: newer sources of every arm have replaced it. 1: rewards do not depend on the cost alone, so all sources count fully',
+    + 'the newest backends. 0: newer sources of every arm have replaced it. 1: rewards do not depend on the cost alone, so the chosen sources count fully',
     sort: weightOf, cell: (row) => significant(weightOf(row)) },
   ...ORIGIN,
 ];

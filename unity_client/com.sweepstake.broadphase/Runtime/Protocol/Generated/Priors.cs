@@ -3778,7 +3778,7 @@ namespace Sweepstake.Protocol.V1 {
     /// Only in exports that request weights: the record's weight in a new session of the same scene and class of machines. That
     /// session is assumed to play the build that was seen there last, with the newest known version of the arm. For reward version
     /// 3 it is the weight of the power prior, from 0 to 0.5; otherwise 1. Ignored in imports. Absent: 0, such a session does not
-    /// use the record.
+    /// use the record: other sources were chosen, or it is of another version.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
