@@ -41,7 +41,7 @@ struct ReadThreadOptions {
   bool own_thread = true;  // if false, the owner calls RunNext, and reads never wait for commits
   size_t max_queued = 65'536;                  // further jobs are refused
   std::chrono::milliseconds max_read{10'000};  // a read that takes longer is stuck
-  uint32_t max_crowded_commits = 32;
+  uint32_t max_crowded_commits = 256;
   std::chrono::milliseconds pause{500};
   // Called on the reading thread with the duration of each read, including its time in the queue.
   // May be empty.
