@@ -33,6 +33,20 @@ Indices InRounds(const std::map<Key, Indices>& lists, uint64_t seed) {
   return taken;
 }
 
+// Removes the earlier sources of known parties that have more than the median.
+void LimitToMedian(std::map<std::string_view, Indices>& lists) {
+  std::vector<size_t> sizes;
+  for (const auto& [party, list] : lists) {
+    if (!party.empty()) sizes.push_back(list.size());
+  }
+  if (sizes.empty()) return;
+  const auto median = sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), median, sizes.end());
+  for (auto& [party, list] : lists) {
+    if (!party.empty()) list.resize(std::min(list.size(), *median));
+  }
+}
+
 }  // namespace
 
 std::vector<size_t> ChooseSources(std::span<const SourceOwner> owners, size_t limit,
@@ -41,7 +55,10 @@ std::vector<size_t> ChooseSources(std::span<const SourceOwner> owners, size_t li
   for (size_t i = 0; i < owners.size(); ++i)
     parties[owners[i].token_id][owners[i].party].push_back(i);
   std::map<int64_t, Indices> tokens;
-  for (const auto& [token_id, lists] : parties) tokens[token_id] = InRounds(lists, seed);
+  for (auto& [token_id, lists] : parties) {
+    LimitToMedian(lists);
+    tokens[token_id] = InRounds(lists, seed);
+  }
   Indices chosen = InRounds(tokens, seed);
   chosen.resize(std::min(chosen.size(), limit));
   std::sort(chosen.begin(), chosen.end());

@@ -231,6 +231,16 @@ TEST_F(HostileSourcesTest, OneClientWithThreeHundredSessionsOfTheSharedTokenGain
   ExpectHardlyMoved("attacked");
 }
 
+// The places that honest parties leave free must not go to one party.
+TEST_F(HostileSourcesTest, OneClientGainsNothingInASceneWithFewSourcesEither) {
+  for (int client = 0; client < 15; ++client) {
+    TeachHonestly("honest", client, AtNetwork(client));
+    TeachHonestly("attacked", client, AtNetwork(client));
+  }
+  for (int session = 0; session < 16; ++session) Lie("attacked", AtNetwork(200));
+  ExpectHardlyMoved("attacked");
+}
+
 // The policy `paper` begins with the sum over the same chosen sources.
 TEST_F(HostileSourcesTest, InAPolicyWithSumsOneClientGainsNothingEither) {
   v1::Hello hello = Hello("attacked");

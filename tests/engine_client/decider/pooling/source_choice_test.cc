@@ -82,6 +82,17 @@ TEST(ChooseSources, GivesAFloodingPartyOnlyOnePlace) {
   EXPECT_EQ(CountsOfParties(parties, 32).size(), 32u);
 }
 
+// Otherwise one of 16 parties would be a majority of the sources.
+TEST(ChooseSources, PlacesThatOthersLeaveFreeDoNotGoToOneParty) {
+  std::vector<std::string> parties(20, "203.0.113.0/24");
+  for (int player = 0; player < 15; ++player) parties.push_back(std::to_string(player));
+  EXPECT_EQ(CountsOfParties(parties, 32).at("203.0.113.0/24"), 1u);
+  for (int player = 0; player < 15; ++player) parties.push_back(std::to_string(player));
+  EXPECT_EQ(CountsOfParties(parties, 40).at("203.0.113.0/24"), 2u) << "as most of the others";
+  EXPECT_EQ(CountsOfParties({"a", "a", "a", "b"}, 32).at("a"), 3u) << "too few to compare";
+  EXPECT_EQ(CountsOfParties({"", "", "", "b", "c", "d", "e"}, 32).at(""), 3u) << "unknown parties";
+}
+
 TEST(ChooseSources, GivesATenthOfTheNetworksAboutATenthOfThePlaces) {
   std::vector<std::string> parties;
   for (int network = 0; network < 200; ++network)
