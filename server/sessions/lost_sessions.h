@@ -3,11 +3,13 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/sessions/prior_store.h"
 
@@ -46,12 +48,19 @@ class LostSessions {
     of_owner_.erase({owner, rank});
   }
 
-  // Returns the first session to leave; if `owner` is given, the first one of that owner.
-  std::optional<std::string> First(const std::optional<Owner>& owner) const {
-    if (!owner) return all_.empty() ? std::nullopt : std::optional(all_.begin()->second);
-    const auto first = of_owner_.lower_bound({*owner, {}});
-    if (first == of_owner_.end() || first->first.first != *owner) return std::nullopt;
-    return first->second;
+  // Returns the first `count` sessions to leave, or fewer if there are fewer; if `owner` is given,
+  // those of that owner.
+  std::vector<std::string> First(const std::optional<Owner>& owner, size_t count) const {
+    std::vector<std::string> first;
+    if (!owner) {
+      for (auto next = all_.begin(); next != all_.end() && first.size() < count; ++next)
+        first.push_back(next->second);
+      return first;
+    }
+    for (auto next = of_owner_.lower_bound({*owner, {}});
+         next != of_owner_.end() && next->first.first == *owner && first.size() < count; ++next)
+      first.push_back(next->second);
+    return first;
   }
 
  private:

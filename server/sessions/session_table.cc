@@ -28,22 +28,19 @@ std::shared_ptr<GameSession> SessionTable::Find(const std::string& id) const {
 absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
   const Owner owner = session->identity().origin.owner();
   const size_t places = PlacesOf(*session);
-  const auto held = [&] {
-    const auto found = owner_places_.find(owner);
-    return found == owner_places_.end() ? 0 : found->second;
-  };
-  const uint32_t max_of_owner = context_.options.max_sessions_per_party;
-  while (owner != Owner() && held() + places > max_of_owner) {
-    if (places <= max_of_owner && MakeRoom(owner)) continue;
+  const auto found = owner_places_.find(owner);
+  const size_t held = found == owner_places_.end() ? 0 : found->second;
+  const size_t max_of_owner = context_.options.max_sessions_per_party;
+  if (owner != Owner() && held + places > max_of_owner &&
+      !MakeRoom(owner, held + places - max_of_owner)) {
     return Refused(
         reasons::kTooManySessions,
-        absl::StrCat("this player, network or token has ", held(), " of ", max_of_owner,
+        absl::StrCat("this player, network or token has ", held, " of ", max_of_owner,
                      " sessions (max_sessions_per_party; one counts once per ", kArmsPerPlace,
                      " arms); end some, or raise the limit on the daemon"));
   }
-  const uint32_t max = context_.options.max_sessions;
-  while (place_count_ + places > max) {
-    if (places <= max && MakeRoom(std::nullopt)) continue;
+  const size_t max = context_.options.max_sessions;
+  if (place_count_ + places > max && !MakeRoom(std::nullopt, place_count_ + places - max)) {
     return Refused(reasons::kTooManySessions,
                    "this daemon has the maximum number of sessions (max_sessions); try again "
                    "later, or use another daemon");
@@ -55,13 +52,21 @@ absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
   return absl::OkStatus();
 }
 
-bool SessionTable::MakeRoom(const std::optional<Owner>& owner) {
-  const std::optional<std::string> first = leaving_.First(owner);
-  if (!first) return false;
-  GameSession& session = *entries_.at(*first).session;
-  if (session.ended() && !session.settled()) return false;
-  session.KeepOpenEvidence();  // the store may still write it after the session has left
-  Remove(*first);
+bool SessionTable::MakeRoom(const std::optional<Owner>& owner, size_t places) {
+  std::vector<std::string> leaving;
+  size_t freed = 0;
+  for (std::string& id : leaving_.First(owner, places)) {  // each has at least one place
+    const GameSession& session = *entries_.at(id).session;
+    if (freed >= places || (session.ended() && !session.settled())) break;
+    freed += PlacesOf(session);
+    leaving.push_back(std::move(id));
+  }
+  if (freed < places) return false;
+  for (const std::string& id : leaving) {
+    entries_.at(id)
+        .session->KeepOpenEvidence();  // the store may write it after the session has left
+    Remove(id);
+  }
   return true;
 }
 

@@ -154,9 +154,10 @@ class SessionTable {
   int64_t UnixMsOf(int64_t time_ns) const;
   // Returns the session of the scene that has been connected the longest; null if there is none.
   const GameSession* FirstOf(const priors::SceneKey& scene) const;
-  // Removes the session that was lost first, preferably one whose evidence is on disk. If an
-  // owner is given, only sessions of that owner may leave. Returns whether a session could leave.
-  bool MakeRoom(const std::optional<Owner>& owner);
+  // Removes the sessions that were lost first, preferably those whose evidence is on disk, until
+  // `places` are free. If an owner is given, only sessions of that owner may leave. Returns false,
+  // and removes none, if that is not possible.
+  bool MakeRoom(const std::optional<Owner>& owner, size_t places);
   void Lose(Entry& entry);
   // Removes the entry from `lost_` and `leaving_`. REQUIRES: its session is lost.
   void Recover(Entry& entry);

@@ -440,6 +440,7 @@ TEST_F(SessionQuotaTest, ASessionCountsOncePerEightArms) {
   TelemetryClient large(channel_, "game-token");
   large.Open(hello);
   EXPECT_EQ(ReasonOf(Refusal(OneArmHello(), "game-token")), v1::ERROR_REASON_TOO_MANY_SESSIONS);
+  EXPECT_EQ(server_->counters().session_count, 1u);
   hello.mutable_arms()->DeleteSubrange(0, 1);
   TelemetryClient other(channel_, "other-token");
   other.Open(hello);
