@@ -144,7 +144,8 @@ void HttpConnection::OnHeader(error_code error) {
 
 std::optional<Page> HttpConnection::HeaderProblem() const {
   const auto length = parser_->content_length().value_or(0);
-  if (parser_->chunked())
+  // Any other encoding must not be ignored: its body would be read as the next request.
+  if (parser_->get().count(http::field::transfer_encoding) > 0)
     return Page{kLengthRequired, "A request with a body needs a Content-Length.\n"};
   if (length == 0) return std::nullopt;
   if (parser_->get().method() != http::verb::post)
