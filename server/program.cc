@@ -301,10 +301,11 @@ void AwaitEnd(const sigset_t& signals, CommandLine& line, Daemon& daemon) {
 
 // Opens /dev/null for each closed standard stream. Otherwise the next file that the program opens
 // would take its number: with 2>&- the log would be written into a file of the data directory.
+// Writing to a closed standard output stays an error.
 void OpenStandardStreams() {
-  int file = 0;
-  while (file >= 0 && file <= STDERR_FILENO) file = open("/dev/null", O_RDWR);
-  if (file > STDERR_FILENO) close(file);
+  for (int file = STDIN_FILENO; file <= STDERR_FILENO; ++file) {
+    if (fcntl(file, F_GETFD) < 0) open("/dev/null", file == STDOUT_FILENO ? O_RDONLY : O_RDWR);
+  }
 }
 
 // SQLite maps its -shm file. An access beyond the end of a file that was cut raises SIGBUS. What
@@ -321,8 +322,6 @@ int Run(const Config& config, CommandLine& line) {
   const sigset_t signals = BlockSignals();
   // A closed log pipe must not end the daemon.
   std::signal(SIGPIPE, SIG_IGN);
-  // At a limit of the file size (ulimit -f) writes fail as on a full disk.
-  std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGBUS, OnBusError);
   // gRPC and protobuf write lines to stderr that are not JSON. GrpcLog takes those of gRPC later.
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
@@ -360,6 +359,8 @@ int Run(const Config& config, CommandLine& line) {
 
 int RunProgram(int argc, char** argv) {
   OpenStandardStreams();
+  // At a limit of the file size (ulimit -f) writes fail as on a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
   CommandLine line(argc, argv);
   CLI::App& app = line.app;
   AddOptions(line);
