@@ -80,6 +80,18 @@ std::string PrintableLine(std::string_view text) {
   return line;
 }
 
+std::string PrintableLines(std::string_view text) {
+  std::string lines;
+  while (!text.empty()) {
+    std::string_view rest = text;
+    const bool is_kept = text.front() == '\n' || TakeCharacter(rest);
+    const size_t length = is_kept && text.front() != '\n' ? text.size() - rest.size() : 1;
+    lines += is_kept ? text.substr(0, length) : "?";
+    text.remove_prefix(length);
+  }
+  return lines;
+}
+
 std::string_view NearestName(std::string_view name, std::span<const std::string_view> valid) {
   const auto nearest =
       std::min_element(valid.begin(), valid.end(), [name](std::string_view a, std::string_view b) {

@@ -25,6 +25,10 @@ bool IsLine(std::string_view text);
 // and only the first 200 bytes are kept.
 std::string PrintableLine(std::string_view text);
 
+// Returns `text`, which can contain any bytes, for output on a terminal: each byte that is not part
+// of a printable character in UTF-8, or of a line break, becomes '?'.
+std::string PrintableLines(std::string_view text);
+
 // Returns the valid name nearest to `name` by edit distance (Levenshtein), the first if several are
 // equally near; empty if there is no valid name. Cost: the product of both lengths per valid name.
 std::string_view NearestName(std::string_view name, std::span<const std::string_view> valid);

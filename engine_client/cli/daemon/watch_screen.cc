@@ -4,6 +4,7 @@
 
 #include "engine_client/cli/daemon/posterior_view.h"
 #include "engine_client/cli/io/duration.h"
+#include "engine_client/text/names.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -59,7 +60,7 @@ void WatchScreen::DrawAgain() {
 
 void WatchScreen::ShowPosterior(const v1::ScenePosterior& scene) {
   if (!redraws_) {
-    out_ << SceneText(scene);
+    out_ << text::PrintableLines(SceneText(scene));
     return;
   }
   const SceneName name = {scene.project(), scene.scene(), scene.machine_class(),
@@ -79,7 +80,7 @@ std::string WatchScreen::SceneText(const v1::ScenePosterior& scene) const {
 
 void WatchScreen::ShowDecision(const std::string& line) {
   if (!redraws_) {
-    out_ << line << '\n';
+    out_ << text::PrintableLines(line) << '\n';
     return;
   }
   decisions_.push_back(line);
@@ -88,8 +89,8 @@ void WatchScreen::ShowDecision(const std::string& line) {
 
 void WatchScreen::Draw() {
   out_ << kHomeAndClear << kLegend << '\n';
-  for (const auto& [key, scene] : scenes_) out_ << SceneText(scene) << '\n';
-  for (const std::string& decision : decisions_) out_ << decision << '\n';
+  for (const auto& [key, scene] : scenes_) out_ << text::PrintableLines(SceneText(scene)) << '\n';
+  for (const std::string& decision : decisions_) out_ << text::PrintableLines(decision) << '\n';
   out_ << std::flush;
 }
 

@@ -1,5 +1,7 @@
 #include "engine_client/cli/io/json_output.h"
 
+#include "engine_client/text/names.h"
+
 namespace sweepstake::cli {
 
 void PrintJson(const nlohmann::ordered_json& document, std::ostream& out, int indent) {
@@ -7,7 +9,10 @@ void PrintJson(const nlohmann::ordered_json& document, std::ostream& out, int in
       << '\n';
 }
 
-void PrintText(Terminal& terminal, const std::string& text) { terminal.out << text << std::flush; }
+// The text can contain names and messages of a daemon, which could control the terminal.
+void PrintText(Terminal& terminal, const std::string& text) {
+  terminal.out << text::PrintableLines(text) << std::flush;
+}
 
 void PrintResult(Terminal& terminal, bool as_json, const nlohmann::ordered_json& document,
                  const std::string& text, int indent) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine_client/text/names.h"
+
 namespace sweepstake::cli {
 namespace {
 
@@ -21,7 +23,7 @@ std::string Bar(uint64_t done, uint64_t total) {
 }  // namespace
 
 int Fail(Terminal& terminal, const Status& status) {
-  terminal.err << terminal.program << ": " << status.message() << '\n';
+  terminal.err << terminal.program << ": " << text::PrintableLines(status.message()) << '\n';
   if (status.code() == StatusCode::kUnavailable) return kUnreachable;
   return status.code() == StatusCode::kInternal ? kCheckFailed : kBadUsage;
 }
@@ -34,7 +36,7 @@ int FailAnswer(Terminal& terminal, const Status& status) {
 }
 
 void Say(Terminal& terminal, const std::string& text) {
-  terminal.err << terminal.program << ": " << text << std::endl;
+  terminal.err << terminal.program << ": " << text::PrintableLines(text) << std::endl;
 }
 
 void SayConnection(Terminal& terminal, const Status& status) {

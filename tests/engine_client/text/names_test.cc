@@ -61,5 +61,16 @@ TEST(Names, ALineHasNoControlCharactersAndAtMost200Bytes) {
   EXPECT_EQ(PrintableLine(std::string(1000, 'x')), std::string(200, 'x'));
 }
 
+TEST(PrintableLines, KeepsTextAndRemovesWhatCouldControlATerminal) {
+  EXPECT_EQ(PrintableLines("a\nf\u00fcr \u6e2f\n"), "a\nf\u00fcr \u6e2f\n");
+  EXPECT_EQ(PrintableLines("\x1b[2J\a\r\x7f"), "?[2J???");
+  EXPECT_EQ(PrintableLines("\xc2\x9b"
+                           "31m"),
+            "??31m")
+      << "a control character above 127";
+  EXPECT_EQ(PrintableLines("\xff\xe6\xb8"), "???") << "not UTF-8";
+  EXPECT_EQ(PrintableLines(std::string(300, 'x')).size(), 300u);
+}
+
 }  // namespace
 }  // namespace sweepstake::text
