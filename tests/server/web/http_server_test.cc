@@ -278,6 +278,13 @@ TEST(HttpServerTest, AnUnexpectedOrTooLongBodyIsRefused) {
           server->port(), "POST /hello HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n")
           .status,
       411);
+  for (const char* coding : {"gzip", "identity", "chunked, identity", "xchunked"}) {
+    const HttpAnswer answer = test_support::Exchange(
+        server->port(), std::string("POST /hello HTTP/1.1\r\nTransfer-Encoding: ") + coding +
+                            "\r\n\r\nGET /hello?smuggled HTTP/1.1\r\n\r\n");
+    EXPECT_EQ(answer.status, 411) << coding;
+    EXPECT_THAT(answer.body, Not(HasSubstr("smuggled"))) << coding;
+  }
 }
 
 TEST(HttpServerTest, AllBodiesTogetherAreBounded) {

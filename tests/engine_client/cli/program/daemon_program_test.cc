@@ -164,6 +164,8 @@ TEST(DaemonProgram, ABackupOfARunningDaemonCanStartAnotherDaemon) {
                           "' 2>'" + copy + ".err' | head -c 4096 >/dev/null";
   EXPECT_NE(std::system(("bash -c \"" + cut + "\"").c_str()), 0);
   EXPECT_THAT(test_support::FileText(copy + ".err"), HasSubstr("cannot write the whole backup"));
+  const std::string closed = SWEEPSTAKED_PATH " backup - --data '" + data + "' >&- 2>/dev/null";
+  EXPECT_NE(std::system(closed.c_str()), 0);
   EXPECT_EQ(RunDaemonProgram("restore " + file + " --data " + data).exit_code, 1);
   const ProgramRun restore = RunDaemonProgram("restore " + file + " --data " + other);
   EXPECT_EQ(restore.exit_code, 0) << restore.err;
