@@ -58,7 +58,11 @@ void InstallStopSignal() {
 bool StopRequested() { return stop_requested; }
 
 void CatchSuspendSignal() {
-  std::signal(SIGTSTP, [](int /*signal*/) { suspend_requested = true; });
+  struct sigaction action {};
+  action.sa_handler = [](int /*signal*/) { suspend_requested = true; };
+  // A write to the terminal must go on. ThreadSanitizer's std::signal does not set this.
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGTSTP, &action, nullptr);
 }
 
 bool SuspendRequested() { return suspend_requested; }
