@@ -76,6 +76,7 @@ inline constexpr const char* kCountAdded = R"sql(
     SELECT coalesce(sum(CASE WHEN added_by_token = ?5 AND added_by_party = ?6 THEN 1 ELSE 0 END), 0),
            coalesce(max(CASE WHEN machine_class = ?3 AND reward_version = ?4 THEN 1 ELSE 0 END), 0)
     FROM scene WHERE project = ?1 AND scene = ?2)sql";
+// The regimes of a scene on all machine classes.
 inline constexpr const char* kRegimes = R"sql(
     SELECT DISTINCT regime FROM evidence_key
     WHERE project = ?1 AND scene = ?2 AND reward_version = ?3 AND regime <> ''
