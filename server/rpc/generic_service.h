@@ -8,6 +8,7 @@
 // grpc.health.v1 needs no token. All other methods are UNIMPLEMENTED.
 #pragma once
 
+#include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/grpcpp.h>
 
 #include "server/rpc/health_service.h"

@@ -1,6 +1,7 @@
 // A gRPC call of a method with one request and a finite answer (served_methods.h).
 #pragma once
 
+#include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/grpcpp.h>
 
 #include <memory>

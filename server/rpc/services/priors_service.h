@@ -10,6 +10,7 @@
 // that begin after the promotion use it.
 #pragma once
 
+#include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/grpcpp.h>
 
 #include <atomic>

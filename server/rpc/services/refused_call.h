@@ -1,6 +1,7 @@
 // A call that ends at once.
 #pragma once
 
+#include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/grpcpp.h>
 
 namespace sweepstake::rpc {

@@ -2,6 +2,7 @@
 // messages unparsed. Thread-safe.
 #pragma once
 
+#include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/grpcpp.h>
 
 #include "server/rpc/services/service_context.h"
