@@ -1,6 +1,7 @@
-// Explains a decision in sentences. The view "Why this arm?" (../views/session/why.tsx) shows them.
+// Explains a decision in sentences. The view "Why this algorithm?" (../views/session/why.tsx) shows them.
 import { type AuditDecision, type AuditGate, AuditKind, type AuditRow, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
-import { LOG_COST_REWARD_VERSION, rewardText } from '../numbers/log_cost';
+import { mean } from '../numbers/beta';
+import { costNsOf, LOG_COST_REWARD_VERSION, nsText, rewardText } from '../numbers/log_cost';
 import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
 import { Mode, SwitchReason } from '../../gen/sweepstake/v1/telemetry_pb';
 import { significant } from '../../format';
@@ -12,14 +13,20 @@ import { msOf } from './log';
 export interface Told extends Pick<AuditDecision,
   'activeArm' | 'candidate' | 'outcome' | 'reward' | 'rewardVersion' | 'verdict' | 'leader' | 'bestProbability' | 'expectedLossRatio'> {
   reason: SwitchReason;
+  arms: readonly string[]; // in the order of bestProbability; empty: unknown
+  costsNs?: readonly number[]; // expected detection time per frame of each arm; absent: unknown
   gate?: Pick<AuditGate, 'gain' | 'loss' | 'horizonS' | 'cooldownS' | 'costS'>;
   cooldownMs?: number;
 }
 
 /** Converts a row of the audit log. REQUIRES: the row has a decision (a tick or a bail-out). */
 export function toldOfRow({ decision, reason }: AuditRow, setup?: AuditSetup): Told {
-  const { gate } = decision!;
-  return { ...decision!, reason, ...(setup && { cooldownMs: gate ? gate.cooldownS * 1000 : msOf(setup.cooldownNs) }) };
+  const { gate, posteriors, rewardVersion } = decision!;
+  const isCost = rewardVersion === LOG_COST_REWARD_VERSION && posteriors.length > 0;
+  return {
+    ...decision!, reason, arms: setup?.arms ?? [], ...(isCost && { costsNs: posteriors.map((each) => costNsOf(mean(each))) }),
+    ...(setup && { cooldownMs: gate ? gate.cooldownS * 1000 : msOf(setup.cooldownNs) }),
+  };
 }
 
 export function toldOfEvent(event: DecisionEvent, rewardVersion: number): Told {
@@ -27,47 +34,78 @@ export function toldOfEvent(event: DecisionEvent, rewardVersion: number): Told {
   return { ...event, candidate: candidateArm, rewardVersion, leader: arms[bestProbability.indexOf(Math.max(...bestProbability))] ?? '' };
 }
 
-const percent = (share: number) => `${significant(100 * share, 2)} %`;
+const percent = (share: number) => (share > 0 && share < 1e-4 ? 'less than 0.01 %' : `${significant(100 * share, 2)} %`);
 const seconds = (s: number) => `${significant(s, 2)} s`;
 
 /** Returns a duration in seconds or milliseconds. */
 export const durationText = (ms: number) => (ms < 1000 ? `${significant(ms, 2)} ms` : seconds(ms / 1000));
 
-function whatHappened({ activeArm, candidate, outcome, reason, cooldownMs }: Told): string {
-  const other = candidate && candidate !== activeArm ? candidate : 'another arm';
+/** Returns the expected detection time of an arm in ns; undefined if it is not known. */
+const costOf = ({ arms, costsNs }: Told, arm: string) => costsNs?.[arms.indexOf(arm)];
+
+const other = ({ candidate, activeArm }: Told) => (candidate && candidate !== activeArm ? candidate : '');
+
+/** Returns the arms other than the active one, the cheapest first. */
+const rivalsOf = (told: Told) => told.arms.filter((arm) => arm !== told.activeArm && costOf(told, arm) !== undefined)
+  .sort((a, b) => costOf(told, a)! - costOf(told, b)!);
+
+const sureText = (probability: number) => (probability > 0.999 ? 'over 99.9 %' : percent(probability));
+
+/** Returns what is expected of the candidate: ": it is expected to take 20 µs per frame instead of 30 µs, and …"; empty if unknown. */
+function expectedOf(told: Told): string {
+  const [name, from, to] = [other(told), costOf(told, told.activeArm), costOf(told, other(told))];
+  const probability = told.bestProbability[told.arms.indexOf(name)];
+  if (!name || from === undefined || to === undefined || probability === undefined) return '';
+  return `: ${name} is expected to take ${nsText(to)} per frame instead of ${nsText(from)}, and is the best with a probability of ${sureText(probability)}`;
+}
+
+function whatHappened(told: Told): string {
+  const { activeArm, outcome, reason, cooldownMs } = told;
+  const name = other(told) || 'another algorithm';
   switch (outcome) {
-    case DecisionOutcome.SWITCHED: return `The daemon commanded a switch from ${activeArm} to ${other}. ${reasonWord(reason).meaning}`;
-    case DecisionOutcome.KEPT: return `${activeArm} stays, because the policy chose it again.`;
+    case DecisionOutcome.SWITCHED:
+      return reason === SwitchReason.POLICY
+        ? `The daemon commanded a switch from ${activeArm} to ${name}${expectedOf(told)}.`
+        : `The daemon commanded a switch from ${activeArm} to ${name}. ${reasonWord(reason).meaning}`;
+    case DecisionOutcome.KEPT: {
+      const [next] = rivalsOf(told);
+      const own = costOf(told, activeArm);
+      if (next === undefined || own === undefined) return `${activeArm} stays, because the policy chose it again.`;
+      return `${activeArm} stays: it is expected to take ${nsText(own)} per frame. ${next} is the cheapest of the others, with ${nsText(costOf(told, next)!)}.`;
+    }
     case DecisionOutcome.HELD_COOLDOWN:
-      return `${other} looks better, but ${activeArm} stays: after a switch `
+      return `${name} looks better, but ${activeArm} stays: after a switch `
         + (cooldownMs === undefined ? 'the cooldown has to pass' : `${durationText(cooldownMs)} have to pass`) + ' before the next one.';
-    case DecisionOutcome.HELD_GATE: return `${other} looks better, but ${activeArm} stays: the change would not pay for itself.`;
+    case DecisionOutcome.HELD_GATE: return `${activeArm} stays, because the saving would not pay for a switch${expectedOf(told)}.`;
     case DecisionOutcome.EXPLORING:
       return reason === SwitchReason.EXPLORATION
-        ? `${activeArm} has been measured, and the next arm follows. At the start every arm is measured once.`
-        : `${activeArm} is being measured. At the start every arm is measured once.`;
+        ? `${activeArm} has been measured, and the next algorithm follows. At the start every algorithm is measured once.`
+        : `${activeArm} is being measured. At the start every algorithm is measured once.`;
     default: return `${activeArm} was active. ${outcomeWord(outcome).meaning}`;
   }
 }
 
-function whatWeighed({ candidate, activeArm, gate, outcome }: Told): string | undefined {
-  if (!gate || !candidate || candidate === activeArm) return undefined;
-  const saved = gate.horizonS * gate.gain;
-  const risked = gate.cooldownS * gate.loss;
-  const pays = saved - risked - gate.costS > 0;
-  const worth = (s: number) => (s < 1e-6 ? 'nothing' : durationText(1000 * s));
-  const pay = outcome === DecisionOutcome.SWITCHED ? 'pays' : 'would pay';
-  return `For ${candidate}: it is expected to save ${percent(-Math.expm1(-gate.gain))} of the detection time for ${seconds(gate.horizonS)}, which counts as ${worth(saved)}. `
-    + `Against it: it may turn out to cost ${gate.loss < 1e-4 ? 'hardly any' : percent(gate.loss)} more for ${seconds(gate.cooldownS)}, until the next switch is allowed, which counts as ${worth(risked)}. `
-    + `The switch itself counts as ${worth(gate.costS)}. Altogether the switch ${pays ? pay : 'does not pay'}.`;
+/** Returns the saving that was expected of the candidate, and the least one that pays for a switch: the gate's inequality divided by its
+ * horizon. Both are a time per frame or, if costs are not known, a share of the detection time. */
+function whatWouldPay(told: Told): string | undefined {
+  const { activeArm, gate } = told;
+  const name = other(told);
+  if (!gate || !name || !(gate.horizonS > 0)) return undefined;
+  const activeNs = costOf(told, activeArm);
+  const saved = (gain: number) => {
+    const share = -Math.expm1(-gain);
+    return activeNs === undefined ? `${percent(share)} of the detection time` : `${nsText(share * activeNs)} per frame`;
+  };
+  const least = (gate.cooldownS * gate.loss + gate.costS) / gate.horizonS;
+  return `A switch to ${name} pays above a saving of ${saved(least)}, which covers its cost, spread over ${seconds(gate.horizonS)}, and the risk that ${name} is slower. `
+    + `The expected saving, not counting cases in which ${name} is slower, is ${saved(gate.gain)}.`;
 }
 
 function whatIsBelieved({ leader, bestProbability, expectedLossRatio, verdict }: Told): string | undefined {
   if (!leader) return undefined;
   const leaderProbability = Math.max(...bestProbability);
-  const believed = `After this decision ${leader} is the best arm with a probability of ${leaderProbability > 0.999 ? 'over 99.9 %' : percent(leaderProbability)}, `
-    + `and choosing it loses ${percent(expectedLossRatio)} on average.`;
-  return `${believed} The scene is called ${verdictWord(verdict).name}: ${verdictWord(verdict).meaning} The verdict changes when three decisions in a row agree.`;
+  return `After this decision ${leader} is the best algorithm with a probability of ${sureText(leaderProbability)}, and choosing it loses ${percent(expectedLossRatio)} on average. `
+    + `The verdict on the scene is “${verdictWord(verdict).name}”. It changes when three decisions in a row agree.`;
 }
 
 function whatWasMeasured({ activeArm, reward, rewardVersion }: Told): string | undefined {
@@ -78,11 +116,11 @@ function whatWasMeasured({ activeArm, reward, rewardVersion }: Told): string | u
 
 /** Returns the sentences that explain a decision, the most important one first. */
 export const explained = (told: Told): string[] =>
-  [whatHappened(told), whatWeighed(told), whatWasMeasured(told), whatIsBelieved(told)].filter((each): each is string => each !== undefined);
+  [whatHappened(told), whatWouldPay(told), whatWasMeasured(told), whatIsBelieved(told)].filter((each): each is string => each !== undefined);
 
 function orderText({ operatorName, mode, arm }: AuditRow): string {
   if (mode === Mode.AI) return `${operatorName} let the daemon decide.`;
-  return `${operatorName} ordered the game to keep to ${arm || 'the active arm'}.`;
+  return `${operatorName} ordered the game to keep to ${arm || 'the active algorithm'}.`;
 }
 
 // If the row names no operator, the action alone is the sentence.
@@ -104,7 +142,7 @@ export function explainedRow(row: AuditRow, setup?: AuditSetup): string[] {
     case AuditKind.MODE: return [row.mode === Mode.AI ? 'The daemon decides.' : `The game keeps ${arm}, which a person chose.`];
     case AuditKind.ORDER: return [orderText(row)];
     case AuditKind.ADMIN: return [actionText(row)];
-    case AuditKind.SETUP: return [setup ? `${meaning} The policy is ${setup.policy}, and the arms are ${setup.arms.join(', ')}.` : meaning];
+    case AuditKind.SETUP: return [setup ? `${meaning} The policy is ${setup.policy}, and the algorithms are ${setup.arms.join(', ')}.` : meaning];
     default: return [meaning];
   }
 }

@@ -7,7 +7,7 @@ import type { Told } from '../audit/explain';
 import { joined, thinned, timelineOf, wordsOf } from './timeline';
 
 const told = (activeArm: string, candidate: string, outcome: DecisionOutcome): Told => ({
-  activeArm, candidate, outcome, reason: SwitchReason.UNSPECIFIED, rewardVersion: 3, verdict: Verdict.AMBIGUOUS, leader: '', bestProbability: [],
+  activeArm, candidate, outcome, reason: SwitchReason.UNSPECIFIED, arms: [], rewardVersion: 3, verdict: Verdict.AMBIGUOUS, leader: '', bestProbability: [],
   expectedLossRatio: 0, cooldownMs: 400,
 });
 const decision = (timeMs: number, activeArm: string, candidate: string, outcome: DecisionOutcome): Step =>
