@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { axisTime, valueRange } from './plot';
+import { axisTime, usualOf, valueRange } from './plot';
 
 const budget = { value: 16, label: '60 fps' };
 
@@ -10,6 +10,17 @@ it('An axis reaches its levels, except those that are marked isAside', () => {
   expect(valueRange(aside, 0, 15.9)[1], 'the level is drawn if values come near it').toBeGreaterThan(16);
   expect(valueRange({ ...aside, values: [0, 20] }, 0, 0.05)[1], 'a range shared with other charts').toBeCloseTo(20 * 1.08, 12);
   expect(valueRange(aside, null, null)).toEqual([0, 1]);
+});
+
+it('An axis from 0 does not reach outliers', () => {
+  const values = Array.from({ length: 200 }, (_, i) => (i === 150 ? 300 : i % 17));
+  const picture = { timesMs: values.map((_, i) => i), lines: [{ label: '', values, colour: '' }], domain: { fromMs: 0, toMs: 199 }, hidden: new Set<string>() };
+  expect(usualOf(picture)).toBe(16);
+  expect(valueRange({ scale: 'zero' }, 0, 300, 16)[1]).toBeCloseTo(2 * 16 * 1.08, 12);
+  expect(valueRange({ scale: 'zero' }, 0, 60, 16)[1], 'a peak that fits').toBeCloseTo(60 * 1.08, 12);
+  expect(valueRange({ scale: 'zero', values: [0, 300] }, 0, 300, 16)[1], 'a range shared with other charts').toBeCloseTo(300 * 1.08, 12);
+  expect(usualOf({ ...picture, domain: { fromMs: 150, toMs: 150 } }), 'only shown values count').toBe(300);
+  expect(usualOf({ ...picture, lines: [] })).toBeUndefined();
 });
 
 it('A logarithmic axis ends at the next round values', () => {

@@ -47,8 +47,9 @@ export const LEFT = 80;
 export const RIGHT = 50; // room for half of the last time's text, and for the labels of levels
 // Font of `px` pixels at the page's normal font size of 15 px; scaled with the page in very wide windows.
 const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;
-const MOMENT = 4; // minimum distance of moments in pixels; denser lines would hide the chart
-const TICK = 10; // length in pixels of a moment's line in a chart of stacked areas; longer lines would cut the areas into stripes
+const MOMENT = 4; // minimum distance of moments in pixels
+const DENSE = 24; // mean distance of moments in pixels below which they are short, since they would hide the chart
+const TICK = 10; // length in pixels of a short moment; in a chart of stacked areas all are short, since lines would cut the areas into stripes
 const SECOND = 1000;
 const DAY = 86_400 * SECOND;
 
@@ -66,11 +67,25 @@ export function axisTime(ms: number, stepMs: number): string {
 function roundValue(value: number, isUp: boolean): number {
   const power = 10 ** Math.floor(Math.log10(value) + 1e-9);
   const steps = [1, 2, 5, 10].map((step) => step * power);
-  return (isUp ? steps.find((step) => step >= value * (1 - 1e-9)) : steps.filter((step) => step <= value * (1 + 1e-9)).at(-1)) ?? power;
+  return (isUp ? steps.find((step) => step >= value * (1 - 1e-9)) : steps.findLast((step) => step <= value * (1 + 1e-9))) ?? power;
 }
 
-/** Returns the range of the axis of values for lines from `min` to `max`, which are null if no line has a value. */
-export function valueRange({ scale, levels = [], values }: Pick<Picture, 'scale' | 'levels' | 'values'>, min: number | null, max: number | null): uPlot.Range.MinMax {
+/** An axis from 0 that would reach more than this multiple of the usual values ends at OUTLIER_END times the usual values instead. */
+const OUTLIER = 4;
+const OUTLIER_END = 2;
+
+/** Returns the 99th percentile of the shown values; undefined if there are none. */
+export function usualOf({ timesMs, lines, domain, hidden }: Pick<Picture, 'timesMs' | 'lines' | 'domain' | 'hidden'>): number | undefined {
+  const isIn = timesMs.map((ms) => ms >= domain.fromMs && ms <= domain.toMs);
+  const all = lines.filter(({ arm, isAside }) => !isAside && !hidden.has(arm ?? ''))
+    .flatMap(({ values }) => values.filter((value, i): value is number => value !== null && isIn[i]!)).sort((a, b) => a - b);
+  return all[Math.floor(0.99 * all.length)];
+}
+
+/** Returns the range of the axis of values for lines from `min` to `max`, which are null if no line has a value. With `usual` (usualOf),
+ * an axis from 0 does not reach outliers. */
+export function valueRange({ scale, levels = [], values }: Pick<Picture, 'scale' | 'levels' | 'values'>, min: number | null, max: number | null,
+  usual?: number): uPlot.Range.MinMax {
   if (scale === 'unit') return [0, 1];
   const all = [min, max, ...(values ?? [])].filter((value): value is number => typeof value === 'number' && Number.isFinite(value));
   const most = Math.max(...all, 0);
@@ -79,7 +94,8 @@ export function valueRange({ scale, levels = [], values }: Pick<Picture, 'scale'
     return [roundValue(least, false), roundValue(Math.max(most || 10, least * 1.01), true)];
   }
   const shown = levels.filter(({ isAside }) => !isAside).map(({ value }) => value);
-  return [0, Math.max(most * 1.08, Math.max(0, ...shown) * 1.15) || 1];
+  const reach = usual && !values && most > OUTLIER * usual ? OUTLIER_END * usual : most;
+  return [0, Math.max(reach * 1.08, Math.max(0, ...shown) * 1.15) || 1];
 }
 
 interface Stroke { colour: string; width: number; dash: number[] } // in CSS pixels
@@ -129,17 +145,39 @@ function drawMoments(plot: uPlot, { moments = [], domain, scale }: Picture): voi
   ctx.font = fontOf(11 * uPlot.pxRatio);
   ctx.textAlign = 'left';
   ctx.textBaseline = 'alphabetic';
+  const shown = moments.filter(({ timeMs }) => timeMs >= domain.fromMs && timeMs <= domain.toMs);
+  const isShort = scale === 'unit' || shown.length * DENSE * uPlot.pxRatio > bbox.width;
   let last = -Infinity;
   let wordsEnd = -Infinity;
-  for (const { timeMs, colour, label } of moments) {
-    if (timeMs < domain.fromMs || timeMs > domain.toMs) continue;
+  for (const { timeMs, colour, label } of shown) {
     const x = plot.valToPos(timeMs, 'x', true);
     if (!label && x - last < MOMENT * uPlot.pxRatio) continue;
     last = x;
-    const line = [x, bbox.top, x, bbox.top + (scale === 'unit' ? TICK * uPlot.pxRatio : bbox.height)] as const;
+    const line = [x, bbox.top, x, bbox.top + (isShort && !label ? TICK * uPlot.pxRatio : bbox.height)] as const;
     drawLine(plot, line, { colour: 'var(--card)', width: 3, dash: [] }); // an outline, so that the line is visible on an area of the same colour
     drawLine(plot, line, { colour, width: 1, dash: [2, 2] });
     if (label) wordsEnd = drawName(plot, label, x, wordsEnd);
+  }
+  ctx.restore();
+}
+
+// Marks values above the axis with triangles at its end, in the colour of their line.
+function drawOutliers(plot: uPlot, { timesMs, lines, hidden, scale }: Picture): void {
+  if (scale !== 'zero') return;
+  const { ctx, bbox } = plot;
+  const [size, end] = [4 * uPlot.pxRatio, plot.scales.y?.max ?? Infinity];
+  ctx.save();
+  for (const { values, colour, arm, width } of lines) {
+    if (width === 0 || hidden.has(arm ?? '')) continue;
+    ctx.fillStyle = resolved(colour);
+    let last = -Infinity;
+    values.forEach((value, i) => {
+      if (value === null || value <= end) return;
+      const x = plot.valToPos(timesMs[i]!, 'x', true);
+      if (x < bbox.left || x > bbox.left + bbox.width || x - last < 2 * size) return;
+      last = x;
+      ctx.fill(new Path2D(`M${x} ${bbox.top}l${size} ${1.5 * size}h${-2 * size}z`));
+    });
   }
   ctx.restore();
 }
@@ -195,7 +233,7 @@ function options(now: () => Picture, width: number, height: number): uPlot.Optio
       ({ series: [upper + 1, lower + 1], fill: (plot: uPlot) => fill(plot.ctx) })),
     scales: {
       x: { time: true, range: () => [now().domain.fromMs, now().domain.toMs] },
-      y: { ...(scale === 'log' && { distr: 3 }), range: (_, min, max) => valueRange(now(), min, max) },
+      y: { ...(scale === 'log' && { distr: 3 }), range: (_, min, max) => valueRange(now(), min, max, scale === 'zero' ? usualOf(now()) : undefined) },
     },
     axes: [axis(now, true), valueAxis],
     cursor: {
@@ -205,7 +243,7 @@ function options(now: () => Picture, width: number, height: number): uPlot.Optio
       bind: { dblclick: () => () => { setRange(undefined); return null; } },
     },
     hooks: {
-      draw: [(plot) => { drawMoments(plot, now()); drawLevels(plot, now()); }],
+      draw: [(plot) => { drawMoments(plot, now()); drawLevels(plot, now()); drawOutliers(plot, now()); }],
       setCursor: [(plot) => {
         const { left = -1 } = plot.cursor;
         if (plot.over.matches(':hover')) crosshairMs.value = left < 0 ? undefined : plot.posToVal(left, 'x');

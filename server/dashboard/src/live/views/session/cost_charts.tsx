@@ -22,6 +22,7 @@ const percentileLines = (columns: readonly (number | null)[][], first: string): 
 
 const single = (label: string, values: (number | null)[]): Line[] => [{ label, values, colour: 'var(--accent)' }];
 const ms = (value: number) => `${significant(value)} ms`;
+const us = (value: number) => `${compact(1000 * value)} µs`; // of a value in milliseconds
 
 /** Lowest and highest values of the axes. */
 export interface Ends { frameMs: readonly [number, number]; detectionMs: readonly [number, number] }
@@ -47,8 +48,8 @@ export function CostCharts({ columns, moments, domain, names, ends, laterMs = 0 
   return (
     <>
       <TimeFigure {...figure(lines.frame)} id="frame-time" title="Frame time" levels={BUDGETS} format={ms} height={180} {...(ends && { values: ends.frameMs })}
-        note="Percentiles cover the frames since the page was opened. The mean of each window is from the audit log. The lines 60 fps and 30 fps mark 16.7 and 33.3 ms per frame." />
-      <TimeFigure {...figure(lines.detection)} id="detection" title="Detection time" levels={BUDGETS_ASIDE} format={ms} height={180} scale="log"
+        note="Percentiles cover the frames since the page was opened. The mean of each window is from the audit log. The lines 60 fps and 30 fps mark 16.7 and 33.3 ms per frame. Triangles mark outliers above the axis." />
+      <TimeFigure {...figure(lines.detection)} id="detection" title="Detection time" levels={BUDGETS_ASIDE} format={us} height={180} scale="log"
         {...(ends && { values: ends.detectionMs })} note="Time of the broad phase per frame, on a logarithmic axis. The lines 60 fps and 30 fps appear only if values come near them." />
       <div class="beside">
         <TimeFigure {...figure(lines.bytes)} id="memory" title="Memory" format={bytes} height={140} />
