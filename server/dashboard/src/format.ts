@@ -42,10 +42,10 @@ export const milliseconds = (ms: number) => significant(ms);
 // Returns a ratio as a percentage: with two decimals below 10 %, one below 100 %, none above. REQUIRES: ratio >= 0.
 export function share(ratio: number): string {
   if (!isNumber(ratio)) return NONE;
-  const percent = 100 * ratio;
-  if (percent < 9.995) return `${percent.toFixed(2)} %`;
-  if (percent < 99.95) return `${percent.toFixed(1)} %`;
-  return `${grouped(percent)} %`;
+  const size = 100 * ratio;
+  if (size < 9.995) return `${size.toFixed(2)} %`;
+  if (size < 99.95) return `${size.toFixed(1)} %`;
+  return `${grouped(size)} %`;
 }
 
 // Returns a ratio as a percentage with a sign, unless it rounds to zero.

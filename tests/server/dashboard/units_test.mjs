@@ -1,4 +1,5 @@
-// Runs the type check and the unit tests of a front end in parallel.
+// Runs the type check, the unit tests and the linter of a front end in parallel. The report has no linter. The
+// linter needs Node 20.
 //
 //   node units_test.mjs FOLDER
 import { spawn } from 'node:child_process';
@@ -16,5 +17,7 @@ const run = async (program, ...words) => {
   const [status] = await once(spawn(process.execPath, [resolve(folder, 'node_modules', program), ...words], { cwd: folder, stdio: 'inherit' }), 'close');
   return status;
 };
-const statuses = await Promise.all([run('typescript/bin/tsc', '--noEmit'), run('vitest/vitest.mjs', 'run')]);
+const hasLinter = !missing('.oxlintrc.json') && Number.parseInt(process.versions.node, 10) >= 20;
+const lint = !hasLinter ? 0 : run('oxlint/bin/oxlint', '--deny-warnings', 'src');
+const statuses = await Promise.all([run('typescript/bin/tsc', '--noEmit'), run('vitest/vitest.mjs', 'run'), lint]);
 process.exit(statuses.every((status) => status === 0) ? 0 : 1);

@@ -81,15 +81,15 @@ export const percentilesOf = once(({ frameTimeNs, detectionTimeNs, nativeBytes }
 /** Calls `visit` with each visit of the shadow lane in the log, oldest first. */
 export function forEachVisit(steps: readonly Step[], visit: (arm: string, sample: ShadowSample, timeMs: number) => void): void {
   for (const { timeMs, placed } of steps) {
-    for (const sample of placed?.row.shadow ?? []) visit(placed?.setup?.arms[sample.arm] ?? `arm ${sample.arm}`, sample, timeMs);
+    for (const sample of placed?.row.shadow ?? []) visit(placed?.setup?.arms[sample.arm] ?? `algorithm ${sample.arm}`, sample, timeMs);
   }
 }
 
 /** Returns the session's arms in the order of its log; without a log, the arms that the steps contain. */
 export function armsOf(steps: readonly Step[]): string[] {
-  const setup: AuditSetup | undefined = steps.filter(({ placed }) => placed?.setup).at(-1)?.placed?.setup;
+  const setup: AuditSetup | undefined = steps.findLast(({ placed }) => placed?.setup)?.placed?.setup;
   if (setup) return setup.arms;
-  const told = steps.filter(({ event }) => event && event.arms.length > 0).at(-1)?.event?.arms;
+  const told = steps.findLast(({ event }) => event && event.arms.length > 0)?.event?.arms;
   return told ?? [...new Set(steps.map(({ activeArm }) => activeArm).filter(Boolean))];
 }
 

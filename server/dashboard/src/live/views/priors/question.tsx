@@ -97,11 +97,11 @@ function PreviewWords({ action, preview: { value: counts, error } }: { action: A
 function Leaders({ changes }: { changes: LeaderChanges | undefined }) {
   if (!changes) return null;
   const { scenes, sceneCount } = changes;
-  if (sceneCount === 0n) return <p>The same arm would lead in every scene.</p>;
+  if (sceneCount === 0n) return <p>The same algorithm would lead in every scene.</p>;
   const hidden = Number(sceneCount) - scenes.length;
   return (
     <>
-      <p>Another arm, or none, would lead in {many(sceneCount, 'scene')}:</p>
+      <p>Another algorithm, or none, would lead in {many(sceneCount, 'scene')}:</p>
       <ul>
         {scenes.map(({ project, scene, machineClass, rewardVersion, arm, nextArm }) => (
           <li key={[project, scene, machineClass, rewardVersion].join('\n')}>
@@ -139,12 +139,12 @@ function Choose({ name, label, values, chosen = '' }: { name: string; label: str
 interface Known { projects: readonly string[]; builds: readonly string[] }
 
 function ScopeForm({ scope, known: { projects, builds }, onChange, onAsk }: { scope: Scope; known: Known; onChange(): void; onAsk(scope: Scope): void }) {
-  const ask = (event: Event) => {
+  const submit = (event: Event) => {
     event.preventDefault();
     onAsk(scopeOf(event.currentTarget as HTMLFormElement));
   };
   return (
-    <form id="revoke-scope" class="fields" onSubmit={ask} onInput={onChange}>
+    <form id="revoke-scope" class="fields" onSubmit={submit} onInput={onChange}>
       <Choose name="project" label="Project" values={projects} chosen={scope.project} />
       <Choose name="build" label="Build" values={builds} />
       <label><span>Source</span><input name="sourceId" maxLength={128} spellcheck={false} placeholder="any" /></label>

@@ -14,7 +14,7 @@ import { Watch } from '../../transport/events';
 const TURN = Math.PI / 24; // radians per key press
 const ZOOM = 1.15; // factor per key press
 // Errors after which another request would fail too.
-const FINAL = ['NOT_FOUND', 'FAILED_PRECONDITION', 'PERMISSION_DENIED'];
+const FINAL = new Set(['NOT_FOUND', 'FAILED_PRECONDITION', 'PERMISSION_DENIED']);
 
 function useIsHidden(): boolean {
   const [isHidden, setHidden] = useState(document.hidden);
@@ -37,7 +37,7 @@ function useBoxes(sessionId: string): { boxes: Boxes | undefined; error: ApiErro
       messages: ([message]) => { if (message?.view && pausedMs.peek() === undefined) setBoxes(boxesOf(message.view)); },
       status: (status, reason) => {
         setError(status === 'live' ? undefined : reason);
-        if (reason && FINAL.includes(reason.code)) watch.close();
+        if (reason && FINAL.has(reason.code)) watch.close();
       },
     });
     return () => watch.close();

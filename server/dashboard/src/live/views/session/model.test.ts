@@ -53,7 +53,7 @@ describe('costs', () => {
     let visitCount = 0;
     forEachVisit(steps, () => ++visitCount);
     expect(sums.map(({ arm }) => arm).sort()).toEqual([...arms].sort());
-    expect(sums.reduce((sum, { visitCount }) => sum + visitCount, 0)).toBe(visitCount);
+    expect(sums.reduce((sum, lane) => sum + lane.visitCount, 0)).toBe(visitCount);
     for (const { medianNs, lastNs } of sums) expect(Math.min(medianNs, lastNs)).toBeGreaterThan(0);
   });
 });
@@ -72,10 +72,10 @@ describe('beliefs', () => {
   it('end with the last posterior of the log, after any number of live decisions', () => {
     const logged = steps.at(-1)!;
     const events = Array.from({ length: 2000 }, (_, i) => create(DecisionEventSchema, { decisionId: BigInt(logged.decisionId + 1 + i), activeArm: 'SAP',
-      unixMs: BigInt(Math.ceil(logged.timeMs) + 1 + i), bestProbability: arms.map((_, arm) => (i + arm) % 2) }));
+      unixMs: BigInt(Math.ceil(logged.timeMs) + 1 + i), bestProbability: arms.map((__, arm) => (i + arm) % 2) }));
     const rowsOfAll = beliefRows(mergedSteps(steps, events, 3), arms.length);
     expect(rowsOfAll.length).toBeLessThan(700);
-    expect(rowsOfAll.filter(({ beliefs }) => beliefs.some(Boolean)).at(-1)!.timeMs).toBe(logged.timeMs);
+    expect(rowsOfAll.findLast(({ beliefs }) => beliefs.some(Boolean))!.timeMs).toBe(logged.timeMs);
   });
 });
 

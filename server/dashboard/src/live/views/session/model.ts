@@ -43,7 +43,7 @@ function measuredBy(arm: string, live: ReadonlySet<string>, lane: ReadonlySet<st
 
 /** Returns the latest posterior of each arm and its prior, from the log. */
 export function priorAndPosterior(steps: readonly Step[], arms: readonly string[]): RidgeRow[] {
-  const last = steps.filter((step) => posteriorsOf(step).length === arms.length).at(-1);
+  const last = steps.findLast((step) => posteriorsOf(step).length === arms.length);
   if (!last) return [];
   const priors = steps.find(({ placed }) => placed?.setup)?.placed?.setup?.priors ?? [];
   const live = new Set(steps.map(({ placed }) => arms[placed?.row.decision?.increment?.arm ?? -1] ?? ''));
@@ -137,5 +137,5 @@ export function stepFor(steps: readonly Step[], decisionId: number | undefined):
   if (decisionId !== undefined) return decisions.find((step) => step.decisionId === decisionId);
   const last = decisions.at(-1);
   const active = last?.activeArm;
-  return decisions.filter((step) => isSwitch(step) && step.told?.candidate === active).at(-1) ?? last;
+  return decisions.findLast((step) => isSwitch(step) && step.told?.candidate === active) ?? last;
 }
