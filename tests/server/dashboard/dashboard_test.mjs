@@ -74,7 +74,7 @@ async function checkNumbers(page, daemon) {
     const cells = await until(`the page has the daemon's numbers of ${name}`, async () => {
       const shown = await cellsOf(page, name);
       const evidence = scene.arms.reduce((sum, { windows, lane_visits: visits }) => sum + windows + visits, 0);
-      return shown.Evidence?.replaceAll(',', '') === String(evidence) && shown.Sessions === String(scene.active_sessions) && shown;
+      return shown.Windows?.replaceAll(',', '') === String(evidence) && shown.Sessions === String(scene.active_sessions) && shown;
     });
     const bestArms = new Set((scene.activity?.regimes ?? []).map(({ best_arm: arm }) => arm).filter(Boolean));
     if (bestArms.size > 1) {
@@ -82,7 +82,7 @@ async function checkNumbers(page, daemon) {
       continue;
     }
     assert.equal(cells.Verdict.replace(/^\S+ /, ''), scene.verdict, name);
-    assert.equal(cells.Leader, scene.leader_arm || 'none', name);
+    assert.equal(cells.Best, scene.leader_arm || 'none', name);
     const leader = scene.arms.find(({ arm }) => arm === scene.leader_arm);
     if (leader) {
       assert.equal(cells['P(best)'], leader.best_probability.toFixed(3), name);
@@ -133,7 +133,7 @@ async function checkUpdates(context, daemon) {
   const game = new Game(sweepstake, daemon, 'arcade', 'changing');
   const armsOf = () => watched(sweepstake, daemon).find(({ scene }) => scene === 'changing')?.arms ?? [];
   const evidence = () => armsOf().reduce((sum, { windows, lane_visits: visits }) => sum + windows + visits, 0);
-  const page = await openPage(context, daemon.origin);
+  const page = await openPage(context, daemon.origin, '/?columns=all');
   const measure = async (view, shown) => {
     await until(`${view} has figures`, async () => await shown() > 0);
     let worst = 0;
@@ -147,13 +147,13 @@ async function checkUpdates(context, daemon) {
     }
     judge(`a changed posterior is on ${view}`, worst, 1000);
   };
-  await measure('the overview', async () => numberIn((await cellsOf(page, 'changing')).Evidence));
-  await page.goto(`${daemon.origin}/scenes/arcade/changing?class=test&reward=3`);
-  await measure('the page of the scene', async () => (await rowsOf(page, 'Arms')).reduce((sum, row) => sum + numberIn(row.Windows) + numberIn(row['Lane visits']), 0));
+  await measure('the overview', async () => numberIn((await cellsOf(page, 'changing')).Windows));
+  await page.goto(`${daemon.origin}/scenes/arcade/changing?class=test&reward=3&columns=all`);
+  await measure('the page of the scene', async () => (await rowsOf(page, 'Algorithms')).reduce((sum, row) => sum + numberIn(row.Windows) + numberIn(row['Lane visits']), 0));
   await game.quit();
   const said = armsOf().map(({ arm, best_probability: best, alpha, beta }) => [arm, best.toFixed(3), Number(alpha.toPrecision(5)), Number(beta.toPrecision(5))].join());
-  await until('the page has the figures of gRPC', async () => (await rowsOf(page, 'Arms'))
-    .map((row) => [row.Arm, row['P(best)'], numberIn(row['α']), numberIn(row['β'])].join()).sort().join('\n') === said.sort().join('\n'));
+  await until('the page has the figures of gRPC', async () => (await rowsOf(page, 'Algorithms'))
+    .map((row) => [row.Algorithm, row['P(best)'], numberIn(row['α']), numberIn(row['β'])].join()).sort().join('\n') === said.sort().join('\n'));
   assertNoTrouble(page, 'updates');
   await page.close();
 }
@@ -262,7 +262,7 @@ async function checkDownload(page, daemon) {
   await rowOf(page, 'arena').waitFor();
   const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'CSV' }).first().click()]);
   const lines = readFileSync(await download.path(), 'utf8').split('\r\n');
-  assert.match(lines[0], /^Scene,Verdict,Leader,P\(best\)/);
+  assert.match(lines[0], /^Scene,Runs now,Frame time \(ms\),Saved \(µs\),Best,P\(best\)/);
   assert.ok(lines.some((line) => line.startsWith('arena,')));
   assert.ok(lines.some((line) => line.startsWith(HOSTILE)), 'the CSV file has names unchanged');
   assert.ok(lines.some((line) => line.startsWith("'=1+2")), 'the CSV file has no formulas');
@@ -305,11 +305,11 @@ async function checkViews(browser, daemon) {
       const page = await openPage(context, daemon.origin);
       await page.goto(`${daemon.origin}${path}`);
       // The page has only the newest decisions of a long log, so the decision of the URL may be missing.
-      if (name === 'why') await page.getByRole('button', { name: 'Why this arm?' }).click();
+      if (name === 'why') await page.getByRole('button', { name: 'Why this algorithm?' }).click();
       await page.locator(SHOWN[name]).first().waitFor();
       for (const theme of ['light', 'dark']) {
         await useTheme(page, theme);
-        if (name === 'question') await page.getByRole('button', { name: 'Pin this arm', exact: true }).click();
+        if (name === 'question') await page.getByRole('button', { name: 'Pin this algorithm', exact: true }).click();
         await drawWhole(page, join(pictures, `${name}-${size}-${theme}.png`));
         await assertAccessible(page, `${name}, ${size}, ${theme}`);
         if (name === 'question') await page.keyboard.press('Escape');
@@ -436,7 +436,7 @@ async function checkAll(browser) {
   await checkSize(context, daemon);
   await checkUnfurls(daemon);
   await checkFirstChart(browser, daemon);
-  const page = await openPage(context, daemon.origin);
+  const page = await openPage(context, daemon.origin, '/?columns=all');
   await checkNumbers(page, daemon);
   await checkUpdates(context, daemon);
   const game = await checkLive(page, daemon);

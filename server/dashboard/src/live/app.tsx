@@ -19,6 +19,7 @@ import { urlOf } from './transport/base';
 import { ApiError, asApiError } from './transport/calls';
 import { Login } from './views/login';
 import { Overview } from './views/overview';
+import { badCount } from './views/overview/attention';
 
 type Loader = () => Promise<ComponentType>;
 
@@ -122,7 +123,8 @@ followLinks();
 listenToKeys();
 startClock();
 addShortcuts(PLACES.map(({ href, title, key }) => ({ keys: `g ${key}`, what: `Go to ${title.toLowerCase()}`, run: () => navigate(href) })));
-effect(() => { document.title = titleOf(); });
+// The number of serious problems is in the title, so that a tab in the background shows it.
+effect(() => { document.title = badCount.value > 0 ? `(${badCount.value}) ${titleOf()}` : titleOf(); });
 followScenes();
 startLive();
 render(<App />, document.getElementById('app')!);

@@ -18,8 +18,10 @@ export interface Column<Row> {
   cell?(row: Row): ComponentChildren;  // absent: the value of `sort`, as a name or a count
   sort?(row: Row): SortValue;  // absent: the table cannot be sorted by this column
   csv?(row: Row): CsvValue;  // the value in a CSV file; absent: the value of `sort`
+  unit?: string;  // the unit of the values in a CSV file
   isText?: boolean;  // aligned to the left, as the first column always is
   hint?: string;  // explains the column
+  isDetail?: boolean;  // shown only with "All columns"; a CSV file always has it
   width?: string;  // minimum width of a column whose values change often, so that other columns do not move
 }
 
@@ -67,7 +69,7 @@ const Gap = ({ rows, columns }: { rows: number; columns: number }) =>
 
 function csvText<Row>(columns: readonly Column<Row>[], rows: readonly Row[]): string {
   const written = columns.filter(({ csv, sort }) => csv ?? sort);
-  return csvOf(written.map(({ title }) => title), rows.map((row) => written.map((column) => (column.csv ?? column.sort)!(row))));
+  return csvOf(written.map(({ title, unit }) => (unit ? `${title} (${unit})` : title)), rows.map((row) => written.map((column) => (column.csv ?? column.sort)!(row))));
 }
 
 // Moves the focus with the arrow keys from row to row, to the row's link or button.
@@ -125,9 +127,11 @@ function useOrder<Row>() {
   return order;
 }
 
-export function Table<Row>({ caption, columns, rows, keyOf, sort, sortParameter = 'sort', tools, isBare = false }: TableProps<Row>) {
+export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParameter = 'sort', tools, isBare = false }: TableProps<Row>) {
   const sorting = sortingOf(route.value.query.get(sortParameter) ?? sort);
   const { isEntered, handlers } = useEntered();
+  const [hasDetails, showsAll] = [all.some(({ isDetail }) => isDetail), route.value.query.get('columns') === 'all'];
+  const columns = showsAll ? all : all.filter(({ isDetail, id }) => !isDetail || id === sorting.column);
   const [, drawAgain] = useState(0);
   const order = useOrder<Row>();
   const valueOf = columns.find(({ id }) => id === sorting.column)?.sort;
@@ -149,7 +153,8 @@ export function Table<Row>({ caption, columns, rows, keyOf, sort, sortParameter 
           <span class="soft count">{caption}: {grouped(rows.length)}</span>
           <button type="button" class={isOutdated ? 'quiet' : 'quiet hidden'} disabled={!isOutdated} onClick={() => sortAgain(sorting)}
             title="Rows keep their places while you are in the table">Sort again</button>
-          <button type="button" class="quiet" onClick={() => download(`${fileName('sweepstake', caption)}.csv`, csvText(columns, sorted), 'text/csv')}>CSV</button>
+          {hasDetails && <button type="button" class="quiet" aria-pressed={showsAll} onClick={() => setQuery({ columns: showsAll ? undefined : 'all' })}>All columns</button>}
+          <button type="button" class="quiet" onClick={() => download(`${fileName('sweepstake', caption)}.csv`, csvText(all, sorted), 'text/csv')}>CSV</button>
         </div>
       </div>}
       <div class="scroll" ref={box} role="region" aria-label={caption} tabIndex={0} onScroll={look} {...handlers}

@@ -68,9 +68,9 @@ describe('texts', () => {
   it('give a cost with its interval, and a saving with its sign', () => {
     expect(costText(bestOf(CHANGING.activity!.regimes[0]!, create(SceneActivitySchema, { arms: ['SAP', 'DBVT'] })))).toBe('100 µs (90.0 to 110)');
     expect(costText(undefined)).toBeUndefined();
-    expect(savingText(12.5)).toBe('0.0125 ms');
-    expect(savingText(-12.5)).toBe('−0.0125 ms');
-    expect(savingText(0)).toBe('0 ms');
+    expect(savingText(12.5)).toBe('12.5 µs');
+    expect(savingText(-12.5)).toBe('−12.5 µs');
+    expect(savingText(0)).toBe('0 µs');
     expect(savingText(undefined)).toBeUndefined();
   });
 });

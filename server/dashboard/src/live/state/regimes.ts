@@ -1,6 +1,7 @@
 // The regimes of a scene, and what its sessions run now. The daemon computes all figures (engine_client/decider/policy/regime_report.h).
 import type { RegimeArm, RegimePosterior, SceneActivity, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { grouped, share, significant } from '../../format';
+import { nsText } from '../numbers/log_cost';
 
 /** Returns the belief about the regime's best arm, if there is one. */
 export const bestOf = ({ arms, bestArm }: RegimePosterior, activity: SceneActivity): RegimeArm | undefined => arms[activity.arms.indexOf(bestArm)];
@@ -36,5 +37,5 @@ const microseconds = (us: number) => `${significant(us)} µs`;
 export const costText = (arm: RegimeArm | undefined) =>
   (arm && arm.costUs > 0 ? `${microseconds(arm.costUs)} (${significant(arm.lowUs)} to ${significant(arm.highUs)})` : undefined);
 
-/** Returns a saving per frame in milliseconds, with a sign unless it is 0. */
-export const savingText = (us: number | undefined) => (us === undefined ? undefined : `${us < 0 ? '−' : ''}${significant(Math.abs(us) / 1000)} ms`);
+/** Returns a saving per frame, with a sign if it is negative. */
+export const savingText = (us: number | undefined) => (us === undefined ? undefined : `${us < 0 ? '−' : ''}${us === 0 ? '0 µs' : nsText(Math.abs(us) * 1000)}`);

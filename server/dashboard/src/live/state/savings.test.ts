@@ -1,0 +1,31 @@
+import { create } from '@bufbuild/protobuf';
+import { describe, expect, it } from 'vitest';
+import { DecisionEventSchema, SceneActivitySchema } from '../../gen/sweepstake/v1/posteriors_pb';
+import { frameTimesOf, savingsOf } from './savings';
+
+const scene = (total: Readonly<Record<string, number>> | undefined) => ({ activity: create(SceneActivitySchema, total ? { total } : {}) });
+
+describe('savings', () => {
+  it('are means over the scenes that have measured them', () => {
+    const scenes = [scene({ ranUs: 100, savedAgainstSingleUs: 30, savedAgainstReferenceUs: 10 }),
+      scene({ ranUs: 300, savedAgainstSingleUs: -10, savedAgainstReferenceUs: 20 }), scene({ ranUs: 5 }), scene(undefined), {}];
+    expect(savingsOf(scenes)).toEqual({ sceneCount: 2, ranUs: 200, againstSingleUs: 10, againstReferenceUs: 15 });
+  });
+
+  it('have no reference if a scene does not run KDTree', () => {
+    expect(savingsOf([scene({ ranUs: 100, savedAgainstSingleUs: 30 })])).toEqual({ sceneCount: 1, ranUs: 100, againstSingleUs: 30 });
+    expect(savingsOf([scene({ ranUs: 100 }), {}])).toBeUndefined();
+  });
+});
+
+describe('frame times', () => {
+  it('are the medians of the latest decisions that have them', () => {
+    const event = (bucket: number) => create(DecisionEventSchema, { measurements: { frameTimeNs: { bucketSteps: [bucket, 8], counts: [3, 1] } } });
+    const decisions = [event(8 * 23), create(DecisionEventSchema, {}), event(8 * 24)];
+    const [before, now] = frameTimesOf({ decisions });
+    expect(before).toBeCloseTo(2 ** (23 - 1 / 16) / 1e6, 6);
+    expect(now! / before!).toBeCloseTo(2, 6);
+    expect(frameTimesOf({ decisions }, 1)).toHaveLength(1);
+    expect(frameTimesOf(undefined)).toEqual([]);
+  });
+});

@@ -1,0 +1,40 @@
+// What the choice of algorithms saves in the scenes that are played now, and their frame times.
+import type { DecisionEvent, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
+import { bucketsOf, percentile } from '../numbers/histogram';
+import { once } from './once';
+import type { SessionState } from './sessions';
+
+const NS_PER_MS = 1e6;
+
+/** Means over scenes, in microseconds per frame. */
+export interface Savings {
+  sceneCount: number; // scenes with a session that has measured what it saves
+  ranUs: number; // detection time of what ran, with the cost of switches
+  againstSingleUs: number; // saved against the best single algorithm of each scene
+  againstReferenceUs?: number; // saved against KDTree; absent: some scene has no KDTree
+}
+
+const mean = (values: readonly number[]) => values.reduce((sum, value) => sum + value, 0) / values.length;
+
+/** Returns the mean savings of the scenes that are played now; undefined if none has measured them yet. */
+export function savingsOf(posteriors: readonly Pick<ScenePosterior, 'activity'>[]): Savings | undefined {
+  const totals = posteriors.map(({ activity }) => activity?.total)
+    .filter((total) => total?.ranUs !== undefined && total.savedAgainstSingleUs !== undefined).map((total) => total!);
+  if (totals.length === 0) return undefined;
+  const reference = totals.map(({ savedAgainstReferenceUs }) => savedAgainstReferenceUs).filter((us) => us !== undefined);
+  return {
+    sceneCount: totals.length,
+    ranUs: mean(totals.map(({ ranUs }) => ranUs!)),
+    againstSingleUs: mean(totals.map(({ savedAgainstSingleUs }) => savedAgainstSingleUs!)),
+    ...(reference.length === totals.length && { againstReferenceUs: mean(reference) }),
+  };
+}
+
+const frameTimeMs = once(({ measurements }: DecisionEvent): number | undefined => {
+  const ns = measurements?.frameTimeNs && percentile(bucketsOf(measurements.frameTimeNs), 0.5);
+  return ns === undefined ? undefined : ns / NS_PER_MS;
+});
+
+/** Returns the median frame time before each of the session's latest decisions in milliseconds, oldest first. */
+export const frameTimesOf = (session: Pick<SessionState, 'decisions'> | undefined, count = 60): number[] =>
+  (session?.decisions.slice(-count) ?? []).map(frameTimeMs).filter((ms) => ms !== undefined);

@@ -1,0 +1,90 @@
+// The columns of the overview's list of scenes. The first ones read like a sentence: what runs, how fast the game is, what was saved.
+import { grouped, share, significant } from '../../../format';
+import { Arm, Arms } from '../../parts/arm';
+import { VerdictChip } from '../../parts/chips';
+import { ago, duration, now } from '../../parts/clock';
+import { Name } from '../../parts/name';
+import { Sparkline } from '../../parts/sparkline';
+import type { Column } from '../../parts/table';
+import { thresholds } from '../../state/account';
+import { trendOf } from '../../state/history';
+import { isChanging, leadersOf, savingText } from '../../state/regimes';
+import { sceneHref } from '../../state/route';
+import { frameTimesOf } from '../../state/savings';
+import { sessions } from '../../state/sessions';
+import type { SceneSummary } from '../../state/summaries';
+import { verdictWord } from '../words';
+
+const FRAME_MS = 1000 / 60; // the frame time at 60 frames per second, which the curves of frame times mark
+
+const sceneOf = ({ state }: SceneSummary) => state.posterior;
+const activityOf = (row: SceneSummary) => sceneOf(row).activity;
+const savedUs = (row: SceneSummary) => activityOf(row)?.total?.savedAgainstSingleUs;
+const hasLeader = (row: SceneSummary) => leadersOf(sceneOf(row)).length > 0;
+const sureness = (row: SceneSummary) => (hasLeader(row) ? row.leaderProbability : undefined);
+// In a changing scene no single algorithm is the choice, so there is no loss of choosing it.
+const lossOf = (row: SceneSummary) => (hasLeader(row) && !isChanging(sceneOf(row)) ? sceneOf(row).expectedLossRatio : undefined);
+
+/** The session that `activity` is about. */
+const sessionOf = (row: SceneSummary) => sessions.value.get(activityOf(row)?.sessionId ?? '');
+const frameMs = (row: SceneSummary) => frameTimesOf(sessionOf(row)).at(-1);
+
+function RunsNow({ row }: { row: SceneSummary }) {
+  const activity = activityOf(row);
+  if (!activity) return <>–</>;
+  const { activeArm, unixActiveSinceMs, recentSwitchCount } = activity;
+  return (
+    <span class="runs">
+      <Arm name={activeArm} /> <span class="soft small">{duration(Math.max(0, now.value - Number(unixActiveSinceMs)))}
+        {recentSwitchCount > 0 && `, ${grouped(recentSwitchCount)} /min`}</span>
+    </span>
+  );
+}
+
+function Sureness({ probability }: { probability: number | undefined }) {
+  if (probability === undefined) return <>–</>;
+  return <span class="sure"><span class="bar" aria-hidden="true"><span style={{ width: `${100 * probability}%` }} /></span>{probability.toFixed(3)}</span>;
+}
+
+function FrameTime({ row }: { row: SceneSummary }) {
+  const times = frameTimesOf(sessionOf(row));
+  const last = times.at(-1);
+  if (last === undefined) return <>–</>;
+  return <span class="curve-cell"><Sparkline values={times} low={0} high={Math.max(1.25 * FRAME_MS, ...times)} mark={FRAME_MS} />{significant(last)} ms</span>;
+}
+
+// The saving in milliseconds and as a share of the frame time.
+function Saved({ row }: { row: SceneSummary }) {
+  const us = savedUs(row);
+  const [text, frame] = [savingText(us), frameMs(row)];
+  if (us === undefined || text === undefined) return <>–</>;
+  return <span class={us > 0 ? 'gain' : undefined}>{text}{frame !== undefined && <span class="soft small"> {us < 0 ? '−' : ''}{share(Math.abs(us) / 1000 / frame)}</span>}</span>;
+}
+
+export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
+  { id: 'scene', title: 'Scene', sort: (row) => `${sceneOf(row).project}\n${sceneOf(row).scene}`, csv: (row) => sceneOf(row).scene,
+    cell: (row) => <a href={sceneHref(sceneOf(row))}><Name text={sceneOf(row).scene} /></a> },
+  { id: 'runs', title: 'Runs now', isText: true, width: '13rem', hint: 'The algorithm that runs now in the session that has been connected the longest, for how long, and its switches per minute',
+    sort: (row) => activityOf(row)?.activeArm, cell: (row) => <RunsNow row={row} /> },
+  { id: 'frame', title: 'Frame time', unit: 'ms', width: '11.5rem', hint: 'Median frame time of this session since the page was opened. The dotted line is 16.7 ms, 60 frames per second.',
+    sort: frameMs, cell: (row) => <FrameTime row={row} /> },
+  { id: 'saved', title: 'Saved', unit: 'µs', width: '8.5rem', hint: 'Detection time per frame that this session saved against the best single algorithm, and its share of the frame time',
+    sort: savedUs, cell: (row) => <Saved row={row} /> },
+  { id: 'leader', title: 'Best', isText: true, width: '8rem', hint: 'The algorithm with the highest probability of being the best; in a changing scene, the best of each regime',
+    sort: (row) => leadersOf(sceneOf(row)).join(' '), cell: (row) => <Arms names={leadersOf(sceneOf(row))} /> },
+  { id: 'p', title: 'P(best)', width: '8rem', hint: 'Probability that this algorithm is the best; in a changing scene, the lowest of its regimes', sort: sureness,
+    cell: (row) => <Sureness probability={sureness(row)} /> },
+  { id: 'verdict', title: 'Verdict', isText: true, width: '8rem', hint: 'Says whether the best algorithm is known. This column sorts by uncertainty.', sort: (row) => row.uncertainty,
+    csv: (row) => verdictWord(row.verdict).name, cell: (row) => <VerdictChip verdict={row.verdict} /> },
+  { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount },
+  { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: (row) => sceneOf(row).machineClass },
+  { id: 'project', title: 'Project', isText: true, sort: (row) => sceneOf(row).project },
+  { id: 'trend', title: 'Trend of P(best)', isText: true, isDetail: true, hint: 'P(best) since the page was opened, from 0 to 1. The dotted line is the threshold of stable scenes.',
+    cell: (row) => <Sparkline values={trendOf(row.state.history)} low={0} high={1} mark={thresholds.value.stableProbability} /> },
+  { id: 'loss', title: 'Loss', width: '6rem', isDetail: true, hint: 'Expected extra cost of choosing this algorithm instead of the best one', sort: lossOf,
+    cell: (row) => { const loss = lossOf(row); return loss === undefined ? '–' : share(loss); } },
+  { id: 'evidence', title: 'Windows', width: '7rem', isDetail: true, hint: 'Measured windows in all sessions, in frames of the game and in the shadow lane', sort: (row) => Number(row.evidence) },
+  { id: 'changed', title: 'Changed', width: '7rem', isDetail: true, hint: 'Time of the last change that this page received. If there was none: time of the latest evidence',
+    sort: (row) => row.state.changedMs || undefined, cell: (row) => (row.state.changedMs ? ago(row.state.changedMs, now.value) : '–') },
+  { id: 'reward', title: 'Reward', isDetail: true, hint: 'Version of the formula that turns a cost into a reward; AI Decides uses version 3', sort: (row) => sceneOf(row).rewardVersion },
+];
