@@ -142,7 +142,7 @@ async function checkChanges(page, daemon, commands) {
   const expected = scenes.flatMap(({ scene, leader_changed: isOther, arms }) => arms.map(({ arm, before, after }) =>
     [scene, arm, before?.toFixed(2) ?? '–', after?.toFixed(2) ?? '–', isOther].join()));
   const shown = (await rowsOf(page, 'Changes')).map((row) =>
-    [row.Scene, row.Arm, row['Cost before'], row['Cost after'], row['Cheapest arm'] === 'another'].join());
+    [row.Scene, row.Algorithm, row['Cost before'], row['Cost after'], row['Cheapest algorithm'] === 'another'].join());
   assert.ok(expected.some((row) => row.startsWith('cave,')), 'only one build has played the cave');
   assert.deepEqual(shown.sort(), expected.sort());
   await assertAccessible(page, 'changes');
@@ -175,12 +175,12 @@ async function checkPriorOfBuild(page, daemon, commands) {
   await figure.getByText('including build 1.2').waitFor();
   await button(figure, 'Table').click();
   const rows = await valuesOf(figure);
-  assert.deepEqual(rows.map(({ arm }) => arm), [...new Set(records.map(({ arm }) => arm))].sort());
+  assert.deepEqual(rows.map(({ algorithm }) => algorithm), [...new Set(records.map(({ arm }) => arm))].sort());
   assert.ok(records.every(({ measured_by: by }) => !by), 'the arena has lane visits, so its figures are not sums');
   for (const row of rows) {
-    const own = records.filter(({ arm }) => arm === row.arm);
+    const own = records.filter(({ arm }) => arm === row.algorithm);
     const others = own.filter(({ build }) => build !== '1.2');
-    const near = (text, all, field) => assert.ok(Math.abs(number(text) - (1 + sum(all, field))) <= 0.001 * (1 + sum(all, field)), `${row.arm}: ${text} of ${field}`);
+    const near = (text, all, field) => assert.ok(Math.abs(number(text) - (1 + sum(all, field))) <= 0.001 * (1 + sum(all, field)), `${row.algorithm}: ${text} of ${field}`);
     near(row.alpha, own, 'alpha_increment');
     near(row.beta, own, 'beta_increment');
     if (others.length > 0) near(row['prior alpha'], others, 'alpha_increment');
@@ -188,7 +188,7 @@ async function checkPriorOfBuild(page, daemon, commands) {
   const n = (row, prior) => number(row[`${prior}alpha`]) + number(row[`${prior}beta`]);
   const both = rows.filter((row) => number(row['prior alpha']) > 0);
   assert.ok(both.length > 0, 'other builds knew some arm');
-  for (const row of both) assert.ok(n(row, 'prior ') <= n(row, ''), `${row.arm}: the build took something away`);
+  for (const row of both) assert.ok(n(row, 'prior ') <= n(row, ''), `${row.algorithm}: the build took something away`);
   await assertAccessible(page, 'the prior of a build');
   await page.goBack();
   assert.equal(query(page).get('build'), null);
@@ -203,7 +203,7 @@ async function previewIs(page, result, end = /would be revoked\./) {
   const items = await dialog(page).getByRole('listitem').allInnerTexts();
   assert.equal(items.length, leaders.length, items.join());
   for (const leader of leaders) assert.ok(items.some((item) => item.replace(/ on \S+(?=:)/, '').replaceAll(/\s+/g, ' ').includes(leader)), `${items.join()} without ${leader}`);
-  if (leaders.length === 0) await dialog(page).getByText('The same arm would lead in every scene').waitFor();
+  if (leaders.length === 0) await dialog(page).getByText('The same algorithm would lead in every scene').waitFor();
 }
 
 // Revoking a build shows a preview first, changes nothing if cancelled, and removes exactly this build if confirmed.

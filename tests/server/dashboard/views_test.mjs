@@ -24,14 +24,14 @@ const isSession = (daemon, id, what, test) => until(what, async () => (await ses
 
 // The view shows the numbers that the command line computes from the same posteriors. No game runs meanwhile.
 async function checkNumbers(page, daemon) {
-  await page.goto(`${daemon.origin}${SCENE}`);
+  await page.goto(`${daemon.origin}${SCENE}&columns=all`);
   const scene = watched(sweepstake, daemon).find((each) => each.scene === 'arena');
   assert.equal((await page.locator('.leader-probability').innerText()).trim(), scene.arms.find(({ arm }) => arm === scene.leader_arm).best_probability.toFixed(3));
   assert.ok((await page.locator('main .chip').first().innerText()).includes(scene.verdict));
-  const rows = await rowsOf(page, 'Arms');
+  const rows = await rowsOf(page, 'Algorithms');
   assert.equal(rows.length, scene.arms.length);
   for (const arm of scene.arms) {
-    const row = rows.find(({ Arm }) => Arm === arm.arm);
+    const row = rows.find(({ Algorithm }) => Algorithm === arm.arm);
     assert.equal(row['P(best)'], arm.best_probability.toFixed(3), arm.arm);
     assert.equal(row.Windows, String(arm.windows), arm.arm);
     assert.equal(row['Lane visits'], String(arm.lane_visits), arm.arm);
@@ -52,17 +52,17 @@ async function checkRegimes(page, daemon) {
   const game = new Game(sweepstake, daemon, 'arcade', 'seasons', { plays: 'rest-and-motion' });
   await until('the scene has regimes', async () => (await activityOf(daemon, 'seasons'))?.regimes?.length > 1, 180_000);
   await page.goto(`${daemon.origin}/scenes/arcade/seasons?class=test&reward=3`);
-  await page.getByRole('region', { name: 'Best arm of each regime', exact: true }).waitFor();
+  await page.getByRole('region', { name: 'Best algorithm of each regime', exact: true }).waitFor();
   const shown = () => page.evaluate(() => ({ text: document.querySelector('main').innerText, chip: document.querySelector('main .chip').innerText }));
   // The daemon and the page are read at different times, so a reading may be between two events.
   await until('the page has the daemon\'s figures', async () => {
     const activity = await activityOf(daemon, 'seasons');
-    const [{ text, chip }, rows] = [await shown(), await rowsOf(page, 'Best arm of each regime')];
+    const [{ text, chip }, rows] = [await shown(), await rowsOf(page, 'Best algorithm of each regime')];
     const isChanging = bestArms(activity).length > 1;
     assert.equal(/would gain/.test(text) && /changing/.test(chip), false, 'a changing scene has the verdict of a constant one');
     assert.equal(/changing/.test(chip), /depends on the regime/.test(text), chip);
     return text.includes(`${activity.activeArm} runs now`) && isChanging === /changing/.test(chip) && rows.length === activity.regimes.length + 1
-      && activity.regimes.every(({ bestArm = 'none', isPresent = false }, i) => rows.some((row) => row.Regime === `${i + 1}${isPresent ? ' (now)' : ''}` && row['Best arm'] === bestArm));
+      && activity.regimes.every(({ bestArm = 'none', isPresent = false }, i) => rows.some((row) => row.Regime === `${i + 1}${isPresent ? ' (now)' : ''}` && row['Best algorithm'] === bestArm));
   });
   await assertAccessible(page, 'regimes');
   await game.quit();
@@ -71,10 +71,10 @@ async function checkRegimes(page, daemon) {
 
 // An arm that never ran in a game is marked.
 async function checkNeverRan(page) {
-  const arms = await rowsOf(page, 'Arms');
+  const arms = await rowsOf(page, 'Algorithms');
   const unseen = arms.filter(({ Measured }) => Measured !== 'live');
   const titles = await chart(page, 'beliefs').locator('svg.picture title').allTextContents();
-  for (const { Arm, Measured } of unseen) assert.ok(titles.some((title) => title.startsWith(`${Arm}: `) && /never/.test(title)), `${Arm} is ${Measured}`);
+  for (const { Algorithm, Measured } of unseen) assert.ok(titles.some((title) => title.startsWith(`${Algorithm}: `) && /never/.test(title)), `${Algorithm} is ${Measured}`);
   await page.getByRole('button', { name: 'Show evidence by source' }).click();
   await chart(page, 'measured').locator('svg.picture').waitFor();
   const measured = await chart(page, 'measured').locator('svg.picture title').allTextContents();
@@ -88,7 +88,7 @@ async function checkFiles(page) {
   const figure = chart(page, 'beliefs');
   const [csv] = await Promise.all([page.waitForEvent('download'), figure.getByRole('button', { name: /CSV/ }).click()]);
   assert.match(csv.suggestedFilename(), /^sweepstake_arcade_arena_beliefs\.csv$/);
-  assert.match(readFileSync(await csv.path(), 'utf8'), /^arm,backend version,measured,alpha,beta/);
+  assert.match(readFileSync(await csv.path(), 'utf8'), /^algorithm,backend version,measured,alpha,beta/);
   const [png] = await Promise.all([page.waitForEvent('download'), figure.getByRole('button', { name: /PNG/ }).click()]);
   const picture = readFileSync(await png.path());
   assert.equal(picture.subarray(1, 4).toString(), 'PNG');
@@ -130,15 +130,15 @@ async function checkTime(page, daemon) {
   assert.ok(query(page).has('hide'));
   await page.getByRole('button', { name: 'Pause' }).click();
   assert.ok(query(page).has('pause'));
-  const alphas = async () => (await rowsOf(page, 'Arms')).map(({ α }) => α).join();
-  const held = await alphas();
+  const counts = async () => (await rowsOf(page, 'Algorithms')).map(({ Windows, 'Lane visits': visits }) => `${Windows} ${visits}`).join();
+  const held = await counts();
   for (let i = 0; i < 5; ++i) {
     const learnt = await arms();
     await until('the game adds evidence', async () => await arms() !== learnt);
   }
-  assert.equal(await alphas(), held, 'figures change during a pause');
+  assert.equal(await counts(), held, 'figures change during a pause');
   await page.getByRole('button', { name: 'Resume' }).click();
-  await until('figures change again', async () => await alphas() !== held);
+  await until('figures change again', async () => await counts() !== held);
 }
 
 // ---- A session.
@@ -146,12 +146,12 @@ async function checkTime(page, daemon) {
 async function checkWhy(page, daemon, { sessionId }) {
   await page.goto(`${daemon.origin}/sessions/${sessionId}`);
   await chart(page, 'timeline').locator('path.span[d^=M]').first().waitFor();
-  const why = page.getByRole('button', { name: 'Why this arm?' });
+  const why = page.getByRole('button', { name: 'Why this algorithm?' });
   await until('there are decisions', () => why.isEnabled());
   await why.click();
   const panel = page.locator('section.why');
   await panel.waitFor();
-  assert.match(await panel.innerText(), /is the best arm with a probability of (over )?\d/);
+  assert.match(await panel.innerText(), /is the best algorithm with a probability of (over )?\d/);
   assert.ok(Number(query(page).get('decision')) > 0);
   await panel.getByText('Audit row', { exact: true }).click(); // the page reads it automatically, a moment after the decision
   assert.equal(await panel.locator('dt', { hasText: /^decision[.]id$/ }).locator('+ dd').innerText(), query(page).get('decision'));
@@ -285,7 +285,7 @@ async function checkUnknown(page, daemon, { sessionId }) {
   await page.goto(`${daemon.origin}${SCENE}&with=${encodeURIComponent(nobody)}`);
   await page.getByText('The daemon does not know the other scene').waitFor();
   await page.getByRole('button', { name: 'Show only the first one' }).click();
-  await page.getByRole('region', { name: 'Arms' }).waitFor();
+  await page.getByRole('region', { name: 'Algorithms' }).waitFor();
 }
 
 // Returns a hash of the canvas; 0 if nothing is drawn.
@@ -330,17 +330,17 @@ async function order(page, button, confirm) {
 
 async function checkOrders(page, daemon, { sessionId }) {
   await page.getByLabel('Keep').selectOption('SAP');
-  await order(page, 'Pin this arm', 'Keep this arm');
+  await order(page, 'Pin this algorithm', 'Keep this algorithm');
   await isSession(daemon, sessionId, 'the game keeps to SAP', ({ mode, activeArm }) => mode === 'MODE_MANUAL' && activeArm === 'SAP');
   // Not click(): on a busy machine the message disappears before the pointer has reached it.
   await page.locator('.toast', { hasText: 'Done: ' }).getByRole('button', { name: 'Undo' }).dispatchEvent('click');
   await isSession(daemon, sessionId, 'the daemon decides again', ({ mode }) => mode === 'MODE_AI');
-  await order(page, 'Pin this arm', 'Keep this arm');
+  await order(page, 'Pin this algorithm', 'Keep this algorithm');
   await isSession(daemon, sessionId, 'the game keeps to an arm again', ({ mode }) => mode === 'MODE_MANUAL');
   await order(page, 'AI decides', 'Let the daemon decide');
   await isSession(daemon, sessionId, 'the daemon decides', ({ mode }) => mode === 'MODE_AI');
   await until('the order is disabled, because the daemon decides already', () => page.getByRole('button', { name: 'AI decides' }).isDisabled());
-  await page.getByRole('button', { name: 'Pin this arm', exact: true }).click();
+  await page.getByRole('button', { name: 'Pin this algorithm', exact: true }).click();
   await page.getByRole('dialog').getByRole('button', { name: 'Cancel' }).click();
   assert.ok((await sessionsOf(daemon)).some((session) => session.sessionId === sessionId && session.mode === 'MODE_AI'), 'a cancelled order was executed');
 }
@@ -369,7 +369,7 @@ async function checkKick(page, daemon, { sessionId }) {
     return readFileSync(await file.path(), 'utf8').trim().split('\r\n').slice(1).map((line) => line.split(','));
   };
   await until('the figures are those of the log', async () => JSON.stringify((await figures()).map((cells) => [Number(cells[2]), Number(cells[3])])) === JSON.stringify(posteriors.map(({ alpha, beta }) => [alpha, beta])), 20_000);
-  assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0, 'an ended session has buttons for orders');
+  assert.equal(await page.getByRole('button', { name: 'Pin this algorithm' }).count(), 0, 'an ended session has buttons for orders');
 }
 
 // ---- The decisions.
@@ -407,7 +407,7 @@ async function checkRoles(context, folder) {
   await page.getByRole('link', { name: 'arena', exact: true }).click();
   await page.getByRole('region', { name: 'Sessions' }).locator('tbody a').first().click();
   await page.getByText('Orders need the role operator; yours is watch.').waitFor();
-  assert.equal(await page.getByRole('button', { name: 'Pin this arm' }).count(), 0);
+  assert.equal(await page.getByRole('button', { name: 'Pin this algorithm' }).count(), 0);
   await page.getByText('Viewing boxes needs the role operator; yours is watch.').waitFor();
   assert.ok(await page.getByRole('button', { name: 'Show boxes' }).isDisabled());
   const sessionId = new URL(page.url()).pathname.split('/').at(-1);

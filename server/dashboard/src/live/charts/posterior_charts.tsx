@@ -63,7 +63,7 @@ export function BandsChart({ arms, rows, rewardVersion, domain, notYet, assumed 
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
   const drawn = useMemo(() => bandLines(arms, rows, tellsCosts, assumed), [arms, rows, tellsCosts, assumed]);
   return (
-    <TimeFigure {...rest} {...drawn} id="bands" title={tellsCosts ? 'Estimated detection time of each arm' : 'Estimated reward of each arm'} timesMs={timesMs}
+    <TimeFigure {...rest} {...drawn} id="bands" title={tellsCosts ? 'Estimated detection time of each algorithm' : 'Estimated reward of each algorithm'} timesMs={timesMs}
       note={hasIntervals(rows) ? 'Lines show means, and areas show 50 % and 95 % credible intervals.' : 'Lines show means.'} empty={noteOf(rows, notYet)} unit={tellsCosts ? 'ns' : ''} scale={tellsCosts ? 'log' : 'unit'}
       domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={tellsCosts ? nsText : (value) => significant(value)} height={260} />
   );
@@ -103,7 +103,7 @@ export function BestChart({ arms, rows, domain, notYet, names, moments = [] }: P
   const drawn = useMemo(() => stackLines(arms, rows), [arms, rows]);
   const { stableProbability } = thresholds.value;
   return (
-    <TimeFigure {...drawn} id="best" title="Probability that each arm is the best" names={names} timesMs={timesMs} moments={moments}
+    <TimeFigure {...drawn} id="best" title="Probability that each algorithm is the best" names={names} timesMs={timesMs} moments={moments}
       note={`The scene is stable if the probability of its leader is at least ${stableProbability}.`} empty={noteOf(rows, notYet)} scale="unit"
       levels={[{ value: stableProbability, label: 'stable' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)}
       format={(value) => value.toFixed(3)} height={200} />
@@ -118,7 +118,7 @@ export function LossChart({ rows, domain, notYet, names, moments = [] }: Posteri
   const { tieLossRatio } = thresholds.value;
   return (
     <TimeFigure id="loss" title="Expected loss of choosing the leader" names={names} timesMs={timesMs} lines={lines} moments={moments}
-      note={`A scene that is not stable is a tie if this loss is at most ${share(tieLossRatio)}. The choice of the arm then hardly matters.`} empty={noteOf(rows, notYet)} scale="zero"
+      note={`A scene that is not stable is a tie if this loss is at most ${share(tieLossRatio)}. The choice of the algorithm then hardly matters.`} empty={noteOf(rows, notYet)} scale="zero"
       levels={[{ value: tieLossRatio, label: 'a tie' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={share} height={140} />
   );
 }

@@ -24,7 +24,7 @@ export interface RidgeRow {
 
 /** Sentences that explain where an arm was measured; empty if it ran in a game. */
 export const MEASURED_WORDS: Readonly<Record<Measured, string>> = {
-  live: '', lane: 'The arm was measured only in the shadow lane, never in a game.', never: 'Without a measurement the posterior equals the prior.',
+  live: '', lane: 'The algorithm was measured only in the shadow lane, never in a game.', never: 'Without a measurement the posterior equals the prior.',
 };
 
 const ROW = 62;
@@ -173,7 +173,7 @@ interface RidgeFigureProps extends RidgelineProps {
 export function RidgeFigure({ id, names, note, notYet, table, children, ...chart }: RidgeFigureProps) {
   const { title, rows } = chart;
   const values = () => ({
-    header: ['arm', 'measured', 'alpha', 'beta', 'mean reward', '95 % from', 'to', 'prior alpha', 'prior beta'],
+    header: ['algorithm', 'measured', 'alpha', 'beta', 'mean reward', '95 % from', 'to', 'prior alpha', 'prior beta'],
     rows: rows.map(({ label, measured, posterior, before }) =>
       [label, measured, posterior.alpha, posterior.beta, mean(posterior), posterior.low95, posterior.high95, before?.alpha, before?.beta]),
   });

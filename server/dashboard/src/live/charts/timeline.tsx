@@ -230,7 +230,7 @@ export function TimelineChart({ steps, arms, domain, onOpen }: TimelineProps) {
         </svg>
       )}
       <p class="say" role="status"><bdi>{visible(spoken(on))}</bdi></p>
-      <p class="legend soft" aria-hidden="true">filled: the active arm · hollow: a candidate that was held back · grey: cooldown, when no switch is allowed · hatched: settling, when frames are not evidence</p>
+      <p class="legend soft" aria-hidden="true">filled: the active algorithm · hollow: a candidate that was held back · grey: cooldown, when no switch is allowed · hatched: settling, when frames are not evidence</p>
     </div>
   );
 }
@@ -251,17 +251,18 @@ export interface Timeline { spans: Span[]; shades: Shade[]; marks: Mark[] }
 
 interface Lengths { cooldownMs: number; settlingMs: number }
 
-function lengthsAt({ told, placed }: Step, before: Lengths): Lengths {
-  return { cooldownMs: told?.cooldownMs ?? before.cooldownMs, settlingMs: placed?.setup ? msOf(placed.setup.settlingNs) : before.settlingMs };
+function lengthsAt(step: Step, before: Lengths): Lengths {
+  const setup = step.placed?.setup;
+  return { cooldownMs: step.told?.cooldownMs ?? before.cooldownMs, settlingMs: setup ? msOf(setup.settlingNs) : before.settlingMs };
 }
 
 // Kinds of steps other than decisions that have a sign.
-const SIGNED = [AuditKind.BAIL_OUT, AuditKind.REFUSAL, AuditKind.MODE, AuditKind.ORDER, AuditKind.SETUP];
+const SIGNED = new Set([AuditKind.BAIL_OUT, AuditKind.REFUSAL, AuditKind.MODE, AuditKind.ORDER, AuditKind.SETUP]);
 
 function markOf(step: Step, arm: string): Mark | undefined {
   const { told, timeMs, kind } = step;
   const mark = { arm, isHollow: false, sign: '', fromMs: timeMs, toMs: timeMs, count: 1, step };
-  if (SIGNED.includes(kind)) return { ...mark, sign: kindWord(kind).mark };
+  if (SIGNED.has(kind)) return { ...mark, sign: kindWord(kind).mark };
   if (!told?.candidate || told.candidate === told.activeArm) return undefined;
   if (told.outcome === DecisionOutcome.SWITCHED) return { ...mark, arm: told.candidate };
   return isHeldBack(told.outcome) ? { ...mark, arm: told.candidate, isHollow: true } : undefined;

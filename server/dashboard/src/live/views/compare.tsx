@@ -53,8 +53,8 @@ function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, value
     <div>
       <h2><a href={sceneHref(posterior)}><Name text={posterior.scene} /></a> on <Name text={posterior.machineClass} /></h2>
       <p><VerdictChip verdict={verdictOf(state)} /> {leaders.length > 0 && <><Arms names={leaders} />, P(best) {leaderProbabilityOf(posterior).toFixed(3)}{!isChanging(posterior) && `, loss ${share(posterior.expectedLossRatio)}`}</>}</p>
-      <RidgeFigure id="beliefs" title="Posterior of each arm" names={names} rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards}
-        notYet="No arm has evidence yet." />
+      <RidgeFigure id="beliefs" title="Posterior of each algorithm" names={names} rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards}
+        notYet="No algorithm has evidence yet." />
       <BandsChart {...common} values={values} />
       <BestChart {...common} />
     </div>
@@ -125,7 +125,7 @@ function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain,
       <h2>Session <a href={sessionHref(id)}><Name text={id} /></a></h2>
       <LogState log={log} />
       <ChartFrame id="timeline" title="Switches" names={[id]} empty={steps.length === 0 && 'The log of this session is empty.'}
-        table={() => ({ header: ['time', 'active arm', 'candidate'], rows: steps.flatMap(({ timeMs, told }) => (told ? [[new Date(timeMs + laterMs).toISOString(), told.activeArm, told.candidate]] : [])) })}>
+        table={() => ({ header: ['time', 'active algorithm', 'candidate'], rows: steps.flatMap(({ timeMs, told }) => (told ? [[new Date(timeMs + laterMs).toISOString(), told.activeArm, told.candidate]] : [])) })}>
         <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openOwn} />
       </ChartFrame>
       <CostCharts columns={columns} moments={moments} domain={domain} names={[id]} ends={ends} laterMs={laterMs} />

@@ -81,7 +81,7 @@ const ROWS: readonly Column<PlacedRow>[] = [
   { id: 'kind', title: 'Kind', isText: true, csv: ({ row }) => AuditKind[row.kind], sort: ({ row }) => kindWord(row.kind).name,
     cell: ({ row }) => <span title={kindWord(row.kind).meaning}><span aria-hidden="true">{kindWord(row.kind).mark} </span>{kindWord(row.kind).name}</span> },
   { id: 'decision', title: 'Decision', sort: ({ row }) => row.decision && Number(row.decision.id), cell: ({ row }) => String(row.decision?.id ?? '–') },
-  { id: 'active', title: 'Active arm', isText: true, sort: armOf,
+  { id: 'active', title: 'Active algorithm', isText: true, sort: armOf,
     cell: (placed) => (armOf(placed) ? <Arm name={armOf(placed)} /> : '–') },
   { id: 'candidate', title: 'Candidate', isText: true, sort: candidateOf,
     cell: (placed) => (candidateOf(placed) ? <Arm name={candidateOf(placed)} hollow /> : '–') },
@@ -145,7 +145,7 @@ function Rows({ session, project, scene, filter, page }: Asked) {
       <div class="tools">
         <Choice label="Kind" parameter="kind" options={KINDS} />
         <Choice label="Outcome" parameter="outcome" options={OUTCOMES} />
-        <Choice label="Arm" parameter="arm" options={[['', 'any'], ...arms.map((arm) => [arm, visible(arm)] as const)]} />
+        <Choice label="Algorithm" parameter="arm" options={[['', 'any'], ...arms.map((arm) => [arm, visible(arm)] as const)]} />
         <button type="button" onClick={again} disabled={isReading}>Read again</button>
         {found && <span class="soft">read {ago(atMs, now.value)}</span>}
       </div>

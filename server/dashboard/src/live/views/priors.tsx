@@ -130,7 +130,7 @@ const PROJECT: Column<Group> = { id: 'project', title: 'Project', isText: true, 
 // The columns that builds and sources have in common.
 const ORIGIN: readonly Column<Group>[] = [
   ...NUMBERS,
-  { id: 'arms', title: 'Arms', sort: (row) => armsOf(row).length },
+  { id: 'arms', title: 'Algorithms', sort: (row) => armsOf(row).length },
   { id: 'seen', title: 'Last seen', hint: 'Time of its latest evidence, by the clock of its daemon', sort: (row) => lastSeenS(row) || undefined,
     csv: (row) => (lastSeenS(row) ? new Date(1000 * lastSeenS(row)).toISOString() : ''), cell: (row) => (lastSeenS(row) ? timeText(1000 * lastSeenS(row)) : '–') },
   { id: 'classes', title: 'Machines', isText: true, sort: (row) => classesOf(row).join(', ') },
@@ -164,7 +164,7 @@ const SOURCES: readonly Column<Group>[] = [
     sort: ({ example }) => (example.isImported ? 'import' : 'session') },
   BUILD,
   { id: 'weight', title: 'Weight', hint: 'The highest weight of its records in a new session. That session runs on the same class of machines, with the latest build of the scene and '
-    + 'the newest backends. 0: newer sources of every arm have replaced it. 1: rewards do not depend on the cost alone, so the chosen sources count fully',
+    + 'the newest backends. 0: newer sources of every algorithm have replaced it. 1: rewards do not depend on the cost alone, so the chosen sources count fully',
     sort: weightOf, cell: (row) => significant(weightOf(row)) },
   ...ORIGIN,
 ];
@@ -174,7 +174,7 @@ const meanOf = (row: Group) => (alphaOf(row) + betaOf(row) > 0 ? alphaOf(row) / 
 const SUMS: readonly Column<Group>[] = [
   { id: 'scene', title: 'Scene', sort: ({ example }) => `${example.project}\n${example.scene}`, csv: ({ example }) => example.scene,
     cell: ({ example }) => <a href={sceneHref(example)}><Name text={example.scene} /></a> },
-  { id: 'arm', title: 'Arm', isText: true, sort: ({ example }) => example.arm,
+  { id: 'arm', title: 'Algorithm', isText: true, sort: ({ example }) => example.arm,
     cell: ({ example }) => <Arm name={example.arm} hollow={example.measuredBy === LANE} /> },
   { id: 'by', title: 'Measured', isText: true, hint: 'On the frame thread of games, or beside it in the shadow lane',
     sort: ({ example }) => (example.measuredBy === LANE ? 'shadow lane' : 'live') },

@@ -24,6 +24,7 @@ import { CompareScenes } from './compare';
 import { Builds, buildStarts, Latest, Sessions, Variants, variantsOf } from './scene/lists';
 import { armNames, type ArmRow, armRows, ArmTable, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/arms';
 import { SceneEvidence } from './scene/evidence';
+import { isChanging } from '../state/regimes';
 import { Headline, Regimes } from './scene/headline';
 
 function Facts({ state }: { state: SceneState }) {
@@ -44,14 +45,14 @@ function Facts({ state }: { state: SceneState }) {
 function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow[]; state: SceneState; before: ScenePosterior }) {
   const ridges = useMemo(() => ridgeRows(rows, before), [rows]);
   const table = () => ({
-    header: ['arm', 'backend version', 'measured', 'alpha', 'beta', 'mean reward', 'reward 95 % from', 'to', 'P(best)', 'cost ratio', 'windows', 'lane visits', 'equivalent windows', 'bail-outs'],
+    header: ['algorithm', 'backend version', 'measured', 'alpha', 'beta', 'mean reward', 'reward 95 % from', 'to', 'P(best)', 'cost ratio', 'windows', 'lane visits', 'equivalent windows', 'bail-outs'],
     rows: rows.map(({ arm, backendVersion, measured, posterior: beta, costRatio, ...row }) => [arm, backendVersion, measured, beta.alpha, beta.beta, mean(beta),
       beta.low95, beta.high95, row.bestProbability, costRatio?.median, row.windowCount, row.visitCount, row.effectiveWindowCount, row.bailOutCount]),
   });
   return (
-    <RidgeFigure id="beliefs" title="Posterior of each arm" names={[posterior.project, posterior.scene]} table={table} rows={ridges}
-      rewardVersion={posterior.rewardVersion} notYet="No arm has evidence yet."
-      note="Thick lines are 50 % credible intervals, thin ones 95 %. Arms with a dashed outline never ran in a game. Dashed grey: the posterior when you opened this view, if it
+    <RidgeFigure id="beliefs" title={isChanging(posterior) ? 'Posterior of each algorithm, all regimes together' : 'Posterior of each algorithm'} names={[posterior.project, posterior.scene]} table={table} rows={ridges}
+      rewardVersion={posterior.rewardVersion} notYet="No algorithm has evidence yet."
+      note="Thick lines are 50 % credible intervals, thin ones 95 %. Algorithms with a dashed outline never ran in a game. Dashed grey: the posterior when you opened this view, if it
         has changed since. The prior of a build is below, under Evidence; the prior of a session is in the view of that session." />
   );
 }
@@ -79,7 +80,7 @@ function Charts({ state, rows }: { state: SceneState; rows: readonly ArmRow[] })
   return (
     <>
       <TimeTools />
-      <p class="soft small">Dotted lines mark the first session of each build. They also mark the latest {MAX_SWITCHES} switches of all sessions, in the colour of the new arm. These
+      <p class="soft small">Dotted lines mark the first session of each build. They also mark the latest {MAX_SWITCHES} switches of all sessions, in the colour of the new algorithm. These
         charts begin when the page was opened. The charts of a session begin with its log.</p>
       <BandsChart {...props} />
       <div class="beside"><BestChart {...props} /><LossChart {...props} /></div>

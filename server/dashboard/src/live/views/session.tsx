@@ -35,11 +35,11 @@ import { endWord, modeWord, outcomeWord, stateWord } from './words';
 export function rewardVersionOf(steps: readonly Step[], state: SessionState | undefined): number {
   const event = state?.decisions.at(-1);
   if (event) return event.rewardVersion;
-  return steps.filter(({ told }) => told).at(-1)?.told?.rewardVersion ?? LOG_COST_REWARD_VERSION;
+  return steps.findLast(({ told }) => told)?.told?.rewardVersion ?? LOG_COST_REWARD_VERSION;
 }
 
 function Facts({ state, steps, rewardVersion }: { state: SessionState | undefined; steps: readonly Step[]; rewardVersion: number }) {
-  const setup = steps.filter(({ placed }) => placed?.setup).at(-1)?.placed?.setup;
+  const setup = steps.findLast(({ placed }) => placed?.setup)?.placed?.setup;
   const info = state?.info;
   const names = { project: info?.project ?? setup?.project ?? '', scene: info?.scene ?? setup?.scene ?? '' };
   const machineClass = setup?.machineClass ?? state?.decisions.at(-1)?.machineClass ?? '';
@@ -50,7 +50,7 @@ function Facts({ state, steps, rewardVersion }: { state: SessionState | undefine
       <div><dt>Project</dt><dd><Name text={names.project} /></dd></div>
       {word && <div><dt>State</dt><dd><Chip tone={state && isConnected(state) ? 'good' : 'plain'} sign={word.mark} title={word.meaning}>{word.name}</Chip></dd></div>}
       {info && <div><dt>Mode</dt><dd title={modeWord(info.mode).meaning}>{modeWord(info.mode).name}</dd></div>}
-      {info && <div><dt>Active arm</dt><dd><Arm name={info.activeArm} /></dd></div>}
+      {info && <div><dt>Active algorithm</dt><dd><Arm name={info.activeArm} /></dd></div>}
       <div><dt>Machines</dt><dd><Name text={machineClass} /></dd></div>
       {info && <div><dt>Build</dt><dd><Name text={info.build} /></dd></div>}
       {info && <div><dt>Address</dt><dd><Name text={info.clientAddress} /></dd></div>}
@@ -75,17 +75,17 @@ function chosenStep(steps: readonly Step[]): Step | undefined {
 }
 
 const decisionTable = (steps: readonly Step[]) => ({
-  header: ['time', 'decision', 'active arm', 'candidate', 'outcome', 'in words'],
+  header: ['time', 'decision', 'active algorithm', 'candidate', 'outcome', 'in words'],
   rows: steps.flatMap(({ timeMs, decisionId, told }) => (told
     ? [[new Date(timeMs).toISOString(), decisionId, told.activeArm, told.candidate, outcomeWord(told.outcome).name, explained(told)[0]]] : [])),
 });
 
 const LANE_COLUMNS: readonly Column<LaneSum>[] = [
-  { id: 'arm', title: 'Arm', sort: ({ arm }) => arm, cell: ({ arm }) => <Arm name={arm} hollow /> },
+  { id: 'arm', title: 'Algorithm', sort: ({ arm }) => arm, cell: ({ arm }) => <Arm name={arm} hollow /> },
   { id: 'visits', title: 'Visits', sort: ({ visitCount }) => visitCount },
-  { id: 'median', title: 'Median', hint: 'Median detection time in the lane', sort: ({ medianNs }) => medianNs, cell: ({ medianNs }) => nsText(medianNs) },
-  { id: 'last', title: 'Last', sort: ({ lastNs }) => lastNs, cell: ({ lastNs }) => nsText(lastNs) },
-  { id: 'build', title: 'Build', hint: 'Median time to build the arm’s data structure', sort: ({ buildNs }) => buildNs, cell: ({ buildNs }) => nsText(buildNs) },
+  { id: 'median', title: 'Median', unit: 'ns', hint: 'Median detection time in the lane', sort: ({ medianNs }) => medianNs, cell: ({ medianNs }) => nsText(medianNs) },
+  { id: 'last', title: 'Last', unit: 'ns', sort: ({ lastNs }) => lastNs, cell: ({ lastNs }) => nsText(lastNs) },
+  { id: 'build', title: 'Build', unit: 'ns', hint: 'Median time to build the algorithm’s data structure', sort: ({ buildNs }) => buildNs, cell: ({ buildNs }) => nsText(buildNs) },
   { id: 'capped', title: 'Cut short', hint: 'Visits that the lane ended early, because they reached its time limit', sort: ({ cappedCount }) => cappedCount },
   { id: 'when', title: 'Last visit', sort: ({ lastMs }) => lastMs, cell: ({ lastMs }) => timeText(lastMs) },
 ];
@@ -102,7 +102,7 @@ function Timeline({ sessionId, steps, arms, domain }: ChartsProps) {
   const switchCount = steps.filter(isSwitch).length;
   return (
     <ChartFrame id="timeline" title="Switches" names={[sessionId]} table={() => decisionTable(steps)} empty={steps.length === 0 && 'There are no decisions yet.'}
-      note={`The log has ${counted(switchCount, 'switch command', 'switch commands')}. Dotted lines in the charts below mark changes of the active arm.`}>
+      note={`The log has ${counted(switchCount, 'switch command', 'switch commands')}. Dotted lines in the charts below mark changes of the active algorithm.`}>
       <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openStep} />
     </ChartFrame>
   );
@@ -161,7 +161,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       <Facts state={state} steps={steps} rewardVersion={rewardVersion} />
       {latest && <Orders info={latest.info} arms={arms} isOver={latest.ended !== undefined} />}
       <p class="orders">
-        <button type="button" class="primary" disabled={log.isReading || !stepFor(steps, undefined)} onClick={() => { const step = stepFor(steps, undefined); if (step) openStep(step); }}>Why this arm?</button>
+        <button type="button" class="primary" disabled={log.isReading || !stepFor(steps, undefined)} onClick={() => { const step = stepFor(steps, undefined); if (step) openStep(step); }}>Why this algorithm?</button>
         <a href={decisionsHref({ session: sessionId })}>All rows of its log</a>
         {latest && <CompareWith info={latest.info} />}
         <span class="soft">{grouped(steps.filter(({ told }) => told).length)} decisions</span>

@@ -10,17 +10,17 @@ export interface Word { name: string; meaning: string; mark: string }
 
 /** The terms that a first-time reader of the page needs. */
 export const GLOSSARY: readonly (readonly [string, string])[] = [
-  ['arm', 'One of the broad phases that a game can run, such as SAP or KDTree.'],
+  ['algorithm', 'One of the broad phases that a game can run, such as SAP or KDTree. The paper and the API call it an arm.'],
   ['detection time', 'The time that the broad phase takes in a frame.'],
-  ['window', 'The frames between two decisions. They are one measurement of the arm that ran.'],
-  ['shadow lane', 'A thread of the game beside the frame thread. It runs the other arms on copies of some frames.'],
-  ['P(best)', 'The probability that an arm is the cheapest of its scene, given the evidence so far.'],
-  ['leader', 'The arm with the highest P(best) in a scene.'],
+  ['window', 'The frames between two decisions. They are one measurement of the algorithm that ran.'],
+  ['shadow lane', 'A thread of the game beside the frame thread. It runs the other algorithms on copies of some frames.'],
+  ['P(best)', 'The probability that an algorithm is the cheapest of its scene, given the evidence so far.'],
+  ['leader', 'The algorithm with the highest P(best) in a scene.'],
   ['regime', 'A period in which the number of objects, their speed and the share of static objects are similar. Each regime has its own costs.'],
   ['reward', 'The cost of a window as a number from 0 to 1; 1 is the best.'],
-  ['bail-out', 'A frame that took longer than the bail-out limit. If its arm was the cause, the game changes to another arm at once.'],
-  ['policy', 'The rule that chooses the arm. “adaptive” (AI Decides) compares the expected costs, and switches if the expected saving exceeds the cost of the switch. “paper” draws a random reward for each arm from its posterior, and takes the highest (Thompson sampling).'],
-  ['posterior', 'The distribution of an arm’s cost after all measurements. It is narrow if the cost is well known.'],
+  ['bail-out', 'A frame that took longer than the bail-out limit. If its algorithm was the cause, the game changes to another algorithm at once.'],
+  ['policy', 'The rule that chooses the algorithm. “adaptive” (AI Decides) compares the expected costs, and switches if the expected saving exceeds the cost of the switch. “paper” draws a random reward for each algorithm from its posterior, and takes the highest (Thompson sampling).'],
+  ['posterior', 'The distribution of an algorithm’s cost after all measurements. It is narrow if the cost is well known.'],
   ['prior', 'The distribution with which a session begins. It comes from earlier sessions, builds and machines.'],
 ];
 
@@ -29,39 +29,39 @@ const UNKNOWN = word('unknown', '?', 'The daemon is newer than this page and use
 
 const OUTCOMES: Readonly<Record<DecisionOutcome, Word>> = {
   [DecisionOutcome.UNSPECIFIED]: UNKNOWN,
-  [DecisionOutcome.KEPT]: word('kept', '•', 'The policy chose the active arm again.'),
-  [DecisionOutcome.SWITCHED]: word('switched', '→', 'The daemon commanded a switch to another arm.'),
-  [DecisionOutcome.HELD_COOLDOWN]: word('held: cooldown', '○', 'Another arm looks better, but the last switch is too recent.'),
+  [DecisionOutcome.KEPT]: word('kept', '•', 'The policy chose the active algorithm again.'),
+  [DecisionOutcome.SWITCHED]: word('switched', '→', 'The daemon commanded a switch to another algorithm.'),
+  [DecisionOutcome.HELD_COOLDOWN]: word('held: cooldown', '○', 'Another algorithm looks better, but the last switch is too recent.'),
   [DecisionOutcome.HELD_SETTLING]: word('held: settling', '◌',
-    'The active arm is new, or a switch is in progress. The first frames build data structures and warm caches, so they are not evidence.'),
+    'The active algorithm is new, or a switch is in progress. The first frames build data structures and warm caches, so they are not evidence.'),
   [DecisionOutcome.NO_FRAMES]: word('no frames', '–', 'There was no frame with collision detection since the last decision: the game is paused, loads, or shows a menu.'),
-  [DecisionOutcome.MANUAL]: word('manual', '✋', 'The game keeps an arm that a person chose. Its cost is recorded, but is not evidence.'),
-  [DecisionOutcome.EXPLORING]: word('exploring', '⌕', 'At the start every arm is measured once before any is preferred.'),
+  [DecisionOutcome.MANUAL]: word('manual', '✋', 'The game keeps an algorithm that a person chose. Its cost is recorded, but is not evidence.'),
+  [DecisionOutcome.EXPLORING]: word('exploring', '⌕', 'At the start every algorithm is measured once before any is preferred.'),
   [DecisionOutcome.REJECTED]: word('rejected', '✗', 'A measurement was not a finite number, so the whole window was discarded.'),
-  [DecisionOutcome.HELD_GATE]: word('held: does not pay', '○', 'Another arm looks better, but not by enough to pay for the switch.'),
+  [DecisionOutcome.HELD_GATE]: word('held: does not pay', '○', 'Another algorithm looks better, but not by enough to pay for the switch.'),
 };
 
 const REASONS: Readonly<Record<SwitchReason, Word>> = {
-  [SwitchReason.UNSPECIFIED]: word('no switch', '–', 'The arm did not change.'),
-  [SwitchReason.POLICY]: word('policy', '→', 'The policy chose the arm from the posteriors.'),
-  [SwitchReason.EXPLORATION]: word('exploration', '⌕', 'The arm was the next one to be measured.'),
-  [SwitchReason.BAIL_OUT]: word('bail-out', '!', 'A frame took longer than the bail-out limit, and the arm was the cause.'),
-  [SwitchReason.MANUAL]: word('manual', '✋', 'A person chose the arm.'),
+  [SwitchReason.UNSPECIFIED]: word('no switch', '–', 'The algorithm did not change.'),
+  [SwitchReason.POLICY]: word('policy', '→', 'The policy chose the algorithm from the posteriors.'),
+  [SwitchReason.EXPLORATION]: word('exploration', '⌕', 'The algorithm was the next one to be measured.'),
+  [SwitchReason.BAIL_OUT]: word('bail-out', '!', 'A frame took longer than the bail-out limit, and the algorithm was the cause.'),
+  [SwitchReason.MANUAL]: word('manual', '✋', 'A person chose the algorithm.'),
 };
 
 const VERDICTS: Readonly<Record<SceneVerdict, Word>> = {
-  changing: word('changing', '⇄', 'The best arm depends on the regime of the scene, so no single arm is always the best.'),
+  changing: word('changing', '⇄', 'The best algorithm depends on the regime of the scene, so no single algorithm is always the best.'),
   [Verdict.UNSPECIFIED]: word('unknown', '?', 'There is no decision about this scene yet.'),
-  [Verdict.STABLE]: word('stable', '●', 'One arm is very probably the best.'),
-  [Verdict.TIE]: word('tie', '=', 'No arm is clearly the best, but the leader costs hardly more than the best arm.'),
-  [Verdict.AMBIGUOUS]: word('ambiguous', '≈', 'No arm is clearly the best, and the leader may cost noticeably more than the best arm. More measurements are needed.'),
-  [Verdict.DEGRADED]: word('degraded', '▼', 'Even with the best arm, the frame rate is below the frame-rate floor, the required minimum. Another arm does not help; fewer objects would.'),
+  [Verdict.STABLE]: word('stable', '●', 'One algorithm is very probably the best.'),
+  [Verdict.TIE]: word('tie', '=', 'No algorithm is clearly the best, but the leader costs hardly more than the best algorithm.'),
+  [Verdict.AMBIGUOUS]: word('ambiguous', '≈', 'No algorithm is clearly the best, and the leader may cost noticeably more than the best algorithm. More measurements are needed.'),
+  [Verdict.DEGRADED]: word('degraded', '▼', 'With every algorithm, the frame rate is below the frame-rate floor, the required minimum.'),
 };
 
 const MODES: Readonly<Record<Mode, Word>> = {
   [Mode.UNSPECIFIED]: UNKNOWN,
-  [Mode.MANUAL]: word('Manual', '✋', 'The game keeps an arm that a person chose. Its frames do not become evidence.'),
-  [Mode.AI]: word('AI decides', '◆', 'The daemon chooses the arm.'),
+  [Mode.MANUAL]: word('Manual', '✋', 'The game keeps an algorithm that a person chose. Its frames do not become evidence.'),
+  [Mode.AI]: word('AI decides', '◆', 'The daemon chooses the algorithm.'),
 };
 
 const STATES: Readonly<Record<SessionState, Word>> = {
@@ -83,7 +83,7 @@ const KINDS: Readonly<Record<AuditKind, Word>> = {
   [AuditKind.SETUP]: word('setup', '▶', 'A session began, or continued after a restart of the daemon.'),
   [AuditKind.TICK]: word('decision', '•', 'The policy made one of its regular decisions.'),
   [AuditKind.BAIL_OUT]: word('bail-out', '!', 'A frame took longer than the bail-out limit.'),
-  [AuditKind.SWITCH]: word('switch done', '→', 'The game has changed to another arm.'),
+  [AuditKind.SWITCH]: word('switch done', '→', 'The game has changed to another algorithm.'),
   [AuditKind.REFUSAL]: word('switch refused', '✗', 'The game did not execute a switch command.'),
   [AuditKind.MODE]: word('mode', '◆', 'The game changed between manual mode and AI Decides.'),
   [AuditKind.ORDER]: word('order', '✋', 'An operator ordered manual mode or AI Decides.'),

@@ -41,28 +41,28 @@ export const byWeight = (a: SceneComparison, b: SceneComparison) =>
 const COLUMNS: readonly Column<Row>[] = [
   { id: 'scene', title: 'Scene', sort: ({ scene }) => `${scene.project}\n${scene.scene}\n${scene.machineClass}`, csv: ({ scene }) => scene.scene,
     cell: ({ scene }) => <a href={sceneHref(scene)}><Name text={scene.scene} /></a> },
-  { id: 'arm', title: 'Arm', isText: true, sort: ({ change }) => change.arm, cell: ({ change }) => <Arm name={change.arm} /> },
-  { id: 'before', title: 'Cost before', hint: 'Cost of the arm ÷ that of the scene’s cheapest arm, in the first build', sort: ({ change }) => beforeOf(change)?.median, cell: ({ change }) => ratioText(beforeOf(change)) },
-  { id: 'after', title: 'Cost after', hint: 'Cost of the arm ÷ that of the scene’s cheapest arm, in the second build', sort: ({ change }) => afterOf(change)?.median, cell: ({ change }) => ratioText(afterOf(change)) },
+  { id: 'arm', title: 'Algorithm', isText: true, sort: ({ change }) => change.arm, cell: ({ change }) => <Arm name={change.arm} /> },
+  { id: 'before', title: 'Cost before', hint: 'Cost of the algorithm ÷ that of the scene’s cheapest algorithm, in the first build', sort: ({ change }) => beforeOf(change)?.median, cell: ({ change }) => ratioText(beforeOf(change)) },
+  { id: 'after', title: 'Cost after', hint: 'Cost of the algorithm ÷ that of the scene’s cheapest algorithm, in the second build', sort: ({ change }) => afterOf(change)?.median, cell: ({ change }) => ratioText(afterOf(change)) },
   { id: 'change', title: 'Change', isText: true, hint: 'Whether the cost ratio differs by more than 5 % between the builds, or is known in one of them only', sort: ({ change }) => changeWord(change),
     cell: ({ change }) => <Chip tone={change.changed ? 'warn' : 'plain'}>{changeWord(change)}</Chip> },
-  { id: 'leader', title: 'Cheapest arm', isText: true, hint: 'Whether the same arm is the cheapest in both builds', sort: ({ scene }) => leaderWord(scene),
+  { id: 'leader', title: 'Cheapest algorithm', isText: true, hint: 'Whether the same algorithm is the cheapest in both builds', sort: ({ scene }) => leaderWord(scene),
     cell: ({ scene }) => (scene.leaderChanged ? <Chip tone="bad" sign="≠">another</Chip> : leaderWord(scene)) },
   { id: 'class', title: 'Machines', isText: true, sort: ({ scene }) => scene.machineClass },
   { id: 'project', title: 'Project', isText: true, sort: ({ scene }) => scene.project },
 ];
 
 function Picture({ change: { project, scene, machineClass, arms }, before, after }: Builds & { change: SceneComparison }) {
-  const title = `What arms cost in ${visible(scene)}${machineClass && ` on ${visible(machineClass)}`}`;
+  const title = `What algorithms cost in ${visible(scene)}${machineClass && ` on ${visible(machineClass)}`}`;
   const rows = arms.map((change) => ({ arm: change.arm, before: beforeOf(change), after: afterOf(change) }));
   const table = () => ({
-    header: ['arm', `cost ratio in ${before}`, '95 % from', 'to', `in ${after}`, '95 % from', 'to'],
+    header: ['algorithm', `cost ratio in ${before}`, '95 % from', 'to', `in ${after}`, '95 % from', 'to'],
     rows: rows.map(({ arm, ...change }) => [arm, ...[change.before, change.after].flatMap((ratio) => [ratio?.median, ratio?.low, ratio?.high])]),
   });
   return (
     <ChartFrame id="changes" title={title} names={[project, scene, machineClass, before, after]} table={table}
       note={<>Hollow: build <Name text={before} />. Filled: build <Name text={after} />. Lines: 95 % intervals.</>}>
-      <Intervals title={title} rows={rows} unit="cost ÷ that of the cheapest arm (less is better)" />
+      <Intervals title={title} rows={rows} unit="cost ÷ that of the cheapest algorithm (less is better)" />
     </ChartFrame>
   );
 }
@@ -72,7 +72,7 @@ function Pictures({ changes, before, after }: Builds & { changes: readonly Scene
   return (
     <>
       <div class="beside">{shown.map((change) => <Picture key={keyOf(change)} change={change} before={before} after={after} />)}</div>
-      {changes.length > shown.length && <p class="soft small">The page draws {MAX_PICTURES} of {changes.length} scenes. Scenes with another cheapest arm come first, then those with the largest change, and last those of one build only.</p>}
+      {changes.length > shown.length && <p class="soft small">The page draws {MAX_PICTURES} of {changes.length} scenes. Scenes with another cheapest algorithm come first, then those with the largest change, and last those of one build only.</p>}
     </>
   );
 }
@@ -86,7 +86,7 @@ function ChangeTable({ changes, before, after }: Builds & { changes: readonly Sc
     <>
       <Pictures changes={changes} before={before} after={after} />
       <Table caption="Changes" columns={COLUMNS} rows={rows} keyOf={({ key }) => key} sort="scene" sortParameter="changes" />
-      <p class="soft small">The table lists the scenes in which the cost ratio of an arm has changed. It uses the evidence of each build alone. <code>sweepstake priors diff</code> compares exported files in the same way. Only
+      <p class="soft small">The table lists the scenes in which the cost ratio of an algorithm has changed. It uses the evidence of each build alone. <code>sweepstake priors diff</code> compares exported files in the same way. Only
         rewards of version {LOG_COST_REWARD_VERSION} can be compared, since they depend on the cost alone.</p>
     </>
   );

@@ -16,7 +16,7 @@ describe('the rows of a scene', () => {
   const rows = armRows(posterior);
   it('are measured live, in the lane only, or never', () => expect(rows.map(({ measured }) => measured)).toEqual(['live', 'lane', 'never']));
   it('name the version of a backend if there are several', () => expect(rows.map(({ label, isOutdated }) => [label, isOutdated])).toEqual([['A v1', true], ['A v2', false], ['B', false]]));
-  it('are drawn with the most probable arm first and old versions last', () => expect(ridgeRows(rows).map(({ label }) => label)).toEqual(['B', 'A v2', 'A v1']));
+  it('are drawn with the cheapest arm first and old versions last', () => expect(ridgeRows(rows).map(({ label }) => label)).toEqual(['B', 'A v2', 'A v1']));
   it('have the earlier posterior behind them if it differs', () => {
     const before = create(ScenePosteriorSchema, { arms: [{ arm: 'A', backendVersion: 2, posterior: { alpha: 5, beta: 4 } }, { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 } }] });
     expect(ridgeRows(rows, before).map(({ before: was }) => was?.alpha)).toEqual([undefined, 5, undefined]);

@@ -26,9 +26,9 @@ export const armRows = ({ arms }: ScenePosterior): ArmRow[] => arms.flatMap((row
   return posterior ? [{ ...row, posterior, key: `${arm}\n${backendVersion}`, label: hasVersions ? `${arm} v${backendVersion}` : arm, measured: measuredBy(row) }] : [];
 });
 
-/** Orders arms by P(best), highest first, old versions last. A posterior in `before` that differs is drawn behind the current one. */
+/** Orders arms by their mean reward, the cheapest first, old versions last. A posterior in `before` that differs is drawn behind the current one. */
 export function ridgeRows(rows: readonly ArmRow[], before?: ScenePosterior): RidgeRow[] {
-  const rank = ({ isOutdated, bestProbability }: ArmRow) => (isOutdated ? -1 : bestProbability ?? 0);
+  const rank = ({ isOutdated, posterior }: ArmRow) => (isOutdated ? -1 : mean(posterior));
   return [...rows].sort((a, b) => rank(b) - rank(a) || a.key.localeCompare(b.key))
     .map(({ arm, label, backendVersion, posterior, measured }) => {
       const was = before?.arms.find((each) => each.arm === arm && each.backendVersion === backendVersion)?.posterior;
@@ -55,30 +55,31 @@ function columns(rewardVersion: number): readonly Column<ArmRow>[] {
   const shown = (reward: number) => rewardText(reward, tellsCosts);
   const value = (reward: number) => (tellsCosts ? costNsOf(reward) : reward);
   const end = ({ posterior: { low95, high95 } }: ArmRow, isHigh: boolean) => (isHigh === tellsCosts ? low95 : high95);
+  const unit = tellsCosts ? { unit: 'ns' } : {};
   const ratio: Column<ArmRow> = { id: 'ratio', title: 'Cost ÷ leader’s', hint: 'Cost relative to the leader: median, and 95 % credible interval',
     sort: ({ costRatio }) => costRatio?.median, cell: ({ costRatio }) => (costRatio ? ratioText(costRatio) : '–') };
   return [
-    { id: 'arm', title: 'Arm', sort: ({ label }) => label,
+    { id: 'arm', title: 'Algorithm', sort: ({ label }) => label,
       cell: (row) => <><Arm name={row.arm} hollow={row.measured !== 'live'} />{row.label !== row.arm && <span class="soft"> v{row.backendVersion}{row.isOutdated && ', old'}</span>}</> },
-    { id: 'measured', title: 'Measured', isText: true, hint: 'Whether the arm ran in a game, or only in the shadow lane', sort: ({ measured }) => measured,
+    { id: 'measured', title: 'Measured', isText: true, hint: 'Whether the algorithm ran in a game, or only in the shadow lane', sort: ({ measured }) => measured,
       cell: ({ measured }) => (measured === 'live' ? 'live' : <span class="lane-only" title={MEASURED_WORDS[measured]}>{measured === 'lane' ? 'lane only' : 'never'}</span>) },
-    { id: 'best', title: 'P(best)', hint: 'Probability that the arm is the best', sort: ({ bestProbability }) => bestProbability, cell: ({ bestProbability }) => bestProbability?.toFixed(3) ?? '–' },
-    { id: 'mean', title: tellsCosts ? 'Detection time' : 'Reward', hint: `Mean of the posterior${tellsCosts ? ', in nanoseconds' : ''}`,
+    { id: 'best', title: 'P(best)', hint: 'Probability that the algorithm is the best', sort: ({ bestProbability }) => bestProbability, cell: ({ bestProbability }) => bestProbability?.toFixed(3) ?? '–' },
+    { id: 'mean', title: tellsCosts ? 'Detection time' : 'Reward', ...unit, hint: 'Mean of the posterior',
       sort: ({ posterior }) => value(mean(posterior)), cell: ({ posterior }) => shown(mean(posterior)) },
-    { id: 'low', title: '95 % from', sort: (row) => value(end(row, false)), cell: (row) => shown(end(row, false)) },
-    { id: 'high', title: 'to', sort: (row) => value(end(row, true)), cell: (row) => shown(end(row, true)) },
+    { id: 'low', title: '95 % from', ...unit, sort: (row) => value(end(row, false)), cell: (row) => shown(end(row, false)) },
+    { id: 'high', title: 'to', ...unit, sort: (row) => value(end(row, true)), cell: (row) => shown(end(row, true)) },
     ...(tellsCosts ? [ratio] : []),
-    { id: 'windows', title: 'Windows', hint: 'Decision windows in which the arm ran in games', sort: ({ windowCount }) => Number(windowCount) },
-    { id: 'visits', title: 'Lane visits', hint: 'Measurements of the arm in the shadow lane', sort: ({ visitCount }) => Number(visitCount) },
-    { id: 'n', title: 'Equivalent windows', hint: 'The number of live windows that would be as informative as all windows and lane visits together', sort: ({ effectiveWindowCount }) => effectiveWindowCount,
+    { id: 'windows', title: 'Windows', hint: 'Decision windows in which the algorithm ran in games', sort: ({ windowCount }) => Number(windowCount) },
+    { id: 'visits', title: 'Lane visits', hint: 'Measurements of the algorithm in the shadow lane', sort: ({ visitCount }) => Number(visitCount) },
+    { id: 'n', title: 'Equivalent windows', isDetail: true, hint: 'The number of live windows that would be as informative as all windows and lane visits together', sort: ({ effectiveWindowCount }) => effectiveWindowCount,
       cell: ({ effectiveWindowCount }) => (effectiveWindowCount > 0 ? significant(effectiveWindowCount) : '–') },
-    { id: 'age', title: 'Changed', hint: 'Time of the latest evidence of the arm', sort: (row) => lastSeenMs(row) || undefined,
+    { id: 'age', title: 'Changed', hint: 'Time of the latest evidence of the algorithm', sort: (row) => lastSeenMs(row) || undefined,
       cell: (row) => (lastSeenMs(row) ? ago(lastSeenMs(row), now.value) : <span class="soft">unknown</span>) },
-    { id: 'bails', title: 'Bail-outs', hint: 'Frames over the bail-out limit that the arm caused', sort: ({ bailOutCount }) => Number(bailOutCount) },
-    { id: 'alpha', title: 'α', sort: ({ posterior }) => posterior.alpha, cell: ({ posterior }) => significant(posterior.alpha, 5) },
-    { id: 'beta', title: 'β', sort: ({ posterior }) => posterior.beta, cell: ({ posterior }) => significant(posterior.beta, 5) },
+    { id: 'bails', title: 'Bail-outs', hint: 'Frames over the bail-out limit that the algorithm caused', sort: ({ bailOutCount }) => Number(bailOutCount) },
+    { id: 'alpha', title: 'α', isDetail: true, hint: 'The first parameter of the reward’s Beta distribution: its mean is α ÷ (α + β), and it is narrower the larger α + β is', sort: ({ posterior }) => posterior.alpha, cell: ({ posterior }) => significant(posterior.alpha, 5) },
+    { id: 'beta', title: 'β', isDetail: true, hint: 'The second parameter of the reward’s Beta distribution', sort: ({ posterior }) => posterior.beta, cell: ({ posterior }) => significant(posterior.beta, 5) },
   ];
 }
 
 export const ArmTable = ({ rows, rewardVersion }: { rows: readonly ArmRow[]; rewardVersion: number }) =>
-  <Table caption="Arms" columns={columns(rewardVersion)} rows={rows} keyOf={({ key }) => key} sort="-best" sortParameter="arms" />;
+  <Table caption="Algorithms" columns={columns(rewardVersion)} rows={rows} keyOf={({ key }) => key} sort="-best" sortParameter="arms" />;

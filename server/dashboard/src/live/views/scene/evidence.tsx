@@ -32,8 +32,8 @@ function ByMeasure({ scene, name }: { scene: SceneComparison | undefined; name: 
   return (
     <RidgeFigure id="measured" title="Measured in games, and in the shadow lane" names={[name.project, name.scene]} rows={measuredRows(scene)}
       rewardVersion={name.rewardVersion} notYet={NO_EVIDENCE}
-      note="Games run an arm when the policy chooses it. The lane runs all arms on the same frames, on a thread of its own. For some arms its costs are wrong by 10 to 20 %.
-        Posteriors compare the arms by their costs in the lane, scaled to the mean cost of the arms that also ran in games. A posterior may therefore differ from both
+      note="Games run an algorithm when the policy chooses it. The lane runs all algorithms on the same frames, on a thread of its own. For some of them its costs are wrong by 10 to 20 %.
+        Posteriors compare the algorithms by their costs in the lane, scaled to the mean cost of the algorithms that also ran in games. A posterior may therefore differ from both
         measurements." />
   );
 }

@@ -9,7 +9,9 @@ import { Name } from '../../parts/name';
 import { type Column, Table } from '../../parts/table';
 import { bestOf, costText, isChanging, regimeText, savingText } from '../../state/regimes';
 import { sessionHref } from '../../state/route';
+import { frameTimesOf } from '../../state/savings';
 import { leaderProbabilityOf, type SceneState } from '../../state/scenes';
+import { sessions } from '../../state/sessions';
 import { verdictOf } from '../../state/summaries';
 import { verdictWord } from '../words';
 
@@ -24,12 +26,21 @@ function RunsNow({ activity, sessionCount }: { activity: SceneActivity; sessionC
   );
 }
 
+// Says whether the broad phase is the cause of a low frame rate: it is not if it takes a small share of the frame.
+function causeOf(activity: SceneActivity | undefined): string {
+  const frameMs = frameTimesOf(sessions.value.get(activity?.sessionId ?? '')).at(-1);
+  const ranUs = activity?.total?.ranUs;
+  if (frameMs === undefined || ranUs === undefined) return '';
+  const part = ranUs / 1000 / frameMs;
+  return `The broad phase takes ${share(part)} of the frame, so ${part < 0.1 ? 'the cause is elsewhere' : 'fewer objects would help'}. `;
+}
+
 // The verdict on a scene in which one arm is the best.
 function OneBest({ state: { posterior }, verdict }: { state: SceneState; verdict: Verdict }) {
   if (!posterior.leaderArm) return <>{verdictWord(verdict).meaning}</>;
   return (
     <>
-      {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} `}<b><Name text={posterior.leaderArm} /></b> is the best arm with a probability of{' '}
+      {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} ${causeOf(posterior.activity)}`}<b><Name text={posterior.leaderArm} /></b> is the best algorithm with a probability of{' '}
       <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. With
       exactly known costs, the choice would gain <b>{share(posterior.valueRemainingRatio)}</b> on average.
     </>
@@ -40,7 +51,7 @@ function OneBest({ state: { posterior }, verdict }: { state: SceneState; verdict
 function BestOfRegimes({ activity }: { activity: SceneActivity }) {
   return (
     <>
-      The best arm depends on the regime of the scene:{' '}
+      The best algorithm depends on the regime of the scene:{' '}
       {activity.regimes.map((regime, i) => (
         <span key={i}>{i > 0 && ', '}<b><Name text={regime.bestArm} unknown="unknown" /></b> with a probability of{' '}
           <b>{bestOf(regime, activity)?.bestProbability.toFixed(3) ?? '–'}</b> in regime {i + 1}{regime.isPresent && ' (now)'}</span>
@@ -51,7 +62,7 @@ function BestOfRegimes({ activity }: { activity: SceneActivity }) {
 
 function saved(us: number | undefined, against: string): string | undefined {
   if (us === undefined) return undefined;
-  return `${us < 0 ? 'loses' : 'saves'} ${significant(Math.abs(us) / 1000)} ms per frame against ${against}`;
+  return `${us < 0 ? 'loses' : 'saves'} ${savingText(Math.abs(us))} per frame against ${against}`;
 }
 
 function Savings({ total, activity }: { total: RegimePosterior; activity: SceneActivity }) {
@@ -85,18 +96,19 @@ interface Row { name: string; regime: RegimePosterior; activity: SceneActivity }
 
 const COLUMNS: readonly Column<Row>[] = [
   { id: 'regime', title: 'Regime', sort: ({ name }) => name },
-  { id: 'scene', title: 'Scene', isText: true, hint: 'What is typical of the scene in this regime', sort: ({ regime, name }) => (name === 'all' ? undefined : regimeText(regime)) },
+  { id: 'scene', title: 'Scene', isText: true, hint: 'What is typical of the scene in this regime', sort: ({ regime, name }) => (name === 'all' ? undefined : regimeText(regime)),
+    cell: ({ regime, name }) => (name === 'all' ? '–' : <bdi class="words">{regimeText(regime)}</bdi>) },
   { id: 'frames', title: 'Frames', hint: 'Share of the frames in this regime', sort: ({ regime }) => regime.frameShare, cell: ({ regime }) => share(regime.frameShare) },
-  { id: 'best', title: 'Best arm', isText: true, sort: ({ regime }) => regime.bestArm, cell: ({ regime }) => <Arm name={regime.bestArm} /> },
-  { id: 'p', title: 'P(best)', hint: 'Probability that this arm is the best in this regime', sort: ({ regime, activity }) => bestOf(regime, activity)?.bestProbability,
+  { id: 'best', title: 'Best algorithm', isText: true, sort: ({ regime }) => regime.bestArm, cell: ({ regime }) => <Arm name={regime.bestArm} /> },
+  { id: 'p', title: 'P(best)', hint: 'Probability that this algorithm is the best in this regime', sort: ({ regime, activity }) => bestOf(regime, activity)?.bestProbability,
     cell: ({ regime, activity }) => bestOf(regime, activity)?.bestProbability.toFixed(3) ?? '–' },
-  { id: 'cost', title: 'Its cost', hint: 'Detection time per frame: median, and 95 % credible interval', sort: ({ regime, activity }) => bestOf(regime, activity)?.costUs,
+  { id: 'cost', title: 'Its cost', unit: 'µs', hint: 'Detection time per frame: median, and 95 % credible interval', sort: ({ regime, activity }) => bestOf(regime, activity)?.costUs,
     cell: ({ regime, activity }) => costText(bestOf(regime, activity)) ?? '–' },
-  { id: 'ran', title: 'What ran', hint: 'Mean detection time per frame of the arms that ran, with the cost of switches', sort: ({ regime }) => regime.ranUs,
+  { id: 'ran', title: 'What ran', unit: 'µs', hint: 'Mean detection time per frame of the algorithms that ran, with the cost of switches', sort: ({ regime }) => regime.ranUs,
     cell: ({ regime }) => (regime.ranUs === undefined ? '–' : `${significant(regime.ranUs)} µs`) },
-  { id: 'saved', title: 'Saved', hint: 'Saved per frame against the best single choice', sort: ({ regime }) => regime.savedAgainstSingleUs,
+  { id: 'saved', title: 'Saved', unit: 'µs', hint: 'Saved per frame against the best single choice', sort: ({ regime }) => regime.savedAgainstSingleUs,
     cell: ({ regime }) => savingText(regime.savedAgainstSingleUs) ?? '–' },
-  { id: 'saved-kdtree', title: 'Saved, KDTree', hint: 'Saved per frame against KDTree', sort: ({ regime }) => regime.savedAgainstReferenceUs,
+  { id: 'saved-kdtree', title: 'Saved, KDTree', unit: 'µs', hint: 'Saved per frame against KDTree', sort: ({ regime }) => regime.savedAgainstReferenceUs,
     cell: ({ regime }) => savingText(regime.savedAgainstReferenceUs) ?? '–' },
 ];
 
@@ -109,5 +121,5 @@ const rowsOf = (activity: SceneActivity): Row[] => [
 export function Regimes({ posterior: { activity } }: { posterior: ScenePosterior }) {
   if (!activity) return <p class="soft">No session is connected. Regimes are shown only during a session.</p>;
   if (activity.regimes.length === 0) return <p class="soft">The session has seen one regime so far: {activity.total ? regimeText(activity.total) : 'not described'}.</p>;
-  return <Table caption="Best arm of each regime" columns={COLUMNS} rows={rowsOf(activity)} keyOf={({ name }) => name.split(' ')[0]!} sort="regime" sortParameter="regimes" />;
+  return <Table caption="Best algorithm of each regime" columns={COLUMNS} rows={rowsOf(activity)} keyOf={({ name }) => name.split(' ')[0]!} sort="regime" sortParameter="regimes" />;
 }

@@ -62,7 +62,7 @@ const SESSION_COLUMNS: readonly Column<SessionState>[] = [
       const { name, mark, meaning } = session.ended ? endWord(session.ended.end) : stateWord(session.info.state);
       return <Chip tone={isConnected(session) ? 'good' : 'plain'} sign={mark} title={meaning}>{name}</Chip>;
     } },
-  { id: 'arm', title: 'Active arm', isText: true, sort: ({ info }) => info.activeArm, cell: ({ info }) => <Arm name={info.activeArm} /> },
+  { id: 'arm', title: 'Active algorithm', isText: true, sort: ({ info }) => info.activeArm, cell: ({ info }) => <Arm name={info.activeArm} /> },
   { id: 'mode', title: 'Mode', isText: true, sort: ({ info }) => modeWord(info.mode).name },
   { id: 'build', title: 'Build', isText: true, sort: ({ info }) => info.build },
   { id: 'start', title: 'Began', sort: ({ info }) => Number(info.unixStartMs), cell: ({ info }) => timeText(Number(info.unixStartMs)) },
@@ -78,12 +78,12 @@ export function Sessions({ name }: { name: SceneName }) {
 }
 
 const SHOWN_DECISIONS = 12;
-const QUIET = [DecisionOutcome.KEPT, DecisionOutcome.NO_FRAMES, DecisionOutcome.HELD_SETTLING];
+const QUIET = new Set([DecisionOutcome.KEPT, DecisionOutcome.NO_FRAMES, DecisionOutcome.HELD_SETTLING]);
 
 /** The latest decisions that changed something or were held back. */
 export function Latest({ decisions, rewardVersion }: { decisions: readonly DecisionEvent[]; rewardVersion: number }) {
-  const shown = decisions.filter(({ outcome }) => !QUIET.includes(outcome)).slice(-SHOWN_DECISIONS).reverse();
-  if (shown.length === 0) return <p class="soft">Every decision since the page was opened kept the active arm.</p>;
+  const shown = decisions.filter(({ outcome }) => !QUIET.has(outcome)).slice(-SHOWN_DECISIONS).reverse();
+  if (shown.length === 0) return <p class="soft">Every decision since the page was opened kept the active algorithm.</p>;
   return (
     <ul class="latest">
       {shown.map((event) => (

@@ -27,12 +27,12 @@ async function ask({ sessionId, mode, activeArm }: SessionInfo, order: Order): P
   const body = (
     <>
       <p>{order.mode === Mode.AI
-        ? 'The daemon chooses the arm again, and learns from its cost.'
+        ? 'The daemon chooses the algorithm again, and learns from its cost.'
         : <>The game keeps <Name text={order.arm} /> until the next order. Meanwhile its frames do not become evidence.</>}</p>
       <p class="soft">The audit log records the order. You can undo it.</p>
     </>
   );
-  const action = order.mode === Mode.AI ? 'Let the daemon decide' : 'Keep this arm';
+  const action = order.mode === Mode.AI ? 'Let the daemon decide' : 'Keep this algorithm';
   if (await confirmed({ title: `${action}?`, body, action })) await give(sessionId, order, { mode, arm: mode === Mode.MANUAL ? activeArm : '' });
 }
 
@@ -66,7 +66,7 @@ export function Orders({ info, arms, isOver }: { info: SessionInfo; arms: readon
           {[...new Set([info.activeArm, ...arms])].map((name) => <option key={name} value={name}>{visible(name)}</option>)}
         </select>
       </label>
-      <button type="button" onClick={() => void ask(info, { mode: Mode.MANUAL, arm })}>Pin this arm</button>
+      <button type="button" onClick={() => void ask(info, { mode: Mode.MANUAL, arm })}>Pin this algorithm</button>
       <button type="button" onClick={() => void kick(info, true)}>Reconnect</button>
       <button type="button" onClick={() => void kick(info, false)}>End session</button>
       <span class="soft" title={modeWord(info.mode).meaning}>Now: {modeWord(info.mode).name}</span>

@@ -1,4 +1,4 @@
-// "Why this arm?": explains one decision in sentences, and shows all fields of its audit row.
+// "Why this algorithm?": explains one decision in sentences, and shows all fields of its audit row.
 import { useEffect } from 'preact/hooks';
 import { kindWord } from '../words';
 import { explained, explainedRow } from '../../audit/explain';
