@@ -303,6 +303,7 @@ void ToProto(const decision::SceneComparison& scene, bool with_intervals,
   message.set_scene(scene.key.scene);
   message.set_machine_class(scene.key.machine_class);
   message.set_reward_version(scene.key.reward_version);
+  message.set_regime(scene.key.regime);
   message.set_known_in_both(scene.in_both());
   message.set_leader_changed(scene.leader_changed());
   for (const decision::ArmComparison& arm : scene.arms) {

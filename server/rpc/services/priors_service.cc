@@ -107,6 +107,7 @@ class BuildComparison {
       EndScene(response);
       scene_ = record.key;
     }
+    if (!request_.scene().empty()) record.key.regime.clear();
     sums_.Add(std::move(record));
   }
 

@@ -139,10 +139,10 @@ async function checkChanges(page, daemon, commands) {
   assert.deepEqual([query(page).get('before'), query(page).get('after')], ['1.1', '1.2']);
   const { file } = commands.exported();
   const { scenes } = commands.run('diff', file, file, '--build', '1.1', '--other-build', '1.2');
-  const expected = scenes.flatMap(({ scene, leader_changed: isOther, arms }) => arms.map(({ arm, before, after }) =>
-    [scene, arm, before?.toFixed(2) ?? '–', after?.toFixed(2) ?? '–', isOther].join()));
+  const expected = scenes.flatMap(({ scene, regime, leader_changed: isOther, arms }) => arms.map(({ arm, before, after }) =>
+    [scene, regime || '–', arm, before?.toFixed(2) ?? '–', after?.toFixed(2) ?? '–', isOther].join()));
   const shown = (await rowsOf(page, 'Changes')).map((row) =>
-    [row.Scene, row.Algorithm, row['Cost before'], row['Cost after'], row['Cheapest algorithm'] === 'another'].join());
+    [row.Scene, row.Regime, row.Algorithm, row['Cost before'], row['Cost after'], row['Cheapest algorithm'] === 'another'].join());
   assert.ok(expected.some((row) => row.startsWith('cave,')), 'only one build has played the cave');
   assert.deepEqual(shown.sort(), expected.sort());
   await assertAccessible(page, 'changes');
@@ -249,7 +249,7 @@ async function checkRevokeForm(page, daemon, commands) {
   assert.equal(await field('Project').inputValue(), 'arcade');
   await expecting(page, refused(400), async () => {
     await preview();
-    await dialog(page).getByText('select the sources to revoke').waitFor();
+    await dialog(page).getByText('select the sessions to revoke').waitFor();
   });
   assert.ok(await revoke.isDisabled());
   const { records } = commands.exported();

@@ -13,11 +13,12 @@ class CompareBuildsTest : public RpcTest {
  protected:
   // Adds a source that ran an arm in a scene, and was seen at this time.
   void Add(const std::string& build, const std::string& scene, const std::string& arm, double alpha,
-           const std::string& measured_by = "") {
+           const std::string& measured_by = "", const std::string& regime = "") {
     v1::PriorRecord& record = *request_.add_records();
     record.set_project("game");
     record.set_scene(scene);
     record.set_measured_by(measured_by);
+    record.set_regime(regime);
     record.set_arm(arm);
     record.set_backend_version(1);
     record.set_machine_class("pc");
@@ -126,6 +127,24 @@ TEST_F(CompareBuildsTest, WindowsAndVisitsOfAllBuildsStandBesideTheEvidenceOfThe
   EXPECT_EQ(sap.after().lane().alpha(), 401);
   EXPECT_LT(sap.after().posterior().alpha(), sap.after().lane().alpha() - 50)
       << "the unknown bias of the lane limits the evidence";
+}
+
+TEST_F(CompareBuildsTest, TheRegimesOfANamedSceneCountTogether) {
+  Add("1.1", "arena", "Grid", 600);
+  Add("1.1", "arena", "Grid", 500, "", "6/0/0");
+  Add("1.1", "arena", "SAP", 400, "lane", "8/1/0");
+  Import(/*promote=*/true);
+  std::vector<std::string> regimes;
+  for (const v1::SceneComparison& scene : Compare({})) regimes.push_back(scene.regime());
+  EXPECT_THAT(regimes, ElementsAre("", "6/0/0", "8/1/0"));
+  v1::CompareBuildsRequest request;
+  request.set_scene("arena");
+  const std::vector<v1::SceneComparison> scenes = Compare(request);
+  ASSERT_THAT(scenes, SizeIs(1));
+  EXPECT_EQ(scenes[0].regime(), "");
+  ASSERT_EQ(scenes[0].arms_size(), 2);
+  EXPECT_EQ(scenes[0].arms(0).after().live().alpha(), 1101);
+  EXPECT_EQ(scenes[0].arms(1).after().lane().alpha(), 401);
 }
 
 }  // namespace

@@ -68,31 +68,31 @@ namespace Sweepstake.Protocol.V1 {
             "dGFrZS52MS5CdWlsZENob2ljZRIpCgVhZnRlchgEIAEoCzIaLnN3ZWVwc3Rh",
             "a2UudjEuQnVpbGRDaG9pY2USFAoMY2hhbmdlc19vbmx5GAUgASgIIkcKFUNv",
             "bXBhcmVCdWlsZHNSZXNwb25zZRIuCgZzY2VuZXMYASADKAsyHi5zd2VlcHN0",
-            "YWtlLnYxLlNjZW5lQ29tcGFyaXNvbiLnAQoPU2NlbmVDb21wYXJpc29uEg8K",
+            "YWtlLnYxLlNjZW5lQ29tcGFyaXNvbiL3AQoPU2NlbmVDb21wYXJpc29uEg8K",
             "B3Byb2plY3QYASABKAkSDQoFc2NlbmUYAiABKAkSFQoNbWFjaGluZV9jbGFz",
             "cxgDIAEoCRIWCg5yZXdhcmRfdmVyc2lvbhgEIAEoDRIqCgRhcm1zGAUgAygL",
             "Mhwuc3dlZXBzdGFrZS52MS5Bcm1Db21wYXJpc29uEhUKDWtub3duX2luX2Jv",
             "dGgYBiABKAgSFgoObGVhZGVyX2NoYW5nZWQYByABKAgSGgoSbGFyZ2VzdF9s",
-            "b2dfY2hhbmdlGAggASgBEg4KBmJ1aWxkcxgJIAMoCSKEAQoNQXJtQ29tcGFy",
-            "aXNvbhILCgNhcm0YASABKAkSKgoGYmVmb3JlGAIgASgLMhouc3dlZXBzdGFr",
-            "ZS52MS5Bcm1FdmlkZW5jZRIpCgVhZnRlchgDIAEoCzIaLnN3ZWVwc3Rha2Uu",
-            "djEuQXJtRXZpZGVuY2USDwoHY2hhbmdlZBgEIAEoCCLKAQoLQXJtRXZpZGVu",
-            "Y2USMQoJcG9zdGVyaW9yGAEgASgLMh4uc3dlZXBzdGFrZS52MS5SZXdhcmRQ",
-            "b3N0ZXJpb3ISLAoEbGl2ZRgCIAEoCzIeLnN3ZWVwc3Rha2UudjEuUmV3YXJk",
-            "UG9zdGVyaW9yEiwKBGxhbmUYAyABKAsyHi5zd2VlcHN0YWtlLnYxLlJld2Fy",
-            "ZFBvc3RlcmlvchIsCgpjb3N0X3JhdGlvGAQgASgLMhguc3dlZXBzdGFrZS52",
-            "MS5Db3N0UmF0aW8y2AMKDVByaW9yc1NlcnZpY2USWQoMRXhwb3J0UHJpb3Jz",
-            "EiIuc3dlZXBzdGFrZS52MS5FeHBvcnRQcmlvcnNSZXF1ZXN0GiMuc3dlZXBz",
-            "dGFrZS52MS5FeHBvcnRQcmlvcnNSZXNwb25zZTABElkKDEltcG9ydFByaW9y",
-            "cxIiLnN3ZWVwc3Rha2UudjEuSW1wb3J0UHJpb3JzUmVxdWVzdBojLnN3ZWVw",
-            "c3Rha2UudjEuSW1wb3J0UHJpb3JzUmVzcG9uc2UoARJXCgxSZXZva2VQcmlv",
-            "cnMSIi5zd2VlcHN0YWtlLnYxLlJldm9rZVByaW9yc1JlcXVlc3QaIy5zd2Vl",
-            "cHN0YWtlLnYxLlJldm9rZVByaW9yc1Jlc3BvbnNlEloKDVByb21vdGVQcmlv",
-            "cnMSIy5zd2VlcHN0YWtlLnYxLlByb21vdGVQcmlvcnNSZXF1ZXN0GiQuc3dl",
-            "ZXBzdGFrZS52MS5Qcm9tb3RlUHJpb3JzUmVzcG9uc2USXAoNQ29tcGFyZUJ1",
-            "aWxkcxIjLnN3ZWVwc3Rha2UudjEuQ29tcGFyZUJ1aWxkc1JlcXVlc3QaJC5z",
-            "d2VlcHN0YWtlLnYxLkNvbXBhcmVCdWlsZHNSZXNwb25zZTABQhmqAhZTd2Vl",
-            "cHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "b2dfY2hhbmdlGAggASgBEg4KBmJ1aWxkcxgJIAMoCRIOCgZyZWdpbWUYCiAB",
+            "KAkihAEKDUFybUNvbXBhcmlzb24SCwoDYXJtGAEgASgJEioKBmJlZm9yZRgC",
+            "IAEoCzIaLnN3ZWVwc3Rha2UudjEuQXJtRXZpZGVuY2USKQoFYWZ0ZXIYAyAB",
+            "KAsyGi5zd2VlcHN0YWtlLnYxLkFybUV2aWRlbmNlEg8KB2NoYW5nZWQYBCAB",
+            "KAgiygEKC0FybUV2aWRlbmNlEjEKCXBvc3RlcmlvchgBIAEoCzIeLnN3ZWVw",
+            "c3Rha2UudjEuUmV3YXJkUG9zdGVyaW9yEiwKBGxpdmUYAiABKAsyHi5zd2Vl",
+            "cHN0YWtlLnYxLlJld2FyZFBvc3RlcmlvchIsCgRsYW5lGAMgASgLMh4uc3dl",
+            "ZXBzdGFrZS52MS5SZXdhcmRQb3N0ZXJpb3ISLAoKY29zdF9yYXRpbxgEIAEo",
+            "CzIYLnN3ZWVwc3Rha2UudjEuQ29zdFJhdGlvMtgDCg1QcmlvcnNTZXJ2aWNl",
+            "ElkKDEV4cG9ydFByaW9ycxIiLnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3Jz",
+            "UmVxdWVzdBojLnN3ZWVwc3Rha2UudjEuRXhwb3J0UHJpb3JzUmVzcG9uc2Uw",
+            "ARJZCgxJbXBvcnRQcmlvcnMSIi5zd2VlcHN0YWtlLnYxLkltcG9ydFByaW9y",
+            "c1JlcXVlc3QaIy5zd2VlcHN0YWtlLnYxLkltcG9ydFByaW9yc1Jlc3BvbnNl",
+            "KAESVwoMUmV2b2tlUHJpb3JzEiIuc3dlZXBzdGFrZS52MS5SZXZva2VQcmlv",
+            "cnNSZXF1ZXN0GiMuc3dlZXBzdGFrZS52MS5SZXZva2VQcmlvcnNSZXNwb25z",
+            "ZRJaCg1Qcm9tb3RlUHJpb3JzEiMuc3dlZXBzdGFrZS52MS5Qcm9tb3RlUHJp",
+            "b3JzUmVxdWVzdBokLnN3ZWVwc3Rha2UudjEuUHJvbW90ZVByaW9yc1Jlc3Bv",
+            "bnNlElwKDUNvbXBhcmVCdWlsZHMSIy5zd2VlcHN0YWtlLnYxLkNvbXBhcmVC",
+            "dWlsZHNSZXF1ZXN0GiQuc3dlZXBzdGFrZS52MS5Db21wYXJlQnVpbGRzUmVz",
+            "cG9uc2UwAUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.PosteriorsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(null, null, new pbr::GeneratedClrTypeInfo[] {
@@ -111,7 +111,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.BuildChoice), global::Sweepstake.Protocol.V1.BuildChoice.Parser, new[]{ "Build", "Others" }, new[]{ "Build" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.CompareBuildsRequest), global::Sweepstake.Protocol.V1.CompareBuildsRequest.Parser, new[]{ "Project", "Scene", "Before", "After", "ChangesOnly" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.CompareBuildsResponse), global::Sweepstake.Protocol.V1.CompareBuildsResponse.Parser, new[]{ "Scenes" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneComparison), global::Sweepstake.Protocol.V1.SceneComparison.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "KnownInBoth", "LeaderChanged", "LargestLogChange", "Builds" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneComparison), global::Sweepstake.Protocol.V1.SceneComparison.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "KnownInBoth", "LeaderChanged", "LargestLogChange", "Builds", "Regime" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmComparison), global::Sweepstake.Protocol.V1.ArmComparison.Parser, new[]{ "Arm", "Before", "After", "Changed" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmEvidence), global::Sweepstake.Protocol.V1.ArmEvidence.Parser, new[]{ "Posterior", "Live", "Lane", "CostRatio" }, null, null, null, null)
           }));
@@ -4707,7 +4707,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int SceneFieldNumber = 2;
     private string scene_ = "";
     /// <summary>
-    /// Selects only this scene. Absent: all scenes.
+    /// Selects only this scene, and compares its regimes together. Absent: all scenes, each regime by itself.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5212,7 +5212,7 @@ namespace Sweepstake.Protocol.V1 {
   }
 
   /// <summary>
-  /// One scene on one class of machines, by one version of the reward.
+  /// One scene, or a regime of it, on one class of machines, by one version of the reward.
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class SceneComparison : pb::IMessage<SceneComparison>
@@ -5258,6 +5258,7 @@ namespace Sweepstake.Protocol.V1 {
       leaderChanged_ = other.leaderChanged_;
       largestLogChange_ = other.largestLogChange_;
       builds_ = other.builds_.Clone();
+      regime_ = other.regime_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -5400,6 +5401,21 @@ namespace Sweepstake.Protocol.V1 {
       get { return builds_; }
     }
 
+    /// <summary>Field number for the "regime" field.</summary>
+    public const int RegimeFieldNumber = 10;
+    private string regime_ = "";
+    /// <summary>
+    /// The regime (PriorRecord.regime). Absent: unknown, or the regimes are compared together.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Regime {
+      get { return regime_; }
+      set {
+        regime_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -5424,6 +5440,7 @@ namespace Sweepstake.Protocol.V1 {
       if (LeaderChanged != other.LeaderChanged) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(LargestLogChange, other.LargestLogChange)) return false;
       if(!builds_.Equals(other.builds_)) return false;
+      if (Regime != other.Regime) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -5440,6 +5457,7 @@ namespace Sweepstake.Protocol.V1 {
       if (LeaderChanged != false) hash ^= LeaderChanged.GetHashCode();
       if (LargestLogChange != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(LargestLogChange);
       hash ^= builds_.GetHashCode();
+      if (Regime.Length != 0) hash ^= Regime.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -5488,6 +5506,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteDouble(LargestLogChange);
       }
       builds_.WriteTo(output, _repeated_builds_codec);
+      if (Regime.Length != 0) {
+        output.WriteRawTag(82);
+        output.WriteString(Regime);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -5528,6 +5550,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteDouble(LargestLogChange);
       }
       builds_.WriteTo(ref output, _repeated_builds_codec);
+      if (Regime.Length != 0) {
+        output.WriteRawTag(82);
+        output.WriteString(Regime);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -5561,6 +5587,9 @@ namespace Sweepstake.Protocol.V1 {
         size += 1 + 8;
       }
       size += builds_.CalculateSize(_repeated_builds_codec);
+      if (Regime.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Regime);
+      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -5596,6 +5625,9 @@ namespace Sweepstake.Protocol.V1 {
         LargestLogChange = other.LargestLogChange;
       }
       builds_.Add(other.builds_);
+      if (other.Regime.Length != 0) {
+        Regime = other.Regime;
+      }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -5651,6 +5683,10 @@ namespace Sweepstake.Protocol.V1 {
             builds_.AddEntriesFrom(input, _repeated_builds_codec);
             break;
           }
+          case 82: {
+            Regime = input.ReadString();
+            break;
+          }
         }
       }
     #endif
@@ -5704,6 +5740,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 74: {
             builds_.AddEntriesFrom(ref input, _repeated_builds_codec);
+            break;
+          }
+          case 82: {
+            Regime = input.ReadString();
             break;
           }
         }

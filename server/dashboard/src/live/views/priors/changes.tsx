@@ -21,7 +21,7 @@ const MAX_PICTURES = 6;
 const beforeOf = ({ before }: ArmComparison) => before?.costRatio;
 const afterOf = ({ after }: ArmComparison) => after?.costRatio;
 const ratioText = (ratio: { median: number } | undefined) => ratio?.median.toFixed(2) ?? '–';
-const keyOf = ({ project, scene, machineClass }: SceneComparison) => [project, scene, machineClass].join('\n');
+const keyOf = ({ project, scene, machineClass, regime }: SceneComparison) => [project, scene, machineClass, regime].join('\n');
 
 function changeWord(change: ArmComparison): string {
   const [before, after] = [beforeOf(change), afterOf(change)];
@@ -48,19 +48,21 @@ const COLUMNS: readonly Column<Row>[] = [
     cell: ({ change }) => <Chip tone={change.changed ? 'warn' : 'plain'}>{changeWord(change)}</Chip> },
   { id: 'leader', title: 'Cheapest algorithm', isText: true, hint: 'Whether the same algorithm is the cheapest in both builds', sort: ({ scene }) => leaderWord(scene),
     cell: ({ scene }) => (scene.leaderChanged ? <Chip tone="bad" sign="≠">another</Chip> : leaderWord(scene)) },
+  { id: 'regime', title: 'Regime', isText: true, hint: 'Object count, mean speed and share of static objects, each in steps of the regimes', sort: ({ scene }) => scene.regime,
+    cell: ({ scene }) => <Name text={scene.regime} unknown="–" /> },
   { id: 'class', title: 'Machines', isText: true, sort: ({ scene }) => scene.machineClass },
   { id: 'project', title: 'Project', isText: true, sort: ({ scene }) => scene.project },
 ];
 
-function Picture({ change: { project, scene, machineClass, arms }, before, after }: Builds & { change: SceneComparison }) {
-  const title = `What algorithms cost in ${visible(scene)}${machineClass && ` on ${visible(machineClass)}`}`;
+function Picture({ change: { project, scene, machineClass, regime, arms }, before, after }: Builds & { change: SceneComparison }) {
+  const title = `What algorithms cost in ${visible(scene)}${machineClass && ` on ${visible(machineClass)}`}${regime && `, regime ${visible(regime)}`}`;
   const rows = arms.map((change) => ({ arm: change.arm, before: beforeOf(change), after: afterOf(change) }));
   const table = () => ({
     header: ['algorithm', `cost ratio in ${before}`, '95 % from', 'to', `in ${after}`, '95 % from', 'to'],
     rows: rows.map(({ arm, ...change }) => [arm, ...[change.before, change.after].flatMap((ratio) => [ratio?.median, ratio?.low, ratio?.high])]),
   });
   return (
-    <ChartFrame id="changes" title={title} names={[project, scene, machineClass, before, after]} table={table}
+    <ChartFrame id="changes" title={title} names={[project, scene, machineClass, regime, before, after]} table={table}
       note={<>Hollow: build <Name text={before} />. Filled: build <Name text={after} />. Lines: 95 % intervals.</>}>
       <Intervals title={title} rows={rows} unit="cost ÷ that of the cheapest algorithm (less is better)" />
     </ChartFrame>
