@@ -50,10 +50,14 @@ describe('the rows of a log', () => {
   });
 
   it('give the mean costs of a window', () => {
-    const ofWindow = (window: object) => windowOf(create(AuditRowSchema, { runs: { active: { window } } }));
+    const of = (active: object) => windowOf(create(AuditRowSchema, { runs: { active } }));
+    const ofWindow = (window: object) => of({ window });
     const window = ofWindow({ frameCount: 1081n, ordinaryFrameCount: 1081n, timeNs: 25_355_544, ordinaryDetectionNs: 10_363_181, checkCount: 60_190_080, peakBytes: 13_440n })!;
     expect(window).toEqual({ frameMs: expect.closeTo(25.355544 / 1081, 9), detectionMs: expect.closeTo(10.363181 / 1081, 9), checkCount: expect.closeTo(55_680, 6), nativeBytes: 13_440 });
     expect(ofWindow({})).toBeUndefined();
+    const newFrames = { frameCount: 2n, timeNs: 30e6 };
+    expect(of({ window: {}, newFrames })!.frameMs, 'without frames of a known regime, the new ones count').toBeCloseTo(15, 9);
+    expect(of({ window: { frameCount: 1n, timeNs: 8e6 }, newFrames })!.frameMs).toBeCloseTo(8, 9);
   });
 
   it('are listed with the paths of their fields', () => {

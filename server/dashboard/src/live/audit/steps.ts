@@ -56,9 +56,11 @@ export interface WindowMeans {
   nativeBytes: number; // peak
 }
 
-/** Returns the costs in the row's decision window; undefined if the window has no frames. */
+/** Returns the costs in the row's decision window; undefined if the window has no frames. Without frames of a known regime, a decision
+ * uses the new frames (DecisionSession in engine_client/decider/session/decision_session.cc). */
 export const windowOf = once((row: AuditRow): WindowMeans | undefined => {
-  const window = row.runs?.active?.window;
+  const active = row.runs?.active;
+  const window = active?.window?.frameCount ? active.window : active?.newFrames;
   const frameCount = Number(window?.frameCount ?? 0);
   if (!window || frameCount === 0) return undefined;
   return {
