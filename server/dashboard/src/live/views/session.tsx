@@ -1,6 +1,6 @@
 // The view of a session: which arm ran when and why, frame costs, posteriors, shadow lane, and an operator's orders.
 import { useComputed } from '@preact/signals';
-import { useEffect, useMemo } from 'preact/hooks';
+import { useEffect, useMemo, useRef } from 'preact/hooks';
 import { counted, grouped } from '../../format';
 import { armsOf, isSwitch, type Step } from '../audit/steps';
 import { LogState, type SessionLog, toldIn, useSessionLog, useSteps } from '../audit/use_log';
@@ -66,12 +66,15 @@ const openStep = (step: Step) =>
 
 const asksForStep = () => route.value.query.has('decision') || route.value.query.has('at');
 
-function chosenStep(steps: readonly Step[]): Step | undefined {
+/** Returns the step in the URL. A step that was shown once stays, even if the page has dropped it from its log. */
+function useChosenStep(steps: readonly Step[]): Step | undefined {
   const { query } = route.value;
-  const id = Number(query.get('decision') ?? 0);
-  if (id > 0) return stepFor(steps, id);
-  const at = Number(query.get('at') ?? 0);
-  return at > 0 ? steps.find(({ timeMs }) => Math.round(timeMs) === at) : undefined;
+  const [id, at] = [Number(query.get('decision') ?? 0), Number(query.get('at') ?? 0)];
+  const isIt = ({ decisionId, timeMs, told }: Step) => (id > 0 ? decisionId === id && told !== undefined : at > 0 && Math.round(timeMs) === at);
+  const last = useRef<Step | undefined>(undefined);
+  const found = steps.find(isIt);
+  if (found ?? (last.current && !isIt(last.current))) last.current = found;
+  return last.current;
 }
 
 const decisionTable = (steps: readonly Step[]) => ({
@@ -153,7 +156,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
   const arms = useMemo(() => names, [names.join('\n')]);
   const domain = domainOf(steps.map(({ timeMs }) => timeMs), range.value);
   const moments = useMemo(() => switchMoments(steps, arms), [steps, arms]);
-  const chosen = chosenStep(steps);
+  const chosen = useChosenStep(steps);
   const props = { sessionId, steps, arms, moments, rewardVersion, domain };
   return (
     <>
