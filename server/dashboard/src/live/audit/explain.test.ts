@@ -1,7 +1,7 @@
-import { create, type MessageInitShape } from '@bufbuild/protobuf';
+import { create, type Init } from '../transport/messages';
 import { describe, expect, it } from 'vitest';
 import { rows, setup } from './sample_log';
-import { AuditKind, AuditRowSchema } from '../../gen/sweepstake/v1/audit_pb';
+import { AuditKind, type AuditRow, AuditRowSchema } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { explained, explainedRow, type Told, toldOfRow } from './explain';
@@ -71,7 +71,7 @@ describe('the rows of a log', () => {
   });
 
   it('name who gave an order or did an action', () => {
-    const said = (init: MessageInitShape<typeof AuditRowSchema>) => explainedRow(create(AuditRowSchema, init));
+    const said = (init: Init<AuditRow>) => explainedRow(create(AuditRowSchema, init));
     const order = { kind: AuditKind.ORDER, operatorName: 'ann' };
     expect(said({ ...order, mode: Mode.MANUAL, arm: 'SAP' })).toEqual(['ann ordered the game to keep to SAP.']);
     expect(said({ ...order, mode: Mode.AI })).toEqual(['ann let the daemon decide.']);

@@ -1,4 +1,4 @@
-import { create } from '@bufbuild/protobuf';
+import { create } from '../transport/messages';
 import { describe, expect, it } from 'vitest';
 import { AuditKind, AuditRowSchema } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';

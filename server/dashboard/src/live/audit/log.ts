@@ -1,5 +1,5 @@
 // Reads the audit log from the daemon row by row, so that a log of any length fits in memory.
-import { type JsonValue, toJson } from '@bufbuild/protobuf';
+import { toJson } from '../transport/messages';
 import { AuditKind, type AuditRow, AuditRowSchema, AuditService, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { stream } from '../transport/calls';
@@ -36,7 +36,7 @@ export async function* auditRows(selection: Selection, signal?: AbortSignal, aft
 
 /** Returns all fields of the row that are set, with the path to each. */
 export function entriesOf(row: AuditRow): [path: string, text: string][] {
-  const flat = (value: JsonValue, path: string): [string, string][] => {
+  const flat = (value: unknown, path: string): [string, string][] => {
     if (typeof value !== 'object' || value === null) return [[path, String(value)]];
     if (Array.isArray(value) && typeof value[0] !== 'object') return [[path, value.join(' ')]];
     return Object.entries(value).flatMap(([name, each]) => flat(each, path ? `${path}.${name}` : name));

@@ -1,4 +1,4 @@
-import { create } from '@bufbuild/protobuf';
+import { create } from '../transport/messages';
 import { expect, it } from 'vitest';
 import { BoxViewSchema } from '../../gen/sweepstake/v1/telemetry_pb';
 import { boxesOf, projection, START, turned, zoomed } from './boxes';

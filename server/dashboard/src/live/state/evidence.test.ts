@@ -1,9 +1,9 @@
-import { create } from '@bufbuild/protobuf';
+import { create, type Init } from '../transport/messages';
 import { expect, it } from 'vitest';
-import { PriorRecordSchema } from '../../gen/sweepstake/v1/priors_pb';
+import { type PriorRecord, PriorRecordSchema } from '../../gen/sweepstake/v1/priors_pb';
 import { groupsOf, mostOf, namesOf, priorsFile, sumOf } from './evidence';
 
-const recordOf = (sourceId: string, more: Omit<Parameters<typeof create<typeof PriorRecordSchema>>[1] & object, '$typeName'> = {}) =>
+const recordOf = (sourceId: string, more: Init<PriorRecord> = {}) =>
   create(PriorRecordSchema, { project: 'p', scene: 's', arm: 'SAP', backendVersion: 1, rewardVersion: 3, sourceId, sourceSequence: 7n,
     alphaIncrement: 1.5, betaIncrement: 0.5, windowCount: 2n, ...more });
 

@@ -1,17 +1,17 @@
-import { create, type MessageInitShape } from '@bufbuild/protobuf';
+import { create, type Init } from '../transport/messages';
 import { describe, expect, it } from 'vitest';
-import { RegimePosteriorSchema, SceneActivitySchema, ScenePosteriorSchema } from '../../gen/sweepstake/v1/posteriors_pb';
+import { type RegimePosterior, RegimePosteriorSchema, SceneActivitySchema, ScenePosteriorSchema } from '../../gen/sweepstake/v1/posteriors_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { NO_HISTORY } from './history';
 import { bestOf, costText, isChanging, leadersOf, regimeArms, regimeText, savingText, surenessOf } from './regimes';
 import { leaderProbabilityOf } from './scenes';
 import { summaryOf, verdictOf } from './summaries';
 
-const regimeOf = (bestArm: string, probability: number): MessageInitShape<typeof RegimePosteriorSchema> => {
+const regimeOf = (bestArm: string, probability: number): Init<RegimePosterior> => {
   const arms = ['SAP', 'DBVT'].map((arm) => ({ costUs: 100, lowUs: 90, highUs: 110, bestProbability: arm === bestArm ? probability : 1 - probability }));
   return { bestArm, arms, frameShare: 0.5 };
 };
-const sceneOf = (...regimes: MessageInitShape<typeof RegimePosteriorSchema>[]) => create(ScenePosteriorSchema, {
+const sceneOf = (...regimes: Init<RegimePosterior>[]) => create(ScenePosteriorSchema, {
   verdict: Verdict.STABLE, leaderArm: 'DBVT', arms: [{ arm: 'DBVT', bestProbability: 0.75 }],
   activity: { activeArm: 'SAP', arms: ['SAP', 'DBVT'], total: regimeOf('DBVT', 1), regimes },
 });

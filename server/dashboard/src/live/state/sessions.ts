@@ -1,5 +1,5 @@
 // The sessions that the daemon has in memory, and some that ended while the page was open.
-import { create } from '@bufbuild/protobuf';
+import { create } from '../transport/messages';
 import { computed, signal } from '@preact/signals';
 import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEndedSchema, SessionState as Link, type SessionEnded, type SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';

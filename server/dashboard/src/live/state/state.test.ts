@@ -1,7 +1,7 @@
-import { create } from '@bufbuild/protobuf';
+import { create, type Init } from '../transport/messages';
 import { beforeEach, describe, expect, it } from 'vitest';
 import { DecisionEventSchema, DecisionOutcome, ScenePosteriorSchema, type DecisionEvent, type ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
-import { SessionEnd, SessionEndedSchema, SessionInfoSchema, SessionState as Link } from '../../gen/sweepstake/v1/sessions_pb';
+import { SessionEnd, SessionEndedSchema, type SessionInfo, SessionInfoSchema, SessionState as Link } from '../../gen/sweepstake/v1/sessions_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { addToHistory, MAX_POINTS, NO_HISTORY, trendOf } from './history';
 import * as scenes from './scenes';
@@ -154,7 +154,7 @@ describe('summaries', () => {
   });
 
   it('call a scene degraded while the last verdict of a connected session is degraded, whatever other sessions report', () => {
-    const is = (...infos: Parameters<typeof create<typeof SessionInfoSchema>>[1][]) => {
+    const is = (...infos: Init<SessionInfo>[]) => {
       sessions.takeSnapshot(infos.map((info) => create(SessionInfoSchema, info)));
       return (...decisions: DecisionEvent[]) => isDegraded({ decisions }, sessions.sessions.peek());
     };

@@ -1,8 +1,6 @@
 // Calls the daemon's RPCs over HTTP, with messages as JSON. Names in messages are not escaped: parts/name.tsx shows them safely.
-import { create, fromJsonString, toJsonString, type DescMethodServerStreaming, type DescMethodUnary, type DescMessage,
-  type MessageInitShape, type MessageShape } from '@bufbuild/protobuf';
-
 import { urlOf } from './base';
+import { create, fromJsonText, type Init, type Schema, type Streaming, toJsonText, type Unary } from './messages';
 
 const TIMEOUT_MS = 10_000;
 export const HEADERS: Readonly<Record<string, string>> = { 'Content-Type': 'application/json', 'X-Sweepstake': '1' };
@@ -60,27 +58,21 @@ export async function send(path: string, init: RequestInit = {}): Promise<Respon
   }
 }
 
-export const pathOf = (method: { parent: { typeName: string }; name: string }) => `${method.parent.typeName}/${method.name}`;
-
 // Returns the request as JSON.
-export function jsonOf<Input extends DescMessage>(schema: Input, request: MessageInitShape<Input>): string {
-  return toJsonString(schema, create(schema, request));
-}
+export const jsonOf = <Request>(schema: Schema<Request>, request: NoInfer<Init<Request>>) => toJsonText(schema, create(schema, request));
 
 // Reads a message from JSON. Ignores fields that this page does not know, which a newer daemon may send. Throws ApiError.
-export function messageOf<Output extends DescMessage>(schema: Output, json: string): MessageShape<Output> {
+export function messageOf<Response>(schema: Schema<Response>, json: string): Response {
   try {
-    return fromJsonString(schema, json, { ignoreUnknownFields: true });
+    return fromJsonText(schema, json);
   } catch {
     throw new ApiError('UNKNOWN', '', 'this page cannot read the answer of the daemon, which may be a newer version; reload the page');
   }
 }
 
-export async function call<Input extends DescMessage, Output extends DescMessage>(
-  method: DescMethodUnary<Input, Output>, request: MessageInitShape<Input>,
-): Promise<MessageShape<Output>> {
+export async function call<Request, Response>(method: Unary<Request, Response>, request: NoInfer<Init<Request>>): Promise<Response> {
   const body = jsonOf(method.input, request);
-  const response = await send(`/api/${pathOf(method)}`, { method: 'POST', body, signal: AbortSignal.timeout(TIMEOUT_MS) });
+  const response = await send(`/api/${method.path}`, { method: 'POST', body, signal: AbortSignal.timeout(TIMEOUT_MS) });
   return messageOf(method.output, await response.text());
 }
 
@@ -105,11 +97,9 @@ export async function* linesOf(body: ReadableStream<Uint8Array>): AsyncGenerator
 }
 
 // Calls an RPC that answers with a finite stream. Throws ApiError, possibly after some messages; if cancelled, the signal's reason.
-export async function* stream<Input extends DescMessage, Output extends DescMessage>(
-  method: DescMethodServerStreaming<Input, Output>, request: MessageInitShape<Input>, signal?: AbortSignal,
-): AsyncGenerator<MessageShape<Output>> {
+export async function* stream<Request, Response>(method: Streaming<Request, Response>, request: NoInfer<Init<Request>>, signal?: AbortSignal): AsyncGenerator<Response> {
   const init = { method: 'POST', body: jsonOf(method.input, request), ...(signal && { signal }) };
-  const response = await send(`/api/${pathOf(method)}`, init);
+  const response = await send(`/api/${method.path}`, init);
   for await (const line of linesOf(response.body!)) {
     if (!line.trim()) continue;
     if (line.startsWith('{"error":')) throw parseError(line, 'the daemon ended its answer before it was complete');

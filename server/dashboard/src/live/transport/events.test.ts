@@ -1,10 +1,10 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { create, toJsonString } from '@bufbuild/protobuf';
+import { create, toJsonText } from './messages';
 import { PosteriorsService, WatchPosteriorsResponseSchema, type WatchPosteriorsResponse } from '../../gen/sweepstake/v1/posteriors_pb';
 import type { ApiError } from './calls';
 import { eventsOf, Watch, type Listener } from './events';
 
-const textOf = (scene: string) => toJsonString(WatchPosteriorsResponseSchema, create(WatchPosteriorsResponseSchema, { posterior: { scene } }));
+const textOf = (scene: string) => toJsonText(WatchPosteriorsResponseSchema, create(WatchPosteriorsResponseSchema, { posterior: { scene } }));
 const event = (name: string, id: string, data: string) => `${name && `event: ${name}\n`}id: ${id}\ndata: ${data}\n\n`;
 
 // A fake daemon. A test writes its answers part by part.

@@ -1,8 +1,8 @@
 // Follows an endless RPC over server-sent events while the page is open. After a lost connection it receives the missed events or a
 // new snapshot. It uses fetch instead of EventSource, which reports neither the reason of a refusal nor comments (signs of life).
-import type { DescMessage, DescMethodServerStreaming, MessageInitShape, MessageShape } from '@bufbuild/protobuf';
 import { urlOf } from './base';
-import { type ApiError, asApiError, HEADERS, errorOfResponse, jsonOf, linesOf, messageOf, parseError, pathOf } from './calls';
+import { type ApiError, asApiError, HEADERS, errorOfResponse, jsonOf, linesOf, messageOf, parseError } from './calls';
+import type { Init, Streaming } from './messages';
 
 const FIRST_DELAY_MS = 500;
 const MAX_DELAY_MS = 30_000;
@@ -48,19 +48,19 @@ export async function* eventsOf(lines: AsyncIterable<string>): AsyncGenerator<Se
 export const delayAfter = (failures: number, random: number) =>
   Math.min(MAX_DELAY_MS, FIRST_DELAY_MS * 2 ** Math.min(failures, 10)) * (0.5 + 0.5 * random);
 
-export class Watch<Input extends DescMessage, Output extends DescMessage> {
+export class Watch<Request, Message> {
   private lastId = '';  // id of the last event; empty: request a snapshot
   private isWhole = false;  // a complete snapshot was received
-  private snapshot: MessageShape<Output>[] | undefined;  // the messages received so far of a snapshot that is not complete yet
+  private snapshot: Message[] | undefined;  // the messages received so far of a snapshot that is not complete yet
   private failures = 0;
   private attempt: AbortController | undefined;
   private isClosed = false;
   private wake: () => void = () => undefined;
 
   constructor(
-    private readonly method: DescMethodServerStreaming<Input, Output>,
-    private readonly request: MessageInitShape<Input>,
-    private readonly listener: Listener<MessageShape<Output>>,
+    private readonly method: Streaming<Request, Message>,
+    private readonly request: Init<Request>,
+    private readonly listener: Listener<Message>,
   ) {
     void this.run();
   }
@@ -122,7 +122,7 @@ export class Watch<Input extends DescMessage, Output extends DescMessage> {
   }
 
   private url(): string {
-    return urlOf(`/events/${pathOf(this.method)}?request=${encodeURIComponent(jsonOf(this.method.input, this.request))}`);
+    return urlOf(`/events/${this.method.path}?request=${encodeURIComponent(jsonOf(this.method.input, this.request))}`);
   }
 
   private take({ name, id, data }: ServerEvent): void {

@@ -1,7 +1,7 @@
 // A hook that reads something from the daemon while a component is shown.
-import type { DescMessage, DescMethodServerStreaming, MessageInitShape, MessageShape } from '@bufbuild/protobuf';
 import { useEffect, useState } from 'preact/hooks';
-import { type ApiError, asApiError, jsonOf, pathOf, stream } from './calls';
+import { type ApiError, asApiError, jsonOf, stream } from './calls';
+import type { Init, Streaming } from './messages';
 
 export interface Reading<Value> {
   value?: Value; // the result; while reading and after an error, the latest value passed to `show`
@@ -33,11 +33,9 @@ export function useReading<Value>(key: unknown, read: (cancel: AbortSignal, show
 }
 
 /** Reads all messages of an RPC that answers with a finite stream. */
-export function useList<Input extends DescMessage, Output extends DescMessage>(
-  method: DescMethodServerStreaming<Input, Output>, request: MessageInitShape<Input>,
-): Reading<MessageShape<Output>[]> {
-  return useReading(pathOf(method) + jsonOf(method.input, request), async (cancel) => {
-    const all: MessageShape<Output>[] = [];
+export function useList<Request, Response>(method: Streaming<Request, Response>, request: NoInfer<Init<Request>>): Reading<Response[]> {
+  return useReading(method.path + jsonOf(method.input, request), async (cancel) => {
+    const all: Response[] = [];
     for await (const message of stream(method, request, cancel)) all.push(message);
     return all;
   });

@@ -1,4 +1,4 @@
-import { create } from '@bufbuild/protobuf';
+import { create } from '../../transport/messages';
 import { expect, it } from 'vitest';
 import { SceneComparisonSchema } from '../../../gen/sweepstake/v1/priors_pb';
 import { byWeight } from './changes';

@@ -1,4 +1,4 @@
-import { create } from '@bufbuild/protobuf';
+import { create } from '../../transport/messages';
 import { describe, expect, it } from 'vitest';
 import { DecisionEventSchema, DecisionOutcome, ScenePosteriorSchema } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { colourOf } from '../../../palette';
