@@ -452,7 +452,7 @@ async function checkAll(browser) {
     await check(page, daemon);
     console.log(`${check.name}: passed`);
   }
-  await page.goto(daemon.origin);
+  await page.goto(`${daemon.origin}/?columns=all`);
   await checkReconnect(page, daemon);
   assertNoTrouble(page, 'the dashboard');
   await page.close();
