@@ -64,9 +64,9 @@ function Saved({ row }: { row: SceneSummary }) {
 export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
   { id: 'scene', title: 'Scene', sort: (row) => `${sceneOf(row).project}\n${sceneOf(row).scene}`, csv: (row) => sceneOf(row).scene,
     cell: (row) => <a href={sceneHref(sceneOf(row))}><Name text={sceneOf(row).scene} /></a> },
-  { id: 'runs', title: 'Runs now', isText: true, width: '13rem', hint: 'The algorithm that runs now in the session that has been connected the longest, for how long, and its switches per minute',
+  { id: 'runs', title: 'Runs now', isText: true, width: '10rem', hint: 'The algorithm that runs now in the session that has been connected the longest, for how long, and its switches per minute',
     sort: (row) => activityOf(row)?.activeArm, cell: (row) => <RunsNow row={row} /> },
-  { id: 'frame', title: 'Frame time', unit: 'ms', width: '11.5rem', hint: 'Median frame time of this session since the page was opened. The dotted line is 16.7 ms, 60 frames per second.',
+  { id: 'frame', title: 'Frame time', unit: 'ms', width: '10rem', hint: 'Median frame time of this session since the page was opened. The dotted line is 16.7 ms, 60 frames per second.',
     sort: frameMs, cell: (row) => <FrameTime row={row} /> },
   { id: 'saved', title: 'Saved', unit: 'µs', width: '8.5rem', hint: 'Detection time per frame that this session saved against the best single algorithm, and its share of the frame time',
     sort: savedUs, cell: (row) => <Saved row={row} /> },
