@@ -1,7 +1,7 @@
 import { create } from '../transport/messages';
 import { expect, it } from 'vitest';
 import { BoxViewSchema } from '../../gen/sweepstake/v1/telemetry_pb';
-import { boxesOf, projection, START, turned, zoomed } from './boxes';
+import { boxesOf, cellOf, moved, projection, START, turned, zoomed } from './boxes';
 
 const littleEndian = (...numbers: number[]) => new Uint8Array(new Uint16Array(numbers).buffer);
 const VIEW = { frameIndex: 7n, objectCount: 9, stride: 3, bounds: [-1, 0, 2, 1, 10, 4],
@@ -42,9 +42,26 @@ it('the centre is projected to the centre from every angle, and all boxes are vi
 
 it('y points up from the side, and pitch and zoom have limits', () => {
   const at = { x: 0, y: 0 };
-  projection({ yaw: 0, pitch: 0, zoom: 1 }, [0, 0, 0], [2, 2, 2], 200, 200)(1, 2, 1, at);
+  projection({ ...START, yaw: 0, pitch: 0 }, [0, 0, 0], [2, 2, 2], 200, 200)(1, 2, 1, at);
   expect(at.x).toBeCloseTo(100, 9);
   expect(at.y).toBeLessThan(100);
   expect(turned(START, 0, 100).pitch).toBeLessThan(Math.PI / 2);
   expect(zoomed(START, 1e9).zoom).toBe(zoomed(zoomed(START, 1e9), 2).zoom);
+});
+
+it('the picture can be moved by a share of its smaller side', () => {
+  const at = { x: 0, y: 0 };
+  projection(moved(START, 0.25, -0.5), [0, 0, 0], [2, 2, 2], 400, 200)(1, 1, 1, at);
+  expect(at.x).toBeCloseTo(200 + 50, 9);
+  expect(at.y).toBeCloseTo(100 - 100, 9);
+});
+
+it('the ground has 5 to 12 round cells along its longer side', () => {
+  for (const length of [0.07, 1, 1.3, 2.4, 6, 9.9, 10, 123, 5e6]) {
+    const cell = cellOf({ low: [0, 0, -length / 2], high: [length / 3, 9, length / 2] });
+    expect(length / cell).toBeGreaterThanOrEqual(4.9);
+    expect(length / cell).toBeLessThanOrEqual(12.1);
+    expect(Number((cell / 10 ** Math.floor(Math.log10(cell) + 1e-9)).toPrecision(6))).toSatisfy((step: number) => [1, 2, 5].includes(step));
+  }
+  expect(cellOf({ low: [1, 1, 1], high: [1, 1, 1] })).toBeGreaterThan(0);
 });

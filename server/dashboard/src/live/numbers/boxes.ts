@@ -44,31 +44,34 @@ export function boxesOf(view: BoxView): Boxes {
   return { corners, count, pairCount: pairs.length, pairs, overlaps, objectCount, stride, frameIndex, low, high };
 }
 
-/** A camera that looks at the centre of the boxes. Angles are in radians; a zoom of 1 shows all boxes. */
-export interface Camera { readonly yaw: number; readonly pitch: number; readonly zoom: number }
+/** A camera that looks at the centre of the boxes. Angles are in radians; a zoom of 1 shows all boxes. The picture is moved by a share of
+ * its smaller side, to the right and down. */
+export interface Camera { readonly yaw: number; readonly pitch: number; readonly zoom: number; readonly right: number; readonly down: number }
 
-export const START: Camera = { yaw: 0.7, pitch: 0.5, zoom: 1 };
+export const START: Camera = { yaw: 0.7, pitch: 0.5, zoom: 1, right: 0, down: 0 };
 const MAX_PITCH = Math.PI / 2 - 0.01;
 const MIN_ZOOM = 0.2;
 const MAX_ZOOM = 50;
 
 const limited = (value: number, low: number, high: number) => Math.min(Math.max(value, low), high);
 
-export const turned = ({ yaw, pitch, zoom }: Camera, right: number, up: number): Camera =>
-  ({ yaw: (yaw + right) % (2 * Math.PI), pitch: limited(pitch + up, -MAX_PITCH, MAX_PITCH), zoom });
+export const turned = (camera: Camera, right: number, up: number): Camera =>
+  ({ ...camera, yaw: (camera.yaw + right) % (2 * Math.PI), pitch: limited(camera.pitch + up, -MAX_PITCH, MAX_PITCH) });
+export const moved = (camera: Camera, right: number, down: number): Camera => ({ ...camera, right: camera.right + right, down: camera.down + down });
 export const zoomed = (camera: Camera, factor: number): Camera => ({ ...camera, zoom: limited(camera.zoom * factor, MIN_ZOOM, MAX_ZOOM) });
 
 /** Returns a function that writes the pixel of a point in world coordinates (y is up) into `out`. */
-export function projection({ yaw, pitch, zoom }: Camera, low: readonly number[], high: readonly number[], width: number, height: number) {
+export function projection({ yaw, pitch, zoom, right, down }: Camera, low: readonly number[], high: readonly number[], width: number, height: number) {
   const middle = low.map((value, axis) => (value + high[axis]!) / 2);
   const radius = Math.hypot(...low.map((value, axis) => high[axis]! - value)) / 2 || 1;
-  const scale = (zoom * Math.min(width, height)) / 2 / radius;
+  const side = Math.min(width, height);
+  const scale = (zoom * side) / 2 / radius;
   const [sinYaw, cosYaw, sinPitch, cosPitch] = [Math.sin(yaw), Math.cos(yaw), Math.sin(pitch), Math.cos(pitch)];
   return (x: number, y: number, z: number, out: { x: number; y: number }): void => {
     const [dx, dy, dz] = [x - middle[0]!, y - middle[1]!, z - middle[2]!];
     const depth = sinYaw * dx + cosYaw * dz;
-    out.x = width / 2 + scale * (cosYaw * dx - sinYaw * dz);
-    out.y = height / 2 - scale * (cosPitch * dy - sinPitch * depth);
+    out.x = width / 2 + right * side + scale * (cosYaw * dx - sinYaw * dz);
+    out.y = height / 2 + down * side - scale * (cosPitch * dy - sinPitch * depth);
   };
 }
 
@@ -101,6 +104,40 @@ function framesOf(boxes: Boxes, camera: Camera, { width, height }: Size): { plai
   return paths;
 }
 
+/** Returns the distance of the ground's lines: 1, 2 or 5 times a power of ten world units, so that the longer side has 5 to 12 cells. */
+export function cellOf({ low, high }: Pick<Boxes, 'low' | 'high'>): number {
+  const length = Math.max(high[0] - low[0], high[2] - low[2]) || 1;
+  const power = 10 ** Math.floor(Math.log10(length));
+  return [0.1, 0.2, 0.5, 1].map((step) => step * power).find((step) => length / step <= 12) ?? power;
+}
+
+type Point = readonly [number, number, number];
+
+// Draws the ground, a grid at the lowest height of the boxes, and the three axes at their lowest corner.
+function drawGround(pen: CanvasRenderingContext2D, { low, high }: Boxes, project: ReturnType<typeof projection>): void {
+  const cell = cellOf({ low, high });
+  const [a, b] = [{ x: 0, y: 0 }, { x: 0, y: 0 }];
+  const line = (path: Path2D, from: Point, to: Point) => {
+    project(...from, a);
+    project(...to, b);
+    path.moveTo(a.x, a.y);
+    path.lineTo(b.x, b.y);
+  };
+  const grid = new Path2D();
+  for (let x = Math.ceil(low[0] / cell) * cell; x <= high[0]; x += cell) line(grid, [x, low[1], low[2]], [x, low[1], high[2]]);
+  for (let z = Math.ceil(low[2] / cell) * cell; z <= high[2]; z += cell) line(grid, [low[0], low[1], z], [high[0], low[1], z]);
+  Object.assign(pen, { strokeStyle: resolved('var(--rule)'), lineWidth: 1 });
+  pen.stroke(grid);
+  for (const [axis, name] of ['x', 'y', 'z'].entries()) {
+    const path = new Path2D();
+    const end: Point = [low[0] + (axis === 0 ? cell : 0), low[1] + (axis === 1 ? cell : 0), low[2] + (axis === 2 ? cell : 0)];
+    line(path, low, end);
+    Object.assign(pen, { strokeStyle: resolved('var(--text)'), fillStyle: resolved('var(--text)'), lineWidth: 1.5, font: '12px system-ui, sans-serif' });
+    pen.stroke(path);
+    pen.fillText(name, b.x + 3, b.y - 3);
+  }
+}
+
 export function drawBoxes(canvas: HTMLCanvasElement, boxes: Boxes, camera: Camera, size: Size): void {
   const scale = Math.min(devicePixelRatio || 1, 2);
   canvas.width = Math.round(size.width * scale);
@@ -109,6 +146,7 @@ export function drawBoxes(canvas: HTMLCanvasElement, boxes: Boxes, camera: Camer
   if (!pen) return;
   pen.scale(scale, scale);
   const { plain, overlapping, pairs } = framesOf(boxes, camera, size);
+  drawGround(pen, boxes, projection(camera, boxes.low, boxes.high, size.width, size.height));
   const opacity = boxes.count > 1000 ? 0.35 : 0.7;
   for (const [path, colour, alpha, lineWidth] of [[plain, 'soft', opacity, 0.75], [overlapping, 'bad', opacity, 0.75], [pairs, 'accent', 1, 1.5]] as const) {
     Object.assign(pen, { strokeStyle: resolved(`var(--${colour})`), globalAlpha: alpha, lineWidth });

@@ -2,8 +2,8 @@
 // nothing stores them.
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { SessionsService } from '../../../gen/sweepstake/v1/sessions_pb';
-import { counted, grouped } from '../../../format';
-import { type Boxes, boxesOf, type Camera, drawBoxes, START, turned, zoomed } from '../../numbers/boxes';
+import { counted, grouped, significant } from '../../../format';
+import { type Boxes, boxesOf, type Camera, cellOf, drawBoxes, moved, START, turned, zoomed } from '../../numbers/boxes';
 import { theme } from '../../charts/colours';
 import { pausedMs } from '../../charts/view_state';
 import { useWidth } from '../../charts/width';
@@ -13,6 +13,7 @@ import { Watch } from '../../transport/events';
 
 const TURN = Math.PI / 24; // radians per key press
 const ZOOM = 1.15; // factor per key press
+const MOVE = 0.05; // share of the picture per key press
 // Errors after which another request would fail too.
 const FINAL = new Set(['NOT_FOUND', 'FAILED_PRECONDITION', 'PERMISSION_DENIED']);
 
@@ -48,6 +49,8 @@ function useBoxes(sessionId: string): { boxes: Boxes | undefined; error: ApiErro
 const KEYS: Readonly<Record<string, (camera: Camera) => Camera>> = {
   ArrowLeft: (camera) => turned(camera, -TURN, 0), ArrowRight: (camera) => turned(camera, TURN, 0),
   ArrowUp: (camera) => turned(camera, 0, TURN), ArrowDown: (camera) => turned(camera, 0, -TURN),
+  'Shift ArrowLeft': (camera) => moved(camera, MOVE, 0), 'Shift ArrowRight': (camera) => moved(camera, -MOVE, 0),
+  'Shift ArrowUp': (camera) => moved(camera, 0, MOVE), 'Shift ArrowDown': (camera) => moved(camera, 0, -MOVE),
   '+': (camera) => zoomed(camera, ZOOM), '=': (camera) => zoomed(camera, ZOOM), '-': (camera) => zoomed(camera, 1 / ZOOM), '0': () => START,
 };
 
@@ -68,23 +71,27 @@ function Picture({ boxes }: { boxes: Boxes }) {
     return () => cancelAnimationFrame(handle);
   }, [boxes, camera, width, height, theme.value]);
   const onKeyDown = (event: KeyboardEvent) => {
-    const change = KEYS[event.key];
+    const change = KEYS[event.shiftKey && event.key.startsWith('Arrow') ? `Shift ${event.key}` : event.key];
     if (!change || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     setCamera(change);
   };
   const onPointerMove = (event: PointerEvent) => {
-    if (event.buttons === 1) setCamera((before) => turned(before, -0.008 * event.movementX, 0.008 * event.movementY));
+    const side = Math.min(width, height);
+    const moves = event.buttons === 2 || event.buttons === 4 || (event.buttons === 1 && event.shiftKey);
+    if (moves) setCamera((before) => moved(before, event.movementX / side, event.movementY / side));
+    else if (event.buttons === 1) setCamera((before) => turned(before, -0.008 * event.movementX, 0.008 * event.movementY));
   };
   return (
     <div class="boxes" ref={element}>
-      <canvas ref={canvas} style={{ height }} tabIndex={0} role="img" aria-label={`Boxes of the objects. ${describe(boxes)} Arrow keys turn, plus and minus zoom, 0 shows all.`}
-        onKeyDown={onKeyDown} onPointerDown={(event) => event.currentTarget.setPointerCapture(event.pointerId)} onPointerMove={onPointerMove} />
+      <canvas ref={canvas} style={{ height }} tabIndex={0} role="img" aria-label={`Boxes of the objects. ${describe(boxes)} Arrow keys turn, with shift they move, plus and minus zoom, 0 shows all.`}
+        onKeyDown={onKeyDown} onPointerDown={(event) => event.currentTarget.setPointerCapture(event.pointerId)} onPointerMove={onPointerMove} onContextMenu={(event) => event.preventDefault()} />
       <div class="tools">
         <button type="button" class="quiet" onClick={() => setCamera((before) => zoomed(before, ZOOM))}>Nearer</button>
         <button type="button" class="quiet" onClick={() => setCamera((before) => zoomed(before, 1 / ZOOM))}>Farther</button>
         <button type="button" class="quiet" onClick={() => setCamera(START)}>All</button>
         <span class="soft box-count">{describe(boxes)}</span>
+        <span class="soft small">Grey: overlaps no other box. Red: overlaps. Blue: pairs. A cell of the ground is {significant(cellOf(boxes), 1)} world units. Drag turns; with shift or the right button it moves.</span>
       </div>
     </div>
   );
