@@ -5,6 +5,7 @@ import type { ComponentChildren } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import type uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
+import { clockText } from '../parts/clock';
 import { Name } from '../parts/name';
 import { theme } from './colours';
 import { ChartFrame } from './frame';
@@ -74,7 +75,7 @@ function Legend({ picture: { lines, timesMs, format, domain } }: { picture: Pict
   return (
     <div class="legend">
       {lines.filter(isTold).map((line) => <Entry key={line.label} line={line} value={valueText(line, place, at === undefined, format)} />)}
-      <time class="soft">{at === undefined ? '' : new Date(at).toLocaleTimeString()}</time>
+      <time class="soft">{at === undefined ? '' : clockText(at)}</time>
     </div>
   );
 }
@@ -162,7 +163,7 @@ export function TimeTools() {
     <div class="time-tools" role="toolbar" aria-label="Time">
       <button type="button" aria-pressed={isPaused} onClick={() => setPaused(isPaused ? undefined : Date.now())}>{isPaused ? '▶ Resume' : '❚❚ Pause'}</button>
       <button type="button" disabled={!range.value} onClick={() => setRange(undefined)}>Show all</button>
-      {isPaused && <span class="soft">Paused at {new Date(pausedMs.value!).toLocaleTimeString()}.</span>}
+      {isPaused && <span class="soft">Paused at {clockText(pausedMs.value!)}.</span>}
       <span class="soft hint">Drag in a chart to zoom.</span>
     </div>
   );

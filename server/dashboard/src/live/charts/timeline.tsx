@@ -4,6 +4,7 @@
 import type { JSX } from 'preact';
 import { useId, useMemo, useRef, useState } from 'preact/hooks';
 import { shapeOf } from '../parts/arm';
+import { clockText } from '../parts/clock';
 import { visible } from '../parts/name';
 import { armStyle } from './colours';
 import { axisTime, LEFT, RIGHT, TIME_STEPS } from './plot';
@@ -148,8 +149,8 @@ function nearestMark(marks: readonly Mark[], { x, y, domain }: Geometry, px: num
 
 function spoken(mark: Mark | undefined): string {
   if (!mark) return 'Point to a mark, or select one with the arrow keys. Enter explains the selected mark.';
-  const time = new Date(mark.fromMs).toLocaleTimeString();
-  return mark.count > 1 ? `${time} to ${new Date(mark.toMs).toLocaleTimeString()}, ${mark.count} decisions: ${wordsOf(mark)}` : `${time}: ${wordsOf(mark)}`;
+  const time = clockText(mark.fromMs);
+  return mark.count > 1 ? `${time} to ${clockText(mark.toMs)}, ${mark.count} decisions: ${wordsOf(mark)}` : `${time}: ${wordsOf(mark)}`;
 }
 
 // Returns the action of a key, or undefined: arrows go from mark to mark.

@@ -18,3 +18,6 @@ export const ago = (sinceMs: number, nowMs: number) => (nowMs - sinceMs < 2000 ?
 
 // Returns a time in the browser's time zone, such as "2026-03-01 14:05:09", which is how dates are written in Swedish.
 export const timeText = (unixMs: number) => new Date(unixMs).toLocaleString('sv');
+
+// Returns the time of day, such as "14:05:09".
+export const clockText = (unixMs: number) => new Date(unixMs).toLocaleTimeString('sv');
