@@ -67,6 +67,18 @@ function Line<Row>({ placed, columns, index }: { placed: PlacedRow<Row>; columns
 const Gap = ({ rows, columns }: { rows: number; columns: number }) =>
   (rows > 0 ? <tr class="gap" aria-hidden="true"><td colSpan={columns} style={{ height: rows * ROW_PX }} /></tr> : null);
 
+/** The meaning of each column for those who cannot point at a heading, as with touch or a keyboard. */
+function Meanings<Row>({ columns }: { columns: readonly Column<Row>[] }) {
+  const explained = columns.filter(({ hint }) => hint);
+  if (explained.length === 0) return null;
+  return (
+    <details class="soft small">
+      <summary>What the columns mean</summary>
+      <dl>{explained.map(({ id, title, hint }) => [<dt key={id}>{title}</dt>, <dd key={`${id}=`}>{hint}</dd>])}</dl>
+    </details>
+  );
+}
+
 function csvText<Row>(columns: readonly Column<Row>[], rows: readonly Row[]): string {
   const written = columns.filter(({ csv, sort }) => csv ?? sort);
   return csvOf(written.map(({ title, unit }) => (unit ? `${title} (${unit})` : title)), rows.map((row) => written.map((column) => (column.csv ?? column.sort)!(row))));
@@ -169,6 +181,7 @@ export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParam
           </tbody>
         </table>
       </div>
+      <Meanings columns={columns} />
     </div>
   );
 }
