@@ -8,6 +8,7 @@ import { Arm } from '../parts/arm';
 import { ago, now, timeText } from '../parts/clock';
 import { CopyLink } from '../parts/toast';
 import { Choice, Filter, matches } from '../parts/filter';
+import { addShortcuts } from '../parts/keys';
 import { Name, visible } from '../parts/name';
 import { Empty, Failure, Loading, Read } from '../parts/states';
 import { type Column, Table } from '../parts/table';
@@ -16,6 +17,7 @@ import { useList, useReading } from '../transport/reading';
 import { explainedRow } from '../audit/explain';
 import { Why } from './session/why';
 import { kindWord, outcomeWord } from './words';
+import { useEffect } from 'preact/hooks';
 
 /** Maximum number of pages. `sweepstake audit export` reads older rows. */
 const MAX_PAGE = 100;
@@ -102,13 +104,15 @@ function asked(): Asked {
 }
 
 function OneRow({ session, row }: { session: string; row: string }) {
+  const close = () => setQuery({ row: undefined });
+  useEffect(() => addShortcuts([{ keys: 'Escape', what: 'Close the explanation', run: close }]), []);
   const reading = useReading(row, (cancel) => findRow(auditRows({ sessionId: session }, cancel), row));
   const missing = <Empty title="The log does not have this row"><p>The row was removed because the size of the log is limited, or it never existed.</p></Empty>;
   const shown = (placed: PlacedRow) => {
     const step = stepOfRow(placed);
     return step
-      ? <Why step={step} sessionId={session} onRead={reading.again} onClose={() => setQuery({ row: undefined })} />
-      : <p class="why">{explainedRow(placed.row, placed.setup).map((sentence) => <bdi key={sentence}>{visible(sentence)}</bdi>)}</p>;
+      ? <Why step={step} sessionId={session} onRead={reading.again} onClose={close} />
+      : <p class="why">{explainedRow(placed.row, placed.setup).map((sentence) => <bdi key={sentence}>{visible(sentence)}</bdi>)} <button type="button" class="quiet" onClick={close}>Close</button></p>;
   };
   return <Read reading={reading} what="the row">{(placed) => (placed ? shown(placed) : missing)}</Read>;
 }

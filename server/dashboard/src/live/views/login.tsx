@@ -1,11 +1,13 @@
 // The login with a token. The page does not store the token; the daemon sets a cookie that scripts cannot read.
-import { useState } from 'preact/hooks';
+import { useEffect, useRef, useState } from 'preact/hooks';
 import { hasLostLogin, login } from '../state/account';
 import { asApiError } from '../transport/calls';
 
 export function Login() {
   const [problem, setProblem] = useState('');
   const [isBusy, setBusy] = useState(false);
+  const field = useRef<HTMLInputElement>(null);
+  useEffect(() => field.current?.focus(), []);
   const submit = async (event: SubmitEvent) => {
     event.preventDefault();
     const form = event.currentTarget as HTMLFormElement;
@@ -28,7 +30,7 @@ export function Login() {
       <pre>sweepstaked token create NAME --role watch</pre>
       <form onSubmit={(event) => void submit(event)}>
         <label for="token">Token</label>
-        <input id="token" name="token" type="password" autocomplete="current-password" required spellcheck={false}
+        <input ref={field} id="token" name="token" type="password" autocomplete="current-password" required spellcheck={false}
           aria-invalid={problem !== ''} aria-describedby="login-problem" />
         <button type="submit" class="primary" disabled={isBusy}>{isBusy ? 'Logging in …' : 'Log in'}</button>
         <p id="login-problem" class="problem" role="alert">{problem}</p>

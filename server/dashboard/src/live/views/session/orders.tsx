@@ -1,5 +1,6 @@
 // An operator's orders to a session: let the daemon decide, keep an arm, reconnect, end the session. Each needs a confirmation and adds
 // a row to the audit log. Orders with an opposite can be undone.
+import { signal } from '@preact/signals';
 import { useState } from 'preact/hooks';
 import { SessionsService, type SessionInfo } from '../../../gen/sweepstake/v1/sessions_pb';
 import { Mode } from '../../../gen/sweepstake/v1/telemetry_pb';
@@ -12,11 +13,19 @@ import { modeWord } from '../words';
 
 interface Order { mode: Mode; arm: string }
 
+/** The order that waits for the daemon's answer; '': none. */
+const waitsFor = signal('');
+
+async function waiting<Result>(what: string, order: Promise<Result>): Promise<Result> {
+  waitsFor.value = what;
+  return order.finally(() => { waitsFor.value = ''; });
+}
+
 const orderText = ({ mode, arm }: Order) => (mode === Mode.AI ? 'the daemon decides' : `the game keeps ${visible(arm)}`);
 
 async function give(sessionId: string, order: Order, opposite: Order | undefined): Promise<void> {
   try {
-    const { mode, activeArm } = await call(SessionsService.method.orderSession, { sessionId, ...order });
+    const { mode, activeArm } = await waiting(`Ordering that ${orderText(order)}`, call(SessionsService.method.orderSession, { sessionId, ...order }));
     toast(`Done: ${orderText({ mode, arm: activeArm })}.`, opposite ? { undo: () => void give(sessionId, opposite, undefined) } : {});
   } catch (error) {
     toast(`The order failed: ${asApiError(error).message}`, { isBad: true });
@@ -46,7 +55,7 @@ async function kick({ sessionId, scene }: SessionInfo, mayReturn: boolean): Prom
   const action = mayReturn ? 'Reconnect' : 'End session';
   if (!await confirmed({ title: `${action}?`, body, action, isDangerous: !mayReturn })) return;
   try {
-    await call(SessionsService.method.kickSession, { sessionId, mayReturn });
+    await waiting(mayReturn ? 'Ending the connection' : 'Ending the session', call(SessionsService.method.kickSession, { sessionId, mayReturn }));
     toast(mayReturn ? 'The connection was ended.' : 'The session was ended.');
   } catch (error) {
     toast(`The order failed: ${asApiError(error).message}`, { isBad: true });
@@ -56,20 +65,21 @@ async function kick({ sessionId, scene }: SessionInfo, mayReturn: boolean): Prom
 export function Orders({ info, arms, isOver }: { info: SessionInfo; arms: readonly string[]; isOver: boolean }) {
   const [chosen, setChosen] = useState('');
   const arm = chosen || info.activeArm;
+  const isBusy = waitsFor.value !== '';
   if (isOver) return null;
   if (!isOperator.value) return <p class="soft orders">Orders need the role operator; yours is {account.value?.role ?? 'unknown'}.</p>;
   return (
     <div class="orders" role="group" aria-label="Orders">
-      <button type="button" disabled={info.mode === Mode.AI} onClick={() => void ask(info, { mode: Mode.AI, arm: '' })}>AI decides</button>
+      <button type="button" disabled={isBusy || info.mode === Mode.AI} onClick={() => void ask(info, { mode: Mode.AI, arm: '' })}>AI decides</button>
       <label class="choice"><span>Keep</span>
         <select value={arm} onFocus={() => setChosen(arm)} onChange={(event) => setChosen(event.currentTarget.value)}>
           {[...new Set([info.activeArm, ...arms])].map((name) => <option key={name} value={name}>{visible(name)}</option>)}
         </select>
       </label>
-      <button type="button" onClick={() => void ask(info, { mode: Mode.MANUAL, arm })}>Pin this algorithm</button>
-      <button type="button" onClick={() => void kick(info, true)}>Reconnect</button>
-      <button type="button" onClick={() => void kick(info, false)}>End session</button>
-      <span class="soft" title={modeWord(info.mode).meaning}>Now: {modeWord(info.mode).name}</span>
+      <button type="button" disabled={isBusy} onClick={() => void ask(info, { mode: Mode.MANUAL, arm })}>Pin this algorithm</button>
+      <button type="button" disabled={isBusy} onClick={() => void kick(info, true)}>Reconnect</button>
+      <button type="button" disabled={isBusy} onClick={() => void kick(info, false)}>End session</button>
+      <span class="soft" role="status" title={modeWord(info.mode).meaning}>{isBusy ? `${waitsFor.value} …` : `Now: ${modeWord(info.mode).name}`}</span>
     </div>
   );
 }
