@@ -7,6 +7,7 @@ import { ago, now, timeText } from '../../parts/clock';
 import { Name, visible } from '../../parts/name';
 import { isChanging, leadersOf } from '../../state/regimes';
 import { decisionsHref, route, sceneHref, sessionHref } from '../../state/route';
+import { frameTimesOf } from '../../state/savings';
 import { leaderProbabilityOf, sceneKey, type SceneName, type SceneState } from '../../state/scenes';
 import { isConnected, lastMessageMs, sessions, type SessionState } from '../../state/sessions';
 import { summaries, verdictOf } from '../../state/summaries';
@@ -63,6 +64,9 @@ const SESSION_COLUMNS: readonly Column<SessionState>[] = [
       return <Chip tone={isConnected(session) ? 'good' : 'plain'} sign={mark} title={meaning}>{name}</Chip>;
     } },
   { id: 'arm', title: 'Active algorithm', isText: true, sort: ({ info }) => info.activeArm, cell: ({ info }) => <Arm name={info.activeArm} /> },
+  { id: 'frame', title: 'Frame time', unit: 'ms', hint: 'Median of the latest frames', sort: (session) => frameTimesOf(session).at(-1),
+    cell: (session) => { const ms = frameTimesOf(session).at(-1); return ms === undefined ? '–' : `${significant(ms)} ms`; } },
+  { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines, known after the first decision since the page was opened', sort: ({ decisions }) => decisions.at(-1)?.machineClass },
   { id: 'mode', title: 'Mode', isText: true, sort: ({ info }) => modeWord(info.mode).name },
   { id: 'build', title: 'Build', isText: true, sort: ({ info }) => info.build },
   { id: 'start', title: 'Began', sort: ({ info }) => Number(info.unixStartMs), cell: ({ info }) => timeText(Number(info.unixStartMs)) },
