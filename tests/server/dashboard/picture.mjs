@@ -45,7 +45,7 @@ try {
   await draw(page, 'overview');
   await page.setViewportSize({ width: 1400, height: 960 });
   await page.locator('tbody tr[data-key] a').first().click();
-  await page.locator('figure[data-chart=beliefs] svg').waitFor();
+  await page.locator('figure.chart svg.picture').first().waitFor();
   await draw(page, 'scene');
 } finally {
   await browser.close();

@@ -1,4 +1,4 @@
-// Draws two intervals per arm, for instance of two builds, over an axis of cost ratios.
+// Draws one interval per arm, or two, for instance of two builds, over a logarithmic axis of costs or cost ratios.
 import { compact, significant } from '../../format';
 import { colourOf } from '../../palette';
 import type { Ratio } from '../numbers/log_cost';
@@ -7,10 +7,11 @@ import { shapeOf } from '../parts/arm';
 import { AXIS, shortened, SIDE, tickCount, Ticks } from './ridgeline';
 import { useWidth } from './width';
 
-/** An arm and its cost ratio in two builds; undefined if a build has no evidence of the arm. */
+/** An arm and its cost or cost ratio, before and after; undefined if it is not known. If all of `before` are undefined, one interval is drawn. */
 export interface IntervalRow { arm: string; before: Ratio | undefined; after: Ratio | undefined }
 
 const ROW = 44;
+const SINGLE_ROW = 32; // with one interval
 const TOP = 4;
 const REACH = 10; // intervals are cut off at this multiple of the largest median, and at the smallest median ÷ this
 
@@ -35,34 +36,40 @@ function Bar({ arm, ratio: { median, low, high }, y, x, isBefore }: { arm: strin
   );
 }
 
-const textOf = (ratio: Ratio | undefined) => (ratio ? significant(ratio.median) : 'not known');
+type Format = (value: number) => string;
+const textOf = (ratio: Ratio | undefined, format: Format) => (ratio ? format(ratio.median) : 'not known');
 
-function Row({ row: { arm, before, after }, top, x, width }: { row: IntervalRow; top: number; x: Place; width: number }) {
+interface RowProps { row: IntervalRow; top: number; x: Place; width: number; isPair: boolean; format: Format }
+
+function Row({ row: { arm, before, after }, top, x, width, isPair, format }: RowProps) {
+  const text = isPair ? `${textOf(before, format)} → ${textOf(after, format)}` : `${textOf(after, format)}${after ? ` (${significant(after.low)} to ${significant(after.high)})` : ''}`;
   return (
     <g>
       <text class="halo" x={SIDE} y={top + 12} font-size=".8rem" font-weight="600" fill="var(--text)">{shortened(arm, width)}</text>
-      <text class="halo" x={width - SIDE} y={top + 12} font-size=".73rem" fill="var(--soft)" text-anchor="end">{`${textOf(before)} → ${textOf(after)}`}</text>
+      <text class="halo" x={width - SIDE} y={top + 12} font-size=".73rem" fill="var(--soft)" text-anchor="end">{text}</text>
       {before && <Bar arm={arm} ratio={before} y={top + 21} x={x} isBefore />}
-      {after && <Bar arm={arm} ratio={after} y={top + 34} x={x} isBefore={false} />}
+      {after && <Bar arm={arm} ratio={after} y={top + (isPair ? 34 : 22)} x={x} isBefore={false} />}
     </g>
   );
 }
 
-interface IntervalsProps { title: string; rows: readonly IntervalRow[]; unit: string }
+interface IntervalsProps { title: string; rows: readonly IntervalRow[]; unit: string; format?: Format }
 
-export function Intervals({ title, rows, unit }: IntervalsProps) {
+export function Intervals({ title, rows, unit, format = significant }: IntervalsProps) {
   const { element, width } = useWidth<HTMLDivElement>();
   const axis = ratioAxis(rows.flatMap(({ before, after }) => [before, after]).filter((each): each is Ratio => each !== undefined));
   const span = Math.log(axis[1] / axis[0]);
   const x: Place = (ratio) => SIDE + (width - 2 * SIDE) * Math.min(Math.max(Math.log(ratio / axis[0]) / span, 0), 1);
   const ticks = logTicks(...axis, tickCount(width)).map((ratio) => ({ x: x(ratio), text: compact(ratio) }));
-  const height = TOP + rows.length * ROW + AXIS;
+  const isPair = rows.some(({ before }) => before !== undefined);
+  const rowHeight = isPair ? ROW : SINGLE_ROW;
+  const height = TOP + rows.length * rowHeight + AXIS;
   return (
     <div ref={element} class="intervals">
       {width > 0 && (
         <svg class="picture" width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="img" aria-label={`${title}; the table has the values`}>
           <Ticks ticks={ticks} width={width} y={height - AXIS} unit={unit} />
-          {rows.map((row, i) => <Row key={row.arm} row={row} top={TOP + i * ROW} x={x} width={width} />)}
+          {rows.map((row, i) => <Row key={row.arm} row={row} top={TOP + i * rowHeight} x={x} width={width} isPair={isPair} format={format} />)}
         </svg>
       )}
     </div>

@@ -71,7 +71,7 @@ function roundValue(value: number, isUp: boolean): number {
 }
 
 /** An axis from 0 that would reach more than this multiple of the usual values ends at OUTLIER_END times the usual values instead. */
-const OUTLIER = 4;
+const OUTLIER = 2.5;
 const OUTLIER_END = 2;
 
 /** Returns the 99th percentile of the shown values; undefined if there are none. */

@@ -231,7 +231,7 @@ export function TimelineChart({ steps, arms, domain, onOpen }: TimelineProps) {
         </svg>
       )}
       <p class="say" role="status"><bdi>{visible(spoken(on))}</bdi></p>
-      <p class="legend soft" aria-hidden="true">filled: the active algorithm · hollow: a candidate that was held back · grey: cooldown, when no switch is allowed · hatched: settling, when frames are not evidence</p>
+      <p class="legend soft" aria-hidden="true">▶: the session begins · filled: the active algorithm · hollow: a candidate that was held back · grey: cooldown, when no switch is allowed · hatched: settling, when frames are not evidence</p>
     </div>
   );
 }

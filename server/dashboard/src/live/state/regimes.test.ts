@@ -3,7 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { type RegimePosterior, RegimePosteriorSchema, SceneActivitySchema, ScenePosteriorSchema } from '../../gen/sweepstake/v1/posteriors_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { NO_HISTORY } from './history';
-import { bestOf, costText, isChanging, leadersOf, regimeArms, regimeText, savingText, surenessOf } from './regimes';
+import { bestOf, costText, isChanging, leadersOf, presentBest, regimeArms, regimeText, savingText, surenessOf } from './regimes';
 import { leaderProbabilityOf } from './scenes';
 import { summaryOf, verdictOf } from './summaries';
 
@@ -29,6 +29,12 @@ describe('a scene whose regimes have different best arms', () => {
     expect(leaderProbabilityOf(CHANGING)).toBe(0.875);
     expect(surenessOf(CHANGING.activity!)).toBe(0.875);
     expect(bestOf(CHANGING.activity!.regimes[0]!, CHANGING.activity!)!.bestProbability).toBe(0.96875);
+  });
+
+  it('has the best arm of the present regime', () => {
+    expect(presentBest(CHANGING)).toBeUndefined();
+    expect(presentBest(sceneOf(regimeOf('DBVT', 0.96875), { ...regimeOf('SAP', 0.875), isPresent: true }))).toEqual({ arm: 'SAP', probability: 0.875 });
+    expect(presentBest(sceneOf({ isPresent: true, frameShare: 0.1 })), 'nothing is known of the regime yet').toBeUndefined();
   });
 
   it('is listed after unsettled scenes, and before stable ones', () => {
@@ -60,8 +66,8 @@ describe('a scene with one best arm', () => {
 
 describe('texts', () => {
   it('describe a regime by what was measured', () => {
-    expect(regimeText(create(RegimePosteriorSchema, { objectCount: 2000, staticRatio: 0.25, speedMean: 0.125 }))).toBe('2,000 objects, 25.0 % static, speed 0.13');
-    expect(regimeText(create(RegimePosteriorSchema, { speedMean: 0 }))).toBe('speed 0');
+    expect(regimeText(create(RegimePosteriorSchema, { objectCount: 2000, staticRatio: 0.25, speedMean: 0.125 }))).toBe('2,000 objects, 25.0 % static, speed 0.13 units/frame');
+    expect(regimeText(create(RegimePosteriorSchema, { speedMean: 0 }))).toBe('speed 0 units/frame');
     expect(regimeText(create(RegimePosteriorSchema, {}))).toBe('not described');
   });
 

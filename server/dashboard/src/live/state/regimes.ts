@@ -1,7 +1,6 @@
 // The regimes of a scene, and what its sessions run now. The daemon computes all figures (engine_client/decider/policy/regime_report.h).
 import type { RegimeArm, RegimePosterior, SceneActivity, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { grouped, share, significant } from '../../format';
-import { nsText } from '../numbers/log_cost';
 
 /** Returns the belief about the regime's best arm, if there is one. */
 export const bestOf = ({ arms, bestArm }: RegimePosterior, activity: SceneActivity): RegimeArm | undefined => arms[activity.arms.indexOf(bestArm)];
@@ -9,6 +8,13 @@ export const bestOf = ({ arms, bestArm }: RegimePosterior, activity: SceneActivi
 /** Returns the best arm of each regime, each arm once, in the order of the regimes. Empty if there is only one regime. */
 export const regimeArms = ({ activity }: Pick<ScenePosterior, 'activity'>): string[] =>
   [...new Set(activity?.regimes.map(({ bestArm }) => bestArm))].filter(Boolean);
+
+/** Returns the best arm of the present regime and its probability; undefined if the session is in no known regime. */
+export function presentBest({ activity }: Pick<ScenePosterior, 'activity'>): { arm: string; probability: number } | undefined {
+  const present = activity?.regimes.find(({ isPresent, bestArm }) => isPresent && bestArm !== '');
+  const probability = present && bestOf(present, activity!)?.bestProbability;
+  return probability === undefined ? undefined : { arm: present!.bestArm, probability };
+}
 
 /** Returns whether regimes have different best arms, so that no single arm is the best. */
 export const isChanging = (posterior: Pick<ScenePosterior, 'activity'>) => regimeArms(posterior).length > 1;
@@ -26,7 +32,7 @@ export function regimeText({ objectCount, speedMean, staticRatio }: RegimePoster
   const parts = [
     objectCount !== undefined && `${grouped(objectCount)} objects`,
     staticRatio !== undefined && `${share(staticRatio)} static`,
-    speedMean !== undefined && `speed ${significant(speedMean, 2)}`,
+    speedMean !== undefined && `speed ${significant(speedMean, 2)} units/frame`,
   ];
   return parts.filter(Boolean).join(', ') || 'not described';
 }
@@ -38,4 +44,4 @@ export const costText = (arm: RegimeArm | undefined) =>
   (arm && arm.costUs > 0 ? `${microseconds(arm.costUs)} (${significant(arm.lowUs)} to ${significant(arm.highUs)})` : undefined);
 
 /** Returns a saving per frame, with a sign if it is negative. */
-export const savingText = (us: number | undefined) => (us === undefined ? undefined : `${us < 0 ? '−' : ''}${us === 0 ? '0 µs' : nsText(Math.abs(us) * 1000)}`);
+export const savingText = (us: number | undefined) => (us === undefined ? undefined : `${us < 0 ? '−' : ''}${microseconds(Math.abs(us))}`);

@@ -56,7 +56,7 @@ function latency(name: string, all: readonly Sample[], histogram: string, hint: 
   const last = all.at(-1)!.metrics;
   const before = all.at(-1 - WINDOW)?.metrics;
   const at = (share: number) => quantileOf(last, before, histogram, share);
-  return { name, hint, value: `${seconds(at(0.5))}, p99 ${seconds(at(0.99))}`, isBad: (at(0.99) ?? 0) >= 1 };
+  return { name, hint, value: `p50 ${seconds(at(0.5))}, p99 ${seconds(at(0.99))}`, isBad: (at(0.99) ?? 0) >= 1 };
 }
 
 const groupsOf = (all: readonly Sample[]): readonly { heading: string; rows: readonly Row[]; empty?: string }[] => [

@@ -48,7 +48,7 @@ function Figures() {
     <div class="figures">
       <Saving />
       <Figure value={grouped(sessionCount)} what={sessionCount === 1 ? 'session is connected' : 'sessions are connected'} />
-      <Figure value={`${grouped(settled)} of ${grouped(all.length)}`} what="scenes are settled" title="Scenes with the verdict stable, tie, changing or unknown. The others are ambiguous or degraded." />
+      <Figure value={`${grouped(settled)} of ${grouped(all.length)}`} what="scenes: the best algorithm is known" title="Scenes with the verdict stable, tie or changing (known in each regime), or without a verdict. The others are ambiguous or degraded." />
     </div>
   );
 }
@@ -91,7 +91,7 @@ const PROJECTS: readonly Column<Project>[] = [
   { id: 'project', title: 'Project', sort: ({ project }) => project, cell: ({ project }) => <a href={urlOf(`/?project=${encodeURIComponent(project)}`)}><Name text={project} /></a> },
   { id: 'verdict', title: 'Least certain scene', isText: true, hint: 'The scene of the project whose best algorithm is least certain. This column sorts by uncertainty.', sort: ({ worst }) => worst.uncertainty,
     csv: ({ worst }) => sceneOf(worst).scene, cell: ({ worst }) => <><VerdictChip verdict={worst.verdict} /> <a href={sceneHref(sceneOf(worst))}><Name text={sceneOf(worst).scene} /></a></> },
-  { id: 'unsettled', title: 'Not settled', hint: 'Scenes with the verdict ambiguous or degraded', sort: (row) => row.scenes.filter(isUnsettled).length },
+  { id: 'unsettled', title: 'Not known', hint: 'Scenes with the verdict ambiguous or degraded', sort: (row) => row.scenes.filter(isUnsettled).length },
   { id: 'scenes', title: 'Scenes', sort: (row) => row.scenes.length },
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => row.scenes.reduce((sum, each) => sum + sceneOf(each).activeSessionCount, 0) },
   { id: 'evidence', title: 'Windows', hint: 'Measured windows in all sessions, in frames of the game and in the shadow lane', sort: (row) => row.scenes.reduce((sum, { evidence }) => sum + Number(evidence), 0) },

@@ -71,12 +71,15 @@ function Tables({ records, project }: { records: readonly PriorRecord[]; project
   return (
     <>
       <section><h2>Builds</h2><Builds records={records} /></section>
-      <section><h2>From build to build</h2><Changes known={namesIn(records, 'build')} project={project} /></section>
+      <section><h2>From build to build</h2><Changes known={buildsOf(records)} project={project} /></section>
       <section><h2>Evidence</h2><Sums records={records} /></section>
       <section><h2>Sources</h2><Sources records={records} /></section>
     </>
   );
 }
+
+/** Returns the builds, that with the latest evidence first. */
+const buildsOf = (records: readonly PriorRecord[]) => groupsOf(records, 'build').sort((a, b) => lastSeenS(b) - lastSeenS(a)).map(({ example }) => example.build);
 
 const namesIn = (records: readonly PriorRecord[], field: 'build' | 'project') => [...new Set(records.map((record) => record[field]))];
 

@@ -26,6 +26,7 @@ import { armNames, type ArmRow, armRows, ArmTable, latestSwitches, MAX_SWITCHES,
 import { SceneEvidence } from './scene/evidence';
 import { isChanging } from '../state/regimes';
 import { Headline, Regimes } from './scene/headline';
+import { RegimeCosts } from './scene/regime_costs';
 
 function Facts({ state }: { state: SceneState }) {
   const { posterior, changedMs } = state;
@@ -50,7 +51,7 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
       beta.low95, beta.high95, row.bestProbability, costRatio?.median, row.windowCount, row.visitCount, row.effectiveWindowCount, row.bailOutCount]),
   });
   return (
-    <RidgeFigure id="beliefs" title={isChanging(posterior) ? 'Posterior of each algorithm, all regimes together' : 'Posterior of each algorithm'} names={[posterior.project, posterior.scene]} table={table} rows={ridges}
+    <RidgeFigure id="beliefs" title="Posterior of each algorithm" names={[posterior.project, posterior.scene]} table={table} rows={ridges}
       rewardVersion={posterior.rewardVersion} notYet="No algorithm has evidence yet."
       note="Thick lines are 50 % credible intervals, thin ones 95 %. Algorithms with a dashed outline never ran in a game. Dashed grey: the posterior when you opened this view, if it
         has changed since. The prior of a build is below, under Evidence; the prior of a session is in the view of that session." />
@@ -92,14 +93,24 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
   const state = useFrozen(latest, true);
   const before = useRef(latest.posterior).current;
   const rows = useMemo(() => armRows(state.posterior), [state]);
+  const { activity } = state.posterior;
+  const beliefs = <><Beliefs rows={rows} state={state} before={before} /><ArmTable rows={rows} rewardVersion={name.rewardVersion} /></>;
   return (
     <>
       <header class="title"><h1><span class="soft"><Name text={name.project} /> /</span> <Name text={name.scene} /></h1><CopyLink /></header>
       <Headline state={state} />
       <Facts state={state} />
       <section aria-labelledby="regimes-heading"><h2 id="regimes-heading">Regimes</h2><Regimes posterior={state.posterior} /></section>
-      <Beliefs rows={rows} state={state} before={before} />
-      <ArmTable rows={rows} rewardVersion={name.rewardVersion} />
+      {activity && isChanging(state.posterior) ? (
+        <>
+          <RegimeCosts activity={activity} posterior={state.posterior} />
+          <details class="together">
+            <summary>All regimes together</summary>
+            <p class="soft small">These posteriors average the logarithms of all costs, so they do not say which single choice is the best: a rare regime with high costs counts little.</p>
+            {beliefs}
+          </details>
+        </>
+      ) : beliefs}
       <section aria-labelledby="time-heading"><h2 id="time-heading">Over time</h2><Charts state={state} rows={rows} /></section>
       <section aria-labelledby="evidence-heading"><h2 id="evidence-heading">Evidence</h2><SceneEvidence name={name} /></section>
       <section aria-labelledby="classes-heading"><h2 id="classes-heading">Comparison of machines</h2><Variants name={name} /></section>

@@ -8,7 +8,7 @@ import { Sparkline } from '../../parts/sparkline';
 import type { Column } from '../../parts/table';
 import { thresholds } from '../../state/account';
 import { trendOf } from '../../state/history';
-import { isChanging, leadersOf, savingText } from '../../state/regimes';
+import { isChanging, leadersOf, presentBest, savingText } from '../../state/regimes';
 import { sceneHref } from '../../state/route';
 import { frameTimesOf } from '../../state/savings';
 import { sessions } from '../../state/sessions';
@@ -21,7 +21,9 @@ const sceneOf = ({ state }: SceneSummary) => state.posterior;
 const activityOf = (row: SceneSummary) => sceneOf(row).activity;
 const savedUs = (row: SceneSummary) => activityOf(row)?.total?.savedAgainstSingleUs;
 const hasLeader = (row: SceneSummary) => leadersOf(sceneOf(row)).length > 0;
-const sureness = (row: SceneSummary) => (hasLeader(row) ? row.leaderProbability : undefined);
+// In a changing scene, the best algorithm of the present regime is meant.
+const presentOf = (row: SceneSummary) => (isChanging(sceneOf(row)) ? presentBest(sceneOf(row)) : undefined);
+const sureness = (row: SceneSummary) => presentOf(row)?.probability ?? (hasLeader(row) ? row.leaderProbability : undefined);
 // In a changing scene no single algorithm is the choice, so there is no loss of choosing it.
 const lossOf = (row: SceneSummary) => (hasLeader(row) && !isChanging(sceneOf(row)) ? sceneOf(row).expectedLossRatio : undefined);
 
@@ -41,6 +43,13 @@ function RunsNow({ row }: { row: SceneSummary }) {
   );
 }
 
+// In a changing scene, the best algorithm of the present regime comes first.
+function Best({ row }: { row: SceneSummary }) {
+  const [all, present] = [leadersOf(sceneOf(row)), presentOf(row)?.arm];
+  if (!present) return <Arms names={all} />;
+  return <><Arm name={present} /> <span class="soft small">now; else {all.filter((arm) => arm !== present).map((arm, i) => <span key={arm}>{i > 0 && ', '}<Name text={arm} /></span>)}</span></>;
+}
+
 function Sureness({ probability }: { probability: number | undefined }) {
   if (probability === undefined) return <>–</>;
   return <span class="sure"><span class="bar" aria-hidden="true"><span style={{ width: `${100 * probability}%` }} /></span>{probability.toFixed(3)}</span>;
@@ -58,7 +67,7 @@ function Saved({ row }: { row: SceneSummary }) {
   const us = savedUs(row);
   const [text, frame] = [savingText(us), frameMs(row)];
   if (us === undefined || text === undefined) return <>–</>;
-  return <span class={us > 0 ? 'gain' : undefined}>{text}{frame !== undefined && <span class="soft small"> {us < 0 ? '−' : ''}{share(Math.abs(us) / 1000 / frame)}</span>}</span>;
+  return <span class={us > 0 ? 'gain' : undefined}>{text}{frame !== undefined && <span class="soft small"> {us < 0 ? '−' : ''}{share(Math.abs(us) / 1000 / frame)} of frame</span>}</span>;
 }
 
 export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
@@ -68,11 +77,11 @@ export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
     sort: (row) => activityOf(row)?.activeArm, cell: (row) => <RunsNow row={row} /> },
   { id: 'frame', title: 'Frame time', unit: 'ms', width: '10rem', hint: 'Median frame time of this session since the page was opened. The dotted line is 16.7 ms, 60 frames per second.',
     sort: frameMs, cell: (row) => <FrameTime row={row} /> },
-  { id: 'saved', title: 'Saved', unit: 'µs', width: '8.5rem', hint: 'Detection time per frame that this session saved against the best single algorithm, and its share of the frame time',
+  { id: 'saved', title: 'Saved', unit: 'µs', width: '10.5rem', hint: 'Detection time per frame that this session saved against the best single algorithm, and its share of the frame time',
     sort: savedUs, cell: (row) => <Saved row={row} /> },
-  { id: 'leader', title: 'Best', isText: true, width: '8rem', hint: 'The algorithm with the highest probability of being the best; in a changing scene, the best of each regime',
-    sort: (row) => leadersOf(sceneOf(row)).join(' '), cell: (row) => <Arms names={leadersOf(sceneOf(row))} /> },
-  { id: 'p', title: 'P(best)', width: '8rem', hint: 'Probability that this algorithm is the best; in a changing scene, the lowest of its regimes', sort: sureness,
+  { id: 'leader', title: 'Best', isText: true, width: '8rem', hint: 'The algorithm with the highest probability of being the best; in a changing scene, the best of the present regime and those of the others',
+    sort: (row) => leadersOf(sceneOf(row)).join(' '), cell: (row) => <Best row={row} /> },
+  { id: 'p', title: 'P(best)', width: '8rem', hint: 'Probability that this algorithm is the best; in a changing scene, in the present regime', sort: sureness,
     cell: (row) => <Sureness probability={sureness(row)} /> },
   { id: 'verdict', title: 'Verdict', isText: true, width: '8rem', hint: 'Says whether the best algorithm is known. This column sorts by uncertainty.', sort: (row) => row.uncertainty,
     csv: (row) => verdictWord(row.verdict).name, cell: (row) => <VerdictChip verdict={row.verdict} /> },

@@ -1,6 +1,7 @@
 // Shows the scenes in which the cost ratios of arms differ between two builds. The daemon compares them.
 import { useMemo } from 'preact/hooks';
 import { type ArmComparison, PriorsService, type SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
+import { counted } from '../../../format';
 import { ChartFrame } from '../../charts/frame';
 import { Intervals } from '../../charts/intervals';
 import { LOG_COST_REWARD_VERSION } from '../../numbers/log_cost';
@@ -86,6 +87,8 @@ function ChangeTable({ changes, before, after }: Builds & { changes: readonly Sc
   if (rows.length === 0) return <p role="status">The builds agree on every scene to within 5 %.</p>;
   return (
     <>
+      <p role="status">From build <Name text={before} /> to build <Name text={after} />, cost ratios differ in {counted(changes.length, 'scene or regime', 'scenes and regimes')}. Another algorithm is the cheapest in{' '}
+        <b>{changes.filter(({ leaderChanged }) => leaderChanged).length}</b> of them.</p>
       <Pictures changes={changes} before={before} after={after} />
       <Table caption="Changes" columns={COLUMNS} rows={rows} keyOf={({ key }) => key} sort="scene" sortParameter="changes" />
       <p class="soft small">The table lists the scenes in which the cost ratio of an algorithm has changed. It uses the evidence of each build alone. <code>sweepstake priors diff</code> compares exported files in the same way. Only
@@ -100,17 +103,18 @@ function Differences({ project, before, after }: Builds & { project: string }) {
   return <Read reading={reading} what="the comparison">{(parts) => table(parts.flatMap(({ scenes }) => scenes))}</Read>;
 }
 
-/** `known` are the builds with evidence. */
+/** `known` are the builds with evidence, the latest first. Without a choice in the URL, the two latest ones are compared. */
 export function Changes({ known, project }: { known: readonly string[]; project: string }) {
-  const chosen = [route.value.query.get('before') ?? '', route.value.query.get('after') ?? ''] as const;
+  const named = known.filter(Boolean);
+  const chosen = [route.value.query.get('before') ?? named[1] ?? '', route.value.query.get('after') ?? named[0] ?? ''] as const;
   const builds = [...new Set([...known, ...chosen])].filter(Boolean).sort();
-  const options = [['', 'choose'], ...builds.map((build) => [build, visible(build)] as const)] as const;
+  const optionsFor = (first: string) => [...new Set([first, ...builds])].map((build) => [build, visible(build) || 'choose'] as const);
   const missing = chosen.find((build) => build && !known.includes(build));
   return (
     <>
       <div class="tools">
-        <Choice label="From build" parameter="before" options={options} />
-        <Choice label="to build" parameter="after" options={options} />
+        <Choice label="From build" parameter="before" options={optionsFor(named[1] ?? '')} />
+        <Choice label="to build" parameter="after" options={optionsFor(named[0] ?? '')} />
       </div>
       {builds.length < 2 && <p class="soft">A comparison needs two builds. A game sends its build when it begins a session (<code>--build</code>, <code>SessionOptions::build</code>).</p>}
       {missing && <p class="soft">There is no evidence of build <Name text={missing} /> here.</p>}
