@@ -60,6 +60,6 @@ export const interval = ([low, high]: Interval) => `${percent(low)} to ${percent
 export const probability = (p: number) => (p < 0.0001 ? '< 0.0001' : significant(p, 2));
 export const counted = (count: number, one: string, many: string) => `${grouped(count)} ${count === 1 ? one : many}`;
 
-export function mean(values: number[]): number {
+export function mean(values: readonly number[]): number {
   return values.reduce((sum, value) => sum + value, 0) / values.length;
 }

@@ -74,7 +74,7 @@ async function checkNumbers(page, daemon) {
     const cells = await until(`the page has the daemon's numbers of ${name}`, async () => {
       const shown = await cellsOf(page, name);
       const evidence = scene.arms.reduce((sum, { windows, lane_visits: visits }) => sum + windows + visits, 0);
-      return shown.Windows?.replaceAll(',', '') === String(evidence) && shown.Sessions === String(scene.active_sessions) && shown;
+      return shown.Measurements?.replaceAll(',', '') === String(evidence) && shown.Sessions === String(scene.active_sessions) && shown;
     });
     const bestArms = new Set((scene.activity?.regimes ?? []).map(({ best_arm: arm }) => arm).filter(Boolean));
     if (bestArms.size > 1) {
@@ -147,7 +147,7 @@ async function checkUpdates(context, daemon) {
     }
     judge(`a changed posterior is on ${view}`, worst, 1000);
   };
-  await measure('the overview', async () => numberIn((await cellsOf(page, 'changing')).Windows));
+  await measure('the overview', async () => numberIn((await cellsOf(page, 'changing')).Measurements));
   await page.goto(`${daemon.origin}/scenes/arcade/changing?class=test&reward=3&columns=all`);
   await measure('the page of the scene', async () => (await rowsOf(page, 'Algorithms')).reduce((sum, row) => sum + numberIn(row.Windows) + numberIn(row['Lane visits']), 0));
   await game.quit();

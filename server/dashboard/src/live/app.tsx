@@ -12,6 +12,7 @@ import { Empty, Failure, Later } from './parts/states';
 import { toast, ToastHost } from './parts/toast';
 import { account, accountError, learnAccount, logout, needsLogin } from './state/account';
 import { connection } from './state/connection';
+import { followChecks } from './state/health';
 import { startLive } from './state/live';
 import { followLinks, navigate, route, type RouteName } from './state/route';
 import { followScenes } from './state/summaries';
@@ -126,5 +127,6 @@ addShortcuts(PLACES.map(({ href, title, key }) => ({ keys: `g ${key}`, what: `Go
 // The number of serious problems is in the title, so that a tab in the background shows it.
 effect(() => { document.title = badCount.value > 0 ? `(${badCount.value}) ${titleOf()}` : titleOf(); });
 followScenes();
+followChecks();
 startLive();
 render(<App />, document.getElementById('app')!);

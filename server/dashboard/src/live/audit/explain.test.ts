@@ -12,7 +12,7 @@ const told: Told = {
   gate: { gain: 0.03, loss: 0.01, horizonS: 200, cooldownS: 40, costS: 8 },
 };
 
-describe('why this arm', () => {
+describe('why this algorithm', () => {
   it('compares the costs of both algorithms', () => {
     const expected = 'KDTree is expected to take 7.40 µs per frame instead of 7.60 µs, and is the best with a probability of 70 %.';
     expect(explained(told)[0]).toBe(`SAP stays, because the saving would not pay for a switch: ${expected}`);
@@ -20,8 +20,17 @@ describe('why this arm', () => {
     expect(explained(switched)[0]).toBe(`The daemon commanded a switch from SAP to KDTree: ${expected}`);
     const kept = { ...told, candidate: 'SAP', outcome: DecisionOutcome.KEPT, arms: ['Grid', 'SAP', 'KDTree'], costsNs: [9000, 7000, 7400] };
     expect(explained(kept)[0]).toBe('SAP stays: it is expected to take 7.00 µs per frame. KDTree is the cheapest of the others, with 7.40 µs.');
+    const cheaper = { ...kept, costsNs: [9000, 7400, 7000] };
+    expect(explained(cheaper)[0], 'a policy that draws may keep an algorithm that is not the cheapest').toBe('SAP stays, because the policy chose it again.');
     const { costsNs: _, ...unknown } = told;
     expect(explained(unknown).join(' ')).not.toContain('expected to take');
+    expect(explained({ ...unknown, outcome: DecisionOutcome.SWITCHED, reason: SwitchReason.POLICY })[0]).toBe('The daemon commanded a switch from SAP to KDTree. The policy chose the algorithm from the posteriors.');
+  });
+
+  it('does not call a saving too small that would pay', () => {
+    const tiny = { ...told, gate: { ...told.gate!, gain: 0.003, loss: 0, costS: 0.1 } };
+    expect(explained(tiny)[0]).toMatch(/^SAP stays, because the policy does not switch for so small a saving: /);
+    expect(explained(tiny)[1]).toContain('pays above a saving of 3.80 ns per frame');
   });
 
   it('says which saving would pay for the switch', () => {

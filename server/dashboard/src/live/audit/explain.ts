@@ -51,6 +51,12 @@ const rivalsOf = (told: Told) => told.arms.filter((arm) => arm !== told.activeAr
 
 const sureText = (probability: number) => (probability > 0.999 ? 'over 99.9 %' : percent(probability));
 
+/** Returns the gain above which a switch pays: the gate's inequality divided by its horizon. */
+const leastGain = ({ cooldownS, loss, costS, horizonS }: NonNullable<Told['gate']>) => (cooldownS * loss + costS) / horizonS;
+
+/** A policy may stay although a switch would pay, if the saving is too small to be measured well. */
+const pays = (gate: Told['gate']) => gate !== undefined && gate.horizonS > 0 && gate.gain > leastGain(gate);
+
 /** Returns what is expected of the candidate: ": it is expected to take 20 µs per frame instead of 30 µs, and …"; empty if unknown. */
 function expectedOf(told: Told): string {
   const [name, from, to] = [other(told), costOf(told, told.activeArm), costOf(told, other(told))];
@@ -65,18 +71,19 @@ function whatHappened(told: Told): string {
   switch (outcome) {
     case DecisionOutcome.SWITCHED:
       return reason === SwitchReason.POLICY
-        ? `The daemon commanded a switch from ${activeArm} to ${name}${expectedOf(told)}.`
+        ? `The daemon commanded a switch from ${activeArm} to ${name}${expectedOf(told) || `. ${reasonWord(reason).meaning.slice(0, -1)}`}.`
         : `The daemon commanded a switch from ${activeArm} to ${name}. ${reasonWord(reason).meaning}`;
     case DecisionOutcome.KEPT: {
       const [next] = rivalsOf(told);
       const own = costOf(told, activeArm);
-      if (next === undefined || own === undefined) return `${activeArm} stays, because the policy chose it again.`;
+      if (next === undefined || own === undefined || own > costOf(told, next)!) return `${activeArm} stays, because the policy chose it again.`;
       return `${activeArm} stays: it is expected to take ${nsText(own)} per frame. ${next} is the cheapest of the others, with ${nsText(costOf(told, next)!)}.`;
     }
     case DecisionOutcome.HELD_COOLDOWN:
       return `${name} looks better, but ${activeArm} stays: after a switch `
         + (cooldownMs === undefined ? 'the cooldown has to pass' : `${durationText(cooldownMs)} have to pass`) + ' before the next one.';
-    case DecisionOutcome.HELD_GATE: return `${activeArm} stays, because the saving would not pay for a switch${expectedOf(told)}.`;
+    case DecisionOutcome.HELD_GATE:
+      return `${activeArm} stays, because ${pays(told.gate) ? 'the policy does not switch for so small a saving' : 'the saving would not pay for a switch'}${expectedOf(told)}.`;
     case DecisionOutcome.EXPLORING:
       return reason === SwitchReason.EXPLORATION
         ? `${activeArm} has been measured, and the next algorithm follows. At the start every algorithm is measured once.`
@@ -85,8 +92,7 @@ function whatHappened(told: Told): string {
   }
 }
 
-/** Returns the saving that was expected of the candidate, and the least one that pays for a switch: the gate's inequality divided by its
- * horizon. Both are a time per frame or, if costs are not known, a share of the detection time. */
+/** Returns the saving that was expected of the candidate, and the least one that pays for a switch. Both are a time per frame or, if costs are not known, a share of the detection time. */
 function whatWouldPay(told: Told): string | undefined {
   const { activeArm, gate } = told;
   const name = other(told);
@@ -96,8 +102,7 @@ function whatWouldPay(told: Told): string | undefined {
     const share = -Math.expm1(-gain);
     return activeNs === undefined ? `${percent(share)} of the detection time` : `${nsText(share * activeNs)} per frame`;
   };
-  const least = (gate.cooldownS * gate.loss + gate.costS) / gate.horizonS;
-  return `A switch to ${name} pays above a saving of ${saved(least)}, which covers its cost, spread over ${seconds(gate.horizonS)}, and the risk that ${name} is slower. `
+  return `A switch to ${name} pays above a saving of ${saved(leastGain(gate))}, which covers its cost, spread over ${seconds(gate.horizonS)}, and the risk that ${name} is slower. `
     + `The expected saving, not counting cases in which ${name} is slower, is ${saved(gate.gain)}.`;
 }
 

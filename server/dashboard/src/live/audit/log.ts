@@ -2,6 +2,7 @@
 import { toJson } from '../transport/messages';
 import { AuditKind, type AuditRow, AuditRowSchema, AuditService, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
+import { NS_PER_MS } from '../numbers/log_cost';
 import { stream } from '../transport/calls';
 
 export interface Selection { sessionId?: string; project?: string; scene?: string }
@@ -9,7 +10,6 @@ export interface Selection { sessionId?: string; project?: string; scene?: strin
 /** A row of the audit log, and the setup that the first row of its segment contains; absent if the daemon has removed the first row. */
 export interface PlacedRow { row: AuditRow; setup?: AuditSetup }
 
-export const NS_PER_MS = 1e6;
 export const msOf = (ns: bigint) => Number(ns) / NS_PER_MS;
 
 /** Identifies the row within the log. */

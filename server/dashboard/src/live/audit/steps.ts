@@ -5,7 +5,8 @@ import { type ShadowSample, SwitchReason } from '../../gen/sweepstake/v1/telemet
 import { bucketsOf, type Percentiles, percentiles } from '../numbers/histogram';
 import { type Told, toldOfEvent, toldOfRow } from './explain';
 import { once } from '../state/once';
-import { NS_PER_MS, type PlacedRow, unixMsOf } from './log';
+import { NS_PER_MS } from '../numbers/log_cost';
+import { type PlacedRow, unixMsOf } from './log';
 
 export interface Step {
   timeMs: number; // by the daemon's clock
@@ -56,8 +57,8 @@ export interface WindowMeans {
   nativeBytes: number; // peak
 }
 
-/** Returns the costs in the row's decision window; undefined if the window has no frames. Without frames of a known regime, a decision
- * uses the new frames (DecisionSession in engine_client/decider/session/decision_session.cc). */
+/** Returns the costs in the row's decision window; undefined if the window has no frames. Without frames of a known regime, these
+ * are the new frames, which the decision uses unless their regime is in doubt (engine_client/decider/session/decision_session.cc). */
 export const windowOf = once((row: AuditRow): WindowMeans | undefined => {
   const active = row.runs?.active;
   const window = active?.window?.frameCount ? active.window : active?.newFrames;

@@ -21,6 +21,8 @@ it('An axis from 0 does not reach outliers', () => {
   expect(valueRange({ scale: 'zero', values: [0, 300] }, 0, 300, 16)[1], 'a range shared with other charts').toBeCloseTo(300 * 1.08, 12);
   expect(usualOf({ ...picture, domain: { fromMs: 150, toMs: 150 } }), 'only shown values count').toBe(300);
   expect(usualOf({ ...picture, lines: [] })).toBeUndefined();
+  const few = { ...picture, lines: [{ label: '', values: [...values.slice(0, 49), 300], colour: '' }] };
+  expect(usualOf(few), 'one outlier among 50 values').toBe(16);
 });
 
 it('A logarithmic axis ends at the next round values', () => {

@@ -79,7 +79,7 @@ export function usualOf({ timesMs, lines, domain, hidden }: Pick<Picture, 'times
   const isIn = timesMs.map((ms) => ms >= domain.fromMs && ms <= domain.toMs);
   const all = lines.filter(({ arm, isAside }) => !isAside && !hidden.has(arm ?? ''))
     .flatMap(({ values }) => values.filter((value, i): value is number => value !== null && isIn[i]!)).sort((a, b) => a - b);
-  return all[Math.floor(0.99 * all.length)];
+  return all[Math.floor(0.99 * (all.length - 1))];
 }
 
 /** Returns the range of the axis of values for lines from `min` to `max`, which are null if no line has a value. With `usual` (usualOf),

@@ -164,7 +164,7 @@ export function TimeTools() {
       <button type="button" aria-pressed={isPaused} onClick={() => setPaused(isPaused ? undefined : Date.now())}>{isPaused ? '▶ Resume' : '❚❚ Pause'}</button>
       <button type="button" disabled={!range.value} onClick={() => setRange(undefined)}>Show all</button>
       {isPaused && <span class="soft">Paused at {clockText(pausedMs.value!)}.</span>}
-      <span class="soft hint">Drag in a chart to zoom.</span>
+      <span class="soft hint">Drag in a chart to zoom. Triangles mark values above the axis.</span>
     </div>
   );
 }

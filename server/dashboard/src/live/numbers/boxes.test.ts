@@ -1,7 +1,7 @@
 import { create } from '../transport/messages';
 import { expect, it } from 'vitest';
 import { BoxViewSchema } from '../../gen/sweepstake/v1/telemetry_pb';
-import { boxesOf, cellOf, moved, projection, START, turned, zoomed } from './boxes';
+import { boxesOf, cellOf, linesOf, moved, projection, START, turned, zoomed } from './boxes';
 
 const littleEndian = (...numbers: number[]) => new Uint8Array(new Uint16Array(numbers).buffer);
 const VIEW = { frameIndex: 7n, objectCount: 9, stride: 3, bounds: [-1, 0, 2, 1, 10, 4],
@@ -64,4 +64,11 @@ it('the ground has 5 to 12 round cells along its longer side', () => {
     expect(Number((cell / 10 ** Math.floor(Math.log10(cell) + 1e-9)).toPrecision(6))).toSatisfy((step: number) => [1, 2, 5].includes(step));
   }
   expect(cellOf({ low: [1, 1, 1], high: [1, 1, 1] })).toBeGreaterThan(0);
+});
+
+it('the lines of the ground are multiples of a cell, and few even far from the origin', () => {
+  expect(linesOf(-1.2, 2.1, 0.5)).toEqual([-1, -0.5, 0, 0.5, 1, 1.5, 2]);
+  expect(linesOf(0.1, 0.2, 0.5)).toEqual([]);
+  expect(linesOf(1e17, 1e17, 0.1).length).toBeLessThanOrEqual(20);
+  expect(linesOf(-1e300, 1e300, 1).length).toBeLessThanOrEqual(20);
 });

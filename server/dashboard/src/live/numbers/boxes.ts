@@ -104,11 +104,20 @@ function framesOf(boxes: Boxes, camera: Camera, { width, height }: Size): { plai
   return paths;
 }
 
+const MAX_LINES = 20; // of the ground, in one direction
+
 /** Returns the distance of the ground's lines: 1, 2 or 5 times a power of ten world units, so that the longer side has 5 to 12 cells. */
 export function cellOf({ low, high }: Pick<Boxes, 'low' | 'high'>): number {
   const length = Math.max(high[0] - low[0], high[2] - low[2]) || 1;
   const power = 10 ** Math.floor(Math.log10(length));
   return [0.1, 0.2, 0.5, 1].map((step) => step * power).find((step) => length / step <= 12) ?? power;
+}
+
+/** Returns the multiples of `cell` from `low` to `high`. Their number is bounded even if the coordinates are too large to tell them apart. */
+export function linesOf(low: number, high: number, cell: number): number[] {
+  const first = Math.ceil(low / cell);
+  const count = Math.min(Math.max(Math.floor(high / cell) - first + 1, 0), MAX_LINES);
+  return Array.from({ length: count }, (_, i) => (first + i) * cell);
 }
 
 type Point = readonly [number, number, number];
@@ -124,8 +133,8 @@ function drawGround(pen: CanvasRenderingContext2D, { low, high }: Boxes, project
     path.lineTo(b.x, b.y);
   };
   const grid = new Path2D();
-  for (let x = Math.ceil(low[0] / cell) * cell; x <= high[0]; x += cell) line(grid, [x, low[1], low[2]], [x, low[1], high[2]]);
-  for (let z = Math.ceil(low[2] / cell) * cell; z <= high[2]; z += cell) line(grid, [low[0], low[1], z], [high[0], low[1], z]);
+  for (const x of linesOf(low[0], high[0], cell)) line(grid, [x, low[1], low[2]], [x, low[1], high[2]]);
+  for (const z of linesOf(low[2], high[2], cell)) line(grid, [low[0], low[1], z], [high[0], low[1], z]);
   Object.assign(pen, { strokeStyle: resolved('var(--rule)'), lineWidth: 1 });
   pen.stroke(grid);
   for (const [axis, name] of ['x', 'y', 'z'].entries()) {

@@ -3,6 +3,9 @@
 import { significant } from '../../format';
 
 export const LOG_COST_REWARD_VERSION = 3;
+export const NS_PER_MS = 1e6;
+/** The time of a frame at 60 frames per second. */
+export const FRAME_MS = 1000 / 60;
 const LOG_RANGE = Math.log(5e9); // ln(5 s ÷ 1 ns): the range of log-costs from reward 1 to reward 0
 
 /** Median and the bounds of the central 95 % interval. */

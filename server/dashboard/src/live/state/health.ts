@@ -68,7 +68,7 @@ export interface Sample {
   metrics: Metrics;
 }
 
-const checksError = signal<ApiError | undefined>(undefined);
+export const checksError = signal<ApiError | undefined>(undefined);
 const figuresError = signal<ApiError | undefined>(undefined);
 export const checks = signal<readonly Check[] | undefined>(undefined);  // undefined: not known yet
 export const samples = signal<readonly Sample[]>([]);  // oldest first
@@ -100,12 +100,12 @@ export const learnFigures = () => learn('/metrics', (text) => {
   return metrics.size > 0;
 }, figuresError);
 
-function repeat(task: () => Promise<void>, intervalMs: number): () => void {
+function repeat(task: () => Promise<void>, intervalMs: number, evenHidden: boolean): () => void {
   void task();
-  const timer = setInterval(() => { if (!document.hidden) void task(); }, intervalMs);
+  const timer = setInterval(() => { if (evenHidden || !document.hidden) void task(); }, intervalMs);
   return () => clearInterval(timer);
 }
 
-// followChecks and followFigures poll until the returned function is called.
-export const followChecks = () => repeat(learnChecks, CHECKS_INTERVAL_MS);
-export const followFigures = () => repeat(learnFigures, FIGURES_INTERVAL_MS);
+// Poll until the returned function is called. The checks are polled while the page is hidden, too, because they are in its title.
+export const followChecks = () => repeat(learnChecks, CHECKS_INTERVAL_MS, true);
+export const followFigures = () => repeat(learnFigures, FIGURES_INTERVAL_MS, false);

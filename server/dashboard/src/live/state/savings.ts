@@ -1,10 +1,10 @@
 // What the choice of algorithms saves in the scenes that are played now, and their frame times.
 import type { DecisionEvent, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
+import { mean } from '../../format';
+import { NS_PER_MS } from '../numbers/log_cost';
 import { bucketsOf, percentile } from '../numbers/histogram';
 import { once } from './once';
 import type { SessionState } from './sessions';
-
-const NS_PER_MS = 1e6;
 
 /** Means over scenes, in microseconds per frame. */
 export interface Savings {
@@ -13,8 +13,6 @@ export interface Savings {
   againstSingleUs: number; // saved against the best single algorithm of each scene
   againstReferenceUs?: number; // saved against KDTree; absent: some scene has no KDTree
 }
-
-const mean = (values: readonly number[]) => values.reduce((sum, value) => sum + value, 0) / values.length;
 
 /** Returns the mean savings of the scenes that are played now; undefined if none has measured them yet. */
 export function savingsOf(posteriors: readonly Pick<ScenePosterior, 'activity'>[]): Savings | undefined {
@@ -35,6 +33,8 @@ const frameTimeMs = once(({ measurements }: DecisionEvent): number | undefined =
   return ns === undefined ? undefined : ns / NS_PER_MS;
 });
 
+const MAX_TIMES = 60;
+
 /** Returns the median frame time before each of the session's latest decisions in milliseconds, oldest first. */
-export const frameTimesOf = (session: Pick<SessionState, 'decisions'> | undefined, count = 60): number[] =>
-  (session?.decisions.slice(-count) ?? []).map(frameTimeMs).filter((ms) => ms !== undefined);
+export const frameTimesOf = (session: Pick<SessionState, 'decisions'> | undefined): number[] =>
+  (session?.decisions.slice(-MAX_TIMES) ?? []).map(frameTimeMs).filter((ms) => ms !== undefined);

@@ -7,7 +7,7 @@ import { CopyLink } from '../parts/toast';
 import { Sparkline } from '../parts/sparkline';
 import { Failure, Loading } from '../parts/states';
 import { account } from '../state/account';
-import { checks, followChecks, followFigures, healthError, labelOf, learnChecks, learnFigures, type Metrics, quantileOf, type Sample, samples, sumOf,
+import { checks, followFigures, healthError, labelOf, learnChecks, learnFigures, type Metrics, quantileOf, type Sample, samples, sumOf,
   valueOf } from '../state/health';
 
 const WINDOW = 30;  // number of samples for rates and quantiles: one minute
@@ -183,7 +183,6 @@ function Checks() {
 }
 
 export function Health() {
-  useEffect(followChecks, []);
   useEffect(followFigures, []);
   const all = samples.value;
   const error = healthError.value;

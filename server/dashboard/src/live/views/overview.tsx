@@ -1,4 +1,4 @@
-// The overview: all scenes, the least certain first, and the problems that need attention.
+// The overview: what choosing algorithms saves, the problems that need attention, and all scenes, the least certain first.
 import { counted, grouped, share, significant } from '../../format';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { VerdictChip } from '../parts/chips';
@@ -43,12 +43,12 @@ const Figure = ({ value, what, title }: { value: string; what: string; title?: s
 
 function Figures() {
   const all = summaries.value;
-  const [sessionCount, settled] = [connectedSessions.value.length, all.length - all.filter(isUnsettled).length];
+  const [sessionCount, settled] = [connectedSessions.value.length, all.filter(isSettled).length];
   return (
     <div class="figures">
       <Saving />
       <Figure value={grouped(sessionCount)} what={sessionCount === 1 ? 'session is connected' : 'sessions are connected'} />
-      <Figure value={`${grouped(settled)} of ${grouped(all.length)}`} what="scenes: the best algorithm is known" title="Scenes with the verdict stable, tie or changing (known in each regime), or without a verdict. The others are ambiguous or degraded." />
+      <Figure value={`${grouped(settled)} of ${grouped(all.length)}`} what="scenes need no more measurements" title="Scenes with the verdict stable, tie or changing" />
     </div>
   );
 }
@@ -82,7 +82,7 @@ function Tools({ all }: { all: readonly SceneSummary[] }) {
 
 interface Project { project: string; scenes: readonly SceneSummary[]; worst: SceneSummary }
 
-const isUnsettled = ({ verdict }: SceneSummary) => verdict === Verdict.AMBIGUOUS || verdict === Verdict.DEGRADED;
+const isSettled = ({ verdict }: SceneSummary) => verdict === Verdict.STABLE || verdict === Verdict.TIE || verdict === 'changing';
 
 const projectsOf = (all: readonly SceneSummary[]): Project[] => [...groupedBy(all, (row) => sceneOf(row).project)].map(([project, own]) =>
   ({ project, scenes: own, worst: own.reduce((worst, row) => (row.uncertainty > worst.uncertainty ? row : worst)) }));
@@ -91,10 +91,10 @@ const PROJECTS: readonly Column<Project>[] = [
   { id: 'project', title: 'Project', sort: ({ project }) => project, cell: ({ project }) => <a href={urlOf(`/?project=${encodeURIComponent(project)}`)}><Name text={project} /></a> },
   { id: 'verdict', title: 'Least certain scene', isText: true, hint: 'The scene of the project whose best algorithm is least certain. This column sorts by uncertainty.', sort: ({ worst }) => worst.uncertainty,
     csv: ({ worst }) => sceneOf(worst).scene, cell: ({ worst }) => <><VerdictChip verdict={worst.verdict} /> <a href={sceneHref(sceneOf(worst))}><Name text={sceneOf(worst).scene} /></a></> },
-  { id: 'unsettled', title: 'Not known', hint: 'Scenes with the verdict ambiguous or degraded', sort: (row) => row.scenes.filter(isUnsettled).length },
+  { id: 'settled', title: 'Settled', hint: 'Scenes with the verdict stable, tie or changing', sort: (row) => row.scenes.filter(isSettled).length },
   { id: 'scenes', title: 'Scenes', sort: (row) => row.scenes.length },
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => row.scenes.reduce((sum, each) => sum + sceneOf(each).activeSessionCount, 0) },
-  { id: 'evidence', title: 'Windows', hint: 'Measured windows in all sessions, in frames of the game and in the shadow lane', sort: (row) => row.scenes.reduce((sum, { evidence }) => sum + Number(evidence), 0) },
+  { id: 'evidence', title: 'Measurements', hint: 'Windows and visits of the shadow lane in all sessions', sort: (row) => row.scenes.reduce((sum, { evidence }) => sum + Number(evidence), 0) },
 ];
 
 function Projects({ all }: { all: readonly SceneSummary[] }) {

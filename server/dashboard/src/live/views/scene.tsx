@@ -104,14 +104,14 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
       {activity && isChanging(state.posterior) ? (
         <>
           <RegimeCosts activity={activity} posterior={state.posterior} />
-          <details class="together">
+          <details>
             <summary>All regimes together</summary>
             <p class="soft small">These posteriors average the logarithms of all costs, so they do not say which single choice is the best: a rare regime with high costs counts little.</p>
             {beliefs}
           </details>
         </>
       ) : beliefs}
-      <section aria-labelledby="time-heading"><h2 id="time-heading">Over time</h2><Charts state={state} rows={rows} /></section>
+      <section aria-labelledby="time-heading"><h2 id="time-heading">Over time{isChanging(state.posterior) && ', all regimes together'}</h2><Charts state={state} rows={rows} /></section>
       <section aria-labelledby="evidence-heading"><h2 id="evidence-heading">Evidence</h2><SceneEvidence name={name} /></section>
       <section aria-labelledby="classes-heading"><h2 id="classes-heading">Comparison of machines</h2><Variants name={name} /></section>
       <section aria-labelledby="builds-heading"><h2 id="builds-heading">Comparison of builds</h2><Builds name={name} /></section>

@@ -26,7 +26,7 @@ import { urlOf } from '../transport/base';
 import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
-import { beliefRows, costColumns, laneSums, type LaneSum, priorAndPosterior, stepFor, stepQuery, switchMoments } from './session/model';
+import { beliefRows, costColumns, laneSums, type LaneSum, decisiveStep, priorAndPosterior, stepQuery, switchMoments } from './session/model';
 import { Orders } from './session/orders';
 import { Why } from './session/why';
 import { endWord, modeWord, outcomeWord, stateWord } from './words';
@@ -157,6 +157,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
   const domain = domainOf(steps.map(({ timeMs }) => timeMs), range.value);
   const moments = useMemo(() => switchMoments(steps, arms), [steps, arms]);
   const chosen = useChosenStep(steps);
+  const decisive = decisiveStep(steps);
   const props = { sessionId, steps, arms, moments, rewardVersion, domain };
   return (
     <>
@@ -164,7 +165,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       <Facts state={state} steps={steps} rewardVersion={rewardVersion} />
       {latest && <Orders info={latest.info} arms={arms} isOver={latest.ended !== undefined} />}
       <p class="orders">
-        <button type="button" class="primary" disabled={log.isReading || !stepFor(steps, undefined)} onClick={() => { const step = stepFor(steps, undefined); if (step) openStep(step); }}>Why this algorithm?</button>
+        <button type="button" class="primary" disabled={log.isReading || !decisive} onClick={() => decisive && openStep(decisive)}>Why this algorithm?</button>
         <a href={decisionsHref({ session: sessionId })}>All rows of its log</a>
         {latest && <CompareWith info={latest.info} />}
         <span class="soft">{grouped(steps.filter(({ told }) => told).length)} decisions</span>

@@ -1,5 +1,6 @@
 // The columns of the overview's list of scenes. The first ones read like a sentence: what runs, how fast the game is, what was saved.
 import { grouped, share, significant } from '../../../format';
+import { FRAME_MS } from '../../numbers/log_cost';
 import { Arm, Arms } from '../../parts/arm';
 import { VerdictChip } from '../../parts/chips';
 import { ago, duration, now } from '../../parts/clock';
@@ -15,15 +16,13 @@ import { sessions } from '../../state/sessions';
 import type { SceneSummary } from '../../state/summaries';
 import { verdictWord } from '../words';
 
-const FRAME_MS = 1000 / 60; // the frame time at 60 frames per second, which the curves of frame times mark
-
 const sceneOf = ({ state }: SceneSummary) => state.posterior;
 const activityOf = (row: SceneSummary) => sceneOf(row).activity;
 const savedUs = (row: SceneSummary) => activityOf(row)?.total?.savedAgainstSingleUs;
 const hasLeader = (row: SceneSummary) => leadersOf(sceneOf(row)).length > 0;
 // In a changing scene, the best algorithm of the present regime is meant.
 const presentOf = (row: SceneSummary) => (isChanging(sceneOf(row)) ? presentBest(sceneOf(row)) : undefined);
-const sureness = (row: SceneSummary) => presentOf(row)?.probability ?? (hasLeader(row) ? row.leaderProbability : undefined);
+const sureness = (row: SceneSummary) => (isChanging(sceneOf(row)) ? presentOf(row)?.probability : hasLeader(row) ? row.leaderProbability : undefined);
 // In a changing scene no single algorithm is the choice, so there is no loss of choosing it.
 const lossOf = (row: SceneSummary) => (hasLeader(row) && !isChanging(sceneOf(row)) ? sceneOf(row).expectedLossRatio : undefined);
 
@@ -36,10 +35,10 @@ function RunsNow({ row }: { row: SceneSummary }) {
   if (!activity) return <>–</>;
   const { activeArm, unixActiveSinceMs, recentSwitchCount } = activity;
   return (
-    <span class="runs">
+    <>
       <Arm name={activeArm} /> <span class="soft small">{duration(Math.max(0, now.value - Number(unixActiveSinceMs)))}
         {recentSwitchCount > 0 && `, ${grouped(recentSwitchCount)} /min`}</span>
-    </span>
+    </>
   );
 }
 
@@ -62,7 +61,7 @@ function FrameTime({ row }: { row: SceneSummary }) {
   return <span class="curve-cell"><Sparkline values={times} low={0} high={Math.max(1.25 * FRAME_MS, ...times)} mark={FRAME_MS} />{significant(last)} ms</span>;
 }
 
-// The saving in milliseconds and as a share of the frame time.
+// The saving as a time and as a share of the frame time.
 function Saved({ row }: { row: SceneSummary }) {
   const us = savedUs(row);
   const [text, frame] = [savingText(us), frameMs(row)];
@@ -88,11 +87,11 @@ export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount },
   { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: (row) => sceneOf(row).machineClass },
   { id: 'project', title: 'Project', isText: true, sort: (row) => sceneOf(row).project },
-  { id: 'trend', title: 'Trend of P(best)', isText: true, isDetail: true, hint: 'P(best) since the page was opened, from 0 to 1. The dotted line is the threshold of stable scenes.',
+  { id: 'trend', title: 'Trend of P(best)', isText: true, isDetail: true, hint: 'The highest P(best) from all evidence since the page was opened, from 0 to 1. The dotted line is the threshold of stable scenes.',
     cell: (row) => <Sparkline values={trendOf(row.state.history)} low={0} high={1} mark={thresholds.value.stableProbability} /> },
   { id: 'loss', title: 'Loss', width: '6rem', isDetail: true, hint: 'Expected extra cost of choosing this algorithm instead of the best one', sort: lossOf,
     cell: (row) => { const loss = lossOf(row); return loss === undefined ? '–' : share(loss); } },
-  { id: 'evidence', title: 'Windows', width: '7rem', isDetail: true, hint: 'Measured windows in all sessions, in frames of the game and in the shadow lane', sort: (row) => Number(row.evidence) },
+  { id: 'evidence', title: 'Measurements', width: '7rem', isDetail: true, hint: 'Windows and visits of the shadow lane in all sessions', sort: (row) => Number(row.evidence) },
   { id: 'changed', title: 'Changed', width: '7rem', isDetail: true, hint: 'Time of the last change that this page received. If there was none: time of the latest evidence',
     sort: (row) => row.state.changedMs || undefined, cell: (row) => (row.state.changedMs ? ago(row.state.changedMs, now.value) : '–') },
   { id: 'reward', title: 'Reward', isDetail: true, hint: 'Version of the formula that turns a cost into a reward; AI Decides uses version 3', sort: (row) => sceneOf(row).rewardVersion },

@@ -75,7 +75,7 @@ function Pictures({ changes, before, after }: Builds & { changes: readonly Scene
   return (
     <>
       <div class="beside">{shown.map((change) => <Picture key={keyOf(change)} change={change} before={before} after={after} />)}</div>
-      {changes.length > shown.length && <p class="soft small">The page draws {MAX_PICTURES} of {changes.length} scenes. Scenes with another cheapest algorithm come first, then those with the largest change, and last those of one build only.</p>}
+      {changes.length > shown.length && <p class="soft small">The page draws {MAX_PICTURES} of {changes.length} scenes and regimes. Those with another cheapest algorithm come first, then those with the largest change, and last those of one build only.</p>}
     </>
   );
 }

@@ -2,6 +2,7 @@
 import { counted, share, significant } from '../../../format';
 import type { RegimePosterior, SceneActivity, ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { Verdict } from '../../../gen/sweepstake/v1/telemetry_pb';
+import { bucketsOf, percentile } from '../../numbers/histogram';
 import { Arm } from '../../parts/arm';
 import { VerdictChip } from '../../parts/chips';
 import { duration, now, timeText } from '../../parts/clock';
@@ -9,9 +10,7 @@ import { Name } from '../../parts/name';
 import { type Column, Table } from '../../parts/table';
 import { bestOf, costText, isChanging, regimeText, savingText } from '../../state/regimes';
 import { sessionHref } from '../../state/route';
-import { frameTimesOf } from '../../state/savings';
 import { leaderProbabilityOf, type SceneState } from '../../state/scenes';
-import { sessions } from '../../state/sessions';
 import { verdictOf } from '../../state/summaries';
 import { verdictWord } from '../words';
 
@@ -26,21 +25,24 @@ function RunsNow({ activity, sessionCount }: { activity: SceneActivity; sessionC
   );
 }
 
+const SMALL_PART = 0.1; // of the frame; without it the frame rate would hardly be higher
+
 // Says whether the broad phase is the cause of a low frame rate: it is not if it takes a small share of the frame.
-function causeOf(activity: SceneActivity | undefined): string {
-  const frameMs = frameTimesOf(sessions.value.get(activity?.sessionId ?? '')).at(-1);
-  const ranUs = activity?.total?.ranUs;
-  if (frameMs === undefined || ranUs === undefined) return '';
-  const part = ranUs / 1000 / frameMs;
-  return `The broad phase takes ${share(part)} of the frame, so ${part < 0.1 ? 'the cause is elsewhere' : 'fewer objects would help'}. `;
+function causeOf(state: SceneState): string {
+  const last = state.decisions.findLast(({ verdict, measurements }) => verdict === Verdict.DEGRADED && measurements?.frameTimeNs && measurements.detectionTimeNs)?.measurements;
+  const [detectionNs, frameNs] = [last?.detectionTimeNs, last?.frameTimeNs].map((times) => times && percentile(bucketsOf(times), 0.5));
+  if (!detectionNs || !frameNs) return '';
+  const part = detectionNs / frameNs;
+  return `The broad phase takes ${share(part)} of the frame${part < SMALL_PART ? ', so the cause is elsewhere' : ''}. `;
 }
 
 // The verdict on a scene in which one arm is the best.
-function OneBest({ state: { posterior }, verdict }: { state: SceneState; verdict: Verdict }) {
+function OneBest({ state, verdict }: { state: SceneState; verdict: Verdict }) {
+  const { posterior } = state;
   if (!posterior.leaderArm) return <>{verdictWord(verdict).meaning}</>;
   return (
     <>
-      {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} ${causeOf(posterior.activity)}`}<b><Name text={posterior.leaderArm} /></b> is the best algorithm with a probability of{' '}
+      {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} ${causeOf(state)}`}<b><Name text={posterior.leaderArm} /></b> is the best algorithm with a probability of{' '}
       <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. With
       exactly known costs, the choice would gain <b>{share(posterior.valueRemainingRatio)}</b> on average.
     </>

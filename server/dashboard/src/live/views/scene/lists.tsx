@@ -42,7 +42,7 @@ function variantColumns(own: string): readonly Column<SceneState>[] {
     { id: 'reward', title: 'Reward', isText: true, sort: ({ posterior }) => posterior.rewardVersion, cell: ({ posterior }) => rewardName(posterior.rewardVersion) },
     { id: 'verdict', title: 'Verdict', isText: true, cell: (state) => <VerdictChip verdict={verdictOf(state)} /> },
     { id: 'leader', title: 'Leader', isText: true, sort: ({ posterior }) => leadersOf(posterior).join(' '), cell: ({ posterior }) => <Arms names={leadersOf(posterior)} /> },
-    { id: 'p', title: 'P(best)', sort: ({ posterior }) => leaderProbabilityOf(posterior),
+    { id: 'p', title: 'P(best)', hint: 'In a changing scene, the lowest of its regimes', sort: ({ posterior }) => leaderProbabilityOf(posterior),
       cell: ({ posterior }) => (leadersOf(posterior).length > 0 ? leaderProbabilityOf(posterior).toFixed(3) : '–') },
     { id: 'loss', title: 'Loss', sort: ({ posterior }) => posterior.expectedLossRatio, cell: ({ posterior }) => (isChanging(posterior) ? '–' : share(posterior.expectedLossRatio)) },
     { id: 'sources', title: 'Sources', hint: 'Sessions that added evidence', sort: ({ posterior }) => Number(posterior.sourceCount) },

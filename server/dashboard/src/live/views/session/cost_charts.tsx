@@ -2,13 +2,14 @@
 // AABB checks and objects.
 import { useMemo } from 'preact/hooks';
 import { bytes, compact, significant } from '../../../format';
+import { FRAME_MS } from '../../numbers/log_cost';
 import type { Level, Line, Moment } from '../../charts/plot';
 import { TimeFigure } from '../../charts/time_chart';
 import type { Range } from '../../charts/view_state';
 import type { CostColumns } from './model';
 
 /** Milliseconds that a frame may take at 60 and at 30 frames per second: 16.7 and 33.3. */
-export const BUDGETS: readonly Level[] = [{ value: 1000 / 60, label: '60 fps' }, { value: 1000 / 30, label: '30 fps' }];
+export const BUDGETS: readonly Level[] = [{ value: FRAME_MS, label: '60 fps' }, { value: 2 * FRAME_MS, label: '30 fps' }];
 // Detection takes a small part of a frame. Its axis therefore ignores the budgets, which are drawn only if values come near them.
 const BUDGETS_ASIDE: readonly Level[] = BUDGETS.map((level) => ({ ...level, isAside: true }));
 
@@ -48,7 +49,7 @@ export function CostCharts({ columns, moments, domain, names, ends, laterMs = 0 
   return (
     <>
       <TimeFigure {...figure(lines.frame)} id="frame-time" title="Frame time" levels={BUDGETS} format={ms} height={180} {...(ends && { values: ends.frameMs })}
-        note="Percentiles cover the frames since the page was opened. The mean of each window is from the audit log. The lines 60 fps and 30 fps mark 16.7 and 33.3 ms per frame. Triangles mark outliers above the axis." />
+        note="Percentiles cover the frames since the page was opened. The mean of each window is from the audit log. The lines 60 fps and 30 fps mark 16.7 and 33.3 ms per frame." />
       <TimeFigure {...figure(lines.detection)} id="detection" title="Detection time" levels={BUDGETS_ASIDE} format={us} height={180} scale="log"
         {...(ends && { values: ends.detectionMs })} note="Time of the broad phase per frame, on a logarithmic axis. The lines 60 fps and 30 fps appear only if values come near them." />
       <div class="beside">

@@ -5,7 +5,7 @@ import { rows, setup } from '../../audit/sample_log';
 import { armsOf, forEachVisit, mergedSteps, type Step, stepOfRow, windowOf } from '../../audit/steps';
 import { DecisionEventSchema, DecisionOutcome } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { middleOf } from '../../numbers/histogram';
-import { beliefRows, costColumns, laneSums, priorAndPosterior, stepFor, switchMoments } from './model';
+import { beliefRows, costColumns, laneSums, decisiveStep, priorAndPosterior, switchMoments } from './model';
 
 const steps = rows.map((row) => stepOfRow({ row, setup })).filter((step): step is Step => step !== undefined);
 const arms = armsOf(steps);
@@ -79,18 +79,16 @@ describe('beliefs', () => {
   });
 });
 
-describe('"Why this arm?"', () => {
-  it('opens the switch to the active arm, or the decision of the URL', () => {
-    expect(stepFor(steps, 2)!.decisionId).toBe(2);
+describe('"Why this algorithm?"', () => {
+  it('opens the switch to the active arm, or the last decision', () => {
     const last = steps.at(-1)!;
     const event = (later: number, activeArm: string, candidate: string, outcome: DecisionOutcome) => create(DecisionEventSchema,
       { decisionId: BigInt(last.decisionId + later), unixMs: BigInt(Math.ceil(last.timeMs) + later), activeArm, candidateArm: candidate, outcome });
     const toSap = event(1, last.activeArm, 'SAP', DecisionOutcome.SWITCHED);
-    expect(stepFor(mergedSteps(steps, [toSap, event(2, 'SAP', 'SAP', DecisionOutcome.KEPT)], 3), undefined)!.event).toBe(toSap);
+    expect(decisiveStep(mergedSteps(steps, [toSap, event(2, 'SAP', 'SAP', DecisionOutcome.KEPT)], 3))!.event).toBe(toSap);
     const kept = event(2, 'Grid', 'Grid', DecisionOutcome.KEPT); // there is no switch to Grid
-    expect(stepFor(mergedSteps(steps, [toSap, kept], 3), undefined)!.event).toBe(kept);
-    expect(stepFor([], undefined)).toBeUndefined();
-    expect(stepFor(steps, 123_456)).toBeUndefined();
+    expect(decisiveStep(mergedSteps(steps, [toSap, kept], 3))!.event).toBe(kept);
+    expect(decisiveStep([])).toBeUndefined();
   });
 
   it('marks each change of the active arm', () => {

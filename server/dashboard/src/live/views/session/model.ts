@@ -130,11 +130,9 @@ export function laneSums(steps: readonly Step[]): LaneSum[] {
 export const stepQuery = ({ decisionId, timeMs }: Pick<Step, 'decisionId' | 'timeMs'>): { decision: string } | { at: string } =>
   (decisionId > 0 ? { decision: String(decisionId) } : { at: String(Math.round(timeMs)) });
 
-/** Returns the decision with this id. Without an id, returns the decision that explains the active arm: the latest switch to this arm, or
- * the last decision if there is no such switch. */
-export function stepFor(steps: readonly Step[], decisionId: number | undefined): Step | undefined {
+/** Returns the decision that explains the active arm: the latest switch to this arm, or the last decision if there is no such switch. */
+export function decisiveStep(steps: readonly Step[]): Step | undefined {
   const decisions = steps.filter(({ told }) => told);
-  if (decisionId !== undefined) return decisions.find((step) => step.decisionId === decisionId);
   const last = decisions.at(-1);
   const active = last?.activeArm;
   return decisions.findLast((step) => isSwitch(step) && step.told?.candidate === active) ?? last;

@@ -13,19 +13,19 @@ import { modeWord } from '../words';
 
 interface Order { mode: Mode; arm: string }
 
-/** The order that waits for the daemon's answer; '': none. */
-const waitsFor = signal('');
+/** The order that waits for the daemon's answer; absent: none. */
+const waits = signal<{ sessionId: string; what: string } | undefined>(undefined);
 
-async function waiting<Result>(what: string, order: Promise<Result>): Promise<Result> {
-  waitsFor.value = what;
-  return order.finally(() => { waitsFor.value = ''; });
+async function waiting<Result>(sessionId: string, what: string, order: Promise<Result>): Promise<Result> {
+  const own = waits.value = { sessionId, what };
+  return order.finally(() => { if (waits.peek() === own) waits.value = undefined; });
 }
 
 const orderText = ({ mode, arm }: Order) => (mode === Mode.AI ? 'the daemon decides' : `the game keeps ${visible(arm)}`);
 
 async function give(sessionId: string, order: Order, opposite: Order | undefined): Promise<void> {
   try {
-    const { mode, activeArm } = await waiting(`Ordering that ${orderText(order)}`, call(SessionsService.method.orderSession, { sessionId, ...order }));
+    const { mode, activeArm } = await waiting(sessionId, `Ordering that ${orderText(order)}`, call(SessionsService.method.orderSession, { sessionId, ...order }));
     toast(`Done: ${orderText({ mode, arm: activeArm })}.`, opposite ? { undo: () => void give(sessionId, opposite, undefined) } : {});
   } catch (error) {
     toast(`The order failed: ${asApiError(error).message}`, { isBad: true });
@@ -55,7 +55,7 @@ async function kick({ sessionId, scene }: SessionInfo, mayReturn: boolean): Prom
   const action = mayReturn ? 'Reconnect' : 'End session';
   if (!await confirmed({ title: `${action}?`, body, action, isDangerous: !mayReturn })) return;
   try {
-    await waiting(mayReturn ? 'Ending the connection' : 'Ending the session', call(SessionsService.method.kickSession, { sessionId, mayReturn }));
+    await waiting(sessionId, mayReturn ? 'Ending the connection' : 'Ending the session', call(SessionsService.method.kickSession, { sessionId, mayReturn }));
     toast(mayReturn ? 'The connection was ended.' : 'The session was ended.');
   } catch (error) {
     toast(`The order failed: ${asApiError(error).message}`, { isBad: true });
@@ -65,7 +65,8 @@ async function kick({ sessionId, scene }: SessionInfo, mayReturn: boolean): Prom
 export function Orders({ info, arms, isOver }: { info: SessionInfo; arms: readonly string[]; isOver: boolean }) {
   const [chosen, setChosen] = useState('');
   const arm = chosen || info.activeArm;
-  const isBusy = waitsFor.value !== '';
+  const given = waits.value?.sessionId === info.sessionId ? waits.value.what : undefined;
+  const isBusy = given !== undefined;
   if (isOver) return null;
   if (!isOperator.value) return <p class="soft orders">Orders need the role operator; yours is {account.value?.role ?? 'unknown'}.</p>;
   return (
@@ -79,7 +80,7 @@ export function Orders({ info, arms, isOver }: { info: SessionInfo; arms: readon
       <button type="button" disabled={isBusy} onClick={() => void ask(info, { mode: Mode.MANUAL, arm })}>Pin this algorithm</button>
       <button type="button" disabled={isBusy} onClick={() => void kick(info, true)}>Reconnect</button>
       <button type="button" disabled={isBusy} onClick={() => void kick(info, false)}>End session</button>
-      <span class="soft" role="status" title={modeWord(info.mode).meaning}>{isBusy ? `${waitsFor.value} …` : `Now: ${modeWord(info.mode).name}`}</span>
+      <span class="soft" role="status" title={modeWord(info.mode).meaning}>{isBusy ? `${given} …` : `Now: ${modeWord(info.mode).name}`}</span>
     </div>
   );
 }
