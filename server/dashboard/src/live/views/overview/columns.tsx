@@ -80,7 +80,7 @@ export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
     sort: savedUs, cell: (row) => <Saved row={row} /> },
   { id: 'leader', title: 'Best', isText: true, width: '8rem', hint: 'The algorithm with the highest probability of being the best; in a changing scene, the best of the present regime and those of the others',
     sort: (row) => leadersOf(sceneOf(row)).join(' '), cell: (row) => <Best row={row} /> },
-  { id: 'p', title: 'P(best)', width: '8rem', hint: 'Probability that this algorithm is the best; in a changing scene, in the present regime', sort: sureness,
+  { id: 'p', title: 'P(best)', width: '7rem', hint: 'Probability that this algorithm is the best; in a changing scene, in the present regime', sort: sureness,
     cell: (row) => <Sureness probability={sureness(row)} /> },
   { id: 'verdict', title: 'Verdict', isText: true, width: '8rem', hint: 'Says whether the best algorithm is known. This column sorts by uncertainty.', sort: (row) => row.uncertainty,
     csv: (row) => verdictWord(row.verdict).name, cell: (row) => <VerdictChip verdict={row.verdict} /> },
