@@ -262,7 +262,7 @@ async function checkDownload(page, daemon) {
   await rowOf(page, 'arena').waitFor();
   const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'CSV' }).first().click()]);
   const lines = readFileSync(await download.path(), 'utf8').split('\r\n');
-  assert.match(lines[0], /^Scene,Runs now,Frame time \(ms\),Saved \(µs\),Best,P\(best\)/);
+  assert.match(lines[0], /^Scene,Runs now,Frame time \(ms\),Saved per frame \(µs\),Best,P\(best\)/);
   assert.ok(lines.some((line) => line.startsWith('arena,')));
   assert.ok(lines.some((line) => line.startsWith(HOSTILE)), 'the CSV file has names unchanged');
   assert.ok(lines.some((line) => line.startsWith("'=1+2")), 'the CSV file has no formulas');

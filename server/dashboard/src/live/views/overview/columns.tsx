@@ -46,7 +46,7 @@ function RunsNow({ row }: { row: SceneSummary }) {
 function Best({ row }: { row: SceneSummary }) {
   const [all, present] = [leadersOf(sceneOf(row)), presentOf(row)?.arm];
   if (!present) return <Arms names={all} />;
-  return <><Arm name={present} /> <span class="soft small">now; else {all.filter((arm) => arm !== present).map((arm, i) => <span key={arm}>{i > 0 && ', '}<Name text={arm} /></span>)}</span></>;
+  return <><Arm name={present} /> <span class="soft small">now, {all.filter((arm) => arm !== present).map((arm, i) => <span key={arm}>{i > 0 && ', '}<Name text={arm} /></span>)}</span></>;
 }
 
 function Sureness({ probability }: { probability: number | undefined }) {
@@ -66,7 +66,7 @@ function Saved({ row }: { row: SceneSummary }) {
   const us = savedUs(row);
   const [text, frame] = [savingText(us), frameMs(row)];
   if (us === undefined || text === undefined) return <>–</>;
-  return <span class={us > 0 ? 'gain' : undefined}>{text}{frame !== undefined && <span class="soft small"> {us < 0 ? '−' : ''}{share(Math.abs(us) / 1000 / frame)} of frame</span>}</span>;
+  return <span class={us > 0 ? 'gain' : undefined}>{text}{frame !== undefined && <span class="soft small"> {us < 0 ? '−' : ''}{share(Math.abs(us) / 1000 / frame)}</span>}</span>;
 }
 
 export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
@@ -76,7 +76,7 @@ export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
     sort: (row) => activityOf(row)?.activeArm, cell: (row) => <RunsNow row={row} /> },
   { id: 'frame', title: 'Frame time', unit: 'ms', width: '10rem', hint: 'Median frame time of this session since the page was opened. The dotted line is 16.7 ms, 60 frames per second.',
     sort: frameMs, cell: (row) => <FrameTime row={row} /> },
-  { id: 'saved', title: 'Saved', unit: 'µs', width: '10.5rem', hint: 'Detection time per frame that this session saved against the best single algorithm, and its share of the frame time',
+  { id: 'saved', title: 'Saved per frame', unit: 'µs', width: '8.5rem', hint: 'Detection time per frame that this session saved against the best single algorithm, and its share of the frame time',
     sort: savedUs, cell: (row) => <Saved row={row} /> },
   { id: 'leader', title: 'Best', isText: true, width: '8rem', hint: 'The algorithm with the highest probability of being the best; in a changing scene, the best of the present regime and those of the others',
     sort: (row) => leadersOf(sceneOf(row)).join(' '), cell: (row) => <Best row={row} /> },
