@@ -61,20 +61,21 @@ function Facts({ state, steps, rewardVersion }: { state: SessionState | undefine
   );
 }
 
-const openStep = (step: Step) =>
-  setQuery({ decision: undefined, at: undefined, ...stepQuery(step) }, { step: true });
-
 const asksForStep = () => route.value.query.has('decision') || route.value.query.has('at');
 
-/** Returns the step in the URL. A step that was shown once stays, even if the page has dropped it from its log. */
-function useChosenStep(steps: readonly Step[]): Step | undefined {
+/** Returns the step in the URL, and a function that opens a step. An opened step stays, even if the page drops it from its log. */
+function useChosenStep(steps: readonly Step[]): [Step | undefined, (step: Step) => void] {
   const { query } = route.value;
   const [id, at] = [Number(query.get('decision') ?? 0), Number(query.get('at') ?? 0)];
   const isIt = ({ decisionId, timeMs, told }: Step) => (id > 0 ? decisionId === id && told !== undefined : at > 0 && Math.round(timeMs) === at);
   const last = useRef<Step | undefined>(undefined);
   const found = steps.find(isIt);
   if (found ?? (last.current && !isIt(last.current))) last.current = found;
-  return last.current;
+  const open = (step: Step) => {
+    last.current = step;
+    setQuery({ decision: undefined, at: undefined, ...stepQuery(step) }, { step: true });
+  };
+  return [last.current, open];
 }
 
 const decisionTable = (steps: readonly Step[]) => ({
@@ -101,12 +102,12 @@ function Lane({ steps }: { steps: readonly Step[] }) {
 
 interface ChartsProps { sessionId: string; steps: readonly Step[]; arms: readonly string[]; moments: readonly Moment[]; rewardVersion: number; domain: Range }
 
-function Timeline({ sessionId, steps, arms, domain }: ChartsProps) {
+function Timeline({ sessionId, steps, arms, domain, onOpen }: ChartsProps & { onOpen(step: Step): void }) {
   const switchCount = steps.filter(isSwitch).length;
   return (
     <ChartFrame id="timeline" title="Switches" names={[sessionId]} table={() => decisionTable(steps)} empty={steps.length === 0 && 'There are no decisions yet.'}
       note={`The log has ${counted(switchCount, 'switch command', 'switch commands')}. Dotted lines in the charts below mark changes of the active algorithm.`}>
-      <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openStep} />
+      <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={onOpen} />
     </ChartFrame>
   );
 }
@@ -156,7 +157,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
   const arms = useMemo(() => names, [names.join('\n')]);
   const domain = domainOf(steps.map(({ timeMs }) => timeMs), range.value);
   const moments = useMemo(() => switchMoments(steps, arms), [steps, arms]);
-  const chosen = useChosenStep(steps);
+  const [chosen, openStep] = useChosenStep(steps);
   const decisive = decisiveStep(steps);
   const props = { sessionId, steps, arms, moments, rewardVersion, domain };
   return (
@@ -174,7 +175,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       {chosen && <Why step={chosen} sessionId={sessionId} onRead={log.again} onClose={() => setQuery({ decision: undefined, at: undefined })} />}
       {!chosen && !log.isReading && asksForStep() && <p class="soft" role="status">The decision in the URL is not among the rows that are shown. See <a href={decisionsHref({ session: sessionId })}>all rows of its log</a>.</p>}
       <TimeTools />
-      <Timeline {...props} />
+      <Timeline {...props} onOpen={openStep} />
       <Costs {...props} />
       {latest && <Boxes sessionId={sessionId} isOver={latest.ended !== undefined} />}
       <section aria-labelledby="beliefs-heading"><h2 id="beliefs-heading">Posteriors</h2><Beliefs {...props} /></section>
