@@ -31,6 +31,8 @@ describe('why this algorithm', () => {
     const tiny = { ...told, gate: { ...told.gate!, gain: 0.003, loss: 0, costS: 0.1 } };
     expect(explained(tiny)[0]).toMatch(/^SAP stays, because the policy does not switch for so small a saving: /);
     expect(explained(tiny)[1]).toContain('pays above a saving of 3.80 ns per frame');
+    const free = { ...told, gate: { ...told.gate!, loss: 0, costS: 0 } };
+    expect(explained(free)[1]).toMatch(/^Any saving pays for a switch to KDTree, .* is 225 ns per frame[.]$/);
   });
 
   it('says which saving would pay for the switch', () => {

@@ -51,6 +51,8 @@ const rivalsOf = (told: Told) => told.arms.filter((arm) => arm !== told.activeAr
 
 const sureText = (probability: number) => (probability > 0.999 ? 'over 99.9 %' : percent(probability));
 
+const SMALLEST_GAIN = 1e-4; // smaller gains are called nothing
+
 /** Returns the gain above which a switch pays: the gate's inequality divided by its horizon. */
 const leastGain = ({ cooldownS, loss, costS, horizonS }: NonNullable<Told['gate']>) => (cooldownS * loss + costS) / horizonS;
 
@@ -102,7 +104,10 @@ function whatWouldPay(told: Told): string | undefined {
     const share = -Math.expm1(-gain);
     return activeNs === undefined ? `${percent(share)} of the detection time` : `${nsText(share * activeNs)} per frame`;
   };
-  return `A switch to ${name} pays above a saving of ${saved(leastGain(gate))}, which covers its cost, spread over ${seconds(gate.horizonS)}, and the risk that ${name} is slower. `
+  const least = leastGain(gate);
+  const condition = least < SMALLEST_GAIN ? `Any saving pays for a switch to ${name}, because its cost and its risk are almost nothing. `
+    : `A switch to ${name} pays above a saving of ${saved(least)}, which covers its cost, spread over ${seconds(gate.horizonS)}, and the risk that ${name} is slower. `;
+  return condition
     + `The expected saving, not counting cases in which ${name} is slower, is ${saved(gate.gain)}.`;
 }
 
