@@ -2,7 +2,7 @@
 import { counted, share, significant } from '../../../format';
 import type { RegimePosterior, SceneActivity, ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { Verdict } from '../../../gen/sweepstake/v1/telemetry_pb';
-import { bucketsOf, percentile } from '../../numbers/histogram';
+import { percentilesOf } from '../../audit/steps';
 import { Arm } from '../../parts/arm';
 import { VerdictChip } from '../../parts/chips';
 import { duration, now, timeText } from '../../parts/clock';
@@ -29,10 +29,10 @@ const SMALL_PART = 0.1; // of the frame; without it the frame rate would hardly 
 
 // Says whether the broad phase is the cause of a low frame rate: it is not if it takes a small share of the frame.
 function causeOf(state: SceneState): string {
-  const last = state.decisions.findLast(({ verdict, measurements }) => verdict === Verdict.DEGRADED && measurements?.frameTimeNs && measurements.detectionTimeNs)?.measurements;
-  const [detectionNs, frameNs] = [last?.detectionTimeNs, last?.frameTimeNs].map((times) => times && percentile(bucketsOf(times), 0.5));
-  if (!detectionNs || !frameNs) return '';
-  const part = detectionNs / frameNs;
+  const last = state.decisions.findLast(({ verdict, measurements }) => verdict === Verdict.DEGRADED && measurements)?.measurements;
+  const { detectionMs, frameMs } = last ? percentilesOf(last) : {};
+  if (!detectionMs?.[0] || !frameMs?.[0]) return '';
+  const part = detectionMs[0] / frameMs[0];
   return `The broad phase takes ${share(part)} of the frame${part < SMALL_PART ? ', so the cause is elsewhere' : ''}. `;
 }
 
