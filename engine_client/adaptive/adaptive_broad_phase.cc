@@ -78,9 +78,10 @@ Clock& SteadyClock() {
 }
 
 AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::string> arm_names,
-                               std::vector<ArmBackend> backends, uint32_t initial_arm,
+                               std::vector<ArmBackend> backends, uint32_t first_arm,
                                const LaneParts& lane, FrameSink* sink, Clock& clock)
     : arms(std::move(arm_names)),
+      initial_arm(first_arm),
       mode(options.mode),
       guard(options.bail_out_ns, static_cast<uint32_t>(backends.size())),
       switch_cost(options.settling_ns),
@@ -603,6 +604,7 @@ bool AdaptiveBroadPhase::Attach(std::shared_ptr<SessionAttachment> attachment) {
 SwitchMailbox& AdaptiveBroadPhase::mailbox() { return impl_->mailbox; }
 ViewTap& AdaptiveBroadPhase::view_tap() { return impl_->view_tap; }
 Mode AdaptiveBroadPhase::mode() const { return impl_->mode.load(std::memory_order_relaxed); }
+uint32_t AdaptiveBroadPhase::initial_arm() const { return impl_->initial_arm; }
 uint32_t AdaptiveBroadPhase::active_arm() const { return impl_->arm(); }
 uint32_t AdaptiveBroadPhase::switch_epoch() const { return impl_->epoch(); }
 SwitchReason AdaptiveBroadPhase::last_switch_reason() const { return impl_->last_switch_reason; }

@@ -38,8 +38,8 @@ Status UnknownArm(std::string_view name, std::span<const std::string> arms);
 class AdaptiveBroadPhase::Impl {
  public:
   Impl(const AdaptiveOptions& options, std::vector<std::string> arms,
-       std::vector<ArmBackend> backends, uint32_t initial_arm, const LaneParts& lane,
-       FrameSink* sink, Clock& clock);
+       std::vector<ArmBackend> backends, uint32_t first_arm, const LaneParts& lane, FrameSink* sink,
+       Clock& clock);
 
   // Starts the shadow lane's thread if the options enable a lane. Called once, before the first
   // frame. Returns kResourceExhausted if the system cannot create a thread.
@@ -66,6 +66,7 @@ class AdaptiveBroadPhase::Impl {
   ShadowStats shadow_stats() const;
 
   const std::vector<std::string> arms;
+  const uint32_t initial_arm;
   std::vector<uint32_t> versions;
   SwitchMailbox mailbox;
   OrderMailbox orders;

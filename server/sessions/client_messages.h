@@ -27,6 +27,7 @@ struct SessionRequest {
   DecisionRules rules;        // before the time scale
   Mode mode = Mode::kManual;
   uint32_t active_arm = 0;
+  uint32_t initial_arm = 0;
   uint32_t switch_epoch = 0;
   uint64_t seed = 0;  // 0: the daemon chooses one
   double time_scale = 1;

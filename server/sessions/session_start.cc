@@ -286,6 +286,7 @@ decision::SessionSetup SetupOf(const SessionRequest& hello, const SessionIdentit
   setup.seed = identity.seed;
   setup.mode = hello.mode;
   setup.active_arm = hello.active_arm;
+  setup.initial_arm = hello.initial_arm;
   setup.switch_epoch = hello.switch_epoch;
   setup.start_ns = now_ns;
   setup.stops_trials = hello.stops_trials;

@@ -288,4 +288,5 @@ SceneActivity SessionTable::ActivityOf(const priors::SceneKey& scene) const {
           .report = decisions.Report()};
 }
 
+          .initial_arm = decisions.initial_arm(),
 }  // namespace sweepstake::sessions

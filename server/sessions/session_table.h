@@ -75,6 +75,7 @@ struct SceneActivity {
 };
 
 // Sessions with evidence that the store does not have.
+  uint32_t initial_arm = 0;  // index in `arms`
 struct HeldEvidence {
   size_t session_count = 0;
   size_t ended_session_count = 0;  // sessions whose clients will not resend the evidence

@@ -46,21 +46,29 @@ std::vector<std::string> RowOf(const std::string& name, const v1::RegimePosterio
           CellOf(regime.has_saved_against_single_us(), regime.saved_against_single_us(), 1)};
 }
 
-std::string SavingText(double saved_us, const std::string& arm) {
-  return Fixed(saved_us * kMsPerUs, 4) + " ms against always " + arm;
+// Returns a line about the saving against one arm. `what` says why the arm is a baseline.
+std::string SavingText(double saved_us, const std::string& arm, const std::string& what) {
+  return "saved per frame: " + Fixed(saved_us * kMsPerUs, 4) + " ms against always " + arm + what +
+         '\n';
 }
 
-// Returns a line about what was saved. Empty if nothing is known about it.
-std::string SavingsText(const v1::RegimePosterior& total) {
+// Returns a line for each arm whose saving is known. The reference arm has no line if it is the
+// initial arm.
+std::string SavingsText(const v1::SceneActivity& activity) {
+  const v1::RegimePosterior& total = activity.total();
   std::string text;
+  if (total.has_saved_against_initial_us()) {
+    text += SavingText(total.saved_against_initial_us(), activity.initial_arm(),
+                       ", the arm that the game begins with");
+  }
   if (total.has_saved_against_single_us()) {
-    text = SavingText(total.saved_against_single_us(), total.best_arm()) + ", the best single arm";
+    text += SavingText(total.saved_against_single_us(), total.best_arm(), ", the best single arm");
   }
-  if (total.has_saved_against_reference_us()) {
-    text += (text.empty() ? "" : "; ") +
-            SavingText(total.saved_against_reference_us(), std::string(decision::kReferenceArm));
+  if (total.has_saved_against_reference_us() && activity.initial_arm() != decision::kReferenceArm) {
+    text +=
+        SavingText(total.saved_against_reference_us(), std::string(decision::kReferenceArm), "");
   }
-  return text.empty() ? "" : "saved per frame: " + text + '\n';
+  return text;
 }
 
 template <typename Value>
@@ -80,6 +88,8 @@ Json RegimeJson(const v1::RegimePosterior& regime, const v1::SceneActivity& acti
                     JsonIf(regime.has_saved_against_single_us(), regime.saved_against_single_us())},
                    {"saved_against_reference_us", JsonIf(regime.has_saved_against_reference_us(),
                                                          regime.saved_against_reference_us())},
+                   {"saved_against_initial_us", JsonIf(regime.has_saved_against_initial_us(),
+                                                       regime.saved_against_initial_us())},
                    {"arms", Json::array()}};
   for (int i = 0; i < std::min(regime.arms_size(), activity.arms_size()); ++i) {
     const v1::RegimeArm& arm = regime.arms(i);
@@ -117,7 +127,7 @@ std::string ActivityText(const v1::ScenePosterior& scene) {
   return "session " + activity.session_id() + " runs " + activity.active_arm() + " since " +
          UtcText(activity.unix_active_since_ms()) + ", " + std::to_string(switch_count) +
          (switch_count == 1 ? " switch" : " switches") + " in the last minute\n" +
-         SavingsText(activity.total()) + table.Text();
+         SavingsText(activity) + table.Text();
 }
 
 Json ActivityJson(const v1::ScenePosterior& scene) {
@@ -125,6 +135,7 @@ Json ActivityJson(const v1::ScenePosterior& scene) {
   const v1::SceneActivity& activity = scene.activity();
   Json document = {{"session_id", activity.session_id()},
                    {"active_arm", activity.active_arm()},
+                   {"initial_arm", activity.initial_arm()},
                    {"unix_active_since_ms", activity.unix_active_since_ms()},
                    {"recent_switches", activity.recent_switch_count()},
                    {"total", RegimeJson(activity.total(), activity)},

@@ -142,8 +142,9 @@ void VisitFields(T& logged, Visit&& visit) {
   visit("backend_versions", backend_versions);
   visit("unix_start_ms", unix_start_ms);
   visit("prior_sources", prior_sources);
-  auto& [options, arms, priors, regime_priors, seed, mode, active_arm, switch_epoch, start_ns,
-         explored_arm_count, decision_count, stops_trials] = logged.setup;
+  // The log leaves out the initial arm, because no decision depends on it.
+  auto& [options, arms, priors, regime_priors, seed, mode, active_arm, initial_arm, switch_epoch,
+         start_ns, explored_arm_count, decision_count, stops_trials] = logged.setup;
   // The two other times are logged as the session uses them, so regime_interval_ns is left out.
   auto& [policy, weights, decision_interval_ns, cooldown_ns, settling_ns, regime_interval_ns,
          bail_out_ns, exploration_warm_up_ns, exploration_measure_ns, explore, bail_out_penalty,

@@ -45,12 +45,13 @@ std::optional<double> SavedAgainst(std::optional<uint32_t> arm, const RegimeRepo
   return (use.arm_us[*arm] - use.ran_us) / static_cast<double>(use.frame_count);
 }
 
-void AddUse(const RegimeUse& use, std::optional<uint32_t> single, std::optional<uint32_t> reference,
+void AddUse(const RegimeUse& use, std::optional<uint32_t> single, const SavingBaselines& baselines,
             RegimeReport& report) {
   if (use.frame_count == 0) return;
   report.ran_us = use.ran_us / static_cast<double>(use.frame_count);
   report.saved_against_single_us = SavedAgainst(single, report, use);
-  report.saved_against_reference_us = SavedAgainst(reference, report, use);
+  report.saved_against_reference_us = SavedAgainst(baselines.reference, report, use);
+  report.saved_against_initial_us = SavedAgainst(baselines.initial, report, use);
 }
 
 // Returns the beliefs about the mean costs over all measured frames. The logarithm of an arm's mean
@@ -81,7 +82,7 @@ std::vector<RegimeBelief::Arm> MeanBeliefs(std::span<const RegimeBelief> beliefs
 
 SceneReport ReportOf(std::span<const RegimeBelief> beliefs, std::span<const RegimeUse> uses,
                      const RegimeUse& total, const Diagnosis& diagnosis,
-                     std::optional<uint32_t> reference) {
+                     const SavingBaselines& baselines) {
   const auto present = std::find_if(beliefs.begin(), beliefs.end(),
                                     [](const RegimeBelief& each) { return each.is_present; });
   SceneReport scene;
@@ -96,7 +97,7 @@ SceneReport ReportOf(std::span<const RegimeBelief> beliefs, std::span<const Regi
     AddArms(MeanBeliefs(beliefs, uses, total), scene.total);
   }
   const std::optional<uint32_t> single = scene.total.best_arm;
-  AddUse(total, single, reference, scene.total);
+  AddUse(total, single, baselines, scene.total);
   if (beliefs.size() < 2) return scene;
   scene.total.centre = {};
   for (const RegimeBelief& belief : beliefs) {
@@ -106,7 +107,7 @@ SceneReport ReportOf(std::span<const RegimeBelief> beliefs, std::span<const Regi
     const auto use = std::find_if(uses.begin(), uses.end(),
                                   [&](const RegimeUse& each) { return each.id == belief.id; });
     if (use == uses.end()) continue;
-    AddUse(*use, single, reference, regime);
+    AddUse(*use, single, baselines, regime);
     if (total.frame_count > 0)
       regime.frame_share =
           static_cast<double>(use->frame_count) / static_cast<double>(total.frame_count);

@@ -25,7 +25,7 @@
 
 namespace sweepstake::decision {
 
-// The arm that savings are reported against, beside the best single arm: the first arm of a game
+// The arm that savings are reported against in every session that has it: the initial arm of a game
 // that does not choose one.
 inline constexpr std::string_view kReferenceArm = "KDTree";
 
@@ -84,12 +84,19 @@ struct RegimeReport {
   double frame_share = 0;                 // share of the measured frames
   std::vector<ArmReport> arms = {};       // one per arm; empty before anything is learnt
   std::optional<uint32_t> best_arm = {};  // the known arm with the lowest cost
-  // The next three are absent without a measured frame in this regime. The savings are also absent
+  // The next four are absent without a measured frame in this regime. The savings are also absent
   // if the cost of the other arm is not known. A loss is negative.
   std::optional<double> ran_us = {};  // per frame
-  // Per frame, against SceneReport::total.best_arm and against kReferenceArm.
+  // Per frame, against SceneReport::total.best_arm and the arms of SavingBaselines.
   std::optional<double> saved_against_single_us = {};
   std::optional<double> saved_against_reference_us = {};
+  std::optional<double> saved_against_initial_us = {};
+};
+
+// The arms that savings are reported against, beside the best single arm.
+struct SavingBaselines {
+  std::optional<uint32_t> reference = {};  // index of kReferenceArm, if the session has it
+  uint32_t initial = 0;                    // SessionSetup::initial_arm
 };
 
 struct SceneReport {
@@ -101,10 +108,9 @@ struct SceneReport {
 
 // `beliefs` has one entry per regime, with one present. `uses` has at most one entry per regime;
 // `total` also contains the frames of forgotten regimes. `diagnosis` replaces the beliefs of a
-// policy that does not estimate costs. `reference` is the index of kReferenceArm, if the session
-// has it.
+// policy that does not estimate costs.
 SceneReport ReportOf(std::span<const RegimeBelief> beliefs, std::span<const RegimeUse> uses,
                      const RegimeUse& total, const Diagnosis& diagnosis,
-                     std::optional<uint32_t> reference);
+                     const SavingBaselines& baselines);
 
 }  // namespace sweepstake::decision

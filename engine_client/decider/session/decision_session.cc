@@ -310,10 +310,10 @@ void DecisionSession::UpdateStandings() {
 }
 
 SceneReport DecisionSession::Report() const {
+  SavingBaselines baselines = {.initial = setup_.initial_arm};
   const auto found = std::find(arms().begin(), arms().end(), kReferenceArm);
-  const auto index = static_cast<uint32_t>(found - arms().begin());
-  return ReportOf(policy_->Regimes(), tally_.uses(), tally_.total(), diagnosis_,
-                  found == arms().end() ? std::nullopt : std::optional(index));
+  if (found != arms().end()) baselines.reference = static_cast<uint32_t>(found - arms().begin());
+  return ReportOf(policy_->Regimes(), tally_.uses(), tally_.total(), diagnosis_, baselines);
 }
 
 Decision DecisionSession::Close(Decision decision) {

@@ -23,6 +23,8 @@ Problem CheckArms(const SessionSetup& setup) {
   }
   if (setup.active_arm >= setup.arms.size())
     return "the active arm is not in the list of arms; use its index there";
+  if (setup.initial_arm >= setup.arms.size())
+    return "the initial arm is not in the list of arms; use its index there";
   if (setup.explored_arm_count > setup.arms.size())
     return "explored_arm_count exceeds the number of arms; use at most that number";
   return std::nullopt;

@@ -31,6 +31,9 @@ struct SessionSetup {
   uint64_t seed = 1;  // determines the exploration order and all draws
   Mode mode = Mode::kAi;
   uint32_t active_arm = 0;
+  // The arm with which the game begins, and which it would keep without a decider. After a lost
+  // connection or a restart, active_arm is a later one. Only reports depend on it.
+  uint32_t initial_arm = 0;
   uint32_t switch_epoch = 0;
   int64_t start_ns = 0;
   // The counts before a restart, if the session continues after one; otherwise 0.

@@ -32,6 +32,7 @@ class SessionTally {
   // Adds an executed switch.
   void AddSwitch(int64_t executed_ns);
 
+  // The sums do not contain the frames since the previous File.
   std::span<const RegimeUse> uses() const { return uses_; }
   const RegimeUse& total() const { return total_; }
   // Returns the number of switches in the last kLatelyNs, at most kMaxSwitches.

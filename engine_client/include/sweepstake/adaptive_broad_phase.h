@@ -250,6 +250,8 @@ class AdaptiveBroadPhase {
   ViewTap& view_tap();
   // Any thread.
   Mode mode() const;
+  // Returns the arm that was active after Create.
+  uint32_t initial_arm() const;
   uint32_t active_arm() const;
   uint32_t switch_epoch() const;
   // Returns the reason of the latest executed switch; kPolicy before the first. Frame thread only.

@@ -49,6 +49,7 @@ struct Hello {
   std::string resume_token;
   std::vector<Capability> capabilities;
   DecisionRules rules;
+  uint32_t initial_arm = 0;
 };
 
 struct Goodbye {};

@@ -55,6 +55,7 @@ protocol::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhas
   hello.seed = options.seed;
   hello.policy = options.policy;
   hello.rules = options.rules;
+  hello.initial_arm = adaptive.initial_arm();
   return hello;
 }
 

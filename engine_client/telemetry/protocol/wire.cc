@@ -42,7 +42,7 @@ void Fields(auto& f, const Hello& m) {
   f(1, m.protocol_version, m.project, m.scene, m.build, m.machine_class, m.arms, m.active_arm,
     m.mode, m.session_id, m.time_scale, m.ignore_priors, m.seed, m.policy, m.switch_epoch,
     m.resume_token, m.capabilities, m.rules.weights, m.rules.decision_interval_ns,
-    m.rules.cooldown_ns, m.rules.settling_ns);
+    m.rules.cooldown_ns, m.rules.settling_ns, m.initial_arm);
 }
 
 void Fields(auto& f, const SceneDescriptor& m) {

@@ -74,7 +74,9 @@ absl::Status CheckArms(const v1::Hello& hello) {
     if (!names.insert(arm.name()).second)
       return Invalid(absl::StrCat("arm ", arm.name(), " is announced twice"));
   }
-  return CheckArm(hello.active_arm(), static_cast<uint32_t>(hello.arms_size()));
+  const auto arm_count = static_cast<uint32_t>(hello.arms_size());
+  if (absl::Status status = CheckArm(hello.active_arm(), arm_count); !status.ok()) return status;
+  return CheckArm(hello.initial_arm(), arm_count);
 }
 
 absl::Status CheckNames(const v1::Hello& hello) {

@@ -186,6 +186,8 @@ void Fill(const decision::RegimeReport& regime, std::span<const std::string> arm
                [&](float value) { message.set_saved_against_single_us(value); });
   SetIfPresent(regime.saved_against_reference_us,
                [&](float value) { message.set_saved_against_reference_us(value); });
+  SetIfPresent(regime.saved_against_initial_us,
+               [&](float value) { message.set_saved_against_initial_us(value); });
 }
 
 }  // namespace
@@ -197,6 +199,7 @@ void ToProto(const sessions::SceneActivity& activity, v1::ScenePosterior& messag
   v1::SceneActivity& filled = *message.mutable_activity();
   filled.set_session_id(run.session_id);
   filled.set_active_arm(run.active_arm);
+  filled.set_initial_arm(activity.arms[activity.initial_arm]);
   filled.set_unix_active_since_ms(activity.unix_active_since_ms);
   filled.set_recent_switch_count(activity.recent_switch_count);
   filled.mutable_arms()->Add(activity.arms.begin(), activity.arms.end());
@@ -464,6 +467,7 @@ sessions::SessionRequest FromProto(const v1::Hello& message) {
       .seed = message.seed(),
       .time_scale = std::max(1.0, message.time_scale()),
       .ignores_priors = message.ignore_priors(),
+      .initial_arm = message.initial_arm(),
       .takes_orders = Has(message, v1::CAPABILITY_OPERATOR_ORDERS),
       .shows_boxes = Has(message, v1::CAPABILITY_BOX_VIEW),
       .stops_trials = Has(message, v1::CAPABILITY_STOPS_TRIALS)};

@@ -55,7 +55,9 @@ TEST(AdaptiveCreateTest, RefusesRepeatedArmsBadLimitsAndAnUnknownInitialArm) {
 TEST(AdaptiveCreateTest, StartsWithKdTreeOrTheFirstNamedArm) {
   const auto initial = [](const AdaptiveOptions& options) {
     const auto adaptive = AdaptiveBroadPhase::Create(options, nullptr);
-    return adaptive.ok() ? (*adaptive)->arms()[(*adaptive)->active_arm()] : "";
+    if (!adaptive.ok()) return std::string();
+    EXPECT_EQ((*adaptive)->initial_arm(), (*adaptive)->active_arm());
+    return (*adaptive)->arms()[(*adaptive)->active_arm()];
   };
   EXPECT_EQ(initial({}), "KDTree");
   EXPECT_EQ(initial({.initial_arm = "Grid"}), "Grid");

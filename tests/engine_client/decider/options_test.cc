@@ -172,6 +172,9 @@ TEST(Setup, IndicesMustBeWithinTheArms) {
   setup.active_arm = 2;
   EXPECT_TRUE(Validate(setup, ShippedPolicies()));
   setup.active_arm = 0;
+  setup.initial_arm = 2;
+  EXPECT_TRUE(Validate(setup, ShippedPolicies()));
+  setup.initial_arm = 0;
   setup.explored_arm_count = 3;
   EXPECT_TRUE(Validate(setup, ShippedPolicies()));
 }

@@ -51,10 +51,8 @@ class DaemonSessionTest : public ::testing::Test {
       arms_.push_back(backend.get());
       backends.push_back(std::move(backend));
     }
-    AdaptiveOptions adaptive;
-    adaptive.settling_ns = 0;
-    adaptive_ =
-        std::move(*AdaptiveFactory::Make(adaptive, std::move(backends), &session_->sink(), clock_));
+    adaptive_ = std::move(
+        *AdaptiveFactory::Make(adaptive_options_, std::move(backends), &session_->sink(), clock_));
   }
 
   void StartAgainst(FakeDaemon& daemon) {
@@ -113,6 +111,7 @@ class DaemonSessionTest : public ::testing::Test {
   }
 
   SessionOptions options_;
+  AdaptiveOptions adaptive_options_ = {.settling_ns = 0};
   ScriptedClock clock_;
   std::vector<Aabb> boxes_{3};
   std::vector<ScriptedBroadPhase*> arms_;
@@ -445,6 +444,21 @@ TEST_F(DaemonSessionTest, ResumesAfterTheDaemonWasKilledWithoutDuplicates) {
   EXPECT_EQ(daemon.hellos.back().session_id(), "session-1");
   EXPECT_GT(session_->stats().resent_message_count, 0U);
   EXPECT_EQ(wait_count_, 0U);
+}
+
+TEST_F(DaemonSessionTest, EveryHelloHasTheArmWithWhichTheGameBegan) {
+  adaptive_options_.initial_arm = "B";
+  FakeDaemon daemon;
+  GoOnline(daemon);
+  ASSERT_TRUE(daemon.Send(CommandFor(2)));
+  RunUntil([&] { return adaptive_->active_arm() == 2; });
+  const int port = daemon.port();
+  daemon.Kill();
+  daemon.Start(port);
+  RunUntil([&] { return session_->stats().connection_count == 2; });
+  daemon.Kill();
+  EXPECT_EQ(daemon.hellos.back().active_arm(), 2U);
+  EXPECT_EQ(daemon.hellos.back().initial_arm(), 1U);
 }
 
 TEST_F(DaemonSessionTest, AppliesTheBailOutLimitOfTheDaemonToTheFramePath) {

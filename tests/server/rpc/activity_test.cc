@@ -125,7 +125,9 @@ class ActivityTest : public RpcTest {
 };
 
 TEST_F(ActivityTest, HasTheRegimesOfASceneThatChanges) {
-  Game game(channel_, AdaptiveHello());
+  v1::Hello hello = AdaptiveHello();
+  hello.set_initial_arm(2);
+  Game game(channel_, hello);
   for (const bool rests : {false, true, false, true, false, true}) Play(game, rests, 15);
   const v1::SceneActivity activity = Get().activity();
   EXPECT_EQ(activity.session_id(), game.id);
@@ -155,6 +157,8 @@ TEST_F(ActivityTest, HasTheRegimesOfASceneThatChanges) {
   EXPECT_FALSE(total.has_object_count());
   EXPECT_GT(total.saved_against_single_us(), 100);
   EXPECT_GT(total.saved_against_reference_us(), 800);
+  EXPECT_EQ(activity.initial_arm(), "KDTree");
+  EXPECT_EQ(total.saved_against_initial_us(), total.saved_against_reference_us());
   EXPECT_NEAR(total.ran_us(), 1'000, 100);
   EXPECT_EQ(Listed().activity().regimes_size(), 2);
 }
@@ -219,7 +223,8 @@ sessions::SceneActivity LargestActivity(uint32_t arm_count) {
                                    .best_arm = 0,
                                    .ran_us = 100,
                                    .saved_against_single_us = 10,
-                                   .saved_against_reference_us = 20};
+                                   .saved_against_reference_us = 20,
+                                   .saved_against_initial_us = 30};
   for (uint32_t arm = 0; arm < arm_count; ++arm) {
     regime.arms.push_back(
         {.cost = decision::ArmReport::Cost{100, 90, 110}, .best_probability = 0.5});

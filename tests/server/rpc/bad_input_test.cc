@@ -320,6 +320,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadHello{"NamelessArm", [](auto& h) { h.mutable_arms(0)->clear_name(); }},
         BadHello{"NoBackendVersion", [](auto& h) { h.mutable_arms(0)->clear_backend_version(); }},
         BadHello{"ActiveArmOutOfRange", [](auto& h) { h.set_active_arm(3); }},
+        BadHello{"InitialArmOutOfRange", [](auto& h) { h.set_initial_arm(3); }},
         BadHello{"NoMode", [](auto& h) { h.clear_mode(); }},
         BadHello{"UnknownMode", [](auto& h) { h.set_mode(static_cast<v1::Mode>(9)); }},
         BadHello{"UnknownPolicy", [](auto& h) { h.set_policy("dice"); }},

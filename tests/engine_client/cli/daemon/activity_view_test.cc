@@ -37,6 +37,7 @@ v1::ScenePosterior ChangingScene() {
   v1::SceneActivity& activity = *scene.mutable_activity();
   activity.set_session_id("0af3");
   activity.set_active_arm("SAP");
+  activity.set_initial_arm("SAP");
   activity.set_unix_active_since_ms(1'800'000'000'000);
   activity.set_recent_switch_count(6);
   activity.add_arms("SAP");
@@ -46,6 +47,7 @@ v1::ScenePosterior ChangingScene() {
   activity.mutable_total()->set_ran_us(97.5F);
   activity.mutable_total()->set_saved_against_single_us(15);
   activity.mutable_total()->set_saved_against_reference_us(-2.5F);
+  activity.mutable_total()->set_saved_against_initial_us(25);
   v1::RegimePosterior& moving = *activity.add_regimes() = Regime("DBVT", 140, 100);
   moving.set_object_count(2'000);
   moving.set_speed_mean(0.125F);
@@ -61,8 +63,19 @@ TEST(ActivityText, SaysWhatRunsAndWhatItSaved) {
   const std::string text = ActivityText(ChangingScene());
   EXPECT_THAT(text, HasSubstr("session 0af3 runs SAP since 2027-01-15 08:00:00, 6 switches in the "
                               "last minute\n"));
-  EXPECT_THAT(text, HasSubstr("saved per frame: 0.0150 ms against always DBVT, the best single "
-                              "arm; -0.0025 ms against always KDTree\n"));
+  EXPECT_THAT(text,
+              HasSubstr("saved per frame: 0.0250 ms against always SAP, the arm that the game "
+                        "begins with\n"
+                        "saved per frame: 0.0150 ms against always DBVT, the best single arm\n"
+                        "saved per frame: -0.0025 ms against always KDTree\n"));
+}
+
+TEST(ActivityText, NamesKDTreeOnceIfTheGameBeginsWithIt) {
+  v1::ScenePosterior scene = ChangingScene();
+  scene.mutable_activity()->set_initial_arm("KDTree");
+  const std::string text = ActivityText(scene);
+  EXPECT_THAT(text, HasSubstr("always KDTree, the arm that the game begins with\n"));
+  EXPECT_THAT(text, Not(HasSubstr("always KDTree\n")));
 }
 
 TEST(ActivityText, HasALinePerRegimeAndOneForAll) {
@@ -106,6 +119,8 @@ TEST(ActivityJson, HasAllFigures) {
   EXPECT_EQ(document["recent_switches"], 6);
   EXPECT_EQ(document["total"]["saved_against_single_us"], 15);
   EXPECT_EQ(document["total"]["saved_against_reference_us"], -2.5);
+  EXPECT_EQ(document["initial_arm"], "SAP");
+  EXPECT_EQ(document["total"]["saved_against_initial_us"], 25);
   EXPECT_EQ(document["total"]["ran_us"], 97.5);
   ASSERT_EQ(document["regimes"].size(), 2u);
   const auto& moving = document["regimes"][0];

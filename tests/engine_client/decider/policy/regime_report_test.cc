@@ -9,6 +9,7 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr uint32_t kReference = 2;
+constexpr uint32_t kInitial = 1;
 
 RegimeBelief BeliefOf(uint32_t place, const std::vector<double>& costs_us) {
   RegimeBelief belief = {.id = {.place = place, .number = place}, .is_present = place == 0};
@@ -51,7 +52,7 @@ class TwoRegimes : public testing::Test {
   std::vector<RegimeUse> uses = {UseOf(0, 3'000, 100, moving_us), UseOf(1, 1'000, 90, resting_us)};
   RegimeUse total = SumOf(uses);
 
-  SceneReport Report() const { return ReportOf(beliefs, uses, total, {}, kReference); }
+  SceneReport Report() const { return ReportOf(beliefs, uses, total, {}, {kReference, kInitial}); }
 };
 
 TEST_F(TwoRegimes, HaveABestArmEach) {
@@ -86,6 +87,15 @@ TEST_F(TwoRegimes, SaveTheDifferenceOfWhatRan) {
   EXPECT_NEAR(*scene.regimes[0].saved_against_single_us, 0, 1e-9);
   EXPECT_NEAR(*scene.regimes[1].saved_against_single_us, 60, 1e-9);
   EXPECT_NEAR(*scene.regimes[1].saved_against_reference_us, 110, 1e-9);
+}
+
+TEST_F(TwoRegimes, SaveAgainstTheInitialArm) {
+  const SceneReport scene = Report();
+  EXPECT_NEAR(*scene.total.saved_against_initial_us, 127.5 - 97.5, 1e-9);
+  EXPECT_NEAR(*scene.regimes[0].saved_against_initial_us, 40, 1e-9);
+  EXPECT_NEAR(*scene.regimes[1].saved_against_initial_us, 0, 1e-9);
+  for (RegimeBelief& belief : beliefs) belief.arms[kInitial].is_known = false;
+  EXPECT_FALSE(Report().total.saved_against_initial_us);
 }
 
 TEST_F(TwoRegimes, AreStillInTheTotalWhenForgotten) {
@@ -146,14 +156,14 @@ TEST(ReportOf, UsesTheDiagnosisOfAPolicyThatDoesNotEstimateCosts) {
   const std::vector<RegimeBelief> beliefs = {{.is_present = true}};
   const RegimeUse total = {.frame_count = 10, .ran_us = 1'000, .arm_us = {1'000, 1'000}};
   const SceneReport scene =
-      ReportOf(beliefs, {&total, 1}, total, {.best_probability = {0.25, 0.75}, .leader = 1}, 0);
+      ReportOf(beliefs, {&total, 1}, total, {.best_probability = {0.25, 0.75}, .leader = 1}, {0});
   EXPECT_EQ(scene.total.best_arm, 1u);
   EXPECT_EQ(scene.total.arms[1].best_probability, 0.75);
   EXPECT_FALSE(scene.total.arms[1].cost);
   EXPECT_EQ(*scene.total.ran_us, 100);
   EXPECT_FALSE(scene.total.saved_against_single_us);
   EXPECT_TRUE(scene.regimes.empty());
-  EXPECT_TRUE(ReportOf(beliefs, {}, total, {}, 0).total.arms.empty()) << "nothing is learnt";
+  EXPECT_TRUE(ReportOf(beliefs, {}, total, {}, {0}).total.arms.empty()) << "nothing is learnt";
 }
 
 }  // namespace

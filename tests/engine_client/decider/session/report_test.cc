@@ -124,6 +124,32 @@ TEST(Report, SavesWhatTheGameSaved) {
   EXPECT_NEAR(*scene.total.saved_against_reference_us / game.SavedPerFrame(2), 1, 0.1);
 }
 
+// After a restart of the daemon the game runs another arm than the one with which it began.
+TEST(Report, SavesAgainstTheInitialArmWhateverRunsAtTheStart) {
+  SessionSetup setup = AdaptiveSetup();
+  setup.initial_arm = 1;
+  ChangingGame game(setup);
+  game.Play(kConstantUs, DescriptorOf(0.1F), 100);
+  ASSERT_TRUE(game.client.commands.empty());
+  EXPECT_EQ(game.client.session.initial_arm(), 1u);
+  EXPECT_NEAR(*game.client.session.Report().total.saved_against_initial_us, 30'000, 6'000);
+}
+
+TEST(Report, TheTotalHasTheFiledFramesOnly) {
+  ChangingGame game;
+  game.Play(kConstantUs, DescriptorOf(0.1F), 10);
+  const DecisionSession& session = game.client.session;
+  const RegimeUse before = session.total_use();
+  EXPECT_EQ(before.frame_count, session.counts().measured_frame_count);
+  EXPECT_NEAR(before.ran_us / static_cast<double>(before.frame_count), 10'000, 1e-3);
+  EXPECT_DOUBLE_EQ(before.arm_us[0], before.ran_us);
+  EXPECT_GT(before.arm_us[1], before.ran_us);
+  game.client.RunFrame();
+  EXPECT_EQ(session.total_use().frame_count, before.frame_count) << "not filed yet";
+  game.client.RunToTick();
+  EXPECT_EQ(session.total_use().frame_count, session.counts().measured_frame_count);
+}
+
 // The frames between the end of a regime and the switch run the arm that was the best before.
 TEST(Report, FilesTheFramesBeforeASwitchToTheNextRegime) {
   ChangingGame game;

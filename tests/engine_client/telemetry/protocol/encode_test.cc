@@ -37,6 +37,7 @@ Hello PlainOf(const v1::Hello& message) {
     hello.rules.decision_interval_ns = message.decision_interval_ns();
   if (message.has_cooldown_ns()) hello.rules.cooldown_ns = message.cooldown_ns();
   if (message.has_settling_ns()) hello.rules.settling_ns = message.settling_ns();
+  hello.initial_arm = message.initial_arm();
   for (const v1::Arm& arm : message.arms())
     hello.arms.push_back({.name = arm.name(), .backend_version = arm.backend_version()});
   for (const int capability : message.capabilities())

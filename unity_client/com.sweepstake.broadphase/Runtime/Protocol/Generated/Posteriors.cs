@@ -47,66 +47,68 @@ namespace Sweepstake.Protocol.V1 {
             "ZXBzdGFrZS52MS5WZXJkaWN0EhIKCmxlYWRlcl9hcm0YCSABKAkSGwoTZXhw",
             "ZWN0ZWRfbG9zc19yYXRpbxgKIAEoARIdChV2YWx1ZV9yZW1haW5pbmdfcmF0",
             "aW8YCyABKAESLgoIYWN0aXZpdHkYDCABKAsyHC5zd2VlcHN0YWtlLnYxLlNj",
-            "ZW5lQWN0aXZpdHki4AEKDVNjZW5lQWN0aXZpdHkSEgoKc2Vzc2lvbl9pZBgB",
+            "ZW5lQWN0aXZpdHki9QEKDVNjZW5lQWN0aXZpdHkSEgoKc2Vzc2lvbl9pZBgB",
             "IAEoCRISCgphY3RpdmVfYXJtGAIgASgJEhwKFHVuaXhfYWN0aXZlX3NpbmNl",
             "X21zGAMgASgDEhsKE3JlY2VudF9zd2l0Y2hfY291bnQYBCABKA0SDAoEYXJt",
             "cxgFIAMoCRItCgV0b3RhbBgGIAEoCzIeLnN3ZWVwc3Rha2UudjEuUmVnaW1l",
             "UG9zdGVyaW9yEi8KB3JlZ2ltZXMYByADKAsyHi5zd2VlcHN0YWtlLnYxLlJl",
-            "Z2ltZVBvc3RlcmlvciKeAwoPUmVnaW1lUG9zdGVyaW9yEhkKDG9iamVjdF9j",
-            "b3VudBgBIAEoAkgAiAEBEhcKCnNwZWVkX21lYW4YAiABKAJIAYgBARIZCgxz",
-            "dGF0aWNfcmF0aW8YAyABKAJIAogBARISCgppc19wcmVzZW50GAQgASgIEhMK",
-            "C2ZyYW1lX3NoYXJlGAUgASgCEiYKBGFybXMYBiADKAsyGC5zd2VlcHN0YWtl",
-            "LnYxLlJlZ2ltZUFybRIQCghiZXN0X2FybRgHIAEoCRITCgZyYW5fdXMYCCAB",
-            "KAJIA4gBARIkChdzYXZlZF9hZ2FpbnN0X3NpbmdsZV91cxgJIAEoAkgEiAEB",
-            "EicKGnNhdmVkX2FnYWluc3RfcmVmZXJlbmNlX3VzGAogASgCSAWIAQFCDwoN",
-            "X29iamVjdF9jb3VudEINCgtfc3BlZWRfbWVhbkIPCg1fc3RhdGljX3JhdGlv",
-            "QgkKB19yYW5fdXNCGgoYX3NhdmVkX2FnYWluc3Rfc2luZ2xlX3VzQh0KG19z",
-            "YXZlZF9hZ2FpbnN0X3JlZmVyZW5jZV91cyJXCglSZWdpbWVBcm0SDwoHY29z",
-            "dF91cxgBIAEoAhIOCgZsb3dfdXMYAiABKAISDwoHaGlnaF91cxgDIAEoAhIY",
-            "ChBiZXN0X3Byb2JhYmlsaXR5GAQgASgCInAKD1Jld2FyZFBvc3RlcmlvchIN",
-            "CgVhbHBoYRgBIAEoARIMCgRiZXRhGAIgASgBEg4KBmxvd185NRgDIAEoARIO",
-            "CgZsb3dfNTAYBCABKAESDwoHaGlnaF81MBgFIAEoARIPCgdoaWdoXzk1GAYg",
-            "ASgBItsCCgxBcm1Qb3N0ZXJpb3ISCwoDYXJtGAEgASgJEhcKD2JhY2tlbmRf",
-            "dmVyc2lvbhgCIAEoDRIxCglwb3N0ZXJpb3IYAyABKAsyHi5zd2VlcHN0YWtl",
-            "LnYxLlJld2FyZFBvc3RlcmlvchIUCgx3aW5kb3dfY291bnQYBCABKAQSFgoO",
-            "YmFpbF9vdXRfY291bnQYBSABKAQSEwoLdmlzaXRfY291bnQYBiABKAQSHgoW",
-            "ZWZmZWN0aXZlX3dpbmRvd19jb3VudBgHIAEoARIYChB1bml4X2xhc3Rfc2Vl",
-            "bl9zGAggASgDEhMKC2lzX291dGRhdGVkGAkgASgIEh0KEGJlc3RfcHJvYmFi",
-            "aWxpdHkYCiABKAFIAIgBARIsCgpjb3N0X3JhdGlvGAsgASgLMhguc3dlZXBz",
-            "dGFrZS52MS5Db3N0UmF0aW9CEwoRX2Jlc3RfcHJvYmFiaWxpdHkipgQKDURl",
-            "Y2lzaW9uRXZlbnQSEgoKc2Vzc2lvbl9pZBgBIAEoCRIPCgdwcm9qZWN0GAIg",
-            "ASgJEg0KBXNjZW5lGAMgASgJEhMKC2RlY2lzaW9uX2lkGAQgASgEEhIKCmFj",
-            "dGl2ZV9hcm0YBSABKAkSFQoNY2FuZGlkYXRlX2FybRgGIAEoCRIvCgdvdXRj",
-            "b21lGAcgASgOMh4uc3dlZXBzdGFrZS52MS5EZWNpc2lvbk91dGNvbWUSKwoG",
-            "cmVhc29uGAggASgOMhsuc3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24SEwoG",
-            "cmV3YXJkGAkgASgBSACIAQESFQoNbWFjaGluZV9jbGFzcxgKIAEoCRIYChBi",
-            "ZXN0X3Byb2JhYmlsaXR5GAsgAygBEhsKE2V4cGVjdGVkX2xvc3NfcmF0aW8Y",
-            "DCABKAESJwoHdmVyZGljdBgNIAEoDjIWLnN3ZWVwc3Rha2UudjEuVmVyZGlj",
-            "dBIOCgZwb2xpY3kYDiABKAkSNgoMbWVhc3VyZW1lbnRzGA8gASgLMiAuc3dl",
-            "ZXBzdGFrZS52MS5GcmFtZU1lYXN1cmVtZW50cxIMCgRhcm1zGBAgAygJEi0K",
-            "CXN0YW5kaW5ncxgRIAMoCzIaLnN3ZWVwc3Rha2UudjEuQXJtU3RhbmRpbmcS",
-            "DwoHdW5peF9tcxgSIAEoAxIWCg5yZXdhcmRfdmVyc2lvbhgTIAEoDUIJCgdf",
-            "cmV3YXJkIrIBChFGcmFtZU1lYXN1cmVtZW50cxIyCg1mcmFtZV90aW1lX25z",
-            "GAEgASgLMhsuc3dlZXBzdGFrZS52MS5Mb2dIaXN0b2dyYW0SNgoRZGV0ZWN0",
-            "aW9uX3RpbWVfbnMYAiABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3Jh",
-            "bRIxCgxuYXRpdmVfYnl0ZXMYAyABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hp",
-            "c3RvZ3JhbSI0CgxMb2dIaXN0b2dyYW0SFAoMYnVja2V0X3N0ZXBzGAEgAygN",
-            "Eg4KBmNvdW50cxgCIAMoDSrRAgoPRGVjaXNpb25PdXRjb21lEiAKHERFQ0lT",
-            "SU9OX09VVENPTUVfVU5TUEVDSUZJRUQQABIZChVERUNJU0lPTl9PVVRDT01F",
-            "X0tFUFQQARIdChlERUNJU0lPTl9PVVRDT01FX1NXSVRDSEVEEAISIgoeREVD",
-            "SVNJT05fT1VUQ09NRV9IRUxEX0NPT0xET1dOEAMSIgoeREVDSVNJT05fT1VU",
-            "Q09NRV9IRUxEX1NFVFRMSU5HEAQSHgoaREVDSVNJT05fT1VUQ09NRV9OT19G",
-            "UkFNRVMQBRIbChdERUNJU0lPTl9PVVRDT01FX01BTlVBTBAGEh4KGkRFQ0lT",
-            "SU9OX09VVENPTUVfRVhQTE9SSU5HEAcSHQoZREVDSVNJT05fT1VUQ09NRV9S",
-            "RUpFQ1RFRBAIEh4KGkRFQ0lTSU9OX09VVENPTUVfSEVMRF9HQVRFEAkyrwIK",
-            "EVBvc3RlcmlvcnNTZXJ2aWNlEl0KDkxpc3RQb3N0ZXJpb3JzEiQuc3dlZXBz",
-            "dGFrZS52MS5MaXN0UG9zdGVyaW9yc1JlcXVlc3QaJS5zd2VlcHN0YWtlLnYx",
-            "Lkxpc3RQb3N0ZXJpb3JzUmVzcG9uc2USVwoMR2V0UG9zdGVyaW9yEiIuc3dl",
-            "ZXBzdGFrZS52MS5HZXRQb3N0ZXJpb3JSZXF1ZXN0GiMuc3dlZXBzdGFrZS52",
-            "MS5HZXRQb3N0ZXJpb3JSZXNwb25zZRJiCg9XYXRjaFBvc3RlcmlvcnMSJS5z",
-            "d2VlcHN0YWtlLnYxLldhdGNoUG9zdGVyaW9yc1JlcXVlc3QaJi5zd2VlcHN0",
-            "YWtlLnYxLldhdGNoUG9zdGVyaW9yc1Jlc3BvbnNlMAFCGaoCFlN3ZWVwc3Rh",
-            "a2UuUHJvdG9jb2wuVjFiBnByb3RvMw=="));
+            "Z2ltZVBvc3RlcmlvchITCgtpbml0aWFsX2FybRgIIAEoCSLiAwoPUmVnaW1l",
+            "UG9zdGVyaW9yEhkKDG9iamVjdF9jb3VudBgBIAEoAkgAiAEBEhcKCnNwZWVk",
+            "X21lYW4YAiABKAJIAYgBARIZCgxzdGF0aWNfcmF0aW8YAyABKAJIAogBARIS",
+            "Cgppc19wcmVzZW50GAQgASgIEhMKC2ZyYW1lX3NoYXJlGAUgASgCEiYKBGFy",
+            "bXMYBiADKAsyGC5zd2VlcHN0YWtlLnYxLlJlZ2ltZUFybRIQCghiZXN0X2Fy",
+            "bRgHIAEoCRITCgZyYW5fdXMYCCABKAJIA4gBARIkChdzYXZlZF9hZ2FpbnN0",
+            "X3NpbmdsZV91cxgJIAEoAkgEiAEBEicKGnNhdmVkX2FnYWluc3RfcmVmZXJl",
+            "bmNlX3VzGAogASgCSAWIAQESJQoYc2F2ZWRfYWdhaW5zdF9pbml0aWFsX3Vz",
+            "GAsgASgCSAaIAQFCDwoNX29iamVjdF9jb3VudEINCgtfc3BlZWRfbWVhbkIP",
+            "Cg1fc3RhdGljX3JhdGlvQgkKB19yYW5fdXNCGgoYX3NhdmVkX2FnYWluc3Rf",
+            "c2luZ2xlX3VzQh0KG19zYXZlZF9hZ2FpbnN0X3JlZmVyZW5jZV91c0IbChlf",
+            "c2F2ZWRfYWdhaW5zdF9pbml0aWFsX3VzIlcKCVJlZ2ltZUFybRIPCgdjb3N0",
+            "X3VzGAEgASgCEg4KBmxvd191cxgCIAEoAhIPCgdoaWdoX3VzGAMgASgCEhgK",
+            "EGJlc3RfcHJvYmFiaWxpdHkYBCABKAIicAoPUmV3YXJkUG9zdGVyaW9yEg0K",
+            "BWFscGhhGAEgASgBEgwKBGJldGEYAiABKAESDgoGbG93Xzk1GAMgASgBEg4K",
+            "Bmxvd181MBgEIAEoARIPCgdoaWdoXzUwGAUgASgBEg8KB2hpZ2hfOTUYBiAB",
+            "KAEi2wIKDEFybVBvc3RlcmlvchILCgNhcm0YASABKAkSFwoPYmFja2VuZF92",
+            "ZXJzaW9uGAIgASgNEjEKCXBvc3RlcmlvchgDIAEoCzIeLnN3ZWVwc3Rha2Uu",
+            "djEuUmV3YXJkUG9zdGVyaW9yEhQKDHdpbmRvd19jb3VudBgEIAEoBBIWCg5i",
+            "YWlsX291dF9jb3VudBgFIAEoBBITCgt2aXNpdF9jb3VudBgGIAEoBBIeChZl",
+            "ZmZlY3RpdmVfd2luZG93X2NvdW50GAcgASgBEhgKEHVuaXhfbGFzdF9zZWVu",
+            "X3MYCCABKAMSEwoLaXNfb3V0ZGF0ZWQYCSABKAgSHQoQYmVzdF9wcm9iYWJp",
+            "bGl0eRgKIAEoAUgAiAEBEiwKCmNvc3RfcmF0aW8YCyABKAsyGC5zd2VlcHN0",
+            "YWtlLnYxLkNvc3RSYXRpb0ITChFfYmVzdF9wcm9iYWJpbGl0eSKmBAoNRGVj",
+            "aXNpb25FdmVudBISCgpzZXNzaW9uX2lkGAEgASgJEg8KB3Byb2plY3QYAiAB",
+            "KAkSDQoFc2NlbmUYAyABKAkSEwoLZGVjaXNpb25faWQYBCABKAQSEgoKYWN0",
+            "aXZlX2FybRgFIAEoCRIVCg1jYW5kaWRhdGVfYXJtGAYgASgJEi8KB291dGNv",
+            "bWUYByABKA4yHi5zd2VlcHN0YWtlLnYxLkRlY2lzaW9uT3V0Y29tZRIrCgZy",
+            "ZWFzb24YCCABKA4yGy5zd2VlcHN0YWtlLnYxLlN3aXRjaFJlYXNvbhITCgZy",
+            "ZXdhcmQYCSABKAFIAIgBARIVCg1tYWNoaW5lX2NsYXNzGAogASgJEhgKEGJl",
+            "c3RfcHJvYmFiaWxpdHkYCyADKAESGwoTZXhwZWN0ZWRfbG9zc19yYXRpbxgM",
+            "IAEoARInCgd2ZXJkaWN0GA0gASgOMhYuc3dlZXBzdGFrZS52MS5WZXJkaWN0",
+            "Eg4KBnBvbGljeRgOIAEoCRI2CgxtZWFzdXJlbWVudHMYDyABKAsyIC5zd2Vl",
+            "cHN0YWtlLnYxLkZyYW1lTWVhc3VyZW1lbnRzEgwKBGFybXMYECADKAkSLQoJ",
+            "c3RhbmRpbmdzGBEgAygLMhouc3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZxIP",
+            "Cgd1bml4X21zGBIgASgDEhYKDnJld2FyZF92ZXJzaW9uGBMgASgNQgkKB19y",
+            "ZXdhcmQisgEKEUZyYW1lTWVhc3VyZW1lbnRzEjIKDWZyYW1lX3RpbWVfbnMY",
+            "ASABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbRI2ChFkZXRlY3Rp",
+            "b25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFt",
+            "EjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlz",
+            "dG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNrZXRfc3RlcHMYASADKA0S",
+            "DgoGY291bnRzGAIgAygNKtECCg9EZWNpc2lvbk91dGNvbWUSIAocREVDSVNJ",
+            "T05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURFQ0lTSU9OX09VVENPTUVf",
+            "S0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJVENIRUQQAhIiCh5ERUNJ",
+            "U0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIiCh5ERUNJU0lPTl9PVVRD",
+            "T01FX0hFTERfU0VUVExJTkcQBBIeChpERUNJU0lPTl9PVVRDT01FX05PX0ZS",
+            "QU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFOVUFMEAYSHgoaREVDSVNJ",
+            "T05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJU0lPTl9PVVRDT01FX1JF",
+            "SkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9IRUxEX0dBVEUQCTKvAgoR",
+            "UG9zdGVyaW9yc1NlcnZpY2USXQoOTGlzdFBvc3RlcmlvcnMSJC5zd2VlcHN0",
+            "YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVxdWVzdBolLnN3ZWVwc3Rha2UudjEu",
+            "TGlzdFBvc3RlcmlvcnNSZXNwb25zZRJXCgxHZXRQb3N0ZXJpb3ISIi5zd2Vl",
+            "cHN0YWtlLnYxLkdldFBvc3RlcmlvclJlcXVlc3QaIy5zd2VlcHN0YWtlLnYx",
+            "LkdldFBvc3RlcmlvclJlc3BvbnNlEmIKD1dhdGNoUG9zdGVyaW9ycxIlLnN3",
+            "ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVxdWVzdBomLnN3ZWVwc3Rh",
+            "a2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2UwAUIZqgIWU3dlZXBzdGFr",
+            "ZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -117,8 +119,8 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount", "Verdict", "LeaderArm", "ExpectedLossRatio", "ValueRemainingRatio", "Activity" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneActivity), global::Sweepstake.Protocol.V1.SceneActivity.Parser, new[]{ "SessionId", "ActiveArm", "UnixActiveSinceMs", "RecentSwitchCount", "Arms", "Total", "Regimes" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RegimePosterior), global::Sweepstake.Protocol.V1.RegimePosterior.Parser, new[]{ "ObjectCount", "SpeedMean", "StaticRatio", "IsPresent", "FrameShare", "Arms", "BestArm", "RanUs", "SavedAgainstSingleUs", "SavedAgainstReferenceUs" }, new[]{ "ObjectCount", "SpeedMean", "StaticRatio", "RanUs", "SavedAgainstSingleUs", "SavedAgainstReferenceUs" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneActivity), global::Sweepstake.Protocol.V1.SceneActivity.Parser, new[]{ "SessionId", "ActiveArm", "UnixActiveSinceMs", "RecentSwitchCount", "Arms", "Total", "Regimes", "InitialArm" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RegimePosterior), global::Sweepstake.Protocol.V1.RegimePosterior.Parser, new[]{ "ObjectCount", "SpeedMean", "StaticRatio", "IsPresent", "FrameShare", "Arms", "BestArm", "RanUs", "SavedAgainstSingleUs", "SavedAgainstReferenceUs", "SavedAgainstInitialUs" }, new[]{ "ObjectCount", "SpeedMean", "StaticRatio", "RanUs", "SavedAgainstSingleUs", "SavedAgainstReferenceUs", "SavedAgainstInitialUs" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RegimeArm), global::Sweepstake.Protocol.V1.RegimeArm.Parser, new[]{ "CostUs", "LowUs", "HighUs", "BestProbability" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RewardPosterior), global::Sweepstake.Protocol.V1.RewardPosterior.Parser, new[]{ "Alpha", "Beta", "Low95", "Low50", "High50", "High95" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmPosterior), global::Sweepstake.Protocol.V1.ArmPosterior.Parser, new[]{ "Arm", "BackendVersion", "Posterior", "WindowCount", "BailOutCount", "VisitCount", "EffectiveWindowCount", "UnixLastSeenS", "IsOutdated", "BestProbability", "CostRatio" }, new[]{ "BestProbability" }, null, null, null),
@@ -2462,6 +2464,7 @@ namespace Sweepstake.Protocol.V1 {
       arms_ = other.arms_.Clone();
       total_ = other.total_ != null ? other.total_.Clone() : null;
       regimes_ = other.regimes_.Clone();
+      initialArm_ = other.initialArm_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2575,6 +2578,21 @@ namespace Sweepstake.Protocol.V1 {
       get { return regimes_; }
     }
 
+    /// <summary>Field number for the "initial_arm" field.</summary>
+    public const int InitialArmFieldNumber = 8;
+    private string initialArm_ = "";
+    /// <summary>
+    /// The session's initial arm: the arm with which its game begins, and which it would keep without a daemon. Always set.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string InitialArm {
+      get { return initialArm_; }
+      set {
+        initialArm_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2597,6 +2615,7 @@ namespace Sweepstake.Protocol.V1 {
       if(!arms_.Equals(other.arms_)) return false;
       if (!object.Equals(Total, other.Total)) return false;
       if(!regimes_.Equals(other.regimes_)) return false;
+      if (InitialArm != other.InitialArm) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2611,6 +2630,7 @@ namespace Sweepstake.Protocol.V1 {
       hash ^= arms_.GetHashCode();
       if (total_ != null) hash ^= Total.GetHashCode();
       hash ^= regimes_.GetHashCode();
+      if (InitialArm.Length != 0) hash ^= InitialArm.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2651,6 +2671,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteMessage(Total);
       }
       regimes_.WriteTo(output, _repeated_regimes_codec);
+      if (InitialArm.Length != 0) {
+        output.WriteRawTag(66);
+        output.WriteString(InitialArm);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2683,6 +2707,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteMessage(Total);
       }
       regimes_.WriteTo(ref output, _repeated_regimes_codec);
+      if (InitialArm.Length != 0) {
+        output.WriteRawTag(66);
+        output.WriteString(InitialArm);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2710,6 +2738,9 @@ namespace Sweepstake.Protocol.V1 {
         size += 1 + pb::CodedOutputStream.ComputeMessageSize(Total);
       }
       size += regimes_.CalculateSize(_repeated_regimes_codec);
+      if (InitialArm.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(InitialArm);
+      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -2742,6 +2773,9 @@ namespace Sweepstake.Protocol.V1 {
         Total.MergeFrom(other.Total);
       }
       regimes_.Add(other.regimes_);
+      if (other.InitialArm.Length != 0) {
+        InitialArm = other.InitialArm;
+      }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -2792,6 +2826,10 @@ namespace Sweepstake.Protocol.V1 {
             regimes_.AddEntriesFrom(input, _repeated_regimes_codec);
             break;
           }
+          case 66: {
+            InitialArm = input.ReadString();
+            break;
+          }
         }
       }
     #endif
@@ -2840,6 +2878,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 58: {
             regimes_.AddEntriesFrom(ref input, _repeated_regimes_codec);
+            break;
+          }
+          case 66: {
+            InitialArm = input.ReadString();
             break;
           }
         }
@@ -2900,6 +2942,7 @@ namespace Sweepstake.Protocol.V1 {
       ranUs_ = other.ranUs_;
       savedAgainstSingleUs_ = other.savedAgainstSingleUs_;
       savedAgainstReferenceUs_ = other.savedAgainstReferenceUs_;
+      savedAgainstInitialUs_ = other.savedAgainstInitialUs_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -3149,6 +3192,36 @@ namespace Sweepstake.Protocol.V1 {
       _hasBits0 &= ~32;
     }
 
+    /// <summary>Field number for the "saved_against_initial_us" field.</summary>
+    public const int SavedAgainstInitialUsFieldNumber = 11;
+    private readonly static float SavedAgainstInitialUsDefaultValue = 0F;
+
+    private float savedAgainstInitialUs_;
+    /// <summary>
+    /// The same against the session's initial arm. Absent: as saved_against_single_us.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public float SavedAgainstInitialUs {
+      get { if ((_hasBits0 & 64) != 0) { return savedAgainstInitialUs_; } else { return SavedAgainstInitialUsDefaultValue; } }
+      set {
+        _hasBits0 |= 64;
+        savedAgainstInitialUs_ = value;
+      }
+    }
+    /// <summary>Gets whether the "saved_against_initial_us" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasSavedAgainstInitialUs {
+      get { return (_hasBits0 & 64) != 0; }
+    }
+    /// <summary>Clears the value of the "saved_against_initial_us" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearSavedAgainstInitialUs() {
+      _hasBits0 &= ~64;
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -3174,6 +3247,7 @@ namespace Sweepstake.Protocol.V1 {
       if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(RanUs, other.RanUs)) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(SavedAgainstSingleUs, other.SavedAgainstSingleUs)) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(SavedAgainstReferenceUs, other.SavedAgainstReferenceUs)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.Equals(SavedAgainstInitialUs, other.SavedAgainstInitialUs)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -3191,6 +3265,7 @@ namespace Sweepstake.Protocol.V1 {
       if (HasRanUs) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(RanUs);
       if (HasSavedAgainstSingleUs) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(SavedAgainstSingleUs);
       if (HasSavedAgainstReferenceUs) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(SavedAgainstReferenceUs);
+      if (HasSavedAgainstInitialUs) hash ^= pbc::ProtobufEqualityComparers.BitwiseSingleEqualityComparer.GetHashCode(SavedAgainstInitialUs);
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -3246,6 +3321,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(85);
         output.WriteFloat(SavedAgainstReferenceUs);
       }
+      if (HasSavedAgainstInitialUs) {
+        output.WriteRawTag(93);
+        output.WriteFloat(SavedAgainstInitialUs);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -3293,6 +3372,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(85);
         output.WriteFloat(SavedAgainstReferenceUs);
       }
+      if (HasSavedAgainstInitialUs) {
+        output.WriteRawTag(93);
+        output.WriteFloat(SavedAgainstInitialUs);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -3329,6 +3412,9 @@ namespace Sweepstake.Protocol.V1 {
         size += 1 + 4;
       }
       if (HasSavedAgainstReferenceUs) {
+        size += 1 + 4;
+      }
+      if (HasSavedAgainstInitialUs) {
         size += 1 + 4;
       }
       if (_unknownFields != null) {
@@ -3370,6 +3456,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.HasSavedAgainstReferenceUs) {
         SavedAgainstReferenceUs = other.SavedAgainstReferenceUs;
+      }
+      if (other.HasSavedAgainstInitialUs) {
+        SavedAgainstInitialUs = other.SavedAgainstInitialUs;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -3430,6 +3519,10 @@ namespace Sweepstake.Protocol.V1 {
             SavedAgainstReferenceUs = input.ReadFloat();
             break;
           }
+          case 93: {
+            SavedAgainstInitialUs = input.ReadFloat();
+            break;
+          }
         }
       }
     #endif
@@ -3487,6 +3580,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 85: {
             SavedAgainstReferenceUs = input.ReadFloat();
+            break;
+          }
+          case 93: {
+            SavedAgainstInitialUs = input.ReadFloat();
             break;
           }
         }

@@ -44,7 +44,7 @@ namespace Sweepstake.Protocol.V1 {
             "bmVjdBI0Cg5vcGVyYXRvcl9vcmRlchgGIAEoCzIcLnN3ZWVwc3Rha2UudjEu",
             "T3BlcmF0b3JPcmRlchIuCgtib3hfcmVxdWVzdBgHIAEoCzIZLnN3ZWVwc3Rh",
             "a2UudjEuQm94UmVxdWVzdCIsCgNBcm0SDAoEbmFtZRgBIAEoCRIXCg9iYWNr",
-            "ZW5kX3ZlcnNpb24YAiABKA0iuQQKBUhlbGxvEhgKEHByb3RvY29sX3ZlcnNp",
+            "ZW5kX3ZlcnNpb24YAiABKA0izgQKBUhlbGxvEhgKEHByb3RvY29sX3ZlcnNp",
             "b24YASABKA0SDwoHcHJvamVjdBgCIAEoCRINCgVzY2VuZRgDIAEoCRINCgVi",
             "dWlsZBgEIAEoCRIVCg1tYWNoaW5lX2NsYXNzGAUgASgJEiAKBGFybXMYBiAD",
             "KAsyEi5zd2VlcHN0YWtlLnYxLkFybRISCgphY3RpdmVfYXJtGAcgASgNEiEK",
@@ -55,107 +55,107 @@ namespace Sweepstake.Protocol.V1 {
             "aXRpZXMYECADKA4yGS5zd2VlcHN0YWtlLnYxLkNhcGFiaWxpdHkSLQoHd2Vp",
             "Z2h0cxgRIAEoCzIcLnN3ZWVwc3Rha2UudjEuUmV3YXJkV2VpZ2h0cxIhChRk",
             "ZWNpc2lvbl9pbnRlcnZhbF9ucxgSIAEoBEgAiAEBEhgKC2Nvb2xkb3duX25z",
-            "GBMgASgESAGIAQESGAoLc2V0dGxpbmdfbnMYFCABKARIAogBAUIXChVfZGVj",
-            "aXNpb25faW50ZXJ2YWxfbnNCDgoMX2Nvb2xkb3duX25zQg4KDF9zZXR0bGlu",
-            "Z19ucyJPCg1SZXdhcmRXZWlnaHRzEgsKA2ZwcxgBIAEoARIRCglkZXRlY3Rp",
-            "b24YAiABKAESDgoGbWVtb3J5GAMgASgBEg4KBmNoZWNrcxgEIAEoASL4AgoK",
-            "RnJhbWVCYXRjaBIVCg1mcmFtZV90aW1lX25zGAEgAygEEhkKEWRldGVjdGlv",
-            "bl90aW1lX25zGAIgAygEEhgKEGFhYmJfY2hlY2tfY291bnQYAyADKAQSFAoM",
-            "bmF0aXZlX2J5dGVzGAQgAygEEhQKDG9iamVjdF9jb3VudBgFIAMoDRILCgNh",
-            "cm0YBiADKA0SFAoMc3dpdGNoX2Vwb2NoGAcgAygNEg0KBWZsYWdzGAggAygN",
-            "EjgKEHNjZW5lX2Rlc2NyaXB0b3IYCSABKAsyHi5zd2VlcHN0YWtlLnYxLlNj",
-            "ZW5lRGVzY3JpcHRvchIbChNkcm9wcGVkX2ZyYW1lX2NvdW50GAogASgEEjMK",
-            "DnNoYWRvd19zYW1wbGVzGAsgAygLMhsuc3dlZXBzdGFrZS52MS5TaGFkb3dT",
-            "YW1wbGUSGQoRaW52YWxpZF9ib3hfY291bnQYDCABKA0SGQoRZmlyc3RfZnJh",
-            "bWVfaW5kZXgYDSABKAQi0gEKDFNoYWRvd1NhbXBsZRIZChFmaXJzdF9mcmFt",
-            "ZV9pbmRleBgBIAEoBBILCgNhcm0YAiABKA0SGQoRZGV0ZWN0aW9uX3RpbWVf",
-            "bnMYAyABKAQSFQoNYnVpbGRfdGltZV9ucxgEIAEoBBIYChBhYWJiX2NoZWNr",
-            "X2NvdW50GAUgASgEEhQKDG5hdGl2ZV9ieXRlcxgGIAEoBBIUCgxvYmplY3Rf",
-            "Y291bnQYByABKA0SEwoLZnJhbWVfY291bnQYCCABKA0SDQoFZmxhZ3MYCSAB",
-            "KA0iyQIKD1NjZW5lRGVzY3JpcHRvchIZCgxvYmplY3RfY291bnQYASABKAJI",
-            "AIgBARIaCg1kZW5zaXR5X3JhdGlvGAIgASgCSAGIAQESGAoLc2l6ZV9zcHJl",
-            "YWQYAyABKAJIAogBARIXCgpzcGVlZF9tZWFuGAQgASgCSAOIAQESGQoMc3Bl",
-            "ZWRfc3ByZWFkGAUgASgCSASIAQESHQoQY2x1c3RlcmluZ19yYXRpbxgGIAEo",
-            "AkgFiAEBEhkKDHN0YXRpY19yYXRpbxgHIAEoAkgGiAEBQg8KDV9vYmplY3Rf",
-            "Y291bnRCEAoOX2RlbnNpdHlfcmF0aW9CDgoMX3NpemVfc3ByZWFkQg0KC19z",
-            "cGVlZF9tZWFuQg8KDV9zcGVlZF9zcHJlYWRCEwoRX2NsdXN0ZXJpbmdfcmF0",
-            "aW9CDwoNX3N0YXRpY19yYXRpbyLsAQoNU3dpdGNoT3V0Y29tZRISCgpjb21t",
-            "YW5kX2lkGAEgASgEEgsKA2FybRgCIAEoDRIUCgxzd2l0Y2hfZXBvY2gYAyAB",
-            "KA0SEAoIZXhlY3V0ZWQYBCABKAgSFwoPcmVidWlsZF90aW1lX25zGAUgASgE",
-            "EhgKEHNldHRsaW5nX2Nvc3RfbnMYBiABKAQSKwoGcmVhc29uGAcgASgOMhsu",
-            "c3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFzb24SHwoXdHJpYWxfZGV0ZWN0aW9u",
-            "X3RpbWVfbnMYCCABKAQSEQoJdHJpYWxfYXJtGAkgASgNIoIBCgdCYWlsT3V0",
-            "EhMKC2ZyYW1lX2luZGV4GAEgASgEEgsKA2FybRgCIAEoDRIUCgxzd2l0Y2hf",
-            "ZXBvY2gYAyABKA0SFQoNZnJhbWVfdGltZV9ucxgEIAEoBBIZChFkZXRlY3Rp",
-            "b25fdGltZV9ucxgFIAEoBBINCgVmbGFncxgGIAEoDSJVCgpNb2RlQ2hhbmdl",
-            "EiEKBG1vZGUYASABKA4yEy5zd2VlcHN0YWtlLnYxLk1vZGUSEgoKYWN0aXZl",
-            "X2FybRgCIAEoDRIQCghvcmRlcl9pZBgDIAEoBCJTCgxPcmRlclJlZnVzYWwS",
-            "EAoIb3JkZXJfaWQYASABKAQSMQoGcmVhc29uGAIgASgOMiEuc3dlZXBzdGFr",
-            "ZS52MS5PcmRlclJlZnVzYWxSZWFzb24iCQoHR29vZGJ5ZSKMBAoHV2VsY29t",
-            "ZRISCgpzZXNzaW9uX2lkGAEgASgJEg8KB3Jlc3VtZWQYAiABKAgSHQoVYWNr",
-            "bm93bGVkZ2VkX3NlcXVlbmNlGAMgASgEEhgKEG1heF9iYXRjaF9mcmFtZXMY",
-            "BCABKA0SGQoRbWF4X21lc3NhZ2VfYnl0ZXMYBSABKA0SGQoRYmF0Y2hfaW50",
-            "ZXJ2YWxfbXMYBiABKA0SHAoUZGVjaXNpb25faW50ZXJ2YWxfbXMYByABKA0S",
-            "EwoLc2V0dGxpbmdfbXMYCCABKA0SEwoLYmFpbF9vdXRfbXMYCSABKA0SFgoO",
-            "ZGFlbW9uX3ZlcnNpb24YCiABKAkSDgoGcG9saWN5GAsgASgJEgwKBHNlZWQY",
-            "DCABKAQSLAoGcHJpb3JzGA0gAygLMhwuc3dlZXBzdGFrZS52MS5CZXRhUG9z",
-            "dGVyaW9yEhoKEnByaW9yX3NvdXJjZV9jb3VudBgOIAEoBBIUCgxyZXN1bWVf",
-            "dG9rZW4YDyABKAwSGgoScHJpb3JzX3VuYXZhaWxhYmxlGBAgASgIEi8KDGNh",
-            "cGFiaWxpdGllcxgRIAMoDjIZLnN3ZWVwc3Rha2UudjEuQ2FwYWJpbGl0eRIT",
-            "Cgtjb29sZG93bl9tcxgSIAEoDRItCgd3ZWlnaHRzGBMgASgLMhwuc3dlZXBz",
-            "dGFrZS52MS5SZXdhcmRXZWlnaHRzIiwKDUJldGFQb3N0ZXJpb3ISDQoFYWxw",
-            "aGEYASABKAESDAoEYmV0YRgCIAEoASJ6Cg1Td2l0Y2hDb21tYW5kEhIKCmNv",
-            "bW1hbmRfaWQYASABKAQSCwoDYXJtGAIgASgNEisKBnJlYXNvbhgDIAEoDjIb",
-            "LnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVhc29uEhsKE3RyaWFsX2xpbWl0X3Bl",
-            "cmNlbnQYBCABKA0iPgoPQWNrbm93bGVkZ2VtZW50EhAKCHNlcXVlbmNlGAEg",
-            "ASgEEhkKEWJhdGNoX2ludGVydmFsX21zGAIgASgNIscBChFQb3N0ZXJpb3JT",
-            "bmFwc2hvdBIqCgRhcm1zGAEgAygLMhwuc3dlZXBzdGFrZS52MS5CZXRhUG9z",
-            "dGVyaW9yEicKB3ZlcmRpY3QYAiABKA4yFi5zd2VlcHN0YWtlLnYxLlZlcmRp",
-            "Y3QSEgoKbGVhZGVyX2FybRgDIAEoDRIaChJsZWFkZXJfcHJvYmFiaWxpdHkY",
-            "BCABKAESLQoJc3RhbmRpbmdzGAUgAygLMhouc3dlZXBzdGFrZS52MS5Bcm1T",
-            "dGFuZGluZyKqAQoLQXJtU3RhbmRpbmcSGQoRbGl2ZV93aW5kb3dfY291bnQY",
-            "ASABKAQSGAoQbGFuZV92aXNpdF9jb3VudBgCIAEoBBIeChZlZmZlY3RpdmVf",
-            "d2luZG93X2NvdW50GAMgASgBEhgKEGJlc3RfcHJvYmFiaWxpdHkYBCABKAES",
-            "LAoKY29zdF9yYXRpbxgFIAEoCzIYLnN3ZWVwc3Rha2UudjEuQ29zdFJhdGlv",
-            "IjYKCUNvc3RSYXRpbxIOCgZtZWRpYW4YASABKAESCwoDbG93GAIgASgBEgwK",
-            "BGhpZ2gYAyABKAEiHQoJUmVjb25uZWN0EhAKCGRlbGF5X21zGAEgASgNIl4K",
-            "DU9wZXJhdG9yT3JkZXISEAoIb3JkZXJfaWQYASABKAQSIQoEbW9kZRgCIAEo",
-            "DjITLnN3ZWVwc3Rha2UudjEuTW9kZRIQCgNhcm0YAyABKA1IAIgBAUIGCgRf",
-            "YXJtIkYKCkJveFJlcXVlc3QSEwoLaW50ZXJ2YWxfbXMYASABKA0SEQoJbWF4",
-            "X2J5dGVzGAIgASgNEhAKCHVudGlsX21zGAMgASgNInIKB0JveFZpZXcSEwoL",
-            "ZnJhbWVfaW5kZXgYASABKAQSFAoMb2JqZWN0X2NvdW50GAIgASgNEg4KBnN0",
-            "cmlkZRgDIAEoDRIOCgZib3VuZHMYBCADKAISDQoFYm94ZXMYBSABKAwSDQoF",
-            "cGFpcnMYBiABKAwqOgoETW9kZRIUChBNT0RFX1VOU1BFQ0lGSUVEEAASDwoL",
-            "TU9ERV9NQU5VQUwQARILCgdNT0RFX0FJEAIqnAEKDFN3aXRjaFJlYXNvbhId",
-            "ChlTV0lUQ0hfUkVBU09OX1VOU1BFQ0lGSUVEEAASGAoUU1dJVENIX1JFQVNP",
-            "Tl9QT0xJQ1kQARIdChlTV0lUQ0hfUkVBU09OX0VYUExPUkFUSU9OEAISGgoW",
-            "U1dJVENIX1JFQVNPTl9CQUlMX09VVBADEhgKFFNXSVRDSF9SRUFTT05fTUFO",
-            "VUFMEAQqfgoKQ2FwYWJpbGl0eRIaChZDQVBBQklMSVRZX1VOU1BFQ0lGSUVE",
-            "EAASHgoaQ0FQQUJJTElUWV9PUEVSQVRPUl9PUkRFUlMQARIXChNDQVBBQklM",
-            "SVRZX0JPWF9WSUVXEAISGwoXQ0FQQUJJTElUWV9TVE9QU19UUklBTFMQAypZ",
-            "CgpTaGFkb3dGbGFnEhsKF1NIQURPV19GTEFHX1VOU1BFQ0lGSUVEEAASFgoS",
-            "U0hBRE9XX0ZMQUdfQUNUSVZFEAESFgoSU0hBRE9XX0ZMQUdfQ0FQUEVEEAIq",
-            "wAEKCUZyYW1lRmxhZxIaChZGUkFNRV9GTEFHX1VOU1BFQ0lGSUVEEAASFgoS",
-            "RlJBTUVfRkxBR19SRUJVSUxEEAESFQoRRlJBTUVfRkxBR19QQVVTRUQQAhIW",
-            "ChJGUkFNRV9GTEFHX0xPQURJTkcQBBIXChNGUkFNRV9GTEFHX0JBSUxfT1VU",
-            "EAgSGAoURlJBTUVfRkxBR19TVVNQRU5ERUQQEBIdChlGUkFNRV9GTEFHX1BB",
-            "SVJTX0VYQ0VFREVEECAqggEKEk9yZGVyUmVmdXNhbFJlYXNvbhIkCiBPUkRF",
-            "Ul9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklFRBAAEiQKIE9SREVSX1JFRlVT",
-            "QUxfUkVBU09OX05PVF9BTExPV0VEEAESIAocT1JERVJfUkVGVVNBTF9SRUFT",
-            "T05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoTVkVSRElDVF9VTlNQRUNJRklF",
-            "RBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoLVkVSRElDVF9USUUQAhIVChFW",
-            "RVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJQ1RfREVHUkFERUQQBDJ4ChBU",
-            "ZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRlbGVtZXRyeRIlLnN3ZWVwc3Rh",
-            "a2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVzdBomLnN3ZWVwc3Rha2UudjEu",
-            "U3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATABQhmqAhZTd2VlcHN0YWtlLlBy",
-            "b3RvY29sLlYxYgZwcm90bzM="));
+            "GBMgASgESAGIAQESGAoLc2V0dGxpbmdfbnMYFCABKARIAogBARITCgtpbml0",
+            "aWFsX2FybRgVIAEoDUIXChVfZGVjaXNpb25faW50ZXJ2YWxfbnNCDgoMX2Nv",
+            "b2xkb3duX25zQg4KDF9zZXR0bGluZ19ucyJPCg1SZXdhcmRXZWlnaHRzEgsK",
+            "A2ZwcxgBIAEoARIRCglkZXRlY3Rpb24YAiABKAESDgoGbWVtb3J5GAMgASgB",
+            "Eg4KBmNoZWNrcxgEIAEoASL4AgoKRnJhbWVCYXRjaBIVCg1mcmFtZV90aW1l",
+            "X25zGAEgAygEEhkKEWRldGVjdGlvbl90aW1lX25zGAIgAygEEhgKEGFhYmJf",
+            "Y2hlY2tfY291bnQYAyADKAQSFAoMbmF0aXZlX2J5dGVzGAQgAygEEhQKDG9i",
+            "amVjdF9jb3VudBgFIAMoDRILCgNhcm0YBiADKA0SFAoMc3dpdGNoX2Vwb2No",
+            "GAcgAygNEg0KBWZsYWdzGAggAygNEjgKEHNjZW5lX2Rlc2NyaXB0b3IYCSAB",
+            "KAsyHi5zd2VlcHN0YWtlLnYxLlNjZW5lRGVzY3JpcHRvchIbChNkcm9wcGVk",
+            "X2ZyYW1lX2NvdW50GAogASgEEjMKDnNoYWRvd19zYW1wbGVzGAsgAygLMhsu",
+            "c3dlZXBzdGFrZS52MS5TaGFkb3dTYW1wbGUSGQoRaW52YWxpZF9ib3hfY291",
+            "bnQYDCABKA0SGQoRZmlyc3RfZnJhbWVfaW5kZXgYDSABKAQi0gEKDFNoYWRv",
+            "d1NhbXBsZRIZChFmaXJzdF9mcmFtZV9pbmRleBgBIAEoBBILCgNhcm0YAiAB",
+            "KA0SGQoRZGV0ZWN0aW9uX3RpbWVfbnMYAyABKAQSFQoNYnVpbGRfdGltZV9u",
+            "cxgEIAEoBBIYChBhYWJiX2NoZWNrX2NvdW50GAUgASgEEhQKDG5hdGl2ZV9i",
+            "eXRlcxgGIAEoBBIUCgxvYmplY3RfY291bnQYByABKA0SEwoLZnJhbWVfY291",
+            "bnQYCCABKA0SDQoFZmxhZ3MYCSABKA0iyQIKD1NjZW5lRGVzY3JpcHRvchIZ",
+            "CgxvYmplY3RfY291bnQYASABKAJIAIgBARIaCg1kZW5zaXR5X3JhdGlvGAIg",
+            "ASgCSAGIAQESGAoLc2l6ZV9zcHJlYWQYAyABKAJIAogBARIXCgpzcGVlZF9t",
+            "ZWFuGAQgASgCSAOIAQESGQoMc3BlZWRfc3ByZWFkGAUgASgCSASIAQESHQoQ",
+            "Y2x1c3RlcmluZ19yYXRpbxgGIAEoAkgFiAEBEhkKDHN0YXRpY19yYXRpbxgH",
+            "IAEoAkgGiAEBQg8KDV9vYmplY3RfY291bnRCEAoOX2RlbnNpdHlfcmF0aW9C",
+            "DgoMX3NpemVfc3ByZWFkQg0KC19zcGVlZF9tZWFuQg8KDV9zcGVlZF9zcHJl",
+            "YWRCEwoRX2NsdXN0ZXJpbmdfcmF0aW9CDwoNX3N0YXRpY19yYXRpbyLsAQoN",
+            "U3dpdGNoT3V0Y29tZRISCgpjb21tYW5kX2lkGAEgASgEEgsKA2FybRgCIAEo",
+            "DRIUCgxzd2l0Y2hfZXBvY2gYAyABKA0SEAoIZXhlY3V0ZWQYBCABKAgSFwoP",
+            "cmVidWlsZF90aW1lX25zGAUgASgEEhgKEHNldHRsaW5nX2Nvc3RfbnMYBiAB",
+            "KAQSKwoGcmVhc29uGAcgASgOMhsuc3dlZXBzdGFrZS52MS5Td2l0Y2hSZWFz",
+            "b24SHwoXdHJpYWxfZGV0ZWN0aW9uX3RpbWVfbnMYCCABKAQSEQoJdHJpYWxf",
+            "YXJtGAkgASgNIoIBCgdCYWlsT3V0EhMKC2ZyYW1lX2luZGV4GAEgASgEEgsK",
+            "A2FybRgCIAEoDRIUCgxzd2l0Y2hfZXBvY2gYAyABKA0SFQoNZnJhbWVfdGlt",
+            "ZV9ucxgEIAEoBBIZChFkZXRlY3Rpb25fdGltZV9ucxgFIAEoBBINCgVmbGFn",
+            "cxgGIAEoDSJVCgpNb2RlQ2hhbmdlEiEKBG1vZGUYASABKA4yEy5zd2VlcHN0",
+            "YWtlLnYxLk1vZGUSEgoKYWN0aXZlX2FybRgCIAEoDRIQCghvcmRlcl9pZBgD",
+            "IAEoBCJTCgxPcmRlclJlZnVzYWwSEAoIb3JkZXJfaWQYASABKAQSMQoGcmVh",
+            "c29uGAIgASgOMiEuc3dlZXBzdGFrZS52MS5PcmRlclJlZnVzYWxSZWFzb24i",
+            "CQoHR29vZGJ5ZSKMBAoHV2VsY29tZRISCgpzZXNzaW9uX2lkGAEgASgJEg8K",
+            "B3Jlc3VtZWQYAiABKAgSHQoVYWNrbm93bGVkZ2VkX3NlcXVlbmNlGAMgASgE",
+            "EhgKEG1heF9iYXRjaF9mcmFtZXMYBCABKA0SGQoRbWF4X21lc3NhZ2VfYnl0",
+            "ZXMYBSABKA0SGQoRYmF0Y2hfaW50ZXJ2YWxfbXMYBiABKA0SHAoUZGVjaXNp",
+            "b25faW50ZXJ2YWxfbXMYByABKA0SEwoLc2V0dGxpbmdfbXMYCCABKA0SEwoL",
+            "YmFpbF9vdXRfbXMYCSABKA0SFgoOZGFlbW9uX3ZlcnNpb24YCiABKAkSDgoG",
+            "cG9saWN5GAsgASgJEgwKBHNlZWQYDCABKAQSLAoGcHJpb3JzGA0gAygLMhwu",
+            "c3dlZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEhoKEnByaW9yX3NvdXJjZV9j",
+            "b3VudBgOIAEoBBIUCgxyZXN1bWVfdG9rZW4YDyABKAwSGgoScHJpb3JzX3Vu",
+            "YXZhaWxhYmxlGBAgASgIEi8KDGNhcGFiaWxpdGllcxgRIAMoDjIZLnN3ZWVw",
+            "c3Rha2UudjEuQ2FwYWJpbGl0eRITCgtjb29sZG93bl9tcxgSIAEoDRItCgd3",
+            "ZWlnaHRzGBMgASgLMhwuc3dlZXBzdGFrZS52MS5SZXdhcmRXZWlnaHRzIiwK",
+            "DUJldGFQb3N0ZXJpb3ISDQoFYWxwaGEYASABKAESDAoEYmV0YRgCIAEoASJ6",
+            "Cg1Td2l0Y2hDb21tYW5kEhIKCmNvbW1hbmRfaWQYASABKAQSCwoDYXJtGAIg",
+            "ASgNEisKBnJlYXNvbhgDIAEoDjIbLnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVh",
+            "c29uEhsKE3RyaWFsX2xpbWl0X3BlcmNlbnQYBCABKA0iPgoPQWNrbm93bGVk",
+            "Z2VtZW50EhAKCHNlcXVlbmNlGAEgASgEEhkKEWJhdGNoX2ludGVydmFsX21z",
+            "GAIgASgNIscBChFQb3N0ZXJpb3JTbmFwc2hvdBIqCgRhcm1zGAEgAygLMhwu",
+            "c3dlZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEicKB3ZlcmRpY3QYAiABKA4y",
+            "Fi5zd2VlcHN0YWtlLnYxLlZlcmRpY3QSEgoKbGVhZGVyX2FybRgDIAEoDRIa",
+            "ChJsZWFkZXJfcHJvYmFiaWxpdHkYBCABKAESLQoJc3RhbmRpbmdzGAUgAygL",
+            "Mhouc3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZyKqAQoLQXJtU3RhbmRpbmcS",
+            "GQoRbGl2ZV93aW5kb3dfY291bnQYASABKAQSGAoQbGFuZV92aXNpdF9jb3Vu",
+            "dBgCIAEoBBIeChZlZmZlY3RpdmVfd2luZG93X2NvdW50GAMgASgBEhgKEGJl",
+            "c3RfcHJvYmFiaWxpdHkYBCABKAESLAoKY29zdF9yYXRpbxgFIAEoCzIYLnN3",
+            "ZWVwc3Rha2UudjEuQ29zdFJhdGlvIjYKCUNvc3RSYXRpbxIOCgZtZWRpYW4Y",
+            "ASABKAESCwoDbG93GAIgASgBEgwKBGhpZ2gYAyABKAEiHQoJUmVjb25uZWN0",
+            "EhAKCGRlbGF5X21zGAEgASgNIl4KDU9wZXJhdG9yT3JkZXISEAoIb3JkZXJf",
+            "aWQYASABKAQSIQoEbW9kZRgCIAEoDjITLnN3ZWVwc3Rha2UudjEuTW9kZRIQ",
+            "CgNhcm0YAyABKA1IAIgBAUIGCgRfYXJtIkYKCkJveFJlcXVlc3QSEwoLaW50",
+            "ZXJ2YWxfbXMYASABKA0SEQoJbWF4X2J5dGVzGAIgASgNEhAKCHVudGlsX21z",
+            "GAMgASgNInIKB0JveFZpZXcSEwoLZnJhbWVfaW5kZXgYASABKAQSFAoMb2Jq",
+            "ZWN0X2NvdW50GAIgASgNEg4KBnN0cmlkZRgDIAEoDRIOCgZib3VuZHMYBCAD",
+            "KAISDQoFYm94ZXMYBSABKAwSDQoFcGFpcnMYBiABKAwqOgoETW9kZRIUChBN",
+            "T0RFX1VOU1BFQ0lGSUVEEAASDwoLTU9ERV9NQU5VQUwQARILCgdNT0RFX0FJ",
+            "EAIqnAEKDFN3aXRjaFJlYXNvbhIdChlTV0lUQ0hfUkVBU09OX1VOU1BFQ0lG",
+            "SUVEEAASGAoUU1dJVENIX1JFQVNPTl9QT0xJQ1kQARIdChlTV0lUQ0hfUkVB",
+            "U09OX0VYUExPUkFUSU9OEAISGgoWU1dJVENIX1JFQVNPTl9CQUlMX09VVBAD",
+            "EhgKFFNXSVRDSF9SRUFTT05fTUFOVUFMEAQqfgoKQ2FwYWJpbGl0eRIaChZD",
+            "QVBBQklMSVRZX1VOU1BFQ0lGSUVEEAASHgoaQ0FQQUJJTElUWV9PUEVSQVRP",
+            "Ul9PUkRFUlMQARIXChNDQVBBQklMSVRZX0JPWF9WSUVXEAISGwoXQ0FQQUJJ",
+            "TElUWV9TVE9QU19UUklBTFMQAypZCgpTaGFkb3dGbGFnEhsKF1NIQURPV19G",
+            "TEFHX1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZFEAESFgoS",
+            "U0hBRE9XX0ZMQUdfQ0FQUEVEEAIqwAEKCUZyYW1lRmxhZxIaChZGUkFNRV9G",
+            "TEFHX1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxEEAESFQoR",
+            "RlJBTUVfRkxBR19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJTkcQBBIX",
+            "ChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgSGAoURlJBTUVfRkxBR19TVVNQRU5E",
+            "RUQQEBIdChlGUkFNRV9GTEFHX1BBSVJTX0VYQ0VFREVEECAqggEKEk9yZGVy",
+            "UmVmdXNhbFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJ",
+            "RklFRBAAEiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAES",
+            "IAocT1JERVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QS",
+            "FwoTVkVSRElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAES",
+            "DwoLVkVSRElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZF",
+            "UkRJQ1RfREVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVh",
+            "bVRlbGVtZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVx",
+            "dWVzdBomLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2Uo",
+            "ATABQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryRequest), global::Sweepstake.Protocol.V1.StreamTelemetryRequest.Parser, new[]{ "Sequence", "Hello", "FrameBatch", "SwitchOutcome", "BailOut", "ModeChange", "Goodbye", "OrderRefusal", "BoxView" }, new[]{ "Message" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.StreamTelemetryResponse), global::Sweepstake.Protocol.V1.StreamTelemetryResponse.Parser, new[]{ "Welcome", "SwitchCommand", "Acknowledgement", "PosteriorSnapshot", "Reconnect", "OperatorOrder", "BoxRequest" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Arm), global::Sweepstake.Protocol.V1.Arm.Parser, new[]{ "Name", "BackendVersion" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Hello), global::Sweepstake.Protocol.V1.Hello.Parser, new[]{ "ProtocolVersion", "Project", "Scene", "Build", "MachineClass", "Arms", "ActiveArm", "Mode", "SessionId", "TimeScale", "IgnorePriors", "Seed", "Policy", "SwitchEpoch", "ResumeToken", "Capabilities", "Weights", "DecisionIntervalNs", "CooldownNs", "SettlingNs" }, new[]{ "DecisionIntervalNs", "CooldownNs", "SettlingNs" }, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Hello), global::Sweepstake.Protocol.V1.Hello.Parser, new[]{ "ProtocolVersion", "Project", "Scene", "Build", "MachineClass", "Arms", "ActiveArm", "Mode", "SessionId", "TimeScale", "IgnorePriors", "Seed", "Policy", "SwitchEpoch", "ResumeToken", "Capabilities", "Weights", "DecisionIntervalNs", "CooldownNs", "SettlingNs", "InitialArm" }, new[]{ "DecisionIntervalNs", "CooldownNs", "SettlingNs" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RewardWeights), global::Sweepstake.Protocol.V1.RewardWeights.Parser, new[]{ "Fps", "Detection", "Memory", "Checks" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.FrameBatch), global::Sweepstake.Protocol.V1.FrameBatch.Parser, new[]{ "FrameTimeNs", "DetectionTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "Arm", "SwitchEpoch", "Flags", "SceneDescriptor", "DroppedFrameCount", "ShadowSamples", "InvalidBoxCount", "FirstFrameIndex" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ShadowSample), global::Sweepstake.Protocol.V1.ShadowSample.Parser, new[]{ "FirstFrameIndex", "Arm", "DetectionTimeNs", "BuildTimeNs", "AabbCheckCount", "NativeBytes", "ObjectCount", "FrameCount", "Flags" }, null, null, null, null),
@@ -1841,6 +1841,7 @@ namespace Sweepstake.Protocol.V1 {
       decisionIntervalNs_ = other.decisionIntervalNs_;
       cooldownNs_ = other.cooldownNs_;
       settlingNs_ = other.settlingNs_;
+      initialArm_ = other.initialArm_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2197,6 +2198,21 @@ namespace Sweepstake.Protocol.V1 {
       _hasBits0 &= ~4;
     }
 
+    /// <summary>Field number for the "initial_arm" field.</summary>
+    public const int InitialArmFieldNumber = 21;
+    private uint initialArm_;
+    /// <summary>
+    /// Index of the initial arm: the arm with which the game begins, and which it would keep without a daemon. Absent: 0, the first arm.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public uint InitialArm {
+      get { return initialArm_; }
+      set {
+        initialArm_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2232,6 +2248,7 @@ namespace Sweepstake.Protocol.V1 {
       if (DecisionIntervalNs != other.DecisionIntervalNs) return false;
       if (CooldownNs != other.CooldownNs) return false;
       if (SettlingNs != other.SettlingNs) return false;
+      if (InitialArm != other.InitialArm) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2259,6 +2276,7 @@ namespace Sweepstake.Protocol.V1 {
       if (HasDecisionIntervalNs) hash ^= DecisionIntervalNs.GetHashCode();
       if (HasCooldownNs) hash ^= CooldownNs.GetHashCode();
       if (HasSettlingNs) hash ^= SettlingNs.GetHashCode();
+      if (InitialArm != 0) hash ^= InitialArm.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2351,6 +2369,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(160, 1);
         output.WriteUInt64(SettlingNs);
       }
+      if (InitialArm != 0) {
+        output.WriteRawTag(168, 1);
+        output.WriteUInt32(InitialArm);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2435,6 +2457,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(160, 1);
         output.WriteUInt64(SettlingNs);
       }
+      if (InitialArm != 0) {
+        output.WriteRawTag(168, 1);
+        output.WriteUInt32(InitialArm);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2500,6 +2526,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (HasSettlingNs) {
         size += 2 + pb::CodedOutputStream.ComputeUInt64Size(SettlingNs);
+      }
+      if (InitialArm != 0) {
+        size += 2 + pb::CodedOutputStream.ComputeUInt32Size(InitialArm);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -2571,6 +2600,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.HasSettlingNs) {
         SettlingNs = other.SettlingNs;
+      }
+      if (other.InitialArm != 0) {
+        InitialArm = other.InitialArm;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2675,6 +2707,10 @@ namespace Sweepstake.Protocol.V1 {
             SettlingNs = input.ReadUInt64();
             break;
           }
+          case 168: {
+            InitialArm = input.ReadUInt32();
+            break;
+          }
         }
       }
     #endif
@@ -2776,6 +2812,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 160: {
             SettlingNs = input.ReadUInt64();
+            break;
+          }
+          case 168: {
+            InitialArm = input.ReadUInt32();
             break;
           }
         }
