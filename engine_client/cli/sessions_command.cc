@@ -41,13 +41,17 @@ Json SessionJson(const v1::SessionInfo& session) {
           {"project", session.project()},
           {"scene", session.scene()},
           {"build", session.build()},
+          {"machine_class", session.machine_class()},
           {"client_address", session.client_address()},
           {"state", StateText(session.state())},
           {"active_arm", session.active_arm()},
+          {"initial_arm", session.initial_arm()},
           {"mode", ModeText(session.mode())},
           {"unix_start_ms", session.unix_start_ms()},
           {"unix_last_message_ms", heard ? Json(session.unix_last_message_ms()) : Json()},
-          {"dropped_frames", session.dropped_frame_count()}};
+          {"dropped_frames", session.dropped_frame_count()},
+          {"takes_orders", session.takes_orders()},
+          {"shows_boxes", session.shows_boxes()}};
 }
 
 std::string SessionsText(const SessionsOptions& options,

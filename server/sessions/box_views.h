@@ -47,6 +47,9 @@ class BoxViews {
   // Called when the session has ended. Ends all viewers.
   void End();
 
+  // Returns whether the game shows its boxes, according to the latest Connect.
+  bool shows() const { return shows_; }
+
   // Adds a viewer. Errors: FAILED_PRECONDITION (the game does not show its boxes),
   // RESOURCE_EXHAUSTED (there are already kMaxViewers viewers).
   absl::Status Add(BoxViewListener& viewer);

@@ -159,6 +159,10 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // The boxes of the session's objects, and their viewers.
   BoxViews& boxes() { return boxes_; }
 
+  // Returns whether the game executes orders, or shows its boxes, according to the latest Hello.
+  bool takes_orders() const { return takes_orders_; }
+  bool shows_boxes() const { return boxes_.shows(); }
+
   const SessionIdentity& identity() const { return identity_; }
   const decision::DecisionSession& decisions() const { return decisions_; }
   uint64_t durable_sequence() const { return ledger_->durable_sequence(); }
@@ -229,7 +233,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // Switch command without an answer; sent again to a client that reconnects.
   std::optional<SwitchCommand> unanswered_;
   Verdict sent_verdict_ = Verdict::kUnknown;  // latest verdict sent to the client
-  bool takes_orders_ = false;                 // according to the latest Hello
+  bool takes_orders_ = false;
   BoxViews boxes_;
   uint64_t order_id_ = 0;          // id of the latest order
   OrderAnswer order_answer_;       // empty if no order waits for an answer

@@ -153,10 +153,13 @@ SessionView SessionTable::ViewOf(const Entry& entry) const {
                : entry.link != nullptr ? SessionState::kConnected
                                        : SessionState::kLost;
   view.active_arm = session.identity().arms[decisions.active_arm()];
+  view.initial_arm = session.identity().arms[decisions.initial_arm()];
   view.mode = decisions.mode();
   view.unix_start_ms = UnixMsOf(decisions.setup().start_ns);
   if (session.last_message_ns()) view.unix_last_message_ms = UnixMsOf(*session.last_message_ns());
   view.dropped_frame_count = session.dropped_frame_count();
+  view.takes_orders = session.takes_orders();
+  view.shows_boxes = session.shows_boxes();
   return view;
 }
 
@@ -285,8 +288,8 @@ SceneActivity SessionTable::ActivityOf(const priors::SceneKey& scene) const {
           .unix_active_since_ms = UnixMsOf(decisions.active_since_ns()),
           .recent_switch_count = decisions.RecentSwitchCount(context_.loop.clock().NowNs()),
           .arms = first->identity().arms,
+          .initial_arm = decisions.initial_arm(),
           .report = decisions.Report()};
 }
 
-          .initial_arm = decisions.initial_arm(),
 }  // namespace sweepstake::sessions

@@ -49,10 +49,14 @@ struct SessionView {
   SessionClient client;
   SessionState state = SessionState::kLost;
   std::string active_arm;
+  std::string initial_arm;
   Mode mode = Mode::kManual;
   int64_t unix_start_ms = 0;  // when the session began, or was loaded from the store
   std::optional<int64_t> unix_last_message_ms;
   uint64_t dropped_frame_count = 0;
+  // According to the latest Hello.
+  bool takes_orders = false;
+  bool shows_boxes = false;
 };
 
 // What the sessions of a scene run.
@@ -71,11 +75,11 @@ struct SceneActivity {
   int64_t unix_active_since_ms = 0;
   uint32_t recent_switch_count = 0;
   std::vector<std::string> arms;
+  uint32_t initial_arm = 0;  // index in `arms`
   decision::SceneReport report;
 };
 
 // Sessions with evidence that the store does not have.
-  uint32_t initial_arm = 0;  // index in `arms`
 struct HeldEvidence {
   size_t session_count = 0;
   size_t ended_session_count = 0;  // sessions whose clients will not resend the evidence

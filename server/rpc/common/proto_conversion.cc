@@ -274,6 +274,10 @@ void ToProto(const sessions::SessionView& session, v1::SessionInfo& message) {
   message.set_unix_start_ms(session.unix_start_ms);
   if (session.unix_last_message_ms) message.set_unix_last_message_ms(*session.unix_last_message_ms);
   message.set_dropped_frame_count(session.dropped_frame_count);
+  message.set_machine_class(session.scene.machine_class);
+  message.set_initial_arm(session.initial_arm);
+  message.set_takes_orders(session.takes_orders);
+  message.set_shows_boxes(session.shows_boxes);
 }
 
 void ToProto(const events::EventStamp& stamp, v1::EventStamp& message) {
@@ -463,11 +467,11 @@ sessions::SessionRequest FromProto(const v1::Hello& message) {
       .rules = rules,
       .mode = FromProto(message.mode()),
       .active_arm = message.active_arm(),
+      .initial_arm = message.initial_arm(),
       .switch_epoch = message.switch_epoch(),
       .seed = message.seed(),
       .time_scale = std::max(1.0, message.time_scale()),
       .ignores_priors = message.ignore_priors(),
-      .initial_arm = message.initial_arm(),
       .takes_orders = Has(message, v1::CAPABILITY_OPERATOR_ORDERS),
       .shows_boxes = Has(message, v1::CAPABILITY_BOX_VIEW),
       .stops_trials = Has(message, v1::CAPABILITY_STOPS_TRIALS)};

@@ -91,7 +91,10 @@ class SessionsWatch {
 TEST_F(SessionsTest, ListsThePropertiesOfEachSession) {
   v1::Hello hello = HelloMessage();
   hello.set_build("1.2.3");
+  hello.set_machine_class("desktop");
   hello.set_active_arm(1);
+  hello.set_initial_arm(2);
+  hello.add_capabilities(v1::CAPABILITY_BOX_VIEW);
   TelemetryClient client(channel_);
   const v1::Welcome welcome = client.Open(hello);
   v1::StreamTelemetryRequest frames = Frames(1, 30);
@@ -108,7 +111,11 @@ TEST_F(SessionsTest, ListsThePropertiesOfEachSession) {
   EXPECT_EQ(session.build(), "1.2.3");
   EXPECT_THAT(session.client_address(), HasSubstr("127.0.0.1"));
   EXPECT_EQ(session.state(), v1::SESSION_STATE_CONNECTED);
+  EXPECT_EQ(session.machine_class(), "desktop");
   EXPECT_EQ(session.active_arm(), "SAP");
+  EXPECT_EQ(session.initial_arm(), "KDTree");
+  EXPECT_FALSE(session.takes_orders());
+  EXPECT_TRUE(session.shows_boxes());
   EXPECT_EQ(session.mode(), v1::MODE_AI);
   EXPECT_GT(session.unix_start_ms(), 0);
   EXPECT_GE(session.unix_last_message_ms(), session.unix_start_ms());
