@@ -7,12 +7,14 @@ const scene = (total: Readonly<Record<string, number>> | undefined) => ({ activi
 
 describe('savings', () => {
   it('are means over the scenes that have measured them', () => {
-    const scenes = [scene({ ranUs: 100, savedAgainstSingleUs: 30, savedAgainstReferenceUs: 10 }),
-      scene({ ranUs: 300, savedAgainstSingleUs: -10, savedAgainstReferenceUs: 20 }), scene({ ranUs: 5 }), scene(undefined), {}];
-    expect(savingsOf(scenes)).toEqual({ sceneCount: 2, ranUs: 200, againstSingleUs: 10, againstReferenceUs: 15 });
+    const scenes = [scene({ ranUs: 100, savedAgainstSingleUs: 30, savedAgainstReferenceUs: 10, savedAgainstInitialUs: 60 }),
+      scene({ ranUs: 300, savedAgainstSingleUs: -10, savedAgainstReferenceUs: 20, savedAgainstInitialUs: 0 }), scene({ ranUs: 5 }), scene(undefined), {}];
+    expect(savingsOf(scenes)).toEqual({ sceneCount: 2, ranUs: 200, againstInitialUs: 30, againstSingleUs: 10, againstReferenceUs: 15 });
   });
 
-  it('have no reference if a scene does not run KDTree', () => {
+  it('have no mean against KDTree or the initial algorithm if a scene does not know it', () => {
+    const scenes = [scene({ ranUs: 100, savedAgainstSingleUs: 30, savedAgainstReferenceUs: 10 }), scene({ ranUs: 100, savedAgainstSingleUs: 30, savedAgainstInitialUs: 60 })];
+    expect(savingsOf(scenes)).toEqual({ sceneCount: 2, ranUs: 100, againstSingleUs: 30 });
     expect(savingsOf([scene({ ranUs: 100, savedAgainstSingleUs: 30 })])).toEqual({ sceneCount: 1, ranUs: 100, againstSingleUs: 30 });
     expect(savingsOf([scene({ ranUs: 100 }), {}])).toBeUndefined();
   });

@@ -10,8 +10,11 @@ import type { SessionState } from './sessions';
 export interface Savings {
   sceneCount: number; // scenes with a session that has measured what it saves
   ranUs: number; // detection time of what ran, with the cost of switches
-  againstSingleUs: number; // saved against the best single algorithm of each scene
-  againstReferenceUs?: number; // saved against KDTree; absent: some scene has no KDTree
+  // Saved against the algorithm that each game begins with, the best single algorithm of each scene, and KDTree.
+  // Absent: some scene does not know it.
+  againstInitialUs?: number;
+  againstSingleUs: number;
+  againstReferenceUs?: number;
 }
 
 /** Returns the mean savings of the scenes that are played now; undefined if none has measured them yet. */
@@ -19,12 +22,17 @@ export function savingsOf(posteriors: readonly Pick<ScenePosterior, 'activity'>[
   const totals = posteriors.map(({ activity }) => activity?.total)
     .filter((total) => total?.ranUs !== undefined && total.savedAgainstSingleUs !== undefined).map((total) => total!);
   if (totals.length === 0) return undefined;
-  const reference = totals.map(({ savedAgainstReferenceUs }) => savedAgainstReferenceUs).filter((us) => us !== undefined);
+  const meanOf = (values: (number | undefined)[]) => {
+    const known = values.filter((us) => us !== undefined);
+    return known.length === totals.length ? mean(known) : undefined;
+  };
+  const [initial, reference] = [meanOf(totals.map((total) => total.savedAgainstInitialUs)), meanOf(totals.map((total) => total.savedAgainstReferenceUs))];
   return {
     sceneCount: totals.length,
     ranUs: mean(totals.map(({ ranUs }) => ranUs!)),
     againstSingleUs: mean(totals.map(({ savedAgainstSingleUs }) => savedAgainstSingleUs!)),
-    ...(reference.length === totals.length && { againstReferenceUs: mean(reference) }),
+    ...(initial !== undefined && { againstInitialUs: initial }),
+    ...(reference !== undefined && { againstReferenceUs: reference }),
   };
 }
 

@@ -28,12 +28,15 @@ const VERDICTS = [Verdict.DEGRADED, Verdict.AMBIGUOUS, Verdict.UNSPECIFIED, Verd
 function Saving() {
   const saved = savingsOf(summaries.value.map(({ state }) => state.posterior));
   if (!saved) return <div class="figure main"><b>–</b><span>saved per frame: no session has measured it yet</span></div>;
-  const { sceneCount, ranUs, againstSingleUs: us, againstReferenceUs: reference } = saved;
+  const { sceneCount, ranUs, againstInitialUs, againstSingleUs, againstReferenceUs } = saved;
+  const known = ([[againstInitialUs, 'the algorithm that the game begins with'], [againstSingleUs, 'the best single algorithm'], [againstReferenceUs, 'KDTree']] as const)
+    .flatMap(([us, against]) => (us === undefined ? [] : [{ us, against }]));
+  const { us, against } = known[0]!;
   const part = Math.abs(us) / Math.max(ranUs + us, Number.MIN_VALUE);
   return (
     <div class={us > 0 ? 'figure main good' : 'figure main'} title="Mean over the scenes. The session that has been connected the longest stands for its scene.">
       <b>{savingText(us)}</b>
-      <span>saved per frame against the best single algorithm ({us < 0 ? '−' : ''}{share(part)} of its detection time{reference !== undefined && `; against KDTree ${savingText(reference)}`}),
+      <span>saved per frame against {against} ({us < 0 ? '−' : ''}{share(part)} of its detection time{known.slice(1).map((other) => `; against ${other.against} ${savingText(other.us)}`).join('')}),
         mean of {counted(sceneCount, 'scene that is', 'scenes that are')} played now</span>
     </div>
   );

@@ -6,7 +6,7 @@ import { percentilesOf } from '../../audit/steps';
 import { Arm } from '../../parts/arm';
 import { VerdictChip } from '../../parts/chips';
 import { duration, now, timeText } from '../../parts/clock';
-import { Name } from '../../parts/name';
+import { Name, visible } from '../../parts/name';
 import { type Column, Table } from '../../parts/table';
 import { bestOf, costText, isChanging, regimeText, savingText } from '../../state/regimes';
 import { sessionHref } from '../../state/route';
@@ -62,6 +62,8 @@ function BestOfRegimes({ activity }: { activity: SceneActivity }) {
   );
 }
 
+const REFERENCE_ARM = 'KDTree'; // kReferenceArm in regime_report.h
+
 function saved(us: number | undefined, against: string): string | undefined {
   if (us === undefined) return undefined;
   return `${us < 0 ? 'loses' : 'saves'} ${savingText(Math.abs(us))} per frame against ${against}`;
@@ -69,12 +71,17 @@ function saved(us: number | undefined, against: string): string | undefined {
 
 function Savings({ total, activity }: { total: RegimePosterior; activity: SceneActivity }) {
   const cost = costText(bestOf(total, activity));
-  const parts = [saved(total.savedAgainstSingleUs, 'it'), saved(total.savedAgainstReferenceUs, 'KDTree')].filter(Boolean);
+  const { initialArm } = activity;
+  const parts = [
+    saved(total.savedAgainstInitialUs, `${visible(initialArm)}, the algorithm that the game begins with`),
+    initialArm !== total.bestArm && saved(total.savedAgainstSingleUs, 'the best single choice'),
+    initialArm !== REFERENCE_ARM && saved(total.savedAgainstReferenceUs, REFERENCE_ARM),
+  ].filter(Boolean);
   if (!total.bestArm || !cost) return null;
   return (
     <p class="savings">
       The best single choice is <b><Name text={total.bestArm} /></b> with {cost} per frame.{' '}
-      {parts.length > 0 && <>This session <b>{parts.join(' and ')}</b>, including the cost of its switches.</>}
+      {parts.length > 0 && <>This session <b>{parts.join('; it ')}</b>, including the cost of its switches.</>}
     </p>
   );
 }
