@@ -1,6 +1,6 @@
 // Placeholders of a view without data: loading, empty, or failed.
 import type { ComponentChildren, ComponentType } from 'preact';
-import type { ApiError } from '../transport/calls';
+import { type ApiError, send } from '../transport/calls';
 import { type Reading, useReading } from '../transport/reading';
 
 export const Loading = ({ what }: { what: string }) => <p class="state" role="status">Loading {what} …</p>;
@@ -31,12 +31,13 @@ const loaded = new Map<string, unknown>();
 
 interface LaterProps<Props> { name: string; load: () => Promise<ComponentType<Props>>; props: Props }
 
-/** Loads a view on first use. This fails after an update of the daemon, because the files of the new version have other names. "Try again"
- * then reloads the page. */
+/** Loads a view on first use. This fails while the daemon is away, and after its update, because the files of the new version have other
+ * names. "Try again" reloads the page, because browsers do not load a failed file again. It does not while the daemon is away. */
 export function Later<Props extends object>({ name, load, props }: LaterProps<Props>) {
   const known = loaded.get(name) as ComponentType<Props> | undefined;
   const reading = useReading(name, async () => known ?? load());
   if (reading.value) loaded.set(name, reading.value);
   const shown = known ? { ...reading, value: known } : reading;
-  return <Read reading={shown} what="the view" onRetry={() => location.reload()}>{(View) => <View {...props} />}</Read>;
+  const retry = () => void send('/livez').then(() => location.reload(), reading.again);
+  return <Read reading={shown} what="the view" onRetry={retry}>{(View) => <View {...props} />}</Read>;
 }
