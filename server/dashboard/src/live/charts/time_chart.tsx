@@ -118,7 +118,7 @@ function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const action = actionOf(event.key, picture);
     if (!action) return;
-    event.preventDefault();
+    if (event.key !== 'Escape') event.preventDefault(); // Escape also closes an explanation
     action();
     const place = placeAt(picture.timesMs, crosshairMs.peek() ?? picture.domain.toMs);
     setSpoken(picture.lines.filter(isTold).map((line) => `${line.label} ${valueText(line, place, false, picture.format)}`).join(', '));

@@ -206,7 +206,7 @@ export function TimelineChart({ steps, arms, domain, onOpen }: TimelineProps) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const action = event.key === 'Enter' && on ? () => onOpen(on.step) : actionOf(event.key, timeline.marks, on, domain, go);
     if (!action) return;
-    event.preventDefault();
+    if (event.key !== 'Escape') event.preventDefault(); // Escape also closes an explanation
     action();
   }
   return (

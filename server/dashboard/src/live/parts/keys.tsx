@@ -27,7 +27,10 @@ function onKey(event: KeyboardEvent): void {
   const both = event.timeStamp - first.atMs < SECOND_KEY_MS ? `${first.key} ${event.key}` : '';
   const found = active.peek().find(({ keys }) => keys === both) ?? active.peek().find(({ keys }) => keys === event.key);
   first = { key: event.key, atMs: event.timeStamp };
-  if (!found) return;
+  if (!found) {
+    if (event.key === 'Escape') document.activeElement?.closest('details[open]')?.removeAttribute('open');
+    return;
+  }
   event.preventDefault();
   found.run();
 }
