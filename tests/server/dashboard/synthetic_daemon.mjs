@@ -1,5 +1,5 @@
 // An HTTP server that behaves like a daemon with many scenes and sessions at any speed, which real games on one machine cannot reach. For
-// soak.mjs.
+// soak.mjs and page_test.mjs.
 import { readdirSync, readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { extname, join } from 'node:path';
@@ -25,7 +25,7 @@ export function randomOf(seed) {
 // Returns two regimes of a scene with different best arms, and both together.
 function regimesOf() {
   const armsOf = (best) => ARMS.map((_, i) => ({ costUs: 100 + 20 * Math.abs(i - best), lowUs: 90, highUs: 120 + 20 * i, bestProbability: i === best ? 0.9 : 0.1 / (ARMS.length - 1) }));
-  const regimeOf = (best, more) => ({ arms: armsOf(best), bestArm: ARMS[best], ranUs: 105, savedAgainstSingleUs: 12.5, savedAgainstReferenceUs: 40, ...more });
+  const regimeOf = (best, more) => ({ arms: armsOf(best), bestArm: ARMS[best], ranUs: 105, savedAgainstSingleUs: 12.5, savedAgainstReferenceUs: 40, savedAgainstInitialUs: 30, ...more });
   return { total: regimeOf(2, { frameShare: 1 }),
     regimes: [regimeOf(2, { frameShare: 0.75, objectCount: 2000, speedMean: 0.1 }), regimeOf(4, { frameShare: 0.25, objectCount: 2000, speedMean: 0.001, staticRatio: 0.9, isPresent: true })] };
 }
@@ -82,9 +82,9 @@ export class SyntheticDaemon {
     const { project, scene } = played;
     const sessionId = `5e55${i.toString(16).padStart(28, '0')}`;
     played.activeSessionCount = 1;
-    played.activity = { sessionId, activeArm: ARMS[i % ARMS.length], unixActiveSinceMs: String(Date.now()), recentSwitchCount: 6, arms: ARMS, ...regimesOf() };
+    played.activity = { sessionId, activeArm: ARMS[i % ARMS.length], unixActiveSinceMs: String(Date.now()), recentSwitchCount: 6, arms: ARMS, initialArm: 'Grid', ...regimesOf() };
     return { sessionId, project, scene, build: `build-${i % 3}`, clientAddress: 'ipv4:127.0.0.1:5', state: 'SESSION_STATE_CONNECTED',
-      activeArm: ARMS[i % ARMS.length], mode: 'MODE_AI', unixStartMs: String(Date.now() - 60_000 * i), unixLastMessageMs: String(Date.now()) };
+      machineClass: played.machineClass, activeArm: ARMS[i % ARMS.length], initialArm: 'Grid', takesOrders: true, showsBoxes: true, mode: 'MODE_AI', unixStartMs: String(Date.now() - 60_000 * i), unixLastMessageMs: String(Date.now()) };
   }
 
   stamp() {
@@ -175,7 +175,8 @@ export class SyntheticDaemon {
 
   file(path) {
     const name = readdirSync(this.folder, { recursive: true }).includes(path.slice(1)) ? path : '/index.html';
-    return [TYPES[extname(name)], readFileSync(join(this.folder, name))];
+    const bytes = readFileSync(join(this.folder, name));
+    return [TYPES[extname(name)], extname(name) === '.html' ? bytes.toString().replaceAll('"./', '"/') : bytes]; // URLs from the root, as the daemon does
   }
 
   async answer(request, response) {

@@ -20,6 +20,7 @@ import { Name } from '../parts/name';
 import { Empty, Failure, Later, Loading } from '../parts/states';
 import { type Column, Table } from '../parts/table';
 import { account, isOperator } from '../state/account';
+import type { SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
 import { decisionsHref, route, sceneHref, setQuery } from '../state/route';
 import { isConnected, lastMessageMs, sessionInView, sessions, type SessionState } from '../state/sessions';
 import { urlOf } from '../transport/base';
@@ -42,7 +43,7 @@ function Facts({ state, steps, rewardVersion }: { state: SessionState | undefine
   const setup = steps.findLast(({ placed }) => placed?.setup)?.placed?.setup;
   const info = state?.info;
   const names = { project: info?.project ?? setup?.project ?? '', scene: info?.scene ?? setup?.scene ?? '' };
-  const machineClass = setup?.machineClass ?? state?.decisions.at(-1)?.machineClass ?? '';
+  const machineClass = info?.machineClass ?? setup?.machineClass ?? '';
   const word = !state ? undefined : state.ended ? endWord(state.ended.end) : stateWord(state.info.state);
   return (
     <dl class="facts">
@@ -51,6 +52,7 @@ function Facts({ state, steps, rewardVersion }: { state: SessionState | undefine
       {word && <div><dt>State</dt><dd><Chip tone={state && isConnected(state) ? 'good' : 'plain'} sign={word.mark} title={word.meaning}>{word.name}</Chip></dd></div>}
       {info && <div><dt>Mode</dt><dd title={modeWord(info.mode).meaning}>{modeWord(info.mode).name}</dd></div>}
       {info && <div><dt>Active algorithm</dt><dd><Arm name={info.activeArm} /></dd></div>}
+      {info && <div><dt>Begins with</dt><dd title="The algorithm that the game begins with, and that it would keep without the daemon"><Arm name={info.initialArm} /></dd></div>}
       <div><dt>Machines</dt><dd><Name text={machineClass} /></dd></div>
       {info && <div><dt>Build</dt><dd><Name text={info.build} /></dd></div>}
       {info && <div><dt>Address</dt><dd><Name text={info.clientAddress} /></dd></div>}
@@ -133,9 +135,16 @@ function Costs({ sessionId, steps, moments, domain }: ChartsProps) {
   return <CostCharts columns={columns} moments={moments} domain={domain} names={[sessionId]} />;
 }
 
-function Boxes({ sessionId, isOver }: { sessionId: string; isOver: boolean }) {
-  const isShown = route.value.query.has('boxes') && isOperator.value && !isOver;
-  const reason = isOver ? 'The session has ended.' : isOperator.value ? '' : `Viewing boxes needs the role operator; yours is ${account.value?.role ?? 'unknown'}.`;
+// Returns why the user cannot view the boxes of the session; empty if it is possible.
+function whyNoBoxes({ showsBoxes }: SessionInfo, isOver: boolean): string {
+  if (isOver) return 'The session has ended.';
+  if (!showsBoxes) return 'This game does not send its boxes: its setting allow_box_view is off.';
+  return isOperator.value ? '' : `Viewing boxes needs the role operator; yours is ${account.value?.role ?? 'unknown'}.`;
+}
+
+function Boxes({ info, isOver }: { info: SessionInfo; isOver: boolean }) {
+  const reason = whyNoBoxes(info, isOver);
+  const isShown = route.value.query.has('boxes') && reason === '';
   return (
     <section aria-labelledby="boxes-heading">
       <h2 id="boxes-heading">Objects</h2>
@@ -143,7 +152,7 @@ function Boxes({ sessionId, isOver }: { sessionId: string; isOver: boolean }) {
         <button type="button" disabled={reason !== ''} aria-pressed={isShown} onClick={() => setQuery({ boxes: isShown ? undefined : 'on' })}>Show boxes</button>
         <span class="soft">{reason || 'While this view is open, the game sends boxes of its objects: at most 64 kB, four times a second.'}</span>
       </p>
-      {isShown && <Later name="boxes" load={async () => (await import('./session/boxes')).SessionBoxes} props={{ sessionId }} />}
+      {isShown && <Later name="boxes" load={async () => (await import('./session/boxes')).SessionBoxes} props={{ sessionId: info.sessionId }} />}
     </section>
   );
 }
@@ -177,7 +186,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       <TimeTools />
       <Timeline {...props} onOpen={openStep} />
       <Costs {...props} />
-      {latest && <Boxes sessionId={sessionId} isOver={latest.ended !== undefined} />}
+      {latest && <Boxes info={latest.info} isOver={latest.ended !== undefined} />}
       <section aria-labelledby="beliefs-heading"><h2 id="beliefs-heading">Posteriors</h2><Beliefs {...props} /></section>
       <section aria-labelledby="lane-heading"><h2 id="lane-heading">Shadow lane</h2><Lane steps={steps} /></section>
     </>

@@ -67,20 +67,22 @@ export function Orders({ info, arms, isOver }: { info: SessionInfo; arms: readon
   const arm = chosen || info.activeArm;
   const given = waits.value?.sessionId === info.sessionId ? waits.value.what : undefined;
   const isBusy = given !== undefined;
+  const refuses = isBusy || !info.takesOrders;
   if (isOver) return null;
   if (!isOperator.value) return <p class="soft orders">Orders need the role operator; yours is {account.value?.role ?? 'unknown'}.</p>;
   return (
     <div class="orders" role="group" aria-label="Orders">
-      <button type="button" disabled={isBusy || info.mode === Mode.AI} onClick={() => void ask(info, { mode: Mode.AI, arm: '' })}>AI decides</button>
+      <button type="button" disabled={refuses || info.mode === Mode.AI} onClick={() => void ask(info, { mode: Mode.AI, arm: '' })}>AI decides</button>
       <label class="choice"><span>Keep</span>
-        <select value={arm} onFocus={() => setChosen(arm)} onChange={(event) => setChosen(event.currentTarget.value)}>
+        <select value={arm} disabled={!info.takesOrders} onFocus={() => setChosen(arm)} onChange={(event) => setChosen(event.currentTarget.value)}>
           {[...new Set([info.activeArm, ...arms])].map((name) => <option key={name} value={name}>{visible(name)}</option>)}
         </select>
       </label>
-      <button type="button" disabled={isBusy} onClick={() => void ask(info, { mode: Mode.MANUAL, arm })}>Pin this algorithm</button>
+      <button type="button" disabled={refuses} onClick={() => void ask(info, { mode: Mode.MANUAL, arm })}>Pin this algorithm</button>
       <button type="button" disabled={isBusy} onClick={() => void kick(info, true)}>Reconnect</button>
       <button type="button" disabled={isBusy} onClick={() => void kick(info, false)}>End session</button>
       <span class="soft" role="status" title={modeWord(info.mode).meaning}>{isBusy ? `${given} …` : `Now: ${modeWord(info.mode).name}`}</span>
+      {!info.takesOrders && <span class="soft">This game takes no orders: its setting allow_operator_orders is off.</span>}
     </div>
   );
 }

@@ -1,0 +1,134 @@
+// Tests parts of the page with a simulated daemon in Chromium, which takes seconds.
+//
+//   node page_test.mjs FOLDER
+//
+// FOLDER is a built page.
+import assert from 'node:assert/strict';
+import { existsSync } from 'node:fs';
+import { join } from 'node:path';
+
+import { assertAccessible, assertNoTrouble, expecting, openPage, runInBrowser } from './browser.mjs';
+import { until } from './real_daemon.mjs';
+import { SyntheticDaemon } from './synthetic_daemon.mjs';
+
+const [built] = process.argv.slice(2);
+const SCENE = '/scenes/project-0/scene-0?class=desktop&reward=3';
+const ABORTED = /Failed to load resource|dynamically imported/;
+
+const buttonOf = (page, name) => page.getByRole('button', { name, exact: true });
+const stateOf = async (page, names) => Object.fromEntries(await Promise.all(names.map(async (name) => [name, await buttonOf(page, name).isEnabled()])));
+const ORDERS = ['AI decides', 'Pin this algorithm', 'Reconnect', 'End session'];
+
+// A game that takes no orders has no buttons for them. The daemon can still end its connection.
+async function checkGameWithoutOrders(page, daemon) {
+  const [, session] = daemon.sessions;
+  Object.assign(session, { takesOrders: false, showsBoxes: false, mode: 'MODE_MANUAL' });
+  await page.goto(`${daemon.origin}/sessions/${session.sessionId}?boxes=on`);
+  await page.getByText('This game takes no orders: its setting allow_operator_orders is off.').waitFor();
+  await page.getByText('This game does not send its boxes: its setting allow_box_view is off.').waitFor();
+  assert.deepEqual(await stateOf(page, [...ORDERS, 'Show boxes']), { 'AI decides': false, 'Pin this algorithm': false, Reconnect: true, 'End session': true, 'Show boxes': false });
+  assert.ok(await page.getByLabel('Keep').isDisabled());
+  assert.equal(await page.locator('.boxes, [role=alert]').count(), 0, 'boxes are requested');
+  await assertAccessible(page, 'a game without orders');
+  await page.goto(`${daemon.origin}/sessions/${daemon.sessions[0].sessionId}`);
+  await until('another game has the buttons', () => buttonOf(page, 'Pin this algorithm').isEnabled());
+  assert.equal(await page.getByText('takes no orders').count(), 0);
+}
+
+// While an order waits for its answer, no other order can be given.
+async function checkWaitingOrder(page, daemon) {
+  const [{ sessionId }] = daemon.sessions;
+  await page.goto(`${daemon.origin}/sessions/${sessionId}`);
+  let answer;
+  const held = new Promise((resolve) => { answer = resolve; });
+  await page.route('**/OrderSession', async (route) => {
+    await held;
+    await route.fulfill({ contentType: 'application/x-ndjson', body: '{"mode":"MODE_MANUAL","activeArm":"SAP"}\n' });
+  });
+  await page.getByLabel('Keep').selectOption('SAP');
+  await buttonOf(page, 'Pin this algorithm').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Keep this algorithm' }).click();
+  await page.getByText('Ordering that the game keeps SAP …').waitFor();
+  assert.deepEqual(await stateOf(page, ORDERS), { 'AI decides': false, 'Pin this algorithm': false, Reconnect: false, 'End session': false });
+  answer();
+  await page.locator('.toast', { hasText: 'Done: the game keeps SAP.' }).waitFor();
+  await until('the buttons work again', () => buttonOf(page, 'Pin this algorithm').isEnabled());
+  await page.unroute('**/OrderSession');
+}
+
+// The headline names the algorithm that the game begins with.
+async function checkSavings(page, daemon) {
+  await page.goto(`${daemon.origin}${SCENE}`);
+  const text = await until('the savings are there', async () => (await page.locator('.savings').innerText()).includes('saves') && page.locator('.savings').innerText());
+  assert.match(text, /saves 30.0 µs per frame against Grid, the algorithm that the game begins with; it saves 12.5 µs per frame against the best single choice; it saves 40.0 µs per frame against KDTree/);
+  await page.goto(daemon.origin);
+  await page.getByText('saved per frame against the algorithm that the game begins with').waitFor();
+  assert.equal(await page.locator('.figure.main b').innerText(), '30.0 µs');
+}
+
+// A view whose file could not be loaded can be loaded later. While the daemon is away, the page stays.
+async function checkFailedView(page, daemon) {
+  await page.goto(daemon.origin);
+  await page.getByRole('heading', { name: 'Scenes' }).waitFor();
+  await page.evaluate(() => { globalThis.marker = 'the same page'; });
+  await expecting(page, ABORTED, async () => {
+    for (const pattern of ['**/assets/health*', '**/livez']) await page.route(pattern, (route) => route.abort());
+    await page.getByRole('link', { name: 'Health', exact: true }).click();
+    await page.getByText('The view cannot be shown').waitFor();
+    await buttonOf(page, 'Try again').click();
+    await page.getByText('The view cannot be shown').waitFor();
+    assert.equal(await page.evaluate(() => globalThis.marker), 'the same page', 'the page was reloaded while the daemon is away');
+    for (const pattern of ['**/assets/health*', '**/livez']) await page.unroute(pattern);
+  });
+  await buttonOf(page, 'Try again').click();
+  await page.getByRole('heading', { name: 'Health of the daemon' }).waitFor();
+}
+
+// Escape closes explanations, wherever the focus is.
+async function checkEscape(page, daemon) {
+  const [{ sessionId }] = daemon.sessions;
+  const why = page.locator('section.why');
+  await page.goto(`${daemon.origin}/sessions/${sessionId}`);
+  await until('there are decisions', () => buttonOf(page, 'Why this algorithm?').isEnabled());
+  await buttonOf(page, 'Why this algorithm?').click();
+  await why.waitFor();
+  await page.keyboard.press('Escape');
+  assert.equal(await why.count(), 0, 'after its button');
+  const chart = page.locator('figure[data-chart=timeline] svg.picture');
+  await until('a decision is explained', async () => {
+    await chart.focus();
+    await page.keyboard.press('Home');
+    await page.keyboard.press('Enter');
+    return await why.count() > 0;
+  });
+  await page.keyboard.press('Escape');
+  assert.equal(await why.count(), 0, 'after Enter in a chart');
+  await page.goto(`${daemon.origin}/decisions?session=${sessionId}`);
+  await page.getByRole('region', { name: 'Rows' }).locator('tbody th a').first().click();
+  await why.waitFor();
+  await page.keyboard.press('Escape');
+  await until('the row is closed', async () => await why.count() === 0);
+  await page.goto(daemon.origin);
+  await page.getByText('Terms on this page').click();
+  assert.equal(await page.locator('details[open]').count(), 1);
+  await page.keyboard.press('Escape');
+  assert.equal(await page.locator('details[open]').count(), 0, 'the terms');
+}
+
+async function checkAll(browser) {
+  if (!existsSync(join(built, 'index.html'))) return `${built} has no built page`;
+  const daemon = await new SyntheticDaemon({ sceneCount: 5, sessionCount: 3, speed: 1, folder: built }).listen();
+  try {
+    const page = await openPage(await browser.newContext({ viewport: { width: 1440, height: 900 } }), daemon.origin);
+    for (const check of [checkGameWithoutOrders, checkWaitingOrder, checkSavings, checkFailedView, checkEscape]) {
+      await check(page, daemon);
+      assertNoTrouble(page, check.name);
+      console.log(`${check.name}: passed`);
+    }
+  } finally {
+    daemon.close();
+  }
+  return '';
+}
+
+await runInBrowser('page', checkAll);
