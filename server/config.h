@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "server/history/history_file.h"
 #include "server/rpc/common/options.h"
 #include "server/sessions/audit_rows.h"
 
@@ -40,6 +41,7 @@ struct Config {
   priors::AuditLimits audit;             // limits of the audit log in priors.db
   size_t backup_count = 3;               // automatic backups that are kept; 0 makes none
   uint32_t backup_hours = 24;            // time between two backups
+  history::HistoryLimits history;        // limits of history.db
   rpc::RpcOptions rpc;
 };
 

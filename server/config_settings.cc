@@ -213,6 +213,10 @@ void AddLive(Table& table, Config& config) {
               kMiB);
   table.Whole("audit_days", config.audit.age_s, 1, 36'500,
               "age in days at which audit rows are deleted", 86'400);
+  table.Whole("history_mb", config.history.bytes, 1, 1 << 20,
+              "maximum size of history.db in MiB; the oldest points are deleted first", kMiB);
+  table.Whole("history_days", config.history.age_s, 1, 36'500,
+              "age in days at which points of the history are deleted", 86'400);
 }
 
 void AddDecision(Table& table, decision::DecisionOptions& options) {

@@ -152,8 +152,13 @@ absl::Status Daemon::Open(sessions::LoopClock& clock) {
   const PortFile port_file(config_.port_file);
   if (absl::Status status = port_file.Remove(); !status.ok()) return status;
   if (absl::Status status = OpenTokens(); !status.ok()) return status;
+  auto history = history::History::Open(directory_.history(), config_.history,
+                                        [this](const auto& problem) { log_->warn("{}", problem); });
+  if (!history.ok()) return history.status();
+  history_ = *std::move(history);
   rpc::RpcOptions options = RpcOptionsOf(config_);
   options.tokens = tokens_.get();
+  options.history = history_.get();
   options.resume_secret = *std::move(key);
   options.daemon_version = SWEEPSTAKE_VERSION;
   options.shares_store = shared_;
@@ -399,6 +404,7 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
     log_->warn("{} has changed; restart the daemon to apply it", key);
   const std::vector<std::string> changed = ChangedSettings(in_force_, *config).live;
   LimitStore(*config);
+  history_->Limit(config->history);
   rpc_->Adjust(RpcOptionsOf(*config));
   if (config->backup_count != in_force_.backup_count ||
       config->backup_hours != in_force_.backup_hours) {
@@ -436,6 +442,7 @@ void Daemon::Drain(std::chrono::milliseconds patience) {
     log_->info("draining: asking clients to reconnect later");
     rpc_->Drain(patience);
   }
+  if (history_ != nullptr) history_->Close();
   if (store_ != nullptr) store_->Close();
   // Stopping a backup can take long, because the page check of a large copy cannot be interrupted.
   // Therefore the store is closed before this.

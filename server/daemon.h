@@ -15,6 +15,7 @@
 #include "absl/status/statusor.h"
 #include "server/auth/token_registry.h"
 #include "server/config.h"
+#include "server/history/history.h"
 #include "server/host/daemon_metrics.h"
 #include "server/host/space_warning.h"
 #include "server/rpc/rpc_server.h"
@@ -122,6 +123,7 @@ class Daemon {
   std::unique_ptr<storage::Outbox> outbox_;  // null unless shared_; used on the store's thread
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<storage::AutomaticBackups> backups_;
+  std::unique_ptr<history::History> history_;
   std::unique_ptr<tls::FilesWatch> tls_watch_;  // null without TLS
   std::unique_ptr<rpc::RpcServer> rpc_;
   rpc::RpcServer* serving_ = nullptr;  // guarded by mutex_; rpc_ while it runs, else null

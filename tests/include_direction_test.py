@@ -2,7 +2,7 @@
 """Fails if an #include violates the direction of dependencies.
 
     include, text, math <- broad_phase <- scene <- adaptive <- decider <- telemetry <- c_api, cli      adaptive <- bullet, ode, box2d
-    decider <- server/sessions <- server/storage, events <- rpc, web <- server/host <- daemon <- main      storage <- auth <- rpc, daemon
+    decider <- server/sessions <- server/storage, events <- rpc, web <- server/host <- daemon <- main      storage <- auth, history <- rpc, daemon
     proto <- telemetry, cli, server/rpc, server/web      telemetry/tls <- rpc, web      net, auth <- rpc, web <- daemon
 
 `a <- b`: b may include a. engine_client never includes server; headers of tests/laboratory may be included only from that
@@ -59,12 +59,13 @@ ALLOWED = {
     "server/events": DECIDER | {"server/sessions"},
     "server/net": set(),
     "server/web": {"engine_client/telemetry/tls", "server/auth", "server/dashboard", "server/events", "server/net", "server/sessions", "server/tls", "proto"},
+    "server/history": {"server/sessions", "server/storage", "proto"},
     "server/rpc": DECIDER | {
-        "server/auth", "server/events", "server/net", "server/sessions", "server/tls", "engine_client/telemetry/conversion", "engine_client/telemetry/tls",
+        "server/auth", "server/events", "server/history", "server/net", "server/sessions", "server/tls", "engine_client/telemetry/conversion", "engine_client/telemetry/tls",
         "proto"},
     "server/host": {"server/sessions", "server/rpc", "server/storage", "server/web", "proto"},
     "server": DECIDER | {
-        "server/auth", "server/events", "server/host", "server/sessions", "server/storage", "engine_client/telemetry/tls", "server/tls", "server/rpc",
+        "server/auth", "server/events", "server/history", "server/host", "server/sessions", "server/storage", "engine_client/telemetry/tls", "server/tls", "server/rpc",
         "server/web", "server/dashboard", "proto"},
 }
 
@@ -121,7 +122,7 @@ ROOM_ORDER = {
 # Only these folders may use headers of one operating system, gRPC or protobuf.
 PLATFORM_FOLDERS = {
     "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/telemetry/conversion", "engine_client/telemetry/tls", "engine_client/cli", "server",
-    "server/auth", "server/events", "server/host", "server/net", "server/sessions", "server/storage", "server/tls", "server/rpc", "server/web"}
+    "server/auth", "server/events", "server/history", "server/host", "server/net", "server/sessions", "server/storage", "server/tls", "server/rpc", "server/web"}
 # These files ask the system for names of threads, cores, processor and memory. If a system does not provide them, they do nothing.
 PLATFORM_FILES = {
     "engine_client/broad_phase/host/" + name

@@ -11,6 +11,8 @@
 #include <thread>
 #include <utility>
 
+#include "server/history/history.h"
+#include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/connection_listener.h"
 #include "server/rpc/services/watch_call.h"
 
@@ -65,16 +67,34 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
 
 RpcServer::RpcServer(RpcOptions options, sessions::LoopClock& clock, priors::AsyncPriorStore& store,
                      spdlog::logger& log)
-    : options_(std::move(options)),
+    : options_(WithRecorder(std::move(options))),
       access_(options_, clock, log),
       events_(store, loop_, sessions_, encoder_),
       sessions_({options_, loop_, store, counters_, events_}),
+      recorder_(loop_, sessions_, RecorderOutputs()),
       context_{options_,  loop_,   store,   counters_, events_,
                sessions_, stalls_, access_, log,       admin_},
       stalls_(loop_, options_.watcher_patience_ns),
       generic_(context_),
       admin_(options_, loop_, store, counters_),
       loop_(clock, options_.on_timer) {}
+
+RpcOptions RpcServer::WithRecorder(RpcOptions options) {
+  if (options.history == nullptr) return options;
+  options.on_use = [this](const sessions::SessionIdentity& session,
+                          const sessions::SessionUse& use) { recorder_.Add(session, use); };
+  return options;
+}
+
+history::HistoryRecorder::Outputs RpcServer::RecorderOutputs() {
+  return {.encode =
+              [](const sessions::SceneActivity& activity) {
+                v1::ScenePosterior scene;
+                ToProto(activity, scene);
+                return *std::move(scene.mutable_activity());
+              },
+          .write = [this](auto entries) { options_.history->Write(std::move(entries)); }};
+}
 
 absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,
                                                             RpcOptions options,
@@ -271,6 +291,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
   listener_->AwaitEnd(kEndPatience);
   listener_.reset();
   AwaitCommits(deadline);
+  RunOnLoop([this] { recorder_.Finish(); });
   if (options_.keep_waiting) RunOnLoop([this] { options_.keep_waiting(Waiting()); });
 }
 

@@ -22,6 +22,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/events/event_bus.h"
+#include "server/history/history_recorder.h"
 #include "server/rpc/common/access_control.h"
 #include "server/rpc/generic_service.h"
 #include "server/rpc/services/event_encoder.h"
@@ -100,6 +101,9 @@ class RpcServer {
   void ReportLosses();
   // Calls options_.keep_waiting when it is due (rpc/common/options.h).
   void KeepWaiting();
+  // Returns the options, with the recorder as the receiver of what sessions ran.
+  RpcOptions WithRecorder(RpcOptions options);
+  history::HistoryRecorder::Outputs RecorderOutputs();
   // Returns the updates that the store has not written yet.
   std::vector<priors::SourceUpdate> Waiting() const;
   // Runs `task` on the loop and waits for it. Must not be called on the loop.
@@ -113,6 +117,7 @@ class RpcServer {
   const EventEncoder encoder_;
   events::EventBus events_;
   sessions::SessionTable sessions_;
+  history::HistoryRecorder recorder_;  // used on the loop
   ServiceContext context_;  // also refers to members declared below
   StallSweep stalls_;
   GenericService generic_;

@@ -76,7 +76,8 @@ GameSession::GameSession(const SessionContext& context, SessionIdentity identity
       acknowledged_sequence_(stored.progress.message_sequence),
       switch_epoch_(setup.switch_epoch),
       has_stored_evidence_(stored.has_evidence),
-      boxes_(context.loop) {
+      boxes_(context.loop),
+      use_(identity_.arms.size()) {
   ++context_.counters.session_count;
 }
 
@@ -145,6 +146,7 @@ void GameSession::Detach(ClientStream& link) {
   ++timer_generation_;
   boxes_.Disconnect();
   LoseOrder();
+  ReportUse();
 }
 
 void GameSession::Apply(Telemetry& telemetry) {
@@ -180,6 +182,7 @@ void GameSession::ApplyMessage(protocol::FrameBatch& batch) {
   context_.counters.accepted_shadow_count += batch.shadow_samples.size();
   decisions_.ObserveFrames(batch.frames);
   if (measured_) Measure(batch.frames);
+  use_.AddFrames(batch.frames, priors::UnixNowMs());
   decisions_.ObserveShadow(batch.shadow_samples);
   if (!batch.scene_descriptor) return;
   const int64_t due_ns = decisions_.next_tick_ns();
@@ -206,6 +209,7 @@ void GameSession::ApplyMessage(SwitchAnswer& outcome) {
   switch_epoch_ = outcome.switch_epoch;
   decisions_.ObserveSwitch(outcome.arm, outcome.switch_epoch, outcome.reason,
                            context_.loop.clock().NowNs(), outcome.cost);
+  use_.AddSwitch();
   PublishChange();
 }
 
@@ -393,7 +397,8 @@ void GameSession::PublishChange(SessionEnd end) const {
   context_.observer.OnSession(identity_.id, {.scene = identity_.scene, .end = end});
 }
 
-void GameSession::PublishEnd() const {
+void GameSession::PublishEnd() {
+  ReportUse();
   PublishChange(ended() ? end_ : SessionEnd::kForgotten);
   // A commit of this session may still be under way, and its result will not be reported. Therefore
   // the observer must read the scene again.
@@ -412,6 +417,7 @@ void GameSession::End() {
 void GameSession::Drain(uint32_t delay_ms) {
   draining_ = true;
   ++timer_generation_;
+  ReportUse();
   if (link_ == nullptr) return;
   link_->SendReconnect(delay_ms);
   // Retry a failed commit now. The next tick would retry it, but there are no more ticks.
@@ -442,7 +448,14 @@ void GameSession::PutPosteriors(const decision::Decision& decision) {
   sent_verdict_ = diagnosis.verdict;
 }
 
+void GameSession::ReportUse() {
+  if (use_.is_empty() || !context_.options.on_use) return;
+  context_.options.on_use(identity_, use_.Take(decisions_.total_use(), decisions_.initial_arm(),
+                                               priors::UnixNowMs()));
+}
+
 void GameSession::PublishDecision(const decision::DecisionRecord& record) {
+  if (use_.IsDue(priors::UnixNowMs())) ReportUse();
   if (!context_.observer.Watches(identity_.scene)) return measured_.reset();
   if (!measured_) measured_.emplace();
   const bool is_due = !measured_->empty() && record.time_ns >= next_measurements_ns_;

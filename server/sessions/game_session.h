@@ -39,6 +39,7 @@
 #include "server/sessions/session_identity.h"
 #include "server/sessions/session_ledger.h"
 #include "server/sessions/session_observer.h"
+#include "server/sessions/session_use.h"
 
 namespace sweepstake::sessions {
 
@@ -133,7 +134,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // Notifies the observer that the session has changed. `end` is the reason if it has left memory.
   void PublishChange(SessionEnd end = SessionEnd::kNone) const;
   // Notifies the observer that the session leaves memory.
-  void PublishEnd() const;
+  void PublishEnd();
   SessionEnd end() const { return end_; }
   // Requests the client to reconnect after `delay_ms`, and closes the link once all pending writes
   // are done.
@@ -195,6 +196,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void ApplyMessage(protocol::OrderRefusal& refusal);
   bool IsOverLimit(const FrameSample& frame) const;
   void Measure(std::span<const FrameSample> frames);
+  // Reports the frames since the previous report to HostedSessionOptions::on_use.
+  void ReportUse();
   // Reports `status` to the caller of Order if the order with this id still waits for an answer.
   void AnswerOrder(uint64_t order_id, const absl::Status& status);
   void LoseOrder();
@@ -249,6 +252,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // The cost of frames since the last publication; absent while nobody watches the scene.
   std::optional<FrameHistograms> measured_;
   int64_t next_measurements_ns_ = 0;  // the earliest time at which `measured_` is published
+  UseMeter use_;
 };
 
 }  // namespace sweepstake::sessions

@@ -18,6 +18,10 @@
 #include "server/sessions/prior_store.h"
 #include "sweepstake/v1/errors.pb.h"
 
+namespace sweepstake::history {
+class History;
+}
+
 namespace sweepstake::rpc {
 
 // Limits of a batch (frames, shadow samples) and of the time scale in a Hello. A message above a
@@ -146,6 +150,8 @@ struct RpcOptions : sessions::HostedSessionOptions {
   uint32_t reconnect_delay_ms = 500;
   uint32_t reconnects_per_s = 500;
   bool reflection = false;
+  // The history of games; null: there is none. Borrowed; it must outlive the server.
+  history::History* history = nullptr;
   // The TLS files. Without a certificate the daemon serves plain text. With a `ca` it requires
   // client certificates. The files are read again every second.
   tls::Files tls;

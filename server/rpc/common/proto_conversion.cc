@@ -11,6 +11,7 @@
 
 #include "engine_client/decider/policy/scene_diagnosis.h"
 #include "engine_client/decider/session/policy_registry.h"
+#include "server/history/history_point.h"
 #include "server/sessions/resume_token.h"
 
 namespace sweepstake::rpc {
@@ -26,19 +27,10 @@ uint32_t Milliseconds(int64_t interval_ns) {
       std::clamp<int64_t>((interval_ns + kNsPerMs / 2) / kNsPerMs, 0, UINT32_MAX));
 }
 
-void Fill(const sessions::LogHistogram& histogram, v1::LogHistogram& message) {
-  uint32_t before = 0;
-  for (const auto& [number, count] : histogram.buckets()) {
-    message.add_bucket_steps(number - before);
-    message.add_counts(count);
-    before = number;
-  }
-}
-
 void Fill(const sessions::FrameHistograms& frames, v1::FrameMeasurements& message) {
-  Fill(frames.frame_time_ns, *message.mutable_frame_time_ns());
-  Fill(frames.detection_time_ns, *message.mutable_detection_time_ns());
-  Fill(frames.native_bytes, *message.mutable_native_bytes());
+  history::ToProto(frames.frame_time_ns, *message.mutable_frame_time_ns());
+  history::ToProto(frames.detection_time_ns, *message.mutable_detection_time_ns());
+  history::ToProto(frames.native_bytes, *message.mutable_native_bytes());
 }
 
 }  // namespace

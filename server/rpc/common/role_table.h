@@ -26,6 +26,7 @@ inline constexpr std::array kRoleTable = {
     Rpc{"SessionsService/WatchBoxes", auth::Role::kOperator},
     Rpc{"AuditService/ListAuditSegments", auth::Role::kWatch},
     Rpc{"AuditService/ExportDecisions", auth::Role::kWatch},
+    Rpc{"HistoryService/GetHistory", auth::Role::kWatch},
     Rpc{"PriorsService/ExportPriors", auth::Role::kWatch},
     Rpc{"PriorsService/ImportPriors", auth::Role::kOperator},
     Rpc{"PriorsService/RevokePriors", auth::Role::kOperator},

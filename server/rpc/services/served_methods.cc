@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/rpc/services/audit_service.h"
+#include "server/rpc/services/history_service.h"
 #include "server/rpc/services/page_stream.h"
 #include "server/rpc/services/posteriors_service.h"
 #include "server/rpc/services/priors_service.h"
@@ -90,6 +91,7 @@ const auto& AllMethods() {
       Unary<v1::RevokePriorsRequest, v1::RevokePriorsResponse>(RpcOf("PriorsService/RevokePriors")),
       Unary<v1::PromotePriorsRequest, v1::PromotePriorsResponse>(
           RpcOf("PriorsService/PromotePriors")),
+      Unary<v1::GetHistoryRequest, v1::GetHistoryResponse>(RpcOf("HistoryService/GetHistory")),
       Stream<v1::ExportPriorsRequest>(RpcOf("PriorsService/ExportPriors")),
       Stream<v1::CompareBuildsRequest>(RpcOf("PriorsService/CompareBuilds")),
       Stream<v1::ListAuditSegmentsRequest>(RpcOf("AuditService/ListAuditSegments")),

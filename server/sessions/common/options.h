@@ -19,6 +19,9 @@ struct AuditRow;
 
 namespace sweepstake::sessions {
 
+struct SessionIdentity;
+struct SessionUse;
+
 // The largest box view that is requested from a game, in bytes; a larger one is INVALID_ARGUMENT.
 inline constexpr size_t kMaxBoxViewBytes = 64 * 1024;
 inline constexpr uint64_t kMaxFrameNs = 3'600'000'000'000;  // an hour; longer frames are rejected
@@ -37,6 +40,9 @@ struct HostedSessionOptions {
   Adjustable<bool> keeps_audit = true;
   // Encodes an audit row as the bytes that the store keeps.
   std::function<std::string(const decision::AuditRow&)> encode_audit_row;
+  // Receives what a session ran, at least every UseMeter::kStepMs while its game sends frames. Called
+  // on the decision loop. May be empty.
+  std::function<void(const SessionIdentity&, const SessionUse&)> on_use;
   // Whether other daemons write to the same store. If so, a session that cannot be read from the
   // store is refused. It might have continued in another daemon, and then messages that its client
   // resends would count twice.

@@ -1,0 +1,36 @@
+// Sums of points of the history. A point is a message sweepstake.v1.HistoryPoint.
+#pragma once
+
+#include <string>
+
+#include "server/sessions/prior_store.h"
+#include "server/sessions/session_identity.h"
+#include "server/sessions/session_use.h"
+#include "sweepstake/v1/history.pb.h"
+
+namespace sweepstake::history {
+
+// The key of a series. Keys are ordered by kind, project, scene, machine class, reward version,
+// build and session.
+struct SeriesKey {
+  v1::HistoryKind kind = v1::HISTORY_KIND_SCENE;
+  priors::SceneKey scene;
+  std::string build = {};    // empty in a series of all builds
+  std::string session = {};  // empty in a series of several sessions
+
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
+  friend auto operator<=>(const SeriesKey&, const SeriesKey&) = default;
+};
+
+void ToProto(const sessions::LogHistogram& histogram, v1::LogHistogram& message);
+
+// Returns the point of one report of a session. It has no activity.
+v1::HistoryPoint PointOf(const sessions::SessionIdentity& session,
+                         const sessions::SessionUse& use);
+
+// Adds `point` to `sum`. The period of the sum then includes that of the point, and the activity is
+// that of the later one. If a histogram has more than LogHistogram::kMaxBuckets buckets, the lowest
+// ones are joined; if a count exceeds 32 bits, all counts are halved.
+void Add(const v1::HistoryPoint& point, v1::HistoryPoint& sum);
+
+}  // namespace sweepstake::history
