@@ -250,7 +250,7 @@ void AddDecision(Table& table, decision::DecisionOptions& options) {
   table.Real("decision.bail_out_penalty", options.bail_out_penalty,
              "number of zero-reward observations that a bail-out counts as");
   table.Real("decision.fps_floor", options.fps_floor,
-             "frames per second; a scene whose best arm is slower is marked as degraded");
+             "frames per second; a scene that misses it because of the broad phase is degraded");
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ struct DecisionOptions {
   int64_t exploration_measure_ns = 4'000'000'000;  // time per arm, > 0
   bool explore = true;                             // false: no initial exploration
   double bail_out_penalty = 10;                    // number of observations of reward 0, >= 0
-  double fps_floor = 30;  // a scene whose best arm is slower is degraded, >= 0
+  double fps_floor = 30;  // a scene is degraded below it because of the broad phase, >= 0
 
   // Returns the options with every interval except bail_out_ns divided by `time_scale`. An interval
   // above 0 stays above 0. REQUIRES: 1 <= time_scale <= 1000.

@@ -3,7 +3,7 @@
 //
 // Pure functions, deterministic and thread-safe, with the same bits on every platform. The leader
 // is the arm with the highest probability; the first one if several have it. The verdict here is
-// never kDegraded, because that depends on the frame rate (FrameRateFloor in session/safeguards.h).
+// never kDegraded, because that depends on frame times (FrameRateFloor in session/safeguards.h).
 #pragma once
 
 #include <cstdint>

@@ -93,7 +93,7 @@ class Policy {
   // Returns by how much one live window of the arm raises α + β.
   virtual double WindowEvidence(uint32_t /*arm*/) const { return 1; }
   // Returns how certain the policy is. The default is computed from the posteriors (diagnosis.h).
-  // The session adds the verdict kDegraded, which depends on the frame rate.
+  // The session adds the verdict kDegraded, which depends on frame times.
   virtual Diagnosis Diagnose() const;
 
   // Returns the features of the present regime. They determine where its evidence is stored.

@@ -32,6 +32,16 @@ std::unique_ptr<Policy> PolicyOf(const SessionSetup& setup, PolicyRegistry polic
                     policies);
 }
 
+FrameRateFloor::Times TimesOf(const Window& window) {
+  const WindowMetrics metrics = window.Metrics();
+  return {.frame_ms = 1e3 / metrics.fps, .detection_ms = metrics.detection_ms};
+}
+
+FrameRateFloor::Times TimesOf(const FrameSample& frame) {
+  return {.frame_ms = 1e-6 * static_cast<double>(frame.frame_time_ns),
+          .detection_ms = 1e-6 * static_cast<double>(frame.detection_time_ns)};
+}
+
 // Returns whether the session can decide before the first frame, because it has priors.
 bool StartsFromPriors(const SessionSetup& setup, const PolicyKind& kind) {
   return kind.starts_from_priors && !setup.priors.empty();
@@ -217,7 +227,7 @@ Decision DecisionSession::Tick(int64_t now_ns) {
   } else {
     TickExploration(decision);
   }
-  Diagnose(window_is_evidence() ? std::optional(run().window().Metrics().fps) : std::nullopt);
+  Diagnose(window_is_evidence() ? std::optional(TimesOf(run().window())) : std::nullopt);
   shadow_samples_.clear();
   descriptor_.reset();
   runs_.ClearWindow();
@@ -330,12 +340,12 @@ Decision DecisionSession::Close(Decision decision) {
   return decision;
 }
 
-// Updates the diagnosis. `fps` is the active arm's frame rate, or absent if there is no new window.
-void DecisionSession::Diagnose(std::optional<double> fps) {
+// Updates the diagnosis. `times` are those of the active arm, or absent if there is no new window.
+void DecisionSession::Diagnose(const std::optional<FrameRateFloor::Times>& times) {
   diagnosis_ = policy_->Diagnose();
   diagnosis_.verdict = verdict_.Observe(diagnosis_.verdict);
   if (diagnosis_.best_probability.empty()) return;
-  if (fps) frame_rate_floor_.Observe(run().arm(), *fps, diagnosis_.leader);
+  if (times) frame_rate_floor_.Observe(run().arm(), *times, diagnosis_.leader);
   if (frame_rate_floor_.degraded()) diagnosis_.verdict = Verdict::kDegraded;
 }
 
@@ -467,7 +477,7 @@ Decision DecisionSession::ObserveBailOut(const FrameSample& frame, int64_t now_n
     ++counts_.excused_bail_out_count;
   }
   const bool charged = decision.increment && runs_.IsActive(frame);
-  Diagnose(charged ? std::optional(0.0) : std::nullopt);
+  Diagnose(charged ? std::optional(TimesOf(frame)) : std::nullopt);
   return Close(std::move(decision));
 }
 

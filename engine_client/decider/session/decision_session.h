@@ -146,8 +146,8 @@ class DecisionSession {
   Decision Tick(int64_t now_ns);
 
   std::span<const BetaPosterior> posteriors() const { return policy_->posteriors(); }
-  // The policy's diagnosis at the latest tick or bail-out. The verdict is kDegraded if the frame
-  // rate is too low (FrameRateFloor in safeguards.h).
+  // The policy's diagnosis at the latest tick or bail-out. The verdict is kDegraded if the broad
+  // phase makes the frame rate too low (FrameRateFloor in safeguards.h).
   const Diagnosis& diagnosis() const { return diagnosis_; }
   // The standing of each arm at the latest tick or bail-out.
   std::span<const ArmStanding> standings() const { return standings_; }
@@ -206,7 +206,7 @@ class DecisionSession {
   DecisionOutcome Gate(const DecisionRecord& record, std::optional<DecisionOutcome> hold,
                        std::optional<DecisionOutcome> own_hold) const;
   void Command(Decision& decision, uint32_t arm, SwitchReason reason);
-  void Diagnose(std::optional<double> fps);
+  void Diagnose(const std::optional<FrameRateFloor::Times>& times);
   void UpdateStandings();
 
   // The exploration.

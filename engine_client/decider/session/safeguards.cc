@@ -59,13 +59,20 @@ void SwitchGate::OnTick(bool old_epoch_frames_seen, int64_t now_ns) {
   if (lost) ticks_since_command_.reset();
 }
 
-void FrameRateFloor::Observe(uint32_t arm, double fps, uint32_t leader) {
-  const bool under = fps < floor_fps_;
-  missed_[arm] = under;
-  if (under && !missed_[leader]) return;
-  contrary_count_ = under == degraded_ ? 0 : contrary_count_ + 1;
+bool FrameRateFloor::IsMissedIn(const Times& window) const {
+  if (floor_fps_ == 0) return false;
+  const double longest_ms = 1e3 / floor_fps_;
+  return window.frame_ms > longest_ms && (window.frame_ms - window.detection_ms <= longest_ms ||
+                                          2 * window.detection_ms >= window.frame_ms);
+}
+
+void FrameRateFloor::Observe(uint32_t arm, const Times& window, uint32_t leader) {
+  const bool missed = IsMissedIn(window);
+  missed_[arm] = missed;
+  if (missed && !missed_[leader]) return;
+  contrary_count_ = missed == degraded_ ? 0 : contrary_count_ + 1;
   if (contrary_count_ < kWindowCount) return;
-  degraded_ = under;
+  degraded_ = missed;
   contrary_count_ = 0;
 }
 

@@ -3,7 +3,7 @@
 // evidence
 //   (BailOutBudget)
 // - the cooldown, and at most one command at a time (SwitchGate)
-// - when the scene as a whole is too slow (FrameRateFloor), and when its verdict changes
+// - when the broad phase makes the scene too slow (FrameRateFloor), and when its verdict changes
 //   (SteadyVerdict)
 #pragma once
 
@@ -77,15 +77,20 @@ class SwitchGate {
   int64_t commanded_ns_ = 0;  // meaningful only if ticks_since_command_ is present
 };
 
-// Decides whether a scene is degraded: even the leader, the arm that is most probably the best, is
-// below the frame-rate floor (paper §7.1).
+// Decides whether a scene is degraded: even with the leader, the arm that is most probably the
+// best, the broad phase makes the game miss the frame-rate floor (paper §7.1).
+//
+// A window misses the floor if its frame rate is below the floor and the broad phase is to blame:
+// - without the detection time, the game would reach the floor, or
+// - detection takes at least half of the frame, the limit of IsCausedByDetection.
+// So a game that is capped at 12 FPS, or that is slow because of its rendering, does not miss it.
 //
 // So that the state does not alternate, it changes only after kWindowCount windows in a row (6 s at
 // the paper's interval).
-// - A window under the floor, of any arm, counts towards entering the state if the leader's own
-//   latest window was under the floor too. Otherwise the leader was fast or has not run, so the
-//   slow window of another arm shows nothing.
-// - A window at or above the floor counts towards leaving the state.
+// - A window that misses the floor, of any arm, counts towards entering the state if the leader's
+//   own latest window missed it too. Otherwise the leader was fast or has not run, so the slow
+//   window of another arm shows nothing.
+// - Any other window counts towards leaving the state.
 class FrameRateFloor {
  public:
   static constexpr uint32_t kWindowCount = 3;
@@ -94,14 +99,21 @@ class FrameRateFloor {
   FrameRateFloor(double floor_fps, uint32_t arm_count)
       : floor_fps_(floor_fps), missed_(arm_count) {}
 
-  // Observes a window of `arm`. A bail-out charged to the arm counts as a window of 0 FPS, because
-  // frames over the limit are in no window. REQUIRES: arm, leader < arm_count.
-  void Observe(uint32_t arm, double fps, uint32_t leader);
+  // The mean times of a window per frame.
+  struct Times {
+    double frame_ms = 0;
+    double detection_ms = 0;
+  };
+  // Observes a window of `arm`. A bail-out charged to the arm counts as a window of one frame,
+  // because frames over the limit are in no window. REQUIRES: arm, leader < arm_count.
+  void Observe(uint32_t arm, const Times& window, uint32_t leader);
   bool degraded() const { return degraded_; }
 
  private:
+  bool IsMissedIn(const Times& window) const;
+
   double floor_fps_;
-  std::vector<bool> missed_;  // whether each arm's latest window was under the floor
+  std::vector<bool> missed_;  // whether each arm's latest window missed the floor
   bool degraded_ = false;
   uint32_t contrary_count_ = 0;  // windows in a row that contradict the current state
 };

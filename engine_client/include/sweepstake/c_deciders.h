@@ -60,8 +60,8 @@ typedef struct swp_decider_options {
   uint64_t cooldown_ns; /* minimum time between switches that the policy chooses, at most 100
                            days; default: 40 s; AI Decides waits only for the settling time plus
                            one interval */
-  double fps_floor;     /* frame-rate floor in frames/s, 0 to 1000; a scene whose best arm is slower
-                           is SWP_VERDICT_DEGRADED; default: 30 */
+  double fps_floor; /* frame-rate floor in frames/s, 0 to 1000; a scene that misses it because of
+                       the broad phase is SWP_VERDICT_DEGRADED; default: 30 */
   swp_reward_weights weights;
 } swp_decider_options;
 

@@ -166,7 +166,8 @@ enum {
   SWP_VERDICT_STABLE = 1,    /* the leader is the best arm with a probability of 0.8 or more */
   SWP_VERDICT_TIE = 2,       /* the leader has less than 0.8, but choosing it loses at most 0.5 % */
   SWP_VERDICT_AMBIGUOUS = 3, /* the leader has less than 0.8, with a larger loss: expect switches */
-  SWP_VERDICT_DEGRADED = 4   /* even the leader misses the frame-rate floor: simplify the scene */
+  SWP_VERDICT_DEGRADED = 4   /* even with the leader, detection makes the game miss the frame-rate
+                                floor: simplify the scene */
 };
 
 typedef struct swp_verdict {

@@ -99,8 +99,8 @@ struct EmbeddedOptions {
   // Frame time after a switch that is excluded from learning, at most 100 days; AI Decides: at most
   // 1 s. A trial lasts for twice this time; with 0 no trials are made.
   uint64_t settling_ns = 2'000'000'000;
-  // The frame-rate floor in frames/s, 0–1000. A scene whose best arm is slower gets the verdict
-  // kDegraded. With 0, no scene gets it.
+  // The frame-rate floor in frames/s, 0–1000. A scene that misses it even with its best arm, and
+  // because of the broad phase, gets the verdict kDegraded. With 0, no scene gets it.
   double fps_floor = 30;
   Mode mode = Mode::kAi;
   // Called with every decision, on the thread that drives the decider. It must not call the

@@ -151,7 +151,7 @@ enum class Verdict : uint32_t {
   kStable = 1,     // one arm is the best with a probability of at least 0.8
   kTie = 2,        // several arms are nearly equal: choosing the leader loses 0.5 % or less
   kAmbiguous = 3,  // the best arm is uncertain, and the choice matters
-  kDegraded = 4,   // even the best arm misses the frame-rate floor
+  kDegraded = 4,   // even with the best arm, detection makes the game miss the frame-rate floor
 };
 
 // The verdict, and the arm that leads with its probability.

@@ -156,13 +156,15 @@ static void check_last_decision(game* played) {
   CHECK(outcome.executed == 1 && outcome.switch_epoch > 0);
 }
 
-/* Frames of 50 ms are below the floor of 30 frames/s with every arm. The verdict becomes
- * `degraded` after some such frames of the leading arm. Which arm leads depends on the search
- * times of this machine. */
+/* Frames just above 1/30 s are below the floor of 30 frames/s with every arm, and would reach it
+ * without the broad phase. The verdict becomes `degraded` after some such frames of the leading
+ * arm. Which arm leads depends on the search times of this machine. */
+static const uint64_t kJustTooLongNs = 33333400;
+
 static void check_degraded(game* played) {
   swp_verdict verdict = {SWP_VERDICT_UNKNOWN, 0, 0};
   for (int frame = 0; frame < 60 * 400 && verdict.kind != SWP_VERDICT_DEGRADED; ++frame) {
-    run_frame(played, 50000000);
+    run_frame(played, kJustTooLongNs);
     CHECK_OK(swp_session_verdict(played->session, &verdict));
   }
   CHECK(verdict.kind == SWP_VERDICT_DEGRADED);
@@ -180,8 +182,8 @@ static void check_manual(game* played) {
   CHECK(before == after);
 }
 
-/* Frames of 50 ms are too slow for the default floor, but not for a lower one. The interval of
- * 0.5 s gives 120 decisions in 60 s. */
+/* These frames are too slow for the default floor, but not for a lower one. The interval of 0.5 s
+ * gives 120 decisions in 60 s. */
 static void check_intervals_and_floor(void) {
   for (int is_low = 0; is_low <= 1; ++is_low) {
     swp_decider_options options = {.struct_size = sizeof options};
@@ -195,7 +197,7 @@ static void check_intervals_and_floor(void) {
     options.decision_interval_ns = 500000000;
     options.fps_floor = is_low ? 10 : 30;
     CHECK_OK(swp_session_attach_decider(played.session, &options, played.now_ns));
-    for (int frame = 0; frame < 20 * 60; ++frame) run_frame(&played, 50000000);
+    for (int frame = 0; frame < 30 * 60; ++frame) run_frame(&played, kJustTooLongNs);
     CHECK_OK(swp_session_verdict(played.session, &verdict));
     CHECK((verdict.kind == SWP_VERDICT_DEGRADED) == !is_low);
     CHECK_OK(swp_session_decision_count(played.session, &decision_count));

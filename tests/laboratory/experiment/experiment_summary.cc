@@ -85,7 +85,9 @@ void FillSpreads(CellSummary& summary) {
 std::string Doubt(Verdict verdict) {
   if (verdict == Verdict::kTie) return "; other arms are practically equal";
   if (verdict == Verdict::kAmbiguous) return "; the best arm is not known with confidence";
-  return verdict == Verdict::kDegraded ? "; even the best misses the frame-rate floor" : "";
+  return verdict == Verdict::kDegraded
+             ? "; even with the best, the broad phase misses the frame-rate floor"
+             : "";
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Tests the verdict `degraded`: even the leading arm misses the floor of the frame rate.
+// Tests the verdict `degraded`: even with the leading arm, detection makes the game miss the floor
+// of the frame rate.
 #include <gtest/gtest.h>
 
 #include "engine_client/decider/session/safeguards.h"
@@ -7,9 +8,20 @@
 namespace sweepstake::decision {
 namespace {
 
-// Observes `count` windows of arm 0, which is the leader by default.
+// Returns a window at this frame rate in which detection takes all of the time.
+FrameRateFloor::Times AllDetection(double fps) { return {1e3 / fps, 1e3 / fps}; }
+
+// Observes `count` such windows of arm 0, which is the leader by default.
 void Observe(FrameRateFloor& floor, double fps, int count, uint32_t leader = 0) {
-  for (int i = 0; i < count; ++i) floor.Observe(0, fps, leader);
+  for (int i = 0; i < count; ++i) floor.Observe(0, AllDetection(fps), leader);
+}
+
+// Returns whether a scene is degraded after windows with these times, with a floor of 30 FPS.
+bool IsDegradedBy(double frame_ms, double detection_ms) {
+  FrameRateFloor floor(30, 1);
+  for (uint32_t i = 0; i < FrameRateFloor::kWindowCount; ++i)
+    floor.Observe(0, {frame_ms, detection_ms}, 0);
+  return floor.degraded();
 }
 
 TEST(FrameRateFloor, IsDegradedAfterThreeSlowWindowsInARow) {
@@ -37,14 +49,14 @@ TEST(FrameRateFloor, IgnoresASlowArmIfTheLeaderWasFastOrNeverRan) {
   FrameRateFloor floor(30, 2);
   Observe(floor, 10, 9, 1);
   EXPECT_FALSE(floor.degraded());
-  floor.Observe(1, 60, 1);
+  floor.Observe(1, AllDetection(60), 1);
   Observe(floor, 10, 9, 1);
   EXPECT_FALSE(floor.degraded());
 }
 
 TEST(FrameRateFloor, CountsSlowWindowsOfAnyArmIfTheLeaderWasSlowToo) {
   FrameRateFloor floor(30, 2);
-  floor.Observe(1, 10, 1);
+  floor.Observe(1, AllDetection(10), 1);
   Observe(floor, 10, 2, 1);
   EXPECT_TRUE(floor.degraded());
   Observe(floor, 60, 3, 1);
@@ -53,7 +65,30 @@ TEST(FrameRateFloor, CountsSlowWindowsOfAnyArmIfTheLeaderWasSlowToo) {
 
 TEST(FrameRateFloor, OfZeroIsNeverMissed) {
   FrameRateFloor floor(0, 2);
-  Observe(floor, 0, 9);
+  Observe(floor, 1e-3, 9);
+  EXPECT_FALSE(floor.degraded());
+}
+
+TEST(FrameRateFloor, IsNotMissedByAGameThatIsSlowWithoutTheBroadPhase) {
+  EXPECT_FALSE(IsDegradedBy(1e3 / 12, 5)) << "a cap at 12 FPS";
+  EXPECT_FALSE(IsDegradedBy(50, 16));
+  EXPECT_TRUE(IsDegradedBy(50, 17)) << "without the broad phase, a frame takes 33 ms";
+  EXPECT_TRUE(IsDegradedBy(34, 1));
+  EXPECT_FALSE(IsDegradedBy(33, 33)) << "the game reaches the floor";
+}
+
+TEST(FrameRateFloor, IsMissedIfDetectionTakesHalfOfASlowFrame) {
+  EXPECT_FALSE(IsDegradedBy(100, 49));
+  EXPECT_TRUE(IsDegradedBy(100, 50));
+}
+
+TEST(FrameRateFloor, IsReachedAgainWhenTheRestOfTheFrameIsTheCause) {
+  FrameRateFloor floor(30, 1);
+  Observe(floor, 10, 3);
+  for (uint32_t i = 0; i < FrameRateFloor::kWindowCount; ++i) {
+    EXPECT_TRUE(floor.degraded());
+    floor.Observe(0, {100, 5}, 0);
+  }
   EXPECT_FALSE(floor.degraded());
 }
 
@@ -84,6 +119,8 @@ TEST(Verdict, IsDegradedWhileTheOnlyArmMissesTheFloor) {
   ScriptedClient client(PlainSetup(1));
   client.Settle();
   client.frame.frame_time_ns = 50 * kMillisecond;
+  EXPECT_EQ(client.RunTicks(9).record.diagnosis.verdict, Verdict::kStable) << "detection is short";
+  client.frame.detection_time_ns = 20 * kMillisecond;
   client.RunTicks(2);
   EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kStable);
   EXPECT_EQ(client.RunTicks(2).record.diagnosis.verdict, Verdict::kDegraded);

@@ -11,7 +11,7 @@ namespace Sweepstake.Unity
             VerdictKind.Stable => "One backend is the best here. There is nothing to do.",
             VerdictKind.Tie => "Some backends are equally good. There is nothing to do.",
             VerdictKind.Ambiguous => "The best backend is not known yet. Expect switches.",
-            VerdictKind.Degraded => "Even the best backend misses the frame-rate floor. Spawn fewer or smaller objects, or track fewer layers.",
+            VerdictKind.Degraded => "Even the best backend takes too long for the frame-rate floor. Spawn fewer or smaller objects, or track fewer layers.",
             _ => "This version of the package does not know the verdict. Update the package.",
         };
 

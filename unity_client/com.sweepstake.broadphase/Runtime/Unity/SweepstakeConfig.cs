@@ -139,7 +139,7 @@ namespace Sweepstake.Unity
         [Tooltip("Bail-out limit in seconds: if the backend makes a frame longer than this, it is replaced at once. A daemon replaces this by its own setting.")]
         [Min(0.1f)]
         public float bailOutSeconds = 5;
-        [Tooltip("Frame-rate floor: the verdict is Degraded if even the best backend has fewer frames per second.")]
+        [Tooltip("Frame-rate floor: the verdict is Degraded if even the best backend keeps the game below this number of frames per second.")]
         [Range(0, 1000)]
         public float fpsFloor = 30;
         [Tooltip("What earlier runs have learnt: a file of 'Export Priors' in the inspector or of `sweepstake priors export`, with the extension .bytes. None: it starts without priors.")]

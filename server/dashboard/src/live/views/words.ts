@@ -55,7 +55,7 @@ const VERDICTS: Readonly<Record<SceneVerdict, Word>> = {
   [Verdict.STABLE]: word('stable', '●', 'One algorithm is very probably the best.'),
   [Verdict.TIE]: word('tie', '=', 'No algorithm is clearly the best, but the leader costs hardly more than the best algorithm.'),
   [Verdict.AMBIGUOUS]: word('ambiguous', '≈', 'No algorithm is clearly the best, and the leader may cost noticeably more than the best algorithm. More measurements are needed.'),
-  [Verdict.DEGRADED]: word('degraded', '▼', 'Even with the best algorithm, the frame rate is below the frame-rate floor, the required minimum.'),
+  [Verdict.DEGRADED]: word('degraded', '▼', 'Even with the best algorithm, the broad phase keeps the frame rate below the frame-rate floor, the required minimum.'),
 };
 
 const MODES: Readonly<Record<Mode, Word>> = {

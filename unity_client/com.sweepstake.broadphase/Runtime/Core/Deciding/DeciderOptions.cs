@@ -49,7 +49,8 @@ namespace Sweepstake
         /// <summary>Minimum interval between switches that the policy chooses, in nanoseconds.</summary>
         public ulong CooldownNs { get => native.CooldownNs; set => native.CooldownNs = value; }
         /// <summary>
-        /// Frames per second, 0 to 1000. If even the best arm stays below this rate, the verdict is <see cref="VerdictKind.Degraded"/>.
+        /// Frames per second, 0 to 1000. If the broad phase keeps the game below this rate even with the best arm, the verdict is
+        /// <see cref="VerdictKind.Degraded"/>.
         /// </summary>
         public double FpsFloor { get => native.FpsFloor; set => native.FpsFloor = value; }
 

@@ -15,7 +15,9 @@ namespace Sweepstake
         Tie = 2,
         /// <summary>The leader is the best arm with a probability below 0.8 and may lose more than 0.5 %: expect switches.</summary>
         Ambiguous = 3,
-        /// <summary>Even the leader is below the frame-rate floor. No broad phase will help: spawn fewer or smaller objects.</summary>
+        /// <summary>
+        /// Even with the leader, the broad phase keeps the game below the frame-rate floor. No other one will help: spawn fewer or smaller objects.
+        /// </summary>
         Degraded = 4,
     }
 

@@ -340,7 +340,7 @@ namespace Sweepstake.Protocol.V1 {
     /// </summary>
     [pbr::OriginalName("VERDICT_AMBIGUOUS")] Ambiguous = 3,
     /// <summary>
-    /// Even the leader misses the frame-rate floor.
+    /// Even with the leader, the game misses the frame-rate floor, and the broad phase is the cause.
     /// </summary>
     [pbr::OriginalName("VERDICT_DEGRADED")] Degraded = 4,
   }

@@ -25,15 +25,12 @@ function RunsNow({ activity, sessionCount }: { activity: SceneActivity; sessionC
   );
 }
 
-const SMALL_PART = 0.1; // of the frame; without it the frame rate would hardly be higher
-
-// Says whether the broad phase is the cause of a low frame rate: it is not if it takes a small share of the frame.
-function causeOf(state: SceneState): string {
+// Says which part of the frame the broad phase of a degraded scene takes.
+function partOf(state: SceneState): string {
   const last = state.decisions.findLast(({ verdict, measurements }) => verdict === Verdict.DEGRADED && measurements)?.measurements;
   const { detectionMs, frameMs } = last ? percentilesOf(last) : {};
   if (!detectionMs?.[0] || !frameMs?.[0]) return '';
-  const part = detectionMs[0] / frameMs[0];
-  return `The broad phase takes ${share(part)} of the frame${part < SMALL_PART ? ', so the cause is elsewhere' : ''}. `;
+  return `The broad phase takes ${share(detectionMs[0] / frameMs[0])} of the frame. `;
 }
 
 // The verdict on a scene in which one arm is the best.
@@ -42,7 +39,7 @@ function OneBest({ state, verdict }: { state: SceneState; verdict: Verdict }) {
   if (!posterior.leaderArm) return <>{verdictWord(verdict).meaning}</>;
   return (
     <>
-      {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} ${causeOf(state)}`}<b><Name text={posterior.leaderArm} /></b> is the best algorithm with a probability of{' '}
+      {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} ${partOf(state)}`}<b><Name text={posterior.leaderArm} /></b> is the best algorithm with a probability of{' '}
       <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. With
       exactly known costs, the choice would gain <b>{share(posterior.valueRemainingRatio)}</b> on average.
     </>
