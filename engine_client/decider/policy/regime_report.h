@@ -70,7 +70,7 @@ struct RegimeUse {
 
 struct ArmReport {
   struct Cost {
-    double us = 0;  // median, per frame
+    double us = 0;  // mean detection time per frame: median of the belief
     double low_us = 0;
     double high_us = 0;  // the cost is between low_us and high_us with a probability of 95 %
   };

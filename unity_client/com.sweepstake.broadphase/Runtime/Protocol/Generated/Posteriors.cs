@@ -3648,7 +3648,7 @@ namespace Sweepstake.Protocol.V1 {
     public const int CostUsFieldNumber = 1;
     private float costUs_;
     /// <summary>
-    /// Detection time per frame, median. Absent (0): not known.
+    /// Mean detection time per frame: the median of the belief. Absent (0): not known.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]

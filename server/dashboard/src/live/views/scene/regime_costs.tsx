@@ -20,7 +20,7 @@ function Regime({ regime, number, activity, names }: RegimeProps) {
   });
   return (
     <ChartFrame id={`regime-${number}`} title={title} names={names} table={table} empty={rows.length === 0 && 'No costs are known: nothing was measured, or the policy does not estimate costs.'}
-      note={<>{regimeText(regime)}. Median and 95 % interval of the detection time per frame.</>}>
+      note={<>{regimeText(regime)}. Estimate and 95 % interval of the mean detection time per frame.</>}>
       <Intervals title={title} rows={rows} unit="µs per frame (less is better)" format={(us) => `${significant(us)} µs`} />
     </ChartFrame>
   );
