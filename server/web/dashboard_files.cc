@@ -19,8 +19,8 @@ namespace {
 constexpr std::string_view kIndex = "/index.html";
 // The first parts of the paths of the dashboard's pages. The dashboard's program in the browser
 // chooses the page.
-constexpr std::array<std::string_view, 6> kPages = {"scenes", "sessions", "decisions",
-                                                    "priors", "health",   "login"};
+constexpr std::array<std::string_view, 7> kPages = {"scenes", "sessions",  "decisions", "priors",
+                                                    "health", "recording", "login"};
 
 bool IsPage(std::string_view path) {
   const std::string_view first = path.substr(1, path.find('/', 1) - 1);

@@ -115,12 +115,59 @@ async function checkEscape(page, daemon) {
   assert.equal(await page.locator('details[open]').count(), 0, 'the terms');
 }
 
+// Returns a .aabbs file in which two boxes move towards each other (engine_client/scene/README.md).
+function recordingOf(frameCount) {
+  const file = Buffer.alloc(304 + 64 * frameCount);
+  file.write('duel\0', 0, 'latin1');
+  [2, frameCount - 1, 0, 0].forEach((value, i) => file.writeInt32LE(value, 256 + 4 * i));
+  const put = (numbers, at) => numbers.forEach((value, i) => file.writeFloatLE(value, at + 4 * i));
+  put([0, 0, 0, 0, 10, 10, 10, 0], 272);
+  for (let frame = 0; frame < frameCount; ++frame) {
+    const x = 4 * frame / (frameCount - 1);
+    put([x, 4, 4, 0, x + 2, 6, 6, 0], 304 + 64 * frame);
+    put([8 - x, 4, 4, 0, 10 - x, 6, 6, 0], 336 + 64 * frame);
+  }
+  return file;
+}
+
+// A recording that is chosen or dropped is played, step by step or to its end. A bad file gives the reason.
+async function checkRecording(page, daemon) {
+  await page.goto(daemon.origin);
+  await page.getByRole('link', { name: 'Play a recording' }).click();
+  const choose = (name, buffer) => page.getByLabel('File').setInputFiles({ name, mimeType: 'application/octet-stream', buffer });
+  await choose('notes.aabbs', Buffer.from('no recording'));
+  await page.getByText('notes.aabbs cannot be played: the file is shorter than the header of a recording.').waitFor();
+  await choose('duel.aabbs', recordingOf(30));
+  await page.getByRole('heading', { name: 'Recording of duel' }).waitFor();
+  const says = (text) => page.locator('.box-count', { hasText: text }).waitFor();
+  await says('Frame 0: 2 objects, 0 of them in 0 overlapping pairs.');
+  await buttonOf(page, 'Next frame').click();
+  await says('Frame 1: ');
+  await buttonOf(page, 'Previous frame').click();
+  await says('Frame 0: ');
+  assert.ok(await buttonOf(page, 'Previous frame').isDisabled());
+  await page.getByLabel('Speed').selectOption('120');
+  await buttonOf(page, 'Play').click();
+  await says('Frame 29: 2 objects, 2 of them in 1 overlapping pair.');
+  await buttonOf(page, 'Play').waitFor(); // it stops at the end
+  await page.getByLabel('Frame 29 of 29').fill('10');
+  await says('Frame 10: ');
+  await assertAccessible(page, 'a recording');
+  const dropped = await page.evaluateHandle((bytes) => {
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([Uint8Array.from(bytes)], 'dropped.aabbs'));
+    return transfer;
+  }, [...recordingOf(7)]);
+  await page.locator('section.recording').dispatchEvent('drop', { dataTransfer: dropped });
+  await page.getByLabel('Frame 0 of 6').waitFor();
+}
+
 async function checkAll(browser) {
   if (!existsSync(join(built, 'index.html'))) return `${built} has no built page`;
   const daemon = await new SyntheticDaemon({ sceneCount: 5, sessionCount: 3, speed: 1, folder: built }).listen();
   try {
     const page = await openPage(await browser.newContext({ viewport: { width: 1440, height: 900 } }), daemon.origin);
-    for (const check of [checkGameWithoutOrders, checkWaitingOrder, checkSavings, checkFailedView, checkEscape]) {
+    for (const check of [checkGameWithoutOrders, checkWaitingOrder, checkSavings, checkFailedView, checkEscape, checkRecording]) {
       await check(page, daemon);
       assertNoTrouble(page, check.name);
       console.log(`${check.name}: passed`);

@@ -37,7 +37,7 @@ class DashboardFilesTest : public ::testing::Test {
 
 TEST_F(DashboardFilesTest, AFileIsAtItsPathAndThePagesHaveTheIndex) {
   const FakeExchange::Headers gzip = {{"Accept-Encoding", "br, gzip"}};
-  for (const char* path : {"/", "/index.html", "/decisions?range=1h", "/health"}) {
+  for (const char* path : {"/", "/index.html", "/decisions?range=1h", "/health", "/recording"}) {
     const Page page = Ask(path, gzip);
     EXPECT_EQ(page.content_type, "text/html; charset=utf-8") << path;
     EXPECT_EQ(page.body, "hello hello hello hello\n");

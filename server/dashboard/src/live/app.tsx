@@ -31,6 +31,7 @@ const LATER: Readonly<Partial<Record<RouteName, Loader>>> = {
   decisions: async () => (await import('./views/decisions')).DecisionsView,
   priors: async () => (await import('./views/priors')).Priors,
   health: async () => (await import('./views/health')).Health,
+  recording: async () => (await import('./views/recording')).RecordingView,
 };
 
 const PLACES: readonly { name: RouteName; href: string; title: string; key: string }[] = [
@@ -116,7 +117,7 @@ function App() {
 function titleOf(): string {
   const { name, parts } = route.value;
   if (name === 'overview') return 'Sweepstake';
-  const place = PLACES.find((each) => each.name === name)?.title ?? (parts.map(visible).join(' / ') || 'Not found');
+  const place = PLACES.find((each) => each.name === name)?.title ?? (parts.map(visible).join(' / ') || (name === 'recording' ? 'Recording' : 'Not found'));
   return `${place} · Sweepstake`;
 }
 

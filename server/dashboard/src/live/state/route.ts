@@ -4,7 +4,7 @@ import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import { pathIn, urlOf } from '../transport/base';
 import type { SceneName } from './scenes';
 
-export type RouteName = 'overview' | 'scene' | 'session' | 'decisions' | 'priors' | 'health' | 'unknown';
+export type RouteName = 'overview' | 'scene' | 'session' | 'decisions' | 'priors' | 'health' | 'recording' | 'unknown';
 
 export interface Route {
   name: RouteName;
@@ -13,7 +13,7 @@ export interface Route {
   query: URLSearchParams;  // read only; setQuery changes it
 }
 
-const NAMES: Readonly<Record<string, RouteName>> = { decisions: 'decisions', priors: 'priors', health: 'health' };
+const NAMES: Readonly<Record<string, RouteName>> = { decisions: 'decisions', priors: 'priors', health: 'health', recording: 'recording' };
 
 // Returns a name as a part of a path. A leading "~" protects names such as "..", which would lead to another folder.
 export const pathPart = (name: string) => encodeURIComponent(/^[.~]/.test(name) ? `~${name}` : name);

@@ -137,6 +137,7 @@ export function Overview() {
       </section>
       <Projects all={all} />
       <p class="soft small">The page knows {counted(sessions.value.size, 'session', 'sessions')}. A verdict uses the evidence of all sessions. A scene is changing if its regimes have different best algorithms, and stable if P(best) of its leader is at least {significant(thresholds.value.stableProbability, 1)}.</p>
+      <p class="soft small"><a href={urlOf('/recording')}>Play a recording</a> of the boxes of a game.</p>
       <details class="soft small">
         <summary>Terms on this page</summary>
         <dl>{GLOSSARY.map(([name, meaning]) => [<dt key={name}>{name}</dt>, <dd key={`${name}=`}>{meaning}</dd>])}</dl>

@@ -151,6 +151,7 @@ function Boxes({ info, isOver }: { info: SessionInfo; isOver: boolean }) {
       <p class="orders">
         <button type="button" disabled={reason !== ''} aria-pressed={isShown} onClick={() => setQuery({ boxes: isShown ? undefined : 'on' })}>Show boxes</button>
         <span class="soft">{reason || 'While this view is open, the game sends boxes of its objects: at most 64 kB, four times a second.'}</span>
+        <a href={urlOf('/recording')}>Play a recording</a>
       </p>
       {isShown && <Later name="boxes" load={async () => (await import('./session/boxes')).SessionBoxes} props={{ sessionId: info.sessionId }} />}
     </section>

@@ -60,7 +60,7 @@ function describe({ count, objectCount, stride, pairCount, overlaps, frameIndex 
   return `Frame ${grouped(Number(frameIndex))}: ${shown}, ${grouped(overlapping)} of them in ${counted(pairCount, 'overlapping pair', 'overlapping pairs')}.`;
 }
 
-function Picture({ boxes }: { boxes: Boxes }) {
+export function Picture({ boxes }: { boxes: Boxes }) {
   const [camera, setCamera] = useState(START);
   const { element, width } = useWidth<HTMLDivElement>();
   const canvas = useRef<HTMLCanvasElement>(null);
