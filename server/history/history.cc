@@ -21,8 +21,7 @@ absl::StatusOr<std::unique_ptr<History>> History::Open(const std::filesystem::pa
   auto file = HistoryFile::Open(path, &note);
   if (!file.ok()) return file.status();
   if (!note.empty()) on_problem(note);
-  return std::unique_ptr<History>(
-      new History(*std::move(file), limits, std::move(on_problem)));
+  return std::unique_ptr<History>(new History(*std::move(file), limits, std::move(on_problem)));
 }
 
 bool History::Post(std::function<void()> job) {

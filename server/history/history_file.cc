@@ -147,8 +147,8 @@ absl::StatusOr<std::unique_ptr<HistoryFile>> HistoryFile::OpenExisting(const fs:
   return std::unique_ptr<HistoryFile>(new HistoryFile(*std::move(database)));
 }
 
-absl::Status HistoryFile::Add(const std::vector<HistoryEntry>& entries,
-                              const HistoryLimits& limits, int64_t unix_now_s, int64_t steady_ns) {
+absl::Status HistoryFile::Add(const std::vector<HistoryEntry>& entries, const HistoryLimits& limits,
+                              int64_t unix_now_s, int64_t steady_ns) {
   return InTransaction(database_, [&] {
     absl::Status status = Trim(limits, unix_now_s, steady_ns);
     for (size_t i = 0; i < entries.size() && status.ok(); ++i) status = AddOne(entries[i]);
@@ -185,8 +185,7 @@ absl::StatusOr<int64_t> HistoryFile::SeriesId(const SeriesKey& key, int64_t seen
                                key.build, key.session, seen_s);
 }
 
-absl::Status HistoryFile::Trim(const HistoryLimits& limits, int64_t unix_now_s,
-                               int64_t steady_ns) {
+absl::Status HistoryFile::Trim(const HistoryLimits& limits, int64_t unix_now_s, int64_t steady_ns) {
   if (!clock_) {
     const auto latest = database_.ReadInteger(kLatestSeries);
     if (!latest.ok()) return latest.status();

@@ -70,8 +70,10 @@ v1::HistoryPoint PointOf(const sessions::SessionIdentity& session,
   point.set_ran_us(use.measured.ran_us);
   point.set_initial_us(use.initial_us);
   point.set_switch_count(use.switch_count);
-  ToProto(use.frame_time_ns, *point.mutable_frame_time_ns());
-  ToProto(use.detection_time_ns, *point.mutable_detection_time_ns());
+  point.set_session_count(use.is_first ? 1 : 0);
+  ToProto(use.frames.frame_time_ns, *point.mutable_frame_time_ns());
+  ToProto(use.frames.detection_time_ns, *point.mutable_detection_time_ns());
+  ToProto(use.frames.native_bytes, *point.mutable_native_bytes());
   for (size_t i = 0; i < session.arms.size(); ++i) {
     v1::ArmHistory& arm = ArmOf(point, session.arms[i]);
     arm.set_active_frame_count(use.active_frame_counts[i]);
@@ -93,6 +95,8 @@ void Add(const v1::HistoryPoint& point, v1::HistoryPoint& sum) {
   sum.set_switch_count(sum.switch_count() + point.switch_count());
   Add(point.frame_time_ns(), *sum.mutable_frame_time_ns());
   Add(point.detection_time_ns(), *sum.mutable_detection_time_ns());
+  Add(point.native_bytes(), *sum.mutable_native_bytes());
+  sum.set_session_count(sum.session_count() + point.session_count());
   for (const v1::ArmHistory& added : point.arms()) {
     v1::ArmHistory& arm = ArmOf(sum, added.arm());
     arm.set_active_frame_count(arm.active_frame_count() + added.active_frame_count());

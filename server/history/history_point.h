@@ -3,9 +3,9 @@
 
 #include <string>
 
+#include "server/sessions/common/session_use.h"
 #include "server/sessions/prior_store.h"
 #include "server/sessions/session_identity.h"
-#include "server/sessions/session_use.h"
 #include "sweepstake/v1/history.pb.h"
 
 namespace sweepstake::history {
@@ -25,8 +25,7 @@ struct SeriesKey {
 void ToProto(const sessions::LogHistogram& histogram, v1::LogHistogram& message);
 
 // Returns the point of one report of a session. It has no activity.
-v1::HistoryPoint PointOf(const sessions::SessionIdentity& session,
-                         const sessions::SessionUse& use);
+v1::HistoryPoint PointOf(const sessions::SessionIdentity& session, const sessions::SessionUse& use);
 
 // Adds `point` to `sum`. The period of the sum then includes that of the point, and the activity is
 // that of the later one. If a histogram has more than LogHistogram::kMaxBuckets buckets, the lowest

@@ -1,4 +1,4 @@
-// Collects what sessions report (sessions/session_use.h), and passes it to the history a few
+// Collects what sessions report (sessions/common/session_use.h), and passes it to the history a few
 // seconds later, with the activity of each scene.
 //
 // Used on the decision loop only. The report of a scene's activity takes up to 0.84 ms

@@ -36,6 +36,7 @@ using Sessions = v1::SessionsService::WithGenericMethod_ListSessions<
                 v1::SessionsService::WithGenericMethod_WatchBoxes<v1::SessionsService::Service>>>>>;
 using Audit = v1::AuditService::WithGenericMethod_ListAuditSegments<
     v1::AuditService::WithGenericMethod_ExportDecisions<v1::AuditService::Service>>;
+using History = v1::HistoryService::WithGenericMethod_GetHistory<v1::HistoryService::Service>;
 using Priors = v1::PriorsService::WithGenericMethod_ExportPriors<
     v1::PriorsService::WithGenericMethod_ImportPriors<
         v1::PriorsService::WithGenericMethod_RevokePriors<
@@ -58,6 +59,7 @@ void GenericService::Register(grpc::ServerBuilder& builder) {
   builder.RegisterService(&Named<Posteriors>());
   builder.RegisterService(&Named<Sessions>());
   builder.RegisterService(&Named<Audit>());
+  builder.RegisterService(&Named<History>());
   builder.RegisterService(&Named<Priors>());
 }
 

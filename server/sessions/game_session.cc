@@ -450,8 +450,8 @@ void GameSession::PutPosteriors(const decision::Decision& decision) {
 
 void GameSession::ReportUse() {
   if (use_.is_empty() || !context_.options.on_use) return;
-  context_.options.on_use(identity_, use_.Take(decisions_.total_use(), decisions_.initial_arm(),
-                                               priors::UnixNowMs()));
+  context_.options.on_use(
+      identity_, use_.Take(decisions_.total_use(), decisions_.initial_arm(), priors::UnixNowMs()));
 }
 
 void GameSession::PublishDecision(const decision::DecisionRecord& record) {

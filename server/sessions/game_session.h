@@ -39,7 +39,7 @@
 #include "server/sessions/session_identity.h"
 #include "server/sessions/session_ledger.h"
 #include "server/sessions/session_observer.h"
-#include "server/sessions/session_use.h"
+#include "server/sessions/common/session_use.h"
 
 namespace sweepstake::sessions {
 

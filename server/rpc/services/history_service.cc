@@ -54,8 +54,7 @@ absl::StatusOr<history::HistoryQuery> QueryOf(const Caller& caller,
   if (absl::Status allowed = Narrow(caller, query.filter); !allowed.ok()) return allowed;
   query.session = request.session_id();
   query.from_ms = request.from_unix_ms();
-  query.until_ms =
-      request.until_unix_ms() == 0 ? priors::UnixNowMs() + 1 : request.until_unix_ms();
+  query.until_ms = request.until_unix_ms() == 0 ? priors::UnixNowMs() + 1 : request.until_unix_ms();
   if (query.from_ms < 0 || query.until_ms <= query.from_ms)
     return invalid("until_unix_ms must be later than from_unix_ms, and both not negative");
   query.max_points = request.max_points() == 0 ? kDefaultPoints : request.max_points();

@@ -40,8 +40,8 @@ struct HostedSessionOptions {
   Adjustable<bool> keeps_audit = true;
   // Encodes an audit row as the bytes that the store keeps.
   std::function<std::string(const decision::AuditRow&)> encode_audit_row;
-  // Receives what a session ran, at least every UseMeter::kStepMs while its game sends frames. Called
-  // on the decision loop. May be empty.
+  // Receives what a session ran, at least every UseMeter::kStepMs while its game sends frames.
+  // Called on the decision loop. May be empty.
   std::function<void(const SessionIdentity&, const SessionUse&)> on_use;
   // Whether other daemons write to the same store. If so, a session that cannot be read from the
   // store is refused. It might have continued in another daemon, and then messages that its client

@@ -99,9 +99,8 @@ TEST_F(HistoryFileTest, SumsOverAPeriodAreExact) {
   const v1::HistorySeries hour = ReadOne({.from_ms = (kNowS - 3600) * 1000, .max_points = 1});
   ASSERT_EQ(hour.points_size(), 1);
   EXPECT_EQ(hour.points(0).frame_count(), 240U);
-  const v1::HistorySeries part = ReadOne({.from_ms = (kNowS - 900) * 1000,
-                                          .until_ms = (kNowS - 300) * 1000,
-                                          .max_points = 1});
+  const v1::HistorySeries part =
+      ReadOne({.from_ms = (kNowS - 900) * 1000, .until_ms = (kNowS - 300) * 1000, .max_points = 1});
   EXPECT_EQ(part.points(0).frame_count(), 40U);
 }
 
@@ -127,8 +126,8 @@ TEST_F(HistoryFileTest, OldPointsAndSeriesAreRemoved) {
 
 TEST_F(HistoryFileTest, AClockFarAheadRemovesNothingAtOnce) {
   Add({{Scene("harbour"), Point(kNowS - 15)}});
-  const absl::Status status =
-      file_->Add({{Scene("other"), Point(kNowS - 15)}}, limits_, kNowS + 3650 * 86'400, steady_ns_ + 1);
+  const absl::Status status = file_->Add({{Scene("other"), Point(kNowS - 15)}}, limits_,
+                                         kNowS + 3650 * 86'400, steady_ns_ + 1);
   ASSERT_TRUE(status.ok()) << status;
   EXPECT_EQ(Read({.from_ms = (kNowS - 900) * 1000}).series.size(), 2U);
 }
@@ -200,9 +199,9 @@ TEST_F(HistoryFileTest, SelectsByProjectSceneSessionAndKind) {
   const HistoryQuery query = {
       .kind = v1::HISTORY_KIND_SESSION, .session = "two", .from_ms = from_ms};
   EXPECT_EQ(ReadOne(query).session_id(), "two");
-  EXPECT_EQ(Read({.from_ms = kNowS * 1000 + 100'000, .until_ms = kNowS * 1000 + 200'000})
-                .series.size(),
-            0U);
+  EXPECT_EQ(
+      Read({.from_ms = kNowS * 1000 + 100'000, .until_ms = kNowS * 1000 + 200'000}).series.size(),
+      0U);
 }
 
 TEST_F(HistoryFileTest, ADamagedFileIsPutAside) {

@@ -18,8 +18,8 @@ sessions::SessionUse Use(int64_t start_ms, size_t arm_count) {
   sessions::SessionUse use;
   use.unix_start_ms = start_ms;
   use.unix_end_ms = start_ms + 10'000;
-  use.frame_time_ns.Add(16'000'000);
-  use.detection_time_ns.Add(100'000);
+  use.frames.Add(16'000'000, 100'000, 4'096);
+  use.is_first = true;
   use.active_frame_counts.resize(arm_count);
   use.active_frame_counts[0] = 1;
   use.measured.frame_count = 1;
@@ -55,6 +55,8 @@ TEST(HistoryPointTest, SumsHaveAllFields) {
   EXPECT_EQ(sum.frame_time_ns().counts(0), 2U);
   EXPECT_EQ(sum.frame_time_ns().bucket_steps(0), sessions::LogHistogram::BucketOf(16'000'000));
   EXPECT_EQ(sum.detection_time_ns().counts(0), 2U);
+  EXPECT_EQ(sum.native_bytes().counts(0), 2U);
+  EXPECT_EQ(sum.session_count(), 2U);
   ASSERT_EQ(sum.arms_size(), 3);
   EXPECT_EQ(sum.arms(0).frame_count(), 1U) << "only one session has Grid";
   EXPECT_EQ(sum.arms(2).frame_count(), 2U);

@@ -12,9 +12,8 @@ class HistoryTest : public RpcTest {
  protected:
   void SetUp() override {
     auto history =
-        history::History::Open(directory_.path() / "history.db", {}, [](const std::string& problem) {
-          ADD_FAILURE() << problem;
-        });
+        history::History::Open(directory_.path() / "history.db", {},
+                               [](const std::string& problem) { ADD_FAILURE() << problem; });
     ASSERT_TRUE(history.ok()) << history.status();
     history_ = *std::move(history);
     options_.history = history_.get();
@@ -66,8 +65,7 @@ TEST_F(HistoryTest, SessionsAreAddedToTheirSceneAndBuild) {
   const v1::HistoryPoint& point = scenes[0].points(0);
   ASSERT_EQ(point.frame_time_ns().counts_size(), 1);
   EXPECT_EQ(point.frame_time_ns().counts(0), 90U);
-  EXPECT_EQ(point.detection_time_ns().bucket_steps(0),
-            sessions::LogHistogram::BucketOf(5'000'000));
+  EXPECT_EQ(point.detection_time_ns().bucket_steps(0), sessions::LogHistogram::BucketOf(5'000'000));
   ASSERT_EQ(point.arms_size(), 3);
   EXPECT_EQ(point.arms(0).arm(), "Grid");
   EXPECT_EQ(point.arms(0).active_frame_count(), 90U);
@@ -77,6 +75,7 @@ TEST_F(HistoryTest, SessionsAreAddedToTheirSceneAndBuild) {
   EXPECT_EQ(builds[0].build(), "11");
   EXPECT_EQ(builds[0].points(0).frame_time_ns().counts(0), 30U);
   EXPECT_EQ(builds[1].points(0).frame_time_ns().counts(0), 60U);
+  EXPECT_EQ(builds[1].points(0).session_count(), 2U);
   const auto sessions = Get(v1::HISTORY_KIND_SESSION);
   ASSERT_EQ(sessions.size(), 3U);
   EXPECT_EQ(sessions[0].points(0).frame_time_ns().counts(0), 30U);

@@ -1,4 +1,4 @@
-#include "server/sessions/session_use.h"
+#include "server/sessions/common/session_use.h"
 
 #include <utility>
 
@@ -8,8 +8,7 @@ void UseMeter::AddFrames(std::span<const FrameSample> frames, int64_t unix_now_m
   for (const FrameSample& frame : frames) {
     if ((frame.flags & kFrameWithoutCost) != 0 || frame.arm >= arm_count_) continue;
     if (is_empty()) use_.unix_start_ms = unix_now_ms;
-    use_.frame_time_ns.Add(frame.frame_time_ns);
-    use_.detection_time_ns.Add(frame.detection_time_ns);
+    use_.frames.Add(frame.frame_time_ns, frame.detection_time_ns, frame.native_bytes);
     ++use_.active_frame_counts[frame.arm];
   }
 }
@@ -17,6 +16,7 @@ void UseMeter::AddFrames(std::span<const FrameSample> frames, int64_t unix_now_m
 SessionUse UseMeter::Take(const decision::RegimeUse& total, uint32_t initial, int64_t unix_now_ms) {
   reported_.arm_us.resize(total.arm_us.size());
   use_.unix_end_ms = unix_now_ms;
+  use_.is_first = std::exchange(is_first_, false);
   use_.measured = {.frame_count = total.frame_count - reported_.frame_count,
                    .ran_us = total.ran_us - reported_.ran_us};
   for (size_t i = 0; i < total.arm_us.size(); ++i)

@@ -17,14 +17,14 @@ namespace sweepstake::sessions {
 struct SessionUse {
   int64_t unix_start_ms = 0;  // when the first frames arrived, by the wall clock, since 1970
   int64_t unix_end_ms = 0;
-  // Of all frames that were neither paused nor loading.
-  LogHistogram frame_time_ns = {};
-  LogHistogram detection_time_ns = {};
+  // The costs of all frames that were neither paused nor loading.
+  FrameHistograms frames = {};
   std::vector<uint64_t> active_frame_counts = {};  // those in which each arm ran; one per arm
   // The increase of decision::SessionTally::total.
   decision::RegimeUse measured = {};
   double initial_us = 0;      // what the arm with which the game begins would have taken
   uint64_t switch_count = 0;  // executed switches
+  bool is_first = false;      // the session's first report
 };
 
 class UseMeter {
@@ -40,7 +40,7 @@ class UseMeter {
   bool IsDue(int64_t unix_now_ms) const {
     return !is_empty() && unix_now_ms / kStepMs != use_.unix_start_ms / kStepMs;
   }
-  bool is_empty() const { return use_.frame_time_ns.empty(); }
+  bool is_empty() const { return use_.frames.empty(); }
   // Returns what was added since the previous call. `total` is SessionTally::total, and `initial`
   // the index of the arm with which the game begins.
   SessionUse Take(const decision::RegimeUse& total, uint32_t initial, int64_t unix_now_ms);
@@ -50,6 +50,7 @@ class UseMeter {
 
   const size_t arm_count_;
   SessionUse use_;
+  bool is_first_ = true;
   decision::RegimeUse reported_;  // `total` at the previous report
 };
 

@@ -1,0 +1,42 @@
+import { describe, expect, it } from 'vitest';
+import { sumOf, useOf } from './use';
+
+const point = (ranUs: number, wouldTake: Record<string, number>, initialUs: number, frames = 10n) => ({
+  frameCount: frames,
+  ranUs,
+  initialUs,
+  arms: Object.entries(wouldTake).map(([arm, wouldTakeUs]) => ({ arm, wouldTakeUs, frameCount: arm === 'Rare' ? 1n : frames, activeFrameCount: 0n })),
+  frameTimeNs: { bucketSteps: [8], counts: [10] },
+});
+
+describe('savings of a point', () => {
+  it('compare with the cheapest algorithm that all sessions have', () => {
+    const use = useOf(point(100, { KDTree: 150, SAP: 120, Rare: 1 }, 200))!;
+    expect(use.againstSingleUs).toBe(20);
+    expect(use.againstReferenceUs).toBe(50);
+    expect(use.againstInitialUs).toBe(100);
+  });
+  it('are absent without measured frames, without KDTree, and without a known initial algorithm', () => {
+    expect(useOf(point(0, {}, 0, 0n))).toBeUndefined();
+    const use = useOf(point(100, { SAP: 120 }, 0))!;
+    expect(use.againstReferenceUs).toBeUndefined();
+    expect(use.againstInitialUs).toBeUndefined();
+  });
+  it('have the time of the whole frames', () => {
+    expect(useOf(point(100, { SAP: 120 }, 0))!.frameUs).toBeCloseTo((10 * 2 ** (7.5 / 8)) / 1000);
+  });
+});
+
+describe('sums of savings', () => {
+  it('add up, and omit what one of them does not know', () => {
+    const sum = sumOf([useOf(point(100, { KDTree: 150, SAP: 120 }, 200)), undefined, useOf(point(50, { SAP: 40 }, 60))])!;
+    expect(sum.frameCount).toBe(20);
+    expect(sum.ranUs).toBe(150);
+    expect(sum.againstSingleUs).toBe(10);
+    expect(sum.againstInitialUs).toBe(110);
+    expect(sum.againstReferenceUs).toBeUndefined();
+  });
+  it('are absent if nothing was measured', () => {
+    expect(sumOf([undefined])).toBeUndefined();
+  });
+});

@@ -1,0 +1,55 @@
+// What sessions ran and saved, from points of the history. The daemon defines the sums (history.proto).
+import type { HistoryPoint } from '../../gen/sweepstake/v1/history_pb';
+import { bucketsOf, countOf, middleOf, percentiles, type Percentiles } from './histogram';
+
+export const REFERENCE_ARM = 'KDTree'; // kReferenceArm in regime_report.h
+
+/** Sums over frames, in microseconds. An absent saving is not known. */
+export interface Use {
+  frameCount: number; // measured frames
+  ranUs: number;
+  againstInitialUs?: number; // saved against the algorithm with which the games begin
+  againstSingleUs?: number; // saved against the best single algorithm
+  againstReferenceUs?: number; // saved against KDTree
+  frameUs: number; // time of as many whole frames
+}
+
+type Point = Pick<HistoryPoint, 'frameCount' | 'ranUs' | 'initialUs' | 'arms' | 'frameTimeNs'>;
+
+/** Returns what the point's sessions ran and saved; undefined without measured frames. */
+export function useOf(point: Point): Use | undefined {
+  const frameCount = Number(point.frameCount);
+  if (frameCount === 0) return undefined;
+  const costs = point.arms.filter((arm) => arm.frameCount === point.frameCount); // arms that all sessions have
+  const reference = costs.find(({ arm }) => arm === REFERENCE_ARM);
+  return {
+    frameCount,
+    ranUs: point.ranUs,
+    frameUs: (frameCount * meanNs(point)) / 1000,
+    ...(point.initialUs > 0 && { againstInitialUs: point.initialUs - point.ranUs }),
+    ...(costs.length > 0 && { againstSingleUs: Math.min(...costs.map(({ wouldTakeUs }) => wouldTakeUs)) - point.ranUs }),
+    ...(reference && { againstReferenceUs: reference.wouldTakeUs - point.ranUs }),
+  };
+}
+
+function meanNs({ frameTimeNs }: Point): number {
+  const buckets = bucketsOf(frameTimeNs ?? { bucketSteps: [], counts: [] });
+  let sum = 0;
+  for (const [bucket, count] of buckets) sum += count * middleOf(bucket);
+  return sum / Math.max(1, countOf(buckets));
+}
+
+const SAVINGS = ['againstInitialUs', 'againstSingleUs', 'againstReferenceUs'] as const;
+
+/** Adds up what several points, scenes or builds saved; undefined if none has measured frames. A saving that one of them does not
+ * know is absent. */
+export function sumOf(uses: readonly (Use | undefined)[]): Use | undefined {
+  const known = uses.filter((use) => use !== undefined);
+  if (known.length === 0) return undefined;
+  const total = (part: keyof Use) => known.reduce((sum, use) => sum + (use[part] ?? Number.NaN), 0);
+  const savings = SAVINGS.map((part) => [part, total(part)] as const).filter(([, us]) => !Number.isNaN(us));
+  return { frameCount: total('frameCount'), ranUs: total('ranUs'), frameUs: total('frameUs'), ...Object.fromEntries(savings) };
+}
+
+/** Returns the percentiles of the histogram; undefined without values. */
+export const percentilesOf = (histogram: HistoryPoint['frameTimeNs']): Percentiles | undefined => histogram && percentiles(bucketsOf(histogram));

@@ -1,0 +1,62 @@
+// Reads the history of scenes, builds and sessions from the daemon while a view shows it.
+import { useEffect, useState } from 'preact/hooks';
+import { HistoryService, type HistoryKind, type HistorySeries } from '../../gen/sweepstake/v1/history_pb';
+import { pausedMs, range } from '../charts/view_state';
+import { period, periodKey, timesOf } from '../state/period';
+import { type ApiError, asApiError, call } from './calls';
+
+export interface HistorySelection { kind: HistoryKind; project?: string; scene?: string; sessionId?: string }
+
+export interface HistoryReading {
+  series: readonly HistorySeries[];
+  isKnown: boolean; // whether the history was read once
+  error?: ApiError;
+}
+
+interface Options {
+  maxPoints: number; // per series; 1: the sum over the period
+  isWhole?: boolean; // reads the whole history, whatever the chosen period is
+  everyMs?: number;
+}
+
+const STEP_MS = 15_000; // the daemon's finest points
+const MAX_SERIES = 2_000;
+
+async function readAll(selection: HistorySelection, { maxPoints, isWhole }: Options): Promise<HistorySeries[]> {
+  const times = isWhole ? { fromUnixMs: 0, untilUnixMs: 0 } : timesOf(period.peek(), range.peek(), Date.now());
+  const all: HistorySeries[] = [];
+  let pageToken = '';
+  do {
+    const page = await call(HistoryService.method.getHistory,
+      { ...selection, maxPoints, pageToken, fromUnixMs: BigInt(times.fromUnixMs), untilUnixMs: BigInt(times.untilUnixMs) });
+    all.push(...page.series);
+    pageToken = page.nextPageToken;
+  } while (pageToken && all.length < MAX_SERIES);
+  return all;
+}
+
+/** Returns the selected series in the period of the view. Reads them again while time passes, unless the view is paused. */
+export function useHistory(selection: HistorySelection, options: Options): HistoryReading {
+  const { everyMs = STEP_MS } = options;
+  const key = JSON.stringify([selection, options, options.isWhole ? '' : periodKey.value]);
+  const [{ of, reading }, setReading] = useState<{ of: string; reading: HistoryReading }>({ of: '', reading: { series: [], isKnown: false } });
+  useEffect(() => {
+    let isOver = false;
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const later = () => { timer = setTimeout(document.hidden || pausedMs.peek() !== undefined ? later : () => void read(), everyMs); };
+    const read = () => readAll(selection, options).then(
+      (series) => ({ series, isKnown: true }),
+      (error: unknown) => (before: HistoryReading) => ({ ...before, error: asApiError(error) }),
+    ).then((next) => {
+      if (isOver) return;
+      setReading((before) => ({ of: key, reading: typeof next === 'function' ? next(before.reading) : next }));
+      later();
+    });
+    void read();
+    return () => {
+      isOver = true;
+      clearTimeout(timer);
+    };
+  }, [key]);
+  return of === key ? reading : { ...reading, isKnown: false };
+}
