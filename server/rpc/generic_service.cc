@@ -6,6 +6,7 @@
 #include "server/rpc/services/refused_call.h"
 #include "server/rpc/services/watch_call.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
+#include "sweepstake/v1/history.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "sweepstake/v1/sessions.grpc.pb.h"
@@ -36,7 +37,7 @@ using Sessions = v1::SessionsService::WithGenericMethod_ListSessions<
                 v1::SessionsService::WithGenericMethod_WatchBoxes<v1::SessionsService::Service>>>>>;
 using Audit = v1::AuditService::WithGenericMethod_ListAuditSegments<
     v1::AuditService::WithGenericMethod_ExportDecisions<v1::AuditService::Service>>;
-using History = v1::HistoryService::WithGenericMethod_GetHistory<v1::HistoryService::Service>;
+using HistoryReads = v1::HistoryService::WithGenericMethod_GetHistory<v1::HistoryService::Service>;
 using Priors = v1::PriorsService::WithGenericMethod_ExportPriors<
     v1::PriorsService::WithGenericMethod_ImportPriors<
         v1::PriorsService::WithGenericMethod_RevokePriors<
@@ -59,7 +60,7 @@ void GenericService::Register(grpc::ServerBuilder& builder) {
   builder.RegisterService(&Named<Posteriors>());
   builder.RegisterService(&Named<Sessions>());
   builder.RegisterService(&Named<Audit>());
-  builder.RegisterService(&Named<History>());
+  builder.RegisterService(&Named<HistoryReads>());
   builder.RegisterService(&Named<Priors>());
 }
 
