@@ -30,14 +30,14 @@ function Saving() {
   if (!saved) return <div class="figure main"><b>–</b><span>saved per frame: no session has measured it yet</span></div>;
   const { sceneCount, ranUs, againstInitialUs, againstSingleUs, againstReferenceUs } = saved;
   const known = ([[againstInitialUs, 'the algorithm that the game begins with'], [againstSingleUs, 'the best single algorithm'], [againstReferenceUs, 'KDTree']] as const)
-    .flatMap(([us, against]) => (us === undefined ? [] : [{ us, against }]));
+    .flatMap(([us, name]) => (us === undefined ? [] : [{ us, against: `against ${name}` }]));
   const { us, against } = known[0]!;
   const part = Math.abs(us) / Math.max(ranUs + us, Number.MIN_VALUE);
   return (
     <div class={us > 0 ? 'figure main good' : 'figure main'} title="Mean over the scenes. The session that has been connected the longest stands for its scene.">
       <b>{savingText(us)}</b>
-      <span>saved per frame against {against} ({us < 0 ? '−' : ''}{share(part)} of its detection time{known.slice(1).map((other) => `; against ${other.against} ${savingText(other.us)}`).join('')}),
-        mean of {counted(sceneCount, 'scene that is', 'scenes that are')} played now</span>
+      <span>saved per frame {against} ({us < 0 ? '−' : ''}{share(part)} of its detection time){known.slice(1).map((other) => `, ${savingText(other.us)} ${other.against}`)};
+        {' '}mean of {counted(sceneCount, 'scene', 'scenes')} played now</span>
     </div>
   );
 }

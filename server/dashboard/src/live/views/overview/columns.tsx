@@ -18,7 +18,7 @@ import { verdictWord } from '../words';
 
 const sceneOf = ({ state }: SceneSummary) => state.posterior;
 const activityOf = (row: SceneSummary) => sceneOf(row).activity;
-const savedUs = (row: SceneSummary) => activityOf(row)?.total?.savedAgainstSingleUs;
+const savedUs = (row: SceneSummary) => activityOf(row)?.total?.savedAgainstInitialUs;
 const hasLeader = (row: SceneSummary) => leadersOf(sceneOf(row)).length > 0;
 // In a changing scene, the best algorithm of the present regime is meant.
 const presentOf = (row: SceneSummary) => (isChanging(sceneOf(row)) ? presentBest(sceneOf(row)) : undefined);
@@ -76,7 +76,7 @@ export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
     sort: (row) => activityOf(row)?.activeArm, cell: (row) => <RunsNow row={row} /> },
   { id: 'frame', title: 'Frame time', unit: 'ms', width: '10rem', hint: 'Median frame time of this session since the page was opened. The dotted line is 16.7 ms, 60 frames per second.',
     sort: frameMs, cell: (row) => <FrameTime row={row} /> },
-  { id: 'saved', title: 'Saved per frame', unit: 'µs', width: '8.5rem', hint: 'Detection time per frame that this session saved against the best single algorithm, and its share of the frame time',
+  { id: 'saved', title: 'Saved per frame', unit: 'µs', width: '8.5rem', hint: 'Detection time per frame that this session saved against the algorithm that its game begins with, and its share of the frame time',
     sort: savedUs, cell: (row) => <Saved row={row} /> },
   { id: 'leader', title: 'Best', isText: true, width: '8rem', hint: 'The algorithm with the highest probability of being the best; in a changing scene, the best of the present regime and those of the others',
     sort: (row) => leadersOf(sceneOf(row)).join(' '), cell: (row) => <Best row={row} /> },
