@@ -452,6 +452,14 @@ TEST_F(DaemonSessionTest, EveryHelloHasTheArmWithWhichTheGameBegan) {
   GoOnline(daemon);
   ASSERT_TRUE(daemon.Send(CommandFor(2)));
   RunUntil([&] { return adaptive_->active_arm() == 2; });
+  // A Hello describes the first frame that is not acknowledged, so wait for the earlier ones.
+  uint64_t switch_sequence = 0;
+  daemon.WaitUntil([&](const FakeDaemon& d) {
+    for (const auto& request : d.evidence)
+      if (request.has_switch_outcome()) switch_sequence = request.sequence();
+    return switch_sequence > 0;
+  });
+  RunUntil([&] { return session_->stats().acknowledged_sequence >= switch_sequence; });
   const int port = daemon.port();
   daemon.Kill();
   daemon.Start(port);
