@@ -189,7 +189,10 @@ v1::SessionInfo Session(const std::string& id) {
   session.set_build("1.2.3");
   session.set_client_address("ipv4:10.0.0.1:5000");
   session.set_state(v1::SESSION_STATE_CONNECTED);
+  session.set_machine_class("desktop");
   session.set_active_arm("Grid");
+  session.set_initial_arm("SAP");
+  session.set_takes_orders(true);
   session.set_mode(v1::MODE_AI);
   session.set_unix_start_ms(1'700'000'000'000);
   session.set_dropped_frame_count(17);
@@ -213,6 +216,10 @@ TEST(SessionsCommand, ListsTheSessionsOfAllPages) {
   EXPECT_EQ(json["sessions"][1]["session_id"], "two");
   EXPECT_EQ(json["sessions"][1]["state"], "connected");
   EXPECT_TRUE(json["sessions"][1]["unix_last_message_ms"].is_null());
+  EXPECT_EQ(json["sessions"][1]["machine_class"], "desktop");
+  EXPECT_EQ(json["sessions"][1]["initial_arm"], "SAP");
+  EXPECT_EQ(json["sessions"][1]["takes_orders"], true);
+  EXPECT_EQ(json["sessions"][1]["shows_boxes"], false);
 }
 
 TEST(SessionsCommand, WatchesUntilTheDaemonRefusesIt) {
