@@ -72,10 +72,13 @@ async function checkFailedView(page, daemon) {
   await page.getByRole('heading', { name: 'Scenes' }).waitFor();
   await page.evaluate(() => { globalThis.marker = 'the same page'; });
   await expecting(page, ABORTED, async () => {
-    for (const pattern of ['**/assets/health*', '**/livez']) await page.route(pattern, (route) => route.abort());
+    let tries = 0;
+    await page.route('**/livez', (route) => route.abort());
+    await page.route('**/assets/health*', (route) => { ++tries; return route.abort(); });
     await page.getByRole('link', { name: 'Health', exact: true }).click();
     await page.getByText('The view cannot be shown').waitFor();
     await buttonOf(page, 'Try again').click();
+    await until('the file is requested again', () => tries === 2);
     await page.getByText('The view cannot be shown').waitFor();
     assert.equal(await page.evaluate(() => globalThis.marker), 'the same page', 'the page was reloaded while the daemon is away');
     for (const pattern of ['**/assets/health*', '**/livez']) await page.unroute(pattern);

@@ -32,7 +32,7 @@ const loaded = new Map<string, unknown>();
 interface LaterProps<Props> { name: string; load: () => Promise<ComponentType<Props>>; props: Props }
 
 /** Loads a view on first use. This fails while the daemon is away, and after its update, because the files of the new version have other
- * names. "Try again" reloads the page, because browsers do not load a failed file again. It does not while the daemon is away. */
+ * names. "Try again" reloads the page, because some browsers do not load a failed file again. It does not while the daemon is away. */
 export function Later<Props extends object>({ name, load, props }: LaterProps<Props>) {
   const known = loaded.get(name) as ComponentType<Props> | undefined;
   const reading = useReading(name, async () => known ?? load());
