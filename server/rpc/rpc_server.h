@@ -118,7 +118,7 @@ class RpcServer {
   events::EventBus events_;
   sessions::SessionTable sessions_;
   history::HistoryRecorder recorder_;  // used on the loop
-  ServiceContext context_;  // also refers to members declared below
+  ServiceContext context_;             // also refers to members declared below
   StallSweep stalls_;
   GenericService generic_;
   sessions::AdminLog admin_;

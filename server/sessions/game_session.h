@@ -34,12 +34,12 @@
 #include "server/sessions/common/decision_loop.h"
 #include "server/sessions/common/log_histogram.h"
 #include "server/sessions/common/options.h"
+#include "server/sessions/common/session_use.h"
 #include "server/sessions/new_scenes.h"
 #include "server/sessions/prior_store.h"
 #include "server/sessions/session_identity.h"
 #include "server/sessions/session_ledger.h"
 #include "server/sessions/session_observer.h"
-#include "server/sessions/common/session_use.h"
 
 namespace sweepstake::sessions {
 
