@@ -30,8 +30,6 @@ OTHERS = {
     "ArmPosterior.is_outdated": "the dashboard marks old versions",
     "PriorRecord.is_imported": "the dashboard distinguishes imports from sessions",
     "PriorRecord.weight": "the dashboard shows the weight of a source",
-    "ExportDecisionsRequest.after_segment": "the dashboard reads the new part of a log",
-    "ExportDecisionsRequest.after_row": "the dashboard reads the new part of a log",
     "AuditRow.": READ_BY_NAME,
     "AuditSetup.": READ_BY_NAME,
     "AuditRegimeSpan.": READ_BY_NAME,

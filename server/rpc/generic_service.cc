@@ -36,7 +36,8 @@ using Sessions = v1::SessionsService::WithGenericMethod_ListSessions<
             v1::SessionsService::WithGenericMethod_OrderSession<
                 v1::SessionsService::WithGenericMethod_WatchBoxes<v1::SessionsService::Service>>>>>;
 using Audit = v1::AuditService::WithGenericMethod_ListAuditSegments<
-    v1::AuditService::WithGenericMethod_ExportDecisions<v1::AuditService::Service>>;
+    v1::AuditService::WithGenericMethod_ListDecisions<
+        v1::AuditService::WithGenericMethod_ExportDecisions<v1::AuditService::Service>>>;
 using HistoryReads = v1::HistoryService::WithGenericMethod_GetHistory<v1::HistoryService::Service>;
 using Priors = v1::PriorsService::WithGenericMethod_ExportPriors<
     v1::PriorsService::WithGenericMethod_ImportPriors<

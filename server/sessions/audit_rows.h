@@ -10,6 +10,8 @@
 namespace sweepstake::priors {
 
 inline constexpr size_t kMaxAuditRowBytes = 65'536;  // a longer row is not stored
+// Maximum number of rows that one scan of the log examines, whether they match or not.
+inline constexpr uint32_t kAuditScanRows = 4'000;
 
 struct StoredAuditRow {
   uint64_t number = 1;  // position in the segment, from 1
@@ -63,6 +65,27 @@ struct AuditSegment {
   std::string party = {};
 
   friend bool operator==(const AuditSegment&, const AuditSegment&) = default;
+};
+
+// A row with its place in the log of all sessions.
+struct PlacedAuditRow {
+  uint64_t id = 0;  // grows in the order of arrival; from 1
+  uint64_t segment_id = 0;
+  StoredAuditRow row;
+
+  friend bool operator==(const PlacedAuditRow&, const PlacedAuditRow&) = default;
+};
+
+enum class AuditOrder { kNewestFirst, kOldestFirst };
+
+// The result of PriorReader::ScanAudit.
+struct AuditScan {
+  std::vector<PlacedAuditRow> rows;  // in the order of the scan
+  uint64_t first_id = 0;             // the first row that was examined; the start if there was none
+  uint64_t last_id = 0;              // the last row that was examined; the start if there was none
+  bool at_end = false;               // no rows follow
+
+  friend bool operator==(const AuditScan&, const AuditScan&) = default;
 };
 
 // Selects segments of the audit log. An empty field matches everything.

@@ -396,6 +396,13 @@ class PriorReader {
   virtual absl::StatusOr<std::vector<StoredAuditRow>> LoadAudit(uint64_t segment_id,
                                                                 uint64_t first_row, uint32_t limit,
                                                                 size_t max_bytes) = 0;
+
+  // Examines the rows of all sessions in the order of arrival, or in the opposite order, from the
+  // row after `start` on. `start` is the id of a row, which may have been removed since. With
+  // kNewestFirst, 0 stands for the end of the log. Stops after `limit` rows that match, and after
+  // kAuditScanRows rows. REQUIRES: limit > 0.
+  virtual absl::StatusOr<AuditScan> ScanAudit(const AuditFilter& filter, AuditOrder order,
+                                              uint64_t start, uint32_t limit) = 0;
 };
 
 // The store of evidence. Every implementation passes

@@ -106,6 +106,7 @@ void Read(PriorStore& store) {
   if (const auto segments = store.ListAudit({}, 0, kPage); segments.ok()) {
     for (const auto& segment : *segments) (void)store.LoadAudit(segment.id, 1, kPage, 1 << 16);
   }
+  (void)store.ScanAudit({}, priors::AuditOrder::kNewestFirst, 0, kPage);
 }
 
 void Write(PriorStore& store) {

@@ -86,9 +86,10 @@ Result<uint64_t> ExportAudit(const DaemonOptions& daemon, const AuditSelection& 
   if (!file.ok()) return file.status();
   (*file)->Write(decision::AuditHeader() + '\n');
   uint64_t row_count = 0;
-  Status status = ReadParts(daemon, RequestOf<v1::ExportDecisionsRequest>(selection),
-                            &v1::AuditService::Stub::ExportDecisions, kTransferPatience,
-                            [&](const v1::ExportDecisionsResponse& part) {
+  v1::ExportDecisionsRequest request;
+  *request.mutable_filter() = RequestOf<v1::DecisionFilter>(selection);
+  Status status = ReadParts(daemon, request, &v1::AuditService::Stub::ExportDecisions,
+                            kTransferPatience, [&](const v1::ExportDecisionsResponse& part) {
                               for (const v1::AuditRow& row : part.rows())
                                 (*file)->Write(decision::AuditLines(FromProto(row)) + '\n');
                               row_count += static_cast<uint64_t>(part.rows_size());
@@ -110,14 +111,11 @@ Result<std::vector<v1::ScenePosterior>> ListPosteriors(const DaemonOptions& daem
                                                        const std::string& scene) {
   const auto channel = OpenChannel(daemon);
   std::vector<v1::ScenePosterior> scenes;
-  v1::ListPosteriorsRequest request;
-  request.set_project(project);
+  auto request = RequestOf<v1::ListPosteriorsRequest>(project, scene);
   do {
     const auto page = Call(daemon, channel, request, &v1::PosteriorsService::Stub::ListPosteriors);
     if (!page.ok()) return page.status();
-    for (const v1::ScenePosterior& each : page->scenes()) {
-      if (scene.empty() || each.scene() == scene) scenes.push_back(each);
-    }
+    scenes.insert(scenes.end(), page->scenes().begin(), page->scenes().end());
     request.set_page_token(page->next_page_token());
   } while (!request.page_token().empty());
   return scenes;

@@ -46,9 +46,19 @@ inline constexpr uint64_t kMaxQuarantinedRecords = 1'000'000;
 // export.
 inline constexpr uint32_t kAuditSegmentsPerMessage = 100;
 inline constexpr uint32_t kAuditRowsPerPage = 500;
+// Maximum number of rows in a page of a listing, and of rows that one call examines for it. A call
+// with few matches returns less than a page, because other reads wait for it.
+inline constexpr uint32_t kDecisionsPerPage = 100;
+inline constexpr uint32_t kRowsPerList = 4'000;
+// Maximum number of PriorReader::ScanAudit in one call.
+inline constexpr uint32_t kScansPerList = 8;
+// A page of a listing ends when its rows reach this size.
+inline constexpr size_t kListBytes = 1024 * 1024;
 // A message of an audit export is sent when its rows reach this size. It may exceed the size by one
 // row.
 inline constexpr size_t kAuditBytesPerMessage = 128 * 1024;
+// A message of an audit export is also sent when this amount was read to find its rows.
+inline constexpr size_t kAuditBytesPerRead = 1024 * 1024;
 // Limits the rate of bail-outs that count as evidence, over all sessions of a party
 // (AccessControl::BeginHello).
 // - Rate: the rate of kBailingOutGames games with one bail-out per DecisionOptions::bail_out_ns,

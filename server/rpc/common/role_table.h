@@ -25,6 +25,7 @@ inline constexpr std::array kRoleTable = {
     Rpc{"SessionsService/OrderSession", auth::Role::kOperator},
     Rpc{"SessionsService/WatchBoxes", auth::Role::kOperator},
     Rpc{"AuditService/ListAuditSegments", auth::Role::kWatch},
+    Rpc{"AuditService/ListDecisions", auth::Role::kWatch},
     Rpc{"AuditService/ExportDecisions", auth::Role::kWatch},
     Rpc{"HistoryService/GetHistory", auth::Role::kWatch},
     Rpc{"PriorsService/ExportPriors", auth::Role::kWatch},

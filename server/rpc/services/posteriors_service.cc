@@ -58,25 +58,11 @@ uint32_t DefaultRewardVersion(const RpcOptions& options) {
       options.decision.weights);
 }
 
-// Runs `read` on the store's reading thread and then `answer(result)` on the loop. The status that
-// `answer` returns ends the call.
-template <typename Read, typename Answer>
-void ReadAndAnswer(ServiceContext& context, const EndCall& end, Read read, Answer answer) {
-  const bool submitted =
-      context.store.Read([&loop = context.loop, end, read = std::move(read),
-                          answer = std::move(answer)](priors::PriorReader& store) {
-        loop.Post([end, answer, result = read(store)] {
-          end(result.ok() ? answer(*result) : StoreFailed(result.status()));
-        });
-      });
-  if (!submitted) end(StoreBusy());
-}
-
 }  // namespace
 
 void Answer(ServiceContext& context, const Caller& caller, const v1::ListPosteriorsRequest& request,
             v1::ListPosteriorsResponse& response, const EndCall& end) {
-  priors::SceneFilter filter{request.project(), {}};
+  priors::SceneFilter filter{request.project(), request.scene()};
   if (const absl::Status allowed = Narrow(caller, filter); !allowed.ok()) return end(allowed);
   const std::optional<SceneKey> after = KeyOf(request.page_token());
   if (!after && !request.page_token().empty()) {

@@ -95,6 +95,8 @@ const auto& AllMethods() {
       Stream<v1::ExportPriorsRequest>(RpcOf("PriorsService/ExportPriors")),
       Stream<v1::CompareBuildsRequest>(RpcOf("PriorsService/CompareBuilds")),
       Stream<v1::ListAuditSegmentsRequest>(RpcOf("AuditService/ListAuditSegments")),
+      Unary<v1::ListDecisionsRequest, v1::ListDecisionsResponse>(
+          RpcOf("AuditService/ListDecisions")),
       Stream<v1::ExportDecisionsRequest>(RpcOf("AuditService/ExportDecisions"))};
   return methods;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -161,6 +162,22 @@ constexpr const char* kLoadRows = R"sql(
       FROM (SELECT number, bytes FROM audit_row
             WHERE segment_id = ?1 AND number >= ?2 ORDER BY number LIMIT ?3) page) r
     WHERE before < ?4 ORDER BY number)sql";
+// The first and the last id, and the number, of the rows that a scan examines. With this range,
+// which needs no content of rows, a scan has a bounded cost however few rows match.
+constexpr const char* kNewerRange = R"sql(
+    SELECT coalesce(min(id), 0), coalesce(max(id), 0), count(*)
+    FROM (SELECT id FROM audit_row WHERE id > ?1 ORDER BY id LIMIT ?2) examined)sql";
+constexpr const char* kOlderRange = R"sql(
+    SELECT coalesce(max(id), 0), coalesce(min(id), 0), count(*)
+    FROM (SELECT id FROM audit_row WHERE id < ?1 ORDER BY id DESC LIMIT ?2) examined)sql";
+// The rows with ids from ?1 to ?2. The word DIRECTION is replaced by that of the order.
+constexpr const char* kScanRows = R"sql(
+    SELECT r.id, segment_id, number, bytes
+    FROM audit_row r [CROSS] JOIN audit_segment s ON s.id = segment_id
+    WHERE r.id BETWEEN ?1 AND ?2 AND (?3 = '' OR session = ?3) AND (?4 = '' OR project = ?4)
+      AND (?5 = '' OR scene = ?5)
+      AND (?6 = '' OR instr(?6, char(10) || project || char(10)) > 0)
+    ORDER BY r.id DIRECTION LIMIT ?7)sql";
 constexpr const char* kChangedScenes = R"sql({
     SELECT project, scene, machine_class, reward_version FROM scene WHERE changed_in >= ?1::xid8
     })sql";
@@ -168,6 +185,16 @@ constexpr const char* kOldestTransaction = "{SELECT pg_snapshot_xmin(pg_current_
 
 // Tokens of a scene whose parties are candidates in any case.
 constexpr uint32_t kMaxTokensOfScene = 64;
+
+struct ScanRange {
+  uint64_t first_id = 0;
+  uint64_t last_id = 0;
+  uint64_t row_count = 0;
+};
+
+std::string Directed(const char* direction) {
+  return absl::StrReplaceAll(kScanRows, {{"DIRECTION", direction}});
+}
 
 EvidenceKey KeyOf(const SqlRow& row) {
   return {.project = row.Text(0),
@@ -635,6 +662,44 @@ absl::StatusOr<std::vector<priors::StoredAuditRow>> SqlPriorReader::LoadAudit(ui
         rows.push_back({.number = row.Unsigned(0), .bytes = row.Bytes(1)});
       },
       segment_id, first_row, limit, max_bytes);
+}
+
+absl::StatusOr<priors::AuditScan> SqlPriorReader::ScanAudit(const priors::AuditFilter& filter,
+                                                            priors::AuditOrder order,
+                                                            uint64_t start, uint32_t limit) {
+  static const auto& newer = *new std::string(Directed("ASC"));
+  static const auto& older = *new std::string(Directed("DESC"));
+  const bool is_newer = order == priors::AuditOrder::kOldestFirst;
+  const SqlSnapshot snapshot(database_);
+  if (!snapshot.status().ok()) return snapshot.status();
+  constexpr auto kEnd = static_cast<uint64_t>(std::numeric_limits<int64_t>::max());
+  priors::AuditScan scan{.rows = {}, .first_id = start, .last_id = start, .at_end = true};
+  if (!is_newer && start == 0) start = kEnd;
+  const auto range = database_.Collect<ScanRange>(
+      is_newer ? kNewerRange : kOlderRange,
+      [](const SqlRow& row, ScanRange& found) {
+        found = {
+            .first_id = row.Unsigned(0), .last_id = row.Unsigned(1), .row_count = row.Unsigned(2)};
+      },
+      start, priors::kAuditScanRows);
+  if (!range.ok()) return range.status();
+  if (range->row_count == 0) return scan;
+  auto rows = database_.Collect<std::vector<priors::PlacedAuditRow>>(
+      (is_newer ? newer : older).c_str(),
+      [](const SqlRow& row, auto& placed) {
+        placed.push_back({.id = row.Unsigned(0),
+                          .segment_id = row.Unsigned(1),
+                          .row = {.number = row.Unsigned(2), .bytes = row.Bytes(3)}});
+      },
+      is_newer ? start + 1 : range->last_id, is_newer ? range->last_id : start - 1,
+      filter.session_id, filter.project, filter.scene, LineList(filter.projects), limit);
+  if (!rows.ok()) return rows.status();
+  scan.rows = *std::move(rows);
+  scan.first_id = range->first_id;
+  const bool is_cut = scan.rows.size() == limit;
+  scan.last_id = is_cut ? scan.rows.back().id : range->last_id;
+  scan.at_end = range->row_count < priors::kAuditScanRows && scan.last_id == range->last_id;
+  return scan;
 }
 
 namespace {

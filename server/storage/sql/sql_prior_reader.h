@@ -67,6 +67,9 @@ class SqlPriorReader : public virtual priors::PriorReader {
   absl::StatusOr<std::vector<priors::StoredAuditRow>> LoadAudit(uint64_t segment_id,
                                                                 uint64_t first_row, uint32_t limit,
                                                                 size_t max_bytes) override;
+  absl::StatusOr<priors::AuditScan> ScanAudit(const priors::AuditFilter& filter,
+                                              priors::AuditOrder order, uint64_t start,
+                                              uint32_t limit) override;
 
   // Returns the scenes whose evidence was changed by transactions from the transaction id `since`
   // on. Sets `since` to the oldest transaction that is still running, so that the next call misses

@@ -264,7 +264,7 @@ TEST_F(ActivityTest, TheNextSessionHasAPriorForEachRegime) {
   Game next(channel_, AdaptiveHello());
   Play(next, /*rests=*/true, 3);
   v1::ExportDecisionsRequest request;
-  request.set_session_id(next.id);
+  request.mutable_filter()->set_session_id(next.id);
   const std::vector<decision::AuditRow> rows = ExportAudit(request);
   ASSERT_FALSE(rows.empty());
   const decision::RegimePriors& regimes = rows[0].setup->setup.regime_priors;
@@ -291,7 +291,7 @@ TEST_F(ActivityTest, ASessionThatIgnoresPriorsFilesIntoTheStoredRegimes) {
   Game next(channel_, hello);
   Play(next, /*rests=*/true, 3);
   v1::ExportDecisionsRequest request;
-  request.set_session_id(next.id);
+  request.mutable_filter()->set_session_id(next.id);
   const std::vector<decision::AuditRow> rows = ExportAudit(request);
   ASSERT_FALSE(rows.empty());
   const decision::SessionSetup& setup = rows[0].setup->setup;

@@ -2,10 +2,12 @@
 // bit.
 #include <spdlog/sinks/ringbuffer_sink.h>
 
-#include <limits>
+#include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "engine_client/decider/audit/rederive.h"
 #include "engine_client/decider/policy/log_cost.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
@@ -15,7 +17,6 @@ namespace sweepstake::rpc {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 
 class AuditTest : public RpcTest {
  protected:
@@ -177,10 +178,10 @@ TEST_F(AuditTest, IsListedAndExportedBySessionProjectAndScene) {
   Play(other, 1, 1);
   ASSERT_EQ(List().size(), 2u);
   v1::ExportDecisionsRequest request;
-  request.set_session_id(id);
+  request.mutable_filter()->set_session_id(id);
   EXPECT_EQ(ExportAudit(request).at(0).session, id);
   EXPECT_EQ(Derived(ExportAudit(request)).session_count, 1u);
-  request.set_scene("desert");
+  request.mutable_filter()->set_scene("desert");
   EXPECT_TRUE(ExportAudit(request).empty());
   v1::ListAuditSegmentsRequest scenes;
   scenes.set_project("game");
@@ -189,59 +190,284 @@ TEST_F(AuditTest, IsListedAndExportedBySessionProjectAndScene) {
   EXPECT_EQ(List(scenes)[0].scene(), "desert");
 }
 
-using Numbers = std::vector<std::pair<uint32_t, uint64_t>>;
-
-// Returns the segment and the number of each row.
-Numbers NumbersOf(const std::vector<decision::AuditRow>& rows) {
-  Numbers numbers;
-  for (const decision::AuditRow& row : rows) numbers.emplace_back(row.segment, row.row);
-  return numbers;
-}
-
-TEST_F(AuditTest, ASessionCanBeExportedFromAGivenRowOn) {
-  v1::Hello hello = HelloMessage();
-  v1::ExportDecisionsRequest request;
-  {
-    TelemetryClient client(channel_);
-    Resume(hello, client.Open(hello));
-    Play(client, 1, 3);
-  }
-  RestartServer();
-  applied_ = 0;
-  TelemetryClient client(channel_);
-  request.set_session_id(client.Open(hello).session_id());
-  Play(client, 4, 6);
-  const Numbers all = NumbersOf(ExportAudit(request));
-  ASSERT_EQ(all.size(), 8u) << "two segments, each with its setup row";
-  const auto behind = [&](uint32_t segment, uint64_t row) {
-    request.set_after_segment(segment);
-    request.set_after_row(row);
-    return NumbersOf(ExportAudit(request));
-  };
-  EXPECT_EQ(behind(1, 2), Numbers(all.begin() + 2, all.end()));
-  EXPECT_EQ(behind(1, 4), Numbers(all.begin() + 4, all.end())) << "the end of a segment";
-  EXPECT_EQ(behind(2, 3), Numbers(all.begin() + 7, all.end()));
-  EXPECT_THAT(behind(2, 4), IsEmpty());
-  EXPECT_THAT(behind(3, 1), IsEmpty()) << "no such segment yet";
-}
-
-TEST_F(AuditTest, AnInvalidStartRowIsRefused) {
-  const auto code = [&](const std::string& session, uint32_t segment, uint64_t row) {
-    v1::ExportDecisionsRequest request;
-    request.set_session_id(session);
-    request.set_after_segment(segment);
-    request.set_after_row(row);
+class ListTest : public AuditTest {
+ protected:
+  v1::ListDecisionsResponse Page(const v1::ListDecisionsRequest& request = {},
+                                 grpc::StatusCode code = grpc::StatusCode::OK) {
     grpc::ClientContext context;
-    const auto stub = v1::AuditService::NewStub(channel_);
-    const auto reader = stub->ExportDecisions(&context, request);
-    for (v1::ExportDecisionsResponse part; reader->Read(&part);) continue;
-    return reader->Finish().error_code();
+    v1::ListDecisionsResponse page;
+    EXPECT_EQ(
+        v1::AuditService::NewStub(channel_)->ListDecisions(&context, request, &page).error_code(),
+        code);
+    return page;
+  }
+  // Returns the places of the rows, as SESSION:SEGMENT.ROW, with names[id] for a session.
+  std::vector<std::string> PlacesOf(const v1::ListDecisionsResponse& page) {
+    std::vector<std::string> places;
+    for (const v1::AuditRow& row : page.rows())
+      places.push_back(absl::StrCat(names_[row.session()], row.segment(), ".", row.row()));
+    return places;
+  }
+  // Reads all pages from the newest row on.
+  std::vector<std::string> AllPlaces(v1::ListDecisionsRequest request) {
+    std::vector<std::string> places;
+    for (bool has_more = true; has_more;) {
+      const auto page = Page(request);
+      for (const std::string& place : PlacesOf(page)) places.push_back(place);
+      request.set_older_than(page.older_token());
+      has_more = page.has_more();
+    }
+    return places;
+  }
+  // Makes a log of three sessions: a in two segments, b in another scene, and c of a single row.
+  void MakeLog() {
+    v1::Hello hello = HelloMessage();
+    v1::Hello desert = HelloMessage();
+    desert.set_scene("desert");
+    {
+      TelemetryClient client(channel_);
+      const v1::Welcome welcome = client.Open(hello);
+      Resume(hello, welcome);
+      session_ = welcome.session_id();
+      names_[session_] = "a";
+      Play(client, 1, 3);
+    }
+    {
+      TelemetryClient client(channel_);
+      names_[client.Open(desert).session_id()] = "b";
+      Play(client, 1, 1);
+      client.Send(Goodbye());
+      EXPECT_TRUE(client.Finish().ok());
+    }
+    RestartServer();
+    applied_ = 0;
+    TelemetryClient client(channel_);
+    EXPECT_TRUE(client.Open(hello).resumed());
+    Play(client, 4, 5);
+    client.Send(Goodbye());
+    EXPECT_TRUE(client.Finish().ok());
+  }
+
+  std::map<std::string, std::string> names_;
+  std::string session_;
+};
+
+using Places = std::vector<std::string>;
+
+TEST_F(ListTest, RowsOfAllSessionsComeInTheOrderOfArrivalNewestFirst) {
+  MakeLog();
+  const Places all = {"a2.3", "a2.2", "a2.1", "b1.2", "b1.1", "a1.4", "a1.3", "a1.2", "a1.1"};
+  const auto page = Page();
+  EXPECT_EQ(PlacesOf(page), all);
+  EXPECT_FALSE(page.has_more());
+  ASSERT_EQ(page.setups_size(), 3) << "one per segment";
+  EXPECT_EQ(page.setups(0).session_id(), session_);
+  EXPECT_EQ(page.setups(0).segment(), 2u);
+  EXPECT_EQ(page.setups(0).setup().arms_size(), 2);
+  EXPECT_EQ(page.setups(1).setup().scene(), "desert");
+  for (const uint32_t size : {1, 2, 4}) {
+    v1::ListDecisionsRequest request;
+    request.set_page_size(size);
+    EXPECT_EQ(Page(request).rows_size(), size);
+    EXPECT_EQ(AllPlaces(request), all) << size;
+  }
+}
+
+TEST_F(ListTest, RowsOfOneSessionComeBySegmentAndNumber) {
+  MakeLog();
+  v1::ListDecisionsRequest request;
+  request.mutable_filter()->set_session_id(session_);
+  const Places all = {"a2.3", "a2.2", "a2.1", "a1.4", "a1.3", "a1.2", "a1.1"};
+  EXPECT_EQ(PlacesOf(Page(request)), all);
+  for (const uint32_t size : {1, 2, 3}) {
+    request.set_page_size(size);
+    EXPECT_EQ(AllPlaces(request), all) << size;
+  }
+}
+
+TEST_F(ListTest, NewerRowsAreReadFromAPlaceOn) {
+  MakeLog();
+  for (const std::string& session : {std::string(), session_}) {
+    v1::ListDecisionsRequest request;
+    request.mutable_filter()->set_session_id(session);
+    request.set_page_size(2);
+    const auto newest = Page(request);
+    request.set_newer_than(newest.newer_token());
+    const auto tail = Page(request);
+    EXPECT_EQ(tail.rows_size(), 0) << "nothing is newer";
+    EXPECT_FALSE(tail.has_more());
+    EXPECT_EQ(tail.newer_token(), newest.newer_token());
+    request.clear_newer_than();
+    request.set_older_than(newest.older_token());
+    const auto older = Page(request);
+    request.clear_older_than();
+    request.set_newer_than(older.newer_token());
+    EXPECT_EQ(PlacesOf(Page(request)), PlacesOf(newest)) << "back on the first page";
+    EXPECT_FALSE(Page(request).has_more());
+    request.set_older_than("1.1");
+    Page(request, grpc::StatusCode::INVALID_ARGUMENT);
+  }
+}
+
+TEST_F(ListTest, ATailBeginsInAnEmptyLog) {
+  v1::ListDecisionsRequest request;
+  const auto empty = Page(request);
+  EXPECT_FALSE(empty.has_more());
+  MakeLog();
+  request.set_newer_than(empty.newer_token());
+  request.set_page_size(4);
+  const auto page = Page(request);
+  EXPECT_EQ(PlacesOf(page), (Places{"a1.4", "a1.3", "a1.2", "a1.1"})) << "the oldest rows first";
+  EXPECT_TRUE(page.has_more());
+}
+
+TEST_F(ListTest, RowsAreSelectedByTheirContent) {
+  MakeLog();
+  const auto count = [&](auto change) {
+    int counts[2];
+    for (const bool one : {false, true}) {
+      v1::ListDecisionsRequest request;
+      if (one) request.mutable_filter()->set_session_id(session_);
+      change(*request.mutable_filter());
+      counts[one] = Page(request).rows_size();
+    }
+    return std::pair(counts[0], counts[1]);
   };
-  EXPECT_EQ(code("", 1, 1), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(code("a", 1, 0), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(code("a", 0, 1), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(code("a", 1, std::numeric_limits<uint64_t>::max()), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(code("a", 1, 1), grpc::StatusCode::OK) << "an unknown session has no rows";
+  using Counts = std::pair<int, int>;
+  using Filter = v1::DecisionFilter;
+  EXPECT_EQ(count([](Filter& f) { f.add_kinds(v1::AUDIT_KIND_SETUP); }), Counts(3, 2));
+  EXPECT_EQ(count([](Filter& f) {
+              f.add_kinds(v1::AUDIT_KIND_SETUP);
+              f.add_kinds(v1::AUDIT_KIND_TICK);
+            }),
+            Counts(9, 7));
+  EXPECT_EQ(count([](Filter& f) { f.add_outcomes(v1::DECISION_OUTCOME_REJECTED); }), Counts(0, 0));
+  EXPECT_EQ(count([](Filter& f) { f.set_scene("desert"); }), Counts(2, 0));
+  EXPECT_EQ(count([](Filter& f) { f.set_arm("nothing"); }), Counts(0, 0));
+  const v1::AuditRow tick = Page().rows(0);
+  EXPECT_GT(count([&](Filter& f) { f.set_arm(tick.decision().active_arm()); }).second, 0);
+  EXPECT_GT(count([&](Filter& f) { f.add_outcomes(tick.decision().outcome()); }).second, 0);
+}
+
+TEST_F(ListTest, RowsAreSelectedByTime) {
+  MakeLog();
+  v1::ListDecisionsRequest request;
+  request.mutable_filter()->set_session_id(session_);
+  const auto all = Page(request);
+  const v1::AuditSetup& setup = all.setups(1).setup();
+  const auto ms = [&](const v1::AuditRow& row) {
+    return setup.unix_start_ms() + (row.time_ns() - setup.start_ns()) / kNsPerMs;
+  };
+  // The rows 1.2 and 1.3. The second segment began later on the wall clock.
+  for (const std::string& session : {std::string(), session_}) {
+    request.mutable_filter()->set_session_id(session);
+    request.mutable_filter()->set_scene("harbour");
+    request.mutable_filter()->set_unix_from_ms(ms(all.rows(5)));
+    request.mutable_filter()->set_unix_until_ms(ms(all.rows(3)));
+    const Places found = PlacesOf(Page(request));
+    EXPECT_THAT(found, testing::IsSupersetOf({"a1.3", "a1.2"}));
+    EXPECT_THAT(found, testing::Not(testing::Contains("a1.4")));
+    EXPECT_THAT(found, testing::Not(testing::Contains("a1.1")));
+  }
+  request.mutable_filter()->set_unix_from_ms(ms(all.rows(3)) + 86'400'000);
+  request.mutable_filter()->clear_unix_until_ms();
+  EXPECT_EQ(Page(request).rows_size(), 0);
+}
+
+TEST_F(ListTest, OneRowIsReadByItsPlaceOrItsDecision) {
+  MakeLog();
+  v1::ListDecisionsRequest request;
+  request.mutable_filter()->set_session_id(session_);
+  request.set_segment(1);
+  request.set_row(3);
+  EXPECT_EQ(PlacesOf(Page(request)), Places{"a1.3"});
+  request.set_row(9);
+  EXPECT_EQ(Page(request).rows_size(), 0);
+  request.set_row(0);
+  Page(request, grpc::StatusCode::INVALID_ARGUMENT);
+  request.set_segment(0);
+  for (const uint64_t id : {1, 3, 4, 5}) {
+    request.set_decision_id(id);
+    const auto page = Page(request);
+    ASSERT_EQ(page.rows_size(), 1) << id;
+    EXPECT_EQ(page.rows(0).decision().id(), id);
+  }
+  request.set_decision_id(6);
+  EXPECT_EQ(Page(request).rows_size(), 0);
+  request.mutable_filter()->clear_session_id();
+  Page(request, grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ListTest, AnInvalidTokenIsRefused) {
+  for (const std::string token : {"x", "-1", "1.2", "0", "99999999999999999999"}) {
+    v1::ListDecisionsRequest request;
+    request.set_older_than(token);
+    Page(request, grpc::StatusCode::INVALID_ARGUMENT);
+  }
+  for (const std::string token : {"1", "x.1", "1.0", "1.", "1.2.3", ".1"}) {
+    v1::ListDecisionsRequest request;
+    request.mutable_filter()->set_session_id("a");
+    request.set_older_than(token);
+    Page(request, grpc::StatusCode::INVALID_ARGUMENT);
+  }
+}
+
+TEST_F(ListTest, ACallReadsALimitedPartOfTheLog) {
+  priors::SourceUpdate update;
+  update.progress.source_id = "long";
+  update.progress.commit_sequence = 1;
+  update.audit = {.segment = 1, .project = "game", .scene = "harbour", .rows = {}};
+  v1::AuditRow row;
+  row.set_session("long");
+  row.set_segment(1);
+  const uint64_t row_count = 2 * kRowsPerList + 10;
+  for (uint64_t number = 1; number <= row_count; ++number) {
+    row.set_row(number);
+    row.set_kind(number == 1 ? v1::AUDIT_KIND_REFUSAL : v1::AUDIT_KIND_SWITCH);
+    update.audit.rows.push_back({.number = number, .bytes = row.SerializeAsString()});
+  }
+  thread_.Submit([&](priors::PriorStore& store) { EXPECT_TRUE(store.Commit({&update, 1}).ok()); });
+  for (const std::string session : {"", "long"}) {
+    v1::ListDecisionsRequest request;
+    request.mutable_filter()->set_session_id(session);
+    request.mutable_filter()->add_kinds(v1::AUDIT_KIND_REFUSAL);
+    const auto first = Page(request);
+    EXPECT_EQ(first.rows_size(), 0);
+    EXPECT_TRUE(first.has_more());
+    int calls = 1;
+    v1::ListDecisionsResponse page = first;
+    for (; page.has_more() && page.rows_size() == 0; ++calls) {
+      request.set_older_than(page.older_token());
+      page = Page(request);
+    }
+    ASSERT_EQ(page.rows_size(), 1);
+    EXPECT_EQ(page.rows(0).row(), 1u);
+    EXPECT_EQ(calls, 3);
+    request.clear_older_than();
+    request.set_newer_than(first.newer_token());
+    EXPECT_EQ(Page(request).has_more(), false) << "the tail continues after the newest row";
+  }
+}
+
+TEST_F(ListTest, AnExportHasOnlyTheSelectedRowsAndTheSetupsOfTheirSegments) {
+  MakeLog();
+  v1::ExportDecisionsRequest request;
+  request.mutable_filter()->add_kinds(v1::AUDIT_KIND_TICK);
+  request.mutable_filter()->set_scene("harbour");
+  grpc::ClientContext context;
+  const auto reader = v1::AuditService::NewStub(channel_)->ExportDecisions(&context, request);
+  std::vector<v1::SegmentSetup> setups;
+  Places places;
+  for (v1::ExportDecisionsResponse part; reader->Read(&part);) {
+    setups.insert(setups.end(), part.setups().begin(), part.setups().end());
+    for (const v1::AuditRow& row : part.rows())
+      places.push_back(absl::StrCat(row.segment(), ".", row.row()));
+  }
+  EXPECT_TRUE(reader->Finish().ok());
+  EXPECT_EQ(places, (Places{"1.2", "1.3", "1.4", "2.2", "2.3"}));
+  ASSERT_EQ(setups.size(), 2u);
+  EXPECT_EQ(setups[1].segment(), 2u);
+  EXPECT_GT(setups[1].setup().unix_start_ms(), 0);
 }
 
 TEST_F(AuditTest, ManyRowsAreSentInSeveralMessages) {

@@ -281,7 +281,7 @@ class RpcTest : public ::testing::Test {
   // Returns the actions of administrators that this token may read, as sentences.
   std::vector<std::string> AdminRows(const std::string& name = "all") {
     v1::ExportDecisionsRequest request;
-    request.set_session_id(std::string(decision::kAdminSession));
+    request.mutable_filter()->set_session_id(std::string(decision::kAdminSession));
     std::vector<std::string> sentences;
     for (const decision::AuditRow& row : ExportAudit(request, name))
       sentences.push_back(row.operator_name + " " + row.action);

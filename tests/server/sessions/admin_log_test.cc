@@ -133,7 +133,7 @@ TEST_F(AdminLogTest, EachRunOfTheDaemonHasASegmentThatReplayAccepts) {
   Import();
   ASSERT_TRUE(LogHas(3));
   v1::ExportDecisionsRequest request;
-  request.set_session_id(std::string(decision::kAdminSession));
+  request.mutable_filter()->set_session_id(std::string(decision::kAdminSession));
   std::vector<decision::AuditRow> log = ExportAudit(request, "ann");
   ASSERT_EQ(log.size(), 3u);
   EXPECT_EQ(log[2].segment, 2u);

@@ -48,6 +48,12 @@ class AuditConformance : public PriorStoreConformance {
     return texts;
   }
 
+  static std::vector<std::string> PlacedTexts(const priors::AuditScan& scan) {
+    std::vector<std::string> texts;
+    for (const priors::PlacedAuditRow& placed : scan.rows) texts.push_back(placed.row.bytes);
+    return texts;
+  }
+
   uint64_t commit_count_ = 0;
 };
 
@@ -255,6 +261,70 @@ TEST_P(AuditConformance, RowsAreReadByPageAndByBytes) {
   EXPECT_EQ(Texts(*store_->LoadAudit(id, 1, 5, 4)), (std::vector<std::string>{"1/1", "1/2"}));
   EXPECT_TRUE(store_->LoadAudit(id, 6, 5, 100)->empty());
   EXPECT_TRUE(store_->LoadAudit(id + 1, 1, 5, 100)->empty());
+}
+
+TEST_P(AuditConformance, RowsOfAllSessionsAreScannedInTheOrderOfArrivalOrBackwards) {
+  ASSERT_TRUE(Append("a", Rows(1, 1, 2)).ok());
+  ASSERT_TRUE(Append("b", Rows(7, 1, 2, "desert")).ok());
+  ASSERT_TRUE(Append("a", Rows(1, 3, 2)).ok());
+  const std::vector<std::string> all = {"1/1", "1/2", "7/1", "7/2", "1/3", "1/4"};
+  const auto forward = *store_->ScanAudit({}, priors::AuditOrder::kOldestFirst, 0, 10);
+  EXPECT_EQ(PlacedTexts(forward), all);
+  EXPECT_TRUE(forward.at_end);
+  EXPECT_EQ(forward.last_id, forward.rows.back().id);
+  EXPECT_EQ(forward.rows[2].segment_id, Segments({"b", "", ""})[0].id);
+  EXPECT_EQ(forward.rows[2].row.number, 1u);
+  const auto backward = *store_->ScanAudit({}, priors::AuditOrder::kNewestFirst, 0, 10);
+  EXPECT_EQ(PlacedTexts(backward), std::vector<std::string>(all.rbegin(), all.rend()));
+  EXPECT_TRUE(backward.at_end);
+}
+
+TEST_P(AuditConformance, AScanStopsAtItsLimitAndContinuesAfterItsLastRow) {
+  ASSERT_TRUE(Append("a", Rows(1, 1, 5)).ok());
+  for (const auto order : {priors::AuditOrder::kOldestFirst, priors::AuditOrder::kNewestFirst}) {
+    std::vector<std::string> texts;
+    priors::AuditScan scan;
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_FALSE(scan.at_end);
+      scan = *store_->ScanAudit({}, order, scan.last_id, 2);
+      for (const std::string& text : PlacedTexts(scan)) texts.push_back(text);
+    }
+    EXPECT_TRUE(scan.at_end);
+    EXPECT_EQ(texts.size(), 5u);
+    EXPECT_EQ(texts.back(), order == priors::AuditOrder::kOldestFirst ? "1/5" : "1/1");
+    const uint64_t last_id = scan.last_id;
+    scan = *store_->ScanAudit({}, order, last_id, 2);
+    EXPECT_TRUE(scan.rows.empty());
+    EXPECT_TRUE(scan.at_end);
+    EXPECT_EQ(scan.last_id, last_id);
+  }
+}
+
+TEST_P(AuditConformance, AScanSelectsRowsByTheirSegment) {
+  for (const char* project : {"a", "b", "b c"}) {
+    priors::AuditRows rows = Rows(1, 1, 1, std::string("scene of ") + project);
+    rows.project = project;
+    ASSERT_TRUE(Append(std::string("session of ") + project, rows).ok());
+  }
+  const auto count = [&](const priors::AuditFilter& filter) {
+    return store_->ScanAudit(filter, priors::AuditOrder::kNewestFirst, 0, 10)->rows.size();
+  };
+  EXPECT_EQ(count({}), 3u);
+  EXPECT_EQ(count({"session of a", "", ""}), 1u);
+  EXPECT_EQ(count({"", "b", ""}), 1u);
+  EXPECT_EQ(count({"", "", "scene of b c"}), 1u);
+  EXPECT_EQ(count({"", "", "", {"a", "b c", "none"}}), 2u);
+  EXPECT_EQ(count({"", "b", "", {"a"}}), 0u);
+  const auto none = *store_->ScanAudit({"", "none", ""}, priors::AuditOrder::kOldestFirst, 0, 10);
+  EXPECT_TRUE(none.at_end);
+  EXPECT_EQ(none.last_id, store_->ScanAudit({}, priors::AuditOrder::kOldestFirst, 0, 10)->last_id)
+      << "rows that do not match are passed";
+}
+
+TEST_P(AuditConformance, AnEmptyLogIsScanned) {
+  for (const auto order : {priors::AuditOrder::kOldestFirst, priors::AuditOrder::kNewestFirst})
+    EXPECT_EQ(*store_->ScanAudit({}, order, 0, 10),
+              (priors::AuditScan{.rows = {}, .first_id = 0, .last_id = 0, .at_end = true}));
 }
 
 TEST_P(AuditConformance, RowsComeBackByteByByte) {

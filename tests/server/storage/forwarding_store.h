@@ -91,6 +91,11 @@ class ForwardingStore : public priors::PriorStore {
                                                                 size_t max_bytes) override {
     return store_->LoadAudit(segment_id, first_row, limit, max_bytes);
   }
+  absl::StatusOr<priors::AuditScan> ScanAudit(const priors::AuditFilter& filter,
+                                              priors::AuditOrder order, uint64_t start,
+                                              uint32_t limit) override {
+    return store_->ScanAudit(filter, order, start, limit);
+  }
 
  private:
   const std::unique_ptr<priors::PriorStore> store_;

@@ -289,7 +289,7 @@ TEST(ExportAudit, WritesTheRowsOfAllParts) {
   text << std::ifstream(folder.path() / "log.csv").rdbuf();
   EXPECT_EQ(text.str(), decision::AuditHeader() + "\n" + decision::AuditLines(one) + "\n" +
                             decision::AuditLines(two) + "\n");
-  EXPECT_EQ(daemon.audit.export_request.get().session_id(), "id");
+  EXPECT_EQ(daemon.audit.export_request.get().filter().session_id(), "id");
 }
 
 TEST(ExportAudit, LeavesNoFileWhenTheDaemonFails) {

@@ -130,8 +130,13 @@ TEST_F(AccessTest, AListingAnExportAndTheAuditLogShowTheTokensProjectsOnly) {
   for (v1::ExportDecisionsResponse part; rows->Read(&part);) {
     for (const v1::AuditRow& row : part.rows()) text += row.ShortDebugString();
   }
-  EXPECT_THAT(text, HasSubstr("mine"));
-  EXPECT_THAT(text, ::testing::Not(HasSubstr("theirs")));
+  v1::ListDecisionsResponse list;
+  const auto list_context = Mine();
+  ASSERT_TRUE(audit->ListDecisions(list_context.get(), {}, &list).ok());
+  for (const std::string& read : {text, list.ShortDebugString()}) {
+    EXPECT_THAT(read, HasSubstr("mine"));
+    EXPECT_THAT(read, ::testing::Not(HasSubstr("theirs")));
+  }
 }
 
 TEST_F(AccessTest, TheAuditLogNamesPartiesToThoseWhoMayRevokeThem) {
@@ -187,7 +192,11 @@ TEST_F(AccessTest, RefusalsForAnotherProjectAreLoggedForEveryCall) {
   const auto priors = v1::PriorsService::NewStub(channel_);
   const auto sessions = v1::SessionsService::NewStub(channel_);
   const auto ask = [&](auto request, auto call) {
-    request.set_project("theirs");
+    if constexpr (requires { request.mutable_filter(); }) {
+      request.mutable_filter()->set_project("theirs");
+    } else {
+      request.set_project("theirs");
+    }
     return call(Mine().get(), request);
   };
   const std::function<grpc::Status()> calls[] = {
@@ -202,6 +211,12 @@ TEST_F(AccessTest, RefusalsForAnotherProjectAreLoggedForEveryCall) {
         return ask(v1::ListSessionsRequest(), [&](auto* context, const auto& request) {
           v1::ListSessionsResponse response;
           return sessions->ListSessions(context, request, &response);
+        });
+      },
+      [&] {
+        return ask(v1::ListDecisionsRequest(), [&](auto* context, const auto& request) {
+          v1::ListDecisionsResponse response;
+          return audit->ListDecisions(context, request, &response);
         });
       },
       [&] {
