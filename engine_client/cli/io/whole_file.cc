@@ -4,7 +4,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine_client/decider/audit/csv.h"
+#include "engine_client/text/csv.h"
 
 namespace sweepstake::cli {
 
@@ -43,7 +43,7 @@ void WholeFile::Write(std::string_view bytes) {
 
 void WholeFile::WriteRow(std::initializer_list<std::string_view> cells) {
   std::string line;
-  decision::AppendCsvLine(line, cells);
+  text::AppendCsvLine(line, cells);
   Write(line + "\r\n");
 }
 

@@ -94,7 +94,7 @@ Lines AuditCells(const AuditRow& row) { return LinesOf(row, /*writes_names=*/fal
 
 std::string AuditHeader() {
   std::string text;
-  AppendCsvLine(text, AuditColumns());
+  text::AppendCsvLine(text, AuditColumns());
   return text;
 }
 
@@ -102,7 +102,7 @@ std::string AuditLines(const AuditRow& row) {
   std::string text;
   for (const auto& line : AuditCells(row)) {
     if (!text.empty()) text += '\n';
-    AppendCsvLine(text, line);
+    text::AppendCsvLine(text, line);
   }
   return text;
 }

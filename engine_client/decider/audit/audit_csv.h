@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "engine_client/decider/audit/audit_row.h"
-#include "engine_client/decider/audit/csv.h"
+#include "engine_client/text/csv.h"
 
 namespace sweepstake::decision {
 
@@ -50,7 +50,7 @@ class AuditCsvReader {
   // Reads the next line into `ahead_`. Returns false at the end of the file and after an error.
   bool ReadAhead();
 
-  CsvReader lines_;
+  text::CsvReader lines_;
   size_t line_ = 0;
   std::vector<std::string> ahead_;  // the first line of the next row; empty at the end
   std::string problem_;

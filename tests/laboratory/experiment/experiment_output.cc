@@ -11,9 +11,9 @@
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
-#include "engine_client/decider/audit/csv.h"
 #include "engine_client/decider/types.h"
 #include "engine_client/text/counts.h"
+#include "engine_client/text/csv.h"
 #include "sweepstake/broad_phase.h"
 #include "tests/laboratory/replay/replay_output.h"
 
@@ -226,7 +226,7 @@ void AppendCells(const Json& row, bool names, std::string& line) {
     const std::string text = value.is_string() ? value.get<std::string>()
                              : value.is_null() ? ""
                                                : value.dump();
-    decision::AppendCsv(line, names ? name : text);
+    text::AppendCsv(line, names ? name : text);
   };
   for (const auto& [name, value] : row.items()) {
     if (!value.is_array()) {

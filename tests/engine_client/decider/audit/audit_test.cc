@@ -28,7 +28,7 @@ Rows LogOf(uint64_t seed, std::string_view policy, int steps) {
 // Returns the cells of each line of a CSV file.
 Lines LinesOf(const std::string& csv) {
   Lines lines;
-  CsvReader reader(csv);
+  text::CsvReader reader(csv);
   for (std::vector<std::string> cells; reader.Next(cells);) lines.push_back(cells);
   EXPECT_EQ(reader.problem(), "");
   return lines;
@@ -37,7 +37,7 @@ Lines LinesOf(const std::string& csv) {
 std::string TextOf(const Lines& lines) {
   std::string text;
   for (const auto& line : lines) {
-    for (size_t i = 0; i < line.size(); ++i) AppendCsv(text += i > 0 ? "," : "", line[i]);
+    for (size_t i = 0; i < line.size(); ++i) text::AppendCsv(text += i > 0 ? "," : "", line[i]);
     text += '\n';
   }
   return text;
@@ -361,7 +361,7 @@ TEST(AuditCsv, CellsWithCommasQuotesAndLineBreaksAreReadBack) {
 
 TEST(AuditCsv, AnUnclosedQuoteIsAnError) {
   std::vector<std::string> cells;
-  CsvReader reader("a,\"b\nc");
+  text::CsvReader reader("a,\"b\nc");
   EXPECT_FALSE(reader.Next(cells));
   EXPECT_EQ(reader.problem(), "a quoted cell has no closing quote");
 }

@@ -1,6 +1,6 @@
-#include "engine_client/decider/audit/csv.h"
+#include "engine_client/text/csv.h"
 
-namespace sweepstake::decision {
+namespace sweepstake::text {
 
 void AppendCsv(std::string& out, std::string_view cell) {
   if (cell.find_first_of(",\"\r\n") == std::string_view::npos) {
@@ -71,4 +71,4 @@ void CsvReader::SkipLineEnd() {
   ++next_line_;
 }
 
-}  // namespace sweepstake::decision
+}  // namespace sweepstake::text

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sweepstake::decision {
+namespace sweepstake::text {
 
 // Appends the cell, in quotes if it contains a comma, a quote or a line break.
 void AppendCsv(std::string& out, std::string_view cell);
@@ -49,4 +49,4 @@ class CsvReader {
   std::string problem_;
 };
 
-}  // namespace sweepstake::decision
+}  // namespace sweepstake::text
