@@ -116,7 +116,7 @@ ROOM_ORDER = {
     "engine_client/telemetry": ("tls", "common", "protocol", "conversion", ""),
     "server/rpc": ("common", "services", ""),
     "server/sessions": ("common", ""),
-    "server/web": ("", "api"),
+    "server/web": ("", "csv", "api"),
 }
 
 # Only these folders may use headers of one operating system, gRPC or protobuf.

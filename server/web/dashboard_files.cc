@@ -11,6 +11,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "engine_client/text/names.h"
+#include "server/web/gzip.h"
 #include "server/web/query.h"
 
 namespace sweepstake::web {
@@ -123,7 +124,7 @@ Page DashboardFiles::PageFor(const Request& request) const {
   } else if (is_page) {
     page.body =
         CompletePage(Decompress(file->gzip_bytes), request.base_path, NamesIn(request.path()));
-  } else if (request.Header("Accept-Encoding").find("gzip") != std::string_view::npos) {
+  } else if (AcceptsGzip(request)) {
     page.headers.emplace_back("Content-Encoding", "gzip");
     page.body = std::string(file->gzip_bytes);
   } else {

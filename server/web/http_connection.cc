@@ -41,11 +41,14 @@ constexpr std::pair<const char*, const char*> kSecurityHeaders[] = {
     {"Cross-Origin-Resource-Policy", "same-origin"},
 };
 
-template <typename Response>
-void SetHeaders(Response& response, const std::string& content_type) {
+// Sets the headers of every answer, and `more`, which may replace some of them.
+template <typename Response, typename Headers>
+void SetHeaders(Response& response, const std::string& content_type, const Headers& more) {
   for (const auto& [name, value] : kSecurityHeaders) response.set(name, value);
   response.set(http::field::content_type, content_type);
   response.set(http::field::cache_control, "no-store");
+  if (IsCompressible(content_type)) response.set(http::field::vary, "Accept-Encoding");
+  for (const auto& [name, value] : more) response.set(name, value);
 }
 
 // Returns whether the client violated the protocol. False if the connection only ended.
@@ -194,9 +197,9 @@ void HttpConnection::Answer(Page page) { Write(std::move(page), request_.message
 
 void HttpConnection::Write(Page page, bool keep_alive) {
   response_ = {};
+  if (AcceptsGzip(request_)) Compress(page);
   response_.result(static_cast<unsigned>(page.status));
-  SetHeaders(response_, page.content_type);
-  for (const auto& [name, value] : page.headers) response_.set(name, value);
+  SetHeaders(response_, page.content_type, page.headers);
   response_.keep_alive(keep_alive);
   response_.body() = std::move(page.body);
   response_.prepare_payload();
@@ -233,9 +236,14 @@ void HttpConnection::Drop() {
   stream_.tcp().close();
 }
 
-void HttpConnection::Stream(std::string content_type, std::unique_ptr<PartSource> source) {
+void HttpConnection::Stream(StreamHead head, std::unique_ptr<PartSource> source) {
   writing_ = true;
   source_ = std::move(source);
+  gzip_.reset();
+  if (!source_->endless() && AcceptsGzip(request_) && IsCompressible(head.content_type)) {
+    gzip_.emplace();
+    head.headers.emplace_back("Content-Encoding", "gzip");
+  }
   // Requests the parts later, because the caller of `wake` may still be changing them.
   source_->Start([weak = weak_from_this()] {
     const auto self = weak.lock();
@@ -244,13 +252,13 @@ void HttpConnection::Stream(std::string content_type, std::unique_ptr<PartSource
   });
   stream_.tcp().expires_never();
   AwaitEnd();
-  WriteStreamHead(std::move(content_type));
+  WriteStreamHead(head);
 }
 
-void HttpConnection::WriteStreamHead(std::string content_type) {
+void HttpConnection::WriteStreamHead(const StreamHead& head) {
   head_ = {};
   head_.version(request_.message.version());
-  SetHeaders(head_, content_type);
+  SetHeaders(head_, head.content_type, head.headers);
   head_.set("X-Accel-Buffering", "no");  // proxies must pass each part on at once
   head_.keep_alive(false);
   head_.chunked(head_.version() >= kHttp11);
@@ -288,7 +296,8 @@ void HttpConnection::WriteParts() {
     self->OnPartWritten(error);
   };
   writing_ = true;
-  part_ = source_->Next();
+  part_ = NextPart();
+  if (source_->failed()) return Drop();
   writing_ = part_ != nullptr || source_->ended();
   if (!writing_) return;
   stream_.tcp().expires_after(PatienceFor(part_ ? part_->size() : 0));
@@ -304,6 +313,16 @@ void HttpConnection::WriteParts() {
     ResetOnClose(false);
     OnPartWritten({});
   }
+}
+
+std::shared_ptr<const std::string> HttpConnection::NextPart() {
+  std::shared_ptr<const std::string> part = source_->Next();
+  if (!gzip_) return part;
+  if (part) return std::make_shared<const std::string>(gzip_->Write(*part, /*is_last=*/false));
+  if (!source_->ended()) return nullptr;
+  part = std::make_shared<const std::string>(gzip_->Write({}, /*is_last=*/true));
+  gzip_.reset();
+  return part;
 }
 
 void HttpConnection::ResetOnClose(bool resets) {

@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 
+#include "server/web/gzip.h"
 #include "server/web/http_message.h"
 #include "server/web/http_server.h"
 #include "server/web/http_stream.h"
@@ -46,7 +47,7 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
 
   const Request& request() const override { return request_; }
   void Answer(Page page) override;
-  void Stream(std::string content_type, std::unique_ptr<PartSource> source) override;
+  void Stream(StreamHead head, std::unique_ptr<PartSource> source) override;
 
  private:
   using Parser = boost::beast::http::request_parser<boost::beast::http::string_body>;
@@ -71,13 +72,15 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   // Removes the base path from the target of the request.
   void StripBase();
 
-  // The next six send a stream. A client may close its sending side and receive the rest of the
+  // The next seven send a stream. A client may close its sending side and receive the rest of the
   // stream. If the stream is endless, that client counts as disconnected, as in nginx and Go's
   // net/http.
-  void WriteStreamHead(std::string content_type);
+  void WriteStreamHead(const StreamHead& head);
   void AwaitEnd();
   void AwaitReset();
   void WriteParts();
+  // Returns the source's next part, compressed if the answer is; null if there is none now.
+  std::shared_ptr<const std::string> NextPart();
   void OnPartWritten(Error error);
   // Whether the connection is reset when it or the process ends. In HTTP/1.0 the end of the
   // connection is the end of the answer, so a client could not notice that an answer is incomplete.
@@ -98,6 +101,7 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   std::optional<boost::beast::http::response_serializer<boost::beast::http::empty_body>>
       serializer_;
   std::unique_ptr<PartSource> source_;
+  std::optional<GzipWriter> gzip_;  // absent if the answer is not compressed, or at its end
   std::shared_ptr<const std::string> part_;  // the part that is being written
   bool writing_ = false;
 };

@@ -41,6 +41,12 @@ struct Page {
       {};  // in addition to the headers of every answer
 };
 
+// The type and further headers of an answer in parts.
+struct StreamHead {
+  std::string content_type;
+  std::vector<std::pair<std::string, std::string>> headers = {};
+};
+
 // The parts of an answer. The connection owns it, and destroys it when the client has disconnected
 // or does not read, or when the answer is complete.
 class PartSource {
@@ -53,7 +59,11 @@ class PartSource {
   virtual std::shared_ptr<const std::string> Next() = 0;
   // Returns whether the answer is complete.
   virtual bool ended() const = 0;
-  // Returns whether only the client ends the answer, as with server-sent events.
+  // Returns whether the answer cannot be completed. The connection then ends, so that the client
+  // notices.
+  virtual bool failed() const { return false; }
+  // Returns whether only the client ends the answer, as with server-sent events. Such an answer is
+  // not compressed, because its parts are shared.
   virtual bool endless() const { return false; }
 };
 
@@ -66,7 +76,7 @@ class Exchange {
   virtual void Answer(Page page) = 0;
   // Answers with status 200 and the parts of the source: in chunks, or, for a client with HTTP/1.0,
   // until the end of the connection. If such an answer is not complete, the connection is reset.
-  virtual void Stream(std::string content_type, std::unique_ptr<PartSource> source) = 0;
+  virtual void Stream(StreamHead head, std::unique_ptr<PartSource> source) = 0;
 };
 
 using Handler = std::function<void(const std::shared_ptr<Exchange>&)>;

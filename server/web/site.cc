@@ -26,8 +26,8 @@ Page MethodPage(const std::string& methods) {
 
 bool IsOfApi(const Request& request) {
   const std::string_view path = request.path();
-  return path.starts_with("/api/") || path.starts_with("/events/") || path == "/logout" ||
-         (request.is_post() && path == kLogin);
+  return path.starts_with("/api/") || path.starts_with("/events/") || path.starts_with("/csv/") ||
+         path == "/logout" || (request.is_post() && path == kLogin);
 }
 
 // Returns the host of HOST or HOST:PORT in lower case. Returns nothing if the port is not a number,

@@ -33,7 +33,7 @@ class Site {
     // address that the client has connected to are always accepted.
     std::set<std::string, std::less<>> hosts = {};
     DashboardFiles files = DashboardFiles({}, "");
-    // Answers /api/ and /events/, and POST requests to /login and /logout.
+    // Answers /api/, /events/ and /csv/, and POST requests to /login and /logout.
     Handler api = {};
   };
 

@@ -75,7 +75,7 @@ void Echo(const std::shared_ptr<Exchange>& exchange) {
   Require(again.ok() && Serialize(**again) == Serialize(**message),
           "a written request can be read again");
   if (request.is_post()) return exchange->Answer({.body = *json});
-  exchange->Stream("text/event-stream", std::make_unique<Halves>(*json));
+  exchange->Stream({"text/event-stream"}, std::make_unique<Halves>(*json));
 }
 
 // The answers to this many bytes fit in the socket's buffer, so that they need not be read in

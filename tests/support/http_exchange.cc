@@ -114,6 +114,16 @@ HttpAnswer Exchange(int port, std::string_view request) {
   return {std::stoi(all.substr(9, 3)), all.substr(0, end + 2), all.substr(end + 4)};
 }
 
+std::string Dechunked(std::string body) {
+  std::string text;
+  for (size_t end = 0; (end = body.find("\r\n")) != std::string::npos;) {
+    const size_t size = std::stoul(body.substr(0, end), nullptr, 16);
+    text += body.substr(end + 2, size);
+    body.erase(0, end + 2 + size + 2);
+  }
+  return text;
+}
+
 HttpAnswer Get(int port, const std::string& target) {
   return Exchange(port,
                   "GET " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");

@@ -47,6 +47,9 @@ struct HttpAnswer {
 // Sends `request` and reads until the server closes the connection.
 HttpAnswer Exchange(int port, std::string_view request);
 
+// Returns the content of the chunks of a body.
+std::string Dechunked(std::string body);
+
 // Gets a page.
 HttpAnswer Get(int port, const std::string& target);
 

@@ -20,6 +20,7 @@ using nlohmann::ordered_json;
 
 constexpr std::string_view kCalls = "/api/";
 constexpr std::string_view kEvents = "/events/";
+constexpr std::string_view kCsv = "/csv/";
 constexpr std::string_view kWhoAmI = "/api/whoami";
 constexpr absl::string_view kScheme = "Bearer ";
 constexpr size_t kMaxTokenBytes = 256;
@@ -97,9 +98,10 @@ void Api::Handle(const std::shared_ptr<Exchange>& exchange) {
   if (path == "/logout")
     return exchange->Answer(request.is_post() ? LogOut(request) : OnlyPage("POST"));
   if (path == kWhoAmI) return exchange->Answer(is_get ? WhoAmI(request) : OnlyPage("GET"));
-  if (path.starts_with(kEvents)) {
+  if (path.starts_with(kEvents) || path.starts_with(kCsv)) {
     if (!is_get) return exchange->Answer(OnlyPage("GET"));
-    return Watch(exchange, path.substr(kEvents.size()));
+    return path.starts_with(kCsv) ? WriteCsv(exchange, path.substr(kCsv.size()))
+                                  : Watch(exchange, path.substr(kEvents.size()));
   }
   if (!request.is_post()) return exchange->Answer(OnlyPage("POST"));
   Call(exchange, path.substr(kCalls.size()));
@@ -116,17 +118,33 @@ void Api::Call(const std::shared_ptr<Exchange>& exchange, std::string_view name)
   calls_.Begin(*method, *std::move(message), *token, exchange);
 }
 
+absl::StatusOr<Api::Query> Api::QueryOf(const Request& request, const Method& method) {
+  auto token = TokenOf(request);
+  if (!token.ok()) return token.status();
+  const auto json = QueryValue(request.query(), "request");
+  if (!json.ok()) return json.status();
+  auto message = FromJson(*json, *method.request);
+  if (!message.ok()) return message.status();
+  return Query{*std::move(message), *std::move(token)};
+}
+
 void Api::Watch(const std::shared_ptr<Exchange>& exchange, std::string_view name) {
-  const Request& request = exchange->request();
   const Method* method = methods_.Find(name);
   if (method == nullptr) return exchange->Answer(ErrorPage(UnknownMethod()));
-  auto token = TokenOf(request);
-  if (!token.ok()) return exchange->Answer(ErrorPage(token.status()));
-  const auto json = QueryValue(request.query(), "request");
-  if (!json.ok()) return exchange->Answer(ErrorPage(json.status()));
-  const auto message = FromJson(*json, *method->request);
-  if (!message.ok()) return exchange->Answer(ErrorPage(message.status()));
-  topics_.Watch(exchange, *method, **message, *token);
+  const auto query = QueryOf(exchange->request(), *method);
+  if (!query.ok()) return exchange->Answer(ErrorPage(query.status()));
+  topics_.Watch(exchange, *method, *query->message, query->token);
+}
+
+void Api::WriteCsv(const std::shared_ptr<Exchange>& exchange, std::string_view name) {
+  const CsvKind* kind = FindCsv(name);
+  if (kind == nullptr)
+    return exchange->Answer(ErrorPage(absl::NotFoundError("the daemon has no table of this name")));
+  const Method* method = methods_.Find(kind->method);
+  if (method == nullptr) return exchange->Answer(ErrorPage(UnknownMethod()));
+  auto query = QueryOf(exchange->request(), *method);
+  if (!query.ok()) return exchange->Answer(ErrorPage(query.status()));
+  calls_.Begin(*method, std::move(query->message), query->token, exchange, kind->make());
 }
 
 absl::StatusOr<Api::Token> Api::TokenOf(const Request& request) {

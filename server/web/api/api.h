@@ -5,6 +5,7 @@
 //   POST /api/sweepstake.v1.SERVICE/METHOD     body: the request as JSON; a stream has one response
 //                                              per line
 //   GET  /events/sweepstake.v1.SERVICE/METHOD?request=JSON
+//   GET  /csv/TABLE?request=JSON               csv/csv_tables.h has the tables and their methods
 //   GET  /api/whoami
 //   POST /login                                body: {"token":"…"}
 //   POST /logout
@@ -57,12 +58,20 @@ class Api {
 
  private:
   using Token = std::optional<std::string>;
+  // What a GET request asks for.
+  struct Query {
+    std::unique_ptr<google::protobuf::Message> message;
+    Token token;
+  };
 
   void Call(const std::shared_ptr<Exchange>& exchange, std::string_view name);
   void Watch(const std::shared_ptr<Exchange>& exchange, std::string_view name);
+  void WriteCsv(const std::shared_ptr<Exchange>& exchange, std::string_view name);
   Page LogIn(const Request& request);
   Page LogOut(const Request& request);
   Page WhoAmI(const Request& request);
+  // Returns the message in the request's query, and its token. Error: INVALID_ARGUMENT.
+  absl::StatusOr<Query> QueryOf(const Request& request, const Method& method);
   // Returns the token of the request, if there is one. Error: INVALID_ARGUMENT (it cannot be a
   // token).
   absl::StatusOr<Token> TokenOf(const Request& request);

@@ -1,7 +1,11 @@
 // Running calls of the daemon's methods over HTTP. A method with one response is answered with that
 // response as JSON. A stream is answered with one JSON message per line, as fast as the client
 // reads. An error before the first line sets the HTTP status of the answer; a later error is the
-// last line. Used on the server's thread only.
+// last line.
+//
+// The responses can also be answered as CSV. For a method with pages, all pages are read one after
+// another, as fast as the client reads. A later error ends the connection, because a file that is
+// incomplete must not look complete. Used on the server's thread only.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -15,6 +19,7 @@
 
 #include "server/web/api/inbox.h"
 #include "server/web/api/methods.h"
+#include "server/web/csv/csv_tables.h"
 #include "server/web/http_message.h"
 
 namespace sweepstake::web {
@@ -41,15 +46,18 @@ class Calls {
   Calls(const Calls&) = delete;
   Calls& operator=(const Calls&) = delete;
 
-  // Calls the method and answers the exchange. Error: NOT_FOUND (the method has events, which are
-  // under /events/).
-  void Begin(const Method& method, std::shared_ptr<const google::protobuf::Message> request,
-             const std::optional<std::string>& token, std::shared_ptr<Exchange> exchange);
+  // Calls the method and answers the exchange, as JSON or, with a table, as CSV. Error: NOT_FOUND
+  // (the method has events, which are under /events/).
+  void Begin(const Method& method, std::unique_ptr<google::protobuf::Message> request,
+             const std::optional<std::string>& token, std::shared_ptr<Exchange> exchange,
+             std::unique_ptr<CsvTable> csv = nullptr);
 
  private:
   struct Answer;
   class Lines;
 
+  // Begins the call of the answer's method, or of its next page.
+  void Call(uint64_t number);
   void OnCallResponse(uint64_t number, const google::protobuf::Message& response, Taken taken);
   void OnCallEnd(uint64_t number, const absl::Status& status);
   // Answers with the page and ends the call.

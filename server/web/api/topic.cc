@@ -201,7 +201,7 @@ void Topic::Begin(Exchange& exchange, WatcherShare share, const std::vector<Shar
   auto watcher = std::make_unique<Watcher>(*this, std::move(share));
   watchers_.insert(watcher.get());
   for (const SharedText& text : texts) watcher->Push(text);
-  exchange.Stream("text/event-stream", std::move(watcher));
+  exchange.Stream({"text/event-stream"}, std::move(watcher));
 }
 
 SharedText Topic::MissedSince(std::string_view id) const {

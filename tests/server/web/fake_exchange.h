@@ -31,8 +31,9 @@ class FakeExchange final : public Exchange {
 
   const Request& request() const override { return request_; }
   void Answer(Page page) override { answer_ = std::move(page); }
-  void Stream(std::string content_type, std::unique_ptr<PartSource> /*source*/) override {
-    answer_ = Page{.content_type = std::move(content_type)};
+  void Stream(StreamHead head, std::unique_ptr<PartSource> /*source*/) override {
+    answer_ =
+        Page{.content_type = std::move(head.content_type), .headers = std::move(head.headers)};
   }
   Request& mutable_request() { return request_; }
   // REQUIRES: the request was answered.

@@ -13,11 +13,13 @@
 #include <vector>
 
 #include "tests/server/host/no_descriptors.h"
+#include "tests/server/web/gunzip.h"
 #include "tests/support/http_exchange.h"
 
 namespace sweepstake::web {
 namespace {
 
+using test_support::Dechunked;
 using test_support::Get;
 using test_support::HttpAnswer;
 using test_support::HttpSocket;
@@ -41,10 +43,12 @@ class Echo {
     Page page{.body = std::string(request.query()) + request.message.body() + "\n"};
     if (request.path() == "/drop") return;
     if (request.path() == "/parts")
-      return exchange->Stream("text/x", std::make_unique<Parts>(std::string(request.query())));
+      return exchange->Stream({"text/x"}, std::make_unique<Parts>(std::string(request.query())));
     if (request.path() == "/held")
-      return exchange->Stream("text/x",
+      return exchange->Stream({"text/x"},
                               std::make_unique<Parts>(std::string(request.query()), gate_));
+    if (request.path() == "/failing")
+      return exchange->Stream({"text/x"}, std::make_unique<Failing>());
     if (request.path() == "/release") gate_->Open();
     if (request.path() == "/broken") page = {503, "broken\n", "text/x", {{"X-More", "yes"}}};
     if (request.path() == "/later") return boost::asio::post(io_, [=] { exchange->Answer(page); });
@@ -87,6 +91,19 @@ class Echo {
     std::string text_;
     const bool endless_;
     const std::shared_ptr<Gate> gate_;
+  };
+
+  // Sends one part, and cannot complete the answer.
+  class Failing final : public PartSource {
+   public:
+    void Start(std::function<void()> wake) override { wake(); }
+    std::shared_ptr<const std::string> Next() override { return std::exchange(part_, nullptr); }
+    bool ended() const override { return false; }
+    bool failed() const override { return part_ == nullptr && std::exchange(was_sent_, true); }
+
+   private:
+    std::shared_ptr<const std::string> part_ = std::make_shared<const std::string>("a");
+    mutable bool was_sent_ = false;
   };
 
   boost::asio::io_context& io_;
@@ -154,6 +171,44 @@ TEST(HttpServerTest, AnAnswerInPartsIsChunkedAndEnds) {
               AllOf(HasSubstr("Transfer-Encoding: chunked\r\n"),
                     HasSubstr("Content-Type: text/x\r\n"), HasSubstr("Connection: close\r\n")));
   EXPECT_EQ(answer.body, "1\r\na\r\n1\r\nb\r\n0\r\n\r\n");
+}
+
+TEST(HttpServerTest, AnAnswerThatFailsIsNotCompleted) {
+  const auto server = StartServer();
+  EXPECT_EQ(Get(server->port(), "/failing").body, "1\r\na\r\n");
+  EXPECT_EQ(Get(server->port(), "/hello").status, 200);
+}
+
+TEST(HttpServerTest, AnswersAreCompressedForClientsThatAcceptIt) {
+  const auto server = StartServer();
+  const auto get = [&](const std::string& method, const std::string& target) {
+    return test_support::Exchange(
+        server->port(),
+        method + " " + target + " HTTP/1.1\r\nAccept-Encoding: gzip\r\nConnection: close\r\n\r\n");
+  };
+  const std::string text(2'000, 'a');
+  const HttpAnswer answer = get("GET", "/hello?" + text);
+  EXPECT_THAT(answer.head, AllOf(HasSubstr("Content-Encoding: gzip\r\n"),
+                                 HasSubstr("Vary: Accept-Encoding\r\n")));
+  EXPECT_LT(answer.body.size(), 100u);
+  EXPECT_EQ(test_support::Gunzip(answer.body), text + "\n");
+  const HttpAnswer head = get("HEAD", "/hello?" + text);
+  EXPECT_EQ(head.body, "");
+  EXPECT_THAT(head.head,
+              HasSubstr("Content-Length: " + std::to_string(answer.body.size()) + "\r\n"));
+  EXPECT_THAT(Get(server->port(), "/hello?" + text).head,
+              AllOf(Not(HasSubstr("Content-Encoding")), HasSubstr("Vary: Accept-Encoding\r\n")));
+  const HttpAnswer parts = get("GET", "/parts?abc");
+  EXPECT_THAT(parts.head, HasSubstr("Content-Encoding: gzip\r\n"));
+  EXPECT_THAT(parts.body, EndsWith("\r\n0\r\n\r\n"));
+  EXPECT_EQ(test_support::Gunzip(Dechunked(parts.body)), "abc");
+}
+
+TEST(HttpServerTest, AnEndlessAnswerIsNotCompressed) {
+  const auto server = StartServer();
+  HttpSocket endless(server->port());
+  endless.Send("GET /parts HTTP/1.1\r\nAccept-Encoding: gzip\r\n\r\n");
+  EXPECT_THAT(endless.ReadUntil("\r\n\r\n"), Not(HasSubstr("Content-Encoding")));
 }
 
 TEST(HttpServerTest, AnAnswerInPartsToHttp10EndsWithItsConnection) {

@@ -13,22 +13,12 @@ namespace sweepstake::server {
 namespace {
 
 using rpc::TelemetryClient;
+using test_support::Dechunked;
 using ::testing::AllOf;
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
-
-// Returns the content of the chunks.
-std::string Dechunked(std::string body) {
-  std::string text;
-  for (size_t end = 0; (end = body.find("\r\n")) != std::string::npos;) {
-    const size_t size = std::stoul(body.substr(0, end), nullptr, 16);
-    text += body.substr(end + 2, size);
-    body.erase(0, end + 2 + size + 2);
-  }
-  return text;
-}
 
 std::string ErrorOf(const std::string& code, const std::string& reason) {
   return "{\"error\":{\"code\":\"" + code + "\",\"reason\":\"" + reason + "\",\"message\":\"";
@@ -215,7 +205,8 @@ TEST_F(ApiTest, TheLogsHaveTheBrowsersAddress) {
   // The row of the audit log is written only after the answer.
   std::string log;
   while (log.find("\"kicked session ") == std::string::npos)
-    log = Dechunked(Call("AuditService/ExportDecisions", R"({"sessionId":"admin"})").body);
+    log =
+        Dechunked(Call("AuditService/ExportDecisions", R"({"filter":{"sessionId":"admin"}})").body);
   EXPECT_THAT(log, HasSubstr("ipv4:127.0.0.1:"));
 }
 
@@ -227,6 +218,83 @@ TEST_F(ApiTest, ReadsAreCountedForTheBrowser) {
   const Answer answer = Call("PosteriorsService/ListPosteriors", "{}");
   EXPECT_EQ(answer.status, 429);
   EXPECT_THAT(answer.body, HasSubstr("the address ipv4:127.0.0.1 reads more often"));
+}
+
+class CsvTest : public ApiTest {
+ protected:
+  // Returns the answer to a request for a table.
+  Answer Csv(const std::string& table, const std::string& request = "%7B%7D") {
+    return Get("/csv/" + table + "?request=" + request);
+  }
+  static int64_t LinesOf(const Answer& answer) {
+    const std::string text = Dechunked(answer.body);
+    return std::count(text.begin(), text.end(), '\n');
+  }
+};
+
+TEST_F(CsvTest, TheDecisionsOfASessionAreAFile) {
+  TelemetryClient client(channel_);
+  const std::string id = client.Open(rpc::HelloMessage()).session_id();
+  for (int i = 1; i <= 3; ++i) Learn(client, i);
+  const Answer answer =
+      Csv("decisions", "%7B%22filter%22:%7B%22sessionId%22:%22" + id + "%22%7D%7D");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_THAT(answer.head, AllOf(HasSubstr("Content-Type: text/csv; charset=utf-8\r\n"),
+                                 HasSubstr("Content-Disposition: attachment\r\n")));
+  const std::string text = Dechunked(answer.body);
+  EXPECT_THAT(text, StartsWith("time,project,scene,session,part,row,kind,"));
+  EXPECT_THAT(text, HasSubstr(",game,harbour," + id + ",1,2,tick,1,"));
+  EXPECT_EQ(LinesOf(answer), 1 + 4);
+  EXPECT_EQ(
+      LinesOf(Csv("decisions", "%7B%22filter%22:%7B%22kinds%22:[%22AUDIT_KIND_SETUP%22]%7D%7D")),
+      1 + 1);
+  EXPECT_EQ(LinesOf(Csv("windows")), 1 + 3);
+  EXPECT_EQ(LinesOf(Csv("posteriors")), 1 + 3 * rpc::HelloMessage().arms_size());
+  EXPECT_EQ(LinesOf(Csv("sessions")), 1 + 1);
+  EXPECT_EQ(LinesOf(Csv("logs")), 1 + 1);
+}
+
+TEST_F(CsvTest, ATableHasTheRowsOfAllPages) {
+  for (int i = 0; i < 250; ++i) PutScene("scene " + std::to_string(i), 1);
+  const std::string text = Dechunked(Csv("scenes").body);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 250);
+  for (const int i : {0, 99, 100, 101, 199, 249})
+    EXPECT_THAT(text, HasSubstr(",scene " + std::to_string(i) + ",")) << i;
+  EXPECT_EQ(LinesOf(Csv("scenes", "%7B%22scene%22:%22scene+7%22%7D")), 1 + 1);
+  EXPECT_EQ(LinesOf(Csv("evidence")), 1 + 250);
+}
+
+TEST_F(CsvTest, AnEmptyTableHasItsHeader) {
+  for (const char* table :
+       {"decisions", "windows", "posteriors", "logs", "scenes", "sessions", "evidence"}) {
+    const Answer answer = Csv(table);
+    EXPECT_EQ(answer.status, 200) << table;
+    EXPECT_EQ(LinesOf(answer), 1) << table;
+  }
+}
+
+TEST_F(CsvTest, AnErrorBeforeTheFirstLineHasItsStatus) {
+  EXPECT_EQ(Csv("nothing").status, 404);
+  EXPECT_EQ(Csv("decisions", "%7B").status, 400);
+  EXPECT_EQ(Csv("scenes", "%7B%22pageToken%22:%22x%22%7D").status, 400);
+  EXPECT_EQ(Post("/csv/scenes", "{}").status, 405);
+  options_.max_transfers = 0;
+  server_->Adjust(options_);
+  EXPECT_EQ(Csv("decisions").status, 429);
+}
+
+TEST_F(CsvTest, AnErrorAfterTheFirstPageLeavesTheFileIncomplete) {
+  options_.max_reads_per_s = 1;  // the burst is ten reads
+  server_->Adjust(options_);
+  for (int i = 0; i < 1'100; ++i) PutScene("scene " + std::to_string(i), 1);
+  const Answer answer = Csv("scenes");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_THAT(answer.body, Not(::testing::EndsWith("0\r\n\r\n")));
+}
+
+TEST_F(ApiTokensTest, CsvNeedsARole) {
+  EXPECT_EQ(Get("/csv/decisions").status, 401);
+  EXPECT_EQ(Get("/csv/scenes").status, 401);
 }
 
 TEST_F(ApiTest, ADrainedServerIsUnavailable) {
