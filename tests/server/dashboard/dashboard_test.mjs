@@ -260,12 +260,12 @@ async function checkKeys(page, daemon) {
 async function checkDownload(page, daemon) {
   await page.goto(`${daemon.origin}/?sort=scene`);
   await rowOf(page, 'arena').waitFor();
-  const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'CSV' }).first().click()]);
+  const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('link', { name: 'Scenes as CSV' }).click()]);
   const lines = readFileSync(await download.path(), 'utf8').split('\r\n');
-  assert.match(lines[0], /^Scene,Runs now,Frame time \(ms\),Saved per frame \(µs\),Best,P\(best\)/);
-  assert.ok(lines.some((line) => line.startsWith('arena,')));
-  assert.ok(lines.some((line) => line.startsWith(HOSTILE)), 'the CSV file has names unchanged');
-  assert.ok(lines.some((line) => line.startsWith("'=1+2")), 'the CSV file has no formulas');
+  assert.match(lines[0], /^project,scene,machines,reward version,verdict,leader,/);
+  assert.ok(lines.some((line) => line.startsWith('arcade,arena,')));
+  assert.ok(lines.some((line) => line.includes(`,${HOSTILE},`)), 'the CSV file has names unchanged');
+  assert.ok(lines.some((line) => line.includes(",'=1+2")), 'the CSV file has no formulas');
 }
 
 // ---- All views: with data, empty, and with errors; in both themes, from 320 px to 4K.

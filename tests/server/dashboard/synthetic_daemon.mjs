@@ -160,17 +160,20 @@ export class SyntheticDaemon {
     log.droppedCount += MAX_LOG_ROWS;
   }
 
-  // Returns the rows of a session's log after `afterRow`. Row 1 is the setup; each decision is one row.
-  log({ sessionId, afterRow = '0' }) {
-    const { unixStartMs } = this.sessions.find((each) => each.sessionId === sessionId);
+  // Returns a page of a session's log, newest first. Row 1 is the setup; each decision is one row.
+  list({ filter: { sessionId } = {}, pageSize = 100, olderThan, newerThan }) {
+    const session = this.sessions.find((each) => each.sessionId === sessionId);
     const { decisions, droppedCount } = this.logs.get(sessionId) ?? { decisions: [], droppedCount: 0 };
-    const startNs = Number(SETUP.setup.startNs);
-    const first = Math.max(Number(afterRow) - 1, droppedCount); // of the decisions
-    const rows = decisions.slice(first - droppedCount).map(([id, unixMs, activeArm, candidate], i) => ({
-      ...TICK, session: sessionId, row: first + i + 2, timeNs: String(startNs + 1e6 * (unixMs - Number(unixStartMs))), decision: { ...TICK.decision, id, activeArm, candidate },
-    }));
-    const setup = { ...SETUP, session: sessionId, setup: { ...SETUP.setup, unixStartMs } };
-    return `${JSON.stringify({ rows: afterRow === '0' ? [setup, ...rows] : rows })}\n`;
+    if (!session) return JSON.stringify({ olderToken: '1.1', newerToken: '0.0' });
+    const setup = { ...SETUP.setup, unixStartMs: session.unixStartMs };
+    const [oldest, newest] = [droppedCount + 2, droppedCount + decisions.length + 1];
+    const numberOf = (token) => Number(token.split('.')[1]);
+    const first = newerThan ? Math.max(numberOf(newerThan) + 1, oldest) : Math.max((olderThan ? numberOf(olderThan) : newest + 1) - pageSize, oldest);
+    const last = Math.min(first + pageSize - 1, olderThan ? numberOf(olderThan) - 1 : newest);
+    const rows = decisions.slice(first - oldest, last - oldest + 1).map(([id, unixMs, activeArm, candidate], i) => ({
+      ...TICK, session: sessionId, row: first + i, timeNs: String(Number(setup.startNs) + 1e6 * (unixMs - Number(session.unixStartMs))), decision: { ...TICK.decision, id, activeArm, candidate },
+    })).reverse();
+    return JSON.stringify({ rows, setups: rows.length > 0 ? [{ sessionId, segment: 1, setup }] : [], olderToken: `1.${first}`, newerToken: `1.${Math.max(last, first - 1)}`, hasMore: newerThan ? last < newest : first > oldest });
   }
 
   file(path) {
@@ -186,7 +189,7 @@ export class SyntheticDaemon {
     if (pathname.startsWith('/events/')) return this.watch(method, response);
     if (method === 'whoami') return send('application/json', '{"version":"0","asksForTokens":false,"loggedIn":false,"name":"","role":"admin","stableProbability":0.8,"tieLossRatio":0.005,"projects":[]}');
     if (method === 'ExportPriors') return send('application/x-ndjson', `${JSON.stringify({ records: this.records() })}\n`);
-    if (method === 'ExportDecisions') return send('application/x-ndjson', this.log(JSON.parse((await request.toArray()).join(''))));
+    if (method === 'ListDecisions') return send('application/json', this.list(JSON.parse((await request.toArray()).join(''))));
     if (pathname.startsWith('/api/')) return send('application/x-ndjson', '{}\n');
     if (pathname === '/metrics') return send('text/plain', `sweepstake_sessions ${this.sessions.length}\nsweepstake_decisions_total ${this.decisionCount}\n`);
     if (/^\/(livez|readyz)$/.test(pathname)) return send('text/plain', '[+]decision-loop ok\n[+]store ok\n[+]tls ok\nreadyz check passed\n');

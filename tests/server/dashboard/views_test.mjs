@@ -86,9 +86,11 @@ async function checkNeverRan(page) {
 
 async function checkFiles(page) {
   const figure = chart(page, 'beliefs');
-  const [csv] = await Promise.all([page.waitForEvent('download'), figure.getByRole('button', { name: /CSV/ }).click()]);
+  const [csv] = await Promise.all([page.waitForEvent('download'), figure.getByRole('link', { name: /CSV/ }).click()]);
   assert.match(csv.suggestedFilename(), /^sweepstake_arcade_arena_beliefs\.csv$/);
-  assert.match(readFileSync(await csv.path(), 'utf8'), /^algorithm,backend version,measured,alpha,beta/);
+  const lines = readFileSync(await csv.path(), 'utf8').split('\r\n');
+  assert.match(lines[0], /^project,scene,machines,reward version,/);
+  assert.ok(lines.slice(1, -1).length > 1 && lines.slice(1, -1).every((line) => line.startsWith('arcade,arena,')), 'the CSV file has other scenes');
   const [png] = await Promise.all([page.waitForEvent('download'), figure.getByRole('button', { name: /PNG/ }).click()]);
   const picture = readFileSync(await png.path());
   assert.equal(picture.subarray(1, 4).toString(), 'PNG');
@@ -160,7 +162,9 @@ async function checkWhy(page, daemon, { sessionId }) {
   await panel.getByRole('button', { name: 'Close' }).click();
   assert.ok(!query(page).has('decision'));
   await page.goto(`${daemon.origin}/sessions/${sessionId}?decision=999999999`);
-  await page.getByText('is not among the rows that are shown').waitFor();
+  await page.getByText('The log does not have the decision in the URL.').waitFor();
+  await page.goto(`${daemon.origin}/sessions/${sessionId}?decision=2`); // an old decision, which the first screen does not have
+  await panel.getByRole('heading', { name: /^Decision 2,/ }).waitFor();
 }
 
 const numberIn = (text) => Number.parseInt(text.replaceAll(',', ''), 10);
@@ -172,11 +176,12 @@ async function checkLog(page, daemon, { sessionId }) {
   await page.goto(`${daemon.origin}/sessions/${sessionId}`);
   await until('the log is there', async () => await page.locator('.row-count').count());
   let worst = 0;
+  const [firstShown, firstStored] = [await shown(), await stored()];
   for (let i = 0; i < 10; ++i) {
-    const before = await shown();
-    const told = await until('the session has decided something', async () => { const now = await stored(); return now > before && now; });
+    const before = await shown() - firstShown;
+    const told = await until('the session has decided something', async () => { const now = await stored() - firstStored; return now > before && now; });
     const start = Date.now();
-    await until('the page has its row', async () => await shown() >= told);
+    await until('the page has its row', async () => await shown() - firstShown >= told);
     worst = Math.max(worst, Date.now() - start);
   }
   judge('a row of the log is on the page of its session', worst, 1000);
@@ -187,12 +192,12 @@ async function checkLogAway(page) {
   const rows = async () => numberIn(await page.locator('.row-count').innerText());
   const place = async () => (await page.locator('figure[data-chart=detection]').boundingBox()).y + await page.evaluate(() => scrollY);
   const before = { y: await place(), rows: await rows() };
-  await expecting(page, /ExportDecisions|Failed to load resource/, async () => {
-    await page.route('**/ExportDecisions', (route) => route.abort());
+  await expecting(page, /ListDecisions|Failed to load resource/, async () => {
+    await page.route('**/ListDecisions', (route) => route.abort());
     await page.getByText('the daemon cannot be reached; the page tries again').waitFor();
     assert.ok(Math.abs(await place() - before.y) < 1, 'a chart was moved');
     assert.equal(await page.getByText('cannot be shown').count(), 0);
-    await page.unroute('**/ExportDecisions');
+    await page.unroute('**/ListDecisions');
   });
   await until('new rows are read', async () => await rows() > before.rows);
   assert.equal(await page.getByText('the page tries again').count(), 0);
@@ -251,7 +256,7 @@ async function checkCompare(page, daemon, { sessionId }) {
   const at = await timeIn(first);
   assert.match(at, /\d/);
   await until('the same place is the same time', async () => await hasBoth(second, first, share) && await timeIn(second) === at);
-  const [file] = await Promise.all([page.waitForEvent('download'), second.getByRole('button', { name: /CSV/ }).click()]);
+  const [file] = await Promise.all([page.waitForEvent('download'), second.getByRole('link', { name: /CSV/ }).click()]);
   const firstMs = Date.parse(readFileSync(await file.path(), 'utf8').split('\r\n')[1].split(',')[0]);
   const { unixStartMs } = (await sessionsOf(daemon)).find((each) => each.sessionId === other);
   assert.ok(firstMs >= Number(unixStartMs) - 1000, 'the CSV file has shifted times');
@@ -361,14 +366,14 @@ async function checkKick(page, daemon, { sessionId }) {
   await until('the session has ended', async () => (await sessionsOf(daemon)).every((session) => session.sessionId !== sessionId));
   await page.locator('.chip', { hasText: 'kicked' }).waitFor();
   // The posteriors after its last decision are those of its log.
-  const rows = (await daemon.responses('AuditService/ExportDecisions', { sessionId })).flatMap((response) => response.rows ?? []);
+  const rows = (await daemon.responses('AuditService/ExportDecisions', { filter: { sessionId } })).flatMap((response) => response.rows ?? []);
   const { posteriors } = rows.filter(({ decision }) => decision).at(-1).decision;
   await page.getByRole('button', { name: 'Read again' }).click();
   const figures = async () => {
-    const [file] = await Promise.all([page.waitForEvent('download'), chart(page, 'prior').getByRole('button', { name: /CSV/ }).click()]);
-    return readFileSync(await file.path(), 'utf8').trim().split('\r\n').slice(1).map((line) => line.split(','));
+    const [file] = await Promise.all([page.waitForEvent('download'), chart(page, 'prior').getByRole('link', { name: /CSV/ }).click()]);
+    return readFileSync(await file.path(), 'utf8').trim().split('\r\n').slice(-posteriors.length).map((line) => line.split(','));
   };
-  await until('the figures are those of the log', async () => JSON.stringify((await figures()).map((cells) => [Number(cells[2]), Number(cells[3])])) === JSON.stringify(posteriors.map(({ alpha, beta }) => [alpha, beta])), 20_000);
+  await until('the figures are those of the log', async () => JSON.stringify((await figures()).map((cells) => [Number(cells[4]), Number(cells[5])])) === JSON.stringify(posteriors.map(({ alpha, beta }) => [alpha, beta])), 20_000);
   assert.equal(await page.getByRole('button', { name: 'Pin this algorithm' }).count(), 0, 'an ended session has buttons for orders');
 }
 
@@ -376,6 +381,11 @@ async function checkKick(page, daemon, { sessionId }) {
 
 async function checkDecisions(page, daemon, { sessionId }) {
   await page.goto(`${daemon.origin}/decisions`);
+  await page.getByRole('region', { name: 'Rows' }).waitFor();
+  await page.getByRole('button', { name: 'Older' }).click();
+  await until('the page is in the URL', () => query(page).has('older'));
+  await page.getByRole('button', { name: 'Newest' }).click();
+  await page.getByRole('link', { name: 'Sessions with a log' }).click();
   await page.getByRole('link', { name: sessionId }).first().click();
   await page.getByRole('region', { name: 'Rows' }).waitFor();
   const all = await rowsOf(page, 'Rows');
@@ -390,6 +400,27 @@ async function checkDecisions(page, daemon, { sessionId }) {
   await page.goto(daemon.origin);
   await page.goto(address);
   await page.locator('.why').waitFor();
+}
+
+// Opens a session with some thousand decisions in a new browser context, whose cache is empty, and counts the bytes that arrive until its
+// charts are drawn.
+async function checkFirstScreen(browser, daemon, { sessionId }) {
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  const client = await context.newCDPSession(page);
+  await client.send('Network.enable');
+  const received = new Map(); // bytes by request, also of streams that go on
+  client.on('Network.dataReceived', ({ requestId, encodedDataLength }) => received.set(requestId, (received.get(requestId) ?? 0) + encodedDataLength));
+  client.on('Network.loadingFinished', ({ requestId, encodedDataLength }) => received.set(requestId, encodedDataLength));
+  await page.goto(`${daemon.origin}/sessions/${sessionId}`);
+  await chart(page, 'frame-time').locator('.u-over').waitFor();
+  await chart(page, 'timeline').locator('path.span[d^=M]').first().waitFor();
+  const byteCount = [...received.values()].reduce((sum, bytes) => sum + bytes, 0);
+  console.log(`the first screen of the session moves ${byteCount} bytes, ${await page.getByText(/^[\d,]+ decisions$/).innerText()}`);
+  assert.ok(byteCount <= 200_000, `the first screen moves ${byteCount} bytes`);
+  await page.getByRole('button', { name: 'Read older rows' }).click();
+  await until('older rows are read', async () => numberIn(await page.locator('.row-count').innerText()) > 1000);
+  await context.close();
 }
 
 // ---- Roles.
@@ -439,6 +470,7 @@ async function checkAll(browser, folder) {
   const session = await liveSession(daemon);
   for (const check of [checkTime, checkWhy, checkLog, checkLogAway, checkCosts, checkCompare, checkUnknown, checkBoxes, checkOrders, checkReconnect, checkKick, checkDecisions]) passed((await check(page, daemon, session), check));
   await assertAccessible(page, 'decisions');
+  passed((await checkFirstScreen(browser, daemon, session), checkFirstScreen));
   passed((await checkRegimes(page, daemon), checkRegimes));
   assertNoTrouble(page, 'the views');
   await page.close();

@@ -1,42 +1,68 @@
-import { create } from '../transport/messages';
-import { describe, expect, it } from 'vitest';
-import { AuditKind, AuditRowSchema } from '../../gen/sweepstake/v1/audit_pb';
-import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
-import { collectPage, entriesOf, findRow, msOf, PAGE_ROWS, type PlacedRow, rowId, unixMsOf } from './log';
+import { create, fromJsonText, toJsonText } from '../transport/messages';
+import { afterEach, describe, expect, it, vi } from 'vitest';
+import { AuditKind, AuditRowSchema, ListDecisionsRequestSchema, ListDecisionsResponseSchema } from '../../gen/sweepstake/v1/audit_pb';
+import { entriesOf, msOf, type PlacedRow, readRow, readRows, rowId, unixMsOf } from './log';
 import { rows, setup } from './sample_log';
-import { windowOf } from './steps';
+import { readSteps, windowOf } from './steps';
 
-async function* log(count: number): AsyncGenerator<PlacedRow> {
-  for (let i = 1; i <= count; ++i) {
-    yield { row: create(AuditRowSchema, { session: 'id', segment: 1, row: BigInt(i), kind: i % 10 === 0 ? AuditKind.SWITCH : AuditKind.TICK,
-      decision: { activeArm: i % 2 ? 'SAP' : 'DBVT', candidate: 'Grid', outcome: DecisionOutcome.KEPT } }) };
-  }
+afterEach(() => vi.unstubAllGlobals());
+
+/** A daemon whose log has the rows 1 to `count`. It returns at most `atOnce` rows in a call. Returns the requests that it received. */
+function answerWith(count: number, atOnce: number) {
+  const requests: string[] = [];
+  vi.stubGlobal('fetch', (_url: string, { body }: { body: string }) => {
+    requests.push(body);
+    const { pageSize, olderThan, newerThan, row } = fromJsonText(ListDecisionsRequestSchema, body);
+    const all = Array.from({ length: count }, (_, i) => count - i);
+    const matching = all.filter((each) => (!olderThan || each < Number(olderThan)) && (!newerThan || each > Number(newerThan)) && (row === 0n || BigInt(each) === row));
+    const size = Math.min(pageSize || 100, atOnce);
+    const page = newerThan ? matching.slice(-size) : matching.slice(0, size);
+    const response = create(ListDecisionsResponseSchema, {
+      rows: page.map((each) => ({ session: 'a.b', segment: 1, row: BigInt(each), kind: AuditKind.TICK, timeNs: BigInt(each) * 1_000_000n })),
+      setups: [{ sessionId: 'a.b', segment: 1, setup: { unixStartMs: 1000n, arms: ['SAP'] } }],
+      olderToken: String(page.at(-1) ?? olderThan), newerToken: String(page[0] ?? newerThan), hasMore: page.length < matching.length,
+    });
+    return Promise.resolve(new Response(toJsonText(ListDecisionsResponseSchema, response)));
+  });
+  return requests;
 }
-const ALL = { kind: '', outcome: '', arm: '' };
-const numbers = (page: readonly PlacedRow[]) => page.map(({ row }) => Number(row.row));
-const pageOf = (count: number, filter = ALL, page = 0) => collectPage(log(count), filter, page, () => undefined);
+const numbers = (part: readonly PlacedRow[]) => part.map(({ row }) => Number(row.row));
+const down = (from: number, to: number) => Array.from({ length: from - to + 1 }, (_, i) => from - i);
 
-describe('pages of a log', () => {
-  it('have the newest rows first, each row once', async () => {
-    const pages = await Promise.all([0, 1, 2, 3].map((page) => pageOf(250, ALL, page)));
-    expect(pages.flatMap((page) => numbers(page.rows))).toEqual(Array.from({ length: 250 }, (_, i) => 250 - i));
-    expect(pages.map((page) => page.rows.length)).toEqual([PAGE_ROWS, PAGE_ROWS, 50, 0]);
-    expect(pages[3]).toMatchObject({ matchCount: 250, rowCount: 250 });
-    expect(numbers((await pageOf(5000, ALL, 7)).rows)[0], 'a page of a long log').toBe(4300);
+describe('reading rows', () => {
+  it('goes on until there are enough, newest first', async () => {
+    const requests = answerWith(1000, 30);
+    const part = await readRows({ sessionId: 'a.b' }, 70);
+    expect(numbers(part.rows)).toEqual(down(1000, 931));
+    expect(part).toMatchObject({ olderToken: '931', newerToken: '1000', hasMore: true });
+    expect(part.rows[69]!.setup!.arms).toEqual(['SAP']);
+    expect(requests).toHaveLength(3);
+    const older = await readRows({ sessionId: 'a.b' }, 2000, undefined, { olderThan: part.olderToken });
+    expect(numbers(older.rows)).toEqual(down(930, 1));
+    expect(older).toMatchObject({ olderToken: '1', newerToken: '930', hasMore: false });
   });
 
-  it('contain the rows that match', async () => {
-    const { rows: switches, matchCount } = await pageOf(1000, { ...ALL, kind: 'SWITCH' });
-    expect(matchCount).toBe(100);
-    expect(numbers(switches).slice(0, 3)).toEqual([1000, 990, 980]);
-    expect((await pageOf(100, { ...ALL, arm: 'SAP' })).matchCount).toBe(50);
-    expect((await pageOf(100, { ...ALL, arm: 'Grid', outcome: 'SWITCHED' })).matchCount).toBe(0);
+  it('goes on after a place, and keeps the newest first', async () => {
+    answerWith(100, 8);
+    const part = await readRows({}, 500, undefined, { newerThan: '80' });
+    expect(numbers(part.rows)).toEqual(down(100, 81));
+    expect(part).toMatchObject({ newerToken: '100', hasMore: false });
+    expect((await readRows({}, 500, undefined, { newerThan: '100' }))).toMatchObject({ rows: [], newerToken: '100' });
   });
 
-  it('are not needed for one row, which is found without reading on', async () => {
-    const all = log(1000);
-    expect((await findRow(all, 'id.1.7'))?.row.row).toBe(7n);
-    expect(await findRow(log(10), 'id.1.11')).toBeNull();
+  it('finds one row by its id, in one call', async () => {
+    const requests = answerWith(1000, 100);
+    expect((await readRow('a.b.1.7'))?.row.row).toBe(7n);
+    expect(requests).toEqual(['{"filter":{"sessionId":"a.b"},"segment":1,"row":"7"}']);
+    expect(await readRow('a.b.1.1001')).toBeNull();
+    expect(await readRow('nonsense')).toBeNull();
+  });
+
+  it('reads the steps of a range of time, oldest first', async () => {
+    const requests = answerWith(5, 100);
+    const steps = await readSteps('a.b', 1000.4, 1004.2);
+    expect(steps.map(({ timeMs }) => timeMs)).toEqual([1001, 1002, 1003, 1004, 1005]);
+    expect(requests[0]).toContain('"unixFromMs":"1000","unixUntilMs":"1005"');
   });
 });
 

@@ -6,7 +6,10 @@ import { bucketsOf, type Percentiles, percentiles } from '../numbers/histogram';
 import { type Told, toldOfEvent, toldOfRow } from './explain';
 import { once } from '../state/once';
 import { NS_PER_MS } from '../numbers/log_cost';
-import { type PlacedRow, unixMsOf } from './log';
+import { type LogPart, type PlacedRow, readRows, unixMsOf } from './log';
+
+/** The number of latest steps that a view keeps, about three hours at the paper's decision interval. */
+export const MAX_STEPS = 5000;
 
 export interface Step {
   timeMs: number; // by the daemon's clock
@@ -27,6 +30,14 @@ export function stepOfRow(placed: PlacedRow): Step | undefined {
   const step = { timeMs: unixMsOf(setup, timeNs), kind, activeArm, decisionId: Number(decision?.id ?? 0), placed };
   return decision ? { ...step, told: toldOfRow(row, setup) } : step;
 }
+
+/** Returns the steps of the rows, oldest first. */
+export const stepsOf = ({ rows }: LogPart): Step[] => rows.map(stepOfRow).filter((step) => step !== undefined).reverse();
+
+/** Reads a session's steps from one time to another, oldest first, but at most the latest `count` ones. Charts refine a zoomed range with
+ * it. Throws ApiError. */
+export const readSteps = async (sessionId: string, fromMs: number, untilMs: number, cancel?: AbortSignal, count = MAX_STEPS): Promise<Step[]> =>
+  stepsOf(await readRows({ sessionId, unixFromMs: BigInt(Math.floor(fromMs)), unixUntilMs: BigInt(Math.ceil(untilMs)) }, count, cancel));
 
 export function stepOfEvent(event: DecisionEvent, timeMs: number, rewardVersion: number): Step {
   const kind = event.reason === SwitchReason.BAIL_OUT ? AuditKind.BAIL_OUT : AuditKind.TICK;

@@ -1,89 +1,118 @@
-// Reads a session's audit log while a view shows it: the whole log once, then the new rows after each decision of the session.
+// Reads parts of the audit log while a view shows them: the newest rows first, then the new rows after each decision.
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type { DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
-import { pausedMs, usePaced } from '../charts/view_state';
+import { pausedMs, range, usePaced } from '../charts/view_state';
 import { type ApiError, asApiError } from '../transport/calls';
-import { auditRows, type PlacedRow } from './log';
-import { mergedSteps, type Step, stepOfRow } from './steps';
+import { readRows } from './log';
+import { MAX_STEPS, mergedSteps, type Step, stepsOf } from './steps';
 import { grouped } from '../../format';
 import { ago, now } from '../parts/clock';
+import { CsvLink, sessionCsvUrl } from '../parts/download';
 import { Failure, Loading } from '../parts/states';
 import type { SessionState } from '../state/sessions';
 
-/** The number of latest steps that are kept, about three hours at the paper's decision interval. */
-export const MAX_STEPS = 5000;
-const SHOW_EVERY = 2000;
+/** The number of rows that a session's first screen reads. */
+const FIRST_ROWS = 200;
+/** The number of older rows that are read at once. */
+const OLDER_ROWS = 1000;
 /** Delay of reading the log after a decision, because a decision arrives before its row is on disk. */
 const READ_AFTER_MS = 200;
 const AFTER_ERROR_MS = 3000;
 
-interface Reading {
-  steps: readonly Step[];
-  count: number; // steps that were read, including dropped ones
-  last?: PlacedRow;
-  isReading: boolean; // true until the first reading is complete
+export interface LogReading<Rows> {
+  rows: Rows | undefined; // undefined until the first reading is complete
   atMs: number; // time of the latest reading without an error, by the browser's clock
   error?: ApiError;
+  isBusy: boolean;
+  again: () => void; // reads again
 }
 
-export interface SessionLog extends Pick<Reading, 'steps' | 'isReading' | 'atMs' | 'error'> {
-  droppedCount: number; // older steps that were dropped
-  again: () => void;
-}
-
-/** Reads the rows after `before.last`. Passes all steps so far, old and new, to `show`. */
-async function readOn(sessionId: string, before: Reading, cancel: AbortSignal, show: (reading: Reading) => void): Promise<void> {
-  const steps = [...before.steps];
-  let { count, last } = before;
-  const reading = (more: Pick<Reading, 'isReading' | 'error'>): Reading =>
-    ({ steps: steps.slice(-MAX_STEPS), count, ...(last && { last }), atMs: more.error ? before.atMs : Date.now(), ...more });
-  try {
-    for await (const placed of auditRows({ sessionId }, cancel, last)) {
-      last = placed;
-      const step = stepOfRow(placed);
-      if (!step) continue;
-      steps.push(step);
-      if (steps.length >= 2 * MAX_STEPS) steps.splice(0, MAX_STEPS);
-      if (++count % SHOW_EVERY === 0) show(reading({ isReading: before.isReading }));
-    }
-    show(reading({ isReading: false }));
-  } catch (error) {
-    if (!cancel.aborted) show(reading({ isReading: false, error: asApiError(error) }));
-  }
-}
-
-/** Returns the session's log, and reads its new rows when `told` changes. `told` is the session's latest decision, or undefined if the
- * view does not show new ones. REQUIRES: a component always passes the same session. */
-export function useSessionLog(sessionId: string, told: DecisionEvent | undefined): SessionLog {
-  const [reading, setReading] = useState<Reading>({ steps: [], count: 0, isReading: true, atMs: 0 });
+/** Calls `read` at first, after each change of `news`, and again after an error that may pass. `read` gets the rows so far. REQUIRES: a
+ * component always reads the same part of the log. */
+export function useLog<Rows>(news: unknown, read: (before: Rows | undefined, cancel: AbortSignal) => Promise<Rows>): LogReading<Rows> {
+  const begun: Omit<LogReading<Rows>, 'again'> = { rows: undefined, atMs: 0, isBusy: true };
+  const [reading, setReading] = useState(begun);
   const [turn, setTurn] = useState(0);
   const latest = useRef(reading);
-  latest.current = reading;
-  const readFor = useRef(told); // the latest decision when the log was read last
-  const isBusy = useRef(false);
+  const readFor = useRef(news); // the latest news when the log was read last
+  const set = (next: Omit<LogReading<Rows>, 'again'>) => {
+    latest.current = next;
+    setReading(next);
+  };
 
   useEffect(() => {
     const cancel = new AbortController();
-    readFor.current = told;
-    isBusy.current = true;
-    void readOn(sessionId, latest.current, cancel.signal, setReading).finally(() => { if (!cancel.signal.aborted) isBusy.current = false; });
+    const { rows, atMs } = latest.current;
+    readFor.current = news;
+    set({ ...latest.current, isBusy: true });
+    read(rows, cancel.signal).then(
+      (next) => !cancel.signal.aborted && set({ rows: next, atMs: Date.now(), isBusy: false }),
+      (error: unknown) => !cancel.signal.aborted && set({ rows, atMs, error: asApiError(error), isBusy: false }));
     return () => cancel.abort();
   }, [turn]);
 
-  const isWanted = reading.error?.mayPass || (told !== undefined && told !== readFor.current);
+  const again = () => setTurn((before) => before + 1);
+  const isWanted = !reading.isBusy && (reading.error?.mayPass || (news !== undefined && news !== readFor.current));
   useEffect(() => {
     if (!isWanted) return undefined;
     const waitMs = reading.error ? AFTER_ERROR_MS : READ_AFTER_MS;
     const begin = () => {
-      if (document.hidden || isBusy.current) timer = setTimeout(begin, waitMs);
-      else setTurn((before) => before + 1);
+      if (document.hidden) timer = setTimeout(begin, waitMs);
+      else again();
     };
     let timer = setTimeout(begin, waitMs);
     return () => clearTimeout(timer);
   }, [isWanted, reading]);
+  return { ...reading, again };
+}
 
-  const { steps, count, isReading, atMs, error } = reading;
-  return { steps, isReading, atMs, ...(error && { error }), droppedCount: count - steps.length, again: () => setTurn((before) => before + 1) };
+interface SessionRows {
+  steps: readonly Step[];
+  rowCount: number; // rows that were read, including rows that are no steps
+  newerToken: string;
+  olderToken: string | undefined; // undefined: no older rows can be read
+  isWhole: boolean; // the steps begin with the session
+}
+
+export interface SessionLog extends Omit<LogReading<SessionRows>, 'rows'> {
+  sessionId: string;
+  steps: readonly Step[];
+  rowCount: number;
+  isWhole: boolean;
+  isReading: boolean; // true until the first reading is complete
+  readOlder: (() => void) | undefined; // undefined: no older rows can be read
+}
+
+/** Returns the newest rows of a session's log, and reads its new rows when `told` changes. `told` is the session's latest decision, or
+ * undefined if the view does not show new ones. Older rows are read if the zoomed range begins before the rows. REQUIRES: a component always
+ * passes the same session and number of first rows. */
+export function useSessionLog(sessionId: string, told: DecisionEvent | undefined, firstRows = FIRST_ROWS): SessionLog {
+  const asksForOlder = useRef(false);
+  const log = useLog<SessionRows>(told, async (before, cancel) => {
+    const isOlder = before?.olderToken !== undefined && asksForOlder.current;
+    asksForOlder.current = false;
+    if (!before || isOlder) {
+      const part = await readRows({ sessionId }, before ? OLDER_ROWS : firstRows, cancel, { olderThan: before?.olderToken });
+      const steps = [...stepsOf(part), ...before?.steps ?? []];
+      const hasOlder = part.hasMore && steps.length < MAX_STEPS;
+      return { steps, rowCount: (before?.rowCount ?? 0) + part.rows.length, newerToken: before?.newerToken ?? part.newerToken, olderToken: hasOlder ? part.olderToken : undefined, isWhole: !part.hasMore };
+    }
+    const part = await readRows({ sessionId }, MAX_STEPS, cancel, { newerThan: before.newerToken });
+    if (part.rows.length === 0) return { ...before, newerToken: part.newerToken };
+    const steps = [...before.steps, ...stepsOf(part)];
+    const isCut = steps.length >= 2 * MAX_STEPS;
+    return { steps: isCut ? steps.slice(-MAX_STEPS) : steps, rowCount: before.rowCount + part.rows.length, newerToken: part.newerToken, olderToken: isCut ? undefined : before.olderToken, isWhole: before.isWhole && !isCut };
+  });
+  const { rows, isBusy, error, again } = log;
+  const steps = rows?.steps ?? [];
+  const readOlder = () => {
+    asksForOlder.current = true;
+    again();
+  };
+  const isBefore = range.value !== undefined && steps.length > 0 && range.value.fromMs < steps[0]!.timeMs;
+  const isWanted = isBefore && rows?.olderToken !== undefined && !isBusy && !error;
+  useEffect(() => { if (isWanted) readOlder(); }, [isWanted]);
+  return { sessionId, steps, rowCount: rows?.rowCount ?? 0, isWhole: rows?.isWhole ?? false, isReading: !rows && !error, atMs: log.atMs, isBusy, ...(error && { error }), again, readOlder: rows?.olderToken === undefined ? undefined : readOlder };
 }
 
 const PACE_MS = 400; // limits computations over all steps
@@ -98,13 +127,14 @@ export function useSteps({ steps, isReading }: SessionLog, events: readonly Deci
 /** Returns the session's latest decision; undefined while the view is paused. */
 export const toldIn = (state: SessionState | undefined) => (pausedMs.value === undefined ? state?.decisions.at(-1) : undefined);
 
-export function LogState({ log }: { log: SessionLog }) {
-  if (log.error && log.steps.length === 0) return <Failure what="The session’s log" error={log.error} onRetry={log.again} />;
-  if (log.isReading && log.steps.length === 0) return <Loading what="the session’s log" />;
+export function LogState({ log: { sessionId, steps, rowCount, isWhole, isReading, isBusy, atMs, error, again, readOlder } }: { log: SessionLog }) {
+  if (error && steps.length === 0) return <Failure what="The session’s log" error={error} onRetry={again} />;
+  if (isReading && steps.length === 0) return <Loading what="the session’s log" />;
   return (
     <p class="soft log-state">
-      <span class="row-count">{grouped(log.droppedCount + log.steps.length)} rows</span> of the audit log, read {ago(log.atMs, now.value)}{log.error && <>: <span role="status">{log.error.message}; the page tries again</span></>}.
-      {log.droppedCount > 0 && <> The page shows the last {grouped(MAX_STEPS)}; <code>sweepstake audit export</code> writes all rows.</>} <button type="button" class="quiet" disabled={log.isReading} onClick={log.again}>Read again</button>
+      {isWhole ? 'All' : 'The newest'} <span class="row-count">{grouped(rowCount)}</span> rows of the audit log, read {ago(atMs, now.value)}{error && <>: <span role="status">{error.message}; the page tries again</span></>}.
+      {' '}{readOlder && <button type="button" class="quiet" disabled={isBusy} onClick={readOlder}>Read older rows</button>}
+      {' '}<button type="button" class="quiet" onClick={again}>Read again</button> <CsvLink href={sessionCsvUrl('decisions', sessionId)} of="All rows of the log" />
     </p>
   );
 }

@@ -1,15 +1,17 @@
 // The frame of a chart: title, note, a table of the values, and buttons that save table and picture as files.
 import type { ComponentChildren } from 'preact';
 import { useRef, useState } from 'preact/hooks';
-import { csvOf, type CsvValue, download } from '../parts/download';
+import { CsvLink } from '../parts/download';
 import { type Column, Table } from '../parts/table';
 import { toast } from '../parts/toast';
 import { fileName, visible } from '../parts/name';
 import './charts.css';
 import { savePng } from './png';
 
+/** A value of a chart; null and undefined: unknown. */
+type CellValue = string | number | bigint | boolean | null | undefined;
 /** The values of a chart. */
-export interface ChartTable { header: readonly string[]; rows: readonly (readonly CsvValue[])[] }
+export interface ChartTable { header: readonly string[]; rows: readonly (readonly CellValue[])[] }
 
 interface FrameProps {
   id: string;
@@ -17,8 +19,10 @@ interface FrameProps {
   note?: ComponentChildren;
   /** Parts of the names of exported files, before the chart's id. */
   names: readonly string[];
-  /** Called when the table is opened or saved. */
+  /** Called when the table is opened. */
   table: () => ChartTable;
+  /** The URL of all values at full resolution; absent: the daemon has no such table. */
+  csvHref?: string | undefined;
   /** Shown instead of the chart if there is nothing to draw. */
   empty?: ComponentChildren;
   children: ComponentChildren;
@@ -34,21 +38,17 @@ function ValueTable({ id, title, table: { header, rows } }: { id: string; title:
   return <Table isBare caption={`${title}, as a table`} columns={columns} rows={[...rows.keys()]} keyOf={String} sort="" sortParameter={`${id}-table`} />;
 }
 
-export function ChartFrame({ id, title, note, names, table, empty, children }: FrameProps) {
+export function ChartFrame({ id, title, note, names, table, csvHref, empty, children }: FrameProps) {
   const figure = useRef<HTMLElement>(null);
   const [open, setOpen] = useState(false);
   const file = fileName('sweepstake', ...names, id);
-  const saveTable = () => {
-    const { header, rows } = table();
-    download(`${file}.csv`, csvOf(header, rows), 'text/csv');
-  };
   return (
     <figure class="chart" data-chart={id} ref={figure}>
       <figcaption>
         <h3>{title}</h3>
         {!empty && <span class="tools">
           <button type="button" aria-expanded={open} onClick={() => setOpen(!open)}>Table</button>
-          <button type="button" aria-label={`${title} as CSV`} onClick={saveTable}>CSV</button>
+          {csvHref && <CsvLink href={csvHref} of={title} name={file} />}
           <button type="button" aria-label={`${title} as PNG`} onClick={() => void savePng(`${file}.png`, figure.current!).catch(() => toast('This browser cannot save the chart as a picture', { isBad: true }))}>PNG</button>
         </span>}
         {note && <p class="soft">{note}</p>}

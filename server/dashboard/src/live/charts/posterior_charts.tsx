@@ -20,6 +20,7 @@ export interface PosteriorChartsProps {
   domain?: Range; // range of time shared with other charts; absent: all times
   values?: readonly [number, number]; // range of values shared with other charts
   notYet?: string; // shown if there is nothing to draw
+  csvHref?: string | undefined; // the URL of all posteriors as CSV
   assumed?: ReadonlySet<string>; // arms that were never measured; the range of the axis ignores them
 }
 
@@ -98,12 +99,12 @@ function stackLines(arms: readonly string[], rows: readonly SeriesRow[]): { line
   return { lines, bands };
 }
 
-export function BestChart({ arms, rows, domain, notYet, names, moments = [] }: PosteriorChartsProps) {
+export function BestChart({ arms, rows, domain, notYet, names, csvHref, moments = [] }: PosteriorChartsProps) {
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
   const drawn = useMemo(() => stackLines(arms, rows), [arms, rows]);
   const { stableProbability } = thresholds.value;
   return (
-    <TimeFigure {...drawn} id="best" title="Probability that each algorithm is the best" names={names} timesMs={timesMs} moments={moments}
+    <TimeFigure {...drawn} id="best" title="Probability that each algorithm is the best" names={names} csvHref={csvHref} timesMs={timesMs} moments={moments}
       note={`The scene is stable if the probability of its leader is at least ${stableProbability}.`} empty={noteOf(rows, notYet)} scale="unit"
       levels={[{ value: stableProbability, label: 'stable' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)}
       format={(value) => value.toFixed(3)} height={200} />

@@ -166,11 +166,12 @@ interface RidgeFigureProps extends RidgelineProps {
   note?: ComponentChildren;
   notYet: string; // shown if there are no rows
   table?: () => ChartTable; // absent: the values of the rows
+  csvHref?: string | undefined;
   children?: ComponentChildren; // above the chart
 }
 
 /** A chart of posteriors in a frame. */
-export function RidgeFigure({ id, names, note, notYet, table, children, ...chart }: RidgeFigureProps) {
+export function RidgeFigure({ id, names, note, notYet, table, csvHref, children, ...chart }: RidgeFigureProps) {
   const { title, rows } = chart;
   const values = () => ({
     header: ['algorithm', 'measured', 'alpha', 'beta', 'mean reward', '95 % from', 'to', 'prior alpha', 'prior beta'],
@@ -178,7 +179,7 @@ export function RidgeFigure({ id, names, note, notYet, table, children, ...chart
       [label, measured, posterior.alpha, posterior.beta, mean(posterior), posterior.low95, posterior.high95, before?.alpha, before?.beta]),
   });
   return (
-    <ChartFrame id={id} title={title} names={names} note={note} table={table ?? values} empty={rows.length === 0 && notYet}>
+    <ChartFrame id={id} title={title} names={names} note={note} table={table ?? values} csvHref={csvHref} empty={rows.length === 0 && notYet}>
       {children}
       <Ridgeline {...chart} />
     </ChartFrame>

@@ -141,10 +141,11 @@ interface TimeFigureProps extends TimeChartProps {
   empty?: ComponentChildren; // shown instead of the chart if there is nothing to draw
   unit?: string; // unit of the values in the table
   laterMs?: number; // real time minus drawn time; the table shows real times
+  csvHref?: string | undefined;
 }
 
 /** A time chart in a frame, whose table has the values of the lines. */
-export function TimeFigure({ id, note, names, empty, unit = '', laterMs = 0, ...chart }: TimeFigureProps) {
+export function TimeFigure({ id, note, names, empty, unit = '', laterMs = 0, csvHref, ...chart }: TimeFigureProps) {
   const { title, timesMs, lines } = chart;
   const table = () => {
     const columns = lines.filter(({ label }) => label !== '');
@@ -153,17 +154,22 @@ export function TimeFigure({ id, note, names, empty, unit = '', laterMs = 0, ...
       rows: timesMs.map((ms, i) => [new Date(ms + laterMs).toISOString(), ...columns.map(({ told, values }) => (told ?? values)[i] ?? null)]),
     };
   };
-  return <ChartFrame id={id} title={title} note={note} names={names} table={table} empty={empty}><TimeChart {...chart} /></ChartFrame>;
+  return <ChartFrame id={id} title={title} note={note} names={names} table={table} csvHref={csvHref} empty={empty}><TimeChart {...chart} /></ChartFrame>;
+}
+
+/** A button that pauses the view, and continues it. */
+export function PauseButton() {
+  const isPaused = pausedMs.value !== undefined;
+  return <button type="button" aria-pressed={isPaused} onClick={() => setPaused(isPaused ? undefined : Date.now())}>{isPaused ? '▶ Resume' : '❚❚ Pause'}</button>;
 }
 
 /** The buttons for pausing and for undoing a zoom, which act on all charts of a view. */
 export function TimeTools() {
-  const isPaused = pausedMs.value !== undefined;
   return (
     <div class="time-tools" role="toolbar" aria-label="Time">
-      <button type="button" aria-pressed={isPaused} onClick={() => setPaused(isPaused ? undefined : Date.now())}>{isPaused ? '▶ Resume' : '❚❚ Pause'}</button>
+      <PauseButton />
       <button type="button" disabled={!range.value} onClick={() => setRange(undefined)}>Show all</button>
-      {isPaused && <span class="soft">Paused at {clockText(pausedMs.value!)}.</span>}
+      {pausedMs.value !== undefined && <span class="soft">Paused at {clockText(pausedMs.value)}.</span>}
       <span class="soft hint">Drag in a chart to zoom. Triangles mark values above the axis.</span>
     </div>
   );

@@ -1,8 +1,8 @@
 // A table of any number of rows. Its sorting is in the URL. It draws only visible rows, keeps their order while the user is in the
-// table, and can be saved as CSV.
+// table, and can have a link to its values as CSV.
 import type { ComponentChildren } from 'preact';
 import { useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
-import { csvOf, type CsvValue, download } from './download';
+import { CsvLink } from './download';
 import { route, setQuery } from '../state/route';
 import { grouped } from '../../format';
 import { fileName, Name } from './name';
@@ -17,11 +17,9 @@ export interface Column<Row> {
   title: string;
   cell?(row: Row): ComponentChildren;  // absent: the value of `sort`, as a name or a count
   sort?(row: Row): SortValue;  // absent: the table cannot be sorted by this column
-  csv?(row: Row): CsvValue;  // the value in a CSV file; absent: the value of `sort`
-  unit?: string;  // the unit of the values in a CSV file
   isText?: boolean;  // aligned to the left, as the first column always is
   hint?: string;  // explains the column
-  isDetail?: boolean;  // shown only with "All columns"; a CSV file always has it
+  isDetail?: boolean;  // shown only with "All columns"
   width?: string;  // minimum width of a column whose values change often, so that other columns do not move
 }
 
@@ -33,6 +31,7 @@ export interface TableProps<Row> {
   sort: string;  // the column that the table is sorted by at first; "-" before it for descending
   sortParameter?: string;  // name of the sorting in the URL, if a view has several tables
   tools?: ComponentChildren;
+  csvHref?: string | undefined;  // the URL of the whole table as CSV; absent: the daemon has no such table
   isBare?: boolean;  // without the line of tools
 }
 
@@ -77,11 +76,6 @@ function Meanings<Row>({ columns }: { columns: readonly Column<Row>[] }) {
       <dl>{explained.map(({ id, title, hint }) => [<dt key={id}>{title}</dt>, <dd key={`${id}=`}>{hint}</dd>])}</dl>
     </details>
   );
-}
-
-function csvText<Row>(columns: readonly Column<Row>[], rows: readonly Row[]): string {
-  const written = columns.filter(({ csv, sort }) => csv ?? sort);
-  return csvOf(written.map(({ title, unit }) => (unit ? `${title} (${unit})` : title)), rows.map((row) => written.map((column) => (column.csv ?? column.sort)!(row))));
 }
 
 // Moves the focus with the arrow keys from row to row, to the row's link or button.
@@ -139,7 +133,7 @@ function useOrder<Row>() {
   return order;
 }
 
-export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParameter = 'sort', tools, isBare = false }: TableProps<Row>) {
+export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParameter = 'sort', tools, csvHref, isBare = false }: TableProps<Row>) {
   const sorting = sortingOf(route.value.query.get(sortParameter) ?? sort);
   const { isEntered, handlers } = useEntered();
   const [hasDetails, showsAll] = [all.some(({ isDetail }) => isDetail), route.value.query.get('columns') === 'all'];
@@ -166,7 +160,7 @@ export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParam
           <button type="button" class={isOutdated ? 'quiet' : 'quiet hidden'} disabled={!isOutdated} onClick={() => sortAgain(sorting)}
             title="Rows keep their places while you are in the table">Sort again</button>
           {hasDetails && <button type="button" class="quiet" aria-pressed={showsAll} onClick={() => setQuery({ columns: showsAll ? undefined : 'all' })}>All columns</button>}
-          <button type="button" class="quiet" onClick={() => download(`${fileName('sweepstake', caption)}.csv`, csvText(all, sorted), 'text/csv')}>CSV</button>
+          {csvHref && <CsvLink href={csvHref} of={caption} name={fileName('sweepstake', caption)} />}
         </div>
       </div>}
       <div class="scroll" ref={box} role="region" aria-label={caption} tabIndex={0} onScroll={look} {...handlers}

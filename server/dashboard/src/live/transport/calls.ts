@@ -70,9 +70,10 @@ export function messageOf<Response>(schema: Schema<Response>, json: string): Res
   }
 }
 
-export async function call<Request, Response>(method: Unary<Request, Response>, request: NoInfer<Init<Request>>): Promise<Response> {
+export async function call<Request, Response>(method: Unary<Request, Response>, request: NoInfer<Init<Request>>, cancel?: AbortSignal): Promise<Response> {
   const body = jsonOf(method.input, request);
-  const response = await send(`/api/${method.path}`, { method: 'POST', body, signal: AbortSignal.timeout(TIMEOUT_MS) });
+  const timeout = AbortSignal.timeout(TIMEOUT_MS);
+  const response = await send(`/api/${method.path}`, { method: 'POST', body, signal: cancel ? AbortSignal.any([timeout, cancel]) : timeout });
   return messageOf(method.output, await response.text());
 }
 

@@ -2,7 +2,7 @@
 import { useComputed } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
 import { share } from '../../format';
-import { armsOf, type Step } from '../audit/steps';
+import { armsOf, MAX_STEPS, type Step } from '../audit/steps';
 import { LogState, type SessionLog, toldIn, useSessionLog, useSteps } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import { bandRange, BandsChart, BestChart } from '../charts/posterior_charts';
@@ -13,6 +13,7 @@ import { domainOf, range, type Range, useFrozen } from '../charts/view_state';
 import { seriesOf, type SeriesRow } from '../state/history';
 import { Arms } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
+import { sessionCsvUrl } from '../parts/download';
 import { CopyLink } from '../parts/toast';
 import { Name, visible } from '../parts/name';
 import { Empty } from '../parts/states';
@@ -94,7 +95,7 @@ interface SessionData {
 
 function useSession(id: string): SessionData {
   const state = useComputed(() => sessions.value.get(id)).value;
-  const log = useSessionLog(id, toldIn(state));
+  const log = useSessionLog(id, toldIn(state), MAX_STEPS);
   const { steps, hasLog } = useSteps(log, state?.decisions, log.steps.at(-1)?.told?.rewardVersion ?? 0);
   const drawn = useMemo(() => ({ steps, arms: armsOf(steps), columns: costColumns(steps) }), [steps]);
   const latest = { id, log, ...drawn, laterMs: 0 };
@@ -124,11 +125,11 @@ function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain,
     <div>
       <h2>Session <a href={sessionHref(id)}><Name text={id} /></a></h2>
       <LogState log={log} />
-      <ChartFrame id="timeline" title="Switches" names={[id]} empty={steps.length === 0 && 'The log of this session is empty.'}
+      <ChartFrame id="timeline" title="Switches" names={[id]} csvHref={sessionCsvUrl('decisions', id)} empty={steps.length === 0 && 'The log of this session is empty.'}
         table={() => ({ header: ['time', 'active algorithm', 'candidate'], rows: steps.flatMap(({ timeMs, told }) => (told ? [[new Date(timeMs + laterMs).toISOString(), told.activeArm, told.candidate]] : [])) })}>
         <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={openOwn} />
       </ChartFrame>
-      <CostCharts columns={columns} moments={moments} domain={domain} names={[id]} ends={ends} laterMs={laterMs} />
+      <CostCharts columns={columns} moments={moments} domain={domain} names={[id]} ends={ends} laterMs={laterMs} csvHref={sessionCsvUrl('windows', id)} />
     </div>
   );
 }

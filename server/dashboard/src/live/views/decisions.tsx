@@ -1,30 +1,37 @@
-// The audit log: the list of sessions with a log, their rows with filters and pages, and an explanation of each row at its own URL.
-import { AuditKind, type AuditSegment, AuditService } from '../../gen/sweepstake/v1/audit_pb';
+// The audit log: the rows of all sessions, of a scene or of a session, with filters, pages and new rows as they arrive; an explanation of
+// each row at its own URL; and the list of sessions with a log.
+import { AuditKind, type AuditSegment, AuditService, DecisionFilterSchema } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
-import { grouped } from '../../format';
-import { auditRows, collectPage, type Filter as RowFilter, findRow, type Page, PAGE_ROWS, type PlacedRow, rowId, unixMsOf } from '../audit/log';
+import { type LogPart, PAGE_ROWS, type PlacedRow, readRow, readRows, rowId, type Selection, unixMsOf } from '../audit/log';
 import { stepOfRow } from '../audit/steps';
+import { useLog } from '../audit/use_log';
+import { PauseButton } from '../charts/time_chart';
+import { pausedMs } from '../charts/view_state';
 import { Arm } from '../parts/arm';
 import { ago, now, timeText } from '../parts/clock';
+import { csvUrl } from '../parts/download';
 import { CopyLink } from '../parts/toast';
-import { Choice, Filter, matches } from '../parts/filter';
+import { Choice, Filter, matches, TimeChoice } from '../parts/filter';
 import { addShortcuts } from '../parts/keys';
 import { Name, visible } from '../parts/name';
 import { Empty, Failure, Loading, Read } from '../parts/states';
 import { type Column, Table } from '../parts/table';
 import { decisionsHref, route, sessionHref, setQuery } from '../state/route';
+import { scenes } from '../state/scenes';
+import { sessions } from '../state/sessions';
+import { create, toJson } from '../transport/messages';
 import { useList, useReading } from '../transport/reading';
 import { explainedRow } from '../audit/explain';
 import { Why } from './session/why';
 import { kindWord, outcomeWord } from './words';
 import { useEffect } from 'preact/hooks';
 
-/** Maximum number of pages. `sweepstake audit export` reads older rows. */
-const MAX_PAGE = 100;
+/** The number of rows above which the first page is read again instead of extended. */
+const MAX_ROWS = 5 * PAGE_ROWS;
 const ADMIN = 'admin'; // session id of the rows of administrators; no real session has it
 
 const SEGMENTS: readonly Column<AuditSegment>[] = [
-  { id: 'began', title: 'Began', sort: ({ unixStartMs }) => Number(unixStartMs), csv: ({ unixStartMs }) => new Date(Number(unixStartMs)).toISOString(),
+  { id: 'began', title: 'Began', sort: ({ unixStartMs }) => Number(unixStartMs),
     cell: ({ unixStartMs }) => (unixStartMs ? timeText(Number(unixStartMs)) : '–') },
   { id: 'session', title: 'Session', isText: true, sort: ({ sessionId }) => sessionId,
     cell: ({ sessionId }) => <a href={decisionsHref({ session: sessionId })}>{sessionId === ADMIN ? 'administration' : <Name text={sessionId} />}</a> },
@@ -42,8 +49,7 @@ function SegmentTable({ all, again }: { all: readonly AuditSegment[]; again: () 
   const shown = all.filter(({ sessionId, project, scene }) => matches(text, [sessionId, project, scene]));
   return (
     <>
-      <p>The log of a session has a row for every decision and for every event that decisions depend on. Choose a session or a scene.</p>
-      <Table caption="Logs" columns={SEGMENTS} rows={shown} keyOf={({ sessionId, segment }) => `${sessionId}\n${segment}`} sort="-began"
+      <Table caption="Logs" csvHref={csvUrl('logs')} columns={SEGMENTS} rows={shown} keyOf={({ sessionId, segment }) => `${sessionId}\n${segment}`} sort="-began"
         tools={<><Filter label="Search logs" /><button type="button" onClick={again}>Read again</button></>} />
       {shown.length === 0 && <Empty title="No log matches the search" />}
     </>
@@ -78,9 +84,9 @@ const rowHref = ({ row }: PlacedRow) => {
 };
 
 const ROWS: readonly Column<PlacedRow>[] = [
-  { id: 'time', title: 'Time', sort: timeOf, csv: (placed) => (timeOf(placed) ? new Date(timeOf(placed)!).toISOString() : ''),
+  { id: 'time', title: 'Time', sort: timeOf,
     cell: (placed) => <a href={rowHref(placed)}>{timeOf(placed) ? timeText(timeOf(placed)!) : `row ${placed.row.row}`}</a> },
-  { id: 'kind', title: 'Kind', isText: true, csv: ({ row }) => AuditKind[row.kind], sort: ({ row }) => kindWord(row.kind).name,
+  { id: 'kind', title: 'Kind', isText: true, sort: ({ row }) => kindWord(row.kind).name,
     cell: ({ row }) => <span title={kindWord(row.kind).meaning}><span aria-hidden="true">{kindWord(row.kind).mark} </span>{kindWord(row.kind).name}</span> },
   { id: 'decision', title: 'Decision', sort: ({ row }) => row.decision && Number(row.decision.id), cell: ({ row }) => String(row.decision?.id ?? '–') },
   { id: 'active', title: 'Active algorithm', isText: true, sort: armOf,
@@ -88,45 +94,50 @@ const ROWS: readonly Column<PlacedRow>[] = [
   { id: 'candidate', title: 'Candidate', isText: true, sort: candidateOf,
     cell: (placed) => (candidateOf(placed) ? <Arm name={candidateOf(placed)} hollow /> : '–') },
   { id: 'outcome', title: 'Outcome', isText: true, sort: outcomeText, cell: (placed) => outcomeText(placed) || '–' },
-  { id: 'words', title: 'In words', isText: true, csv: wordsOf, cell: (placed) => <bdi class="words">{wordsOf(placed)}</bdi> },
+  { id: 'words', title: 'In words', isText: true, cell: (placed) => <bdi class="words">{wordsOf(placed)}</bdi> },
   { id: 'session', title: 'Session', isText: true, sort: ({ row }) => row.session, cell: ({ row }) => <a href={sessionHref(row.session)}><Name text={row.session} /></a> },
 ];
 
-interface Asked { session: string; project: string; scene: string; filter: RowFilter; page: number; row: string }
+interface Asked { session: string; project: string; scene: string; kind: string; outcome: string; arm: string; from: string; until: string; older: string; newer: string; row: string }
 
 function asked(): Asked {
-  const { query } = route.value;
-  const text = (name: string) => query.get(name) ?? '';
-  return {
-    session: text('session'), project: text('project'), scene: text('scene'), filter: { kind: text('kind'), outcome: text('outcome'), arm: text('arm') },
-    page: Math.min(Math.max(Math.floor(Number(text('page')) || 0), 0), MAX_PAGE - 1), row: text('row'),
-  };
+  const text = (name: string) => route.value.query.get(name) ?? '';
+  return { session: text('session'), project: text('project'), scene: text('scene'), kind: text('kind'), outcome: text('outcome'), arm: text('arm'),
+    from: text('from'), until: text('until'), older: text('older'), newer: text('newer'), row: text('row') };
 }
 
-function OneRow({ session, row }: { session: string; row: string }) {
+/** Returns the value of an enumeration that has this name, as a list; empty if there is none. */
+const named = (names: Readonly<Record<string, string | number>>, name: string) => (typeof names[name] === 'number' ? [names[name]] : []);
+
+const selectionOf = ({ session, project, scene, kind, outcome, arm, from, until }: Asked): Selection => ({
+  sessionId: session, project, scene, kinds: named(AuditKind, kind), outcomes: named(DecisionOutcome, outcome), arm,
+  unixFromMs: BigInt(Math.floor(Number(from)) || 0), unixUntilMs: BigInt(Math.floor(Number(until)) || 0),
+});
+
+function OneRow({ id }: { id: string }) {
   const close = () => setQuery({ row: undefined });
   useEffect(() => addShortcuts([{ keys: 'Escape', what: 'Close the explanation', run: close }]), []);
-  const reading = useReading(row, (cancel) => findRow(auditRows({ sessionId: session }, cancel), row));
+  const reading = useReading(id, (cancel) => readRow(id, cancel));
   const missing = <Empty title="The log does not have this row"><p>The row was removed because the size of the log is limited, or it never existed.</p></Empty>;
   const shown = (placed: PlacedRow) => {
     const step = stepOfRow(placed);
     return step
-      ? <Why step={step} sessionId={session} onRead={reading.again} onClose={close} />
+      ? <Why step={step} sessionId={placed.row.session} onRead={reading.again} onClose={close} />
       : <p class="why">{explainedRow(placed.row, placed.setup).map((sentence) => <bdi key={sentence}>{visible(sentence)}</bdi>)} <button type="button" class="quiet" onClick={close}>Close</button></p>;
   };
   return <Read reading={reading} what="the row">{(placed) => (placed ? shown(placed) : missing)}</Read>;
 }
 
-function Pager({ page, matchCount, order }: { page: number; matchCount: number; order: string }) {
-  const first = page * PAGE_ROWS + 1;
-  const last = Math.min((page + 1) * PAGE_ROWS, matchCount);
-  const go = (to: number) => setQuery({ page: to > 0 ? String(to) : undefined }, { step: true });
+/** Buttons for the pages. A page has a place of its own in the URL, so that later rows do not move it. */
+function Pager({ older, newer, part: { olderToken, newerToken, hasMore } }: Pick<Asked, 'older' | 'newer'> & { part: LogPart }) {
+  const go = (place: { older?: string; newer?: string }) => setQuery({ older: undefined, newer: undefined, ...place }, { step: true });
+  const isFirst = !older && !newer;
   return (
     <nav class="orders" aria-label="Pages">
-      <button type="button" disabled={page === 0} onClick={() => go(page - 1)}>Newer</button>
-      <span>{matchCount === 0 ? 'none' : `${grouped(first)} to ${grouped(last)} of ${grouped(matchCount)}, ${order}`}</span>
-      <button type="button" disabled={last >= matchCount || page + 1 >= MAX_PAGE} onClick={() => go(page + 1)}>Older</button>
-      {page + 1 >= MAX_PAGE && <span class="soft"><code>sweepstake audit export</code> writes older rows, too.</span>}
+      <button type="button" disabled={isFirst} onClick={() => go({})}>Newest</button>
+      <button type="button" disabled={isFirst || (newer !== '' && !hasMore)} onClick={() => go({ newer: newerToken })}>Newer</button>
+      <button type="button" disabled={newer === '' && !hasMore} onClick={() => go({ older: olderToken })}>Older</button>
+      {isFirst && <PauseButton />}
     </nav>
   );
 }
@@ -135,29 +146,50 @@ function Pager({ page, matchCount, order }: { page: number; matchCount: number; 
 const choicesOf = <Value extends number>(names: Readonly<Record<string, string | number>>, wordOf: (value: Value) => { name: string }) =>
   [['', 'any'], ...Object.entries(names).filter(([, value]) => Number(value) > 0)
     .map(([name, value]) => [name, wordOf(value as Value).name] as const)] as const;
-const KINDS = choicesOf<AuditKind>(AuditKind, kindWord);
+const KINDS = choicesOf<AuditKind>(AuditKind, kindWord).filter(([name]) => name !== 'MISSING'); // the daemon lists no such rows
 const OUTCOMES = choicesOf<DecisionOutcome>(DecisionOutcome, outcomeWord);
 
-function Rows({ session, project, scene, filter, page }: Asked) {
-  const selection = { sessionId: session, project, scene };
-  const { value, error, isReading, atMs, again } = useReading<Page>(JSON.stringify([selection, filter, page]),
-    (cancel, show) => collectPage(auditRows(selection, cancel), filter, page, show));
-  const found = isReading || error ? undefined : value;
-  const arms = [...new Set((found?.rows ?? []).flatMap(({ setup }) => setup?.arms ?? []).concat(filter.arm || []))].sort();
+const anyOf = (names: readonly string[]) => [['', 'any'], ...[...new Set(names)].filter(Boolean).sort().map((name) => [name, visible(name)] as const)] as const;
+
+function Filters({ all, rows }: { all: Asked; rows: readonly PlacedRow[] }) {
+  const known = [...scenes.value.values()].map(({ posterior }) => posterior);
+  const inProject = known.filter(({ project }) => !all.project || project === all.project);
+  return (
+    <>
+      {!all.session && <Choice label="Project" parameter="project" options={anyOf([...known.map(({ project }) => project), all.project])} />}
+      {!all.session && <Choice label="Scene" parameter="scene" options={anyOf([...inProject.map(({ scene }) => scene), all.scene])} />}
+      <Choice label="Kind" parameter="kind" options={KINDS} />
+      <Choice label="Outcome" parameter="outcome" options={OUTCOMES} />
+      <Choice label="Algorithm" parameter="arm" options={anyOf([...rows.flatMap(({ setup }) => setup?.arms ?? []), all.arm])} />
+      <TimeChoice label="From" parameter="from" />
+      <TimeChoice label="Until" parameter="until" />
+    </>
+  );
+}
+
+function Rows({ all }: { all: Asked }) {
+  const { session, older, newer } = all;
+  const selection = selectionOf(all);
+  const isFirst = !older && !newer;
+  const latest = session ? sessions.value.get(session)?.decisions.at(-1) : sessions.value; // changes with each decision
+  const { rows: part, error, isBusy, atMs, again } = useLog<LogPart>(isFirst && pausedMs.value === undefined ? latest : undefined, async (before, cancel) => {
+    if (!before || !isFirst || before.rows.length > MAX_ROWS) return readRows(selection, PAGE_ROWS, cancel, { olderThan: older, newerThan: newer });
+    const added = await readRows(selection, MAX_ROWS, cancel, { newerThan: before.newerToken });
+    return { ...before, rows: [...added.rows, ...before.rows], newerToken: added.newerToken };
+  });
+  const csvHref = csvUrl('decisions', { filter: toJson(DecisionFilterSchema, create(DecisionFilterSchema, selection)) });
   return (
     <>
       <div class="tools">
-        <Choice label="Kind" parameter="kind" options={KINDS} />
-        <Choice label="Outcome" parameter="outcome" options={OUTCOMES} />
-        <Choice label="Algorithm" parameter="arm" options={[['', 'any'], ...arms.map((arm) => [arm, visible(arm)] as const)]} />
-        <button type="button" onClick={again} disabled={isReading}>Read again</button>
-        {found && <span class="soft">read {ago(atMs, now.value)}</span>}
+        <Filters all={all} rows={part?.rows ?? []} />
+        <button type="button" onClick={again} disabled={isBusy}>Read again</button>
+        {part && <span class="soft">read {ago(atMs, now.value)}{error && <span role="status">: {error.message}; the page tries again</span>}</span>}
       </div>
-      {error && <Failure what="the log" error={error} onRetry={again} />}
-      {isReading && <Loading what={value ? `the log, ${grouped(value.rowCount)} rows so far` : 'the log'} />}
-      {found && <Pager page={page} matchCount={found.matchCount} order={session ? 'newest first' : 'the newest logs first'} />}
-      {found && found.rows.length > 0 && <Table caption="Rows" columns={ROWS} rows={found.rows} keyOf={({ row }) => rowId(row)} sort="-time" sortParameter="rows" />}
-      {found?.rows.length === 0 && <Empty title={found.rowCount === 0 ? 'There is no log for this selection' : 'No row matches the filter'} />}
+      {error && !part && <Failure what="the log" error={error} onRetry={again} />}
+      {!error && !part && <Loading what="the log" />}
+      {part && <Pager {...all} part={part} />}
+      {part && part.rows.length > 0 && <Table caption="Rows" csvHref={csvHref} columns={ROWS} rows={part.rows} keyOf={({ row }) => rowId(row)} sort="" sortParameter="rows" />}
+      {part?.rows.length === 0 && <Empty title="No row of the log matches the filter" />}
     </>
   );
 }
@@ -165,19 +197,22 @@ function Rows({ session, project, scene, filter, page }: Asked) {
 function Heading({ session, project, scene }: Asked) {
   if (session === ADMIN) return <>Administration</>;
   if (session) return <>Decisions of session <a href={sessionHref(session)}><Name text={session} /></a></>;
-  return scene ? <>Decisions in <Name text={scene} /></> : <>Decisions of <Name text={project} /></>;
+  if (scene) return <>Decisions in <Name text={scene} /></>;
+  return project ? <>Decisions of <Name text={project} /></> : <>Decisions</>;
 }
 
 export function DecisionsView() {
   const all = asked();
-  const isChosen = Boolean(all.session || all.project || all.scene);
-  const rowSession = all.session || all.row.split('.').slice(0, -2).join('.');
+  const isList = route.value.query.has('logs');
+  const { row, ...place } = all;
   return (
     <>
-      <header class="title"><h1>{isChosen ? <Heading {...all} /> : 'Decisions'}</h1><CopyLink /></header>
-      {isChosen && <p><a href={decisionsHref({})}>All logs</a></p>}
-      {all.row && <OneRow key={all.row} session={rowSession} row={all.row} />}
-      {isChosen ? <Rows {...all} /> : <Segments />}
+      <header class="title"><h1>{isList ? 'Logs' : <Heading {...all} />}</h1><CopyLink /></header>
+      <p>The log of a session has a row for every decision and for every event that decisions depend on.{' '}
+        {(isList || all.session || all.scene || all.project) && <><a href={decisionsHref({})}>All decisions</a> </>}
+        {!isList && <a href={decisionsHref({ logs: 'all' })}>Sessions with a log</a>}</p>
+      {row && <OneRow key={row} id={row} />}
+      {isList ? <Segments /> : <Rows key={JSON.stringify(place)} all={all} />}
     </>
   );
 }

@@ -1,6 +1,7 @@
 // The overview: what choosing algorithms saves, the problems that need attention, and all scenes, the least certain first.
 import { counted, grouped, share, significant } from '../../format';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { csvUrl } from '../parts/download';
 import { VerdictChip } from '../parts/chips';
 import { Choice, Filter, matches } from '../parts/filter';
 import { Name, visible } from '../parts/name';
@@ -93,7 +94,7 @@ const projectsOf = (all: readonly SceneSummary[]): Project[] => [...groupedBy(al
 const PROJECTS: readonly Column<Project>[] = [
   { id: 'project', title: 'Project', sort: ({ project }) => project, cell: ({ project }) => <a href={urlOf(`/?project=${encodeURIComponent(project)}`)}><Name text={project} /></a> },
   { id: 'verdict', title: 'Least certain scene', isText: true, hint: 'The scene of the project whose best algorithm is least certain. This column sorts by uncertainty.', sort: ({ worst }) => worst.uncertainty,
-    csv: ({ worst }) => sceneOf(worst).scene, cell: ({ worst }) => <><VerdictChip verdict={worst.verdict} /> <a href={sceneHref(sceneOf(worst))}><Name text={sceneOf(worst).scene} /></a></> },
+    cell: ({ worst }) => <><VerdictChip verdict={worst.verdict} /> <a href={sceneHref(sceneOf(worst))}><Name text={sceneOf(worst).scene} /></a></> },
   { id: 'settled', title: 'Settled', hint: 'Scenes with the verdict stable, tie or changing', sort: (row) => row.scenes.filter(isSettled).length },
   { id: 'scenes', title: 'Scenes', sort: (row) => row.scenes.length },
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => row.scenes.reduce((sum, each) => sum + sceneOf(each).activeSessionCount, 0) },
@@ -131,7 +132,7 @@ export function Overview() {
       <section aria-labelledby="scenes-heading">
         <h2 id="scenes-heading">Scenes</h2>
         {all.length === 0 ? <NoScenes /> : (
-          <Table caption="Scenes" columns={SCENE_COLUMNS} rows={rows} keyOf={({ state }) => state.key} sort="-verdict" tools={<Tools all={all} />} />
+          <Table caption="Scenes" csvHref={csvUrl('scenes', { project: route.value.query.get('project') ?? '' })} columns={SCENE_COLUMNS} rows={rows} keyOf={({ state }) => state.key} sort="-verdict" tools={<Tools all={all} />} />
         )}
         {all.length > 0 && rows.length === 0 && <Empty title="No scene matches the filter" />}
       </section>

@@ -4,7 +4,7 @@ import { type PriorRecord, PriorsService } from '../../gen/sweepstake/v1/priors_
 import { grouped, significant } from '../../format';
 import { ago, now, timeText } from '../parts/clock';
 import { CopyLink } from '../parts/toast';
-import { download } from '../parts/download';
+import { csvUrl, download } from '../parts/download';
 import { Choice, Filter, matches } from '../parts/filter';
 import { fileName, Name, visible } from '../parts/name';
 import { Empty, Failure, Loading } from '../parts/states';
@@ -135,7 +135,7 @@ const ORIGIN: readonly Column<Group>[] = [
   ...NUMBERS,
   { id: 'arms', title: 'Algorithms', sort: (row) => armsOf(row).length },
   { id: 'seen', title: 'Last seen', hint: 'Time of its latest evidence, by the clock of its daemon', sort: (row) => lastSeenS(row) || undefined,
-    csv: (row) => (lastSeenS(row) ? new Date(1000 * lastSeenS(row)).toISOString() : ''), cell: (row) => (lastSeenS(row) ? timeText(1000 * lastSeenS(row)) : '–') },
+    cell: (row) => (lastSeenS(row) ? timeText(1000 * lastSeenS(row)) : '–') },
   { id: 'classes', title: 'Machines', isText: true, sort: (row) => classesOf(row).join(', ') },
   { id: 'scenes', title: 'Scenes', isText: true, sort: (row) => scenesOf(row).join(', ') },
   PROJECT,
@@ -175,7 +175,7 @@ const SOURCES: readonly Column<Group>[] = [
 const meanOf = (row: Group) => (alphaOf(row) + betaOf(row) > 0 ? alphaOf(row) / (alphaOf(row) + betaOf(row)) : undefined);
 
 const SUMS: readonly Column<Group>[] = [
-  { id: 'scene', title: 'Scene', sort: ({ example }) => `${example.project}\n${example.scene}`, csv: ({ example }) => example.scene,
+  { id: 'scene', title: 'Scene', sort: ({ example }) => `${example.project}\n${example.scene}`,
     cell: ({ example }) => <a href={sceneHref(example)}><Name text={example.scene} /></a> },
   { id: 'arm', title: 'Algorithm', isText: true, sort: ({ example }) => example.arm,
     cell: ({ example }) => <Arm name={example.arm} hollow={example.measuredBy === LANE} /> },
@@ -192,7 +192,7 @@ const SUMS: readonly Column<Group>[] = [
   { id: 'reward', title: 'Reward', sort: ({ example }) => example.rewardVersion },
 ];
 
-interface GroupsProps { records: readonly PriorRecord[]; by: readonly (keyof PriorRecord)[]; columns: readonly Column<Group>[]; caption: string; sort: string; sortParameter?: string }
+interface GroupsProps { records: readonly PriorRecord[]; by: readonly (keyof PriorRecord)[]; columns: readonly Column<Group>[]; caption: string; sort: string; sortParameter?: string; csvHref?: string | undefined }
 
 function Groups({ records, by, ...table }: GroupsProps) {
   const groups = useMemo(() => groupsOf(records, ...by), [records]);
@@ -208,5 +208,5 @@ const BY_ARM = [...BY_BUILD, 'scene', 'machineClass', 'rewardVersion', 'arm', 'b
 
 export const Waiting = (records: Records) => <Groups {...records} by={BY_BUILD} columns={WAITING} caption="Quarantine" sort="build" sortParameter="waiting" />;
 export const Builds = (records: Records) => <Groups {...records} by={BY_BUILD} columns={BUILDS} caption="Builds" sort="-seen" sortParameter="builds" />;
-export const Sums = (records: Records) => <Groups {...records} by={BY_ARM} columns={SUMS} caption="Sums of evidence" sort="scene" />;
+export const Sums = (records: Records) => <Groups {...records} by={BY_ARM} columns={SUMS} caption="Sums of evidence" csvHref={csvUrl('evidence', { project: route.value.query.get('project') ?? '', withWeights: true })} sort="scene" />;
 export const Sources = (records: Records) => <Groups {...records} by={['sourceId']} columns={SOURCES} caption="Sources" sort="-windows" sortParameter="sources" />;

@@ -9,6 +9,7 @@ import { TimeTools } from '../charts/time_chart';
 import { useFrozen } from '../charts/view_state';
 import { mean } from '../numbers/beta';
 import { seriesOf } from '../state/history';
+import { csvUrl } from '../parts/download';
 import { ago, now } from '../parts/clock';
 import { CopyLink } from '../parts/toast';
 import { Name, visible } from '../parts/name';
@@ -43,6 +44,9 @@ function Facts({ state }: { state: SceneState }) {
   );
 }
 
+/** Returns the URL of the posteriors of a scene as CSV. */
+const csvOf = ({ project, scene }: Pick<SceneName, 'project' | 'scene'>) => csvUrl('scenes', { project, scene });
+
 function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow[]; state: SceneState; before: ScenePosterior }) {
   const ridges = useMemo(() => ridgeRows(rows, before), [rows]);
   const table = () => ({
@@ -51,7 +55,7 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
       beta.low95, beta.high95, row.bestProbability, costRatio?.median, row.windowCount, row.visitCount, row.effectiveWindowCount, row.bailOutCount]),
   });
   return (
-    <RidgeFigure id="beliefs" title="Posterior of each algorithm" names={[posterior.project, posterior.scene]} table={table} rows={ridges}
+    <RidgeFigure id="beliefs" title="Posterior of each algorithm" names={[posterior.project, posterior.scene]} table={table} csvHref={csvOf(posterior)} rows={ridges}
       rewardVersion={posterior.rewardVersion} notYet="No algorithm has evidence yet."
       note="Thick lines are 50 % credible intervals, thin ones 95 %. Algorithms with a dashed outline never ran in a game. Dashed grey: the posterior when you opened this view, if it
         has changed since. The prior of a build is below, under Evidence; the prior of a session is in the view of that session." />
@@ -94,7 +98,7 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
   const before = useRef(latest.posterior).current;
   const rows = useMemo(() => armRows(state.posterior), [state]);
   const { activity } = state.posterior;
-  const beliefs = <><Beliefs rows={rows} state={state} before={before} /><ArmTable rows={rows} rewardVersion={name.rewardVersion} /></>;
+  const beliefs = <><Beliefs rows={rows} state={state} before={before} /><ArmTable rows={rows} rewardVersion={name.rewardVersion} csvHref={csvOf(name)} /></>;
   return (
     <>
       <header class="title"><h1><span class="soft"><Name text={name.project} /> /</span> <Name text={name.scene} /></h1><CopyLink /></header>

@@ -2,7 +2,8 @@
 import { useComputed } from '@preact/signals';
 import { useEffect, useMemo, useRef } from 'preact/hooks';
 import { counted, grouped } from '../../format';
-import { armsOf, isSwitch, type Step } from '../audit/steps';
+import { armsOf, isSwitch, readSteps, type Step, stepOfRow } from '../audit/steps';
+import { readDecision } from '../audit/log';
 import { LogState, type SessionLog, toldIn, useSessionLog, useSteps } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import type { Moment } from '../charts/plot';
@@ -15,15 +16,17 @@ import { LOG_COST_REWARD_VERSION, nsText } from '../numbers/log_cost';
 import { Arm } from '../parts/arm';
 import { Chip } from '../parts/chips';
 import { ago, now, timeText } from '../parts/clock';
+import { sessionCsvUrl } from '../parts/download';
 import { CopyLink } from '../parts/toast';
 import { Name } from '../parts/name';
-import { Empty, Failure, Later, Loading } from '../parts/states';
+import { Empty, Failure, Later, Loading, Read } from '../parts/states';
 import { type Column, Table } from '../parts/table';
 import { account, isOperator } from '../state/account';
 import type { SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
 import { decisionsHref, route, sceneHref, setQuery } from '../state/route';
 import { isConnected, lastMessageMs, sessionInView, sessions, type SessionState } from '../state/sessions';
 import { urlOf } from '../transport/base';
+import { useReading } from '../transport/reading';
 import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
@@ -63,6 +66,20 @@ function Facts({ state, steps, rewardVersion }: { state: SessionState | undefine
   );
 }
 
+/** Reads the step in the URL, which is not among the steps of the view, and opens it. */
+function AskedStep({ sessionId, onOpen }: { sessionId: string; onOpen(step: Step): void }) {
+  const { query } = route.value;
+  const [id, at] = [Number(query.get('decision') ?? 0), Number(query.get('at') ?? 0)];
+  const reading = useReading(`${id} ${at}`, async (cancel) => {
+    if (!(id > 0)) return (await readSteps(sessionId, at, at + 1, cancel))[0] ?? null;
+    const placed = await readDecision(sessionId, BigInt(Math.floor(id)), cancel);
+    return placed && stepOfRow(placed) || null;
+  });
+  const { value } = reading;
+  useEffect(() => { if (value) onOpen(value); }, [value]);
+  return <Read reading={reading} what="the decision">{(step) => (step ? null : <p class="soft" role="status">The log does not have the decision in the URL.</p>)}</Read>;
+}
+
 const asksForStep = () => route.value.query.has('decision') || route.value.query.has('at');
 
 /** Returns the step in the URL, and a function that opens a step. An opened step stays, even if the page drops it from its log. */
@@ -89,9 +106,9 @@ const decisionTable = (steps: readonly Step[]) => ({
 const LANE_COLUMNS: readonly Column<LaneSum>[] = [
   { id: 'arm', title: 'Algorithm', sort: ({ arm }) => arm, cell: ({ arm }) => <Arm name={arm} hollow /> },
   { id: 'visits', title: 'Visits', sort: ({ visitCount }) => visitCount },
-  { id: 'median', title: 'Median', unit: 'ns', hint: 'Median detection time in the lane', sort: ({ medianNs }) => medianNs, cell: ({ medianNs }) => nsText(medianNs) },
-  { id: 'last', title: 'Last', unit: 'ns', sort: ({ lastNs }) => lastNs, cell: ({ lastNs }) => nsText(lastNs) },
-  { id: 'build', title: 'Build', unit: 'ns', hint: 'Median time to build the algorithm’s data structure', sort: ({ buildNs }) => buildNs, cell: ({ buildNs }) => nsText(buildNs) },
+  { id: 'median', title: 'Median', hint: 'Median detection time in the lane', sort: ({ medianNs }) => medianNs, cell: ({ medianNs }) => nsText(medianNs) },
+  { id: 'last', title: 'Last', sort: ({ lastNs }) => lastNs, cell: ({ lastNs }) => nsText(lastNs) },
+  { id: 'build', title: 'Build', hint: 'Median time to build the algorithm’s data structure', sort: ({ buildNs }) => buildNs, cell: ({ buildNs }) => nsText(buildNs) },
   { id: 'capped', title: 'Cut short', hint: 'Visits that the lane ended early, because they reached its time limit', sort: ({ cappedCount }) => cappedCount },
   { id: 'when', title: 'Last visit', sort: ({ lastMs }) => lastMs, cell: ({ lastMs }) => timeText(lastMs) },
 ];
@@ -107,8 +124,8 @@ interface ChartsProps { sessionId: string; steps: readonly Step[]; arms: readonl
 function Timeline({ sessionId, steps, arms, domain, onOpen }: ChartsProps & { onOpen(step: Step): void }) {
   const switchCount = steps.filter(isSwitch).length;
   return (
-    <ChartFrame id="timeline" title="Switches" names={[sessionId]} table={() => decisionTable(steps)} empty={steps.length === 0 && 'There are no decisions yet.'}
-      note={`The log has ${counted(switchCount, 'switch command', 'switch commands')}. Dotted lines in the charts below mark changes of the active algorithm.`}>
+    <ChartFrame id="timeline" title="Switches" names={[sessionId]} table={() => decisionTable(steps)} csvHref={sessionCsvUrl('decisions', sessionId)} empty={steps.length === 0 && 'There are no decisions yet.'}
+      note={`${counted(switchCount, 'switch command', 'switch commands')} in the rows that were read. Dotted lines in the charts below mark changes of the active algorithm.`}>
       <TimelineChart steps={steps} arms={arms} domain={domain} onOpen={onOpen} />
     </ChartFrame>
   );
@@ -119,12 +136,12 @@ function Beliefs({ sessionId, steps, arms, moments, rewardVersion, domain }: Cha
   const ridges = useMemo(() => priorAndPosterior(steps, arms), [steps, arms]);
   const known = useMemo(() => rows.filter(({ beliefs }) => beliefs.some(Boolean)), [rows]);
   const assumed = useMemo(() => new Set(ridges.filter(({ measured }) => measured === 'never').map(({ arm }) => arm)), [ridges]);
-  const common = { arms, assumed, moments, rewardVersion, names: [sessionId], domain, notYet: 'The log has fewer than two decisions.' };
+  const common = { arms, assumed, moments, rewardVersion, names: [sessionId], domain, notYet: 'The log has fewer than two decisions.', csvHref: sessionCsvUrl('posteriors', sessionId) };
   return (
     <>
       <BestChart {...common} rows={rows} />
       <BandsChart {...common} rows={known} />
-      <RidgeFigure id="prior" title="Prior and posterior of this session" names={[sessionId]} rows={ridges} rewardVersion={rewardVersion}
+      <RidgeFigure id="prior" title="Prior and posterior of this session" names={[sessionId]} rows={ridges} csvHref={common.csvHref} rewardVersion={rewardVersion}
         notYet="The log has no decision yet." note="Dashed grey: the prior that the session began with, if it had one." />
     </>
   );
@@ -132,7 +149,7 @@ function Beliefs({ sessionId, steps, arms, moments, rewardVersion, domain }: Cha
 
 function Costs({ sessionId, steps, moments, domain }: ChartsProps) {
   const columns = useMemo(() => costColumns(steps), [steps]);
-  return <CostCharts columns={columns} moments={moments} domain={domain} names={[sessionId]} />;
+  return <CostCharts columns={columns} moments={moments} domain={domain} names={[sessionId]} csvHref={sessionCsvUrl('windows', sessionId)} />;
 }
 
 // Returns why the user cannot view the boxes of the session; empty if it is possible.
@@ -179,11 +196,11 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
         <button type="button" class="primary" disabled={log.isReading || !decisive} onClick={() => decisive && openStep(decisive)}>Why this algorithm?</button>
         <a href={decisionsHref({ session: sessionId })}>All rows of its log</a>
         {latest && <CompareWith info={latest.info} />}
-        <span class="soft">{grouped(steps.filter(({ told }) => told).length)} decisions</span>
+        <span class="soft">{grouped(steps.findLast(({ told }) => told)?.decisionId ?? 0)} decisions</span>
       </p>
       <LogState log={log} />
       {chosen && <Why step={chosen} sessionId={sessionId} onRead={log.again} onClose={() => setQuery({ decision: undefined, at: undefined })} />}
-      {!chosen && !log.isReading && asksForStep() && <p class="soft" role="status">The decision in the URL is not among the rows that are shown. See <a href={decisionsHref({ session: sessionId })}>all rows of its log</a>.</p>}
+      {!chosen && !log.isReading && asksForStep() && <AskedStep sessionId={sessionId} onOpen={openStep} />}
       <TimeTools />
       <Timeline {...props} onOpen={openStep} />
       <Costs {...props} />

@@ -14,7 +14,6 @@ import { sceneHref } from '../../state/route';
 import { frameTimesOf } from '../../state/savings';
 import { sessions } from '../../state/sessions';
 import type { SceneSummary } from '../../state/summaries';
-import { verdictWord } from '../words';
 
 const sceneOf = ({ state }: SceneSummary) => state.posterior;
 const activityOf = (row: SceneSummary) => sceneOf(row).activity;
@@ -70,20 +69,20 @@ function Saved({ row }: { row: SceneSummary }) {
 }
 
 export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
-  { id: 'scene', title: 'Scene', sort: (row) => `${sceneOf(row).project}\n${sceneOf(row).scene}`, csv: (row) => sceneOf(row).scene,
+  { id: 'scene', title: 'Scene', sort: (row) => `${sceneOf(row).project}\n${sceneOf(row).scene}`,
     cell: (row) => <a href={sceneHref(sceneOf(row))}><Name text={sceneOf(row).scene} /></a> },
   { id: 'runs', title: 'Runs now', isText: true, width: '10rem', hint: 'The algorithm that runs now in the session that has been connected the longest, for how long, and its switches per minute',
     sort: (row) => activityOf(row)?.activeArm, cell: (row) => <RunsNow row={row} /> },
-  { id: 'frame', title: 'Frame time', unit: 'ms', width: '10rem', hint: 'Median frame time of this session since the page was opened. The dotted line is 16.7 ms, 60 frames per second.',
+  { id: 'frame', title: 'Frame time', width: '10rem', hint: 'Median frame time of this session since the page was opened. The dotted line is 16.7 ms, 60 frames per second.',
     sort: frameMs, cell: (row) => <FrameTime row={row} /> },
-  { id: 'saved', title: 'Saved per frame', unit: 'µs', width: '8.5rem', hint: 'Detection time per frame that this session saved against the algorithm that its game begins with, and its share of the frame time',
+  { id: 'saved', title: 'Saved per frame', width: '8.5rem', hint: 'Detection time per frame that this session saved against the algorithm that its game begins with, and its share of the frame time',
     sort: savedUs, cell: (row) => <Saved row={row} /> },
   { id: 'leader', title: 'Best', isText: true, width: '8rem', hint: 'The algorithm with the highest probability of being the best; in a changing scene, the best of the present regime and those of the others',
     sort: (row) => leadersOf(sceneOf(row)).join(' '), cell: (row) => <Best row={row} /> },
   { id: 'p', title: 'P(best)', width: '7rem', hint: 'Probability that this algorithm is the best; in a changing scene, in the present regime', sort: sureness,
     cell: (row) => <Sureness probability={sureness(row)} /> },
   { id: 'verdict', title: 'Verdict', isText: true, width: '8rem', hint: 'Says whether the best algorithm is known. This column sorts by uncertainty.', sort: (row) => row.uncertainty,
-    csv: (row) => verdictWord(row.verdict).name, cell: (row) => <VerdictChip verdict={row.verdict} /> },
+    cell: (row) => <VerdictChip verdict={row.verdict} /> },
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount },
   { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: (row) => sceneOf(row).machineClass },
   { id: 'project', title: 'Project', isText: true, sort: (row) => sceneOf(row).project },

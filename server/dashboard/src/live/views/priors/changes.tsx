@@ -40,7 +40,7 @@ export const byWeight = (a: SceneComparison, b: SceneComparison) =>
   Number(b.leaderChanged) - Number(a.leaderChanged) || Number(b.knownInBoth) - Number(a.knownInBoth) || b.largestLogChange - a.largestLogChange || a.scene.localeCompare(b.scene);
 
 const COLUMNS: readonly Column<Row>[] = [
-  { id: 'scene', title: 'Scene', sort: ({ scene }) => `${scene.project}\n${scene.scene}\n${scene.machineClass}`, csv: ({ scene }) => scene.scene,
+  { id: 'scene', title: 'Scene', sort: ({ scene }) => `${scene.project}\n${scene.scene}\n${scene.machineClass}`,
     cell: ({ scene }) => <a href={sceneHref(scene)}><Name text={scene.scene} /></a> },
   { id: 'arm', title: 'Algorithm', isText: true, sort: ({ change }) => change.arm, cell: ({ change }) => <Arm name={change.arm} /> },
   { id: 'before', title: 'Cost before', hint: 'Cost of the algorithm ÷ that of the scene’s cheapest algorithm, in the first build', sort: ({ change }) => beforeOf(change)?.median, cell: ({ change }) => ratioText(beforeOf(change)) },

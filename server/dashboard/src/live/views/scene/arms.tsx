@@ -55,7 +55,6 @@ function columns(rewardVersion: number): readonly Column<ArmRow>[] {
   const shown = (reward: number) => rewardText(reward, tellsCosts);
   const value = (reward: number) => (tellsCosts ? costNsOf(reward) : reward);
   const end = ({ posterior: { low95, high95 } }: ArmRow, isHigh: boolean) => (isHigh === tellsCosts ? low95 : high95);
-  const unit = tellsCosts ? { unit: 'ns' } : {};
   const ratio: Column<ArmRow> = { id: 'ratio', title: 'Cost ÷ leader’s', hint: 'Cost relative to the leader: median, and 95 % credible interval',
     sort: ({ costRatio }) => costRatio?.median, cell: ({ costRatio }) => (costRatio ? ratioText(costRatio) : '–') };
   return [
@@ -64,10 +63,10 @@ function columns(rewardVersion: number): readonly Column<ArmRow>[] {
     { id: 'measured', title: 'Measured', isText: true, hint: 'Whether the algorithm ran in a game, or only in the shadow lane', sort: ({ measured }) => measured,
       cell: ({ measured }) => (measured === 'live' ? 'live' : <span class="lane-only" title={MEASURED_WORDS[measured]}>{measured === 'lane' ? 'lane only' : 'never'}</span>) },
     { id: 'best', title: 'P(best)', hint: 'Probability that the algorithm is the best', sort: ({ bestProbability }) => bestProbability, cell: ({ bestProbability }) => bestProbability?.toFixed(3) ?? '–' },
-    { id: 'mean', title: tellsCosts ? 'Detection time' : 'Reward', ...unit, hint: 'Mean of the posterior',
+    { id: 'mean', title: tellsCosts ? 'Detection time' : 'Reward', hint: 'Mean of the posterior',
       sort: ({ posterior }) => value(mean(posterior)), cell: ({ posterior }) => shown(mean(posterior)) },
-    { id: 'low', title: '95 % from', ...unit, sort: (row) => value(end(row, false)), cell: (row) => shown(end(row, false)) },
-    { id: 'high', title: 'to', ...unit, sort: (row) => value(end(row, true)), cell: (row) => shown(end(row, true)) },
+    { id: 'low', title: '95 % from', sort: (row) => value(end(row, false)), cell: (row) => shown(end(row, false)) },
+    { id: 'high', title: 'to', sort: (row) => value(end(row, true)), cell: (row) => shown(end(row, true)) },
     ...(tellsCosts ? [ratio] : []),
     { id: 'windows', title: 'Windows', hint: 'Decision windows in which the algorithm ran in games', sort: ({ windowCount }) => Number(windowCount) },
     { id: 'visits', title: 'Lane visits', hint: 'Measurements of the algorithm in the shadow lane', sort: ({ visitCount }) => Number(visitCount) },
@@ -81,5 +80,5 @@ function columns(rewardVersion: number): readonly Column<ArmRow>[] {
   ];
 }
 
-export const ArmTable = ({ rows, rewardVersion }: { rows: readonly ArmRow[]; rewardVersion: number }) =>
-  <Table caption="Algorithms" columns={columns(rewardVersion)} rows={rows} keyOf={({ key }) => key} sort="-best" sortParameter="arms" />;
+export const ArmTable = ({ rows, rewardVersion, csvHref }: { rows: readonly ArmRow[]; rewardVersion: number; csvHref: string }) =>
+  <Table caption="Algorithms" csvHref={csvHref} columns={columns(rewardVersion)} rows={rows} keyOf={({ key }) => key} sort="-best" sortParameter="arms" />;

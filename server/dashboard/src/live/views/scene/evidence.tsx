@@ -2,6 +2,7 @@
 import { useState } from 'preact/hooks';
 import { type CompareBuildsResponse, PriorsService, type SceneComparison } from '../../../gen/sweepstake/v1/priors_pb';
 import { RidgeFigure, type RidgeRow } from '../../charts/ridgeline';
+import { csvUrl } from '../../parts/download';
 import { Choice } from '../../parts/filter';
 import { Name, visible } from '../../parts/name';
 import { Read } from '../../parts/states';
@@ -28,9 +29,12 @@ function priorRows(scene: SceneComparison | undefined): RidgeRow[] {
     ? [{ arm, label: arm, posterior: after.posterior, measured: after.live ? 'live' : 'lane', ...(before?.posterior && { before: before.posterior }) }] : []));
 }
 
+/** Returns the URL of the evidence of a scene as CSV. */
+const csvOf = ({ project, scene }: SceneName) => csvUrl('evidence', { project, scene, withWeights: true });
+
 function ByMeasure({ scene, name }: { scene: SceneComparison | undefined; name: SceneName }) {
   return (
-    <RidgeFigure id="measured" title="Measured in games, and in the shadow lane" names={[name.project, name.scene]} rows={measuredRows(scene)}
+    <RidgeFigure id="measured" title="Measured in games, and in the shadow lane" names={[name.project, name.scene]} rows={measuredRows(scene)} csvHref={csvOf(name)}
       rewardVersion={name.rewardVersion} notYet={NO_EVIDENCE}
       note="Games run an algorithm when the policy chooses it. The lane runs all algorithms on the same frames, on a thread of its own. For some of them its costs are wrong by 10 to 20 %.
         Posteriors compare the algorithms by their costs in the lane, scaled to the mean cost of the algorithms that also ran in games. A posterior may therefore differ from both
@@ -44,7 +48,7 @@ function ByBuild({ builds, name }: { builds: readonly string[]; name: SceneName 
   const reading = useList(PriorsService.method.compareBuilds, { project: name.project, scene: name.scene, before: { build, others: true } });
   const shown = <Name text={build || 'unknown'} />;
   const figure = (rows: RidgeRow[]) => (
-    <RidgeFigure id="build" title="Prior and posterior of a build" names={[name.project, name.scene, build]} rows={rows} rewardVersion={name.rewardVersion} notYet={NO_EVIDENCE}
+    <RidgeFigure id="build" title="Prior and posterior of a build" names={[name.project, name.scene, build]} csvHref={csvOf(name)} rows={rows} rewardVersion={name.rewardVersion} notYet={NO_EVIDENCE}
       note={builds.length > 1
         ? <>Dashed grey: the evidence of the other builds alone. Filled: the evidence of all builds, including build {shown}, from games and from the shadow lane.</>
         : <>Only build {shown} has evidence of this scene.</>}>

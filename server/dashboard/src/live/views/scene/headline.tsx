@@ -108,13 +108,13 @@ const COLUMNS: readonly Column<Row>[] = [
   { id: 'best', title: 'Best algorithm', isText: true, sort: ({ regime }) => regime.bestArm, cell: ({ regime }) => <Arm name={regime.bestArm} /> },
   { id: 'p', title: 'P(best)', hint: 'Probability that this algorithm is the best in this regime', sort: ({ regime, activity }) => bestOf(regime, activity)?.bestProbability,
     cell: ({ regime, activity }) => bestOf(regime, activity)?.bestProbability.toFixed(3) ?? '–' },
-  { id: 'cost', title: 'Its mean cost', unit: 'µs', hint: 'Mean detection time per frame: estimate, and 95 % credible interval', sort: ({ regime, activity }) => bestOf(regime, activity)?.costUs,
+  { id: 'cost', title: 'Its mean cost', hint: 'Mean detection time per frame: estimate, and 95 % credible interval', sort: ({ regime, activity }) => bestOf(regime, activity)?.costUs,
     cell: ({ regime, activity }) => costText(bestOf(regime, activity)) ?? '–' },
-  { id: 'ran', title: 'Mean cost of what ran', unit: 'µs', hint: 'Mean detection time per frame of the algorithms that ran, with the cost of switches. These can make it higher than the cost of the best algorithm.', sort: ({ regime }) => regime.ranUs,
+  { id: 'ran', title: 'Mean cost of what ran', hint: 'Mean detection time per frame of the algorithms that ran, with the cost of switches. These can make it higher than the cost of the best algorithm.', sort: ({ regime }) => regime.ranUs,
     cell: ({ regime }) => (regime.ranUs === undefined ? '–' : `${significant(regime.ranUs)} µs`) },
-  { id: 'saved', title: 'Saved', unit: 'µs', hint: 'Saved per frame against the best single choice', sort: ({ regime }) => regime.savedAgainstSingleUs,
+  { id: 'saved', title: 'Saved', hint: 'Saved per frame against the best single choice', sort: ({ regime }) => regime.savedAgainstSingleUs,
     cell: ({ regime }) => savingText(regime.savedAgainstSingleUs) ?? '–' },
-  { id: 'saved-kdtree', title: 'Saved, KDTree', unit: 'µs', hint: 'Saved per frame against KDTree', sort: ({ regime }) => regime.savedAgainstReferenceUs,
+  { id: 'saved-kdtree', title: 'Saved, KDTree', hint: 'Saved per frame against KDTree', sort: ({ regime }) => regime.savedAgainstReferenceUs,
     cell: ({ regime }) => savingText(regime.savedAgainstReferenceUs) ?? '–' },
 ];
 

@@ -1,6 +1,7 @@
 // Lists in the view of a scene: the same scene on other machines, its sessions, and its latest decisions.
 import { DecisionOutcome, type DecisionEvent } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { bytes, share, significant } from '../../../format';
+import { csvUrl } from '../../parts/download';
 import { Arm, Arms } from '../../parts/arm';
 import { Chip, VerdictChip } from '../../parts/chips';
 import { ago, now, timeText } from '../../parts/clock';
@@ -58,13 +59,13 @@ export function Variants({ name }: { name: SceneName }) {
 
 const SESSION_COLUMNS: readonly Column<SessionState>[] = [
   { id: 'session', title: 'Session', sort: ({ info }) => info.sessionId, cell: ({ info }) => <a href={sessionHref(info.sessionId)}><Name text={info.sessionId} /></a> },
-  { id: 'state', title: 'State', isText: true, sort: (session) => Number(!isConnected(session)), csv: ({ info, ended }) => (ended ? endWord(ended.end) : stateWord(info.state)).name,
+  { id: 'state', title: 'State', isText: true, sort: (session) => Number(!isConnected(session)),
     cell: (session) => {
       const { name, mark, meaning } = session.ended ? endWord(session.ended.end) : stateWord(session.info.state);
       return <Chip tone={isConnected(session) ? 'good' : 'plain'} sign={mark} title={meaning}>{name}</Chip>;
     } },
   { id: 'arm', title: 'Active algorithm', isText: true, sort: ({ info }) => info.activeArm, cell: ({ info }) => <Arm name={info.activeArm} /> },
-  { id: 'frame', title: 'Frame time', unit: 'ms', hint: 'Median of the latest frames', sort: (session) => frameTimesOf(session).at(-1),
+  { id: 'frame', title: 'Frame time', hint: 'Median of the latest frames', sort: (session) => frameTimesOf(session).at(-1),
     cell: (session) => { const ms = frameTimesOf(session).at(-1); return ms === undefined ? '–' : `${significant(ms)} ms`; } },
   { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines, known after the first decision since the page was opened', sort: ({ decisions }) => decisions.at(-1)?.machineClass },
   { id: 'mode', title: 'Mode', isText: true, sort: ({ info }) => modeWord(info.mode).name },
@@ -78,7 +79,7 @@ const SESSION_COLUMNS: readonly Column<SessionState>[] = [
 export function Sessions({ name }: { name: SceneName }) {
   const own = [...sessions.value.values()].filter(({ info }) => info.project === name.project && info.scene === name.scene);
   if (own.length === 0) return <p class="soft">No game plays this scene now. <a href={decisionsHref({ project: name.project, scene: name.scene })}>Earlier sessions are in the log.</a></p>;
-  return <Table caption="Sessions" columns={SESSION_COLUMNS} rows={own} keyOf={({ info }) => info.sessionId} sort="state" sortParameter="sessions" />;
+  return <Table caption="Sessions" csvHref={csvUrl('sessions', { project: name.project, scene: name.scene })} columns={SESSION_COLUMNS} rows={own} keyOf={({ info }) => info.sessionId} sort="state" sortParameter="sessions" />;
 }
 
 const SHOWN_DECISIONS = 12;

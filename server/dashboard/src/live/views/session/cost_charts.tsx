@@ -35,15 +35,16 @@ export interface CostChartsProps {
   names: readonly string[];
   ends?: Ends; // ranges of axes that two sessions share
   laterMs?: number; // real time minus drawn time; the tables show real times
+  csvHref: string; // the URL of all windows as CSV
 }
 
-export function CostCharts({ columns, moments, domain, names, ends, laterMs = 0 }: CostChartsProps) {
+export function CostCharts({ columns, moments, domain, names, ends, laterMs = 0, csvHref }: CostChartsProps) {
   const { timesMs } = columns;
   const lines = useMemo(() => ({
     frame: percentileLines(columns.frame, 'window mean'), detection: percentileLines(columns.detection, 'window mean'),
     bytes: percentileLines(columns.bytes, 'window peak'), checks: single('checks', columns.checks), objects: single('objects', columns.objects),
   }), [columns]);
-  const common = { timesMs, moments, domain, names, laterMs, scale: 'zero' } as const;
+  const common = { timesMs, moments, domain, names, laterMs, csvHref, scale: 'zero' } as const;
   const figure = (drawn: readonly Line[]) => ({ ...common, lines: drawn,
     empty: !drawn.some((line) => line.values.some((value) => value !== null)) && 'Nothing was measured yet.' });
   return (

@@ -36,12 +36,13 @@ export function beliefRows(steps: readonly Step[], armCount: number): SeriesRow[
   });
 }
 
-function measuredBy(arm: string, live: ReadonlySet<string>, lane: ReadonlySet<string>): MeasuredBy {
+function measuredBy(arm: string, live: ReadonlySet<string>, lane: ReadonlySet<string>, isChanged: boolean): MeasuredBy {
   if (live.has(arm)) return 'live';
-  return lane.has(arm) ? 'lane' : 'never';
+  return lane.has(arm) ? 'lane' : isChanged ? 'live' : 'never';
 }
 
-/** Returns the latest posterior of each arm and its prior, from the log. */
+/** Returns the latest posterior of each arm and its prior, from the log. If the steps lack the session's beginning, an arm whose posterior
+ * differs from its prior counts as measured. */
 export function priorAndPosterior(steps: readonly Step[], arms: readonly string[]): RidgeRow[] {
   const last = steps.findLast((step) => posteriorsOf(step).length === arms.length);
   if (!last) return [];
@@ -49,10 +50,12 @@ export function priorAndPosterior(steps: readonly Step[], arms: readonly string[
   const live = new Set(steps.map(({ placed }) => arms[placed?.row.decision?.increment?.arm ?? -1] ?? ''));
   const lane = new Set<string>();
   forEachVisit(steps, (arm) => lane.add(arm));
+  const isWhole = steps[0]?.placed?.row.row === 1n;
   return posteriorsOf(last).map((posterior, i) => {
     const arm = arms[i]!;
     const before = priors[i];
-    return { arm, label: arm, posterior, ...(before && { before }), measured: measuredBy(arm, live, lane) };
+    const isChanged = !isWhole && (posterior.alpha !== (before?.alpha ?? 1) || posterior.beta !== (before?.beta ?? 1));
+    return { arm, label: arm, posterior, ...(before && { before }), measured: measuredBy(arm, live, lane, isChanged) };
   });
 }
 
