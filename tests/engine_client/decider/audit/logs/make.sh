@@ -23,5 +23,5 @@ for policy in "$@"; do
   "$bin/sweepstake-lab" replay --log "$policy.csv"
 done
 # The tests of the dashboard read the second log as the daemon sends it to a browser.
-curl -fsS -H 'X-Sweepstake: 1' -d '{"scene":"adaptive"}' \
+curl -fsS -H 'X-Sweepstake: 1' -d '{"filter":{"scene":"adaptive"}}' \
   "http://127.0.0.1:$(tail -n 1 "$work/port")/api/sweepstake.v1.AuditService/ExportDecisions" >adaptive.jsonl
