@@ -165,6 +165,8 @@ class DecisionPage {
     ++examined_count_;
     v1::AuditRow row;
     if (!row.ParseFromString(bytes)) return absl::OkStatus();
+    if (query_.decision_id != 0 && row.decision().id() != query_.decision_id)
+      return absl::OkStatus();
     absl::StatusOr<const v1::AuditSetup*> setup = nullptr;
     if (query_.rows.has_times()) setup = setups_.Load(store, segment_id);
     if (!setup.ok()) return setup.status();

@@ -263,7 +263,7 @@ TEST_F(ListTest, RowsOfAllSessionsComeInTheOrderOfArrivalNewestFirst) {
   ASSERT_EQ(page.setups_size(), 3) << "one per segment";
   EXPECT_EQ(page.setups(0).session_id(), session_);
   EXPECT_EQ(page.setups(0).segment(), 2u);
-  EXPECT_EQ(page.setups(0).setup().arms_size(), 2);
+  EXPECT_EQ(page.setups(0).setup().arms_size(), HelloMessage().arms_size());
   EXPECT_EQ(page.setups(1).setup().scene(), "desert");
   for (const uint32_t size : {1, 2, 4}) {
     v1::ListDecisionsRequest request;
