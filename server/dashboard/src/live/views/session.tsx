@@ -1,9 +1,10 @@
 // The view of a session: which arm ran when and why, frame costs, posteriors, shadow lane, and an operator's orders.
 import { useComputed } from '@preact/signals';
 import { useEffect, useMemo, useRef } from 'preact/hooks';
+import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { counted, grouped } from '../../format';
-import { armsOf, isSwitch, readSteps, type Step, stepOfRow } from '../audit/steps';
-import { readDecision } from '../audit/log';
+import { armsOf, isSwitch, readSteps, type Step, stepOfRow, stepsOf } from '../audit/steps';
+import { readDecision, readRows } from '../audit/log';
 import { LogState, type SessionLog, toldIn, useSessionLog, useSteps } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import type { Moment } from '../charts/plot';
@@ -78,6 +79,14 @@ function AskedStep({ sessionId, onOpen }: { sessionId: string; onOpen(step: Step
   const { value } = reading;
   useEffect(() => { if (value) onOpen(value); }, [value]);
   return <Read reading={reading} what="the decision">{(step) => (step ? null : <p class="soft" role="status">The log does not have the decision in the URL.</p>)}</Read>;
+}
+
+/** Returns the decision that explains the active arm. Reads it if it may be older than the steps of the view. */
+async function decisiveOf(sessionId: string, steps: readonly Step[], isWhole: boolean): Promise<Step | undefined> {
+  const found = decisiveStep(steps);
+  if (!found || isWhole || isSwitch(found)) return found;
+  const part = await readRows({ sessionId, outcomes: [DecisionOutcome.SWITCHED], arm: found.activeArm }, 10).catch(() => undefined);
+  return (part && decisiveStep([...stepsOf(part), found])) ?? found;
 }
 
 const asksForStep = () => route.value.query.has('decision') || route.value.query.has('at');
@@ -185,7 +194,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
   const domain = domainOf(steps.map(({ timeMs }) => timeMs), range.value);
   const moments = useMemo(() => switchMoments(steps, arms), [steps, arms]);
   const [chosen, openStep] = useChosenStep(steps);
-  const decisive = decisiveStep(steps);
+  const openDecisive = () => void decisiveOf(sessionId, steps, log.isWhole).then((step) => step && openStep(step));
   const props = { sessionId, steps, arms, moments, rewardVersion, domain };
   return (
     <>
@@ -193,7 +202,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       <Facts state={state} steps={steps} rewardVersion={rewardVersion} />
       {latest && <Orders info={latest.info} arms={arms} isOver={latest.ended !== undefined} />}
       <p class="orders">
-        <button type="button" class="primary" disabled={log.isReading || !decisive} onClick={() => decisive && openStep(decisive)}>Why this algorithm?</button>
+        <button type="button" class="primary" disabled={log.isReading || !decisiveStep(steps)} onClick={openDecisive}>Why this algorithm?</button>
         <a href={decisionsHref({ session: sessionId })}>All rows of its log</a>
         {latest && <CompareWith info={latest.info} />}
         <span class="soft">{grouped(steps.findLast(({ told }) => told)?.decisionId ?? 0)} decisions</span>
