@@ -4,7 +4,7 @@ import { bytes, compact, grouped, percent, share, significant } from './format';
 describe('numbers', () => {
   it('show significant digits without an exponent', () => {
     expect([0.034567, 12.345, 9.996, 99.96, 1234, 0, 0.00001].map((value) => significant(value)))
-      .toEqual(['0.0346', '12.3', '10.0', '100', '1230', '0', '0.0000100']);
+      .toEqual(['0.0346', '12.3', '10.0', '100', '1,230', '0', '0.0000100']);
     expect([1e-9, -1.234e-12, 1e-150, 5e-324].map((value) => significant(value))).toEqual(['0.00000000100', '-1.23e-12', '1.00e-150', '4.94e-324']);
     expect(significant(NaN)).toBe('–');
     expect(significant(null)).toBe('–');
@@ -15,7 +15,7 @@ describe('numbers', () => {
   });
 
   it('use larger units', () => {
-    expect([800, 1000, 2500, 999_999, 1e6, 1.7].map(compact)).toEqual(['800', '1k', '2.5k', '1M', '1M', '1.7']);
+    expect([800, 1000, 2500, 999_999, 1e6, 1.7].map(compact)).toEqual(['800', '1K', '2.5K', '1M', '1M', '1.7']);
     expect([512, 11_240, 3_400_000].map(bytes)).toEqual(['512 B', '11.2 kB', '3.40 MB']);
   });
 

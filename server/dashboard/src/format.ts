@@ -1,39 +1,35 @@
-// Formats numbers for display.
+// Formats numbers for display, in one language for all users.
 const NONE = '–';
-const SMALLEST = -9;  // smaller powers of ten are written with an exponent
+const SMALLEST = 1e-9; // smaller numbers are written with an exponent
 
 const isNumber = (value: number | null | undefined): value is number => typeof value === 'number' && Number.isFinite(value);
+
+const LANGUAGE = 'en';
+const memoOf = (make: (digits: number) => Intl.NumberFormatOptions) => {
+  const known: Intl.NumberFormat[] = []; // making a format is much slower than using it
+  return (digits: number) => (known[digits] ??= new Intl.NumberFormat(LANGUAGE, make(digits)));
+};
+const withDigits = memoOf((digits) => ({ minimumSignificantDigits: digits, maximumSignificantDigits: digits }));
+const withDecimals = memoOf((digits) => ({ minimumFractionDigits: digits, maximumFractionDigits: digits }));
 
 export function significant(value: number | null | undefined, digits = 3): string {
   if (!isNumber(value)) return NONE;
   if (value === 0) return '0';
-  const rounded = Number(value.toPrecision(digits));
-  const first = Math.floor(Math.log10(Math.abs(rounded)) + 1e-9);
-  return first < SMALLEST ? rounded.toExponential(digits - 1) : rounded.toFixed(Math.max(0, digits - 1 - first));
+  return Math.abs(value) < SMALLEST ? value.toExponential(digits - 1) : withDigits(digits).format(value);
 }
 
-export const grouped = (value: number) => (isNumber(value) ? String(Math.round(value)).replace(/\B(?=(\d{3})+(?!\d))/g, ',') : NONE);
+export const grouped = (value: number) => (isNumber(value) ? withDecimals(0).format(value) : NONE);
 
-// Divides by 1000 until the rounded value is below 1000, at most `most` times. Returns the quotient and the number of divisions.
-function thousands(value: number, most: number): [number, number] {
-  let steps = 0;
-  while (steps < most && Math.abs(value) >= 999.5) {
-    value /= 1000;
-    ++steps;
-  }
-  return [value, steps];
-}
+const short = new Intl.NumberFormat(LANGUAGE, { notation: 'compact', maximumSignificantDigits: 3 });
+export const compact = (value: number) => (isNumber(value) ? short.format(value) : NONE);
 
-export function compact(value: number): string {
-  if (!isNumber(value)) return NONE;
-  const [rest, steps] = thousands(value, 3);
-  return significant(rest).replace(/\.0+$|(\.\d*[1-9])0+$/, '$1') + ['', 'k', 'M', 'G'][steps];
-}
+const BYTES = ['B', 'kB', 'MB', 'GB', 'TB'];
 
 export function bytes(value: number): string {
   if (!isNumber(value)) return NONE;
-  const [rest, steps] = thousands(value, 4);
-  return (steps === 0 ? rest.toFixed(0) : significant(rest)) + [' B', ' kB', ' MB', ' GB', ' TB'][steps];
+  let step = 0;
+  for (; step < BYTES.length - 1 && Math.abs(value) >= 999.5; ++step) value /= 1000;
+  return `${step === 0 ? grouped(value) : significant(value)} ${BYTES[step]}`;
 }
 
 export const times = (ratio: number) => (isNumber(ratio) ? `${significant(ratio)}×` : NONE);
@@ -43,9 +39,7 @@ export const milliseconds = (ms: number) => significant(ms);
 export function share(ratio: number): string {
   if (!isNumber(ratio)) return NONE;
   const size = 100 * ratio;
-  if (size < 9.995) return `${size.toFixed(2)} %`;
-  if (size < 99.95) return `${size.toFixed(1)} %`;
-  return `${grouped(size)} %`;
+  return `${withDecimals(size < 9.995 ? 2 : size < 99.95 ? 1 : 0).format(size)} %`;
 }
 
 // Returns a ratio as a percentage with a sign, unless it rounds to zero.

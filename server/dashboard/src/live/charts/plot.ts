@@ -1,6 +1,6 @@
 // Draws a time chart with uPlot.
 import uPlot from 'uplot';
-import { timeText } from '../parts/clock';
+import { clockText, dayText, minuteText } from '../parts/clock';
 import { resolved, translucent } from './colours';
 import { crosshairMs, type Range, setRange } from './view_state';
 
@@ -58,9 +58,8 @@ export const TIME_STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 36
 
 /** Returns the label of a time on an axis with steps of `stepMs`. Rounds to seconds, since uPlot's positions are off by fractions of a millisecond. */
 export function axisTime(ms: number, stepMs: number): string {
-  const [day = '', time = ''] = timeText(Math.round(ms / SECOND) * SECOND).split(' ');
-  if (stepMs >= DAY) return day.slice(5);
-  return stepMs >= 60 * SECOND ? time.slice(0, 5) : time;
+  const text = stepMs >= DAY ? dayText : stepMs >= 60 * SECOND ? minuteText : clockText;
+  return text(Math.round(ms / SECOND) * SECOND);
 }
 
 /** Rounds to 1, 2 or 5 times a power of ten: up if `isUp`, else down. */
