@@ -1,4 +1,6 @@
-// The theme that the user chose, kept in the browser's local storage.
+// The theme that the user chose.
+import { remember, remembered } from './remembered';
+
 export const THEMES = ['auto', 'light', 'dark'] as const;
 export type Theme = (typeof THEMES)[number];
 
@@ -7,25 +9,14 @@ function show(theme: Theme): void {
   else document.documentElement.dataset.theme = theme;
 }
 
-// Returns null if the browser refuses storage, as for a page from a file; the theme button still works.
-function kept(): string | null {
-  try {
-    return localStorage.getItem('theme');
-  } catch {
-    return null;
-  }
-}
-
 export function chooseTheme(theme: Theme): void {
   show(theme);
-  try {
-    localStorage.setItem('theme', theme);
-  } catch { /* no storage: see kept */ }
+  remember('theme', theme);
 }
 
 // Shows the theme that was chosen last, and returns it.
 export function keptTheme(): Theme {
-  const theme = THEMES.find((each) => each === kept()) ?? 'auto';
+  const theme = THEMES.find((each) => each === remembered('theme')) ?? 'auto';
   show(theme);
   return theme;
 }

@@ -148,7 +148,7 @@ async function checkUpdates(context, daemon) {
     judge(`a changed posterior is on ${view}`, worst, 1000);
   };
   await measure('the overview', async () => numberIn((await cellsOf(page, 'changing')).Measurements));
-  await page.goto(`${daemon.origin}/scenes/arcade/changing?class=test&reward=3&columns=all`);
+  await page.goto(`${daemon.origin}/scenes/arcade/changing?class=test&reward=3&arms-columns=all`);
   await measure('the page of the scene', async () => (await rowsOf(page, 'Algorithms')).reduce((sum, row) => sum + numberIn(row.Windows) + numberIn(row['Lane visits']), 0));
   await game.quit();
   const said = armsOf().map(({ arm, best_probability: best, alpha, beta }) => [arm, best.toFixed(3), Number(alpha.toPrecision(5)), Number(beta.toPrecision(5))].join());
@@ -255,6 +255,35 @@ async function checkKeys(page, daemon) {
   const first = Number(await focused());
   await page.keyboard.press('ArrowDown');
   await until('the next row has the focus', async () => Number(await focused()) === first + 1);
+}
+
+// Columns can be chosen with the keyboard. The URL has the choice, and the next visit shows the same columns.
+async function checkColumns(page, daemon) {
+  const titles = async () => (await page.locator('section[aria-labelledby=scenes-heading] thead th').allInnerTexts()).map((title) => title.trim());
+  const has = (title, isThere) => until(`the column ${title}`, async () => (await titles()).includes(title) === isThere, 5000);
+  await page.goto(`${daemon.origin}/?sort=scene`);
+  await rowOf(page, 'arena').waitFor();
+  const usual = await titles();
+  const button = page.locator('section[aria-labelledby=scenes-heading]').getByRole('button', { name: /^Columns/ });
+  await button.press('Enter');
+  await page.getByRole('checkbox', { name: 'Loss' }).press('Space');
+  await has('Loss', true);
+  await page.getByRole('checkbox', { name: 'Verdict' }).uncheck();
+  await has('Verdict', false);
+  await assertAccessible(page, 'the list of columns');
+  await page.keyboard.press('Escape');
+  await until('the list is closed', async () => await page.getByRole('checkbox').count() === 0, 5000);
+  assert.match(page.url(), /columns=scene%2Cruns%2C.*loss/);
+  await page.goto(`${daemon.origin}/?sort=scene`);
+  await has('Loss', true);
+  await page.goto(`${daemon.origin}/?sort=scene&columns=sessions`);
+  await has('Loss', false);
+  assert.deepEqual((await titles()).map((title) => title.replace(/ [▲▼]$/, '')), ['Scene', 'Sessions']);
+  await button.click();
+  await page.getByRole('button', { name: 'Usual columns' }).click();
+  await until('the usual columns', async () => (await titles()).join() === usual.join(), 5000);
+  assert.doesNotMatch(page.url(), /columns/);
+  await page.keyboard.press('Escape');
 }
 
 async function checkDownload(page, daemon) {
@@ -448,7 +477,7 @@ async function checkAll(browser) {
   await checkViews(browser, daemon);
   await game.quit();
   await other.quit();
-  for (const check of [checkAddress, checkKeys, checkDownload]) {
+  for (const check of [checkAddress, checkKeys, checkColumns, checkDownload]) {
     await check(page, daemon);
     console.log(`${check.name}: passed`);
   }

@@ -49,6 +49,8 @@ export interface Sorting {
 export const sortingOf = (text: string): Sorting => ({ column: text.replace(/^-/, ''), isDescending: text.startsWith('-') });
 export const sortingText = ({ column, isDescending }: Sorting) => (isDescending ? '-' : '') + column;
 
+const texts = new Intl.Collator('en', { numeric: true });
+
 // Rows without a value come last in both directions. Equal rows keep their order.
 export function sortedBy<Row>(rows: readonly Row[], valueOf: (row: Row) => SortValue, isDescending: boolean): Row[] {
   const sign = isDescending ? -1 : 1;
@@ -56,6 +58,6 @@ export function sortedBy<Row>(rows: readonly Row[], valueOf: (row: Row) => SortV
   return rows.map((row) => ({ row, value: valueOf(row) })).sort(({ value: a }, { value: b }) => {
     if (isNone(a) || isNone(b)) return Number(isNone(a)) - Number(isNone(b));
     if (typeof a === 'number' && typeof b === 'number') return sign * (a - b);
-    return sign * String(a).localeCompare(String(b), 'en', { numeric: true });
+    return sign * texts.compare(String(a), String(b));
   }).map(({ row }) => row);
 }

@@ -1,7 +1,8 @@
-// A table of any number of rows. Its sorting is in the URL. It draws only visible rows, keeps their order while the user is in the
-// table, and can have a link to its values as CSV.
-import type { ComponentChildren } from 'preact';
+// A table of any number of rows. Its sorting and its columns are in the URL. It draws only visible rows, and a row again only if the row
+// has changed. It keeps the order of rows while the user is in the table, and can have a link to its values as CSV.
+import type { ComponentChildren, VNode } from 'preact';
 import { useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { ColumnChoice, useColumns } from './column_choice';
 import { CsvLink } from './download';
 import { route, setQuery } from '../state/route';
 import { grouped } from '../../format';
@@ -19,13 +20,13 @@ export interface Column<Row> {
   sort?(row: Row): SortValue;  // absent: the table cannot be sorted by this column
   isText?: boolean;  // aligned to the left, as the first column always is
   hint?: string;  // explains the column
-  isDetail?: boolean;  // shown only with "All columns"
+  isDetail?: boolean;  // hidden until the user chooses it
   width?: string;  // minimum width of a column whose values change often, so that other columns do not move
 }
 
 export interface TableProps<Row> {
   caption: string;  // names the rows, such as "Scenes"
-  columns: readonly Column<Row>[];  // the first column identifies the row
+  columns: readonly Column<Row>[];  // the first column identifies the row; another array draws all rows again
   rows: readonly Row[];
   keyOf(row: Row): string;
   sort: string;  // the column that the table is sorted by at first; "-" before it for descending
@@ -52,14 +53,32 @@ function cellOf<Row>({ cell, sort }: Column<Row>, row: Row): ComponentChildren {
   return typeof value === 'string' ? <Name text={value} /> : value === undefined ? '–' : grouped(value);
 }
 
-function Line<Row>({ placed, columns, index }: { placed: PlacedRow<Row>; columns: readonly Column<Row>[]; index: number }) {
+interface LineProps<Row> { id: string; row: Row; isGone: boolean; columns: readonly Column<Row>[]; index: number }
+
+function Line<Row>({ id, row, isGone, columns, index }: LineProps<Row>) {
   const [first, ...others] = columns;
   return (
-    <tr aria-rowindex={index + 2} class={placed.isGone ? 'gone' : undefined} data-key={placed.key} tabIndex={-1}>
-      <th scope="row">{cellOf(first!, placed.row)}</th>
-      {others.map((column) => <td key={column.id} class={column.isText ? 'text' : undefined}>{cellOf(column, placed.row)}</td>)}
+    <tr aria-rowindex={index + 2} class={isGone ? 'gone' : undefined} data-key={id} tabIndex={-1}>
+      <th scope="row">{cellOf(first!, row)}</th>
+      {others.map((column) => <td key={column.id} class={column.isText ? 'text' : undefined}>{cellOf(column, row)}</td>)}
     </tr>
   );
+}
+
+const isSameLine = <Row,>({ props: a }: VNode<LineProps<Row>>, { props: b }: VNode<LineProps<Row>>) =>
+  a.row === b.row && a.isGone === b.isGone && a.columns === b.columns && a.index === b.index;
+
+// Returns the lines of the rows, of which the first is number `from`. An unchanged row keeps its line, which Preact then skips. Signals that
+// a cell reads still redraw its row.
+function useLines<Row>(placed: readonly PlacedRow<Row>[], from: number, columns: readonly Column<Row>[]): VNode<LineProps<Row>>[] {
+  const before = useRef(new Map<string, VNode<LineProps<Row>>>());
+  const lines = placed.map(({ key, row, isGone }, i) => {
+    const line = <Line<Row> key={key} id={key} row={row} isGone={isGone} columns={columns} index={from + i} /> as VNode<LineProps<Row>>;
+    const kept = before.current.get(key);
+    return kept && isSameLine(kept, line) ? kept : line;
+  });
+  before.current = new Map(lines.map((line) => [line.props.id, line]));
+  return lines;
 }
 
 // Takes the place of rows that are not drawn.
@@ -136,15 +155,16 @@ function useOrder<Row>() {
 export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParameter = 'sort', tools, csvHref, isBare = false }: TableProps<Row>) {
   const sorting = sortingOf(route.value.query.get(sortParameter) ?? sort);
   const { isEntered, handlers } = useEntered();
-  const [hasDetails, showsAll] = [all.some(({ isDetail }) => isDetail), route.value.query.get('columns') === 'all'];
-  const columns = showsAll ? all : all.filter(({ isDetail, id }) => !isDetail || id === sorting.column);
+  const choice = useColumns(all, caption, sortParameter === 'sort' ? 'columns' : `${sortParameter}-columns`, sorting.column);
+  const columns = choice.shown;
   const [, drawAgain] = useState(0);
   const order = useOrder<Row>();
-  const valueOf = columns.find(({ id }) => id === sorting.column)?.sort;
+  const valueOf = all.find(({ id }) => id === sorting.column)?.sort;
   const sorted = useMemo(() => (valueOf ? sortedBy(rows, valueOf, sorting.isDescending) : [...rows]), [rows, sorting.column, sorting.isDescending]);
   const { box, view, look } = useView();
   const { placed, isOutdated } = order.current.place(sorted, keyOf, isEntered || view.top > 0);
   const [from, to] = windowOf(view, placed.length);
+  const lines = useLines(placed.slice(from, to), from, columns);
 
   const sortAgain = (next: Sorting) => {
     order.current = new RowOrder<Row>();
@@ -159,7 +179,8 @@ export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParam
           <span class="soft count">{caption}: {grouped(rows.length)}</span>
           <button type="button" class={isOutdated ? 'quiet' : 'quiet hidden'} disabled={!isOutdated} onClick={() => sortAgain(sorting)}
             title="Rows keep their places while you are in the table">Sort again</button>
-          {hasDetails && <button type="button" class="quiet" aria-pressed={showsAll} onClick={() => setQuery({ columns: showsAll ? undefined : 'all' })}>All columns</button>}
+          <span class="soft count">{caption}: {grouped(rows.length)}</span>
+          <ColumnChoice {...choice} />
           {csvHref && <CsvLink href={csvHref} of={caption} name={fileName('sweepstake', caption)} />}
         </div>
       </div>}
@@ -170,7 +191,7 @@ export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParam
           <thead><tr aria-rowindex={1}>{columns.map((column) => <Heading key={column.id} column={column} sorting={sorting} onSort={sortAgain} />)}</tr></thead>
           <tbody>
             <Gap rows={from} columns={columns.length} />
-            {placed.slice(from, to).map((each, i) => <Line key={each.key} placed={each} columns={columns} index={from + i} />)}
+            {lines}
             <Gap rows={placed.length - to} columns={columns.length} />
           </tbody>
         </table>

@@ -1,4 +1,5 @@
 // The overview: what choosing algorithms saves, the problems that need attention, and all scenes, the least certain first.
+import { useMemo } from 'preact/hooks';
 import { counted, grouped, share, significant } from '../../format';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
 import { csvUrl } from '../parts/download';
@@ -57,8 +58,7 @@ function Figures() {
   );
 }
 
-function filtered(all: readonly SceneSummary[]): readonly SceneSummary[] {
-  const { query } = route.value;
+function filtered(all: readonly SceneSummary[], query: URLSearchParams): readonly SceneSummary[] {
   const text = query.get('q') ?? '';
   const verdict = VERDICTS.map((each) => verdictWord(each).name).find((name) => name === query.get('verdict'));
   const project = query.get('project') ?? '';
@@ -124,7 +124,14 @@ function NoScenes() {
 export function Overview() {
   const all = summaries.value;
   if (all.length === 0 && !isKnown.value.scenes) return connection.value.status === 'connecting' ? <Loading what="scenes" /> : <NotThere />;
-  const rows = filtered(all);
+  return <Known all={all} />;
+}
+
+const keyOf = ({ state }: SceneSummary) => state.key;
+
+function Known({ all }: { all: readonly SceneSummary[] }) {
+  const { query } = route.value;
+  const rows = useMemo(() => filtered(all, query), [all, query]);
   return (
     <>
       <h1 class="unseen">Overview</h1>
@@ -132,12 +139,12 @@ export function Overview() {
       <section aria-labelledby="scenes-heading">
         <h2 id="scenes-heading">Scenes</h2>
         {all.length === 0 ? <NoScenes /> : (
-          <Table caption="Scenes" csvHref={csvUrl('scenes', { project: route.value.query.get('project') ?? '' })} columns={SCENE_COLUMNS} rows={rows} keyOf={({ state }) => state.key} sort="-verdict" tools={<Tools all={all} />} />
+          <Table caption="Scenes" csvHref={csvUrl('scenes', { project: route.value.query.get('project') ?? '' })} columns={SCENE_COLUMNS} rows={rows} keyOf={keyOf} sort="-verdict" tools={<Tools all={all} />} />
         )}
         {all.length > 0 && rows.length === 0 && <Empty title="No scene matches the filter" />}
       </section>
       <Projects all={all} />
-      <p class="soft small">The page knows {counted(sessions.value.size, 'session', 'sessions')}. A verdict uses the evidence of all sessions. A scene is changing if its regimes have different best algorithms, and stable if P(best) of its leader is at least {significant(thresholds.value.stableProbability, 1)}.</p>
+      <p class="soft small"><SessionCount /> A verdict uses the evidence of all sessions. A scene is changing if its regimes have different best algorithms, and stable if P(best) of its leader is at least {significant(thresholds.value.stableProbability, 1)}.</p>
       <p class="soft small"><a href={urlOf('/recording')}>Play a recording</a> of the boxes of a game.</p>
       <details class="soft small">
         <summary>Terms on this page</summary>
@@ -146,6 +153,9 @@ export function Overview() {
     </>
   );
 }
+
+// A component of its own, so that changed sessions do not redraw the overview.
+const SessionCount = () => <>The page knows {counted(sessions.value.size, 'session', 'sessions')}.</>;
 
 function NotThere() {
   const { error } = connection.value;

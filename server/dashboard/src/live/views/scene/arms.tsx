@@ -2,6 +2,7 @@
 import { significant } from '../../../format';
 import { type ArmPosterior, type DecisionEvent, DecisionOutcome, type RewardPosterior, type ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { colourOf } from '../../../palette';
+import { useMemo } from 'preact/hooks';
 import type { Moment } from '../../charts/plot';
 import { type Measured, MEASURED_WORDS, type RidgeRow } from '../../charts/ridgeline';
 import { mean } from '../../numbers/beta';
@@ -80,5 +81,7 @@ function columns(rewardVersion: number): readonly Column<ArmRow>[] {
   ];
 }
 
-export const ArmTable = ({ rows, rewardVersion, csvHref }: { rows: readonly ArmRow[]; rewardVersion: number; csvHref: string }) =>
-  <Table caption="Algorithms" csvHref={csvHref} columns={columns(rewardVersion)} rows={rows} keyOf={({ key }) => key} sort="-best" sortParameter="arms" />;
+export function ArmTable({ rows, rewardVersion, csvHref }: { rows: readonly ArmRow[]; rewardVersion: number; csvHref: string }) {
+  const all = useMemo(() => columns(rewardVersion), [rewardVersion]);
+  return <Table caption="Algorithms" csvHref={csvHref} columns={all} rows={rows} keyOf={({ key }) => key} sort="-best" sortParameter="arms" />;
+}

@@ -15,6 +15,7 @@ import { summaries, verdictOf } from '../../state/summaries';
 import { explained, toldOfEvent } from '../../audit/explain';
 import { endWord, modeWord, outcomeWord, stateWord } from '../words';
 import { useComputed } from '@preact/signals';
+import { useMemo } from 'preact/hooks';
 import type { SessionInfo } from '../../../gen/sweepstake/v1/sessions_pb';
 import { bucketsOf, type Buckets, countOf, type LogHistogram, merged, type Percentiles, percentiles } from '../../numbers/histogram';
 import { type Column, Table } from '../../parts/table';
@@ -53,8 +54,9 @@ function variantColumns(own: string): readonly Column<SceneState>[] {
 
 export function Variants({ name }: { name: SceneName }) {
   const variants = variantsOf(name);
+  const columns = useMemo(() => variantColumns(sceneKey(name)), [sceneKey(name)]);
   if (variants.length < 2) return <p class="soft">Only one class of machines has played this scene.</p>;
-  return <Table caption="Classes of machines" columns={variantColumns(sceneKey(name))} rows={variants} keyOf={({ key }) => key} sort="class" sortParameter="classes" />;
+  return <Table caption="Classes of machines" columns={columns} rows={variants} keyOf={({ key }) => key} sort="class" sortParameter="classes" />;
 }
 
 const SESSION_COLUMNS: readonly Column<SessionState>[] = [
