@@ -54,8 +54,8 @@ function tileOf(colour: string, hatch: number, scale: number): HTMLCanvasElement
   pen.scale(scale, scale);
   pen.fillStyle = translucent(colour, 0.55);
   pen.fillRect(0, 0, 8, 8);
-  pen.strokeStyle = resolved(colour);
-  pen.lineWidth = 1.2;
+  pen.strokeStyle = translucent(colour, 0.7);
+  pen.lineWidth = 1;
   pen.stroke(new Path2D(HATCHES[hatch % HATCHES.length]));
   tiles.set(name, tile);
   return tile;

@@ -1,5 +1,6 @@
 // Draws a time chart with uPlot.
 import uPlot from 'uplot';
+import { compact } from '../../format';
 import { clockText, dayText, minuteText } from '../parts/clock';
 import { resolved, translucent } from './colours';
 import { crosshairMs, type Range, setRange } from './view_state';
@@ -31,6 +32,7 @@ export type Scale = 'zero' | 'unit' | 'log';
 
 export interface Picture {
   timesMs: readonly number[]; // ascending
+  states?: readonly unknown[]; // for each time; a run of equal states is at least LEAST pixels wide
   lines: readonly Line[];
   bands?: readonly Band[];
   levels?: readonly Level[];
@@ -47,6 +49,7 @@ export const LEFT = 80;
 export const RIGHT = 50; // room for half of the last time's text, and for the labels of levels
 // Font of `px` pixels at the page's normal font size of 15 px; scaled with the page in very wide windows.
 const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;
+export const LEAST = 2;
 const MOMENT = 4; // minimum distance of moments in pixels
 const DENSE = 24; // mean distance of moments in pixels below which they are short, since they would hide the chart
 const TICK = 10; // length in pixels of a short moment; in a chart of stacked areas all are short, since lines would cut the areas into stripes
@@ -203,7 +206,7 @@ function axis(now: () => Picture, isTime: boolean): uPlot.Axis {
     ticks: { show: false },
     ...(isTime
       ? { size: 30, space: 70, incrs: TIME_STEPS, values: (_: uPlot, splits: number[], __: number, ___: number, step: number) => splits.map((ms) => axisTime(ms, step)) }
-      : { size: LEFT, values: (_: uPlot, splits: number[]) => splits.map((value: number | null) => (value === null ? null : now().format(value))) }),
+      : { size: LEFT, values: (_: uPlot, splits: number[]) => splits.map((value: number | null) => (value === null ? null : (now().scale === 'unit' ? compact : now().format)(value))) }),
   };
 }
 

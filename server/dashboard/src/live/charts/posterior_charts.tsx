@@ -57,7 +57,7 @@ function bandLines(arms: readonly string[], rows: readonly SeriesRow[], tellsCos
   return { lines, bands };
 }
 
-const noteOf = (rows: readonly SeriesRow[], notYet = NOT_YET) => rows.length < 2 && notYet;
+const noteOf = (rows: readonly unknown[], notYet = NOT_YET) => rows.length < 2 && notYet;
 
 export function BandsChart({ arms, rows, rewardVersion, domain, notYet, assumed = NONE, ...rest }: PosteriorChartsProps) {
   const tellsCosts = rewardVersion === LOG_COST_REWARD_VERSION;
@@ -80,12 +80,16 @@ export function bandRange(rows: readonly SeriesRow[], rewardVersion: number): [n
   ];
 }
 
+type BestRow = Pick<SeriesRow, 'timeMs' | 'best'>;
+
+// Returns the index of the arm with the highest probability.
+const leaderOf = ({ best }: BestRow) => best.reduce((most: number, p, i) => ((p ?? 0) > (best[most] ?? 0) ? i : most), 0);
+
 // Stacks the arms from the bottom up. The current leader comes first, so that its height can be compared with the threshold. The
-// other arms keep their order, because each order needs a new plot.
-function stackLines(arms: readonly string[], rows: readonly SeriesRow[]): { lines: Line[]; bands: Band[] } {
-  const latest = rows.at(-1)?.best ?? [];
-  const leader = arms.reduce((best, _, i) => ((latest[i] ?? 0) > (latest[best] ?? 0) ? i : best), 0);
-  const order = [leader, ...arms.keys()].filter((i, place, all) => all.indexOf(i) === place);
+// other arms keep their order, because each order needs a new plot. Each period with one leader is a state.
+function stackLines(arms: readonly string[], rows: readonly BestRow[]): { lines: Line[]; bands: Band[]; states: number[] } {
+  const states = rows.map(leaderOf);
+  const order = [states.at(-1) ?? 0, ...arms.keys()].filter((i, place, all) => all.indexOf(i) === place);
   const sums = rows.map(() => 0);
   const lines: Line[] = [{ label: '', values: rows.map(({ best }) => (best.some((p) => p !== undefined) ? 0 : null)), colour: 'var(--soft)', width: 0 }];
   const bands: Band[] = [];
@@ -96,10 +100,11 @@ function stackLines(arms: readonly string[], rows: readonly SeriesRow[]): { line
     lines.push({ label: arms[i]!, values, told, colour, dash, stepped: true, width: 1.5 });
     bands.push({ upper: lines.length - 1, lower: lines.length - 2, fill: (context) => hatched(context, colour, hatch) });
   }
-  return { lines, bands };
+  return { lines, bands, states };
 }
 
-export function BestChart({ arms, rows, domain, notYet, names, csvHref, moments = [] }: PosteriorChartsProps) {
+/** Shows P(best) of each arm over time as stacked areas. A short period with another leader stays visible. */
+export function BestChart({ arms, rows, domain, notYet, names, csvHref, moments = [] }: Omit<PosteriorChartsProps, 'rows'> & { rows: readonly BestRow[] }) {
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
   const drawn = useMemo(() => stackLines(arms, rows), [arms, rows]);
   const { stableProbability } = thresholds.value;

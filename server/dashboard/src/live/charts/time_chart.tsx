@@ -2,14 +2,15 @@
 // Drag to zoom, double-click to show all. Keys: arrows move the crosshair, + and − zoom, 0 shows all.
 import { useSignalEffect } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
-import { useEffect, useRef, useState } from 'preact/hooks';
+import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
+import { widened } from '../numbers/widened';
 import { clockText } from '../parts/clock';
 import { Name } from '../parts/name';
 import { theme } from './colours';
 import { ChartFrame } from './frame';
-import { createPlot, dataOf, type Line, type Picture, showCrosshair } from './plot';
+import { createPlot, dataOf, LEAST, LEFT, type Line, type Picture, RIGHT, showCrosshair } from './plot';
 import { crosshairMs, hiddenArms, pausedMs, placeAt, range, setPaused, setRange, toggleArm, zoomAction } from './view_state';
 import { useIsSeen, useWidth } from './width';
 
@@ -80,11 +81,17 @@ function Legend({ picture: { lines, timesMs, format, domain } }: { picture: Pict
   );
 }
 
+// Returns the times at which values are drawn, in a chart of this width.
+function useTimes({ timesMs, states, domain: { fromMs, toMs } }: Pick<Picture, 'timesMs' | 'states' | 'domain'>, width: number): readonly number[] {
+  const leastMs = (LEAST * (toMs - fromMs)) / Math.max(width - LEFT - RIGHT, 1);
+  return useMemo(() => (states ? widened(timesMs, states, { fromMs, toMs }, leastMs) : timesMs), [timesMs, states, fromMs, toMs, leastMs]);
+}
+
 function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
-  const picture: Picture = { ...rest, hidden: hiddenArms.value };
+  const { element: host, width } = useWidth<HTMLDivElement>();
+  const picture: Picture = { ...rest, timesMs: useTimes(rest, width), hidden: hiddenArms.value };
   const latest = useRef(picture);
   latest.current = picture;
-  const { element: host, width } = useWidth<HTMLDivElement>();
   const isSeen = useIsSeen(host); // a chart outside the screen is not redrawn
   const plot = useRef<uPlot | null>(null);
   const [spoken, setSpoken] = useState('');

@@ -85,18 +85,6 @@ function useLines<Row>(placed: readonly PlacedRow<Row>[], from: number, columns:
 const Gap = ({ rows, columns }: { rows: number; columns: number }) =>
   (rows > 0 ? <tr class="gap" aria-hidden="true"><td colSpan={columns} style={{ height: rows * ROW_PX }} /></tr> : null);
 
-/** The meaning of each column for those who cannot point at a heading, as with touch or a keyboard. */
-function Meanings<Row>({ columns }: { columns: readonly Column<Row>[] }) {
-  const explained = columns.filter(({ hint }) => hint);
-  if (explained.length === 0) return null;
-  return (
-    <details class="soft small">
-      <summary>What the columns mean</summary>
-      <dl>{explained.map(({ id, title, hint }) => [<dt key={id}>{title}</dt>, <dd key={`${id}=`}>{hint}</dd>])}</dl>
-    </details>
-  );
-}
-
 // Moves the focus with the arrow keys from row to row, to the row's link or button.
 function moveFocus(event: KeyboardEvent, box: HTMLElement, count: number): void {
   const row = (event.target as Element).closest('tbody tr[data-key]');
@@ -176,7 +164,6 @@ export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParam
       {!isBare && <div class="tools">
         {tools}
         <div class="side">
-          <span class="soft count">{caption}: {grouped(rows.length)}</span>
           <button type="button" class={isOutdated ? 'quiet' : 'quiet hidden'} disabled={!isOutdated} onClick={() => sortAgain(sorting)}
             title="Rows keep their places while you are in the table">Sort again</button>
           <span class="soft count">{caption}: {grouped(rows.length)}</span>
@@ -196,7 +183,6 @@ export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParam
           </tbody>
         </table>
       </div>
-      <Meanings columns={columns} />
     </div>
   );
 }
