@@ -266,9 +266,9 @@ async function checkColumns(page, daemon) {
   const usual = await titles();
   const button = page.locator('section[aria-labelledby=scenes-heading]').getByRole('button', { name: /^Columns/ });
   await button.press('Enter');
-  await page.getByRole('checkbox', { name: 'Loss' }).press('Space');
+  await page.getByRole('checkbox', { name: /^Loss/ }).press('Space');
   await has('Loss', true);
-  await page.getByRole('checkbox', { name: 'Verdict' }).uncheck();
+  await page.getByRole('checkbox', { name: /^Verdict/ }).uncheck();
   await has('Verdict', false);
   await assertAccessible(page, 'the list of columns');
   await page.keyboard.press('Escape');

@@ -67,7 +67,7 @@ function ThemeSwitch() {
     chooseTheme(next);
     theme.value = next;
   };
-  return <button type="button" class="quiet" onClick={choose} title={`Change the theme to ${next}`}>Theme: {theme.value}</button>;
+  return <button type="button" class="quiet" onClick={choose} title={`Change the theme to ${next}`}><span class="long">Theme: </span>{theme.value}</button>;
 }
 
 async function leave(): Promise<void> {

@@ -37,21 +37,22 @@ export function useColumns<Row>(all: readonly Column<Row>[], caption: string, pa
   return { all, shown, sorted, choose };
 }
 
-/** A button that opens a list of all columns. */
+/** A button that opens a list of all columns and their meanings, which also helps users who cannot point at a heading. */
 export function ColumnChoice<Row>({ all, shown, sorted, choose }: ColumnChoiceProps<Row>) {
   const id = useId();
   const [isOpen, setOpen] = useState(false);
   const toggle = (column: Column<Row>) => choose(all.filter((each) => shown.includes(each) !== (each === column)));
   return (
     <>
-      <button type="button" class="quiet" popovertarget={id}>Columns <span class="soft">{shown.length}/{all.length}</span></button>
+      <button type="button" class="quiet" popovertarget={id}>Columns{shown.length < all.length && ` ${shown.length}/${all.length}`}</button>
       <div id={id} popover="auto" class="menu" onToggle={(event) => setOpen(event.newState === 'open')}>
         {isOpen && (
           <fieldset>
             <legend class="unseen">Shown columns</legend>
-            {all.slice(1).map((column) => (
-              <label key={column.id} title={column.hint}>
-                <input type="checkbox" checked={shown.includes(column)} disabled={column.id === sorted} onChange={() => toggle(column)} /> {column.title}
+            {all.map((column, i) => (
+              <label key={column.id}>
+                <input type="checkbox" checked={shown.includes(column)} disabled={i === 0 || column.id === sorted} onChange={() => toggle(column)} />
+                <span>{column.title}{column.hint && <small class="soft">{column.hint}</small>}</span>
               </label>
             ))}
             <button type="button" onClick={() => choose(shownColumns(all, '', sorted))}>Usual columns</button>

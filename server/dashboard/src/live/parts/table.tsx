@@ -9,7 +9,7 @@ import { grouped } from '../../format';
 import { fileName, Name } from './name';
 import { RowOrder, sortedBy, sortingOf, sortingText, type PlacedRow, type Sorting, type SortValue } from './row_order';
 
-const ROW_PX = 37;  // height of a row; equal to --row in style.css
+const ROW_PX = 33;  // height of a row; equal to --row in style.css
 const ALL_UP_TO = 80;  // tables up to this number of rows are drawn whole
 const OVERSCAN = 10;  // rows drawn above and below the visible ones
 
