@@ -13,6 +13,7 @@ const SCENE = '/scenes/arcade/arena?class=test&reward=3';
 
 
 const chart = (page, id) => page.locator(`figure[data-chart=${id}]`);
+const hasPeriods = (figure) => figure.getByRole('group', { name: /, [1-9][\d,]* periods?\./ }).waitFor(); // in the chart of switches
 const timeIn = (figure) => figure.locator('.legend time').innerText();
 const query = (page) => new URL(page.url()).searchParams;
 
@@ -147,7 +148,7 @@ async function checkTime(page, daemon) {
 
 async function checkWhy(page, daemon, { sessionId }) {
   await page.goto(`${daemon.origin}/sessions/${sessionId}`);
-  await chart(page, 'timeline').locator('path.span[d^=M]').first().waitFor();
+  await hasPeriods(chart(page, 'timeline'));
   const why = page.getByRole('button', { name: 'Why this algorithm?' });
   await until('there are decisions', () => why.isEnabled());
   await why.click();
@@ -241,7 +242,7 @@ async function checkCompare(page, daemon, { sessionId }) {
   assert.deepEqual([query(page).get('with'), query(page).get('from')], [other, null]);
   for (const [i, id] of [sessionId, other].entries()) {
     assert.equal(await page.getByRole('heading', { level: 2 }).nth(i).innerText(), `Session ${id}`);
-    await chart(page, 'timeline').nth(i).locator('path.span[d^=M]').first().waitFor();
+    await hasPeriods(chart(page, 'timeline').nth(i));
   }
   await page.getByRole('button', { name: 'Pause' }).click(); // so that the charts do not move
   const [first, second] = [0, 1].map((i) => chart(page, 'frame-time').nth(i));
@@ -262,10 +263,10 @@ async function checkCompare(page, daemon, { sessionId }) {
   assert.ok(firstMs >= Number(unixStartMs) - 1000, 'the CSV file has shifted times');
   await isNarrow(page, 'two sessions');
   await page.reload();
-  await chart(page, 'timeline').nth(1).locator('path.span[d^=M]').first().waitFor();
+  await hasPeriods(chart(page, 'timeline').nth(1));
   const theirs = chart(page, 'timeline').nth(1);
   await until('the status describes the first decision', async () => {
-    await theirs.locator('svg.picture').focus();
+    await theirs.locator('.plot').focus();
     await page.keyboard.press('Home');
     return /\d/.test(await theirs.getByRole('status').innerText());
   });
@@ -282,7 +283,7 @@ async function checkCompare(page, daemon, { sessionId }) {
 async function checkUnknown(page, daemon, { sessionId }) {
   const nobody = '<img src=x>\u202Egnp';
   await page.goto(`${daemon.origin}/sessions/${sessionId}?with=${encodeURIComponent(nobody)}`);
-  await chart(page, 'timeline').first().locator('path.span[d^=M]').first().waitFor();
+  await hasPeriods(chart(page, 'timeline').first());
   await chart(page, 'timeline').nth(1).getByText('The log of this session is empty.').waitFor();
   await page.getByRole('heading', { name: 'Session <img src=x>⟨U+202E⟩gnp' }).waitFor();
   assert.equal(await page.locator('main img').count(), 0, 'a name became markup');

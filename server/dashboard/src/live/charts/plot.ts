@@ -27,8 +27,8 @@ export interface Level {
 }
 /** A vertical line at a time, optionally with a label. */
 export interface Moment { timeMs: number; colour: string; label?: string }
-/** The axis of values. zero: from 0 upwards; unit: 0 to 1; log: logarithmic, values > 0. */
-export type Scale = 'zero' | 'unit' | 'log';
+/** The axis of values. zero: from 0 upwards; unit: 0 to 1; log: logarithmic, values > 0; lanes: rows with names, numbered from the top. */
+export type Scale = 'zero' | 'unit' | 'log' | 'lanes';
 
 export interface Picture {
   timesMs: readonly number[]; // ascending
@@ -42,13 +42,15 @@ export interface Picture {
   domain: Range;
   format: (value: number) => string;
   hidden: ReadonlySet<string>; // arms
+  lanes?: readonly string[]; // the names of the rows
+  paint?: (plot: uPlot) => void; // draws more
 }
 
 /** Margins in pixels. All charts of a view have the same margins, so that equal times are aligned vertically. */
 export const LEFT = 80;
 export const RIGHT = 50; // room for half of the last time's text, and for the labels of levels
 // Font of `px` pixels at the page's normal font size of 15 px; scaled with the page in very wide windows.
-const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;
+export const fontOf = (px: number) => `${(px / 15) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, "DejaVu Sans", sans-serif`;
 export const LEAST = 2;
 const MOMENT = 4; // minimum distance of moments in pixels
 const DENSE = 24; // mean distance of moments in pixels below which they are short, since they would hide the chart
@@ -57,7 +59,7 @@ const SECOND = 1000;
 const DAY = 86_400 * SECOND;
 
 /** The steps of time axes in milliseconds: round clock times. */
-export const TIME_STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10_800, 21_600, 43_200, 86_400, 172_800, 604_800].map((s) => s * SECOND);
+const TIME_STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10_800, 21_600, 43_200, 86_400, 172_800, 604_800].map((s) => s * SECOND);
 
 /** Returns the label of a time on an axis with steps of `stepMs`. Rounds to seconds, since uPlot's positions are off by fractions of a millisecond. */
 export function axisTime(ms: number, stepMs: number): string {
@@ -220,9 +222,10 @@ function roundOnly(plot: uPlot, splits: number[]): (number | null)[] {
 export const dataOf = ({ timesMs, lines }: Picture) => [timesMs, ...lines.map(({ values }) => values)] as unknown as uPlot.AlignedData;
 
 function options(now: () => Picture, width: number, height: number): uPlot.Options {
-  const { scale, bands = [], hidden, lines } = now();
+  const { scale, bands = [], hidden, lines, lanes } = now();
   const valueAxis = axis(now, false);
   if (scale === 'log') valueAxis.filter = roundOnly;
+  if (lanes) Object.assign(valueAxis, { stroke: () => resolved('var(--text)'), splits: () => lanes.map((_, i) => i + 0.5), values: () => lanes });
   const isShown = (place: number) => !hidden.has(lines[place]?.arm ?? '');
   return {
     width,
@@ -235,7 +238,7 @@ function options(now: () => Picture, width: number, height: number): uPlot.Optio
       ({ series: [upper + 1, lower + 1], fill: (plot: uPlot) => fill(plot.ctx) })),
     scales: {
       x: { time: true, range: () => [now().domain.fromMs, now().domain.toMs] },
-      y: { ...(scale === 'log' && { distr: 3 }), range: (_, min, max) => valueRange(now(), min, max, scale === 'zero' ? usualOf(now()) : undefined) },
+      y: lanes ? { dir: -1, range: [0, Math.max(lanes.length, 1)] } : { ...(scale === 'log' && { distr: 3 }), range: (_, min, max) => valueRange(now(), min, max, scale === 'zero' ? usualOf(now()) : undefined) },
     },
     axes: [axis(now, true), valueAxis],
     cursor: {
@@ -245,7 +248,7 @@ function options(now: () => Picture, width: number, height: number): uPlot.Optio
       bind: { dblclick: () => () => { setRange(undefined); return null; } },
     },
     hooks: {
-      draw: [(plot) => { drawMoments(plot, now()); drawLevels(plot, now()); drawOutliers(plot, now()); }],
+      draw: [(plot) => { drawMoments(plot, now()); drawLevels(plot, now()); drawOutliers(plot, now()); now().paint?.(plot); }],
       setCursor: [(plot) => {
         const { left = -1 } = plot.cursor;
         if (plot.over.matches(':hover')) crosshairMs.value = left < 0 ? undefined : plot.posToVal(left, 'x');

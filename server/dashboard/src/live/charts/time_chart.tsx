@@ -1,7 +1,7 @@
 // A chart over time: lines and bands, and a legend with the values at the crosshair. All charts of a view share crosshair and zoom.
 // Drag to zoom, double-click to show all. Keys: arrows move the crosshair, + and − zoom, 0 shows all.
 import { useSignalEffect } from '@preact/signals';
-import type { ComponentChildren } from 'preact';
+import type { ComponentChildren, RefObject } from 'preact';
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
@@ -29,8 +29,8 @@ function valueText({ told, values }: Line, place: number, isEnd: boolean, format
 }
 
 // The properties whose change needs a new plot, as one string.
-const structureOf = ({ lines, bands = [], scale, hidden }: Picture) =>
-  JSON.stringify([lines.map(({ label, colour, dash, width }) => [label, colour, dash, width]), bands.map(({ upper, lower }) => [upper, lower]), scale,
+const structureOf = ({ lines, bands = [], scale, hidden, lanes }: Picture) =>
+  JSON.stringify([lanes, lines.map(({ label, colour, dash, width }) => [label, colour, dash, width]), bands.map(({ upper, lower }) => [upper, lower]), scale,
     [...hidden]]);
 
 /** Returns the action of a key, or undefined. */
@@ -87,18 +87,15 @@ function useTimes({ timesMs, states, domain: { fromMs, toMs } }: Pick<Picture, '
   return useMemo(() => (states ? widened(timesMs, states, { fromMs, toMs }, leastMs) : timesMs), [timesMs, states, fromMs, toMs, leastMs]);
 }
 
-function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
-  const { element: host, width } = useWidth<HTMLDivElement>();
-  const picture: Picture = { ...rest, timesMs: useTimes(rest, width), hidden: hiddenArms.value };
+/** Draws a picture into `host`, and again if it changes while it is on the screen. Returns the plot. */
+export function usePlot(host: RefObject<HTMLElement>, picture: Picture, width: number, height: number): RefObject<uPlot> {
   const latest = useRef(picture);
   latest.current = picture;
   const isSeen = useIsSeen(host); // a chart outside the screen is not redrawn
   const plot = useRef<uPlot | null>(null);
-  const [spoken, setSpoken] = useState('');
   const drawn = useRef('');
   if (isSeen) drawn.current = structureOf(picture);
   const structure = drawn.current;
-
   const create = () => {
     plot.current?.destroy();
     plot.current = host.current && width > 0 ? createPlot(host.current, () => latest.current, width, height) : null;
@@ -111,7 +108,8 @@ function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
     };
   }, [structure, theme.value, width === 0]);
   useEffect(() => { if (width > 0) plot.current?.setSize({ width, height }); }, [width, height]);
-  useEffect(() => { if (isSeen) plot.current?.setData(dataOf(picture)); }, [isSeen, picture.timesMs, picture.lines, picture.moments, picture.domain.fromMs, picture.domain.toMs]);
+  useEffect(() => { if (isSeen) plot.current?.setData(dataOf(picture)); },
+    [isSeen, picture.timesMs, picture.lines, picture.moments, picture.paint, picture.domain.fromMs, picture.domain.toMs]);
   useEffect(() => {
     addEventListener('beforeprint', create); // a printed page contains charts that are outside the screen
     return () => removeEventListener('beforeprint', create);
@@ -120,6 +118,14 @@ function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
     const at = crosshairMs.value;
     if (plot.current && !host.current?.matches(':hover')) showCrosshair(plot.current, at);
   });
+  return plot;
+}
+
+function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
+  const { element: host, width } = useWidth<HTMLDivElement>();
+  const picture: Picture = { ...rest, timesMs: useTimes(rest, width), hidden: hiddenArms.value };
+  const [spoken, setSpoken] = useState('');
+  usePlot(host, picture, width, height);
 
   function onKeyDown(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey) return;

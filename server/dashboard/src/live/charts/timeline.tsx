@@ -1,15 +1,16 @@
 // A session's switches over time, with a row per arm: the active arm is filled, cooldown and settling are shaded, and candidates that
 // were held back are hollow. The mark under the pointer, or reached with the arrow keys, is described below the chart. Enter or a
 // click opens its explanation.
-import type { JSX } from 'preact';
-import { useId, useMemo, useRef, useState } from 'preact/hooks';
+import { useMemo, useState } from 'preact/hooks';
+import uPlot from 'uplot';
+import { counted } from '../../format';
 import { shapeOf } from '../parts/arm';
 import { clockText } from '../parts/clock';
 import { visible } from '../parts/name';
-import { armStyle } from './colours';
-import { axisTime, LEFT, RIGHT, TIME_STEPS } from './plot';
-import { linearTicks } from '../numbers/ticks';
-import { crosshairMs, type Range, setRange, zoomAction } from './view_state';
+import { armStyle, hatched, resolved, translucent } from './colours';
+import { fontOf } from './plot';
+import { usePlot } from './time_chart';
+import { crosshairMs, type Range, zoomAction } from './view_state';
 import { useWidth } from './width';
 import type { Step } from '../audit/steps';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
@@ -19,9 +20,10 @@ import { AuditKind } from '../../gen/sweepstake/v1/audit_pb';
 import { isHeldBack, kindWord, outcomeWord } from '../views/words';
 
 const LANE = 26;
-const AXIS = 22;
+const AROUND = 38; // the axis of times, and the margin above the rows
 const REACH = 14; // maximum distance in pixels between pointer and mark
 const MARK = 10; // width of a mark in pixels
+const LABEL = 11; // characters of a row's name
 
 interface TimelineProps {
   steps: readonly Step[];
@@ -30,50 +32,17 @@ interface TimelineProps {
   onOpen: (step: Step) => void;
 }
 
-interface Geometry { width: number; height: number; x: (ms: number) => number; ms: (x: number) => number; y: (arm: string) => number; domain: Range }
+// Positions in CSS pixels within the plotting area.
+interface Geometry { x: (ms: number) => number; y: (arm: string) => number; msPerPixel: number; domain: Range }
 
-function geometryOf(width: number, arms: readonly string[], domain: Range): Geometry {
-  const span = Math.max(width - LEFT - RIGHT, 1);
-  const length = domain.toMs - domain.fromMs;
-  return {
-    width, domain,
-    height: Math.max(arms.length, 1) * LANE + AXIS,
-    x: (ms) => LEFT + (span * (Math.min(Math.max(ms, domain.fromMs), domain.toMs) - domain.fromMs)) / length,
-    ms: (x) => domain.fromMs + (length * (x - LEFT)) / span,
-    y: (arm) => Math.max(arms.indexOf(arm), 0) * LANE + LANE / 2,
-  };
-}
+const geometryOf = (plot: uPlot, arms: readonly string[], domain: Range): Geometry => ({
+  domain,
+  x: (ms) => plot.valToPos(Math.min(Math.max(ms, domain.fromMs), domain.toMs), 'x'),
+  y: (arm) => plot.valToPos(Math.max(arms.indexOf(arm), 0) + 0.5, 'y'),
+  msPerPixel: plot.posToVal(1, 'x') - plot.posToVal(0, 'x'),
+});
 
 const overlaps = ({ fromMs, toMs }: Range, domain: Range) => toMs >= domain.fromMs && fromMs <= domain.toMs;
-
-/** Returns at most `count` round clock times within the range, and their distance. */
-function timeTicks({ fromMs, toMs }: Range, count: number): { timesMs: number[]; stepMs: number } {
-  const stepMs = TIME_STEPS.find((each) => (toMs - fromMs) / each <= count);
-  if (!stepMs) return { timesMs: linearTicks(fromMs, toMs, count), stepMs: 86_400_000 };
-  const timesMs: number[] = [];
-  for (let ms = Math.ceil(fromMs / stepMs) * stepMs; ms <= toMs; ms += stepMs) timesMs.push(ms);
-  return { timesMs, stepMs };
-}
-
-function Lanes({ arms, geometry: { width, height, x, domain } }: { arms: readonly string[]; geometry: Geometry }) {
-  const { timesMs, stepMs } = timeTicks(domain, Math.max(2, Math.floor(width / 110)));
-  return (
-    <g font-size=".73rem" fill="var(--soft)">
-      {timesMs.map((ms) => (
-        <g key={ms}>
-          <line x1={x(ms)} x2={x(ms)} y1={0} y2={height - AXIS} stroke="var(--rule)" />
-          <text x={x(ms)} y={height - 6} text-anchor="middle">{axisTime(ms, stepMs)}</text>
-        </g>
-      ))}
-      {arms.map((arm, i) => (
-        <g key={arm}>
-          <line x1={LEFT} x2={width - RIGHT} y1={(i + 1) * LANE} y2={(i + 1) * LANE} stroke="var(--rule)" />
-          <text x={LEFT - 10} y={i * LANE + LANE / 2 + 4} text-anchor="end" fill="var(--text)">{[...visible(arm)].slice(0, 11).join('')}</text>
-        </g>
-      ))}
-    </g>
-  );
-}
 
 const placed = ({ fromMs, arm }: Mark, { x, y }: Geometry) => `M${x(fromMs).toFixed(1)} ${y(arm)}`;
 
@@ -85,55 +54,53 @@ function pill({ fromMs, toMs, arm }: Mark, { x, y }: Geometry): string {
   return `M${(x(fromMs) + 4).toFixed(1)} ${y(arm) - 4}h${inner}a4 4 0 0 1 0 8h-${inner}a4 4 0 0 1 0-8z`;
 }
 
-function Sign({ mark, geometry: { x, y } }: { mark: Mark; geometry: Geometry }) {
-  return <text class="mark" x={x(mark.fromMs)} y={y(mark.arm) + 5} text-anchor="middle" font-size=".93rem" font-weight="700" fill="var(--text)">{mark.sign}</text>;
+// Paints the marks of one arm.
+function paintMarks(ctx: CanvasRenderingContext2D, marks: readonly Mark[], arm: string, arms: readonly string[], geometry: Geometry, isOn = false): void {
+  const colour = resolved(armStyle(arm, arms).colour);
+  const shapes = (isHollow: boolean) => new Path2D(marks.filter((mark) => !mark.sign && mark.isHollow === isHollow).map((mark) => placed(mark, geometry) + shapeOf(arm)).join(''));
+  ctx.strokeStyle = colour;
+  ctx.lineWidth = isOn ? 2.5 : 1.5;
+  ctx.stroke(new Path2D(marks.map((mark) => pill(mark, geometry)).join('')));
+  for (const [shape, fill] of [[shapes(true), resolved('var(--card)')], [shapes(false), colour]] as const) {
+    ctx.fillStyle = fill;
+    ctx.fill(shape);
+    ctx.stroke(shape);
+  }
+  ctx.fillStyle = resolved('var(--text)');
+  for (const mark of marks) if (mark.sign) ctx.fillText(mark.sign, geometry.x(mark.fromMs), geometry.y(mark.arm));
 }
 
-// The marks of one arm.
-function Marks({ marks, arm, arms, geometry, isOn = false }: { marks: readonly Mark[]; arm: string; arms: readonly string[]; geometry: Geometry; isOn?: boolean }) {
-  const { colour } = armStyle(arm, arms);
-  const shapes = (isHollow: boolean) => marks.filter((mark) => !mark.sign && mark.isHollow === isHollow).map((mark) => placed(mark, geometry) + shapeOf(arm)).join('');
-  return (
-    <g class={isOn ? 'mark on' : 'mark'} stroke={colour} stroke-width={isOn ? 2.5 : 1.5}>
-      <path d={marks.map((mark) => pill(mark, geometry)).join('')} fill="none" />
-      <path d={shapes(true)} fill="var(--card)" />
-      <path d={shapes(false)} fill={colour} />
-      <g stroke="none">{marks.filter(({ sign }) => sign).map((mark) => <Sign key={`${mark.fromMs} ${mark.sign}`} mark={mark} geometry={geometry} />)}</g>
-    </g>
-  );
+// Returns all bars as one path, which is much faster to draw than one shape per bar. Bars less than a pixel apart are joined.
+function bars(intervals: readonly Range[], { x, msPerPixel, domain }: Geometry, y: number, height: number): Path2D {
+  const shown = joined(intervals.filter((each) => overlaps(each, domain)), msPerPixel);
+  return new Path2D(shown.map(({ fromMs, toMs }) => `M${x(fromMs).toFixed(1)} ${y}h${Math.max(x(toMs) - x(fromMs), 1.5).toFixed(1)}v${height}H${x(fromMs).toFixed(1)}z`).join(''));
 }
 
-// Draws all bars as one path, which is much faster than one shape per bar.
-function Bars({ intervals, geometry: { x, ms, domain }, y, height, ...rest }: { intervals: readonly Range[]; geometry: Geometry; y: number; height: number } & JSX.SVGAttributes<SVGPathElement>) {
-  const shown = joined(intervals.filter((each) => overlaps(each, domain)), ms(1) - ms(0));
-  const d = shown.map(({ fromMs, toMs }) => `M${x(fromMs).toFixed(1)} ${y}h${Math.max(x(toMs) - x(fromMs), 1.5).toFixed(1)}v${height}H${x(fromMs).toFixed(1)}z`);
-  return <path d={d.join('')} {...rest} />;
-}
-
-// The part of the picture that does not depend on the pointer. Bars less than a pixel apart are joined. Short marks that would overlap a
-// shown mark of the same arm and look are left out. Long sessions are therefore drawn fast.
-function Still({ timeline: { shades, spans, marks }, arms, geometry, settling }: { timeline: Timeline; arms: readonly string[]; geometry: Geometry; settling: string }) {
-  const { y, ms, height, domain } = geometry;
-  const shadesOf = (kind: Shade['kind']) => ({ class: kind, intervals: shades.filter((shade) => shade.kind === kind), geometry, y: 0, height: height - AXIS });
-  const shown = thinned(marks.filter((mark) => overlaps(mark, domain)), ms(MARK) - ms(0));
-  return (
-    <g>
-      <Bars {...shadesOf('cooldown')} fill="var(--soft)" opacity="0.14" />
-      <Bars {...shadesOf('settling')} fill={`url(#${settling})`} />
-      <Lanes arms={arms} geometry={geometry} />
-      {arms.map((arm) => (
-        <Bars key={arm} class="span" intervals={spans.filter((span) => span.arm === arm)} geometry={geometry} y={y(arm) - 7} height={14}
-          fill={armStyle(arm, arms).colour} opacity="0.75" />
-      ))}
-      {arms.map((arm) => <Marks key={arm} marks={shown.filter((mark) => mark.arm === arm)} arm={arm} arms={arms} geometry={geometry} />)}
-    </g>
-  );
-}
-
-function Crosshair({ geometry: { x, height, domain } }: { geometry: Geometry }) {
-  const at = crosshairMs.value;
-  if (at === undefined || at < domain.fromMs || at > domain.toMs) return null;
-  return <line x1={x(at)} x2={x(at)} y1={0} y2={height - AXIS} stroke="var(--text)" stroke-dasharray="3 3" pointer-events="none" />;
+// Short marks that would overlap a shown mark of the same arm and look are left out, so that long sessions are drawn fast.
+function paint(plot: uPlot, { shades, spans, marks }: Timeline, arms: readonly string[], domain: Range, on: Mark | undefined): void {
+  const { ctx, bbox } = plot;
+  const geometry = geometryOf(plot, arms, domain);
+  const shown = thinned(marks.filter((mark) => overlaps(mark, domain)), MARK * geometry.msPerPixel);
+  const fill = (style: string | CanvasPattern, intervals: readonly Range[], y: number, height: number) => {
+    ctx.fillStyle = style;
+    ctx.fill(bars(intervals, geometry, y, height));
+  };
+  ctx.save();
+  ctx.translate(bbox.left, bbox.top);
+  ctx.scale(uPlot.pxRatio, uPlot.pxRatio);
+  ctx.setLineDash([]);
+  ctx.lineJoin = 'round';
+  ctx.font = `700 ${fontOf(14)}`;
+  ctx.textAlign = 'center';
+  ctx.textBaseline = 'middle';
+  fill(translucent('var(--soft)', 0.14), shades.filter(({ kind }) => kind === 'cooldown'), 0, arms.length * LANE);
+  ctx.globalAlpha = 0.5;
+  fill(hatched(ctx, 'var(--soft)', 1), shades.filter(({ kind }) => kind === 'settling'), 0, arms.length * LANE);
+  ctx.globalAlpha = 1;
+  for (const arm of arms) fill(translucent(armStyle(arm, arms).colour, 0.75), spans.filter((span) => span.arm === arm), geometry.y(arm) - 7, 14);
+  for (const arm of arms) paintMarks(ctx, shown.filter((mark) => mark.arm === arm), arm, arms, geometry);
+  if (on && overlaps(on, domain)) paintMarks(ctx, [on], on.arm, arms, geometry, true);
+  ctx.restore();
 }
 
 function nearestMark(marks: readonly Mark[], { x, y, domain }: Geometry, px: number, py: number): Mark | undefined {
@@ -168,36 +135,18 @@ function actionOf(key: string, marks: readonly Mark[], on: Mark | undefined, dom
   }
 }
 
+const NO_LINES: readonly [] = [];
+const NONE_HIDDEN: ReadonlySet<string> = new Set();
+
 export function TimelineChart({ steps, arms, domain, onOpen }: TimelineProps) {
-  const { element, width } = useWidth<HTMLDivElement>();
+  const { element: host, width } = useWidth<HTMLDivElement>();
   const timeline = useMemo(() => timelineOf(steps, arms, domain.toMs), [steps, arms, domain.toMs]);
   const [on, setOn] = useState<Mark | undefined>(undefined);
-  const settling = useId();
-  const brush = useRef<number | undefined>(undefined);
-  const [brushTo, setBrushTo] = useState<number | undefined>(undefined);
-  const geometry = geometryOf(width, arms, domain);
-  const { ms, height } = geometry;
-  const still = useMemo(() => <Still timeline={timeline} arms={arms} geometry={geometry} settling={settling} />,
-    [timeline, arms, width, domain.fromMs, domain.toMs]);
+  const { timesMs, lanes } = useMemo(() => ({ timesMs: steps.map(({ timeMs }) => timeMs), lanes: arms.map((arm) => [...visible(arm)].slice(0, LABEL).join('')) }), [steps, arms]);
+  const paintAll = useMemo(() => (plot: uPlot) => paint(plot, timeline, arms, domain, on), [timeline, arms, domain.fromMs, domain.toMs, on]);
+  const plot = usePlot(host, { timesMs, lanes, domain, paint: paintAll, lines: NO_LINES, scale: 'lanes', format: String, hidden: NONE_HIDDEN }, width, arms.length * LANE + AROUND);
+  const onMouseMove = () => plot.current && setOn(nearestMark(timeline.marks, geometryOf(plot.current, arms, domain), plot.current.cursor.left ?? -1, plot.current.cursor.top ?? -1));
 
-  const placeOf = (event: PointerEvent): [number, number] => {
-    const box = (event.currentTarget as Element).getBoundingClientRect();
-    return [event.clientX - box.left, event.clientY - box.top];
-  };
-  function onPointerMove(event: PointerEvent): void {
-    const [px, py] = placeOf(event);
-    crosshairMs.value = px < LEFT || px > width - RIGHT ? undefined : ms(px);
-    setOn(nearestMark(timeline.marks, geometry, px, py));
-    if (brush.current !== undefined) setBrushTo(px);
-  }
-  function onPointerUp(event: PointerEvent): void {
-    const from = brush.current;
-    const [to] = placeOf(event);
-    brush.current = undefined;
-    setBrushTo(undefined);
-    if (from !== undefined && Math.abs(to - from) > 6) setRange({ fromMs: ms(Math.min(from, to)), toMs: ms(Math.max(from, to)) });
-    else if (on) onOpen(on.step);
-  }
   function onKeyDown(event: KeyboardEvent): void {
     const go = (mark: Mark | undefined) => {
       setOn(mark);
@@ -210,26 +159,10 @@ export function TimelineChart({ steps, arms, domain, onOpen }: TimelineProps) {
     action();
   }
   return (
-    <div ref={element} class="timeline">
-      {width > 0 && (
-        <svg class="picture" width={width} height={height} viewBox={`0 0 ${width} ${height}`} tabindex={0} role="group"
-          aria-label="Switches over time. Arrow keys go from decision to decision, Enter explains one." onPointerMove={onPointerMove}
-          onPointerDown={(event) => { brush.current = placeOf(event)[0]; }} onPointerUp={onPointerUp}
-          onPointerLeave={() => { crosshairMs.value = undefined; brush.current = undefined; setBrushTo(undefined); }} onKeyDown={onKeyDown}
-          onDblClick={() => setRange(undefined)}>
-          <defs>
-            <pattern id={settling} width="6" height="6" patternUnits="userSpaceOnUse" patternTransform="rotate(45)">
-              <rect width="3" height="6" fill="var(--soft)" opacity="0.45" />
-            </pattern>
-          </defs>
-          {still}
-          {on && overlaps(on, domain) && <Marks marks={[on]} arm={on.arm} arms={arms} geometry={geometry} isOn />}
-          {brush.current !== undefined && brushTo !== undefined && (
-            <rect x={Math.min(brush.current, brushTo)} width={Math.abs(brushTo - brush.current)} y={0} height={height - AXIS} fill="var(--accent)" opacity="0.2" />
-          )}
-          <Crosshair geometry={geometry} />
-        </svg>
-      )}
+    <div class="timeline">
+      <div ref={host} class={on ? 'plot mark' : 'plot'} tabIndex={0} role="group" onKeyDown={onKeyDown} onMouseMove={onMouseMove} onClick={() => on && onOpen(on.step)}
+        onMouseLeave={() => { crosshairMs.value = undefined; }}
+        aria-label={`Switches over time, ${counted(timeline.spans.length, 'period', 'periods')}. Arrow keys go from decision to decision, Enter explains one.`} />
       <p class="say" role="status"><bdi>{visible(spoken(on))}</bdi></p>
       <p class="legend soft" aria-hidden="true">▶: the session begins · filled: the active algorithm · hollow: a candidate that was held back · grey: cooldown, when no switch is allowed · hatched: settling, when frames are not evidence</p>
     </div>
