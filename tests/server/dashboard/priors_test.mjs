@@ -52,10 +52,7 @@ const waits = ({ is_quarantined: isWaiting }) => isWaiting === true;
 const sum = (records, field) => records.reduce((total, record) => total + record[field], 0);
 const seen = (records) => Math.max(...records.map((record) => record.unix_last_seen_s));
 
-function localTime(unixS) {
-  const date = new Date(1000 * unixS);
-  return new Date(date.getTime() - 60_000 * date.getTimezoneOffset()).toISOString().slice(0, 19).replace('T', ' ');
-}
+const localTime = (unixS) => new Date(1000 * unixS).toLocaleString('en-GB', { dateStyle: 'medium', timeStyle: 'medium' });
 
 // Imported records are listed at the top, and no prior uses them. Promoting them needs a confirmed preview; cancelling changes nothing.
 async function checkPromote(page, daemon, commands) {

@@ -225,7 +225,7 @@ function options(now: () => Picture, width: number, height: number): uPlot.Optio
   const { scale, bands = [], hidden, lines, lanes } = now();
   const valueAxis = axis(now, false);
   if (scale === 'log') valueAxis.filter = roundOnly;
-  if (lanes) Object.assign(valueAxis, { stroke: () => resolved('var(--text)'), splits: () => lanes.map((_, i) => i + 0.5), values: () => lanes });
+  if (lanes) Object.assign(valueAxis, { gap: 12, stroke: () => resolved('var(--text)'), splits: () => lanes.map((_, i) => i + 0.5), values: () => lanes });
   const isShown = (place: number) => !hidden.has(lines[place]?.arm ?? '');
   return {
     width,
