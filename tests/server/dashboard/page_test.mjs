@@ -97,7 +97,7 @@ async function checkEscape(page, daemon) {
   await why.waitFor();
   await page.keyboard.press('Escape');
   assert.equal(await why.count(), 0, 'after its button');
-  const chart = page.locator('figure[data-chart=timeline] svg.picture');
+  const chart = page.locator('figure[data-chart=timeline] .plot');
   await until('a decision is explained', async () => {
     await chart.focus();
     await page.keyboard.press('Home');

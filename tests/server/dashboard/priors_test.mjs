@@ -52,7 +52,12 @@ const waits = ({ is_quarantined: isWaiting }) => isWaiting === true;
 const sum = (records, field) => records.reduce((total, record) => total + record[field], 0);
 const seen = (records) => Math.max(...records.map((record) => record.unix_last_seen_s));
 
-const localTime = (unixS) => new Date(1000 * unixS).toLocaleString('en-GB', { dateStyle: 'medium', timeStyle: 'medium' });
+// Returns a local time as fields for times have it.
+function fieldTime(unixS) {
+  const date = new Date(1000 * unixS);
+  return new Date(date.getTime() - 60_000 * date.getTimezoneOffset()).toISOString().slice(0, 19);
+}
+const shownTime = (unixS) => new Date(1000 * unixS).toLocaleString('en-GB', { dateStyle: 'medium', timeStyle: 'medium' });
 
 // Imported records are listed at the top, and no prior uses them. Promoting them needs a confirmed preview; cancelling changes nothing.
 async function checkPromote(page, daemon, commands) {
@@ -114,7 +119,7 @@ async function checkTables(page, daemon, commands) {
     for (const row of rows) {
       const own = records.filter((record) => nameOf(record) === row[title]);
       assert.equal(number(row.Windows), sum(own, 'window_count'), row[title]);
-      assert.equal(row['Last seen'], localTime(seen(own)), row[title]);
+      assert.equal(row['Last seen'], shownTime(seen(own)), row[title]);
       assert.equal(row.Machines, 'test', row[title]);
       if (row.Sources) assert.equal(number(row.Sources), new Set(own.map((record) => record.source_id)).size, row[title]);
       else assert.equal(row.Origin, row[title] === IMPORTED ? 'import' : 'session', row[title]);
@@ -250,12 +255,12 @@ async function checkRevokeForm(page, daemon, commands) {
   });
   assert.ok(await revoke.isDisabled());
   const { records } = commands.exported();
-  await field('Began at or after').fill(localTime(seen(records) + 3600).replace(' ', 'T'));
+  await field('Began at or after').fill(fieldTime(seen(records) + 3600));
   await preview();
   await dialog(page).getByText('Nothing would be revoked').waitFor();
   assert.ok(await revoke.isDisabled());
   await field('Began at or after').fill('');
-  await field('Began at or before').fill(localTime(seen(records) + 3600).replace(' ', 'T'));
+  await field('Began at or before').fill(fieldTime(seen(records) + 3600));
   await preview();
   await previewIs(page, commands.ask('revoke', '--project', 'arcade', '--until', String(seen(records) + 3600)));
   assert.ok(await revoke.isEnabled());
