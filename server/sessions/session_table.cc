@@ -1,6 +1,7 @@
 #include "server/sessions/session_table.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -142,6 +143,20 @@ std::vector<SessionView> SessionTable::List(const priors::SceneFilter& filter,
   return sessions;
 }
 
+std::string SessionTable::Visit(
+    const std::string& after, size_t limit,
+    const std::function<void(const GameSession&, SessionState)>& use) const {
+  auto next = entries_.upper_bound(after);
+  for (size_t count = 0; next != entries_.end() && count < limit; ++next, ++count)
+    use(*next->second.session, StateOf(next->second));
+  return next == entries_.end() ? std::string() : std::prev(next)->first;
+}
+
+SessionState SessionTable::StateOf(const Entry& entry) {
+  if (entry.session->ended()) return SessionState::kEnding;
+  return entry.link != nullptr ? SessionState::kConnected : SessionState::kLost;
+}
+
 SessionView SessionTable::ViewOf(const Entry& entry) const {
   const GameSession& session = *entry.session;
   const decision::DecisionSession& decisions = session.decisions();
@@ -149,9 +164,7 @@ SessionView SessionTable::ViewOf(const Entry& entry) const {
   view.id = session.identity().id;
   view.scene = session.identity().scene;
   view.client = entry.client;
-  view.state = session.ended()         ? SessionState::kEnding
-               : entry.link != nullptr ? SessionState::kConnected
-                                       : SessionState::kLost;
+  view.state = StateOf(entry);
   view.active_arm = session.identity().arms[decisions.active_arm()];
   view.initial_arm = session.identity().arms[decisions.initial_arm()];
   view.mode = decisions.mode();

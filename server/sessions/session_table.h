@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -112,6 +113,10 @@ class SessionTable {
   // Returns up to `limit` matching sessions with ids above `after`, ordered by id.
   std::vector<SessionView> List(const priors::SceneFilter& filter, const std::string& after,
                                 size_t limit) const;
+  // Calls `use` with up to `limit` sessions with ids above `after`, ordered by id. Returns the id
+  // of the last one; empty if there are no further sessions. `use` must not change the table.
+  std::string Visit(const std::string& after, size_t limit,
+                    const std::function<void(const GameSession&, SessionState)>& use) const;
   // Ends the session's stream, and also the session unless its client may return. REQUIRES: it is
   // in memory.
   void Kick(GameSession& session, bool may_return);
@@ -155,6 +160,7 @@ class SessionTable {
 
   // Removes the session from the connected ones, if it is there.
   void Disconnect(const GameSession& session);
+  static SessionState StateOf(const Entry& entry);
   SessionView ViewOf(const Entry& entry) const;
   int64_t UnixMsOf(int64_t time_ns) const;
   // Returns the session of the scene that has been connected the longest; null if there is none.
