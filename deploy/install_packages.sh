@@ -14,7 +14,7 @@ packages=(
   build-essential cmake ninja-build ccache pkg-config git ca-certificates
   libgrpc++-dev libssl-dev protobuf-compiler-grpc protobuf-compiler libprotobuf-dev libabsl-dev
   libhwy-dev libeigen3-dev libsqlite3-dev libcli11-dev libtomlplusplus-dev libspdlog-dev nlohmann-json3-dev libprotozero-dev
-  libboost-dev libsystemd-dev libpq-dev prometheus-cpp-dev zlib1g-dev
+  libboost-dev libcurl4-openssl-dev libsystemd-dev libpq-dev prometheus-cpp-dev zlib1g-dev
 )
 tools=(c++ cmake ninja git protoc grpc_cpp_plugin npm)
 # A Node.js that was not installed from a package works too.

@@ -2,7 +2,8 @@
 """Fails if an #include violates the direction of dependencies.
 
     include, text, math <- broad_phase <- scene <- adaptive <- decider <- telemetry <- c_api, cli      adaptive <- bullet, ode, box2d
-    decider <- server/sessions <- server/storage, events <- rpc, web <- server/host <- daemon <- main      storage <- auth, history <- rpc, daemon
+    decider <- server/sessions <- server/storage, events, alerts <- rpc; events <- web; rpc, web <- server/host <- daemon <- main
+    storage <- auth, history <- rpc, daemon
     proto <- telemetry, cli, server/rpc, server/web      telemetry/tls <- rpc, web      net, auth <- rpc, web <- daemon
 
 `a <- b`: b may include a. engine_client never includes server; headers of tests/laboratory may be included only from that
@@ -57,15 +58,18 @@ ALLOWED = {
     "server/tls": {"engine_client/telemetry/tls"},
     "server/auth": {"server/storage"},
     "server/events": DECIDER | {"server/sessions"},
+    "server/alerts": DECIDER | {"server/sessions"},
     "server/net": set(),
     "server/web": {"engine_client/telemetry/tls", "server/auth", "server/dashboard", "server/events", "server/net", "server/sessions", "server/tls", "proto"},
     "server/history": {"server/sessions", "server/storage", "proto"},
     "server/rpc": DECIDER | {
-        "server/auth", "server/events", "server/history", "server/net", "server/sessions", "server/tls", "engine_client/telemetry/conversion", "engine_client/telemetry/tls",
+        "server/alerts", "server/auth", "server/events", "server/history", "server/net", "server/sessions", "server/tls", "engine_client/telemetry/conversion",
+        "engine_client/telemetry/tls",
         "proto"},
-    "server/host": {"server/sessions", "server/rpc", "server/storage", "server/web", "proto"},
+    "server/host": {"engine_client/decider/policy", "server/alerts", "server/sessions", "server/rpc", "server/storage", "server/web", "proto"},
     "server": DECIDER | {
-        "server/auth", "server/events", "server/history", "server/host", "server/sessions", "server/storage", "engine_client/telemetry/tls", "server/tls", "server/rpc",
+        "server/alerts", "server/auth", "server/events", "server/history", "server/host", "server/sessions", "server/storage", "engine_client/telemetry/tls",
+        "server/tls", "server/rpc",
         "server/web", "server/dashboard", "proto"},
 }
 
@@ -122,7 +126,8 @@ ROOM_ORDER = {
 # Only these folders may use headers of one operating system, gRPC or protobuf.
 PLATFORM_FOLDERS = {
     "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/telemetry/conversion", "engine_client/telemetry/tls", "engine_client/cli", "server",
-    "server/auth", "server/events", "server/history", "server/host", "server/net", "server/sessions", "server/storage", "server/tls", "server/rpc", "server/web"}
+    "server/alerts", "server/auth", "server/events", "server/history", "server/host", "server/net", "server/sessions", "server/storage", "server/tls",
+    "server/rpc", "server/web"}
 # These files ask the system for names of threads, cores, processor and memory. If a system does not provide them, they do nothing.
 PLATFORM_FILES = {
     "engine_client/broad_phase/host/" + name
@@ -133,7 +138,7 @@ PLATFORM_HEADER = re.compile(
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
 
 # These platform folders must not include gRPC and protobuf.
-WITHOUT_RPC = {"server/events", "server/sessions", "server/storage"}
+WITHOUT_RPC = {"server/alerts", "server/events", "server/sessions", "server/storage"}
 RPC_LIBRARY = re.compile(r"^(grpc|google/protobuf)")
 
 # These folders may use only the standard library and Eigen.

@@ -69,6 +69,7 @@ class SweepstakeConan(ConanFile):
         if self.options.get_safe("daemon"):
             self.requires("boost/[>=1.81 <2]")
             self.requires("cli11/[>=2.3 <3]")
+            self.requires("libcurl/[>=7.85 <9]")
             self.requires("libpq/[>=15 <18]")
             self.requires("libsystemd/[>=252]")
             self.requires("prometheus-cpp/[>=1.0 <2]")
@@ -142,5 +143,5 @@ class SweepstakeConan(ConanFile):
             "eigen::eigen", "nlohmann_json::nlohmann_json", "protozero::protozero"]
         if self.options.get_safe("daemon"):
             self.cpp_info.components["programs"].requires = [
-                "boost::headers", "cli11::cli11", "libpq::pq", "libsystemd::libsystemd", "prometheus-cpp::prometheus-cpp", "spdlog::spdlog",
+                "boost::headers", "cli11::cli11", "libcurl::libcurl", "libpq::pq", "libsystemd::libsystemd", "prometheus-cpp::prometheus-cpp", "spdlog::spdlog",
                 "sqlite3::sqlite3", "tomlplusplus::tomlplusplus"]

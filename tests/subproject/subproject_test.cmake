@@ -69,7 +69,7 @@ foreach(unwanted "-Werror" "ccache" "_test\\.cc" "server/(daemon|rpc|storage|web
   endif()
 endforeach()
 # The daemon's libraries must not be searched for.
-file(STRINGS ${game_highway}/CMakeCache.txt asked REGEX "^(SQLite3|CLI11|spdlog|tomlplusplus|Boost|prometheus-cpp|libsystemd)_")
+file(STRINGS ${game_highway}/CMakeCache.txt asked REGEX "^(SQLite3|CLI11|spdlog|tomlplusplus|Boost|CURL|prometheus-cpp|libsystemd)_")
 if(asked)
   message(FATAL_ERROR "As a folder of another project, Sweepstake searches for libraries that only the daemon needs: ${asked}")
 endif()
