@@ -30,6 +30,8 @@ OTHERS = {
     "ArmPosterior.is_outdated": "the dashboard marks old versions",
     "PriorRecord.is_imported": "the dashboard distinguishes imports from sessions",
     "PriorRecord.weight": "the dashboard shows the weight of a source",
+    "SilenceAlertRequest.": "the dashboard silences alerts",
+    "UnsilenceAlertRequest.": "the dashboard ends silences",
     "AuditRow.": READ_BY_NAME,
     "AuditSetup.": READ_BY_NAME,
     "AuditRegimeSpan.": READ_BY_NAME,

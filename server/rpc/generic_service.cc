@@ -5,6 +5,7 @@
 #include "server/rpc/services/one_request_call.h"
 #include "server/rpc/services/refused_call.h"
 #include "server/rpc/services/watch_call.h"
+#include "sweepstake/v1/alerts.grpc.pb.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/history.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
@@ -39,6 +40,9 @@ using Audit = v1::AuditService::WithGenericMethod_ListAuditSegments<
     v1::AuditService::WithGenericMethod_ListDecisions<
         v1::AuditService::WithGenericMethod_ExportDecisions<v1::AuditService::Service>>>;
 using HistoryReads = v1::HistoryService::WithGenericMethod_GetHistory<v1::HistoryService::Service>;
+using Alerts = v1::AlertsService::WithGenericMethod_ListAlerts<
+    v1::AlertsService::WithGenericMethod_SilenceAlert<
+        v1::AlertsService::WithGenericMethod_UnsilenceAlert<v1::AlertsService::Service>>>;
 using Priors = v1::PriorsService::WithGenericMethod_ExportPriors<
     v1::PriorsService::WithGenericMethod_ImportPriors<
         v1::PriorsService::WithGenericMethod_RevokePriors<
@@ -60,6 +64,7 @@ void GenericService::Register(grpc::ServerBuilder& builder) {
   builder.RegisterService(&Named<Telemetry>());
   builder.RegisterService(&Named<Posteriors>());
   builder.RegisterService(&Named<Sessions>());
+  builder.RegisterService(&Named<Alerts>());
   builder.RegisterService(&Named<Audit>());
   builder.RegisterService(&Named<HistoryReads>());
   builder.RegisterService(&Named<Priors>());

@@ -72,11 +72,12 @@ RpcServer::RpcServer(RpcOptions options, sessions::LoopClock& clock, priors::Asy
       events_(store, loop_, sessions_, encoder_),
       sessions_({options_, loop_, store, counters_, events_}),
       recorder_(loop_, sessions_, RecorderOutputs()),
-      context_{options_,  loop_,   store,   counters_, events_,
-               sessions_, stalls_, access_, log,       admin_},
+      context_{options_, loop_,   store, counters_, events_, sessions_,
+               stalls_,  access_, log,   admin_,    alerts_},
       stalls_(loop_, options_.watcher_patience_ns),
       generic_(context_),
       admin_(options_, loop_, store, counters_),
+      alerts_(options_.alerts, loop_, sessions_),
       loop_(clock, options_.on_timer) {}
 
 RpcOptions RpcServer::WithRecorder(RpcOptions options) {
@@ -128,6 +129,11 @@ absl::Status RpcServer::Listen(const std::string& address) {
   port_ = listener_->port();
   last_beat_ns_ = loop_.clock().NowNs();
   loop_.Post([this] { WatchStore(); });
+  loop_.Post([this] {
+    if (const absl::Status restored = alerts_.Start(); !restored.ok())
+      context_.log.error("the silences of alerts cannot be read, and there are none now: {}",
+                         std::string(restored.message()));
+  });
   return absl::OkStatus();
 }
 
@@ -176,6 +182,7 @@ void RpcServer::Adjust(const RpcOptions& options) {
   options_.max_transfers_per_token = options.max_transfers_per_token;
   options_.resume_window_ns = options.resume_window_ns;
   options_.max_watchers = options.max_watchers;
+  options_.alerts.max_metric_scenes = options.alerts.max_metric_scenes;
 }
 
 bool RpcServer::responsive() const {
@@ -280,6 +287,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
   generic_.health().ShutDown();
   RunOnLoop([this] {
     draining_ = true;
+    alerts_.Stop();
     generic_.telemetry().Drain();
     events_.Drain();
     sessions_.RetryCommits();

@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "absl/status/statusor.h"
+#include "server/alerts/alert_monitor.h"
 #include "server/events/event_bus.h"
 #include "server/history/history_recorder.h"
 #include "server/rpc/common/access_control.h"
@@ -56,6 +57,8 @@ class RpcServer {
   void RecordAction(std::string who, std::string action) {
     admin_.Record(std::move(who), std::move(action));
   }
+  // Returns the figures for metrics. Any thread may call it.
+  std::shared_ptr<const alerts::AlertFigures> alert_figures() const { return alerts_.figures(); }
   // Begins a call for an HTTP request (BeginHttpCall). Once Drain has begun, calls are UNAVAILABLE.
   bool CallOverHttp(ServedCall call, const std::optional<std::string>& token);
   // Identifies the caller of an HTTP request by its token, whatever the role of the token. Any
@@ -122,6 +125,7 @@ class RpcServer {
   StallSweep stalls_;
   GenericService generic_;
   sessions::AdminLog admin_;
+  alerts::AlertMonitor alerts_;
   std::atomic<int64_t> last_beat_ns_{0};  // when the loop last ran WatchStore
   bool serving_ = true;                   // the reported health; used on the loop
   bool draining_ = false;                 // used on the loop

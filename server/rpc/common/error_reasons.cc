@@ -34,12 +34,14 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_TOO_MANY_MESSAGES:
     case v1::ERROR_REASON_TOO_MANY_READS:
     case v1::ERROR_REASON_TOO_MANY_HELLOS:
+    case v1::ERROR_REASON_TOO_MANY_SILENCES:
       return absl::StatusCode::kResourceExhausted;
     case v1::ERROR_REASON_TOKEN_MISSING:
     case v1::ERROR_REASON_TOKEN_REFUSED:
       return absl::StatusCode::kUnauthenticated;
     case v1::ERROR_REASON_NOT_ALLOWED:
       return absl::StatusCode::kPermissionDenied;
+    case v1::ERROR_REASON_UNKNOWN_ALERT:
     case v1::ERROR_REASON_UNKNOWN_SCENE:
       return absl::StatusCode::kNotFound;
     default:

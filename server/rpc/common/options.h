@@ -13,6 +13,7 @@
 #include "engine_client/decider/client_reports.h"
 #include "engine_client/telemetry/conversion/audit_conversion.h"
 #include "engine_client/telemetry/tls/tls_files.h"
+#include "server/alerts/alert_options.h"
 #include "server/auth/principal.h"
 #include "server/sessions/common/options.h"
 #include "server/sessions/prior_store.h"
@@ -87,6 +88,8 @@ struct RpcOptions : sessions::HostedSessionOptions {
   // - at the end of RpcServer::Drain.
   // If it is empty, nothing is called.
   std::function<void(std::vector<priors::SourceUpdate>)> keep_waiting = {};
+
+  alerts::AlertOptions alerts = {};
 
   // The largest time scale that a Hello may request, 1 to kMaxTimeScale; a larger one is
   // INVALID_ARGUMENT. A session with time scale n decides, commits and learns n times as often.

@@ -272,6 +272,30 @@ void ToProto(const sessions::SessionView& session, v1::SessionInfo& message) {
   message.set_shows_boxes(session.shows_boxes);
 }
 
+void ToProto(const alerts::Alert& alert, v1::Alert& message) {
+  const alerts::Finding& finding = alert.finding;
+  message.set_id(alert.id);
+  message.set_rule(std::string(alerts::NameOf(alert.key.rule)));
+  message.set_severity(static_cast<v1::AlertSeverity>(finding.severity));
+  const priors::SceneKey& scene = alert.key.scene;
+  if (!scene.project.empty()) {
+    message.set_project(scene.project);
+    message.set_scene(scene.scene);
+    message.set_machine_class(scene.machine_class);
+    message.set_reward_version(scene.reward_version);
+  }
+  message.set_text(finding.text);
+  message.set_session_count(finding.session_count);
+  for (const std::string& id : finding.session_ids) message.add_session_ids(id);
+  message.set_unix_since_ms(alert.unix_since_ms);
+  if (finding.loss_us) message.set_loss_us(*finding.loss_us);
+  if (!alert.silence) return;
+  v1::AlertSilence& silence = *message.mutable_silence();
+  silence.set_unix_until_ms(alert.silence->unix_until_ms);
+  silence.set_comment(alert.silence->comment);
+  silence.set_silenced_by(alert.silence->silenced_by);
+}
+
 void ToProto(const events::EventStamp& stamp, v1::EventStamp& message) {
   message.set_boot(stamp.boot);
   message.set_sequence(stamp.sequence);

@@ -14,12 +14,14 @@
 #include "engine_client/decider/session/decision_observer.h"
 #include "engine_client/decider/types.h"
 #include "engine_client/telemetry/conversion/proto_conversion.h"
+#include "server/alerts/alert.h"
 #include "server/events/event.h"
 #include "server/rpc/common/options.h"
 #include "server/sessions/client_messages.h"
 #include "server/sessions/prior_store.h"
 #include "server/sessions/session_observer.h"
 #include "server/sessions/session_table.h"
+#include "sweepstake/v1/alerts.pb.h"
 #include "sweepstake/v1/audit.pb.h"
 #include "sweepstake/v1/events.pb.h"
 #include "sweepstake/v1/posteriors.pb.h"
@@ -55,6 +57,7 @@ void ToProto(const sessions::SessionDecision& event, v1::DecisionEvent& message)
 void ToProto(const sessions::GameSession& session, const sessions::SessionRequest& hello,
              const RpcOptions& options, v1::Welcome& message);
 void ToProto(const sessions::SessionView& session, v1::SessionInfo& message);
+void ToProto(const alerts::Alert& alert, v1::Alert& message);
 void ToProto(const events::EventStamp& stamp, v1::EventStamp& message);
 // The caller sets builds. The intervals take 0.1 ms for each posterior.
 void ToProto(const decision::SceneComparison& scene, bool with_intervals,

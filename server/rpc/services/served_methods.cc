@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "server/rpc/services/alerts_service.h"
 #include "server/rpc/services/audit_service.h"
 #include "server/rpc/services/history_service.h"
 #include "server/rpc/services/page_stream.h"
@@ -88,6 +89,10 @@ const auto& AllMethods() {
       Unary<v1::KickSessionRequest, v1::KickSessionResponse>(RpcOf("SessionsService/KickSession")),
       Unary<v1::OrderSessionRequest, v1::OrderSessionResponse>(
           RpcOf("SessionsService/OrderSession")),
+      Unary<v1::ListAlertsRequest, v1::ListAlertsResponse>(RpcOf("AlertsService/ListAlerts")),
+      Unary<v1::SilenceAlertRequest, v1::SilenceAlertResponse>(RpcOf("AlertsService/SilenceAlert")),
+      Unary<v1::UnsilenceAlertRequest, v1::UnsilenceAlertResponse>(
+          RpcOf("AlertsService/UnsilenceAlert")),
       Unary<v1::RevokePriorsRequest, v1::RevokePriorsResponse>(RpcOf("PriorsService/RevokePriors")),
       Unary<v1::PromotePriorsRequest, v1::PromotePriorsResponse>(
           RpcOf("PriorsService/PromotePriors")),

@@ -1,6 +1,7 @@
 // The objects that the services share. The server owns them and outlives every service and stream.
 #pragma once
 
+#include "server/alerts/alert_monitor.h"
 #include "server/events/event_bus.h"
 #include "server/rpc/common/access_control.h"
 #include "server/sessions/admin_log.h"
@@ -25,6 +26,7 @@ struct ServiceContext {
   AccessControl& access;
   spdlog::logger& log;
   sessions::AdminLog& admin;
+  alerts::AlertMonitor& alerts;  // used on the loop only
 };
 
 }  // namespace sweepstake::rpc

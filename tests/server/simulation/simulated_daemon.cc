@@ -19,8 +19,9 @@ SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
       events_(store_, loop_, sessions_, watcher),
       sessions_({options_, loop_, store_, counters_, events_}),
       admin_(options_, loop_, store_, counters_),
-      context_{options_,  loop_,   store_,  counters_, events_,
-               sessions_, stalls_, access_, log_,      admin_},
+      alerts_(options_.alerts, loop_, sessions_),
+      context_{options_, loop_,   store_, counters_, events_, sessions_,
+               stalls_,  access_, log_,   admin_,    alerts_},
       stalls_(loop_, options_.watcher_patience_ns) {
   EachSecond();
 }

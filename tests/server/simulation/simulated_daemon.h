@@ -66,6 +66,7 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   events::EventBus events_;
   sessions::SessionTable sessions_;
   sessions::AdminLog admin_;
+  alerts::AlertMonitor alerts_;
   rpc::ServiceContext context_;  // also refers to members below
   rpc::StallSweep stalls_;
   rpc::TelemetryStreams streams_;

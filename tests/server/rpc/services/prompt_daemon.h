@@ -82,8 +82,9 @@ struct PromptDaemon {
   StallSweep stalls{loop, options.watcher_patience_ns};
   AccessControl access{options, clock, log};
   sessions::AdminLog admin{options, loop, store, counters};
-  ServiceContext context{options,  loop,   store,  counters, events,
-                         sessions, stalls, access, log,      admin};
+  alerts::AlertMonitor alerts{options.alerts, loop, sessions};
+  ServiceContext context{options, loop,   store, counters, events, sessions,
+                         stalls,  access, log,   admin,    alerts};
   TelemetryStreams streams;
 };
 
