@@ -42,6 +42,7 @@ struct Config {
   size_t backup_count = 3;               // automatic backups that are kept; 0 makes none
   uint32_t backup_hours = 24;            // time between two backups
   history::HistoryLimits history;        // limits of history.db
+  std::string webhook;                   // URL that receives alerts as JSON; empty: none
   rpc::RpcOptions rpc;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <type_traits>
 #include <utility>
 
@@ -67,6 +68,16 @@ CLI::Validator BasePath() {
         return "";
       },
       ""};
+}
+
+CLI::Validator HttpUrl() {
+  return {[](const std::string& text) -> std::string {
+            static const std::regex shape("https?://[^\\s/?#]+([/?][^\\s#]*)?");
+            return text.empty() || std::regex_match(text, shape)
+                       ? ""
+                       : "expected a URL such as https://example.org/alerts";
+          },
+          ""};
 }
 
 // Adds settings of each type. The fields must outlive the application.
@@ -207,6 +218,13 @@ void AddLive(Table& table, Config& config) {
   table.Whole("backup_count", config.backup_count, 0, 1'000,
               "number of backups that are kept next to priors.db; 0: no backups");
   table.Whole("backup_hours", config.backup_hours, 1, 8'760, "hours between two backups");
+  table
+      .Text("webhook", config.webhook,
+            "http or https URL that receives a JSON message when alerts begin or end; empty: none")
+      ->check(HttpUrl());
+  table.Whole("metrics_scenes", rpc.alerts.max_metric_scenes, 0, 1'000,
+              "maximum number of scenes with series of their own in /metrics, those with the most "
+              "sessions; 0: none");
   table.Whole("audit_mb", config.audit.bytes, 0, 1 << 20,
               "size of the audit log in MiB; older rows are deleted first; 0 keeps only the rows "
               "of administrators",

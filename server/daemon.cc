@@ -100,7 +100,19 @@ Daemon::Daemon(const Config& config, storage::DataDirectory directory)
       directory_(std::move(directory)),
       metrics_(SWEEPSTAKE_VERSION),
       database_bytes_(config.database_bytes),
-      audit_limits_(config.audit) {}
+      audit_limits_(config.audit),
+      webhook_({.user_agent = "sweepstaked/" SWEEPSTAKE_VERSION,
+                .on_problem =
+                    [this](const std::string& problem) {
+                      log_->error(
+                          "an alert could not be sent to the webhook: {}; the daemon tries again "
+                          "(at most one line per minute)",
+                          problem);
+                    }},
+               webhook_clock_),
+      page_url_(PageUrl(config)) {
+  webhook_.SetUrl(config.webhook);
+}
 
 absl::Status Daemon::Open(sessions::LoopClock& clock) {
   if (directory_.open_to_others()) {
@@ -163,6 +175,7 @@ absl::Status Daemon::Open(sessions::LoopClock& clock) {
   options.daemon_version = SWEEPSTAKE_VERSION;
   options.shares_store = shared_;
   if (shared_) options.keep_waiting = [this](auto updates) { KeepWaiting(std::move(updates)); };
+  options.alerts = AlertOptionsOf();
   options.on_timer = [this](auto lateness) { metrics_.OnTimer(lateness); };
   auto server = rpc::RpcServer::Start(config_.listen, std::move(options), clock, *store_, *log_);
   if (!server.ok()) return server.status();
@@ -406,6 +419,7 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
   LimitStore(*config);
   history_->Limit(config->history);
   rpc_->Adjust(RpcOptionsOf(*config));
+  webhook_.SetUrl(config->webhook);
   if (config->backup_count != in_force_.backup_count ||
       config->backup_hours != in_force_.backup_hours) {
     backups_.reset();

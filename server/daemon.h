@@ -13,6 +13,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "server/alerts/webhook.h"
 #include "server/auth/token_registry.h"
 #include "server/config.h"
 #include "server/history/history.h"
@@ -83,6 +84,11 @@ class Daemon {
   absl::Status OpenOutbox(priors::PriorStore& store);
   // Writes updates to the outbox that the store cannot commit now.
   void KeepWaiting(std::vector<priors::SourceUpdate> updates);
+  // Connects the alerts to the checks, the webhook and the file of silences.
+  alerts::AlertOptions AlertOptionsOf();
+  std::vector<alerts::CheckResult> Checks() const;
+  void Announce(const alerts::AlertChanges& changes);
+  void SaveSilences(std::string text);
   absl::Status OpenTokens();
   // Runs on the token registry's thread.
   void ReportToken(const std::string& change);
@@ -125,6 +131,9 @@ class Daemon {
   std::unique_ptr<storage::AutomaticBackups> backups_;
   std::unique_ptr<history::History> history_;
   std::unique_ptr<tls::FilesWatch> tls_watch_;  // null without TLS
+  sessions::SteadyLoopClock webhook_clock_;
+  alerts::Webhook webhook_;
+  std::string page_url_;  // URL of the dashboard in messages of the webhook; empty: not known
   std::unique_ptr<rpc::RpcServer> rpc_;
   rpc::RpcServer* serving_ = nullptr;  // guarded by mutex_; rpc_ while it runs, else null
   std::atomic<bool> draining_ = false;

@@ -17,21 +17,16 @@ namespace {
 
 using ResumeKey = std::array<char, 32>;
 
-// Fills a private file with random bytes.
-absl::Status WriteRandomKey(const fs::path& path) {
-  if (absl::Status status = storage::CreatePrivateFile(path); !status.ok()) return status;
-  ResumeKey key;
-  if (getentropy(key.data(), key.size()) == 0 &&
-      std::ofstream(path, std::ios::binary).write(key.data(), key.size()).flush())
-    return absl::OkStatus();
+absl::Status Failed(const fs::path& path) {
   return absl::UnavailableError(
       absl::StrCat(path.string(), ": ", std::generic_category().message(errno)));
 }
 
 absl::Status MakeResumeKey(const fs::path& path) {
-  const fs::path unfinished = path.string() + ".new";
-  absl::Status status = WriteRandomKey(unfinished);
-  if (status.ok()) status = storage::PublishFile(unfinished, path);
+  ResumeKey key;
+  const absl::Status status = getentropy(key.data(), key.size()) == 0
+                                  ? ReplaceText(path, std::string(key.data(), key.size()))
+                                  : Failed(path);
   if (status.ok()) return status;
   return absl::UnavailableError(
       absl::StrCat("cannot create ", status.message(), "; make the data directory writable"));
@@ -44,11 +39,23 @@ absl::StatusOr<std::string> ReadResumeKey(const fs::path& path) {
   if (!fs::exists(path, unknown)) {
     if (absl::Status status = MakeResumeKey(path); !status.ok()) return status;
   }
-  std::ifstream file(path, std::ios::binary);
-  std::string key(std::istreambuf_iterator<char>(file), {});
+  std::string key = ReadText(path);
   if (key.size() == std::tuple_size_v<ResumeKey>) return key;
   return absl::DataLossError(absl::StrCat(
       path.string(), " cannot be read or is damaged; if you remove it, games start new sessions"));
+}
+
+std::string ReadText(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+absl::Status ReplaceText(const fs::path& path, const std::string& text) {
+  const fs::path unfinished = path.string() + ".new";
+  if (absl::Status status = storage::CreatePrivateFile(unfinished); !status.ok()) return status;
+  std::ofstream file(unfinished, std::ios::binary);
+  file.write(text.data(), static_cast<std::streamsize>(text.size())).flush();
+  return file ? storage::PublishFile(unfinished, path) : Failed(unfinished);
 }
 
 absl::Status PortFile::Remove() const {

@@ -1,5 +1,5 @@
-// The small files of a daemon: the secret key that signs the resume tokens of its sessions, and the
-// file with its ports. Not thread-safe.
+// The small files of a daemon: the secret key that signs the resume tokens of its sessions, the
+// silences of alerts, and the file with its ports. Not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -15,6 +15,12 @@ namespace sweepstake::server {
 // Returns the secret key that signs resume tokens. Creates the file with a random key if it is
 // missing. Errors: UNAVAILABLE (cannot be created), DATA_LOSS (cannot be read, or is damaged).
 absl::StatusOr<std::string> ReadResumeKey(const std::filesystem::path& path);
+
+// Returns the text of a small file; empty if the file is missing or cannot be read.
+std::string ReadText(const std::filesystem::path& path);
+// Replaces a private file by one with this text. After a power failure the file has the old or the
+// new text. Error: UNAVAILABLE.
+absl::Status ReplaceText(const std::filesystem::path& path, const std::string& text);
 
 // The file of Config::port_file. If its path is empty, Remove and Write do nothing. Errors:
 // UNAVAILABLE.

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "engine_client/decider/policy/diagnosis.h"
 #include "server/daemon.h"
@@ -32,6 +33,21 @@ bool TlsKeepsOut(const tls::Files& files) {
 }
 
 }  // namespace
+
+std::string PageUrl(const Config& config) {
+  if (config.http.empty()) return {};
+  const bool is_open = !tls::IsLoopback(config.http);
+  const bool is_own_tls = is_open && !HttpTls(config).cert.empty();
+  const std::string port = config.http.substr(config.http.rfind(':'));
+  const absl::string_view named =
+      absl::StripAsciiWhitespace(config.http_hosts.substr(0, config.http_hosts.find(',')));
+  if (!named.empty())
+    return absl::StrCat("https://", named, is_own_tls ? port : "", config.http_base);
+  const std::string host = config.http.substr(0, config.http.rfind(':'));
+  const bool is_any = host.empty() || host == "0.0.0.0" || host == "[::]";
+  if (is_any || port == ":0") return {};
+  return absl::StrCat(is_own_tls ? "https://" : "http://", config.http, config.http_base);
+}
 
 web::ApiOptions ApiOf(rpc::RpcServer& rpc) {
   web::ApiOptions options;
@@ -88,7 +104,8 @@ web::PageTable Daemon::HttpPages() {
                                              {.healthy = store_->healthy(),
                                               .queued_commit_count = store_->queued_count(),
                                               .queued_read_count = store_->queued_read_count(),
-                                              .database = directory_.database()}));
+                                              .database = directory_.database()},
+                                             *rpc_->alert_figures(), webhook_.counters()));
   };
   return pages;
 }

@@ -17,6 +17,11 @@ namespace sweepstake::server {
 // REQUIRES: the configuration is valid.
 web::ApiOptions ApiOf(rpc::RpcServer& rpc);
 
+// Returns the URL under which people reach the dashboard, without a trailing slash; empty if the
+// configuration does not contain it. The first name of http_hosts is that of a proxy with HTTPS
+// unless the daemon's own listener is open to other machines.
+std::string PageUrl(const Config& config);
+
 // Returns a handler for the dashboard, the API and the pages. `hosts` are the accepted host names,
 // as in Site::Options.
 web::MakeHandler MakeSite(web::ApiOptions api, std::set<std::string, std::less<>> hosts,

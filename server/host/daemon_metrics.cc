@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "server/host/scene_metrics.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "server/web/metrics_page.h"
@@ -154,6 +155,20 @@ std::vector<prometheus::MetricFamily> FamiliesOf(const web::EventCounters& event
                     static_cast<double>(events.skip_count))};
 }
 
+std::vector<prometheus::MetricFamily> FamiliesOf(const alerts::WebhookCounters& webhook) {
+  return {CounterOf("sweepstake_webhook_messages_total",
+                    "Messages about alerts that the webhook's receiver has accepted.",
+                    static_cast<double>(webhook.delivered_count)),
+          CounterOf("sweepstake_webhook_failed_attempts_total",
+                    "Attempts to send a message to the webhook that failed.",
+                    static_cast<double>(webhook.failed_count)),
+          CounterOf("sweepstake_webhook_dropped_messages_total",
+                    "Messages that were not sent: too many waited, or all attempts failed.",
+                    static_cast<double>(webhook.dropped_count)),
+          GaugeOf("sweepstake_webhook_queued_messages", "Messages that wait to be sent.",
+                  static_cast<double>(webhook.queued_count))};
+}
+
 // Returns 0 if the file does not exist: a store that was closed in order has no write-ahead log.
 double FileBytes(const std::filesystem::path& path) {
   std::error_code missing;
@@ -290,9 +305,9 @@ void DaemonMetrics::SetTls(bool valid, int64_t expires_unix_s) {
       .Set(static_cast<double>(expires_unix_s));
 }
 
-std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(const rpc::Counters& counters,
-                                                             const web::EventCounters& events,
-                                                             const StoreState& store) const {
+std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(
+    const rpc::Counters& counters, const web::EventCounters& events, const StoreState& store,
+    const alerts::AlertFigures& alerts, const alerts::WebhookCounters& webhook) const {
   std::vector<prometheus::MetricFamily> families = registry_.Collect();
   for (const auto& [value, name, help] : kGauges)
     families.push_back(GaugeOf(name, help, static_cast<double>(counters.*value)));
@@ -306,6 +321,8 @@ std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(const rpc::Counters
                                   counters.rejected_shadow_counts));
   families.push_back(ErrorsOf(counters));
   for (auto& family : FamiliesOf(events)) families.push_back(std::move(family));
+  for (auto& family : AlertFamilies(alerts)) families.push_back(std::move(family));
+  for (auto& family : FamiliesOf(webhook)) families.push_back(std::move(family));
   families.push_back(GaugeOf("sweepstake_store_healthy",
                              "1 while the store can write and read; 0 after a failed commit, while "
                              "its file is missing, or while a read does not end.",

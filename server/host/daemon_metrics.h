@@ -1,5 +1,5 @@
 // The metrics of the daemon for Prometheus. Names and units follow its conventions. No label
-// contains a scene or a client, so that the number of series is bounded.
+// contains a client, and a setting bounds the number of scenes in labels (scene_metrics.h).
 #pragma once
 
 #include <prometheus/counter.h>
@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "server/alerts/alert_monitor.h"
+#include "server/alerts/webhook.h"
 #include "server/rpc/common/options.h"
 #include "server/web/api/topic.h"
 
@@ -54,7 +56,9 @@ class DaemonMetrics {
   // Returns everything that /metrics shows.
   std::vector<prometheus::MetricFamily> Collect(const rpc::Counters& counters,
                                                 const web::EventCounters& events,
-                                                const StoreState& store) const;
+                                                const StoreState& store,
+                                                const alerts::AlertFigures& alerts,
+                                                const alerts::WebhookCounters& webhook) const;
 
  private:
   static void Observe(prometheus::Histogram& histogram, std::chrono::nanoseconds duration) {

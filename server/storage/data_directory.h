@@ -18,6 +18,7 @@ class DataDirectory {
   static constexpr const char* kResumeKeyName = "resume-key";
   static constexpr const char* kOutboxName = "outbox.db";
   static constexpr const char* kHistoryName = "history.db";
+  static constexpr const char* kSilencesName = "silences.json";
 
   // Creates the directory if it is missing, but not its parents. A new directory is accessible to
   // its owner only. An existing directory keeps its permissions, but other users lose access to its
@@ -33,6 +34,7 @@ class DataDirectory {
   std::filesystem::path resume_key() const { return path_ / kResumeKeyName; }
   std::filesystem::path outbox() const { return path_ / kOutboxName; }
   std::filesystem::path history() const { return path_ / kHistoryName; }
+  std::filesystem::path silences() const { return path_ / kSilencesName; }
   std::filesystem::path tokens() const { return path_ / kTokensName; }
 
  private:

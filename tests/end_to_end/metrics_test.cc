@@ -163,15 +163,21 @@ TEST(MetricsTest, PromtoolHasNoComplaintAboutAnyMetric) {
   const TestAuthority authority(folder.path() / "ca.pem");
   const CertificateFiles server{folder.path() / "server.pem", folder.path() / "server-key.pem"};
   authority.Issue("IP:127.0.0.1", server);
-  const DaemonProcess daemon =
-      StartWithHttp(data, {"--tls-cert", server.cert, "--tls-key", server.key});
+  const DaemonProcess daemon = StartWithHttp(
+      data, {"--tls-cert", server.cert, "--tls-key", server.key, "--metrics-scenes", "10"});
   SessionOptions options = FastOptions();
   options.tls.emplace().ca_file = authority.cert();
   ScriptedGame game(daemon.address(), options);
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.command_count > 0; }));
   const std::string page = folder.path() / "metrics";
   const std::string said = folder.path() / "said";
-  const std::string text = Get(daemon.http_port(), "/metrics").body;
+  std::string text;
+  // The figures of scenes follow every five seconds.
+  EXPECT_TRUE(Eventually([&] {
+    game.RunFrames(10);
+    text = Get(daemon.http_port(), "/metrics").body;
+    return NamesOn(text) == NamesInSources();
+  }));
   EXPECT_EQ(NamesOn(text), NamesInSources()) << "the test must check every metric";
   std::ofstream(page) << text;
   EXPECT_EQ(RunShell("promtool check metrics <'" + page + "' >'" + said + "' 2>&1"), 0);

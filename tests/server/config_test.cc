@@ -297,6 +297,24 @@ TEST_F(ConfigTest, TheBaseOfHttpIsAPath) {
   EXPECT_THAT(Error("http_base = '/api/x'\n"), HasSubstr("/api is a path of the daemon"));
 }
 
+TEST_F(ConfigTest, TheWebhookIsAnHttpUrl) {
+  for (const char* right : {"", "https://example.org/alerts?key=1", "http://127.0.0.1:8080"}) {
+    const auto config = FromFile(std::string("webhook = '") + right + "'\n");
+    ASSERT_TRUE(config.ok()) << config.status();
+    EXPECT_EQ(config->webhook, right);
+  }
+  for (const char* wrong : {"example.org", "ftp://example.org", "https://", "https:///a",
+                            "https://example.org/a b", "file:///etc/passwd"}) {
+    EXPECT_THAT(Error(std::string("webhook = '") + wrong + "'\n"), HasSubstr("expected a URL"))
+        << wrong;
+  }
+}
+
+TEST_F(ConfigTest, TheNumberOfScenesWithMetricsIsBounded) {
+  EXPECT_EQ(FromFile("metrics_scenes = 1000\n")->rpc.alerts.max_metric_scenes, 1'000u);
+  EXPECT_THAT(Error("metrics_scenes = 1001\n"), HasSubstr("1000"));
+}
+
 TEST_F(ConfigTest, HttpHostsAreTheHostOfHttpAndTheListedNames) {
   const auto config = FromFile(
       "http_plain = true\nhttp = 'Build-Server:7434'\nhttp_hosts = ' dash.example.com,B_1 ,, "

@@ -26,7 +26,8 @@ class DaemonMetricsTest : public ::testing::Test {
                                                {.healthy = store_healthy,
                                                .queued_commit_count = 7,
                                                .queued_read_count = 9,
-                                               .database = database_})) {
+                                               .database = database_},
+                                               figures_, webhook_)) {
       EXPECT_TRUE(metrics.emplace(family.name, family.metric.front()).second) << family.name;
     }
     return metrics;
@@ -36,6 +37,8 @@ class DaemonMetricsTest : public ::testing::Test {
   std::filesystem::path database_ = directory_.path() / "priors.db";
   rpc::Counters counters_;
   web::EventCounters events_;
+  alerts::AlertFigures figures_;
+  alerts::WebhookCounters webhook_;
   DaemonMetrics metrics_{"1.2.3"};
 };
 
@@ -50,7 +53,8 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
     expected.insert(static_cast<double>((i + 1) * 1'000'003));
   }
   std::multiset<double> shown;
-  for (const auto& family : metrics_.Collect(counters_, events_, {.database = database_})) {
+  for (const auto& family :
+       metrics_.Collect(counters_, events_, {.database = database_}, figures_, webhook_)) {
     for (const prometheus::ClientMetric& metric : family.metric) {
       for (const double value : {metric.counter.value, metric.gauge.value}) {
         if (expected.contains(value)) shown.insert(value);
@@ -73,9 +77,11 @@ TEST_F(DaemonMetricsTest, BatchesWithInvalidBoxesAreShown) {
 TEST_F(DaemonMetricsTest, NamesFollowTheConventions) {
   const std::map<std::string, size_t> series_counts = {
       {"sweepstake_errors_total", static_cast<size_t>(v1::ErrorReason_descriptor()->value_count())},
+      {"sweepstake_alerts", 2 * alerts::kRuleNames.size()},
       {"sweepstake_rejected_frames_total", sessions::kRejectionReasonNames.size()},
       {"sweepstake_rejected_shadow_samples_total", sessions::kRejectionReasonNames.size()}};
-  for (const auto& family : metrics_.Collect(counters_, events_, {.database = database_})) {
+  for (const auto& family :
+       metrics_.Collect(counters_, events_, {.database = database_}, figures_, webhook_)) {
     const bool is_of_process = family.name.starts_with("process_");
     const bool is_counter = family.type == prometheus::MetricType::Counter;
     EXPECT_THAT(family.name, StartsWith(is_of_process ? "process_" : "sweepstake_"));
