@@ -393,6 +393,36 @@ async function checkErrors(context, daemon) {
   assertNoTrouble(page, 'views in error');
 }
 
+// The page lists an alert of the daemon. An operator mutes it with the keyboard, and ends the silence.
+async function checkAlerts(context, daemon) {
+  const game = new Game(sweepstake, daemon, 'puzzle', 'fixed', { mode: 'manual', more: ['--arm', 'Grid'] });
+  const page = await openPage(context, daemon.origin);
+  const item = page.locator('section.attention li', { hasText: 'manual mode' });
+  const button = (name) => item.getByRole('button', { name, exact: true });
+  await button('Mute fixed').waitFor();
+  assert.equal(await item.getByRole('link', { name: 'fixed' }).getAttribute('href'), '/scenes/puzzle/fixed?class=test&reward=3');
+  await page.setViewportSize({ width: 320, height: 640 });
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'the list is too wide for 320 px');
+  await button('Mute fixed').focus();
+  await page.keyboard.press('Enter');
+  await page.getByLabel('Comment').fill('a known test');
+  await assertAccessible(page, 'muting an alert');
+  await page.screenshot({ path: join(pictures, 'mute.png') });
+  await page.getByRole('button', { name: '1 hour' }).press('Enter');
+  await item.getByText('a known test').waitFor();
+  await assertAccessible(page, 'a muted alert');
+  const find = async () => (await daemon.call('AlertsService/ListAlerts')).alerts.find(({ rule, scene }) => rule === 'manual' && scene === 'fixed');
+  assert.equal((await find()).silence.comment, 'a known test');
+  await button('Unmute fixed').press('Enter');
+  await button('Mute fixed').waitFor();
+  assert.equal((await find()).silence, undefined);
+  await page.evaluate(() => document.activeElement.blur());  // the list stays while the focus is in it
+  await game.quit();
+  await item.waitFor({ state: 'detached' });
+  assertNoTrouble(page, 'alerts');
+  await page.close();
+}
+
 // ---- Login and roles.
 
 // All requests of the page are below the base path.
@@ -475,6 +505,7 @@ async function checkAll(browser) {
   await checkHealth(page, daemon);
   await checkRowsStay(page, daemon);
   await checkViews(browser, daemon);
+  await checkAlerts(context, daemon);
   await game.quit();
   await other.quit();
   for (const check of [checkAddress, checkKeys, checkColumns, checkDownload]) {

@@ -11,8 +11,8 @@ import { Name, visible } from './parts/name';
 import { Empty, Failure, Later } from './parts/states';
 import { toast, ToastHost } from './parts/toast';
 import { account, accountError, learnAccount, logout, needsLogin } from './state/account';
+import { followAlerts, seriousCount } from './state/alerts';
 import { connection } from './state/connection';
-import { followChecks } from './state/health';
 import { startLive } from './state/live';
 import { followLinks, navigate, route, type RouteName } from './state/route';
 import { followScenes } from './state/summaries';
@@ -20,7 +20,6 @@ import { urlOf } from './transport/base';
 import { ApiError, asApiError } from './transport/calls';
 import { Login } from './views/login';
 import { Overview } from './views/overview';
-import { badCount } from './views/overview/attention';
 
 type Loader = () => Promise<ComponentType>;
 
@@ -125,9 +124,9 @@ followLinks();
 listenToKeys();
 startClock();
 addShortcuts(PLACES.map(({ href, title, key }) => ({ keys: `g ${key}`, what: `Go to ${title.toLowerCase()}`, run: () => navigate(href) })));
-// The number of serious problems is in the title, so that a tab in the background shows it.
-effect(() => { document.title = badCount.value > 0 ? `(${badCount.value}) ${titleOf()}` : titleOf(); });
+// The number of serious alerts is in the title, so that a tab in the background shows it.
+effect(() => { document.title = seriousCount.value > 0 ? `(${seriousCount.value}) ${titleOf()}` : titleOf(); });
 followScenes();
-followChecks();
+followAlerts();
 startLive();
 render(<App />, document.getElementById('app')!);

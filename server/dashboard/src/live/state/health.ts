@@ -1,5 +1,4 @@
-// Polls the daemon's health while a view shows it: the checks of /readyz for the overview and the health view, the figures of /metrics
-// for the health view.
+// Polls the daemon's health while a view shows it: the checks of /readyz and the figures of /metrics.
 import { computed, signal, type Signal } from '@preact/signals';
 import { urlOf } from '../transport/base';
 import { asApiError, parseError, type ApiError } from '../transport/calls';
@@ -68,7 +67,7 @@ export interface Sample {
   metrics: Metrics;
 }
 
-export const checksError = signal<ApiError | undefined>(undefined);
+const checksError = signal<ApiError | undefined>(undefined);
 const figuresError = signal<ApiError | undefined>(undefined);
 export const checks = signal<readonly Check[] | undefined>(undefined);  // undefined: not known yet
 export const samples = signal<readonly Sample[]>([]);  // oldest first
@@ -100,12 +99,15 @@ export const learnFigures = () => learn('/metrics', (text) => {
   return metrics.size > 0;
 }, figuresError);
 
-function repeat(task: () => Promise<void>, intervalMs: number, evenHidden: boolean): () => void {
+/** Runs the task now and then at intervals, until the returned function is called. */
+export function repeat(task: () => Promise<void>, intervalMs: number, evenHidden: boolean): () => void {
   void task();
   const timer = setInterval(() => { if (evenHidden || !document.hidden) void task(); }, intervalMs);
   return () => clearInterval(timer);
 }
 
-// Poll until the returned function is called. The checks are polled while the page is hidden, too, because they are in its title.
-export const followChecks = () => repeat(learnChecks, CHECKS_INTERVAL_MS, true);
-export const followFigures = () => repeat(learnFigures, FIGURES_INTERVAL_MS, false);
+/** Polls until the returned function is called. */
+export function followHealth(): () => void {
+  const ends = [repeat(learnChecks, CHECKS_INTERVAL_MS, false), repeat(learnFigures, FIGURES_INTERVAL_MS, false)];
+  return () => ends.forEach((end) => end());
+}

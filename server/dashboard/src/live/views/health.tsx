@@ -7,7 +7,7 @@ import { CopyLink } from '../parts/toast';
 import { Sparkline } from '../parts/sparkline';
 import { Failure, Loading } from '../parts/states';
 import { account } from '../state/account';
-import { checks, followFigures, healthError, labelOf, learnChecks, learnFigures, type Metrics, quantileOf, type Sample, samples, sumOf,
+import { checks, followHealth, healthError, labelOf, learnChecks, learnFigures, type Metrics, quantileOf, type Sample, samples, sumOf,
   valueOf } from '../state/health';
 
 const WINDOW = 30;  // number of samples for rates and quantiles: one minute
@@ -183,7 +183,7 @@ function Checks() {
 }
 
 export function Health() {
-  useEffect(followFigures, []);
+  useEffect(followHealth, []);
   const all = samples.value;
   const error = healthError.value;
   return (
