@@ -68,6 +68,7 @@ void AddCommands(const CommandContext& context) {
   AddWatchCommand(context);
   AddPriorsCommand(context);
   AddSessionsCommand(context);
+  AddAlertsCommand(context);
 }
 
 }  // namespace

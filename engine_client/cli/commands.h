@@ -29,6 +29,7 @@ int RunCommandLine(std::span<char* const> words, Terminal& terminal);
 
 // Each function adds one subcommand. The parser runs the chosen subcommand and stores its exit code
 // in context.exit_code.
+void AddAlertsCommand(const CommandContext& context);
 void AddAuditCommand(const CommandContext& context);
 void AddPriorsCommand(const CommandContext& context);
 // Adds the subcommands that work on priors files to the group `priors`.

@@ -11,6 +11,7 @@
 #include "engine_client/decider/client_reports.h"
 #include "engine_client/telemetry/conversion/audit_conversion.h"
 #include "engine_client/telemetry/conversion/proto_conversion.h"
+#include "sweepstake/v1/alerts.grpc.pb.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
@@ -18,6 +19,8 @@
 
 namespace sweepstake::cli {
 namespace {
+
+constexpr uint32_t kMaxAlerts = 2'000;  // as many as a daemon has
 
 // The commands that show whether a change was made.
 constexpr char kListPriors[] = "sweepstake priors list";
@@ -237,6 +240,13 @@ Result<v1::OrderSessionResponse> OrderSession(const DaemonOptions& daemon,
   request.set_arm(arm);
   return Call(daemon, OpenChannel(daemon), request, &v1::SessionsService::Stub::OrderSession,
               kPatience, kListSessions);
+}
+
+Result<v1::ListAlertsResponse> ListAlerts(const DaemonOptions& daemon, const std::string& project) {
+  v1::ListAlertsRequest request;
+  request.set_project(project);
+  request.set_limit(kMaxAlerts);
+  return Call(daemon, OpenChannel(daemon), request, &v1::AlertsService::Stub::ListAlerts);
 }
 
 }  // namespace sweepstake::cli

@@ -14,6 +14,7 @@
 #include "engine_client/cli/daemon/daemon_options.h"
 #include "engine_client/decider/pooling/prior_record.h"
 #include "sweepstake/status.h"
+#include "sweepstake/v1/alerts.pb.h"
 #include "sweepstake/v1/audit.pb.h"
 #include "sweepstake/v1/posteriors.pb.h"
 #include "sweepstake/v1/priors.pb.h"
@@ -113,5 +114,10 @@ Status KickSession(const DaemonOptions& daemon, const std::string& session_id, b
 Result<v1::OrderSessionResponse> OrderSession(const DaemonOptions& daemon,
                                               const std::string& session_id, v1::Mode mode,
                                               const std::string& arm);
+
+// ---- AlertsService ----
+
+// Returns the most urgent alerts of the project and, if it is empty, of the daemon too.
+Result<v1::ListAlertsResponse> ListAlerts(const DaemonOptions& daemon, const std::string& project);
 
 }  // namespace sweepstake::cli

@@ -46,7 +46,8 @@ TEST(Commands, HelpOfEveryCommandShowsExamplesOnStdout) {
         "audit export",  "priors",        "priors list",    "priors export",
         "priors import", "priors revoke", "priors promote", "priors show",
         "priors doctor", "priors diff",   "priors merge",   "priors arm",
-        "sessions",      "sessions list", "sessions watch", "sessions kick"}) {
+        "sessions",      "sessions list", "sessions watch", "sessions kick",
+        "alerts"}) {
     const CommandRun run = RunCommand(command + " --help");
     EXPECT_EQ(run.exit_code, kDone) << command;
     const size_t examples = run.out.find("Examples:\n");
@@ -165,7 +166,8 @@ TEST(Commands, ARunNeedsExactlyOneDecider) {
 TEST(Commands, TheDaemonAddressIsCheckedBeforeTheCall) {
   for (const std::string command :
        {"watch", "watch --json", "priors list", "priors export --out never.json", "audit list",
-        "audit export --out never.csv", "sessions list", "sessions watch", "sessions kick ID"}) {
+        "audit export --out never.csv", "sessions list", "sessions watch", "sessions kick ID",
+        "alerts"}) {
     ExpectBadUsage({{command + " --daemon nowhere", "nowhere"},
                     {command + " --daemon localhost:99999", "99999"}});
   }
@@ -175,7 +177,7 @@ TEST(Commands, AnUnreachableDaemonGivesExitCodeThreeAndAHintToStartIt) {
   for (const std::string command :
        {"watch", "watch --json", "priors list --json", "priors export --out never.json",
         "audit list", "audit export --out never.csv", "sessions list", "sessions watch --json",
-        "sessions kick ID"}) {
+        "sessions kick ID", "alerts --json"}) {
     const CommandRun run = RunCommand(command + " --daemon 127.0.0.1:1");
     EXPECT_EQ(run.exit_code, kUnreachable) << command;
     EXPECT_EQ(run.out, "") << command;

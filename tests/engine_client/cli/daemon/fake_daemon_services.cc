@@ -121,6 +121,13 @@ grpc::Status FakeSessions::KickSession(grpc::ServerContext*, const v1::KickSessi
   return kick_status.get();
 }
 
+grpc::Status FakeAlerts::ListAlerts(grpc::ServerContext*, const v1::ListAlertsRequest* request,
+                                    v1::ListAlertsResponse* response) {
+  list_request = *request;
+  *response = list.get();
+  return grpc::Status::OK;
+}
+
 FakeDaemonServices::FakeDaemonServices() {
   grpc::ServerBuilder builder;
   builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port_);
@@ -128,6 +135,7 @@ FakeDaemonServices::FakeDaemonServices() {
   builder.RegisterService(&priors);
   builder.RegisterService(&audit);
   builder.RegisterService(&sessions);
+  builder.RegisterService(&alerts);
   server_ = builder.BuildAndStart();
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "sweepstake/v1/alerts.grpc.pb.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
@@ -129,6 +130,16 @@ class FakeSessions final : public v1::SessionsService::Service {
                             v1::OrderSessionResponse* response) override;
 };
 
+class FakeAlerts final : public v1::AlertsService::Service {
+ public:
+  Guarded<v1::ListAlertsResponse> list;
+  Guarded<v1::ListAlertsRequest> list_request;
+
+ private:
+  grpc::Status ListAlerts(grpc::ServerContext*, const v1::ListAlertsRequest* request,
+                          v1::ListAlertsResponse* response) override;
+};
+
 class FakeDaemonServices {
  public:
   FakeDaemonServices();
@@ -140,6 +151,7 @@ class FakeDaemonServices {
   FakePriors priors;
   FakeAudit audit;
   FakeSessions sessions;
+  FakeAlerts alerts;
 
  private:
   int port_ = 0;

@@ -199,6 +199,45 @@ v1::SessionInfo Session(const std::string& id) {
   return session;
 }
 
+TEST(AlertsCommand, ListsTheAlertsAndCountsTheRest) {
+  FakeDaemonServices daemon;
+  const std::string at = " --daemon " + daemon.address();
+  EXPECT_EQ(RunCommand("alerts" + at).out, "Nothing needs a person\n");
+  v1::ListAlertsResponse list;
+  v1::Alert& alert = *list.add_alerts();
+  alert.set_id("0123456789abcdef");
+  alert.set_rule("ambiguous");
+  alert.set_severity(v1::ALERT_SEVERITY_SERIOUS);
+  alert.set_project("game");
+  alert.set_scene("harbour");
+  alert.set_machine_class("desktop");
+  alert.set_reward_version(3);
+  alert.set_text("No algorithm is clearly the best yet.");
+  alert.set_session_count(2);
+  alert.add_session_ids("5e55");
+  alert.set_unix_since_ms(1'700'000'000'000);
+  alert.set_loss_us(30.5);
+  alert.mutable_silence()->set_silenced_by("alice");
+  list.set_alert_count(4);
+  list.set_serious_count(1);
+  daemon.alerts.list = list;
+  const CommandRun text = RunCommand("alerts --project game" + at);
+  EXPECT_EQ(daemon.alerts.list_request->project(), "game");
+  for (const char* part : {"serious", "game", "harbour", "desktop", "2023-11-14 22:13:20", "alice",
+                           "No algorithm is clearly the best yet.", "3 more alerts"}) {
+    EXPECT_THAT(text.out, HasSubstr(part));
+  }
+  const auto json = nlohmann::json::parse(RunCommand("alerts --json" + at).out);
+  EXPECT_EQ(json["alert_count"], 4);
+  EXPECT_EQ(json["serious_count"], 1);
+  const nlohmann::json& first = json["alerts"][0];
+  EXPECT_EQ(first["id"], "0123456789abcdef");
+  EXPECT_EQ(first["session_ids"], nlohmann::json::array({"5e55"}));
+  EXPECT_EQ(first["loss_us"], 30.5);
+  EXPECT_EQ(first["reward_version"], 3);
+  EXPECT_TRUE(first["silence"]["unix_until_ms"].is_null());
+}
+
 TEST(SessionsCommand, ListsTheSessionsOfAllPages) {
   FakeDaemonServices daemon;
   daemon.sessions.pages->resize(2);
