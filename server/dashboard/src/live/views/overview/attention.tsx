@@ -64,7 +64,7 @@ function Item({ alert }: { alert: Alert }) {
       <span aria-hidden="true">{isBad ? '▲ ' : '△ '}</span>
       <a href={hrefOf(alert)} title={project && `Project ${visible(project)}`}><bdi>{name}</bdi></a>: {visible(text)}{' '}
       {sessionIds.map((session) => <span key={session}><a href={sessionHref(session)}>{session.slice(0, 8)}</a>{' '}</span>)}
-      <span class="soft">for {duration(now.value - Number(alert.unixSinceMs))}{muted && `, muted until ${until} by ${visible(muted.silencedBy)}${muted.comment && `: ${visible(muted.comment)}`}`}</span>
+      <span class="soft">for {duration(now.value - Number(alert.unixSinceMs))}{muted && `, muted until ${until} by ${visible(muted.silencedBy)}${muted.comment && `: ${visible(muted.comment)}`}`}</span>{' '}
       {isOperator.value && (muted
         ? <button type="button" class="quiet" aria-label={`Unmute ${name}`} onClick={() => void change(`Not muted any more: ${name}.`, unsilence(id))}>Unmute</button>
         : <button type="button" class="quiet" aria-label={`Mute ${name}`} onClick={() => { asked.value = alert; }}>Mute</button>)}
