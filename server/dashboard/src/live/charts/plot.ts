@@ -28,7 +28,7 @@ export interface Level {
 /** A vertical line at a time, optionally with a label. */
 export interface Moment { timeMs: number; colour: string; label?: string }
 /** The axis of values. zero: from 0 upwards; unit: 0 to 1; log: logarithmic, values > 0; lanes: rows with names, numbered from the top. */
-export type Scale = 'zero' | 'unit' | 'log' | 'lanes';
+export type Scale = 'zero' | 'unit' | 'log' | 'lanes' | 'signed';
 
 export interface Picture {
   timesMs: readonly number[]; // ascending
@@ -99,7 +99,8 @@ export function valueRange({ scale, levels = [], values }: Pick<Picture, 'scale'
   }
   const shown = levels.filter(({ isAside }) => !isAside).map(({ value }) => value);
   const reach = usual && !values && most > OUTLIER * usual ? OUTLIER_END * usual : most;
-  return [0, Math.max(reach * 1.08, Math.max(0, ...shown) * 1.15) || 1];
+  const least = scale === 'signed' ? Math.min(0, ...all) * 1.08 : 0;
+  return [least, Math.max(reach * 1.08, Math.max(0, ...shown) * 1.15) || (least < 0 ? 0 : 1)];
 }
 
 interface Stroke { colour: string; width: number; dash: number[] } // in CSS pixels

@@ -1,15 +1,19 @@
-// The posteriors of a scene or session over time: means, credible bands if the rows have intervals, probabilities of being the best
-// arm, and expected loss.
+// The posteriors of a session over time: means, credible bands if the rows have intervals, and probabilities of being the best arm.
 import { useMemo } from 'preact/hooks';
-import { share, significant } from '../../format';
+import { significant } from '../../format';
 import { mean, type Posterior } from '../numbers/beta';
 import { costNsOf, LOG_COST_REWARD_VERSION, nsText } from '../numbers/log_cost';
-import type { SeriesRow } from '../state/history';
 import { thresholds } from '../state/account';
 import { armStyle, hatched } from './colours';
 import { type Band, fillOf, type Line, type Moment } from './plot';
 import { TimeFigure } from './time_chart';
 import { domainOf, range, type Range } from './view_state';
+
+export interface SeriesRow {
+  timeMs: number; // since 1970, by the daemon's clock
+  beliefs: readonly (Posterior | undefined)[]; // in the order of the arms; undefined before an arm's first evidence
+  best: readonly (number | undefined)[]; // P(best)
+}
 
 export interface PosteriorChartsProps {
   arms: readonly string[];
@@ -70,16 +74,6 @@ export function BandsChart({ arms, rows, rewardVersion, domain, notYet, assumed 
   );
 }
 
-/** Returns the lowest and highest value of the bands, for an axis that several charts share. */
-export function bandRange(rows: readonly SeriesRow[], rewardVersion: number): [number, number] {
-  const tellsCosts = rewardVersion === LOG_COST_REWARD_VERSION;
-  const known = rows.flatMap(({ beliefs }) => beliefs).filter((posterior) => posterior !== undefined);
-  return [
-    Math.min(...known.map((posterior) => valueOf(posterior, 'low95', tellsCosts)!)),
-    Math.max(...known.map((posterior) => valueOf(posterior, 'high95', tellsCosts)!)),
-  ];
-}
-
 type BestRow = Pick<SeriesRow, 'timeMs' | 'best'>;
 
 // Returns the index of the arm with the highest probability.
@@ -103,28 +97,21 @@ function stackLines(arms: readonly string[], rows: readonly BestRow[]): { lines:
   return { lines, bands, states };
 }
 
-/** Shows P(best) of each arm over time as stacked areas. A short period with another leader stays visible. */
-export function BestChart({ arms, rows, domain, notYet, names, csvHref, moments = [] }: Omit<PosteriorChartsProps, 'rows'> & { rows: readonly BestRow[] }) {
+type StackProps = Pick<PosteriorChartsProps, 'arms' | 'names' | 'domain' | 'moments' | 'csvHref'> & Pick<Parameters<typeof TimeFigure>[0], 'id' | 'title' | 'note' | 'empty' | 'levels' | 'format' | 'height'> & { rows: readonly BestRow[] };
+
+/** Shows shares of the arms over time as stacked areas. A short period with another leader stays visible. */
+export function StackChart({ arms, rows, domain, ...rest }: StackProps) {
   const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
   const drawn = useMemo(() => stackLines(arms, rows), [arms, rows]);
-  const { stableProbability } = thresholds.value;
-  return (
-    <TimeFigure {...drawn} id="best" title="Probability that each algorithm is the best" names={names} csvHref={csvHref} timesMs={timesMs} moments={moments}
-      note={`The scene is stable if the probability of its leader is at least ${stableProbability}.`} empty={noteOf(rows, notYet)} scale="unit"
-      levels={[{ value: stableProbability, label: 'stable' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)}
-      format={(value) => value.toFixed(3)} height={200} />
-  );
+  return <TimeFigure {...rest} {...drawn} timesMs={timesMs} scale="unit" domain={range.value ?? domain ?? domainOf(timesMs, undefined)} />;
 }
 
-export function LossChart({ rows, domain, notYet, names, moments = [] }: PosteriorChartsProps) {
-  const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
-  const lines = useMemo((): Line[] => [{
-    label: 'expected loss', values: rows.map(({ expectedLossRatio }) => expectedLossRatio ?? null), colour: 'var(--accent)', stepped: true,
-  }], [rows]);
-  const { tieLossRatio } = thresholds.value;
+/** Shows P(best) of each arm over time. */
+export function BestChart({ notYet, rows, ...rest }: Omit<StackProps, 'id' | 'title' | 'note' | 'empty' | 'levels' | 'format' | 'height'> & { notYet?: string }) {
+  const { stableProbability } = thresholds.value;
   return (
-    <TimeFigure id="loss" title="Expected loss of choosing the leader" names={names} timesMs={timesMs} lines={lines} moments={moments}
-      note={`A scene that is not stable is a tie if this loss is at most ${share(tieLossRatio)}. The choice of the algorithm then hardly matters.`} empty={noteOf(rows, notYet)} scale="zero"
-      levels={[{ value: tieLossRatio, label: 'a tie' }]} domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={share} height={140} />
+    <StackChart {...rest} rows={rows} id="best" title="Probability that each algorithm is the best" empty={noteOf(rows, notYet)}
+      note={`The scene is stable if the probability of its leader is at least ${stableProbability}.`} levels={[{ value: stableProbability, label: 'stable' }]}
+      format={(value) => value.toFixed(3)} height={200} />
   );
 }

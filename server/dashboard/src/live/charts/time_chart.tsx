@@ -7,11 +7,12 @@ import type uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { widened } from '../numbers/widened';
 import { clockText } from '../parts/clock';
+import { PeriodChoice } from '../parts/period_choice';
 import { Name } from '../parts/name';
 import { theme } from './colours';
 import { ChartFrame } from './frame';
 import { createPlot, dataOf, LEAST, LEFT, type Line, type Picture, RIGHT, showCrosshair } from './plot';
-import { crosshairMs, hiddenArms, pausedMs, placeAt, range, setPaused, setRange, toggleArm, zoomAction } from './view_state';
+import { crosshairMs, hiddenArms, pausedMs, placeAt, setPaused, toggleArm, zoomAction } from './view_state';
 import { useIsSeen, useWidth } from './width';
 
 interface TimeChartProps extends Omit<Picture, 'hidden'> { title: string; height?: number }
@@ -176,12 +177,12 @@ export function PauseButton() {
   return <button type="button" aria-pressed={isPaused} onClick={() => setPaused(isPaused ? undefined : Date.now())}>{isPaused ? '▶ Resume' : '❚❚ Pause'}</button>;
 }
 
-/** The buttons for pausing and for undoing a zoom, which act on all charts of a view. */
+/** Pause and period, which act on all charts of a view. */
 export function TimeTools() {
   return (
     <div class="time-tools" role="toolbar" aria-label="Time">
       <PauseButton />
-      <button type="button" disabled={!range.value} onClick={() => setRange(undefined)}>Show all</button>
+      <PeriodChoice />
       {pausedMs.value !== undefined && <span class="soft">Paused at {clockText(pausedMs.value)}.</span>}
       <span class="soft hint">Drag in a chart to zoom. Triangles mark values above the axis.</span>
     </div>

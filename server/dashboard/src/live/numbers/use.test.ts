@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { sumOf, useOf } from './use';
+import { sumOf, measuredIn } from './use';
 
 const point = (ranUs: number, wouldTake: Record<string, number>, initialUs: number, frames = 10n) => ({
   frameCount: frames,
@@ -11,25 +11,25 @@ const point = (ranUs: number, wouldTake: Record<string, number>, initialUs: numb
 
 describe('savings of a point', () => {
   it('compare with the cheapest algorithm that all sessions have', () => {
-    const use = useOf(point(100, { KDTree: 150, SAP: 120, Rare: 1 }, 200))!;
+    const use = measuredIn(point(100, { KDTree: 150, SAP: 120, Rare: 1 }, 200))!;
     expect(use.againstSingleUs).toBe(20);
     expect(use.againstReferenceUs).toBe(50);
     expect(use.againstInitialUs).toBe(100);
   });
   it('are absent without measured frames, without KDTree, and without a known initial algorithm', () => {
-    expect(useOf(point(0, {}, 0, 0n))).toBeUndefined();
-    const use = useOf(point(100, { SAP: 120 }, 0))!;
+    expect(measuredIn(point(0, {}, 0, 0n))).toBeUndefined();
+    const use = measuredIn(point(100, { SAP: 120 }, 0))!;
     expect(use.againstReferenceUs).toBeUndefined();
     expect(use.againstInitialUs).toBeUndefined();
   });
   it('have the time of the whole frames', () => {
-    expect(useOf(point(100, { SAP: 120 }, 0))!.frameUs).toBeCloseTo((10 * 2 ** (7.5 / 8)) / 1000);
+    expect(measuredIn(point(100, { SAP: 120 }, 0))!.frameUs).toBeCloseTo((10 * 2 ** (7.5 / 8)) / 1000);
   });
 });
 
 describe('sums of savings', () => {
   it('add up, and omit what one of them does not know', () => {
-    const sum = sumOf([useOf(point(100, { KDTree: 150, SAP: 120 }, 200)), undefined, useOf(point(50, { SAP: 40 }, 60))])!;
+    const sum = sumOf([measuredIn(point(100, { KDTree: 150, SAP: 120 }, 200)), undefined, measuredIn(point(50, { SAP: 40 }, 60))])!;
     expect(sum.frameCount).toBe(20);
     expect(sum.ranUs).toBe(150);
     expect(sum.againstSingleUs).toBe(10);

@@ -17,7 +17,7 @@ export interface Use {
 type Point = Pick<HistoryPoint, 'frameCount' | 'ranUs' | 'initialUs' | 'arms' | 'frameTimeNs'>;
 
 /** Returns what the point's sessions ran and saved; undefined without measured frames. */
-export function useOf(point: Point): Use | undefined {
+export function measuredIn(point: Point): Use | undefined {
   const frameCount = Number(point.frameCount);
   if (frameCount === 0) return undefined;
   const costs = point.arms.filter((arm) => arm.frameCount === point.frameCount); // arms that all sessions have

@@ -3,7 +3,6 @@
 import { batch, effect, signal } from '@preact/signals';
 import { PosteriorsService, type DecisionEvent, type ScenePosterior, type WatchPosteriorsResponse } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionsService, type SessionInfo, type WatchSessionsResponse } from '../../gen/sweepstake/v1/sessions_pb';
-import type { EventStamp } from '../../gen/sweepstake/v1/events_pb';
 import { Watch, type Listener } from '../transport/events';
 import { heard, setConnection, startPulse } from './connection';
 import { account, learnAccount, needsLogin } from './account';
@@ -30,8 +29,6 @@ function withNextFrame(update: () => void): void {
   if (document.hidden) setTimeout(applyUpdates, HIDDEN_INTERVAL_MS);
   else requestAnimationFrame(applyUpdates);
 }
-
-const timeOf = (stamp: EventStamp | undefined) => (stamp ? Number(stamp.unixMs) : Date.now());
 
 // Returns a listener of one stream. It calls `took` with each snapshot, and once per animation frame with the changes
 // since the previous call.
@@ -66,9 +63,8 @@ function listener<Message>(stream: 'scenes' | 'sessions', took: (messages: reado
 function tookPosteriors(messages: readonly WatchPosteriorsResponse[], isSnapshot: boolean): void {
   const posteriors = messages.map(({ posterior }) => posterior).filter((each): each is ScenePosterior => each !== undefined);
   const decisions: DecisionEvent[] = messages.flatMap((message) => message.decisions);
-  const timeMs = timeOf(messages.at(-1)?.stamp);
-  if (isSnapshot) scenes.takeSnapshot(posteriors, timeMs);
-  if (!isSnapshot || decisions.length > 0) scenes.takeChanges(isSnapshot ? [] : posteriors, decisions, timeMs);
+  if (isSnapshot) scenes.takeSnapshot(posteriors);
+  if (!isSnapshot || decisions.length > 0) scenes.takeChanges(isSnapshot ? [] : posteriors, decisions);
   if (decisions.length > 0) sessions.takeDecisions(decisions);
 }
 

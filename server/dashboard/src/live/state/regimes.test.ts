@@ -2,7 +2,6 @@ import { create, type Init } from '../transport/messages';
 import { describe, expect, it } from 'vitest';
 import { type RegimePosterior, RegimePosteriorSchema, SceneActivitySchema, ScenePosteriorSchema } from '../../gen/sweepstake/v1/posteriors_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
-import { NO_HISTORY } from './history';
 import { bestOf, costText, isChanging, leadersOf, presentBest, regimeArms, regimeText, savingText, surenessOf } from './regimes';
 import { leaderProbabilityOf } from './scenes';
 import { summaryOf, verdictOf } from './summaries';
@@ -16,7 +15,7 @@ const sceneOf = (...regimes: Init<RegimePosterior>[]) => create(ScenePosteriorSc
   activity: { activeArm: 'SAP', arms: ['SAP', 'DBVT'], total: regimeOf('DBVT', 1), regimes },
 });
 const CHANGING = sceneOf(regimeOf('DBVT', 0.96875), regimeOf('SAP', 0.875));
-const stateOf = (posterior: typeof CHANGING) => ({ key: 'k', posterior, changedMs: 0, history: NO_HISTORY, decisions: [] });
+const stateOf = (posterior: typeof CHANGING) => ({ key: 'k', posterior, changedMs: 0, decisions: [] });
 
 describe('a scene whose regimes have different best arms', () => {
   it('is changing, whatever the verdict on all evidence is', () => {

@@ -1,7 +1,6 @@
 // The scenes of the daemon, as in its last message.
 import { signal } from '@preact/signals';
 import type { ArmPosterior, DecisionEvent, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
-import { addToHistory, NO_HISTORY, type SceneHistory } from './history';
 import { isChanging, surenessOf } from './regimes';
 
 const MAX_SCENE_DECISIONS = 500;
@@ -20,7 +19,6 @@ export interface SceneState {
   // Time at which the page received the last change, by the browser's clock. Before the first change: time at which a session last added
   // evidence, by the daemon's clock. 0: unknown.
   changedMs: number;
-  history: SceneHistory;
   decisions: readonly DecisionEvent[];  // oldest first; up to MAX_SCENE_DECISIONS, fewer if there are many scenes
 }
 
@@ -50,31 +48,30 @@ export const leaderProbabilityOf = (posterior: ScenePosterior) =>
 /** When a source last added evidence of the arm, by the daemon's clock; 0: unknown. */
 export const lastSeenMs = ({ unixLastSeenS }: Pick<ArmPosterior, 'unixLastSeenS'>) => 1000 * Number(unixLastSeenS);
 
-function withPosterior(state: SceneState | undefined, key: string, posterior: ScenePosterior, timeMs: number, isNew: boolean): SceneState {
+function withPosterior(state: SceneState | undefined, key: string, posterior: ScenePosterior, isNew: boolean): SceneState {
   return {
     key,
     posterior,
     changedMs: isNew ? Date.now() : Math.max(state?.changedMs ?? 0, ...posterior.arms.map(lastSeenMs)),
-    history: addToHistory(state?.history ?? NO_HISTORY, posterior, timeMs),
     decisions: state?.decisions ?? [],
   };
 }
 
-// Replaces all scenes by those of a snapshot. Known scenes keep their history.
-export function takeSnapshot(posteriors: readonly ScenePosterior[], timeMs: number): void {
+// Replaces all scenes by those of a snapshot. Known scenes keep their decisions.
+export function takeSnapshot(posteriors: readonly ScenePosterior[]): void {
   const before = scenes.peek();
   scenes.value = new Map(posteriors.map((posterior) => {
     const key = sceneKey(posterior);
-    return [key, withPosterior(before.get(key), key, posterior, timeMs, false)];
+    return [key, withPosterior(before.get(key), key, posterior, false)];
   }));
 }
 
 // Adds changed posteriors and new decisions. Decisions of unknown scenes are ignored.
-export function takeChanges(posteriors: readonly ScenePosterior[], decisions: readonly DecisionEvent[], timeMs: number): void {
+export function takeChanges(posteriors: readonly ScenePosterior[], decisions: readonly DecisionEvent[]): void {
   const next = new Map(scenes.peek());
   for (const posterior of posteriors) {
     const key = sceneKey(posterior);
-    next.set(key, withPosterior(next.get(key), key, posterior, timeMs, true));
+    next.set(key, withPosterior(next.get(key), key, posterior, true));
   }
   const share = shareOf(next.size, MAX_SCENE_DECISIONS);
   for (const [key, added] of groupedBy(decisions, sceneKey)) {

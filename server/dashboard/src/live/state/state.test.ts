@@ -3,7 +3,6 @@ import { beforeEach, describe, expect, it } from 'vitest';
 import { DecisionEventSchema, DecisionOutcome, ScenePosteriorSchema, type DecisionEvent, type ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEnd, SessionEndedSchema, type SessionInfo, SessionInfoSchema, SessionState as Link } from '../../gen/sweepstake/v1/sessions_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
-import { addToHistory, MAX_POINTS, NO_HISTORY, trendOf } from './history';
 import * as scenes from './scenes';
 import * as sessions from './sessions';
 import { isDegraded, summaryOf } from './summaries';
@@ -19,41 +18,41 @@ const stateOf = (scene: string) => scenes.scenes.peek().get(keyOf(scene))!;
 
 describe('scenes', () => {
   beforeEach(() => {
-    scenes.takeSnapshot([], 0);
+    scenes.takeSnapshot([]);
     scenes.sceneInView.value = '';
   });
 
-  it('are those of the snapshot, and keep their history and decisions', () => {
-    scenes.takeSnapshot([posteriorOf('a'), posteriorOf('b')], 1);
-    scenes.takeChanges([], [decisionOf('a', 1)], 2);
-    scenes.takeSnapshot([posteriorOf('a', 9), posteriorOf('c')], 3);
+  it('are those of the snapshot, and keep their decisions', () => {
+    scenes.takeSnapshot([posteriorOf('a'), posteriorOf('b')]);
+    scenes.takeChanges([], [decisionOf('a', 1)]);
+    scenes.takeSnapshot([posteriorOf('a', 9), posteriorOf('c')]);
     expect([...scenes.scenes.peek().keys()]).toEqual([keyOf('a'), keyOf('c')]);
     expect(stateOf('a').decisions).toHaveLength(1);
-    expect(stateOf('a').history.rows.map(({ timeMs, arms }) => [timeMs, arms[0]?.alpha])).toEqual([[1, 2], [3, 9]]);
+    expect(stateOf('a').posterior.arms[0]?.posterior?.alpha).toBe(9);
     expect(stateOf('c').changedMs).toBe(0);
   });
 
   it('have the time of their latest evidence, until a change is received', () => {
     const seen = { ...posteriorOf('a'), arms: posteriorOf('a').arms.map((arm) => ({ ...arm, unixLastSeenS: 5n })) };
-    scenes.takeSnapshot([seen], 1);
+    scenes.takeSnapshot([seen]);
     expect(stateOf('a').changedMs).toBe(5000);
-    scenes.takeChanges([seen], [], 2);
+    scenes.takeChanges([seen], []);
     expect(stateOf('a').changedMs).toBeGreaterThan(5000);
   });
 
   it('receive decisions with their version of the reward, and ignore those of unknown scenes', () => {
-    scenes.takeSnapshot([posteriorOf('a'), posteriorOf('a', 2, 2, 1)], 1);
-    scenes.takeChanges([], [decisionOf('a', 1), decisionOf('a', 2, { rewardVersion: 1 }), decisionOf('x', 3)], 2);
+    scenes.takeSnapshot([posteriorOf('a'), posteriorOf('a', 2, 2, 1)]);
+    scenes.takeChanges([], [decisionOf('a', 1), decisionOf('a', 2, { rewardVersion: 1 }), decisionOf('x', 3)]);
     expect(stateOf('a').decisions.map(({ decisionId }) => decisionId)).toEqual([1n]);
     expect(scenes.scenes.peek().get(keyOf('a', 1))!.decisions.map(({ decisionId }) => decisionId)).toEqual([2n]);
   });
 
   it('keep the last decisions, more of the scene in view than of the others', () => {
     const names = Array.from({ length: 400 }, (_, i) => `s${i}`);
-    scenes.takeSnapshot(names.map((name) => posteriorOf(name)), 1);
+    scenes.takeSnapshot(names.map((name) => posteriorOf(name)));
     scenes.sceneInView.value = keyOf('s0');
     const decisions = Array.from({ length: 600 }, (_, i) => [decisionOf('s0', i), decisionOf('s1', i)]).flat();
-    scenes.takeChanges([], decisions, 2);
+    scenes.takeChanges([], decisions);
     expect(stateOf('s0').decisions).toHaveLength(500);
     expect(stateOf('s1').decisions).toHaveLength(scenes.MAX_DECISIONS / 400);
     expect(stateOf('s1').decisions.at(-1)!.decisionId).toBe(599n);
@@ -98,40 +97,9 @@ describe('sessions', () => {
   });
 });
 
-describe('history', () => {
-  it('is bounded, and keeps the peaks', () => {
-    let history = NO_HISTORY;
-    for (let i = 0; i < 10_000; ++i) history = addToHistory(history, posteriorOf('a', i === 777 ? 1e6 : i === 778 ? 1e-3 : 10 + Math.sin(i)), i);
-    const timesMs = history.rows.map(({ timeMs }) => timeMs);
-    const alpha = history.rows.map(({ arms }) => arms[0]!.alpha);
-    expect(timesMs.length).toBeLessThan(MAX_POINTS);
-    expect(Math.max(...alpha)).toBe(1e6);
-    expect(Math.min(...alpha)).toBe(1e-3);
-    expect([...timesMs].sort((a, b) => a - b)).toEqual(timesMs);
-  });
-
-  it('has a new row if P(best) has changed, and none if nothing has', () => {
-    const scene = posteriorOf('a');
-    const history = addToHistory(addToHistory(NO_HISTORY, scene, 1), scene, 2);
-    expect(history.rows).toHaveLength(1);
-    scene.arms[0]!.bestProbability = 0.5;
-    const later = addToHistory(history, scene, 3);
-    expect(later.rows.map(({ arms }) => arms[0]!.best)).toEqual([undefined, 0.5]);
-    expect(trendOf(later)).toEqual([0.5]);
-  });
-
-  it('has the newest version of a backend only, with the intervals that the daemon sent', () => {
-    const scene = posteriorOf('a');
-    scene.arms[1]!.arm = 'SAP';
-    scene.arms[0]!.isOutdated = true;
-    scene.arms[1]!.posterior!.low50 = 0.4375;
-    expect(addToHistory(NO_HISTORY, scene, 1)).toMatchObject({ arms: ['SAP'], rows: [{ arms: [{ alpha: 5, low50: 0.4375 }] }] });
-  });
-});
-
 describe('summaries', () => {
   const state = (posterior: ScenePosterior, decisions: DecisionEvent[] = []): scenes.SceneState =>
-    ({ key: 'k', posterior, changedMs: 0, history: NO_HISTORY, decisions });
+    ({ key: 'k', posterior, changedMs: 0, decisions });
 
   const judged = (verdict: Verdict, probability: number) => {
     const scene = posteriorOf('a');

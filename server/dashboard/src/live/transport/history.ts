@@ -2,28 +2,31 @@
 import { useEffect, useState } from 'preact/hooks';
 import { HistoryService, type HistoryKind, type HistorySeries } from '../../gen/sweepstake/v1/history_pb';
 import { pausedMs, range } from '../charts/view_state';
-import { period, periodKey, timesOf } from '../state/period';
+import { period, type Period, periodKey, PERIODS, timesOf } from '../state/period';
 import { type ApiError, asApiError, call } from './calls';
 
 export interface HistorySelection { kind: HistoryKind; project?: string; scene?: string; sessionId?: string }
 
 export interface HistoryReading {
   series: readonly HistorySeries[];
-  isKnown: boolean; // whether the history was read once
+  wasRead: boolean; // whether the history was read once
   error?: ApiError;
 }
 
 interface Options {
   maxPoints: number; // per series; 1: the sum over the period
-  isWhole?: boolean; // reads the whole history, whatever the chosen period is
+  period?: Period; // instead of the period of the view
   everyMs?: number;
 }
+
+/** Reads one point per series, with everything that was ever measured. */
+export const WHOLE_LIFE: Options = { maxPoints: 1, period: PERIODS.at(-1)!, everyMs: 60_000 };
 
 const STEP_MS = 15_000; // the daemon's finest points
 const MAX_SERIES = 2_000;
 
-async function readAll(selection: HistorySelection, { maxPoints, isWhole }: Options): Promise<HistorySeries[]> {
-  const times = isWhole ? { fromUnixMs: 0, untilUnixMs: 0 } : timesOf(period.peek(), range.peek(), Date.now());
+async function readAll(selection: HistorySelection, { maxPoints, period: own }: Options): Promise<HistorySeries[]> {
+  const times = own ? timesOf(own, undefined, Date.now()) : timesOf(period.peek(), range.peek(), Date.now());
   const all: HistorySeries[] = [];
   let pageToken = '';
   do {
@@ -38,25 +41,28 @@ async function readAll(selection: HistorySelection, { maxPoints, isWhole }: Opti
 /** Returns the selected series in the period of the view. Reads them again while time passes, unless the view is paused. */
 export function useHistory(selection: HistorySelection, options: Options): HistoryReading {
   const { everyMs = STEP_MS } = options;
-  const key = JSON.stringify([selection, options, options.isWhole ? '' : periodKey.value]);
-  const [{ of, reading }, setReading] = useState<{ of: string; reading: HistoryReading }>({ of: '', reading: { series: [], isKnown: false } });
+  const key = JSON.stringify([selection, options, options.period ? '' : periodKey.value]);
+  const [{ of, reading }, setReading] = useState<{ of: string; reading: HistoryReading }>({ of: '', reading: { series: [], wasRead: false } });
   useEffect(() => {
     let isOver = false;
     let timer: ReturnType<typeof setTimeout> | undefined;
     const later = () => { timer = setTimeout(document.hidden || pausedMs.peek() !== undefined ? later : () => void read(), everyMs); };
-    const read = () => readAll(selection, options).then(
-      (series) => ({ series, isKnown: true }),
-      (error: unknown) => (before: HistoryReading) => ({ ...before, error: asApiError(error) }),
-    ).then((next) => {
+    const read = async () => {
+      let next: Partial<HistoryReading>;
+      try {
+        next = { series: await readAll(selection, options), wasRead: true };
+      } catch (error) {
+        next = { error: asApiError(error) };
+      }
       if (isOver) return;
-      setReading((before) => ({ of: key, reading: typeof next === 'function' ? next(before.reading) : next }));
+      setReading(({ reading: { series, wasRead } }) => ({ of: key, reading: { series, wasRead, ...next } }));
       later();
-    });
+    };
     void read();
     return () => {
       isOver = true;
       clearTimeout(timer);
     };
   }, [key]);
-  return of === key ? reading : { ...reading, isKnown: false };
+  return of === key ? reading : { ...reading, wasRead: false };
 }

@@ -5,12 +5,10 @@ import { share } from '../../format';
 import { armsOf, MAX_STEPS, type Step } from '../audit/steps';
 import { LogState, type SessionLog, toldIn, useSessionLog, useSteps } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
-import { bandRange, BandsChart, BestChart } from '../charts/posterior_charts';
 import { RidgeFigure, ridgeRange, type RidgeRow } from '../charts/ridgeline';
 import { TimelineChart } from '../charts/timeline';
 import { TimeTools } from '../charts/time_chart';
-import { domainOf, range, type Range, useFrozen } from '../charts/view_state';
-import { seriesOf, type SeriesRow } from '../state/history';
+import { range, type Range, useFrozen } from '../charts/view_state';
 import { Arms } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
 import { sessionCsvUrl } from '../parts/download';
@@ -23,20 +21,18 @@ import { isChanging, leadersOf } from '../state/regimes';
 import { leaderProbabilityOf, scenes, type SceneState } from '../state/scenes';
 import { sessions } from '../state/sessions';
 import { verdictOf } from '../state/summaries';
-import { armNames, armRows, ridgeRows } from './scene/arms';
+import { armRows, ridgeRows } from './scene/arms';
+import { HistoryKind } from '../../gen/sweepstake/v1/history_pb';
+import { OverTime } from './over_time';
 import { CostCharts, type Ends } from './session/cost_charts';
 import { type CostColumns, costColumns, stepQuery, switchMoments } from './session/model';
 
 const Alone = () => <button type="button" class="quiet" onClick={() => setQuery({ with: undefined }, { step: true })}>Show only the first one</button>;
 const span = (ranges: readonly (readonly [number, number])[]): [number, number] => [Math.min(...ranges.map(([low]) => low)), Math.max(...ranges.map(([, high]) => high))];
 
-interface Side { state: SceneState; ridges: RidgeRow[]; arms: string[]; rows: SeriesRow[] }
+interface Side { state: SceneState; ridges: RidgeRow[] }
 
-function sideOf(state: SceneState): Side {
-  const rows = armRows(state.posterior);
-  const arms = armNames(rows);
-  return { state, ridges: ridgeRows(rows), arms, rows: seriesOf(state.history, arms) };
-}
+const sideOf = (state: SceneState): Side => ({ state, ridges: ridgeRows(armRows(state.posterior)) });
 
 // Puts `rows` into the order of `first`, so that rows of the same arm are side by side.
 const inOrderOf = (first: readonly RidgeRow[], rows: readonly RidgeRow[]): RidgeRow[] => {
@@ -45,19 +41,18 @@ const inOrderOf = (first: readonly RidgeRow[], rows: readonly RidgeRow[]): Ridge
   return [...rows].sort((a, b) => place(a) - place(b));
 };
 
-function SceneSide({ side: { state, ridges, arms, rows }, rewards, domain, values }: { side: Side; rewards: readonly [number, number]; domain: Range; values: readonly [number, number] }) {
+function SceneSide({ side: { state, ridges }, rewards }: { side: Side; rewards: readonly [number, number] }) {
   const { posterior } = state;
   const leaders = leadersOf(posterior);
   const names = [posterior.project, posterior.scene, posterior.machineClass];
-  const common = { arms, rows, rewardVersion: posterior.rewardVersion, names, domain };
   return (
     <div>
       <h2><a href={sceneHref(posterior)}><Name text={posterior.scene} /></a> on <Name text={posterior.machineClass} /></h2>
       <p><VerdictChip verdict={verdictOf(state)} /> {leaders.length > 0 && <><Arms names={leaders} />, P(best) {leaderProbabilityOf(posterior).toFixed(3)}{!isChanging(posterior) && `, loss ${share(posterior.expectedLossRatio)}`}</>}</p>
       <RidgeFigure id="beliefs" title="Posterior of each algorithm" names={names} rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards}
         notYet="No algorithm has evidence yet." />
-      <BandsChart {...common} values={values} />
-      <BestChart {...common} />
+      <OverTime selection={{ kind: HistoryKind.SCENE, project: posterior.project, scene: posterior.scene }} names={names}
+        isOwn={(series) => series.machineClass === posterior.machineClass && series.rewardVersion === posterior.rewardVersion} />
     </div>
   );
 }
@@ -70,15 +65,13 @@ export function CompareScenes({ own, other }: { own: SceneState; other: string }
   const rewardVersion = own.posterior.rewardVersion;
   const hasOneReward = beside.posterior.rewardVersion === rewardVersion;
   const rewards = (side: Side) => (hasOneReward ? span(sides.map(({ ridges }) => ridgeRange(ridges))) : ridgeRange(side.ridges));
-  const values = (side: Side) => (hasOneReward ? span(sides.map(({ rows }) => bandRange(rows, rewardVersion))) : bandRange(side.rows, side.state.posterior.rewardVersion));
-  const times = sides.flatMap(({ rows }) => rows.map(({ timeMs }) => timeMs)).sort((a, b) => a - b);
   return (
     <>
       <header class="title"><h1>Comparison</h1><span><Alone /><CopyLink /></span></header>
       {!hasOneReward && <p class="soft">The two scenes use different versions of the reward, which cannot be compared. Each has its own axes.</p>}
       <TimeTools />
       <div class="beside">
-        {sides.map((side) => <SceneSide key={side.state.key} side={side} rewards={rewards(side)} values={values(side)} domain={domainOf(times, range.value)} />)}
+        {sides.map((side) => <SceneSide key={side.state.key} side={side} rewards={rewards(side)} />)}
       </div>
     </>
   );

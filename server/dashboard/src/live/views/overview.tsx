@@ -1,7 +1,9 @@
 // The overview: what choosing algorithms saves, the problems that need attention, and all scenes, the least certain first.
 import { useMemo } from 'preact/hooks';
 import { counted, grouped, share, significant } from '../../format';
+import { HistoryKind } from '../../gen/sweepstake/v1/history_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
+import { REFERENCE_ARM, sumOf, measuredIn } from '../numbers/use';
 import { csvUrl } from '../parts/download';
 import { VerdictChip } from '../parts/chips';
 import { Choice, Filter, matches } from '../parts/filter';
@@ -14,11 +16,12 @@ import { connection } from '../state/connection';
 import { isKnown } from '../state/live';
 import { leadersOf, savingText } from '../state/regimes';
 import { route, sceneHref } from '../state/route';
-import { savingsOf } from '../state/savings';
+import { PERIODS } from '../state/period';
 import { groupedBy } from '../state/scenes';
 import { connectedSessions, sessions } from '../state/sessions';
 import { type SceneSummary, summaries } from '../state/summaries';
 import { urlOf } from '../transport/base';
+import { useHistory } from '../transport/history';
 import { Attention } from './overview/attention';
 import { SCENE_COLUMNS } from './overview/columns';
 import { GLOSSARY, verdictWord } from './words';
@@ -26,20 +29,21 @@ import { GLOSSARY, verdictWord } from './words';
 const sceneOf = ({ state }: SceneSummary) => state.posterior;
 const VERDICTS = [Verdict.DEGRADED, Verdict.AMBIGUOUS, Verdict.UNSPECIFIED, Verdict.TIE, 'changing', Verdict.STABLE] as const;
 
-// The first figure: what choosing algorithms saves now.
+const AGAINST = [['againstInitialUs', 'the algorithm that each game begins with'], ['againstSingleUs', 'the best single algorithm'], ['againstReferenceUs', REFERENCE_ARM]] as const;
+const LATELY = { maxPoints: 1, period: PERIODS.find(({ name }) => name === 'day')!, everyMs: 60_000 };
+
+// The first figure: what choosing algorithms has saved in all sessions of the last day.
 function Saving() {
-  const saved = savingsOf(summaries.value.map(({ state }) => state.posterior));
-  if (!saved) return <div class="figure main"><b>–</b><span>saved per frame: no session has measured it yet</span></div>;
-  const { sceneCount, ranUs, againstInitialUs, againstSingleUs, againstReferenceUs } = saved;
-  const known = ([[againstInitialUs, 'the algorithm that the game begins with'], [againstSingleUs, 'the best single algorithm'], [againstReferenceUs, 'KDTree']] as const)
-    .flatMap(([us, name]) => (us === undefined ? [] : [{ us, against: `against ${name}` }]));
-  const { us, against } = known[0]!;
-  const part = Math.abs(us) / Math.max(ranUs + us, Number.MIN_VALUE);
+  const { series, wasRead, error } = useHistory({ kind: HistoryKind.SCENE }, LATELY);
+  const total = useMemo(() => sumOf(series.map(({ points }) => measuredIn(points[0]!))), [series]);
+  if (!total) return <div class="figure main"><b>–</b><span>{error ? error.message : wasRead ? 'No session has measured in the last day what it saves.' : 'Reading the history.'}</span></div>;
+  const [first, ...others] = AGAINST.flatMap(([part, name]) => (total[part] === undefined ? [] : [{ us: total[part] / total.frameCount, against: `against ${name}` }]));
+  if (!first) return null;
   return (
-    <div class={us > 0 ? 'figure main good' : 'figure main'} title="Mean over the scenes. The session that has been connected the longest stands for its scene.">
-      <b>{savingText(us)}</b>
-      <span>saved per frame {against} ({us < 0 ? '−' : ''}{share(part)} of its detection time){known.slice(1).map((other) => `, ${savingText(other.us)} ${other.against}`)};
-        {' '}mean of {counted(sceneCount, 'scene', 'scenes')} played now</span>
+    <div class={first.us > 0 ? 'figure main good' : 'figure main'} title={`${grouped(total.frameCount)} measured frames`}>
+      <b>{savingText(first.us)}</b>
+      <span>saved per frame {first.against} ({first.us < 0 ? '−' : ''}{share(Math.abs(first.us) / (total.frameUs / total.frameCount))} of the frame time){others.map(({ us, against }) => `, ${savingText(us)} ${against}`)};
+        {' '}{counted(series.length, 'scene', 'scenes')} in the last day</span>
     </div>
   );
 }

@@ -2,28 +2,28 @@
 import { useComputed } from '@preact/signals';
 import { useEffect, useMemo, useRef } from 'preact/hooks';
 import { counted } from '../../format';
-import { BandsChart, BestChart, LossChart } from '../charts/posterior_charts';
 import type { Moment } from '../charts/plot';
 import { RidgeFigure } from '../charts/ridgeline';
 import { TimeTools } from '../charts/time_chart';
 import { useFrozen } from '../charts/view_state';
 import { mean } from '../numbers/beta';
-import { seriesOf } from '../state/history';
 import { csvUrl } from '../parts/download';
 import { ago, now } from '../parts/clock';
 import { CopyLink } from '../parts/toast';
 import { Name, visible } from '../parts/name';
 import { Empty, Failure, Loading } from '../parts/states';
+import { HistoryKind } from '../../gen/sweepstake/v1/history_pb';
 import type { ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { connection } from '../state/connection';
 import { isKnown } from '../state/live';
 import { decisionsHref, route, sceneHref, sceneNameOf } from '../state/route';
 import { sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
-import { sessions } from '../state/sessions';
 import { urlOf } from '../transport/base';
+import { useHistory, WHOLE_LIFE } from '../transport/history';
+import { OverTime } from './over_time';
 import { CompareScenes } from './compare';
-import { Builds, buildStarts, Latest, Sessions, Variants, variantsOf } from './scene/lists';
-import { armNames, type ArmRow, armRows, ArmTable, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/arms';
+import { Builds, Latest, Sessions, Variants, variantsOf } from './scene/lists';
+import { type ArmRow, armRows, ArmTable, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/arms';
 import { SceneEvidence } from './scene/evidence';
 import { isChanging } from '../state/regimes';
 import { Headline, Regimes } from './scene/headline';
@@ -62,33 +62,23 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   );
 }
 
-// Returns when each build of the game first appeared in a session that the daemon has in memory.
-function useBuilds({ project, scene }: SceneName): readonly Moment[] {
-  const own = useComputed(() => buildStarts([...sessions.value.values()].map(({ info }) => info).filter((info) => info.project === project && info.scene === scene))
-    .map(({ build, fromMs }) => `${fromMs} ${build}`).join('\n')).value;
-  return useMemo(() => own.split('\n').filter(Boolean).map((line): Moment => {
-    const [fromMs = '0', ...build] = line.split(' ');
-    return { timeMs: Number(fromMs), colour: 'var(--soft)', label: visible(build.join(' ')).slice(0, 20) };
-  }), [own]);
+// When each build was first played, as marks of charts.
+function useBuilds({ project, scene, machineClass }: SceneName): readonly Moment[] {
+  const { series } = useHistory({ kind: HistoryKind.BUILD, project, scene }, WHOLE_LIFE);
+  return useMemo(() => series.filter((each) => each.build !== '' && each.machineClass === machineClass)
+    .map(({ build, points }): Moment => ({ timeMs: Number(points[0]!.unixMs), colour: 'var(--soft)', label: visible(build).slice(0, 20) })), [series]);
 }
 
-function Charts({ state, rows }: { state: SceneState; rows: readonly ArmRow[] }) {
-  const { rewardVersion, project, scene } = state.posterior;
-  const names = armNames(rows);
-  const arms = useMemo(() => names, [names.join('\n')]);
-  const beliefs = useMemo(() => seriesOf(state.history, arms), [arms, state.history]);
-  const never = rows.filter(({ measured, isOutdated }) => measured === 'never' && !isOutdated).map(({ arm }) => arm).join('\n');
-  const assumed = useMemo(() => new Set(never.split('\n')), [never]);
+function Charts({ state }: { state: SceneState }) {
+  const { project, scene, machineClass, rewardVersion } = state.posterior;
   const builds = useBuilds(state.posterior);
   const moments = useMemo(() => [...latestSwitches(state.decisions), ...builds], [state.decisions, builds]);
-  const props = { arms, assumed, moments, rows: beliefs, rewardVersion, names: [project, scene] };
   return (
     <>
       <TimeTools />
-      <p class="soft small">Dotted lines mark the first session of each build. They also mark the latest {MAX_SWITCHES} switches of all sessions, in the colour of the new algorithm. These
-        charts begin when the page was opened. The charts of a session begin with its log.</p>
-      <BandsChart {...props} />
-      <div class="beside"><BestChart {...props} /><LossChart {...props} /></div>
+      <p class="soft small">Dotted lines mark the first session of each build. They also mark the latest {MAX_SWITCHES} switches of all sessions, in the colour of the new algorithm.</p>
+      <OverTime selection={{ kind: HistoryKind.SCENE, project, scene }} names={[project, scene]} moments={moments}
+        isOwn={(series) => series.machineClass === machineClass && series.rewardVersion === rewardVersion} />
     </>
   );
 }
@@ -115,7 +105,7 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
           </details>
         </>
       ) : beliefs}
-      <section aria-labelledby="time-heading"><h2 id="time-heading">Over time{isChanging(state.posterior) && ', all regimes together'}</h2><Charts state={state} rows={rows} /></section>
+      <section aria-labelledby="time-heading"><h2 id="time-heading">Over time</h2><Charts state={state} /></section>
       <section aria-labelledby="evidence-heading"><h2 id="evidence-heading">Evidence</h2><SceneEvidence name={name} /></section>
       <section aria-labelledby="classes-heading"><h2 id="classes-heading">Comparison of machines</h2><Variants name={name} /></section>
       <section aria-labelledby="builds-heading"><h2 id="builds-heading">Comparison of builds</h2><Builds name={name} /></section>

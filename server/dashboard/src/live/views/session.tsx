@@ -28,6 +28,8 @@ import { decisionsHref, route, sceneHref, setQuery } from '../state/route';
 import { isConnected, lastMessageMs, sessionInView, sessions, type SessionState } from '../state/sessions';
 import { urlOf } from '../transport/base';
 import { useReading } from '../transport/reading';
+import { HistoryKind } from '../../gen/sweepstake/v1/history_pb';
+import { OverTime } from './over_time';
 import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
@@ -212,6 +214,8 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       {!chosen && !log.isReading && asksForStep() && <AskedStep sessionId={sessionId} onOpen={openStep} />}
       <TimeTools />
       <Timeline {...props} onOpen={openStep} />
+      <section aria-labelledby="history-heading"><h2 id="history-heading">History</h2>
+        <OverTime selection={{ kind: HistoryKind.SESSION, sessionId }} names={[sessionId]} moments={moments} /></section>
       <Costs {...props} />
       {latest && <Boxes info={latest.info} isOver={latest.ended !== undefined} />}
       <section aria-labelledby="beliefs-heading"><h2 id="beliefs-heading">Posteriors</h2><Beliefs {...props} /></section>

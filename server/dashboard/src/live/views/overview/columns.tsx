@@ -7,11 +7,9 @@ import { ago, duration, now } from '../../parts/clock';
 import { Name } from '../../parts/name';
 import { Sparkline } from '../../parts/sparkline';
 import type { Column } from '../../parts/table';
-import { thresholds } from '../../state/account';
-import { trendOf } from '../../state/history';
 import { isChanging, leadersOf, presentBest, savingText } from '../../state/regimes';
 import { sceneHref } from '../../state/route';
-import { frameTimesOf } from '../../state/savings';
+import { frameTimesOf } from '../../state/frame_times';
 import { sessions } from '../../state/sessions';
 import type { SceneSummary } from '../../state/summaries';
 
@@ -86,8 +84,6 @@ export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
   { id: 'sessions', title: 'Sessions', hint: 'Sessions connected now', sort: (row) => sceneOf(row).activeSessionCount },
   { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: (row) => sceneOf(row).machineClass },
   { id: 'project', title: 'Project', isText: true, sort: (row) => sceneOf(row).project },
-  { id: 'trend', title: 'Trend of P(best)', isText: true, isDetail: true, hint: 'The highest P(best) from all evidence since the page was opened, from 0 to 1. The dotted line is the threshold of stable scenes.',
-    cell: (row) => <Sparkline values={trendOf(row.state.history)} low={0} high={1} mark={thresholds.value.stableProbability} /> },
   { id: 'loss', title: 'Loss', width: '6rem', isDetail: true, hint: 'Expected extra cost of choosing this algorithm instead of the best one', sort: lossOf,
     cell: (row) => { const loss = lossOf(row); return loss === undefined ? '–' : share(loss); } },
   { id: 'evidence', title: 'Measurements', width: '7rem', isDetail: true, hint: 'Windows and visits of the shadow lane in all sessions', sort: (row) => Number(row.evidence) },

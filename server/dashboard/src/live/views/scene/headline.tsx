@@ -6,6 +6,7 @@ import { percentilesOf } from '../../audit/steps';
 import { Arm } from '../../parts/arm';
 import { VerdictChip } from '../../parts/chips';
 import { duration, now, timeText } from '../../parts/clock';
+import { REFERENCE_ARM } from '../../numbers/use';
 import { Name, visible } from '../../parts/name';
 import { type Column, Table } from '../../parts/table';
 import { bestOf, costText, isChanging, regimeText, savingText } from '../../state/regimes';
@@ -58,8 +59,6 @@ function BestOfRegimes({ activity }: { activity: SceneActivity }) {
     </>
   );
 }
-
-const REFERENCE_ARM = 'KDTree'; // kReferenceArm in regime_report.h
 
 function saved(us: number | undefined, against: string): string | undefined {
   if (us === undefined) return undefined;

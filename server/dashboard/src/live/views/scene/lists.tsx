@@ -1,23 +1,24 @@
 // Lists in the view of a scene: the same scene on other machines, its sessions, and its latest decisions.
 import { DecisionOutcome, type DecisionEvent } from '../../../gen/sweepstake/v1/posteriors_pb';
-import { bytes, share, significant } from '../../../format';
+import { bytes, grouped, share, significant } from '../../../format';
 import { csvUrl } from '../../parts/download';
 import { Arm, Arms } from '../../parts/arm';
 import { Chip, VerdictChip } from '../../parts/chips';
 import { ago, now, timeText } from '../../parts/clock';
 import { Name, visible } from '../../parts/name';
-import { isChanging, leadersOf } from '../../state/regimes';
+import { isChanging, leadersOf, savingText } from '../../state/regimes';
 import { decisionsHref, route, sceneHref, sessionHref } from '../../state/route';
-import { frameTimesOf } from '../../state/savings';
+import { frameTimesOf } from '../../state/frame_times';
 import { leaderProbabilityOf, sceneKey, type SceneName, type SceneState } from '../../state/scenes';
-import { isConnected, lastMessageMs, sessions, type SessionState } from '../../state/sessions';
+import { connectedSessions, isConnected, lastMessageMs, sessions, type SessionState } from '../../state/sessions';
 import { summaries, verdictOf } from '../../state/summaries';
 import { explained, toldOfEvent } from '../../audit/explain';
 import { endWord, modeWord, outcomeWord, stateWord } from '../words';
 import { useComputed } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
-import type { SessionInfo } from '../../../gen/sweepstake/v1/sessions_pb';
-import { bucketsOf, type Buckets, countOf, type LogHistogram, merged, type Percentiles, percentiles } from '../../numbers/histogram';
+import { HistoryKind, type HistoryPoint } from '../../../gen/sweepstake/v1/history_pb';
+import { percentilesOf, type Use, measuredIn } from '../../numbers/use';
+import { useHistory, WHOLE_LIFE } from '../../transport/history';
 import { type Column, Table } from '../../parts/table';
 
 /** Returns the URL that compares the scene of this view with another one. */
@@ -103,70 +104,36 @@ export function Latest({ decisions, rewardVersion }: { decisions: readonly Decis
   );
 }
 
-export interface BuildRow {
-  build: string; // '': unknown
-  sessionCount: number;
-  onlineCount: number;
-  droppedCount: number;
-  frameCount: number; // frames in the percentiles
-  frameNs: Percentiles | undefined;
-  detectionNs: Percentiles | undefined;
-  nativeBytes: Percentiles | undefined;
-}
+interface BuildRow { build: string; point: HistoryPoint; onlineCount: number; use: Use | undefined }
 
-type Part = 'frameTimeNs' | 'detectionTimeNs' | 'nativeBytes';
-
-function bucketsIn(all: readonly SessionState[], part: Part): Buckets {
-  const histograms = all.flatMap(({ decisions }) => decisions.map(({ measurements }) => measurements?.[part]));
-  return merged(histograms.filter((each): each is NonNullable<typeof each> => each !== undefined).map((each: LogHistogram) => bucketsOf(each)));
-}
-
-export function buildRows(all: readonly SessionState[]): BuildRow[] {
-  return [...new Set(all.map(({ info }) => info.build))].map((build) => {
-    const own = all.filter(({ info }) => info.build === build);
-    const frames = bucketsIn(own, 'frameTimeNs');
-    return {
-      build,
-      sessionCount: own.length,
-      onlineCount: own.filter(isConnected).length,
-      droppedCount: own.reduce((sum, { info }) => sum + Number(info.droppedFrameCount), 0),
-      frameCount: countOf(frames),
-      frameNs: percentiles(frames),
-      detectionNs: percentiles(bucketsIn(own, 'detectionTimeNs')),
-      nativeBytes: percentiles(bucketsIn(own, 'nativeBytes')),
-    };
-  });
-}
-
-/** Returns when the first session of each build began. */
-export function buildStarts(all: readonly SessionInfo[]): { build: string; fromMs: number }[] {
-  const starts = new Map<string, number>();
-  for (const { build, unixStartMs } of all) {
-    if (build) starts.set(build, Math.min(starts.get(build) ?? Number.POSITIVE_INFINITY, Number(unixStartMs)));
-  }
-  return [...starts].map(([build, fromMs]) => ({ build, fromMs })).sort((a, b) => a.fromMs - b.fromMs || a.build.localeCompare(b.build));
-}
-
-const ms = (ns: number) => `${significant(ns / 1e6)} ms`;
-const PLACES = [['p50', 0], ['p95', 1], ['p99', 2]] as const;
-const three = (id: string, title: string, values: (row: BuildRow) => Percentiles | undefined, text: (value: number) => string): Column<BuildRow>[] =>
-  PLACES.map(([name, place]) => ({
-    id: `${id}-${name}`, title: `${title} ${name}`, sort: (row: BuildRow) => values(row)?.[place],
-    cell: (row: BuildRow) => { const value = values(row)?.[place]; return value === undefined ? '–' : text(value); },
+const three = (part: 'frameTimeNs' | 'detectionTimeNs' | 'nativeBytes', id: string, title: string, text: (value: number) => string): Column<BuildRow>[] =>
+  (['p50', 'p95', 'p99'] as const).map((name, place) => ({
+    id: `${id}-${name}`, title: `${title} ${name}`, sort: ({ point }: BuildRow) => percentilesOf(point[part])?.[place],
+    cell: ({ point }: BuildRow) => { const value = percentilesOf(point[part])?.[place]; return value === undefined ? '–' : text(value); },
   }));
+const savedOf = ({ use }: { use: Use | undefined }) => use && (use.againstInitialUs ?? use.againstSingleUs ?? Number.NaN) / use.frameCount;
+const SAVED_HINT = 'Detection time per frame that was saved against the algorithm that the game begins with, with the cost of switches';
+const usText = (ns: number) => `${significant(ns / 1000)} µs`;
 
 const COLUMNS: readonly Column<BuildRow>[] = [
   { id: 'build', title: 'Build', sort: ({ build }) => build },
-  { id: 'sessions', title: 'Sessions', sort: ({ sessionCount }) => sessionCount, cell: ({ sessionCount, onlineCount }) => `${sessionCount}, ${onlineCount} online` },
-  ...three('frame', 'Frame', ({ frameNs }) => frameNs, ms),
-  ...three('detection', 'Detection', ({ detectionNs }) => detectionNs, ms),
-  ...three('memory', 'Memory', ({ nativeBytes }) => nativeBytes, bytes).slice(1, 2),
-  { id: 'frames', title: 'Frames', hint: 'Number of frames in the percentiles', sort: ({ frameCount }) => frameCount },
-  { id: 'dropped', title: 'Dropped', hint: 'Frames that games measured but could not send', sort: ({ droppedCount }) => droppedCount },
+  { id: 'sessions', title: 'Sessions', sort: ({ point }) => Number(point.sessionCount), cell: ({ point, onlineCount }) => `${grouped(Number(point.sessionCount))}, ${onlineCount} online` },
+  ...three('frameTimeNs', 'frame', 'Frame', (ns) => `${significant(ns / 1e6)} ms`),
+  ...three('detectionTimeNs', 'detection', 'Detection', usText),
+  { id: 'saved', title: 'Saved per frame', hint: SAVED_HINT, sort: savedOf, cell: (row) => savingText(savedOf(row)) ?? '–' },
+  ...three('nativeBytes', 'memory', 'Memory', bytes).slice(1, 2),
+  { id: 'frames', title: 'Frames', hint: 'Number of measured frames', sort: ({ point }) => Number(point.frameCount) },
+  { id: 'switches', title: 'Switches', sort: ({ point }) => Number(point.switchCount) },
+  { id: 'first', title: 'First played', sort: ({ point }) => Number(point.unixMs), cell: ({ point }) => timeText(Number(point.unixMs)) },
+  { id: 'last', title: 'Last played', sort: ({ point }) => Number(point.endUnixMs), cell: ({ point }) => timeText(Number(point.endUnixMs)) },
 ];
 
-export function Builds({ name: { project, scene } }: { name: SceneName }) {
-  const own = useComputed(() => [...sessions.value.values()].filter(({ info }) => info.project === project && info.scene === scene)).value;
-  if (own.length === 0) return <p class="soft">The daemon has no session of this scene in memory.</p>;
-  return <Table caption="Builds" columns={COLUMNS} rows={buildRows(own)} keyOf={({ build }) => build} sort="build" sortParameter="builds" />;
+/** The builds that have played the scene, over their whole lives. */
+export function Builds({ name: { project, scene, machineClass, rewardVersion } }: { name: SceneName }) {
+  const { series, wasRead, error } = useHistory({ kind: HistoryKind.BUILD, project, scene }, WHOLE_LIFE);
+  const online = useComputed(() => connectedSessions.value.filter(({ info }) => info.project === project && info.scene === scene).map(({ info }) => info.build)).value;
+  const own = series.filter((each) => each.machineClass === machineClass && each.rewardVersion === rewardVersion);
+  if (own.length === 0) return <p class="soft">{error ? error.message : wasRead ? 'The history has no build of this scene on this class of machines.' : 'Reading the history.'}</p>;
+  const rows = own.map(({ build, points }): BuildRow => ({ build, point: points[0]!, onlineCount: online.filter((each) => each === build).length, use: measuredIn(points[0]!) }));
+  return <Table caption="Builds" columns={COLUMNS} rows={rows} keyOf={({ build }) => build} sort="build" sortParameter="builds" />;
 }

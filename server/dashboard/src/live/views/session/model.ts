@@ -7,7 +7,7 @@ import { forEachVisit, isSwitch, percentilesOf, type Step, windowOf } from '../.
 import { ShadowFlag } from '../../../gen/sweepstake/v1/telemetry_pb';
 import type { Beta } from '../../numbers/beta';
 import { keepExtremes } from '../../numbers/downsample';
-import type { SeriesRow } from '../../state/history';
+import type { SeriesRow } from '../../charts/posterior_charts';
 
 const MAX_POINTS = 600;
 
@@ -31,7 +31,6 @@ export function beliefRows(steps: readonly Step[], armCount: number): SeriesRow[
       timeMs: step.timeMs,
       beliefs: Array.from({ length: armCount }, (_, arm) => posteriors[arm]),
       best: [...bestOf(step)],
-      expectedLossRatio: step.told!.expectedLossRatio,
     };
   });
 }

@@ -1,0 +1,124 @@
+// Charts of a scene or session over time, from the daemon's history: the best algorithms, what ran, and frame and detection times.
+import { useMemo } from 'preact/hooks';
+import { significant } from '../../format';
+import type { HistoryPoint, HistorySeries } from '../../gen/sweepstake/v1/history_pb';
+import type { RegimePosterior, SceneActivity } from '../../gen/sweepstake/v1/posteriors_pb';
+import { armStyle } from '../charts/colours';
+import { type Band, fillOf, type Level, type Line, type Moment } from '../charts/plot';
+import { BestChart, StackChart } from '../charts/posterior_charts';
+import { TimeFigure } from '../charts/time_chart';
+import { domainOf, range, type Range } from '../charts/view_state';
+import { FRAME_MS, NS_PER_MS } from '../numbers/log_cost';
+import { percentilesOf, measuredIn } from '../numbers/use';
+import { Choice } from '../parts/filter';
+import { Failure, Loading } from '../parts/states';
+import { period, timesOf } from '../state/period';
+import { route } from '../state/route';
+import { type HistorySelection, useHistory } from '../transport/history';
+
+const MAX_POINTS = 300;
+const NOT_YET = 'The history has no measurements in this period. Points appear about 20 seconds after they are measured.';
+const PERCENTILES = [['p50', 'var(--kind-1)', []], ['p95', 'var(--kind-3)', [8, 3]], ['p99', 'var(--kind-4)', [4, 2]]] as const;
+const FRAME_LEVELS: readonly Level[] = [{ value: FRAME_MS, label: '60 fps' }, { value: 2 * FRAME_MS, label: '30 fps' }];
+const us = (value: number) => `${significant(value)} µs`;
+
+const armsOf = (points: readonly HistoryPoint[]) => [...new Set(points.flatMap(({ arms }) => arms.map(({ arm }) => arm)))].sort();
+
+/** Returns the regime to show: the present one, all together, or the one of this number. */
+function regimeIn({ total, regimes }: SceneActivity, chosen: string): RegimePosterior | undefined {
+  if (chosen === 'all' || regimes.length === 0) return total;
+  return chosen === '' ? regimes.find(({ isPresent }) => isPresent) ?? total : regimes[Number(chosen) - 1];
+}
+
+interface Rows { timesMs: number[]; points: readonly HistoryPoint[]; arms: string[] }
+
+/** Returns a value of each algorithm at each point, in the order of the algorithms. */
+function beliefsOf({ points, arms }: Rows, chosen: string): (RegimePosterior['arms'][number] | undefined)[][] {
+  return points.map(({ activity }) => {
+    const regime = activity && regimeIn(activity, chosen);
+    return arms.map((arm) => regime?.arms[activity!.arms.indexOf(arm)]);
+  });
+}
+
+function costLines({ arms }: Rows, beliefs: ReturnType<typeof beliefsOf>): { lines: Line[]; bands: Band[] } {
+  const bands: Band[] = [];
+  const lines = arms.flatMap((arm, i): Line[] => {
+    const { colour, dash } = armStyle(arm, arms);
+    bands.push({ upper: 3 * i + 2, lower: 3 * i + 1, fill: fillOf(colour, 0.12) });
+    return (['costUs', 'lowUs', 'highUs'] as const).map((part) =>
+      ({ label: part === 'costUs' ? arm : `${arm} ${part}`, values: beliefs.map((row) => row[i]?.[part] || null), colour, dash, arm, stepped: true, width: part === 'costUs' ? 2 : 0 }));
+  });
+  return { lines, bands };
+}
+
+const percentileLines = (points: readonly HistoryPoint[], part: 'frameTimeNs' | 'detectionTimeNs', unitNs: number): Line[] => {
+  const values = points.map((point) => percentilesOf(point[part]));
+  return PERCENTILES.map(([label, colour, dash], i) => ({ label, values: values.map((each) => (each ? each[i]! / unitNs : null)), colour, dash: [...dash], stepped: true }));
+};
+
+const SAVINGS = [['againstInitialUs', 'against the first algorithm', 'var(--kind-1)'], ['againstSingleUs', 'against the best single one', 'var(--kind-3)'], ['againstReferenceUs', 'against KDTree', 'var(--kind-4)']] as const;
+const savingLines = (points: readonly HistoryPoint[]): Line[] => {
+  const uses = points.map(measuredIn);
+  return SAVINGS.map(([part, label, colour]) => ({ label, colour, stepped: true, values: uses.map((use) => (use?.[part] === undefined ? null : use[part] / use.frameCount)) }));
+};
+
+const shares = ({ points, arms }: Rows): (number | undefined)[][] => points.map((point) => {
+  const counts = arms.map((arm) => Number(point.arms.find((each) => each.arm === arm)?.activeFrameCount ?? 0));
+  const total = counts.reduce((sum, count) => sum + count, 0);
+  return counts.map((count) => (total > 0 ? count / total : undefined));
+});
+
+function Beliefs({ rows, common }: { rows: Rows; common: Common }) {
+  const chosen = route.value.query.get('regime') ?? '';
+  const beliefs = useMemo(() => beliefsOf(rows, chosen), [rows, chosen]);
+  const best = useMemo(() => rows.timesMs.map((timeMs, i) => ({ timeMs, best: beliefs[i]!.map((belief) => belief?.bestProbability) })), [beliefs]);
+  const costs = useMemo(() => costLines(rows, beliefs), [beliefs]);
+  const count = Math.max(0, ...rows.points.map(({ activity }) => activity?.regimes.length ?? 0));
+  const numbers = Array.from({ length: count }, (_, i) => [String(i + 1), `${i + 1}`] as const);
+  return (
+    <>
+      {count > 0 && <div class="tools"><Choice label="Regime" parameter="regime" options={[['', 'the present one'], ['all', 'all together'], ...numbers]} /></div>}
+      <BestChart {...common} arms={rows.arms} rows={best} notYet={NOT_YET} />
+      <TimeFigure {...common} {...costs} id="costs" title="Estimated cost of each algorithm" timesMs={rows.timesMs} unit="(µs)" scale="log" format={us} height={260}
+        note="Detection time per frame: estimate and 95 % credible interval, as the session that was connected the longest believed." />
+    </>
+  );
+}
+
+interface Common { names: readonly string[]; domain: Range; moments: readonly Moment[]; empty: string | false }
+
+function Charts({ series, names, domain, moments }: { series: HistorySeries | undefined; names: readonly string[]; domain: Range; moments: readonly Moment[] }) {
+  const rows = useMemo((): Rows => {
+    const points = series?.points ?? [];
+    return { points, arms: armsOf(points), timesMs: points.map(({ unixMs }) => Number(unixMs)) };
+  }, [series]);
+  const drawn = useMemo(() => ({ frame: percentileLines(rows.points, 'frameTimeNs', NS_PER_MS), detection: percentileLines(rows.points, 'detectionTimeNs', 1000), saved: savingLines(rows.points), shares: shares(rows) }), [rows]);
+  const ran = useMemo(() => rows.timesMs.map((timeMs, i) => ({ timeMs, best: drawn.shares[i]! })), [drawn]);
+  const common: Common = { names, domain, moments, empty: rows.points.length === 0 && NOT_YET };
+  const hasBeliefs = rows.points.some(({ activity }) => activity);
+  return (
+    <>
+      {hasBeliefs && <Beliefs rows={rows} common={common} />}
+      <StackChart {...common} id="ran" title="What ran" arms={rows.arms} rows={ran} format={(value) => `${significant(100 * value)} %`} height={140}
+        note="Share of the frames in which each algorithm ran." />
+      <div class="beside">
+        <TimeFigure {...common} id="frame-history" title="Frame time" timesMs={rows.timesMs} lines={drawn.frame} levels={FRAME_LEVELS} unit="(ms)" scale="zero" format={(value) => `${significant(value)} ms`} height={160} />
+        <TimeFigure {...common} id="detection-history" title="Detection time" timesMs={rows.timesMs} lines={drawn.detection} unit="(µs)" scale="log" format={us} height={160} />
+      </div>
+      <TimeFigure {...common} id="saved" title="Saved per frame" timesMs={rows.timesMs} lines={drawn.saved} unit="(µs)" scale="signed" format={us} height={140}
+        note="Detection time per frame that the choice of algorithms saved, with the cost of switches. Below zero: lost." />
+    </>
+  );
+}
+
+/** The history of one scene or session. `isOwn` selects its series. */
+export function OverTime({ selection, isOwn = () => true, names, moments = [] }: { selection: HistorySelection; isOwn?(series: HistorySeries): boolean; names: readonly string[]; moments?: readonly Moment[] }) {
+  const { series, wasRead, error } = useHistory(selection, { maxPoints: MAX_POINTS });
+  const own = series.find(isOwn);
+  const times = timesOf(period.value, range.value, Date.now());
+  const firstMs = Number(own?.points[0]?.unixMs ?? 0);
+  const domain = range.value ?? (times.fromUnixMs > 0 ? { fromMs: times.fromUnixMs, toMs: Date.now() } : domainOf([firstMs || Date.now(), Date.now()], undefined));
+  if (error && !own) return <Failure what="The history" error={error} onRetry={() => location.reload()} />;
+  if (!wasRead && !own) return <Loading what="the history" />;
+  return <Charts series={own} names={names} domain={domain} moments={moments} />;
+}
