@@ -62,8 +62,24 @@ async function checkSavings(page, daemon) {
   const text = await until('the savings are there', async () => (await page.locator('.savings').innerText()).includes('saves') && page.locator('.savings').innerText());
   assert.match(text, /saves 30.0 µs per frame against Grid, the algorithm that the game begins with; it saves 12.5 µs per frame against the best single choice; it saves 40.0 µs per frame against KDTree/);
   await page.goto(daemon.origin);
-  await page.getByText('saved per frame against the algorithm that the game begins with').waitFor();
+  await page.getByText('saved per frame against the algorithm that each game begins with').waitFor();
   assert.equal(await page.locator('.figure.main b').innerText(), '30.0 µs');
+}
+
+// The charts of a scene come from the history of the daemon, for the chosen period.
+async function checkHistory(page, daemon) {
+  await page.goto(`${daemon.origin}${SCENE}`);
+  const shown = async (id) => (await page.locator(`[data-chart=${id}] .legend`).innerText()).replace(/\s+/g, ' ');
+  assert.match(await shown('saved'), /against the first algorithm 30.0 µs against the best single one 12.5 µs against KDTree 40.0 µs/);
+  assert.match(await shown('ran'), /SAP 100 %/);
+  assert.match(await shown('best'), /DBVT 0.900/, 'P(best) of the present regime');
+  await page.locator('label', { hasText: 'Regime' }).getByRole('combobox').selectOption('all together');
+  assert.match(await shown('best'), /SAP 0.900/);
+  const asked = page.waitForRequest((request) => request.url().endsWith('GetHistory') && request.postDataJSON().kind === 'HISTORY_KIND_SCENE');
+  await page.locator('label', { hasText: 'Period' }).getByRole('combobox').selectOption('last week');
+  const { fromUnixMs } = (await asked).postDataJSON();
+  assert.ok(Math.abs(Date.now() - Number(fromUnixMs) - 7 * 86_400_000) < 60_000, fromUnixMs);
+  assert.equal(new URL(page.url()).searchParams.get('period'), 'week');
 }
 
 // A view whose file could not be loaded can be loaded later. While the daemon is away, the page stays.
@@ -170,7 +186,7 @@ async function checkAll(browser) {
   const daemon = await new SyntheticDaemon({ sceneCount: 5, sessionCount: 3, speed: 1, folder: built }).listen();
   try {
     const page = await openPage(await browser.newContext({ viewport: { width: 1440, height: 900 } }), daemon.origin);
-    for (const check of [checkGameWithoutOrders, checkWaitingOrder, checkSavings, checkFailedView, checkEscape, checkRecording]) {
+    for (const check of [checkGameWithoutOrders, checkWaitingOrder, checkSavings, checkHistory, checkFailedView, checkEscape, checkRecording]) {
       await check(page, daemon);
       assertNoTrouble(page, check.name);
       console.log(`${check.name}: passed`);

@@ -22,7 +22,7 @@ const PERCENTILES = [['p50', 'var(--kind-1)', []], ['p95', 'var(--kind-3)', [8, 
 const FRAME_LEVELS: readonly Level[] = [{ value: FRAME_MS, label: '60 fps' }, { value: 2 * FRAME_MS, label: '30 fps' }];
 const us = (value: number) => `${significant(value)} µs`;
 
-const armsOf = (points: readonly HistoryPoint[]) => [...new Set(points.flatMap(({ arms }) => arms.map(({ arm }) => arm)))].sort();
+const armsOf = (points: readonly HistoryPoint[]) => [...new Set(points.flatMap(({ arms, activity }) => [...arms.map(({ arm }) => arm), ...(activity?.arms ?? [])]))].sort();
 
 /** Returns the regime to show: the present one, all together, or the one of this number. */
 function regimeIn({ total, regimes }: SceneActivity, chosen: string): RegimePosterior | undefined {
