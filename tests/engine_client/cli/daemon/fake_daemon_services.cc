@@ -18,6 +18,7 @@ grpc::Status FakePosteriors::ListPosteriors(grpc::ServerContext*,
                                             const v1::ListPosteriorsRequest* request,
                                             v1::ListPosteriorsResponse* response) {
   projects->push_back(request->project());
+  listed_scene = request->scene();
   const size_t page = request->page_token().empty() ? 0 : std::stoul(request->page_token());
   *response = pages->at(page);
   if (page + 1 < pages->size()) response->set_next_page_token(std::to_string(page + 1));

@@ -58,6 +58,7 @@ class FakePosteriors final : public v1::PosteriorsService::Service {
   std::atomic<int> watch_count = 0;  // watches beyond `watch_limit` are refused
   std::atomic<int> watch_limit = 2;
   Guarded<std::vector<std::string>> projects;  // project of each request
+  Guarded<std::string> listed_scene;
   Guarded<std::string> watched_scene;
 
  private:

@@ -46,13 +46,13 @@ TEST(ListPosteriors, ReadsEveryPage) {
   EXPECT_THAT(daemon.posteriors.projects.get(), ElementsAre("p", "p", "p"));
 }
 
-TEST(ListPosteriors, KeepsOnlyTheRequestedScene) {
+TEST(ListPosteriors, LetsTheDaemonSelectTheScene) {
   FakeDaemonServices daemon;
-  daemon.posteriors.pages = {PageWith({"a", "b"}), PageWith({"b"})};
+  daemon.posteriors.pages = {PageWith({"b"}), PageWith({"b"})};
   const auto scenes = ListPosteriors({daemon.address()}, "", "b");
   ASSERT_TRUE(scenes.ok());
   EXPECT_EQ(scenes->size(), 2U);
-  EXPECT_TRUE(ListPosteriors({daemon.address()}, "", "z")->empty());
+  EXPECT_EQ(daemon.posteriors.listed_scene.get(), "b");
 }
 
 v1::WatchPosteriorsResponse DecisionOf(uint64_t id) {
