@@ -17,10 +17,9 @@ bool HasEnded(const Silence& silence, int64_t unix_now_ms) {
 }
 
 // The first alerts have the lowest value.
-auto RankOf(const Alert& alert) {
-  return std::tuple(alert.silence.has_value(), alert.finding.severity != Severity::kSerious,
-                    -alert.finding.loss_us.value_or(0),
-                    -static_cast<int64_t>(alert.finding.session_count));
+auto RankOf(const Finding& finding, bool is_silenced) {
+  return std::tuple(is_silenced, finding.severity != Severity::kSerious,
+                    -finding.loss_us.value_or(0), -static_cast<int64_t>(finding.session_count));
 }
 
 }  // namespace
@@ -88,15 +87,21 @@ void AlertBoard::EndSilences(int64_t now_ns, int64_t unix_now_ms) {
 }
 
 void AlertBoard::Rank() {
-  ranked_.clear();
-  for (const auto& [key, entry] : entries_) {
-    if (entry.begun) ranked_.push_back(AlertOf(key, entry));
+  using Begun = const std::pair<const AlertKey, Entry>*;
+  std::vector<std::pair<decltype(RankOf({}, false)), Begun>> order;
+  for (const auto& each : entries_) {
+    const Entry& entry = each.second;
+    if (entry.begun) order.emplace_back(RankOf(entry.finding, silences_.contains(entry.id)), &each);
   }
   // Alerts of the same rank stay in the order of their keys.
-  std::stable_sort(ranked_.begin(), ranked_.end(),
-                   [](const Alert& a, const Alert& b) { return RankOf(a) < RankOf(b); });
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  ranked_.clear();
   places_.clear();
-  for (size_t i = 0; i < ranked_.size(); ++i) places_[ranked_[i].id] = i;
+  for (const auto& [rank, begun] : order) {
+    places_[begun->second.id] = ranked_.size();
+    ranked_.push_back(AlertOf(begun->first, begun->second));
+  }
 }
 
 const Alert* AlertBoard::Find(const std::string& id) const {

@@ -186,15 +186,17 @@ TEST_F(AlertBoardTest, ADamagedTextIsAnErrorAndChangesNothing) {
 }
 
 TEST_F(AlertBoardTest, TheNumberOfSilencesIsBounded) {
-  std::map<AlertKey, Finding> findings;
-  for (size_t i = 0; i <= AlertBoard::kMaxSilences; ++i)
-    findings[KeyOf(Rule::kManual, std::to_string(i))] = {};
-  Look(0, findings);
-  size_t refused_count = 0;
-  for (const auto& [key, finding] : findings) {
-    if (absl::IsResourceExhausted(Silence(key))) ++refused_count;
+  std::string silences;
+  for (size_t i = 0; i <= AlertBoard::kMaxSilences; ++i) {
+    silences += std::string(i == 0 ? "" : ",") + "{\"id\":\"" + std::to_string(i) +
+                "\",\"unix_until_ms\":0,\"comment\":\"\",\"silenced_by\":\"\"}";
   }
-  EXPECT_EQ(refused_count, 1u);
+  const std::string text = "{\"version\":1,\"silences\":[" + silences + "]}";
+  ASSERT_TRUE(board_.Restore(text, seconds_ * kSecondNs, UnixNowMs()).ok());
+  Look(0, {{kDegradedKey, {}}});
+  EXPECT_TRUE(absl::IsResourceExhausted(Silence(kDegradedKey)));
+  EXPECT_TRUE(board_.Unsilence("0"));
+  EXPECT_TRUE(Silence(kDegradedKey).ok());
 }
 
 TEST_F(AlertBoardTest, TheNumberOfAlertsIsBounded) {
