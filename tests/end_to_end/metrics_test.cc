@@ -169,12 +169,16 @@ TEST(MetricsTest, PromtoolHasNoComplaintAboutAnyMetric) {
   options.tls.emplace().ca_file = authority.cert();
   ScriptedGame game(daemon.address(), options);
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.command_count > 0; }));
+  // With the policy `paper`, the expected loss is not known in seconds.
+  options.policy = "adaptive";
+  options.scene = "adaptive";
+  ScriptedGame adaptive(daemon.address(), options);
   const std::string page = folder.path() / "metrics";
   const std::string said = folder.path() / "said";
   std::string text;
   // The figures of scenes follow every five seconds.
   EXPECT_TRUE(Eventually([&] {
-    game.RunFrames(10);
+    adaptive.RunFrames(10);
     text = Get(daemon.http_port(), "/metrics").body;
     return NamesOn(text) == NamesInSources();
   }));
