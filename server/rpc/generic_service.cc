@@ -2,8 +2,8 @@
 
 #include <string_view>
 
+#include "server/rpc/common/refused_call.h"
 #include "server/rpc/services/one_request_call.h"
-#include "server/rpc/services/refused_call.h"
 #include "server/rpc/services/watch_call.h"
 #include "sweepstake/v1/alerts.grpc.pb.h"
 #include "sweepstake/v1/audit.grpc.pb.h"

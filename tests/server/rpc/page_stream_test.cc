@@ -7,7 +7,7 @@
 
 #include <future>
 
-#include "server/rpc/services/event_encoder.h"
+#include "server/rpc/common/event_encoder.h"
 #include "server/sessions/session_table.h"
 #include "tests/server/sessions/manual_clock.h"
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/rpc/services/event_encoder.h"
+#include "server/rpc/common/event_encoder.h"
 #include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_stream.h"
 #include "server/sessions/session_table.h"
