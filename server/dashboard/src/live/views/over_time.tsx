@@ -117,7 +117,7 @@ export function OverTime({ selection, isOwn = () => true, names, moments = [] }:
   const own = series.find(isOwn);
   const times = timesOf(period.value, range.value, Date.now());
   const firstMs = Number(own?.points[0]?.unixMs ?? 0);
-  const domain = range.value ?? (times.fromUnixMs > 0 ? { fromMs: times.fromUnixMs, toMs: Date.now() } : domainOf([firstMs || Date.now(), Date.now()], undefined));
+  const domain = range.value ?? domainOf([Math.max(times.fromUnixMs, firstMs), Date.now()], undefined);
   if (error && !own) return <Failure what="The history" error={error} onRetry={() => location.reload()} />;
   if (!wasRead && !own) return <Loading what="the history" />;
   return <Charts series={own} names={names} domain={domain} moments={moments} />;
