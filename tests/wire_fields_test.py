@@ -54,6 +54,9 @@ OTHERS = {
     "SceneComparison.": "the dashboard draws comparisons",
     "ArmComparison.": "the dashboard draws comparisons",
     "ArmEvidence.": "the dashboard draws comparisons",
+    "GetHistoryRequest.": "the dashboard reads the history",
+    "GetHistoryResponse.": "the dashboard draws the history",
+    "HistorySeries.": "the dashboard draws the history",
     "GetPosteriorRequest.": "a call for programs that need one scene; ours list all",
     "GetPosteriorResponse.": "a call for programs that need one scene; ours list all",
 }

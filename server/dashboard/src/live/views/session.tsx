@@ -19,7 +19,10 @@ import { Chip } from '../parts/chips';
 import { ago, now, timeText } from '../parts/clock';
 import { sessionCsvUrl } from '../parts/download';
 import { CopyLink } from '../parts/toast';
-import { Name } from '../parts/name';
+import { measuredIn } from '../numbers/use';
+import { Name, visible } from '../parts/name';
+import { savingText } from '../state/regimes';
+import { useHistory, WHOLE_LIFE } from '../transport/history';
 import { Empty, Failure, Later, Loading, Read } from '../parts/states';
 import { type Column, Table } from '../parts/table';
 import { account, isOperator } from '../state/account';
@@ -45,9 +48,11 @@ export function rewardVersionOf(steps: readonly Step[], state: SessionState | un
   return steps.findLast(({ told }) => told)?.told?.rewardVersion ?? LOG_COST_REWARD_VERSION;
 }
 
-function Facts({ state, steps, rewardVersion }: { state: SessionState | undefined; steps: readonly Step[]; rewardVersion: number }) {
+function Facts({ sessionId, state, steps, rewardVersion }: { sessionId: string; state: SessionState | undefined; steps: readonly Step[]; rewardVersion: number }) {
   const setup = steps.findLast(({ placed }) => placed?.setup)?.placed?.setup;
   const info = state?.info;
+  const { series } = useHistory({ kind: HistoryKind.SESSION, sessionId }, WHOLE_LIFE);
+  const total = series[0]?.points[0] && measuredIn(series[0].points[0]);
   const names = { project: info?.project ?? setup?.project ?? '', scene: info?.scene ?? setup?.scene ?? '' };
   const machineClass = info?.machineClass ?? setup?.machineClass ?? '';
   const word = !state ? undefined : state.ended ? endWord(state.ended.end) : stateWord(state.info.state);
@@ -64,6 +69,8 @@ function Facts({ state, steps, rewardVersion }: { state: SessionState | undefine
       {info && <div><dt>Address</dt><dd><Name text={info.clientAddress} /></dd></div>}
       {info && <div><dt>Began</dt><dd>{timeText(Number(info.unixStartMs))}</dd></div>}
       {state && lastMessageMs(state) > 0 && <div><dt>Last message</dt><dd class="ago">{ago(lastMessageMs(state), now.value)}</dd></div>}
+      {total && total.againstSingleUs !== undefined && <div><dt>Saved per frame</dt><dd>{[total.againstInitialUs !== undefined && info && `${savingText(total.againstInitialUs / total.frameCount)} against ${visible(info.initialArm)}`,
+        `${savingText(total.againstSingleUs / total.frameCount)} against the best single algorithm`].filter(Boolean).join(', ')}</dd></div>}
       {info && <div><dt>Dropped frames</dt><dd>{String(info.droppedFrameCount)}</dd></div>}
     </dl>
   );
@@ -201,7 +208,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
   return (
     <>
       <header class="title"><h1>Session <Name text={sessionId} /></h1><CopyLink /></header>
-      <Facts state={state} steps={steps} rewardVersion={rewardVersion} />
+      <Facts sessionId={sessionId} state={state} steps={steps} rewardVersion={rewardVersion} />
       {latest && <Orders info={latest.info} arms={arms} isOver={latest.ended !== undefined} />}
       <p class="orders">
         <button type="button" class="primary" disabled={log.isReading || !decisiveStep(steps)} onClick={openDecisive}>Why this algorithm?</button>

@@ -60,7 +60,13 @@ export function Variants({ name }: { name: SceneName }) {
   return <Table caption="Classes of machines" columns={columns} rows={variants} keyOf={({ key }) => key} sort="class" sortParameter="classes" />;
 }
 
-const SESSION_COLUMNS: readonly Column<SessionState>[] = [
+const savedOf = ({ use }: { use?: Use | undefined }) => use && (use.againstInitialUs ?? use.againstSingleUs ?? Number.NaN) / use.frameCount;
+const SAVED_HINT = 'Detection time per frame that was saved against the algorithm that the game begins with, with the cost of switches';
+const SAVED = { id: 'saved', title: 'Saved per frame', hint: SAVED_HINT, sort: savedOf, cell: (row: { use?: Use | undefined }) => savingText(savedOf(row)) ?? '–' };
+
+interface SessionRow extends SessionState { use?: Use | undefined }
+
+const SESSION_COLUMNS: readonly Column<SessionRow>[] = [
   { id: 'session', title: 'Session', sort: ({ info }) => info.sessionId, cell: ({ info }) => <a href={sessionHref(info.sessionId)}><Name text={info.sessionId} /></a> },
   { id: 'state', title: 'State', isText: true, sort: (session) => Number(!isConnected(session)),
     cell: (session) => {
@@ -70,7 +76,8 @@ const SESSION_COLUMNS: readonly Column<SessionState>[] = [
   { id: 'arm', title: 'Active algorithm', isText: true, sort: ({ info }) => info.activeArm, cell: ({ info }) => <Arm name={info.activeArm} /> },
   { id: 'frame', title: 'Frame time', hint: 'Median of the latest frames', sort: (session) => frameTimesOf(session).at(-1),
     cell: (session) => { const ms = frameTimesOf(session).at(-1); return ms === undefined ? '–' : `${significant(ms)} ms`; } },
-  { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines, known after the first decision since the page was opened', sort: ({ decisions }) => decisions.at(-1)?.machineClass },
+  SAVED,
+  { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: ({ info }) => info.machineClass },
   { id: 'mode', title: 'Mode', isText: true, sort: ({ info }) => modeWord(info.mode).name },
   { id: 'build', title: 'Build', isText: true, sort: ({ info }) => info.build },
   { id: 'start', title: 'Began', sort: ({ info }) => Number(info.unixStartMs), cell: ({ info }) => timeText(Number(info.unixStartMs)) },
@@ -81,8 +88,11 @@ const SESSION_COLUMNS: readonly Column<SessionState>[] = [
 
 export function Sessions({ name }: { name: SceneName }) {
   const own = [...sessions.value.values()].filter(({ info }) => info.project === name.project && info.scene === name.scene);
+  const { series } = useHistory({ kind: HistoryKind.SESSION, project: name.project, scene: name.scene }, WHOLE_LIFE);
+  const uses = useMemo(() => new Map(series.map(({ sessionId, points }) => [sessionId, measuredIn(points[0]!)])), [series]);
   if (own.length === 0) return <p class="soft">No game plays this scene now. <a href={decisionsHref({ project: name.project, scene: name.scene })}>Earlier sessions are in the log.</a></p>;
-  return <Table caption="Sessions" csvHref={csvUrl('sessions', { project: name.project, scene: name.scene })} columns={SESSION_COLUMNS} rows={own} keyOf={({ info }) => info.sessionId} sort="state" sortParameter="sessions" />;
+  const rows = own.map((session): SessionRow => ({ ...session, use: uses.get(session.info.sessionId) }));
+  return <Table caption="Sessions" csvHref={csvUrl('sessions', { project: name.project, scene: name.scene })} columns={SESSION_COLUMNS} rows={rows} keyOf={({ info }) => info.sessionId} sort="state" sortParameter="sessions" />;
 }
 
 const SHOWN_DECISIONS = 12;
@@ -111,8 +121,6 @@ const three = (part: 'frameTimeNs' | 'detectionTimeNs' | 'nativeBytes', id: stri
     id: `${id}-${name}`, title: `${title} ${name}`, sort: ({ point }: BuildRow) => percentilesOf(point[part])?.[place],
     cell: ({ point }: BuildRow) => { const value = percentilesOf(point[part])?.[place]; return value === undefined ? '–' : text(value); },
   }));
-const savedOf = ({ use }: { use: Use | undefined }) => use && (use.againstInitialUs ?? use.againstSingleUs ?? Number.NaN) / use.frameCount;
-const SAVED_HINT = 'Detection time per frame that was saved against the algorithm that the game begins with, with the cost of switches';
 const usText = (ns: number) => `${significant(ns / 1000)} µs`;
 
 const COLUMNS: readonly Column<BuildRow>[] = [
@@ -120,7 +128,7 @@ const COLUMNS: readonly Column<BuildRow>[] = [
   { id: 'sessions', title: 'Sessions', sort: ({ point }) => Number(point.sessionCount), cell: ({ point, onlineCount }) => `${grouped(Number(point.sessionCount))}, ${onlineCount} online` },
   ...three('frameTimeNs', 'frame', 'Frame', (ns) => `${significant(ns / 1e6)} ms`),
   ...three('detectionTimeNs', 'detection', 'Detection', usText),
-  { id: 'saved', title: 'Saved per frame', hint: SAVED_HINT, sort: savedOf, cell: (row) => savingText(savedOf(row)) ?? '–' },
+  SAVED,
   ...three('nativeBytes', 'memory', 'Memory', bytes).slice(1, 2),
   { id: 'frames', title: 'Frames', hint: 'Number of measured frames', sort: ({ point }) => Number(point.frameCount) },
   { id: 'switches', title: 'Switches', sort: ({ point }) => Number(point.switchCount) },
