@@ -19,6 +19,11 @@ export function presentBest({ activity }: Pick<ScenePosterior, 'activity'>): { a
 /** Returns whether regimes have different best arms, so that no single arm is the best. */
 export const isChanging = (posterior: Pick<ScenePosterior, 'activity'>) => regimeArms(posterior).length > 1;
 
+const MAX_CALM_SWITCHES = 4;
+
+/** Returns whether the session has switched often in the last minute. */
+export const switchesOften = ({ activity }: Pick<ScenePosterior, 'activity'>) => (activity?.recentSwitchCount ?? 0) > MAX_CALM_SWITCHES;
+
 /** Returns the arms that are the best: the leader of all evidence or, if the scene is changing, the best arm of each regime. */
 export const leadersOf = (posterior: ScenePosterior): string[] =>
   (isChanging(posterior) ? regimeArms(posterior) : [posterior.leaderArm].filter(Boolean));

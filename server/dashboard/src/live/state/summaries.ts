@@ -1,7 +1,7 @@
 // The rows of the overview, one per scene. They are updated at most every half second, and only for scenes that changed.
 import { effect, signal, untracked } from '@preact/signals';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
-import { isChanging } from './regimes';
+import { isChanging, switchesOften } from './regimes';
 import { leaderProbabilityOf, scenes, type SceneState } from './scenes';
 import { isConnected, sessions, type SessionState } from './sessions';
 
@@ -35,10 +35,12 @@ export function isDegraded({ decisions }: Pick<SceneState, 'decisions'>, all: Re
   });
 }
 
-/** Returns the verdict of the posterior, DEGRADED if a session reports that, or 'changing'. */
+/** Returns the verdict of the posterior, DEGRADED if a session reports that, or 'changing'. A scene whose session switches often is not
+ * stable, whatever its posterior is. */
 export function verdictOf(state: SceneState): SceneVerdict {
   if (isDegraded(state, sessions.value)) return Verdict.DEGRADED;
-  return isChanging(state.posterior) ? 'changing' : state.posterior.verdict;
+  const { posterior } = state;
+  return isChanging(posterior) || (posterior.verdict === Verdict.STABLE && switchesOften(posterior)) ? 'changing' : posterior.verdict;
 }
 
 export function summaryOf(state: SceneState): SceneSummary {

@@ -50,7 +50,7 @@ const REASONS: Readonly<Record<SwitchReason, Word>> = {
 };
 
 const VERDICTS: Readonly<Record<SceneVerdict, Word>> = {
-  changing: word('changing', '⇄', 'The best algorithm depends on the regime of the scene, so no single algorithm is always the best.'),
+  changing: word('changing', '⇄', 'The best algorithm depends on the regime of the scene, or the session still switches more than four times a minute.'),
   [Verdict.UNSPECIFIED]: word('unknown', '?', 'There is no decision about this scene yet.'),
   [Verdict.STABLE]: word('stable', '●', 'One algorithm is very probably the best.'),
   [Verdict.TIE]: word('tie', '=', 'No algorithm is clearly the best, but the leader costs hardly more than the best algorithm.'),

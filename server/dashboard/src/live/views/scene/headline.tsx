@@ -12,7 +12,7 @@ import { type Column, Table } from '../../parts/table';
 import { bestOf, costText, isChanging, regimeText, savingText } from '../../state/regimes';
 import { sessionHref } from '../../state/route';
 import { leaderProbabilityOf, type SceneState } from '../../state/scenes';
-import { verdictOf } from '../../state/summaries';
+import { type SceneVerdict, verdictOf } from '../../state/summaries';
 import { verdictWord } from '../words';
 
 function RunsNow({ activity, sessionCount }: { activity: SceneActivity; sessionCount: number }) {
@@ -35,12 +35,12 @@ function partOf(state: SceneState): string {
 }
 
 // The verdict on a scene in which one arm is the best.
-function OneBest({ state, verdict }: { state: SceneState; verdict: Verdict }) {
+function OneBest({ state, verdict }: { state: SceneState; verdict: SceneVerdict }) {
   const { posterior } = state;
   if (!posterior.leaderArm) return <>{verdictWord(verdict).meaning}</>;
   return (
     <>
-      {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} ${partOf(state)}`}<b><Name text={posterior.leaderArm} /></b> is the best algorithm with a probability of{' '}
+      {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} ${partOf(state)}`}{verdict === 'changing' && `The session switched ${counted(posterior.activity?.recentSwitchCount ?? 0, 'time', 'times')} in the last minute. Over all evidence, `}<b><Name text={posterior.leaderArm} /></b> is the best algorithm with a probability of{' '}
       <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. With
       exactly known costs, the choice would gain <b>{share(posterior.valueRemainingRatio)}</b> on average.
     </>
@@ -90,7 +90,7 @@ export function Headline({ state }: { state: SceneState }) {
       {activity && <RunsNow activity={activity} sessionCount={activeSessionCount} />}
       <p>
         <VerdictChip verdict={verdict} />{' '}
-        {activity && isChanging(state.posterior) ? <BestOfRegimes activity={activity} /> : <OneBest state={state} verdict={verdict as Verdict} />}
+        {activity && isChanging(state.posterior) ? <BestOfRegimes activity={activity} /> : <OneBest state={state} verdict={verdict} />}
       </p>
       {activity?.total && <Savings total={activity.total} activity={activity} />}
     </>
