@@ -56,6 +56,15 @@ describe('a scene with one best arm', () => {
     }
   });
 
+  it('is not stable while its session switches often', () => {
+    const scene = sceneOf();
+    for (const [count, verdict] of [[4, Verdict.STABLE], [5, 'changing']] as const) {
+      scene.activity!.recentSwitchCount = count;
+      expect(verdictOf(stateOf(scene))).toBe(verdict);
+    }
+    expect(verdictOf(stateOf({ ...scene, verdict: Verdict.AMBIGUOUS }))).toBe(Verdict.AMBIGUOUS);
+  });
+
   it('is not changing because nothing is known of one regime yet', () => {
     expect(regimeArms(sceneOf(regimeOf('DBVT', 1), { frameShare: 0.1 }))).toEqual(['DBVT']);
   });
