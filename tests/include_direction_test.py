@@ -60,7 +60,7 @@ ALLOWED = {
     "server/events": DECIDER | {"server/sessions"},
     "server/alerts": DECIDER | {"server/sessions"},
     "server/net": set(),
-    "server/web": {"engine_client/telemetry/tls", "server/auth", "server/dashboard", "server/events", "server/net", "server/sessions", "server/tls", "proto"},
+    "server/web": {"engine_client/telemetry/conversion", "engine_client/telemetry/tls", "server/auth", "server/dashboard", "server/events", "server/net", "server/sessions", "server/tls", "proto"},
     "server/history": {"server/sessions", "server/storage", "proto"},
     "server/rpc": DECIDER | {
         "server/alerts", "server/auth", "server/events", "server/history", "server/net", "server/sessions", "server/tls", "engine_client/telemetry/conversion",

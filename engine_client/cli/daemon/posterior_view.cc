@@ -13,6 +13,7 @@
 #include "engine_client/cli/io/standing_cells.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/decider/types.h"
+#include "engine_client/telemetry/conversion/log_histogram.h"
 #include "engine_client/telemetry/conversion/proto_conversion.h"
 
 namespace sweepstake::cli {
@@ -53,7 +54,7 @@ std::string VerdictText(const v1::ScenePosterior& scene) {
 std::string PercentilesText(const v1::LogHistogram& ns, int decimals) {
   std::string text;
   for (const double share : kShares) {
-    const auto value = Quantile(ns, share);
+    const auto value = QuantileOf(ns, share);
     text += (text.empty() ? "" : "/") + (value ? Fixed(*value * kMsPerNs, decimals) : "-");
   }
   return text + " ms";
@@ -62,7 +63,7 @@ std::string PercentilesText(const v1::LogHistogram& ns, int decimals) {
 Json PercentilesJson(const v1::LogHistogram& histogram, double unit) {
   Json document = Json::object();
   for (const double share : kShares) {
-    const auto value = Quantile(histogram, share);
+    const auto value = QuantileOf(histogram, share);
     if (value) document["p" + Fixed(100 * share, 0)] = *value * unit;
   }
   return document;
@@ -158,21 +159,6 @@ Json PosteriorsJson(std::span<const v1::ScenePosterior> scenes) {
   Json list = Json::array();
   for (const v1::ScenePosterior& scene : scenes) list.push_back(PosteriorJson(scene));
   return list;
-}
-
-std::optional<double> Quantile(const v1::LogHistogram& histogram, double share) {
-  if (histogram.counts_size() != histogram.bucket_steps_size()) return std::nullopt;
-  uint64_t total = 0;
-  for (const uint32_t count : histogram.counts()) total += count;
-  if (total == 0) return std::nullopt;
-  const double rank = std::max(1.0, std::ceil(share * static_cast<double>(total)));
-  uint64_t bucket = 0;
-  uint64_t below = 0;
-  for (int i = 0; i < histogram.counts_size() && static_cast<double>(below) < rank; ++i) {
-    bucket += histogram.bucket_steps(i);
-    below += histogram.counts(i);
-  }
-  return bucket == 0 ? 0 : std::exp2((static_cast<double>(bucket) - 0.5) / 8);
 }
 
 std::string StandingsText(const v1::DecisionEvent& event) {

@@ -27,10 +27,6 @@ nlohmann::ordered_json PosteriorJson(const v1::ScenePosterior& scene);
 std::string PosteriorsText(std::span<const v1::ScenePosterior> scenes);
 nlohmann::ordered_json PosteriorsJson(std::span<const v1::ScenePosterior> scenes);
 
-// Returns the quantile: the value that `share` (0 to 1) of the values do not exceed. Its error is
-// at most 4.5 %. Absent if the histogram is empty or malformed.
-std::optional<double> Quantile(const v1::LogHistogram& histogram, double share);
-
 // Returns a heading and a table of what the event's session has learnt about its arms. Empty if the
 // event does not contain that.
 std::string StandingsText(const v1::DecisionEvent& event);

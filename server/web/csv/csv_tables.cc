@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "engine_client/telemetry/conversion/log_histogram.h"
 #include "server/web/csv/csv_lines.h"
 #include "sweepstake/v1/audit.pb.h"
+#include "sweepstake/v1/history.pb.h"
 #include "sweepstake/v1/posteriors.pb.h"
 #include "sweepstake/v1/priors.pb.h"
 #include "sweepstake/v1/sessions.pb.h"
@@ -385,6 +387,92 @@ class Logs final : public CsvTable {
   }
 };
 
+std::optional<double> Divided(std::optional<double> value, double by) {
+  if (!value || by == 0) return std::nullopt;
+  return *value / by;
+}
+
+// The history of scenes, builds or sessions: a line per point and algorithm.
+class History final : public CsvTable {
+ public:
+  std::string Header() const override {
+    return HeaderOf<25>({"start",
+                         "end",
+                         "project",
+                         "scene",
+                         "machines",
+                         "reward version",
+                         "build",
+                         "session",
+                         "algorithm",
+                         "frames in which it ran",
+                         "cost per frame (µs)",
+                         "P(best)",
+                         "estimated cost (µs)",
+                         "measured frames",
+                         "cost of what ran per frame (µs)",
+                         "cost of the first algorithm per frame (µs)",
+                         "switches",
+                         "sessions",
+                         "frame p50 (ms)",
+                         "frame p95 (ms)",
+                         "frame p99 (ms)",
+                         "detection p50 (µs)",
+                         "detection p95 (µs)",
+                         "detection p99 (µs)",
+                         "memory p95 (bytes)"});
+  }
+  std::string Lines(const Message& response) override {
+    CsvLines lines;
+    for (const v1::HistorySeries& series :
+         static_cast<const v1::GetHistoryResponse&>(response).series()) {
+      for (const v1::HistoryPoint& point : series.points()) {
+        for (const v1::ArmHistory& arm : point.arms()) Add(series, point, arm, lines);
+      }
+    }
+    return lines.Take();
+  }
+
+ private:
+  static void Add(const v1::HistorySeries& series, const v1::HistoryPoint& point,
+                  const v1::ArmHistory& arm, CsvLines& lines) {
+    lines.Time(point.unix_ms());
+    lines.Time(point.end_unix_ms());
+    lines.Text(series.project());
+    lines.Text(series.scene());
+    lines.Text(series.machine_class());
+    lines.Number(series.reward_version());
+    lines.Text(series.build());
+    lines.Text(series.session_id());
+    lines.Text(arm.arm());
+    lines.Number(arm.active_frame_count());
+    lines.Number(Divided(arm.would_take_us(), static_cast<double>(arm.frame_count())));
+    AddBelief(point.activity(), arm.arm(), lines);
+    const auto frames = static_cast<double>(point.frame_count());
+    lines.Number(point.frame_count());
+    lines.Number(Divided(point.ran_us(), frames));
+    lines.Number(Divided(point.initial_us(), frames));
+    lines.Number(point.switch_count());
+    lines.Number(point.session_count());
+    for (const double share : {0.5, 0.95, 0.99})
+      lines.Number(Divided(QuantileOf(point.frame_time_ns(), share), kNsPerMs));
+    for (const double share : {0.5, 0.95, 0.99})
+      lines.Number(Divided(QuantileOf(point.detection_time_ns(), share), kNsPerUs));
+    lines.Number(QuantileOf(point.native_bytes(), 0.95));
+    lines.End();
+  }
+  // Writes the belief over all regimes.
+  static void AddBelief(const v1::SceneActivity& activity, const std::string& arm,
+                        CsvLines& lines) {
+    const auto& arms = activity.arms();
+    const auto place = static_cast<int>(std::find(arms.begin(), arms.end(), arm) - arms.begin());
+    if (place >= activity.total().arms_size()) return lines.Nothing(2);
+    const v1::RegimeArm& belief = activity.total().arms(place);
+    lines.Number(belief.best_probability());
+    lines.Number(belief.cost_us() > 0 ? std::optional(belief.cost_us()) : std::nullopt);
+  }
+};
+
 template <typename Table>
 constexpr CsvKind Kind(std::string_view name, std::string_view method) {
   return {name, method, []() -> std::unique_ptr<CsvTable> { return std::make_unique<Table>(); }};
@@ -397,6 +485,7 @@ constexpr std::array kKinds = {
     Kind<Logs>("logs", "sweepstake.v1.AuditService/ListAuditSegments"),
     Kind<Scenes>("scenes", "sweepstake.v1.PosteriorsService/ListPosteriors"),
     Kind<Sessions>("sessions", "sweepstake.v1.SessionsService/ListSessions"),
+    Kind<History>("history", "sweepstake.v1.HistoryService/GetHistory"),
     Kind<Evidence>("evidence", "sweepstake.v1.PriorsService/ExportPriors")};
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "server/web/csv/csv_lines.h"
 #include "server/web/csv/csv_tables.h"
 #include "sweepstake/v1/audit.pb.h"
+#include "sweepstake/v1/history.pb.h"
 
 namespace sweepstake::web {
 namespace {
@@ -128,6 +129,42 @@ TEST(CsvTablesTest, EveryLineHasACellPerColumn) {
   part.mutable_rows(0)->mutable_decision()->mutable_gate();
   part.mutable_rows(0)->mutable_decision()->set_leader("Grid");
   EXPECT_EQ(commas(table->Lines(part)), commas(table->Header()));
+}
+
+TEST(CsvTablesTest, TheHistoryHasALinePerPointAndAlgorithm) {
+  v1::GetHistoryResponse part;
+  v1::HistorySeries& series = *part.add_series();
+  series.set_project("game");
+  series.set_scene("harbour");
+  series.set_reward_version(3);
+  v1::HistoryPoint& point = *series.add_points();
+  point.set_unix_ms(1'772'373'909'000);
+  point.set_end_unix_ms(1'772'373'924'000);
+  point.set_frame_count(4);
+  point.set_ran_us(10);
+  point.set_initial_us(12);
+  point.set_switch_count(1);
+  point.set_session_count(2);
+  point.mutable_native_bytes()->add_bucket_steps(0);
+  point.mutable_native_bytes()->add_counts(4);
+  v1::ArmHistory& arm = *point.add_arms();
+  arm.set_arm("SAP");
+  arm.set_active_frame_count(5);
+  arm.set_frame_count(4);
+  arm.set_would_take_us(14);
+  point.add_arms()->set_arm("Grid");
+  point.mutable_activity()->add_arms("SAP");
+  v1::RegimeArm& belief = *point.mutable_activity()->mutable_total()->add_arms();
+  belief.set_best_probability(0.5F);
+  belief.set_cost_us(2);
+  const auto table = FindCsv("history")->make();
+  EXPECT_EQ(table->Lines(part),
+            "2026-03-01T14:05:09.000Z,2026-03-01T14:05:24.000Z,game,harbour,,3,,,SAP,5,3.5,0.5,2,4,"
+            "2.5,3,1,2,,,,,,,0\r\n"
+            "2026-03-01T14:05:09.000Z,2026-03-01T14:05:24.000Z,game,harbour,,3,,,Grid,0,,,,4,"
+            "2.5,3,1,2,,,,,,,0\r\n");
+  const std::string header = table->Header();
+  EXPECT_EQ(std::count(header.begin(), header.end(), ','), 24);
 }
 
 TEST(CsvTablesTest, AnUnknownTableIsNull) { EXPECT_EQ(FindCsv("priors"), nullptr); }

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "engine_client/telemetry/conversion/log_histogram.h"
+
 namespace sweepstake::cli {
 namespace {
 
@@ -204,11 +206,11 @@ v1::LogHistogram HistogramOf(
 
 TEST(Quantile, IsTheMiddleOfTheBucketThatContainsTheRank) {
   const v1::LogHistogram histogram = HistogramOf({{0, 10}, {161, 80}, {177, 9}, {185, 1}});
-  EXPECT_EQ(Quantile(histogram, 0.1), 0.0);
-  EXPECT_NEAR(*Quantile(histogram, 0.11), 1'048'576, 0.045 * 1'048'576);
-  EXPECT_EQ(Quantile(histogram, 0.9), Quantile(histogram, 0.5));
-  EXPECT_DOUBLE_EQ(*Quantile(histogram, 0.95), 4 * *Quantile(histogram, 0.5));
-  EXPECT_DOUBLE_EQ(*Quantile(histogram, 1), 8 * *Quantile(histogram, 0.5));
+  EXPECT_EQ(QuantileOf(histogram, 0.1), 0.0);
+  EXPECT_NEAR(*QuantileOf(histogram, 0.11), 1'048'576, 0.045 * 1'048'576);
+  EXPECT_EQ(QuantileOf(histogram, 0.9), QuantileOf(histogram, 0.5));
+  EXPECT_DOUBLE_EQ(*QuantileOf(histogram, 0.95), 4 * *QuantileOf(histogram, 0.5));
+  EXPECT_DOUBLE_EQ(*QuantileOf(histogram, 1), 8 * *QuantileOf(histogram, 0.5));
 }
 
 TEST(Quantile, IsAbsentWithoutValuesAndForAnInvalidMessage) {

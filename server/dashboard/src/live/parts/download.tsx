@@ -12,7 +12,7 @@ export function save(name: string, blob: Blob): void {
 export const download = (name: string, text: string, type: string) => save(name, new Blob([text], { type: `${type};charset=utf-8` }));
 
 /** A table of the daemon (server/web/csv/csv_tables.h). */
-type CsvTable = 'decisions' | 'windows' | 'posteriors' | 'logs' | 'scenes' | 'sessions' | 'evidence';
+type CsvTable = 'decisions' | 'windows' | 'posteriors' | 'logs' | 'scenes' | 'sessions' | 'evidence' | 'history';
 
 /** Returns the URL of a table as CSV. `request` is the request of the table's method, as JSON. */
 export const csvUrl = (table: CsvTable, request: object = {}) => urlOf(`/csv/${table}?request=${encodeURIComponent(JSON.stringify(request))}`);

@@ -1,7 +1,7 @@
 // Charts of a scene or session over time, from the daemon's history: the best algorithms, what ran, and frame and detection times.
 import { useMemo } from 'preact/hooks';
 import { significant } from '../../format';
-import type { HistoryPoint, HistorySeries } from '../../gen/sweepstake/v1/history_pb';
+import { HistoryKind, type HistoryPoint, type HistorySeries } from '../../gen/sweepstake/v1/history_pb';
 import type { RegimePosterior, SceneActivity } from '../../gen/sweepstake/v1/posteriors_pb';
 import { armStyle } from '../charts/colours';
 import { type Band, fillOf, type Level, type Line, type Moment } from '../charts/plot';
@@ -10,6 +10,7 @@ import { TimeFigure } from '../charts/time_chart';
 import { domainOf, range, type Range } from '../charts/view_state';
 import { FRAME_MS, NS_PER_MS } from '../numbers/log_cost';
 import { percentilesOf, measuredIn } from '../numbers/use';
+import { csvUrl } from '../parts/download';
 import { Choice } from '../parts/filter';
 import { Failure, Loading } from '../parts/states';
 import { period, timesOf } from '../state/period';
@@ -85,16 +86,16 @@ function Beliefs({ rows, common }: { rows: Rows; common: Common }) {
   );
 }
 
-interface Common { names: readonly string[]; domain: Range; moments: readonly Moment[]; empty: string | false }
+interface Common { csvHref: string; names: readonly string[]; domain: Range; moments: readonly Moment[]; empty: string | false }
 
-function Charts({ series, names, domain, moments }: { series: HistorySeries | undefined; names: readonly string[]; domain: Range; moments: readonly Moment[] }) {
+function Charts({ series, csvHref, names, domain, moments }: { series: HistorySeries | undefined; csvHref: string; names: readonly string[]; domain: Range; moments: readonly Moment[] }) {
   const rows = useMemo((): Rows => {
     const points = series?.points ?? [];
     return { points, arms: armsOf(points), timesMs: points.map(({ unixMs }) => Number(unixMs)) };
   }, [series]);
   const drawn = useMemo(() => ({ frame: percentileLines(rows.points, 'frameTimeNs', NS_PER_MS), detection: percentileLines(rows.points, 'detectionTimeNs', 1000), saved: savingLines(rows.points), shares: shares(rows) }), [rows]);
   const ran = useMemo(() => rows.timesMs.map((timeMs, i) => ({ timeMs, best: drawn.shares[i]! })), [drawn]);
-  const common: Common = { names, domain, moments, empty: rows.points.length === 0 && NOT_YET };
+  const common: Common = { csvHref, names, domain, moments, empty: rows.points.length === 0 && NOT_YET };
   const hasBeliefs = rows.points.some(({ activity }) => activity);
   return (
     <>
@@ -120,5 +121,6 @@ export function OverTime({ selection, isOwn = () => true, names, moments = [] }:
   const domain = range.value ?? domainOf([Math.max(times.fromUnixMs, firstMs), Date.now()], undefined);
   if (error && !own) return <Failure what="The history" error={error} onRetry={() => location.reload()} />;
   if (!wasRead && !own) return <Loading what="the history" />;
-  return <Charts series={own} names={names} domain={domain} moments={moments} />;
+  const csvHref = csvUrl('history', { ...selection, kind: `HISTORY_KIND_${HistoryKind[selection.kind]}`, fromUnixMs: String(times.fromUnixMs), untilUnixMs: String(times.untilUnixMs), maxPoints: 1000 });
+  return <Charts series={own} csvHref={csvHref} names={names} domain={domain} moments={moments} />;
 }

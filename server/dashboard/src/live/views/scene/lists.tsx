@@ -143,5 +143,5 @@ export function Builds({ name: { project, scene, machineClass, rewardVersion } }
   const own = series.filter((each) => each.machineClass === machineClass && each.rewardVersion === rewardVersion);
   if (own.length === 0) return <p class="soft">{error ? error.message : wasRead ? 'The history has no build of this scene on this class of machines.' : 'Reading the history.'}</p>;
   const rows = own.map(({ build, points }): BuildRow => ({ build, point: points[0]!, onlineCount: online.filter((each) => each === build).length, use: measuredIn(points[0]!) }));
-  return <Table caption="Builds" columns={COLUMNS} rows={rows} keyOf={({ build }) => build} sort="build" sortParameter="builds" />;
+  return <Table caption="Builds" csvHref={csvUrl('history', { kind: 'HISTORY_KIND_BUILD', project, scene, maxPoints: 1 })} columns={COLUMNS} rows={rows} keyOf={({ build }) => build} sort="build" sortParameter="builds" />;
 }
