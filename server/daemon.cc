@@ -166,8 +166,11 @@ absl::Status Daemon::Open(sessions::LoopClock& clock) {
   if (absl::Status status = OpenTokens(); !status.ok()) return status;
   auto history = history::History::Open(directory_.history(), config_.history,
                                         [this](const auto& problem) { log_->warn("{}", problem); });
-  if (!history.ok()) return history.status();
-  history_ = *std::move(history);
+  if (history.ok()) {
+    history_ = *std::move(history);
+  } else {
+    log_->error("there is no history: {}", std::string(history.status().message()));
+  }
   rpc::RpcOptions options = RpcOptionsOf(config_);
   options.tokens = tokens_.get();
   options.history = history_.get();
@@ -417,7 +420,7 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
     log_->warn("{} has changed; restart the daemon to apply it", key);
   const std::vector<std::string> changed = ChangedSettings(in_force_, *config).live;
   LimitStore(*config);
-  history_->Limit(config->history);
+  if (history_ != nullptr) history_->Limit(config->history);
   rpc_->Adjust(RpcOptionsOf(*config));
   webhook_.SetUrl(config->webhook);
   if (config->backup_count != in_force_.backup_count ||

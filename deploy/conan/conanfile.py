@@ -70,6 +70,7 @@ class SweepstakeConan(ConanFile):
             self.requires("boost/[>=1.81 <2]")
             self.requires("cli11/[>=2.3 <3]")
             self.requires("libcurl/[>=7.85 <9]")
+            self.requires("zlib/[>=1.2.11 <2]")
             self.requires("libpq/[>=15 <18]")
             self.requires("libsystemd/[>=252]")
             self.requires("prometheus-cpp/[>=1.0 <2]")
@@ -144,4 +145,4 @@ class SweepstakeConan(ConanFile):
         if self.options.get_safe("daemon"):
             self.cpp_info.components["programs"].requires = [
                 "boost::headers", "cli11::cli11", "libcurl::libcurl", "libpq::pq", "libsystemd::libsystemd", "prometheus-cpp::prometheus-cpp", "spdlog::spdlog",
-                "sqlite3::sqlite3", "tomlplusplus::tomlplusplus"]
+                "sqlite3::sqlite3", "tomlplusplus::tomlplusplus", "zlib::zlib"]

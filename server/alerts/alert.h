@@ -14,7 +14,7 @@ namespace sweepstake::alerts {
 
 enum class Rule : uint8_t {
   kCheck,          // a check of the daemon's health fails, or passes with a remark
-  kDegraded,       // connected sessions are below the frame-rate floor
+  kDegraded,       // connected sessions miss the frame-rate floor because of the broad phase
   kBailOuts,       // sessions had bail-outs lately
   kAmbiguous,      // connected sessions have no clear best arm yet
   kManual,         // connected sessions are in manual mode and add no evidence

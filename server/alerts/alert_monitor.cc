@@ -156,7 +156,8 @@ void AlertMonitor::EndLook() {
   loop_.PostAt(look_ns_ + kLookIntervalNs, [this] { BeginLook(); });
 }
 
-absl::Status AlertMonitor::AddSilence(Silence silence) {
+absl::Status AlertMonitor::AddSilence(Silence silence, int64_t duration_ms) {
+  silence.unix_until_ms = duration_ms == 0 ? 0 : priors::UnixNowMs() + duration_ms;
   absl::Status added = board_.Add(std::move(silence), loop_.clock().NowNs());
   SaveSilences();
   return added;

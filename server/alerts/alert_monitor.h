@@ -64,8 +64,9 @@ class AlertMonitor {
   void Stop() { stopped_ = true; }
 
   const AlertBoard& board() const { return board_; }
-  // As AlertBoard, and saves the silences.
-  absl::Status AddSilence(Silence silence);
+  // As AlertBoard, and saves the silences. A silence lasts `duration_ms` from now; 0: until the
+  // alert ends.
+  absl::Status AddSilence(Silence silence, int64_t duration_ms);
   bool Unsilence(const std::string& id);
 
   // The figures of the latest complete look.

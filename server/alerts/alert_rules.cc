@@ -66,8 +66,8 @@ std::string AmbiguousText(uint32_t session_count, double loss_ratio, bool has_ve
 std::string TextOf(Rule rule, uint32_t count) {
   switch (rule) {
     case Rule::kDegraded:
-      return Counted(count, "session is below the frame-rate floor.",
-                     "sessions are below the frame-rate floor.");
+      return Counted(count, "session misses the frame-rate floor because of the broad phase.",
+                     "sessions miss the frame-rate floor because of the broad phase.");
     case Rule::kBailOuts:
       return Counted(count, "session had a bail-out in the last 10 minutes.",
                      "sessions had bail-outs in the last 10 minutes.");

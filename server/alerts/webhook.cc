@@ -86,7 +86,7 @@ int64_t Webhook::Step() {
   }
   const std::string problem = Send(url, message.text);
   if (closing_) return 0;
-  Settle(message.number, problem);
+  Settle(message.number, url, problem);
   if (!problem.empty() && options_.on_problem && clock_.NowNs() >= next_report_ns_) {
     next_report_ns_ = clock_.NowNs() + kReportIntervalNs;
     options_.on_problem(problem);
@@ -94,9 +94,9 @@ int64_t Webhook::Step() {
   return 0;
 }
 
-void Webhook::Settle(uint64_t number, const std::string& problem) {
-  ++(problem.empty() ? counters_.delivered_count : counters_.failed_count);
+void Webhook::Settle(uint64_t number, const std::string& url, const std::string& problem) {
   const std::lock_guard lock(mutex_);
+  ++(problem.empty() ? counters_.delivered_count : counters_.failed_count);
   // A full queue may have dropped the message meanwhile.
   if (messages_.empty() || messages_.front().number != number) return;
   Message& message = messages_.front();
@@ -104,6 +104,7 @@ void Webhook::Settle(uint64_t number, const std::string& problem) {
     due_ns_ = 0;
     return Remove();
   }
+  if (url != url_) return;  // a new receiver is tried at once
   const int64_t wait_ns = kFirstWaitNs << std::min(message.attempt_count, 6u);
   due_ns_ = clock_.NowNs() + std::min(wait_ns, kMaxWaitNs);
   if (++message.attempt_count < kMaxAttempts) return;

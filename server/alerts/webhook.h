@@ -62,7 +62,7 @@ class Webhook {
   // Returns the reason of the failure; empty if the receiver answered with a status from 200 to
   // 299.
   std::string Send(const std::string& url, const std::string& message);
-  void Settle(uint64_t number, const std::string& problem);
+  void Settle(uint64_t number, const std::string& url, const std::string& problem);
   // Removes the first message. REQUIRES: mutex_ is locked, and there is one.
   void Remove();
 

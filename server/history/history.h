@@ -1,17 +1,17 @@
 // The history of games (history_file.h), written and read on a thread of its own.
 //
-// Thread-safe. A write or read waits for those before it; at most kMaxQueued wait, and further ones
-// are refused. A point that cannot be written is lost.
+// Thread-safe. A write or read waits for those before it. At most kMaxQueued of them wait, with at
+// most kMaxQueuedReports reports of sessions; further ones are refused. Points that cannot be
+// written are lost. A damaged file is set aside, and the history begins again.
 #pragma once
 
-#include <atomic>
 #include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
-#include <vector>
 
 #include "absl/status/statusor.h"
 #include "server/history/history_file.h"
@@ -21,11 +21,12 @@ namespace sweepstake::history {
 class History {
  public:
   static constexpr size_t kMaxQueued = 1'000;
+  static constexpr size_t kMaxQueuedReports = 50'000;  // about 2 kB each
   using OnPage = std::function<void(const absl::StatusOr<HistoryPage>&)>;
-  // Called on the history's thread with a sentence for the log, at most once a minute.
+  // Called on any thread with a sentence for the log, at most once a minute.
   using OnProblem = std::function<void(const std::string&)>;
 
-  // Error: UNAVAILABLE (the file cannot be opened).
+  // Opens the file; its content is checked later, on the history's thread. Error: UNAVAILABLE.
   static absl::StatusOr<std::unique_ptr<History>> Open(const std::filesystem::path& path,
                                                        const HistoryLimits& limits,
                                                        OnProblem on_problem);
@@ -34,7 +35,7 @@ class History {
   History(const History&) = delete;
   History& operator=(const History&) = delete;
 
-  void Write(std::vector<HistoryEntry> entries);
+  void Write(HistoryBatch batch);
   // Calls `done` on the history's thread. Returns false if the queue is full or closed; then `done`
   // is not called.
   bool Read(HistoryQuery query, OnPage done);
@@ -44,19 +45,26 @@ class History {
   void Close();
 
  private:
-  History(std::unique_ptr<HistoryFile> file, const HistoryLimits& limits, OnProblem on_problem)
-      : file_(std::move(file)), on_problem_(std::move(on_problem)), limits_(limits) {}
+  History(std::filesystem::path path, std::unique_ptr<HistoryFile> file,
+          const HistoryLimits& limits, OnProblem on_problem);
 
-  bool Post(std::function<void()> job);
-  // Runs on the history's thread.
+  // Returns false if the queue is full or closed.
+  bool Post(std::function<void()> job, size_t report_count = 0);
   void Report(const std::string& problem);
+  // The next two run on the history's thread. If the status is DATA_LOSS, Settle sets the file
+  // aside and opens a new one.
+  absl::Status Add(const HistoryBatch& batch);
+  void Settle(const absl::Status& status);
 
-  const std::unique_ptr<HistoryFile> file_;  // used on the thread
+  const std::filesystem::path path_;
   const OnProblem on_problem_;
-  HistoryLimits limits_;                               // used on the thread
-  std::chrono::steady_clock::time_point next_report_;  // used on the thread
-  std::atomic<size_t> queued_count_{0};
-  std::atomic<bool> closed_{false};
+  std::unique_ptr<HistoryFile> file_;  // used on the thread; null if it cannot be opened again
+  std::mutex mutex_;
+  HistoryLimits limits_;                               // guarded by mutex_
+  std::chrono::steady_clock::time_point next_report_;  // guarded by mutex_
+  size_t queued_count_ = 0;                            // guarded by mutex_
+  size_t queued_report_count_ = 0;                     // guarded by mutex_
+  bool closed_ = false;                                // guarded by mutex_
   boost::asio::thread_pool thread_{1};  // the last member, because its jobs use the others
 };
 

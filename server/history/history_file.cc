@@ -29,7 +29,6 @@ constexpr const char* kSchema = R"sql(
       seen_s INTEGER NOT NULL,
       UNIQUE (kind, project, scene, machine_class, reward_version, build, session)
     ) STRICT;
-    CREATE INDEX series_by_session ON series (session) WHERE session <> '';
     CREATE INDEX series_by_age ON series (seen_s);
     CREATE TABLE point (
       series_id INTEGER NOT NULL,
@@ -107,22 +106,17 @@ class PointSum {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<HistoryFile>> HistoryFile::Open(const fs::path& path,
-                                                               std::string* note) {
-  auto file = OpenExisting(path);
-  if (!absl::IsDataLoss(file.status())) return file;
-  const fs::path aside = path.string() + ".damaged";
-  *note = absl::StrCat("the history begins again, because ", path.string(), " is unreadable (",
-                       file.status().message(), "); it is now ", aside.string());
+absl::StatusOr<fs::path> HistoryFile::SetAside(const fs::path& path) {
+  fs::path aside = path.string() + ".damaged";
   std::error_code error;
   fs::rename(path, aside, error);
   if (error)
     return absl::UnavailableError(absl::StrCat("cannot rename ", path.string(), " to ",
                                                aside.string(), ": ", error.message()));
-  return OpenExisting(path);
+  return aside;
 }
 
-absl::StatusOr<std::unique_ptr<HistoryFile>> HistoryFile::OpenExisting(const fs::path& path) {
+absl::StatusOr<std::unique_ptr<HistoryFile>> HistoryFile::Open(const fs::path& path) {
   std::error_code unknown;  // a file that cannot be examined cannot be opened either
   const bool is_new = !fs::exists(path, unknown);
   if (is_new) {
@@ -141,10 +135,13 @@ absl::StatusOr<std::unique_ptr<HistoryFile>> HistoryFile::OpenExisting(const fs:
   if (!version.ok()) return storage::Explain(path, version.status());
   if (*version != kVersion)
     return absl::DataLossError(absl::StrCat("it has version ", *version, ", not ", kVersion));
-  auto check = database->QueryText("PRAGMA quick_check(1)");
-  if (!check.ok()) return storage::Explain(path, check.status());
-  if (*check != "ok") return absl::DataLossError(*check);
   return std::unique_ptr<HistoryFile>(new HistoryFile(*std::move(database)));
+}
+
+absl::Status HistoryFile::Check() {
+  const auto check = database_.QueryText("PRAGMA quick_check(1)");
+  if (!check.ok()) return check.status();
+  return *check == "ok" ? absl::OkStatus() : absl::DataLossError(*check);
 }
 
 absl::Status HistoryFile::Add(const std::vector<HistoryEntry>& entries, const HistoryLimits& limits,
@@ -222,8 +219,10 @@ absl::Status HistoryFile::RemoveOldest(int64_t now_s) {
   }
   const auto oldest = database_.ReadInteger(kOldestSeries);
   if (!oldest.ok()) return oldest.status();
-  absl::Status status = database_.Run(kRemoveLives, eighth(*oldest));
-  return status.ok() ? database_.Run(kRemoveSeries, eighth(*oldest)) : status;
+  // Series that are still played stay, with their whole lives.
+  const int64_t end_s = std::min(eighth(*oldest), now_s - kResolutions.front().age_s);
+  absl::Status status = database_.Run(kRemoveLives, end_s);
+  return status.ok() ? database_.Run(kRemoveSeries, end_s) : status;
 }
 
 absl::StatusOr<HistoryPage> HistoryFile::Read(const HistoryQuery& query, int64_t unix_now_s) {
@@ -248,6 +247,9 @@ absl::StatusOr<HistoryPage> HistoryFile::Read(const HistoryQuery& query, int64_t
     series.set_build(key.build);
     series.set_session_id(key.session);
     status = ReadPoints(id, query, unix_now_s, series);
+    if (query.max_points == 1) {
+      for (v1::HistoryPoint& point : *series.mutable_points()) point.clear_activity();
+    }
     bytes += series.ByteSizeLong();
     if (bytes > kMaxPageBytes && !page.series.empty()) return page;
     page.next = key;
@@ -261,8 +263,9 @@ absl::StatusOr<HistoryPage> HistoryFile::Read(const HistoryQuery& query, int64_t
 absl::Status HistoryFile::ReadPoints(int64_t series_id, const HistoryQuery& query,
                                      int64_t unix_now_s, v1::HistorySeries& series) {
   int64_t from_s = query.from_ms / 1000;
-  const int64_t until_s = (query.until_ms + 999) / 1000;
-  if (from_s == 0 && query.max_points == 1 && until_s >= unix_now_s) {
+  const bool is_until_now = query.until_ms == 0;
+  const int64_t until_s = is_until_now ? unix_now_s : (query.until_ms - 1) / 1000 + 1;
+  if (from_s == 0 && query.max_points == 1 && is_until_now) {
     PointSum sum(0, 1, 1, 1, series);
     return database_.ForEachRow(
         kSelectPoints, [&](const SqlRow& row) { sum.Add(0, row.Bytes(1)); }, series_id, kWholeLife,

@@ -25,8 +25,8 @@
 namespace sweepstake::history {
 
 struct HistoryLimits {
-  // Maximum size of the file; 0: no history. Above it, the oldest eighth of each resolution is
-  // removed.
+  // Maximum number of bytes in use. Above it, the oldest eighth of each resolution is removed. The
+  // file does not shrink.
   uint64_t bytes = 256ull << 20;
   uint64_t age_s = 90ull * 86'400;  // maximum age of the points of an hour, and of series
 
@@ -48,7 +48,7 @@ struct HistoryQuery {
   priors::SceneFilter filter = {};
   std::string session = {};  // empty: all
   int64_t from_ms = 0;       // 0: the whole history
-  int64_t until_ms = 0;      // exclusive
+  int64_t until_ms = 0;      // exclusive; 0: now
   uint32_t max_points = 300;
   std::optional<SeriesKey> after = {};  // only series after this one
 };
@@ -58,19 +58,20 @@ struct HistoryPage {
   std::optional<SeriesKey> next;  // the last series, if there may be more
 };
 
-using HistoryEntry = std::pair<SeriesKey, v1::HistoryPoint>;
-
 class HistoryFile {
  public:
   // A page ends with the series that makes it larger than this.
   static constexpr size_t kMaxPageBytes = 1 << 20;
   static constexpr uint32_t kMaxSeriesPerPage = 200;
 
-  // Opens the file; creates it if it is missing. A file that cannot be read as a history, because
-  // it is damaged or has another version, is renamed to PATH.damaged, and replaces a former one
-  // there; `*note` then says so. Error: UNAVAILABLE.
-  static absl::StatusOr<std::unique_ptr<HistoryFile>> Open(const std::filesystem::path& path,
-                                                           std::string* note);
+  // Opens the file; creates it if it is missing. Errors: UNAVAILABLE, DATA_LOSS (it is damaged, or
+  // has another version).
+  static absl::StatusOr<std::unique_ptr<HistoryFile>> Open(const std::filesystem::path& path);
+  // Renames a damaged file to PATH.damaged, which replaces a former one. Returns that name. Error:
+  // UNAVAILABLE.
+  static absl::StatusOr<std::filesystem::path> SetAside(const std::filesystem::path& path);
+  // Reads the whole file. Error: DATA_LOSS (it is damaged).
+  absl::Status Check();
 
   // Adds each point to its series, at each resolution. All or none are added. Then removes what is
   // beyond the limits. Error: UNAVAILABLE.
@@ -83,8 +84,6 @@ class HistoryFile {
  private:
   explicit HistoryFile(storage::SqliteDatabase database) : database_(std::move(database)) {}
 
-  static absl::StatusOr<std::unique_ptr<HistoryFile>> OpenExisting(
-      const std::filesystem::path& path);
   absl::Status AddOne(const HistoryEntry& entry);
   absl::StatusOr<int64_t> SeriesId(const SeriesKey& key, int64_t seen_s);
   absl::Status Trim(const HistoryLimits& limits, int64_t unix_now_s, int64_t steady_ns);

@@ -1,6 +1,7 @@
 #include "server/history/history_point.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 
@@ -61,8 +62,8 @@ v1::ArmHistory& ArmOf(v1::HistoryPoint& point, const std::string& name) {
 
 }  // namespace
 
-v1::HistoryPoint PointOf(const sessions::SessionIdentity& session,
-                         const sessions::SessionUse& use) {
+v1::HistoryPoint PointOf(const SessionReport& report) {
+  const sessions::SessionUse& use = report.use;
   v1::HistoryPoint point;
   point.set_unix_ms(use.unix_start_ms);
   point.set_end_unix_ms(use.unix_end_ms);
@@ -74,13 +75,34 @@ v1::HistoryPoint PointOf(const sessions::SessionIdentity& session,
   ToProto(use.frames.frame_time_ns, *point.mutable_frame_time_ns());
   ToProto(use.frames.detection_time_ns, *point.mutable_detection_time_ns());
   ToProto(use.frames.native_bytes, *point.mutable_native_bytes());
-  for (size_t i = 0; i < session.arms.size(); ++i) {
-    v1::ArmHistory& arm = ArmOf(point, session.arms[i]);
+  for (size_t i = 0; i < report.arms.size(); ++i) {
+    v1::ArmHistory& arm = ArmOf(point, report.arms[i]);
     arm.set_active_frame_count(use.active_frame_counts[i]);
     arm.set_frame_count(use.measured.frame_count);
     arm.set_would_take_us(use.measured.arm_us[i]);
   }
   return point;
+}
+
+std::vector<HistoryEntry> EntriesOf(const HistoryBatch& batch) {
+  std::map<SeriesKey, v1::HistoryPoint> sums;
+  for (const SessionReport& report : batch.reports) {
+    const v1::HistoryPoint point = PointOf(report);
+    SeriesKey key = {.kind = v1::HISTORY_KIND_SCENE, .scene = report.scene};
+    Add(point, sums[key]);
+    key.kind = v1::HISTORY_KIND_BUILD;
+    key.build = report.build;
+    Add(point, sums[key]);
+    key.kind = v1::HISTORY_KIND_SESSION;
+    key.session = report.session;
+    Add(point, sums[key]);
+  }
+  for (auto& [key, sum] : sums) {
+    const auto activity = batch.activities.find(key.scene);
+    if (key.kind == v1::HISTORY_KIND_SCENE && activity != batch.activities.end())
+      *sum.mutable_activity() = activity->second;
+  }
+  return {std::make_move_iterator(sums.begin()), std::make_move_iterator(sums.end())};
 }
 
 void Add(const v1::HistoryPoint& point, v1::HistoryPoint& sum) {

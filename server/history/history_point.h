@@ -1,11 +1,13 @@
 // Sums of points of the history. A point is a message sweepstake.v1.HistoryPoint.
 #pragma once
 
+#include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "server/sessions/common/session_use.h"
 #include "server/sessions/prior_store.h"
-#include "server/sessions/session_identity.h"
 #include "sweepstake/v1/history.pb.h"
 
 namespace sweepstake::history {
@@ -24,8 +26,27 @@ struct SeriesKey {
 
 void ToProto(const sessions::LogHistogram& histogram, v1::LogHistogram& message);
 
-// Returns the point of one report of a session. It has no activity.
-v1::HistoryPoint PointOf(const sessions::SessionIdentity& session, const sessions::SessionUse& use);
+// What a session ran since its previous report.
+struct SessionReport {
+  priors::SceneKey scene;
+  std::string build;
+  std::string session;
+  std::vector<std::string> arms;
+  sessions::SessionUse use;
+};
+
+// Reports of sessions, and the activity of their scenes at the end of the reports.
+struct HistoryBatch {
+  std::vector<SessionReport> reports = {};
+  std::map<priors::SceneKey, v1::SceneActivity> activities = {};
+};
+
+using HistoryEntry = std::pair<SeriesKey, v1::HistoryPoint>;
+
+// Returns the point of one report. It has no activity.
+v1::HistoryPoint PointOf(const SessionReport& report);
+// Returns the sums of the reports for their scenes, builds and sessions.
+std::vector<HistoryEntry> EntriesOf(const HistoryBatch& batch);
 
 // Adds `point` to `sum`. The period of the sum then includes that of the point, and the activity is
 // that of the later one. If a histogram has more than LogHistogram::kMaxBuckets buckets, the lowest

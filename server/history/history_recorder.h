@@ -1,18 +1,18 @@
 // Collects what sessions report (sessions/common/session_use.h), and passes it to the history a few
 // seconds later, with the activity of each scene.
 //
-// Used on the decision loop only. The report of a scene's activity takes up to 0.84 ms
-// (DecisionSession::Report), so a task of the loop adds at most kScenesPerTask of them. The memory
-// is bounded by kMaxPending.
+// Used on the decision loop only. Reports are only copied here; the history's thread adds them up.
+// The memory is bounded by kMaxReports.
 #pragma once
 
 #include <cstdint>
 #include <functional>
-#include <map>
-#include <vector>
+#include <set>
+#include <utility>
 
-#include "server/history/history_file.h"
+#include "server/history/history_point.h"
 #include "server/sessions/common/decision_loop.h"
+#include "server/sessions/session_identity.h"
 #include "server/sessions/session_table.h"
 
 namespace sweepstake::history {
@@ -21,13 +21,15 @@ class HistoryRecorder {
  public:
   // Sessions report after the same moment of the wall clock, at their next decisions.
   static constexpr int64_t kDelayNs = 5'000'000'000;
-  static constexpr size_t kScenesPerTask = 8;
-  // Maximum number of series that wait. Points of further series are lost.
-  static constexpr size_t kMaxPending = 65'536;
+  // The number of activities that one task of the loop computes. Each takes up to 0.84 ms
+  // (DecisionSession::Report).
+  static constexpr size_t kScenesPerTask = 4;
+  // Maximum number of reports that wait; further ones are lost.
+  static constexpr size_t kMaxReports = 50'000;
 
   struct Outputs {
     std::function<v1::SceneActivity(const sessions::SceneActivity&)> encode;
-    std::function<void(std::vector<HistoryEntry>)> write;
+    std::function<void(HistoryBatch)> write;
   };
 
   // Borrows the loop and the table.
@@ -35,23 +37,21 @@ class HistoryRecorder {
                   Outputs outputs)
       : loop_(loop), sessions_(sessions), outputs_(std::move(outputs)) {}
 
-  void Add(const sessions::SessionIdentity& session, const sessions::SessionUse& use);
-  // Passes everything on now, without activities. For the end of the daemon.
+  void Add(const sessions::SessionIdentity& session, sessions::SessionUse use);
+  // Passes everything on now, without further activities. For the end of the daemon.
   void Finish();
 
  private:
-  using Points = std::map<SeriesKey, v1::HistoryPoint>;
-
-  void AddTo(SeriesKey key, const v1::HistoryPoint& point);
   void Begin();
-  // Adds the activities of the next scenes, or passes all points on if none is left.
-  void Continue(const SeriesKey& after);
+  // Adds the activities of the next scenes, or passes the batch on if none is left.
+  void Continue();
 
   sessions::DecisionLoop& loop_;
   const sessions::SessionTable& sessions_;
   const Outputs outputs_;
-  Points pending_;
-  Points leaving_;  // points that Continue completes
+  HistoryBatch waiting_;
+  HistoryBatch leaving_;               // gets its activities
+  std::set<priors::SceneKey> scenes_;  // of leaving_, without an activity so far
   bool is_scheduled_ = false;
 };
 

@@ -82,8 +82,9 @@ RpcServer::RpcServer(RpcOptions options, sessions::LoopClock& clock, priors::Asy
 
 RpcOptions RpcServer::WithRecorder(RpcOptions options) {
   if (options.history == nullptr) return options;
-  options.on_use = [this](const sessions::SessionIdentity& session,
-                          const sessions::SessionUse& use) { recorder_.Add(session, use); };
+  options.on_use = [this](const sessions::SessionIdentity& session, sessions::SessionUse use) {
+    recorder_.Add(session, std::move(use));
+  };
   return options;
 }
 
@@ -94,7 +95,7 @@ history::HistoryRecorder::Outputs RpcServer::RecorderOutputs() {
                 ToProto(activity, scene);
                 return *std::move(scene.mutable_activity());
               },
-          .write = [this](auto entries) { options_.history->Write(std::move(entries)); }};
+          .write = [this](auto batch) { options_.history->Write(std::move(batch)); }};
 }
 
 absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,

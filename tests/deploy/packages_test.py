@@ -35,6 +35,7 @@ PACKAGES = {
     "spdlog": (["spdlog"], "spdlog", "daemon"),
     "tomlplusplus": (["tomlplusplus"], "tomlplusplus", "daemon"),
     "Boost": (["boost-asio", "boost-beast"], "boost", "daemon"),
+    "ZLIB": (["zlib"], "zlib", "daemon"),
     "CURL": (["curl"], "libcurl", "daemon"),
     "prometheus-cpp": (["prometheus-cpp"], "prometheus-cpp", "daemon"),
     "libsystemd": (["libsystemd"], "libsystemd", "daemon"),

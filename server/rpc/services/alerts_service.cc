@@ -10,7 +10,6 @@
 #include "engine_client/text/names.h"
 #include "server/alerts/alert_monitor.h"
 #include "server/rpc/common/proto_conversion.h"
-#include "server/sessions/common/unix_time.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -76,10 +75,8 @@ absl::Status Silence(ServiceContext& context, const Caller& caller,
       duration_ms == 0 ? " until it ends" : absl::StrCat(" for ", duration_ms / 1000, " s"));
   if (!request.comment().empty()) absl::StrAppend(&action, ": ", request.comment());
   const absl::Status silenced = context.alerts.AddSilence(
-      {.id = alert->id,
-       .unix_until_ms = duration_ms == 0 ? 0 : priors::UnixNowMs() + duration_ms,
-       .comment = request.comment(),
-       .silenced_by = NameAndAddress(caller)});
+      {.id = alert->id, .comment = request.comment(), .silenced_by = NameAndAddress(caller)},
+      duration_ms);
   if (!silenced.ok()) return Refused(v1::ERROR_REASON_TOO_MANY_SILENCES, silenced.message());
   RecordForAlerts(context, caller, action);
   return absl::OkStatus();

@@ -14,6 +14,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "engine_client/decider/audit/audit_log.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/decision_rows.h"
 #include "server/rpc/services/page_stream.h"
@@ -264,6 +265,7 @@ using RowKey = std::function<std::optional<int64_t>(const v1::AuditRow&)>;
 
 // Returns the number of the first row in the range whose key is at least `least`; range.end if
 // there is none.
+// REQUIRES: rows without a key are rare, as in the log of a game.
 absl::StatusOr<uint64_t> FirstRowWith(priors::PriorReader& store, uint64_t segment_id,
                                       RowRange range, const RowKey& key, int64_t least) {
   const uint64_t end = range.end;
@@ -447,6 +449,8 @@ absl::StatusOr<ListQuery> QueryOf(const Caller& caller, const v1::ListDecisionsR
   const bool is_one_row = request.segment() != 0 || request.row() != 0;
   if (is_one_row && (request.segment() == 0 || request.row() == 0))
     return InvalidQuery("segment and row must be set together");
+  if (request.decision_id() != 0 && request.filter().session_id() == decision::kAdminSession)
+    return InvalidQuery("the log of administrators has no decisions");
   if ((is_one_row || request.decision_id() != 0) && !query.is_of_session())
     return InvalidQuery("segment, row and decision_id need filter.session_id");
   return query;
@@ -458,15 +462,14 @@ void Answer(ServiceContext& context, const Caller& caller, const v1::ListDecisio
             v1::ListDecisionsResponse& response, const EndCall& end) {
   auto query = QueryOf(caller, request);
   if (!query.ok()) return end(query.status());
-  ReadAndAnswer(
-      context, end,
-      [query = *std::move(query)](priors::PriorReader& store) {
-        return query.is_of_session() ? SessionList(query).Load(store) : ListAll(store, query);
-      },
-      [&response](const v1::ListDecisionsResponse& page) {
-        response = page;
-        return absl::OkStatus();
+  // Large answers are completed on the reading thread, not on the decision loop.
+  const bool submitted =
+      context.store.Read([query = *std::move(query), &response, end](priors::PriorReader& store) {
+        auto page = query.is_of_session() ? SessionList(query).Load(store) : ListAll(store, query);
+        if (page.ok()) response = *std::move(page);
+        end(page.ok() ? absl::OkStatus() : StoreFailed(page.status()));
       });
+  if (!submitted) end(StoreBusy());
 }
 
 absl::StatusOr<LoadPage> PagesOf(const Caller& caller,

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "server/history/history.h"
 #include "server/rpc/common/error_reasons.h"
-#include "server/sessions/common/unix_time.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -54,8 +54,9 @@ absl::StatusOr<history::HistoryQuery> QueryOf(const Caller& caller,
   if (absl::Status allowed = Narrow(caller, query.filter); !allowed.ok()) return allowed;
   query.session = request.session_id();
   query.from_ms = request.from_unix_ms();
-  query.until_ms = request.until_unix_ms() == 0 ? priors::UnixNowMs() + 1 : request.until_unix_ms();
-  if (query.from_ms < 0 || query.until_ms <= query.from_ms)
+  query.until_ms = request.until_unix_ms();
+  const bool is_reversed = query.until_ms != 0 && query.until_ms <= query.from_ms;
+  if (query.from_ms < 0 || query.until_ms < 0 || is_reversed)
     return invalid("until_unix_ms must be later than from_unix_ms, and both not negative");
   query.max_points = request.max_points() == 0 ? kDefaultPoints : request.max_points();
   if (query.max_points > kMaxPoints) return invalid("max_points must be at most 1000");
@@ -74,12 +75,15 @@ void Answer(ServiceContext& context, const Caller& caller, const v1::GetHistoryR
   if (context.options.history == nullptr) return end(absl::OkStatus());
   const bool is_queued = context.options.history->Read(
       *std::move(query), [&response, end](const absl::StatusOr<history::HistoryPage>& page) {
-        if (!page.ok()) return end(StoreFailed(page.status()));
+        if (!page.ok())
+          return end(StoreFailed({page.status().code(), absl::StrCat("the history cannot be read: ",
+                                                                     page.status().message())}));
         for (const v1::HistorySeries& series : page->series) *response.add_series() = series;
         if (page->next) response.set_next_page_token(SeriesTokenOf(*page->next));
         end(absl::OkStatus());
       });
-  if (!is_queued) end(StoreBusy());
+  if (!is_queued)
+    end(Refused(v1::ERROR_REASON_STORE_BUSY, "the history is overloaded; try again later"));
 }
 
 }  // namespace sweepstake::rpc

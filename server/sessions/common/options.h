@@ -42,7 +42,7 @@ struct HostedSessionOptions {
   std::function<std::string(const decision::AuditRow&)> encode_audit_row;
   // Receives what a session ran, at least every UseMeter::kStepMs while its game sends frames.
   // Called on the decision loop. May be empty.
-  std::function<void(const SessionIdentity&, const SessionUse&)> on_use;
+  std::function<void(const SessionIdentity&, SessionUse)> on_use;
   // Whether other daemons write to the same store. If so, a session that cannot be read from the
   // store is refused. It might have continued in another daemon, and then messages that its client
   // resends would count twice.

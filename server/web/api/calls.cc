@@ -43,6 +43,7 @@ struct Calls::Answer {
   std::shared_ptr<const google::protobuf::Message> request;
   bool has_more = false;   // `request` is that of the next page, which was not called yet
   bool is_called = false;  // a call is running
+  uint64_t call_count = 0;
   Taken taken = {};
   std::function<void()> wake = {};
   std::string lines = {};  // lines that are not sent yet
@@ -94,11 +95,15 @@ void Calls::Call(uint64_t number) {
   answer.has_more = false;
   if (!answer.method.streams) {
     answer.timer.expires_after(kAnswerPatience);
-    answer.timer.async_wait([this, number](boost::system::error_code cancelled) {
-      if (!cancelled)
-        OnCallEnd(number, absl::DeadlineExceededError(
-                              "the daemon did not answer in time; try again later"));
-    });
+    answer.timer.async_wait(
+        [this, number, call = ++answer.call_count](boost::system::error_code cancelled) {
+          // The timer of an earlier page may have run out just before it was cancelled.
+          const auto waiting = answers_.find(number);
+          if (waiting == answers_.end() || waiting->second->call_count != call) return;
+          if (!cancelled)
+            OnCallEnd(number, absl::DeadlineExceededError(
+                                  "the daemon did not answer in time; try again later"));
+        });
   }
   // The callbacks own no objects of this thread, because another thread may destroy the callbacks.
   const bool begun = begin_(

@@ -31,8 +31,7 @@ class HistoryFileTest : public ::testing::Test {
   void SetUp() override { Open(); }
   void Open() {
     file_.reset();
-    note_.clear();
-    auto file = HistoryFile::Open(path_, &note_);
+    auto file = HistoryFile::Open(path_);
     ASSERT_TRUE(file.ok()) << file.status();
     file_ = *std::move(file);
   }
@@ -42,7 +41,6 @@ class HistoryFileTest : public ::testing::Test {
     ASSERT_TRUE(status.ok()) << status;
   }
   HistoryPage Read(HistoryQuery query, int64_t now_s = kNowS) {
-    if (query.until_ms == 0) query.until_ms = now_s * 1000;
     const auto page = file_->Read(query, now_s);
     EXPECT_TRUE(page.ok()) << page.status();
     return page.value_or(HistoryPage());
@@ -57,7 +55,6 @@ class HistoryFileTest : public ::testing::Test {
   const std::filesystem::path path_ = directory_.path() / "history.db";
   HistoryLimits limits_;
   int64_t steady_ns_ = 0;
-  std::string note_;
   std::unique_ptr<HistoryFile> file_;
 };
 
@@ -76,7 +73,6 @@ TEST_F(HistoryFileTest, ReportsOfOnePeriodAreOnePoint) {
 TEST_F(HistoryFileTest, ARestartContinuesThePoints) {
   Add({{Scene("harbour"), Point(kNowS - 30, 5)}});
   Open();
-  EXPECT_EQ(note_, "");
   Add({{Scene("harbour"), Point(kNowS - 30, 7)}});
   EXPECT_EQ(ReadOne({.from_ms = (kNowS - 900) * 1000}).points(0).frame_count(), 12U);
 }
@@ -138,6 +134,7 @@ TEST_F(HistoryFileTest, TheFileStaysBelowItsLimit) {
   point.mutable_activity()->set_session_id(std::string(2'000, 'x'));
   for (int i = 0; i < 200; ++i) {
     point.set_unix_ms((kNowS - (200 - i) * kStepS) * 1000);
+    point.set_end_unix_ms(point.unix_ms() + kStepS * 1000);
     std::vector<HistoryEntry> entries;
     for (int scene = 0; scene < 10; ++scene)
       entries.emplace_back(Scene("scene " + std::to_string(scene)), point);
@@ -149,6 +146,9 @@ TEST_F(HistoryFileTest, TheFileStaysBelowItsLimit) {
       ReadOne({.filter = {"game", "scene 3"}, .from_ms = (kNowS - 900) * 1000});
   ASSERT_GT(series.points_size(), 5) << "the latest points are kept";
   EXPECT_EQ(series.points().rbegin()->unix_ms(), (kNowS - kStepS) * 1000);
+  const HistoryPage lives = Read({.max_points = 1});
+  ASSERT_EQ(lives.series.size(), 10U) << "series that are still played stay";
+  EXPECT_EQ(lives.series[0].points(0).frame_count(), 200U);
 }
 
 TEST_F(HistoryFileTest, PagesHaveEverySeriesOnce) {
@@ -204,14 +204,31 @@ TEST_F(HistoryFileTest, SelectsByProjectSceneSessionAndKind) {
       0U);
 }
 
-TEST_F(HistoryFileTest, ADamagedFileIsPutAside) {
+TEST_F(HistoryFileTest, ADamagedFileIsDataLoss) {
   file_.reset();
   std::ofstream(path_) << std::string(10'000, 'x');
+  EXPECT_TRUE(absl::IsDataLoss(HistoryFile::Open(path_).status()));
+  const auto aside = HistoryFile::SetAside(path_);
+  ASSERT_TRUE(aside.ok()) << aside.status();
+  EXPECT_TRUE(std::filesystem::exists(*aside));
   Open();
-  EXPECT_NE(note_.find("history.db.damaged"), std::string::npos) << note_;
   Add({{Scene("harbour"), Point(kNowS - 15)}});
-  EXPECT_EQ(Read({.from_ms = (kNowS - 900) * 1000}).series.size(), 1U);
-  EXPECT_TRUE(std::filesystem::exists(path_.string() + ".damaged"));
+  EXPECT_TRUE(file_->Check().ok());
+}
+
+// A page in the middle is overwritten, which only Check and statements that read the page find.
+TEST_F(HistoryFileTest, ADamagedPageIsFoundByACheck) {
+  for (int i = 0; i < 300; ++i) Add({{Scene(std::to_string(i)), Point(kNowS - 15)}});
+  file_.reset();
+  {
+    std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+    for (int page = 4; page < 12; ++page) {
+      file.seekp(page * 4096);
+      file << std::string(4096, 'x');
+    }
+  }
+  Open();
+  EXPECT_TRUE(absl::IsDataLoss(file_->Check()));
 }
 
 }  // namespace

@@ -8,14 +8,11 @@
 namespace sweepstake::history {
 namespace {
 
-sessions::SessionIdentity Session(std::vector<std::string> arms) {
-  sessions::SessionIdentity session;
-  session.arms = std::move(arms);
-  return session;
-}
-
-sessions::SessionUse Use(int64_t start_ms, size_t arm_count) {
-  sessions::SessionUse use;
+SessionReport Report(std::vector<std::string> arms, int64_t start_ms) {
+  const size_t arm_count = arms.size();
+  SessionReport report = {
+      .scene = {"game", "harbour", "", 1}, .build = "12", .session = "a", .arms = std::move(arms)};
+  sessions::SessionUse& use = report.use;
   use.unix_start_ms = start_ms;
   use.unix_end_ms = start_ms + 10'000;
   use.frames.Add(16'000'000, 100'000, 4'096);
@@ -27,11 +24,11 @@ sessions::SessionUse Use(int64_t start_ms, size_t arm_count) {
   use.measured.arm_us.assign(arm_count, 120);
   use.initial_us = 120;
   use.switch_count = 2;
-  return use;
+  return report;
 }
 
 TEST(HistoryPointTest, ArmsAreOrderedByName) {
-  const v1::HistoryPoint point = PointOf(Session({"SAP", "DBVT", "KDTree"}), Use(5'000, 3));
+  const v1::HistoryPoint point = PointOf(Report({"SAP", "DBVT", "KDTree"}, 5'000));
   ASSERT_EQ(point.arms_size(), 3);
   EXPECT_EQ(point.arms(0).arm(), "DBVT");
   EXPECT_EQ(point.arms(1).arm(), "KDTree");
@@ -43,8 +40,8 @@ TEST(HistoryPointTest, ArmsAreOrderedByName) {
 
 TEST(HistoryPointTest, SumsHaveAllFields) {
   v1::HistoryPoint sum;
-  Add(PointOf(Session({"SAP", "KDTree"}), Use(20'000, 2)), sum);
-  Add(PointOf(Session({"Grid", "SAP"}), Use(5'000, 2)), sum);
+  Add(PointOf(Report({"SAP", "KDTree"}, 20'000)), sum);
+  Add(PointOf(Report({"Grid", "SAP"}, 5'000)), sum);
   EXPECT_EQ(sum.unix_ms(), 5'000);
   EXPECT_EQ(sum.end_unix_ms(), 30'000);
   EXPECT_EQ(sum.frame_count(), 2U);
@@ -61,6 +58,25 @@ TEST(HistoryPointTest, SumsHaveAllFields) {
   EXPECT_EQ(sum.arms(0).frame_count(), 1U) << "only one session has Grid";
   EXPECT_EQ(sum.arms(2).frame_count(), 2U);
   EXPECT_EQ(sum.arms(2).would_take_us(), 240);
+}
+
+TEST(HistoryPointTest, ReportsAreAddedToSceneBuildAndSession) {
+  HistoryBatch batch;
+  batch.reports = {Report({"SAP"}, 5'000), Report({"SAP"}, 6'000)};
+  batch.reports[1].build = "13";
+  batch.reports[1].session = "b";
+  batch.activities[batch.reports[0].scene].set_active_arm("SAP");
+  const std::vector<HistoryEntry> entries = EntriesOf(batch);
+  ASSERT_EQ(entries.size(), 5U);
+  EXPECT_EQ(entries[0].first.kind, v1::HISTORY_KIND_SCENE);
+  EXPECT_EQ(entries[0].second.frame_count(), 2U);
+  EXPECT_EQ(entries[0].second.activity().active_arm(), "SAP");
+  EXPECT_EQ(entries[1].first.build, "12");
+  EXPECT_EQ(entries[2].first.build, "13");
+  EXPECT_EQ(entries[2].second.frame_count(), 1U);
+  EXPECT_FALSE(entries[2].second.has_activity());
+  EXPECT_EQ(entries[3].first.session, "a");
+  EXPECT_EQ(entries[4].first.session, "b");
 }
 
 TEST(HistoryPointTest, TheActivityIsThatOfTheLatestPoint) {

@@ -22,4 +22,4 @@ export const sessionCsvUrl = (table: 'decisions' | 'windows' | 'posteriors', ses
 
 /** A link that saves a table as CSV. `of` names the table for readers who do not see what is beside the link. */
 export const CsvLink = ({ href, of, name = 'sweepstake' }: { href: string; of: string; name?: string }) =>
-  <a class="button quiet" href={href} download={`${name}.csv`} aria-label={`${of} as CSV`} title="All rows, at full resolution">CSV</a>;
+  <a class="button quiet" href={href} download={`${name}.csv`} aria-label={`${of} as CSV`} title="As a file, from the daemon">CSV</a>;

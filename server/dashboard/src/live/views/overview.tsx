@@ -148,7 +148,7 @@ function Known({ all }: { all: readonly SceneSummary[] }) {
         {all.length > 0 && rows.length === 0 && <Empty title="No scene matches the filter" />}
       </section>
       <Projects all={all} />
-      <p class="soft small"><SessionCount /> A verdict uses the evidence of all sessions. A scene is changing if its regimes have different best algorithms, and stable if P(best) of its leader is at least {significant(thresholds.value.stableProbability, 1)}.</p>
+      <p class="soft small"><SessionCount /> A verdict uses the evidence of all sessions. A scene is changing if its regimes have different best algorithms or its session switches often, and stable if P(best) of its leader is at least {significant(thresholds.value.stableProbability, 1)}.</p>
       <p class="soft small"><a href={urlOf('/recording')}>Play a recording</a> of the boxes of a game.</p>
       <details class="soft small">
         <summary>Terms on this page</summary>

@@ -139,7 +139,7 @@ const COLUMNS: readonly Column<BuildRow>[] = [
 /** The builds that have played the scene, over their whole lives. */
 export function Builds({ name: { project, scene, machineClass, rewardVersion } }: { name: SceneName }) {
   const { series, wasRead, error } = useHistory({ kind: HistoryKind.BUILD, project, scene }, WHOLE_LIFE);
-  const online = useComputed(() => connectedSessions.value.filter(({ info }) => info.project === project && info.scene === scene).map(({ info }) => info.build)).value;
+  const online = useComputed(() => connectedSessions.value.filter(({ info }) => info.project === project && info.scene === scene && info.machineClass === machineClass).map(({ info }) => info.build)).value;
   const own = series.filter((each) => each.machineClass === machineClass && each.rewardVersion === rewardVersion);
   if (own.length === 0) return <p class="soft">{error ? error.message : wasRead ? 'The history has no build of this scene on this class of machines.' : 'Reading the history.'}</p>;
   const rows = own.map(({ build, points }): BuildRow => ({ build, point: points[0]!, onlineCount: online.filter((each) => each === build).length, use: measuredIn(points[0]!) }));
