@@ -214,10 +214,10 @@ TEST(Quantile, IsTheMiddleOfTheBucketThatContainsTheRank) {
 }
 
 TEST(Quantile, IsAbsentWithoutValuesAndForAnInvalidMessage) {
-  EXPECT_EQ(Quantile({}, 0.5), std::nullopt);
+  EXPECT_EQ(QuantileOf({}, 0.5), std::nullopt);
   v1::LogHistogram broken = HistogramOf({{161, 80}});
   broken.add_counts(1);
-  EXPECT_EQ(Quantile(broken, 0.5), std::nullopt);
+  EXPECT_EQ(QuantileOf(broken, 0.5), std::nullopt);
 }
 
 TEST(DecisionJson, ContainsTheDecisionAndTheBeliefs) {
