@@ -28,11 +28,11 @@ void ToProto(const sessions::LogHistogram& histogram, v1::LogHistogram& message)
 
 // What a session ran since its previous report.
 struct SessionReport {
-  priors::SceneKey scene;
-  std::string build;
-  std::string session;
-  std::vector<std::string> arms;
-  sessions::SessionUse use;
+  priors::SceneKey scene = {};
+  std::string build = {};
+  std::string session = {};
+  std::vector<std::string> arms = {};
+  sessions::SessionUse use = {};
 };
 
 // Reports of sessions, and the activity of their scenes at the end of the reports.
