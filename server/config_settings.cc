@@ -202,7 +202,7 @@ void AddLive(Table& table, Config& config) {
   table.Whole("max_hellos_per_s", rpc.max_hellos_per_s, 1, kMillion,
               "new streams per second for each token and remote address; burst: ten times this");
   table.Whole("max_reads_per_s", rpc.max_reads_per_s, 1, kMillion,
-              "list, export and watch calls per second for each token and address; burst: ten "
+              "calls per second for each token and address, without streams of games; burst: ten "
               "times this");
   table.Whole("max_transfers", rpc.max_transfers, 1, 100'000,
               "exports and imports in progress at one time");

@@ -116,6 +116,7 @@ class Daemon {
   mutable std::mutex mutex_;
   std::string store_problem_;  // guarded by mutex_; why the store cannot write
   std::string tls_problem_;    // guarded by mutex_; why the TLS files cannot be used
+  std::optional<std::string> unsaved_silences_;  // guarded by mutex_; waits for the store's thread
   const std::shared_ptr<std::atomic<bool>> saving_ = std::make_shared<std::atomic<bool>>(false);
   struct {
     bool done = false;

@@ -41,13 +41,25 @@ void Daemon::SaveSilences(std::string text) {
     log_->error("{} could not be written, so the silences of alerts are lost at a restart: {}",
                 directory_.silences().string(), std::string(why));
   };
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::exchange(unsaved_silences_, std::move(text)))
+      return;  // the queued job writes this one
+  }
   // The store's thread writes the file, because an fsync would delay decisions.
-  const bool submitted =
-      store_->Submit([this, report, text = std::move(text)](priors::PriorStore& /*store*/) {
-        if (const absl::Status saved = ReplaceText(directory_.silences(), text); !saved.ok())
-          report(saved.message());
-      });
-  if (!submitted) report("the queue of the store is full");
+  const auto save = [this, report](priors::PriorStore& /*store*/) {
+    std::optional<std::string> latest;
+    {
+      const std::lock_guard lock(mutex_);
+      latest = std::exchange(unsaved_silences_, std::nullopt);
+    }
+    if (const absl::Status saved = ReplaceText(directory_.silences(), *latest); !saved.ok())
+      report(saved.message());
+  };
+  if (store_->Submit(save)) return;
+  const std::lock_guard lock(mutex_);
+  unsaved_silences_.reset();
+  report("the queue of the store is full");
 }
 
 }  // namespace sweepstake::server

@@ -46,6 +46,8 @@ absl::StatusOr<std::string> ReadResumeKey(const fs::path& path) {
 }
 
 std::string ReadText(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return {};
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }

@@ -11,8 +11,13 @@
 namespace sweepstake::alerts {
 namespace {
 
-size_t Discard(char* /*bytes*/, size_t size, size_t count, void* /*unused*/) {
-  return size * count;
+constexpr size_t kMaxAnswerBytes = 64 * 1024;
+
+// Ends the transfer after kMaxAnswerBytes: the status has arrived before the body.
+size_t Discard(char* /*bytes*/, size_t size, size_t count, void* received) {
+  auto& byte_count = *static_cast<size_t*>(received);
+  byte_count += size * count;
+  return byte_count > kMaxAnswerBytes ? 0 : size * count;
 }
 
 // libcurl calls it at least once a second; a value other than 0 ends the transfer.
@@ -132,12 +137,14 @@ std::string Webhook::Send(const std::string& url, const std::string& message) {
   set(CURLOPT_USERAGENT, options_.user_agent.c_str());
   set(CURLOPT_POSTFIELDS, message.c_str());
   set(CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(message.size()));
+  size_t received = 0;
   set(CURLOPT_WRITEFUNCTION, &Discard);
+  set(CURLOPT_WRITEDATA, static_cast<void*>(&received));
   set(CURLOPT_XFERINFOFUNCTION, &IsClosing);
   set(CURLOPT_XFERINFODATA, static_cast<void*>(&closing_));
   set(CURLOPT_NOPROGRESS, 0L);
   const CURLcode sent = curl_easy_perform(curl.get());
-  if (sent != CURLE_OK) return curl_easy_strerror(sent);
+  if (sent != CURLE_OK && sent != CURLE_WRITE_ERROR) return curl_easy_strerror(sent);
   long status = 0;
   (void)curl_easy_getinfo(curl.get(), CURLINFO_RESPONSE_CODE, &status);
   if (status >= 200 && status < 300) return {};

@@ -84,22 +84,46 @@ absl::Status History::Add(const HistoryBatch& batch) {
 
 void History::Settle(const absl::Status& status) {
   if (status.ok()) return;
+  if (absl::IsNotFound(status)) return BeginAgain(std::string(status.message()));
   if (!absl::IsDataLoss(status))
-    return Report(absl::StrCat("the history could not be written, and lacks some points: ",
-                               status.message()));
+    return Report(absl::StrCat("the history cannot be read or written: ", status.message()));
   file_.reset();
   const auto aside = HistoryFile::SetAside(path_);
   if (!aside.ok()) return Report(std::string(aside.status().message()));
+  BeginAgain(BeginsAgain(path_, *aside, status));
+}
+
+void History::BeginAgain(const std::string& why) {
+  file_.reset();
   auto file = HistoryFile::Open(path_);
   if (!file.ok()) return Report(std::string(file.status().message()));
   file_ = *std::move(file);
-  Report(BeginsAgain(path_, *aside, status));
+  Report(why);
 }
 
 bool History::Read(HistoryQuery query, OnPage done) {
-  return Post([this, query = std::move(query), done = std::move(done)] {
-    done(file_ == nullptr ? NoFile() : file_->Read(query, priors::UnixNowS()));
+  {
+    const std::lock_guard lock(mutex_);
+    if (queued_read_count_ >= kMaxQueuedReads) return false;
+    ++queued_read_count_;
+  }
+  const bool is_queued = Post([this, query = std::move(query), done = std::move(done)] {
+    if (closed_) {
+      done(absl::CancelledError("the daemon is stopping"));
+    } else {
+      auto page = file_ == nullptr ? NoFile() : file_->Read(query, priors::UnixNowS());
+      done(page);
+      Settle(page.status());
+    }
+    EndRead();
   });
+  if (!is_queued) EndRead();
+  return is_queued;
+}
+
+void History::EndRead() {
+  const std::lock_guard lock(mutex_);
+  --queued_read_count_;
 }
 
 void History::Limit(const HistoryLimits& limits) {
@@ -120,7 +144,7 @@ void History::Report(const std::string& problem) {
 void History::Close() {
   {
     const std::lock_guard lock(mutex_);
-    if (std::exchange(closed_, true)) return;
+    if (closed_.exchange(true)) return;
   }
   thread_.join();
 }

@@ -12,9 +12,12 @@ namespace {
 namespace fs = std::filesystem;
 using storage::SqlRow;
 
+constexpr int64_t kApplicationId = 1398887240;  // "SwsH"
 constexpr int64_t kVersion = 1;
 // The step of the one point of each series that contains all of its points.
 constexpr int64_t kWholeLife = 0;
+// A point may begin this much later than now, because the wall clock can have been set back.
+constexpr int64_t kMaxAheadS = 86'400;
 
 constexpr const char* kSchema = R"sql(
     CREATE TABLE series (
@@ -30,6 +33,7 @@ constexpr const char* kSchema = R"sql(
       UNIQUE (kind, project, scene, machine_class, reward_version, build, session)
     ) STRICT;
     CREATE INDEX series_by_age ON series (seen_s);
+    CREATE INDEX series_by_session ON series (session) WHERE session <> '';
     CREATE TABLE point (
       series_id INTEGER NOT NULL,
       step_s INTEGER NOT NULL,
@@ -38,6 +42,7 @@ constexpr const char* kSchema = R"sql(
       PRIMARY KEY (series_id, step_s, start_s)
     ) STRICT, WITHOUT ROWID;
     CREATE INDEX point_by_age ON point (step_s, start_s);
+    PRAGMA application_id = 1398887240;
     PRAGMA user_version = 1)sql";
 
 constexpr const char* kAddSeries = R"sql(
@@ -50,8 +55,16 @@ constexpr const char* kPutPoint =
     "INSERT OR REPLACE INTO point (series_id, step_s, start_s, bytes) VALUES (?1, ?2, ?3, ?4)";
 constexpr const char* kSelectSeries = R"sql(
     SELECT id, project, scene, machine_class, reward_version, build, session FROM series
-    WHERE kind = ?1 AND (?2 = '' OR project = ?2) AND (?3 = '' OR scene = ?3)
-      AND (?4 = '' OR session = ?4) AND seen_s >= ?5
+    WHERE kind = ?1 AND (?2 = '' OR project = ?2) AND (?3 = '' OR scene = ?3) AND ?4 = ''
+      AND seen_s >= ?5
+      AND (?6 = '' OR instr(?6, char(10) || project || char(10)))
+      AND (project, scene, machine_class, reward_version, build, session)
+        > (?7, ?8, ?9, ?10, ?11, ?12)
+    ORDER BY project, scene, machine_class, reward_version, build, session LIMIT ?13)sql";
+constexpr const char* kSelectSession = R"sql(
+    SELECT id, project, scene, machine_class, reward_version, build, session FROM series
+    WHERE kind = ?1 AND (?2 = '' OR project = ?2) AND (?3 = '' OR scene = ?3) AND session <> '' AND session = ?4
+      AND seen_s >= ?5
       AND (?6 = '' OR instr(?6, char(10) || project || char(10)))
       AND (project, scene, machine_class, reward_version, build, session)
         > (?7, ?8, ?9, ?10, ?11, ?12)
@@ -62,13 +75,24 @@ constexpr const char* kSelectPoints = R"sql(
 constexpr const char* kFirstPoint =
     "SELECT coalesce(min(start_s), 0) FROM point WHERE series_id = ?1 AND step_s = ?2";
 constexpr const char* kLatestSeries = "SELECT coalesce(max(seen_s), 0) FROM series";
-constexpr const char* kOldestPoint =
-    "SELECT coalesce(min(start_s), 0) FROM point WHERE step_s = ?1";
+// Points that a wall clock made which was ahead.
+constexpr const char* kRemoveFuturePoints = "DELETE FROM point WHERE start_s > ?1";
+constexpr const char* kClampSeries = "UPDATE series SET seen_s = ?1 WHERE seen_s > ?1";
+constexpr const char* kCountPoints =
+    "SELECT step_s, count(*) FROM point GROUP BY step_s ORDER BY step_s DESC";
+constexpr const char* kRemoveOldestPoints = R"sql(
+    DELETE FROM point WHERE (series_id, step_s, start_s) IN (
+      SELECT series_id, step_s, start_s FROM point WHERE step_s = ?1
+      ORDER BY start_s LIMIT ?2))sql";
+constexpr const char* kRemoveOldestSeries = R"sql(
+    DELETE FROM series WHERE id IN (
+      SELECT id FROM series WHERE seen_s < ?1 ORDER BY seen_s LIMIT ?2))sql";
+constexpr const char* kRemoveLostPoints =
+    "DELETE FROM point WHERE series_id NOT IN (SELECT id FROM series)";
 constexpr const char* kRemovePoints = "DELETE FROM point WHERE step_s = ?1 AND start_s < ?2";
 constexpr const char* kRemoveLives = R"sql(
     DELETE FROM point WHERE series_id IN (SELECT id FROM series WHERE seen_s < ?1))sql";
 constexpr const char* kRemoveSeries = "DELETE FROM series WHERE seen_s < ?1";
-constexpr const char* kOldestSeries = "SELECT coalesce(min(seen_s), 0) FROM series";
 
 SeriesKey KeyOf(v1::HistoryKind kind, const SqlRow& row) {
   return {.kind = kind,
@@ -126,16 +150,23 @@ absl::StatusOr<std::unique_ptr<HistoryFile>> HistoryFile::Open(const fs::path& p
       storage::SqliteDatabase::Open(path.string(), storage::SqliteDatabase::OpenMode::kExisting);
   if (!database.ok()) return storage::Explain(path, database.status());
   absl::Status status = database->Configure();
-  auto version = status.ok() ? database->QueryInteger("PRAGMA user_version") : status;
-  if (version.ok() && *version == 0) {
-    status = InTransaction(*database, [&] { return database->Execute(kSchema); });
+  auto table_count =
+      status.ok() ? database->QueryInteger("SELECT count(*) FROM sqlite_schema") : status;
+  if (table_count.ok() && *table_count == 0) {
+    // Most points have about 1 kB, which would need a page of their own at the default size.
+    status = database->Execute("PRAGMA page_size = 16384; VACUUM");
+    if (status.ok()) status = InTransaction(*database, [&] { return database->Execute(kSchema); });
     if (!status.ok()) return storage::Explain(path, status);
-    version = kVersion;
   }
-  if (!version.ok()) return storage::Explain(path, version.status());
-  if (*version != kVersion)
-    return absl::DataLossError(absl::StrCat("it has version ", *version, ", not ", kVersion));
-  return std::unique_ptr<HistoryFile>(new HistoryFile(*std::move(database)));
+  if (!table_count.ok()) return storage::Explain(path, table_count.status());
+  const auto owner = database->QueryInteger("PRAGMA application_id");
+  const auto version = database->QueryInteger("PRAGMA user_version");
+  if (!owner.ok() || !version.ok()) return storage::Explain(path, version.status());
+  if (*owner != kApplicationId || *version != kVersion)
+    return absl::DataLossError(absl::StrCat("it is not a history of version ", kVersion));
+  storage::FilesInUse files;
+  if (status = files.Add(path, /*may_shrink=*/true); !status.ok()) return status;
+  return std::unique_ptr<HistoryFile>(new HistoryFile(*std::move(database), std::move(files)));
 }
 
 absl::Status HistoryFile::Check() {
@@ -146,10 +177,11 @@ absl::Status HistoryFile::Check() {
 
 absl::Status HistoryFile::Add(const std::vector<HistoryEntry>& entries, const HistoryLimits& limits,
                               int64_t unix_now_s, int64_t steady_ns) {
+  if (absl::Status place = files_.Check(); !place.ok()) return place;
   return InTransaction(database_, [&] {
-    absl::Status status = Trim(limits, unix_now_s, steady_ns);
+    absl::Status status;
     for (size_t i = 0; i < entries.size() && status.ok(); ++i) status = AddOne(entries[i]);
-    return status;
+    return status.ok() ? Trim(limits, unix_now_s, steady_ns) : status;
   });
 }
 
@@ -191,12 +223,15 @@ absl::Status HistoryFile::Trim(const HistoryLimits& limits, int64_t unix_now_s, 
   const auto now_s =
       static_cast<int64_t>(clock_->Follow(static_cast<uint64_t>(unix_now_s), steady_ns));
   const auto most_s = static_cast<int64_t>(limits.age_s);
+  absl::Status status = database_.Run(kRemoveFuturePoints, now_s + kMaxAheadS);
+  if (status.ok()) status = database_.Run(kClampSeries, now_s + kMaxAheadS);
+  if (!status.ok()) return status;
   for (const auto& [step_s, age_s] : kResolutions) {
     const int64_t kept_s = age_s == 0 ? most_s : std::min(age_s, most_s);
-    absl::Status status = database_.Run(kRemovePoints, step_s, now_s - kept_s);
+    status = database_.Run(kRemovePoints, step_s, now_s - kept_s);
     if (!status.ok()) return status;
   }
-  absl::Status status = database_.Run(kRemoveLives, now_s - most_s);
+  status = database_.Run(kRemoveLives, now_s - most_s);
   if (status.ok()) status = database_.Run(kRemoveSeries, now_s - most_s);
   if (!status.ok()) return status;
   while (true) {
@@ -210,26 +245,28 @@ absl::Status HistoryFile::Trim(const HistoryLimits& limits, int64_t unix_now_s, 
 }
 
 absl::Status HistoryFile::RemoveOldest(int64_t now_s) {
-  const auto eighth = [&](int64_t oldest_s) { return oldest_s + (now_s - oldest_s) / 8 + 1; };
-  for (const auto& [step_s, age_s] : kResolutions) {
-    const auto oldest = database_.ReadInteger(kOldestPoint, step_s);
-    if (!oldest.ok()) return oldest.status();
-    absl::Status status = database_.Run(kRemovePoints, step_s, eighth(*oldest));
-    if (!status.ok()) return status;
-  }
-  const auto oldest = database_.ReadInteger(kOldestSeries);
-  if (!oldest.ok()) return oldest.status();
+  int64_t step_s = kWholeLife;
+  int64_t most = 0;
+  absl::Status status = database_.ForEachRow(kCountPoints, [&](const SqlRow& row) {
+    if (row.Integer(1) <= most) return;
+    step_s = row.Integer(0);
+    most = row.Integer(1);
+  });
+  if (!status.ok()) return status;
+  const int64_t count = most / 8 + 1;
+  if (step_s != kWholeLife) return database_.Run(kRemoveOldestPoints, step_s, count);
   // Series that are still played stay, with their whole lives.
-  const int64_t end_s = std::min(eighth(*oldest), now_s - kResolutions.front().age_s);
-  absl::Status status = database_.Run(kRemoveLives, end_s);
-  return status.ok() ? database_.Run(kRemoveSeries, end_s) : status;
+  const int64_t end_s = now_s - kResolutions.front().age_s;
+  status = database_.Run(kRemoveOldestSeries, end_s, count);
+  return status.ok() ? database_.Run(kRemoveLostPoints) : status;
 }
 
 absl::StatusOr<HistoryPage> HistoryFile::Read(const HistoryQuery& query, int64_t unix_now_s) {
+  if (absl::Status place = files_.Check(); !place.ok()) return place;
   const SeriesKey after = query.after.value_or(SeriesKey());  // no project: before all series
   std::vector<std::pair<int64_t, SeriesKey>> found;
   absl::Status status = database_.ForEachRow(
-      kSelectSeries,
+      query.session.empty() ? kSelectSeries : kSelectSession,
       [&](const SqlRow& row) { found.emplace_back(row.Integer(0), KeyOf(query.kind, row)); },
       static_cast<int>(query.kind), query.filter.project, query.filter.scene, query.session,
       query.from_ms / 1000, storage::LineList(query.filter.projects), after.scene.project,

@@ -25,8 +25,8 @@
 namespace sweepstake::history {
 
 struct HistoryLimits {
-  // Maximum number of bytes in use. Above it, the oldest eighth of each resolution is removed. The
-  // file does not shrink.
+  // Maximum number of bytes in use. Above it, the oldest eighth of the resolution with the most
+  // points is removed. The file does not shrink.
   uint64_t bytes = 256ull << 20;
   uint64_t age_s = 90ull * 86'400;  // maximum age of the points of an hour, and of series
 
@@ -74,7 +74,7 @@ class HistoryFile {
   absl::Status Check();
 
   // Adds each point to its series, at each resolution. All or none are added. Then removes what is
-  // beyond the limits. Error: UNAVAILABLE.
+  // beyond the limits. Errors: UNAVAILABLE, DATA_LOSS, NOT_FOUND (the file was removed).
   absl::Status Add(const std::vector<HistoryEntry>& entries, const HistoryLimits& limits,
                    int64_t unix_now_s, int64_t steady_ns);
   // Returns the next series of the query with points in its period. Adjacent points are added up so
@@ -82,7 +82,8 @@ class HistoryFile {
   absl::StatusOr<HistoryPage> Read(const HistoryQuery& query, int64_t unix_now_s);
 
  private:
-  explicit HistoryFile(storage::SqliteDatabase database) : database_(std::move(database)) {}
+  HistoryFile(storage::SqliteDatabase database, storage::FilesInUse files)
+      : database_(std::move(database)), files_(std::move(files)) {}
 
   absl::Status AddOne(const HistoryEntry& entry);
   absl::StatusOr<int64_t> SeriesId(const SeriesKey& key, int64_t seen_s);
@@ -92,6 +93,7 @@ class HistoryFile {
                           v1::HistorySeries& series);
 
   storage::SqliteDatabase database_;
+  storage::FilesInUse files_;                     // finds out that the file was removed
   std::optional<storage::RetentionClock> clock_;  // absent before the first Trim
 };
 

@@ -109,6 +109,7 @@ HttpConnection::HttpConnection(tcp::socket socket, std::shared_ptr<tls::TlsConte
 
 HttpConnection::~HttpConnection() {
   ReserveBody(0);
+  ReserveAnswer(0);
   on_closed_(*this);
 }
 
@@ -167,6 +168,10 @@ void HttpConnection::ReserveBody(size_t byte_count) {
   shared_.body_bytes += byte_count - std::exchange(reserved_bytes_, byte_count);
 }
 
+void HttpConnection::ReserveAnswer(size_t byte_count) {
+  shared_.answer_bytes += byte_count - std::exchange(reserved_answer_bytes_, byte_count);
+}
+
 void HttpConnection::OnBody(error_code error) {
   if (IsMalformed(error)) return Reject(MalformedPage(error));
   if (error) return;
@@ -197,7 +202,12 @@ void HttpConnection::Answer(Page page) { Write(std::move(page), request_.message
 
 void HttpConnection::Write(Page page, bool keep_alive) {
   response_ = {};
+  if (shared_.answer_bytes + page.body.size() > shared_.limits.max_total_answer_bytes)
+    page = {kUnavailable,
+            "Clients do not read their answers, which take too much memory; try again later.\n"};
   if (AcceptsGzip(request_)) Compress(page);
+  page.body.shrink_to_fit();
+  ReserveAnswer(page.body.size());
   response_.result(static_cast<unsigned>(page.status));
   SetHeaders(response_, page.content_type, page.headers);
   response_.keep_alive(keep_alive);
@@ -213,6 +223,8 @@ void HttpConnection::Write(Page page, bool keep_alive) {
 }
 
 void HttpConnection::OnWritten(error_code error) {
+  ReserveAnswer(0);
+  response_.body() = {};
   if (error) return;
   if (response_.keep_alive()) return Read();
   stream_.tcp().socket().shutdown(tcp::socket::shutdown_send, error);

@@ -23,7 +23,8 @@ namespace sweepstake::web {
 struct ConnectionShared {
   const HttpLimits limits;
   Handler handler;
-  size_t body_bytes = 0;  // size of the request bodies that are being read or answered
+  size_t body_bytes = 0;    // size of the request bodies that are being read or answered
+  size_t answer_bytes = 0;  // size of the bodies of answers that are being written
 };
 
 class HttpConnection final : public Exchange, public std::enable_shared_from_this<HttpConnection> {
@@ -60,6 +61,7 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   // Returns the error of a request whose header is read; nothing if its body may be read.
   std::optional<Page> HeaderProblem() const;
   void ReserveBody(size_t byte_count);
+  void ReserveAnswer(size_t byte_count);
   // Returns the time in which a client must read `byte_count` bytes.
   std::chrono::milliseconds PatienceFor(size_t byte_count) const;
   void Reject(const Page& page);
@@ -95,6 +97,7 @@ class HttpConnection final : public Exchange, public std::enable_shared_from_thi
   std::optional<Parser> parser_;
   Request request_;
   size_t reserved_bytes_ = 0;
+  size_t reserved_answer_bytes_ = 0;
   boost::beast::http::response<boost::beast::http::string_body> response_;
   // The members below are used for a stream.
   boost::beast::http::response<boost::beast::http::empty_body> head_;

@@ -87,7 +87,8 @@ absl::Status AccessControl::CheckRole(const auth::Principal& caller, const std::
                    "a token with `sweepstaked token create`");
   }
   if (auth::Includes(caller.role, rpc.role)) {
-    return rpc.role == auth::Role::kWatch ? BeginRead(address, caller.token_id) : absl::OkStatus();
+    const bool is_game = rpc.role == auth::Role::kIngest;
+    return is_game ? absl::OkStatus() : BeginRead(address, caller.token_id);
   }
   return Refused(
       v1::ERROR_REASON_NOT_ALLOWED,
@@ -146,7 +147,7 @@ absl::Status AccessControl::BeginRead(const std::string& address, int64_t token_
   const std::string who = Count(reads_, per_s, address, token_id);
   if (who.empty()) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_TOO_MANY_READS,
-                 absl::StrCat(who, " reads more often than ", per_s,
+                 absl::StrCat(who, " calls more often than ", per_s,
                               " times per second (max_reads_per_s); try again in a second"));
 }
 

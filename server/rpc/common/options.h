@@ -109,8 +109,8 @@ struct RpcOptions : sessions::HostedSessionOptions {
   // The limit exists because a Hello can cause a read of the store. The burst is enough for 10,000
   // games behind one address that reconnect after a restart.
   sessions::Adjustable<uint32_t> max_hellos_per_s = 1'000;
-  // The maximum number of reads (calls that list, export or begin to watch) per second, per token
-  // and per address. The burst is ten seconds of that rate. Above the limit a call is
+  // The maximum number of calls per second, per token and per address, without the streams of
+  // games. The burst is ten seconds of that rate. Above the limit a call is
   // RESOURCE_EXHAUSTED.
   sessions::Adjustable<uint32_t> max_reads_per_s = 100;
   // The maximum number of exports and imports under way, for the whole daemon and per token; the

@@ -117,8 +117,13 @@ void Answer(ServiceContext& context, const Caller& caller, const v1::UnsilenceAl
             v1::UnsilenceAlertResponse& /*response*/, const EndCall& end) {
   context.loop.Post([&context, &request, caller, end] {
     const alerts::Alert* alert = FindAlertFor(context, caller, request.alert_id());
-    const std::string name = alert == nullptr ? "" : TextOf(*alert);
-    if (alert == nullptr || !context.alerts.Unsilence(request.alert_id()))
+    // The silence of an alert that is not there now has no project: only callers for all projects
+    // may end it.
+    const bool is_absent = context.alerts.board().Find(request.alert_id()) == nullptr;
+    const bool may_end = alert != nullptr || (is_absent && caller.projects.empty());
+    const std::string name =
+        alert == nullptr ? absl::StrCat("the absent alert ", request.alert_id()) : TextOf(*alert);
+    if (!may_end || !context.alerts.Unsilence(request.alert_id()))
       return end(UnknownAlert("the daemon has no such alert with a silence; list them again"));
     RecordForAlerts(context, caller, "ended the silence of " + name);
     end(absl::OkStatus());

@@ -10,11 +10,14 @@
 namespace sweepstake::web {
 namespace {
 
-// Returns whether a spreadsheet may read the text as a formula: it begins with =, +, - or @, also
-// as the full-width characters U+FF1D, U+FF0B, U+FF0D and U+FF20, or with a tab or a line break.
+// Returns whether a spreadsheet may read the text as a formula: it begins, after blanks, with =, +,
+// - or @, also as the full-width characters U+FF1D, U+FF0B, U+FF0D and U+FF20, or with a tab, a
+// line break or a semicolon, which separates cells in some countries.
 bool LooksLikeFormula(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.starts_with("\xc2\xa0")))
+    text.remove_prefix(text.front() == ' ' ? 1 : 2);
   if (text.empty()) return false;
-  if (std::string_view("=+-@\t\r\n").find(text.front()) != std::string_view::npos) return true;
+  if (std::string_view(";=+-@\t\r\n").find(text.front()) != std::string_view::npos) return true;
   for (const std::string_view wide :
        {"\xef\xbc\x9d", "\xef\xbc\x8b", "\xef\xbc\x8d", "\xef\xbc\xa0"})
     if (text.starts_with(wide)) return true;

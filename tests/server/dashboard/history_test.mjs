@@ -47,13 +47,14 @@ function checkMoment(name, { active, runs, verdict, headline, leader, regimes })
   return verdict;
 }
 
-// The active algorithm of each session is that of its latest executed switch in the audit log, unless it has just switched.
+// The active algorithm of each session becomes that of its latest switch in the audit log, which is written a little later.
 async function checkSwitches(daemon) {
-  const before = (await daemon.responses('SessionsService/ListSessions')).flatMap(({ sessions }) => sessions);
-  for (const { sessionId, activeArm, scene } of before) {
-    const [{ rows = [] }] = await daemon.responses('AuditService/ListDecisions', { filter: { sessionId, kinds: ['AUDIT_KIND_SWITCH'] }, pageSize: 3 });
-    const after = (await daemon.responses('SessionsService/ListSessions', { scene })).flatMap(({ sessions }) => sessions).find((each) => each.sessionId === sessionId);
-    if (rows.length > 0) assert.ok(rows.some(({ arm }) => arm === activeArm || arm === after?.activeArm), `${scene} runs ${activeArm}, and its latest switches were to ${rows.map(({ arm }) => arm)}`);
+  const sessions = async () => (await daemon.responses('SessionsService/ListSessions')).flatMap(({ sessions: all }) => all);
+  for (const { sessionId, scene } of await sessions()) {
+    await until(`the session of ${scene} runs the algorithm of its latest switch`, async () => {
+      const [{ rows = [] }] = await daemon.responses('AuditService/ListDecisions', { filter: { sessionId, kinds: ['AUDIT_KIND_SWITCH'] }, pageSize: 1 });
+      return rows.length === 0 || rows[0].arm === (await sessions()).find((each) => each.sessionId === sessionId).activeArm;
+    }, 20_000);
   }
 }
 

@@ -125,9 +125,9 @@ async function checkTime(page, daemon) {
   await until('the status has the values at the crosshair', async () => /\d\.\d{3}/.test(await chart(page, 'best').locator('[role=status]').innerText()), 3000);
   const crosshair = await timeIn(chart(page, 'best'));
   assert.match(crosshair, /\d/);
-  await until('the other chart has the crosshair', async () => await timeIn(chart(page, 'bands')) === crosshair, 3000);
-  await chart(page, 'bands').locator('.u-cursor-x:not(.u-off)').waitFor();
-  const arm = chart(page, 'bands').locator('button.entry').first();
+  await until('the other chart has the crosshair', async () => await timeIn(chart(page, 'costs')) === crosshair, 3000);
+  await chart(page, 'costs').locator('.u-cursor-x:not(.u-off)').waitFor();
+  const arm = chart(page, 'costs').locator('button.entry').first();
   await arm.click();
   assert.equal(await arm.getAttribute('aria-pressed'), 'false');
   assert.ok(query(page).has('hide'));

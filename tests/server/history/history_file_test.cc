@@ -151,6 +151,57 @@ TEST_F(HistoryFileTest, TheFileStaysBelowItsLimit) {
   EXPECT_EQ(lives.series[0].points(0).frame_count(), 200U);
 }
 
+TEST_F(HistoryFileTest, ManyShortPointsDoNotDisplaceLongHistory) {
+  limits_.bytes = 1 << 20;
+  for (int hour = 300; hour > 0; --hour) {
+    const int64_t start_s = kNowS - hour * 3600;
+    Add({{Scene("old"), Point(start_s)}}, start_s + 60);
+  }
+  const auto hours = [&] {
+    const v1::HistorySeries series = ReadOne(
+        {.filter = {"game", "old"}, .from_ms = (kNowS - 301 * 3600) * 1000, .max_points = 1'000});
+    return series.points_size();
+  };
+  EXPECT_EQ(hours(), 300);
+  v1::HistoryPoint point = Point(kNowS - 30);
+  point.mutable_activity()->set_session_id(std::string(1'000, 'x'));
+  for (int i = 0; i < 40; ++i) {
+    std::vector<HistoryEntry> entries;
+    for (int j = 0; j < 50; ++j)
+      entries.emplace_back(Scene(std::to_string(i) + "." + std::to_string(j)), point);
+    Add(entries);
+  }
+  EXPECT_GE(hours(), 250);
+}
+
+TEST_F(HistoryFileTest, PointsOfAWrongClockAreRemoved) {
+  const int64_t future_s = kNowS + 3650 * 86'400;
+  Add({{Scene("harbour"), Point(future_s)}}, future_s);
+  Open();
+  for (int i = 0; i < 400; ++i) Add({{Scene("harbour"), Point(kNowS - 15)}});
+  EXPECT_EQ(ReadOne({.from_ms = (kNowS - 900) * 1000}).points_size(), 1);
+  HistoryQuery query = {.from_ms = (kNowS - 900) * 1000, .until_ms = (future_s + 900) * 1000};
+  EXPECT_EQ(ReadOne(query).points_size(), 1) << "the point of the future is removed";
+}
+
+TEST_F(HistoryFileTest, ARemovedFileIsNotFound) {
+  std::filesystem::remove(path_);
+  EXPECT_TRUE(absl::IsNotFound(file_->Add({}, limits_, kNowS, 1)));
+  EXPECT_TRUE(absl::IsNotFound(file_->Read({}, kNowS).status()));
+}
+
+TEST_F(HistoryFileTest, AnotherProgramsDatabaseIsDataLoss) {
+  file_.reset();
+  std::filesystem::remove(path_);
+  {
+    auto database =
+        storage::SqliteDatabase::Open(path_.string(), storage::SqliteDatabase::OpenMode::kCreate);
+    ASSERT_TRUE(database.ok());
+    ASSERT_TRUE(database->Execute("CREATE TABLE series (x); PRAGMA user_version = 1").ok());
+  }
+  EXPECT_TRUE(absl::IsDataLoss(HistoryFile::Open(path_).status()));
+}
+
 TEST_F(HistoryFileTest, PagesHaveEverySeriesOnce) {
   std::vector<HistoryEntry> entries;
   for (int i = 0; i < 450; ++i) entries.emplace_back(Scene(std::to_string(i)), Point(kNowS - 15));
@@ -222,7 +273,7 @@ TEST_F(HistoryFileTest, ADamagedPageIsFoundByACheck) {
   file_.reset();
   {
     std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
-    for (int page = 4; page < 12; ++page) {
+    for (int page = 16; page < 32; ++page) {
       file.seekp(page * 4096);
       file << std::string(4096, 'x');
     }

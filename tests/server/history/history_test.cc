@@ -79,7 +79,7 @@ TEST_F(HistoryTest, ADamagedPageIsFoundAfterTheStart) {
   }
   {
     std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
-    for (int page = 5; page < 12; ++page) {
+    for (int page = 20; page < 48; ++page) {
       file.seekp(page * 4096);
       file << std::string(4096, 'x');
     }
@@ -88,6 +88,16 @@ TEST_F(HistoryTest, ADamagedPageIsFoundAfterTheStart) {
   history->Write(Batch(1));
   EXPECT_EQ(FrameCount(*history), 1U);
   EXPECT_NE(problems().find("history.db.damaged"), std::string::npos) << problems();
+}
+
+TEST_F(HistoryTest, ARemovedFileIsMadeAgain) {
+  const auto history = Open();
+  history->Write(Batch(1));
+  EXPECT_EQ(FrameCount(*history), 1U);
+  std::filesystem::remove(path_);
+  history->Write(Batch(1));  // finds out, and is lost
+  history->Write(Batch(1));
+  EXPECT_EQ(FrameCount(*history), 1U);
 }
 
 TEST_F(HistoryTest, TooManyReportsAreRefused) {

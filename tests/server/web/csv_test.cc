@@ -33,7 +33,8 @@ TEST(CsvLinesTest, CellsWithCommasQuotesAndLineBreaksAreQuoted) {
 }
 
 TEST(CsvLinesTest, ATextThatASpreadsheetWouldRunGetsAnApostrophe) {
-  for (const char* text : {"=1+1", "+1", "-1", "@cmd", "\tx", "＝1", "＋1", "－1", "＠x"})
+  for (const char* text :
+       {"=1+1", "+1", "-1", "@cmd", "\tx", ";=1", " =1", "\u00a0=1", "＝1", "＋1", "－1", "＠x"})
     EXPECT_EQ(CellOf(text), std::string("'") + text);
   EXPECT_EQ(CellOf("\rx"), "\"'\rx\"");
   for (const char* text : {"a=1", "'=1", "ｘ", "1-1"}) EXPECT_EQ(CellOf(text), text);

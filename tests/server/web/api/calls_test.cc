@@ -217,7 +217,7 @@ TEST_F(ApiTest, ReadsAreCountedForTheBrowser) {
     EXPECT_EQ(Call("PosteriorsService/ListPosteriors", "{}").status, 200) << i;
   const Answer answer = Call("PosteriorsService/ListPosteriors", "{}");
   EXPECT_EQ(answer.status, 429);
-  EXPECT_THAT(answer.body, HasSubstr("the address ipv4:127.0.0.1 reads more often"));
+  EXPECT_THAT(answer.body, HasSubstr("the address ipv4:127.0.0.1 calls more often"));
 }
 
 class CsvTest : public ApiTest {
