@@ -1,6 +1,7 @@
 #include "server/history/history_file.h"
 
 #include <algorithm>
+#include <map>
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
@@ -78,15 +79,19 @@ constexpr const char* kLatestSeries = "SELECT coalesce(max(seen_s), 0) FROM seri
 // Points that a wall clock made which was ahead.
 constexpr const char* kRemoveFuturePoints = "DELETE FROM point WHERE start_s > ?1";
 constexpr const char* kClampSeries = "UPDATE series SET seen_s = ?1 WHERE seen_s > ?1";
-constexpr const char* kCountPoints =
-    "SELECT step_s, count(*) FROM point GROUP BY step_s ORDER BY step_s DESC";
+constexpr const char* kCountPoints = "SELECT step_s, count(*) FROM point GROUP BY step_s";
+// The project and the kind of series with the most points of a step.
+constexpr const char* kLargestOwner = R"sql(
+    SELECT project, kind, count(*) AS c FROM point JOIN series ON id = series_id WHERE step_s = ?1
+    GROUP BY project, kind ORDER BY c DESC LIMIT 1)sql";
 constexpr const char* kRemoveOldestPoints = R"sql(
     DELETE FROM point WHERE (series_id, step_s, start_s) IN (
-      SELECT series_id, step_s, start_s FROM point WHERE step_s = ?1
-      ORDER BY start_s LIMIT ?2))sql";
+      SELECT series_id, step_s, start_s FROM point JOIN series ON id = series_id
+      WHERE step_s = ?1 AND project = ?2 AND kind = ?3 ORDER BY start_s LIMIT ?4))sql";
 constexpr const char* kRemoveOldestSeries = R"sql(
     DELETE FROM series WHERE id IN (
-      SELECT id FROM series WHERE seen_s < ?1 ORDER BY seen_s LIMIT ?2))sql";
+      SELECT id FROM series WHERE seen_s < ?1 AND project = ?2 AND kind = ?3
+      ORDER BY seen_s LIMIT ?4))sql";
 constexpr const char* kRemoveLostPoints =
     "DELETE FROM point WHERE series_id NOT IN (SELECT id FROM series)";
 constexpr const char* kRemovePoints = "DELETE FROM point WHERE step_s = ?1 AND start_s < ?2";
@@ -245,19 +250,33 @@ absl::Status HistoryFile::Trim(const HistoryLimits& limits, int64_t unix_now_s, 
 }
 
 absl::Status HistoryFile::RemoveOldest(int64_t now_s) {
-  int64_t step_s = kWholeLife;
+  std::map<int64_t, int64_t> counts;  // of points, by step
+  absl::Status status = database_.ForEachRow(
+      kCountPoints, [&](const SqlRow& row) { counts[row.Integer(0)] = row.Integer(1); });
   int64_t most = 0;
-  absl::Status status = database_.ForEachRow(kCountPoints, [&](const SqlRow& row) {
-    if (row.Integer(1) <= most) return;
-    step_s = row.Integer(0);
-    most = row.Integer(1);
-  });
+  for (const auto& [step_s, count] : counts) most = std::max(most, count);
+  int64_t step_s = kWholeLife;
+  for (const Resolution& resolution : kResolutions) {
+    if (step_s == kWholeLife && most > 0 && 2 * counts[resolution.step_s] >= most)
+      step_s = resolution.step_s;
+  }
+  std::string project;
+  int64_t kind = 0;
+  int64_t count = 0;
+  if (status.ok())
+    status = database_.ForEachRow(
+        kLargestOwner,
+        [&](const SqlRow& row) {
+          project = row.Text(0);
+          kind = row.Integer(1);
+          count = row.Integer(2) / 8 + 1;
+        },
+        step_s);
   if (!status.ok()) return status;
-  const int64_t count = most / 8 + 1;
-  if (step_s != kWholeLife) return database_.Run(kRemoveOldestPoints, step_s, count);
+  if (step_s != kWholeLife) return database_.Run(kRemoveOldestPoints, step_s, project, kind, count);
   // Series that are still played stay, with their whole lives.
   const int64_t end_s = now_s - kResolutions.front().age_s;
-  status = database_.Run(kRemoveOldestSeries, end_s, count);
+  status = database_.Run(kRemoveOldestSeries, end_s, project, kind, count);
   return status.ok() ? database_.Run(kRemoveLostPoints) : status;
 }
 

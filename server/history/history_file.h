@@ -25,8 +25,9 @@
 namespace sweepstake::history {
 
 struct HistoryLimits {
-  // Maximum number of bytes in use. Above it, the oldest eighth of the resolution with the most
-  // points is removed. The file does not shrink.
+  // Maximum number of bytes in use. Above it, points are removed from the finest resolution with at
+  // least half as many points as the largest one: the oldest eighth of the project and kind that
+  // has the most. The file does not shrink.
   uint64_t bytes = 256ull << 20;
   uint64_t age_s = 90ull * 86'400;  // maximum age of the points of an hour, and of series
 
