@@ -41,8 +41,8 @@ function OneBest({ state, verdict }: { state: SceneState; verdict: SceneVerdict 
   return (
     <>
       {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} ${partOf(state)}`}{verdict === 'changing' && `The session switched ${counted(posterior.activity?.recentSwitchCount ?? 0, 'time', 'times')} in the last minute. Over all evidence, `}<b><Name text={posterior.leaderArm} /></b> is the best algorithm with a probability of{' '}
-      <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>. Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. With
-      exactly known costs, the choice would gain <b>{share(posterior.valueRemainingRatio)}</b> on average.
+      <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>.{verdict !== 'changing' && <> Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. With
+        exactly known costs, the choice would gain <b>{share(posterior.valueRemainingRatio)}</b> on average.</>}
     </>
   );
 }
