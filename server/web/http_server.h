@@ -29,8 +29,8 @@ struct HttpLimits {
   // bodies that are being read or answered exceed the total.
   size_t max_body_bytes = 256 * 1024;
   size_t max_total_body_bytes = 16 * 1024 * 1024;
-  // A request is answered with 503 if the bodies of all answers that clients have not read yet would
-  // exceed this.
+  // A request is answered with 503 if the bodies of all answers that clients have not read yet
+  // would exceed this.
   size_t max_total_answer_bytes = 128 * 1024 * 1024;
   // A connection ends if after this time a request is not complete, an answer is not read, or no
   // further request has begun. An answer gets one more millisecond for every 16 bytes.
