@@ -432,7 +432,7 @@ async function checkRoles(context, folder) {
   const player = join(folder, 'tokens', 'player.token');
   daemon.makeToken('player', 'ingest');
   await daemon.start();
-  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--token-file', player] });
+  const game = new Game(sweepstake, daemon, 'arcade', 'arena', { more: ['--allow-orders', '--allow-box-view', '--token-file', player] });
   const page = await openPage(context, daemon.origin);
   await page.getByLabel('Token').fill(watcher);
   await page.getByRole('button', { name: 'Log in' }).click();
