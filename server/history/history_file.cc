@@ -42,9 +42,7 @@ constexpr const char* kSchema = R"sql(
       bytes BLOB NOT NULL,
       PRIMARY KEY (series_id, step_s, start_s)
     ) STRICT, WITHOUT ROWID;
-    CREATE INDEX point_by_age ON point (step_s, start_s);
-    PRAGMA application_id = 1398887240;
-    PRAGMA user_version = 1)sql";
+    CREATE INDEX point_by_age ON point (step_s, start_s))sql";
 
 constexpr const char* kAddSeries = R"sql(
     INSERT INTO series (kind, project, scene, machine_class, reward_version, build, session, seen_s)
@@ -54,30 +52,14 @@ constexpr const char* kFindPoint =
     "SELECT bytes FROM point WHERE series_id = ?1 AND step_s = ?2 AND start_s = ?3";
 constexpr const char* kPutPoint =
     "INSERT OR REPLACE INTO point (series_id, step_s, start_s, bytes) VALUES (?1, ?2, ?3, ?4)";
-constexpr const char* kSelectSeries = R"sql(
-    SELECT id, project, scene, machine_class, reward_version, build, session FROM series
-    WHERE kind = ?1 AND (?2 = '' OR project = ?2) AND (?3 = '' OR scene = ?3) AND ?4 = ''
-      AND seen_s >= ?5
-      AND (?6 = '' OR instr(?6, char(10) || project || char(10)))
-      AND (project, scene, machine_class, reward_version, build, session)
-        > (?7, ?8, ?9, ?10, ?11, ?12)
-    ORDER BY project, scene, machine_class, reward_version, build, session LIMIT ?13)sql";
-constexpr const char* kSelectSession = R"sql(
-    SELECT id, project, scene, machine_class, reward_version, build, session FROM series
-    WHERE kind = ?1 AND (?2 = '' OR project = ?2) AND (?3 = '' OR scene = ?3) AND session <> '' AND session = ?4
-      AND seen_s >= ?5
-      AND (?6 = '' OR instr(?6, char(10) || project || char(10)))
-      AND (project, scene, machine_class, reward_version, build, session)
-        > (?7, ?8, ?9, ?10, ?11, ?12)
-    ORDER BY project, scene, machine_class, reward_version, build, session LIMIT ?13)sql";
 constexpr const char* kSelectPoints = R"sql(
     SELECT start_s, bytes FROM point
     WHERE series_id = ?1 AND step_s = ?2 AND start_s > ?3 AND start_s < ?4 ORDER BY start_s)sql";
 constexpr const char* kFirstPoint =
     "SELECT coalesce(min(start_s), 0) FROM point WHERE series_id = ?1 AND step_s = ?2";
 constexpr const char* kLatestSeries = "SELECT coalesce(max(seen_s), 0) FROM series";
-// Points that a wall clock made which was ahead.
-constexpr const char* kRemoveFuturePoints = "DELETE FROM point WHERE start_s > ?1";
+// Removes points that were made while the wall clock was ahead.
+constexpr const char* kRemoveFuturePoints = "DELETE FROM point WHERE step_s = ?1 AND start_s > ?2";
 constexpr const char* kClampSeries = "UPDATE series SET seen_s = ?1 WHERE seen_s > ?1";
 constexpr const char* kCountPoints = "SELECT step_s, count(*) FROM point GROUP BY step_s";
 // The project and the kind of series with the most points of a step.
@@ -98,6 +80,31 @@ constexpr const char* kRemovePoints = "DELETE FROM point WHERE step_s = ?1 AND s
 constexpr const char* kRemoveLives = R"sql(
     DELETE FROM point WHERE series_id IN (SELECT id FROM series WHERE seen_s < ?1))sql";
 constexpr const char* kRemoveSeries = "DELETE FROM series WHERE seen_s < ?1";
+
+std::string SchemaText() {
+  return absl::StrCat(kSchema, "; PRAGMA application_id = ", kApplicationId,
+                      "; PRAGMA user_version = ", kVersion);
+}
+
+// Returns the statement that selects series, of one session only if `condition` says so.
+std::string SelectText(const char* condition) {
+  return absl::StrCat(R"sql(
+    SELECT id, project, scene, machine_class, reward_version, build, session FROM series
+    WHERE kind = ?1 AND (?2 = '' OR project = ?2) AND (?3 = '' OR scene = ?3) AND )sql",
+                      condition, R"sql( AND seen_s >= ?5
+      AND (?6 = '' OR instr(?6, char(10) || project || char(10)))
+      AND (project, scene, machine_class, reward_version, build, session)
+        > (?7, ?8, ?9, ?10, ?11, ?12)
+    ORDER BY project, scene, machine_class, reward_version, build, session LIMIT ?13)sql");
+}
+
+// A statement is identified by its address, so both live as long as the program. The second one
+// uses the index series_by_session.
+const char* SelectSeries(bool is_of_session) {
+  static const std::string& all = *new std::string(SelectText("?4 = ''"));
+  static const std::string& one = *new std::string(SelectText("session <> '' AND session = ?4"));
+  return (is_of_session ? one : all).c_str();
+}
 
 SeriesKey KeyOf(v1::HistoryKind kind, const SqlRow& row) {
   return {.kind = kind,
@@ -160,7 +167,8 @@ absl::StatusOr<std::unique_ptr<HistoryFile>> HistoryFile::Open(const fs::path& p
   if (table_count.ok() && *table_count == 0) {
     // Most points have about 1 kB, which would need a page of their own at the default size.
     status = database->Execute("PRAGMA page_size = 16384; VACUUM");
-    if (status.ok()) status = InTransaction(*database, [&] { return database->Execute(kSchema); });
+    if (status.ok())
+      status = InTransaction(*database, [&] { return database->Execute(SchemaText()); });
     if (!status.ok()) return storage::Explain(path, status);
   }
   if (!table_count.ok()) return storage::Explain(path, table_count.status());
@@ -228,12 +236,12 @@ absl::Status HistoryFile::Trim(const HistoryLimits& limits, int64_t unix_now_s, 
   const auto now_s =
       static_cast<int64_t>(clock_->Follow(static_cast<uint64_t>(unix_now_s), steady_ns));
   const auto most_s = static_cast<int64_t>(limits.age_s);
-  absl::Status status = database_.Run(kRemoveFuturePoints, now_s + kMaxAheadS);
-  if (status.ok()) status = database_.Run(kClampSeries, now_s + kMaxAheadS);
+  absl::Status status = database_.Run(kClampSeries, now_s + kMaxAheadS);
   if (!status.ok()) return status;
   for (const auto& [step_s, age_s] : kResolutions) {
     const int64_t kept_s = age_s == 0 ? most_s : std::min(age_s, most_s);
     status = database_.Run(kRemovePoints, step_s, now_s - kept_s);
+    if (status.ok()) status = database_.Run(kRemoveFuturePoints, step_s, now_s + kMaxAheadS);
     if (!status.ok()) return status;
   }
   status = database_.Run(kRemoveLives, now_s - most_s);
@@ -285,7 +293,7 @@ absl::StatusOr<HistoryPage> HistoryFile::Read(const HistoryQuery& query, int64_t
   const SeriesKey after = query.after.value_or(SeriesKey());  // no project: before all series
   std::vector<std::pair<int64_t, SeriesKey>> found;
   absl::Status status = database_.ForEachRow(
-      query.session.empty() ? kSelectSeries : kSelectSession,
+      SelectSeries(!query.session.empty()),
       [&](const SqlRow& row) { found.emplace_back(row.Integer(0), KeyOf(query.kind, row)); },
       static_cast<int>(query.kind), query.filter.project, query.filter.scene, query.session,
       query.from_ms / 1000, storage::LineList(query.filter.projects), after.scene.project,
