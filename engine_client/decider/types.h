@@ -131,6 +131,7 @@ struct DecisionRecord {
   uint32_t trial_limit_percent = 0;       // for a switch to `candidate` (SwitchCommand)
   Diagnosis diagnosis;
   std::vector<ArmStanding> standings;  // one per arm
+  std::optional<double> saved_us;      // DecisionSession::saved_us
 };
 
 // Counts of frames and bail-outs since the session began, by how they were treated.

@@ -222,7 +222,8 @@ Json TotalsJson(const RunSummary& summary) {
           {"seconds", summary.active_s()},
           {"fps", summary.fps()},
           {"detection_ms", summary.detection_ms()},
-          {"saved_ms_per_frame", OrNull(summary.saved_ms_per_frame())},
+          {"initial_arm", summary.initial_arm},
+          {"saved_against_initial_us", OrNull(session.saved_us)},
           {"sent_frames", session.sent_frame_count},
           {"dropped_frames", session.dropped_frame_count},
           {"resent_messages", session.resent_message_count},
@@ -323,9 +324,10 @@ std::string BeliefsText(std::span<const ArmBelief> beliefs) {
 
 std::string FrameCostText(const RunSummary& summary) {
   std::string text = "Per frame: " + Fixed(summary.detection_ms(), 4) + " ms of detection";
-  if (const std::optional<double> saved_ms = summary.saved_ms_per_frame()) {
-    text += ", " + Fixed(std::abs(*saved_ms), 4) + " ms " + (*saved_ms < 0 ? "more" : "less") +
-            " than estimated for the median arm";
+  if (const std::optional<double> saved_us = summary.session.saved_us) {
+    text += ", " + Fixed(std::abs(*saved_us) / 1e3, 4) + " ms " +
+            (*saved_us < 0 ? "more" : "less") + " than estimated for always " +
+            summary.initial_arm + ", the arm at the start";
   }
   if (summary.shadow.busy_time_ns == 0) return text;
   return text + "; the shadow lane used " + Fixed(summary.shadow_ms_per_frame(), 4) +

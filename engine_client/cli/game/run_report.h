@@ -29,8 +29,8 @@ std::string VerdictChangeText(const VerdictChangeRow& row);
 std::string BeliefsText(std::span<const ArmBelief> beliefs);
 // Returns the work and the cost of the shadow lane as text, or the reason why there is no lane.
 std::string ShadowText(const RunSummary& summary);
-// Returns the detection time per frame, the saving compared with the median arm, and the shadow
-// lane's time per frame.
+// Returns the detection time per frame, the saving against always running the initial arm, and the
+// shadow lane's time per frame.
 std::string FrameCostText(const RunSummary& summary);
 // Returns a warning: how many frames the full queue dropped, why (according to the final state of
 // the session), and the consequences.

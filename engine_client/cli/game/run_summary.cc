@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "engine_client/cli/io/duration.h"
-#include "engine_client/cli/io/statistics.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -70,23 +69,6 @@ double RunSummary::detection_ms() const {
   return Ratio(sum_ms, static_cast<double>(frame_count));
 }
 
-// The decider reports each arm's cost as a ratio to the leader's. The measured detection time of
-// the run converts the ratios to milliseconds.
-std::optional<double> RunSummary::saved_ms_per_frame() const {
-  std::vector<double> ratios;
-  double ratio_sum = 0;  // sum over the run's frames
-  double run_count = 0;
-  for (const ArmRow& row : arms) {
-    if (!row.belief.standing || !row.belief.standing->cost_ratio) return std::nullopt;
-    ratios.push_back(row.belief.standing->cost_ratio->median);
-    const auto count = static_cast<double>(row.activity.frame_count);
-    ratio_sum += count * ratios.back();
-    run_count += count;
-  }
-  if (!(ratio_sum > 0)) return std::nullopt;
-  return detection_ms() * (Median(ratios) * run_count / ratio_sum - 1);
-}
-
 SwitchRow ToRow(const SwitchEvent& event, const AdaptiveBroadPhase& adaptive) {
   return {.frame_index = event.frame_index,
           .time_s = Seconds(event.time_ns),
@@ -114,6 +96,7 @@ RunSummary Summarize(const RunSetup& setup, const GameRun& run, const SessionSta
                      .frame_count = run.frame_count(),
                      .suspended_frame_count = run.suspended_frame_count(),
                      .invalid_box_count = adaptive.last_sample().invalid_box_count,
+                     .initial_arm = adaptive.arms()[adaptive.initial_arm()],
                      .active_arm = adaptive.arms()[adaptive.active_arm()],
                      .verdict = ToRow(session.verdict, adaptive),
                      .arms = ArmRows(run, session),

@@ -67,6 +67,7 @@ struct RunSummary {
   uint64_t frame_count = 0;
   uint64_t suspended_frame_count = 0;  // frames with kFrameSuspended
   uint32_t invalid_box_count = 0;      // in the last frame
+  std::string initial_arm;
   std::string active_arm;
   VerdictRow verdict;
   std::vector<ArmRow> arms;
@@ -87,10 +88,6 @@ struct RunSummary {
   // Returns the lane's CPU time per frame. It is spent on another core than the frame thread's.
   double shadow_ms_per_frame() const;
   double detection_ms() const;  // per frame
-  // Returns by how much the median arm's estimated detection time per frame exceeds the run's mean
-  // detection time. The cost ratios are those at the end of the run. Absent if the cost of an arm
-  // is unknown.
-  std::optional<double> saved_ms_per_frame() const;
 };
 
 RunSummary Summarize(const RunSetup& setup, const GameRun& run, const SessionStats& session);

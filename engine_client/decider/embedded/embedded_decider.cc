@@ -333,6 +333,7 @@ SceneVerdict EmbeddedDecider::verdict() const {
   const FloatEnvironmentScope environment;
   return FromDecision(impl_->session.diagnosis());
 }
+std::optional<double> EmbeddedDecider::saved_us() const { return impl_->session.saved_us(); }
 const std::optional<DecisionEvent>& EmbeddedDecider::last_decision() const {
   return impl_->last_decision;
 }

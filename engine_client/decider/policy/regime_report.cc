@@ -42,7 +42,7 @@ void AddDiagnosis(const Diagnosis& diagnosis, RegimeReport& report) {
 std::optional<double> SavedAgainst(std::optional<uint32_t> arm, const RegimeReport& report,
                                    const RegimeUse& use) {
   if (!arm || *arm >= report.arms.size() || !report.arms[*arm].cost) return std::nullopt;
-  return (use.arm_us[*arm] - use.ran_us) / static_cast<double>(use.frame_count);
+  return SavedPerFrame(use, *arm);
 }
 
 void AddUse(const RegimeUse& use, std::optional<uint32_t> single, const SavingBaselines& baselines,
@@ -79,6 +79,10 @@ std::vector<RegimeBelief::Arm> MeanBeliefs(std::span<const RegimeBelief> beliefs
 }
 
 }  // namespace
+
+double SavedPerFrame(const RegimeUse& use, uint32_t arm) {
+  return (use.arm_us[arm] - use.ran_us) / static_cast<double>(use.frame_count);
+}
 
 SceneReport ReportOf(std::span<const RegimeBelief> beliefs, std::span<const RegimeUse> uses,
                      const RegimeUse& total, const Diagnosis& diagnosis,

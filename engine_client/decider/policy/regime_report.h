@@ -68,6 +68,10 @@ struct RegimeUse {
   std::vector<double> arm_us = {};  // what each arm would have taken
 };
 
+// Returns what was saved per frame in µs against always running `arm`; a loss is negative.
+// REQUIRES: use.frame_count > 0.
+double SavedPerFrame(const RegimeUse& use, uint32_t arm);
+
 struct ArmReport {
   struct Cost {
     double us = 0;  // mean detection time per frame: median of the belief

@@ -159,6 +159,8 @@ class DecisionSession {
   // and by the cost of a switch. Frames in doubt between two regimes wait for a later tick. The
   // reference stays valid as long as the session.
   const RegimeUse& total_use() const { return tally_.total(); }
+  // Returns SceneReport::total.saved_against_initial_us, without the rest of the report.
+  std::optional<double> saved_us() const;
   // Time at which the active arm began to run, or start_ns.
   int64_t active_since_ns() const { return gate_.last_switch_ns().value_or(setup_.start_ns); }
   // Number of switches that were executed in the last minute.

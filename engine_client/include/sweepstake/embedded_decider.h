@@ -154,6 +154,8 @@ class EmbeddedDecider {
   std::vector<ArmBelief> beliefs() const;
   // Returns the verdict of the latest decision.
   SceneVerdict verdict() const;
+  // Returns SessionStats::saved_us.
+  std::optional<double> saved_us() const;
   // Returns the latest decision, with its reasons; absent before the first.
   const std::optional<DecisionEvent>& last_decision() const;
   uint64_t decision_count() const;

@@ -100,6 +100,7 @@ void EmbeddedSession::PublishBeliefs() {
   UpdateStats([&](SessionStats& stats) {
     stats.beliefs = loop_->decider().beliefs();
     stats.verdict = loop_->decider().verdict();
+    stats.saved_us = loop_->decider().saved_us();
   });
 }
 

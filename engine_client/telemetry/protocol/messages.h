@@ -95,6 +95,7 @@ struct PosteriorSnapshot {
   std::vector<decision::BetaPosterior> arms;
   SceneVerdict verdict;
   std::vector<ArmStanding> standings;
+  std::optional<double> saved_us;
 };
 
 struct Reconnect {

@@ -262,6 +262,7 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
     TakeBeliefs(response->posterior_snapshot->arms);
     TakeStandings(response->posterior_snapshot->standings);
     TakeVerdict(response->posterior_snapshot->verdict);
+    TakeSaving(response->posterior_snapshot->saved_us);
   }
   if (response->reconnect) stream_->reconnect_delay_ms = response->reconnect->delay_ms;
   if (response->operator_order) OnOrder(*response->operator_order);
@@ -377,6 +378,11 @@ void SessionLink::TakeVerdict(const SceneVerdict& verdict) {
   adaptive_.SetLastDecision(last_decision_);
 }
 
+// Stores the saving unless it is not a finite number.
+void SessionLink::TakeSaving(std::optional<double> saved_us) {
+  if (!saved_us || std::isfinite(*saved_us)) saved_us_ = saved_us;
+}
+
 std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& given, uint64_t now_ns) {
   if (finished()) {
     stream_.reset();
@@ -484,6 +490,7 @@ SessionStats SessionLink::stats() const {
   stats.rules = RulesOf(welcome_);
   stats.beliefs = beliefs_;
   stats.verdict = verdict_;
+  stats.saved_us = saved_us_;
   return stats;
 }
 

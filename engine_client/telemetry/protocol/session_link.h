@@ -122,6 +122,7 @@ class SessionLink {
   void TakeBeliefs(const std::vector<decision::BetaPosterior>& posteriors);
   void TakeStandings(const std::vector<ArmStanding>& standings);
   void TakeVerdict(const SceneVerdict& verdict);
+  void TakeSaving(std::optional<double> saved_us);
   bool Explain(const StreamEnd& end, const std::string& reason, const LinkStream& stream);
   uint32_t DelayMs(const StreamEnd& end, const std::string& reason, const LinkStream& stream,
                    uint64_t now_ns);
@@ -144,6 +145,7 @@ class SessionLink {
   std::string refusal_;
   std::vector<ArmBelief> beliefs_;
   SceneVerdict verdict_;
+  std::optional<double> saved_us_;
   LastDecision last_decision_;
   uint64_t command_count_ = 0;
   uint64_t unknown_message_count_ = 0;

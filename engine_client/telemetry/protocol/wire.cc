@@ -107,7 +107,8 @@ void Fields(auto& f, ArmStanding& m) {
 }
 
 void Fields(auto& f, PosteriorSnapshot& m) {
-  f(1, m.arms, m.verdict.verdict, m.verdict.leader_arm, m.verdict.leader_probability, m.standings);
+  f(1, m.arms, m.verdict.verdict, m.verdict.leader_arm, m.verdict.leader_probability, m.standings,
+    m.saved_us);
 }
 
 void Fields(auto& f, Reconnect& m) { f(1, m.delay_ms); }
@@ -272,9 +273,10 @@ class Reader {
   }
   template <typename Value>
   bool Take(std::optional<Value>& value) {
-    if (!Is(kIsVarint<Value> ? WireType::varint : WireType::length_delimited)) return false;
-    if (!value) value = Absent<Value>();
-    return Take(*value);
+    Value read = value ? std::move(*value) : Absent<Value>();
+    const bool is_taken = Take(read);
+    if (is_taken || value) value = std::move(read);
+    return is_taken;
   }
   // Reads numbers that are packed or come one by one.
   template <typename Value>

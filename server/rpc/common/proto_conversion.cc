@@ -79,6 +79,7 @@ void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& mess
   message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
   message.set_leader_arm(diagnosis.leader);
   message.set_leader_probability(diagnosis.best_probability[diagnosis.leader]);
+  if (record.saved_us) message.set_saved_us(*record.saved_us);
 }
 
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message) {

@@ -62,12 +62,14 @@ class Game {
     return request;
   }
   // Reads until the message is acknowledged, and returns the latest switch command before that.
+  // Keeps the latest snapshot.
   std::optional<v1::SwitchCommand> AwaitAnswer() {
     std::optional<v1::SwitchCommand> command;
     for (uint64_t acknowledged = 0; acknowledged < sequence;) {
       const auto response = client.Read();
       if (!response) break;
       if (response->has_switch_command()) command = response->switch_command();
+      if (response->has_posterior_snapshot()) snapshot = response->posterior_snapshot();
       if (response->has_acknowledgement()) acknowledged = response->acknowledgement().sequence();
     }
     return command;
@@ -75,6 +77,7 @@ class Game {
 
   TelemetryClient client;
   std::string id;
+  v1::PosteriorSnapshot snapshot;
   uint64_t sequence = 0;
   uint32_t arm = 0;
   uint32_t epoch = 0;
@@ -159,6 +162,8 @@ TEST_F(ActivityTest, HasTheRegimesOfASceneThatChanges) {
   EXPECT_GT(total.saved_against_reference_us(), 800);
   EXPECT_EQ(activity.initial_arm(), "KDTree");
   EXPECT_EQ(total.saved_against_initial_us(), total.saved_against_reference_us());
+  EXPECT_EQ(static_cast<float>(game.snapshot.saved_us()), total.saved_against_initial_us())
+      << "the game receives the same figure";
   EXPECT_NEAR(total.ran_us(), 1'000, 100);
   EXPECT_EQ(Listed().activity().regimes_size(), 2);
 }

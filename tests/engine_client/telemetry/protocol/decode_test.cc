@@ -72,6 +72,7 @@ void Write(const PosteriorSnapshot& snapshot, v1::PosteriorSnapshot& message) {
   message.set_leader_arm(snapshot.verdict.leader_arm);
   message.set_leader_probability(snapshot.verdict.leader_probability);
   for (const ArmStanding& standing : snapshot.standings) Write(standing, *message.add_standings());
+  if (snapshot.saved_us) message.set_saved_us(*snapshot.saved_us);
 }
 
 void Write(const OperatorOrder& order, v1::OperatorOrder& message) {

@@ -185,6 +185,21 @@ TEST_F(SessionLinkTest, KeepsTheLatestCommandAndVerdictForTheGame) {
   EXPECT_EQ(decision->time_ns, now_ns_ - kMs);
 }
 
+TEST_F(SessionLinkTest, KeepsTheLatestSavingThatIsANumber) {
+  GoOnline();
+  EXPECT_FALSE(link_.stats().saved_us);
+  v1::StreamTelemetryResponse response;
+  v1::PosteriorSnapshot& snapshot = *response.mutable_posterior_snapshot();
+  for (const double saved_us : {-2.5, std::nan(""), HUGE_VAL}) {
+    snapshot.set_saved_us(saved_us);
+    ASSERT_TRUE(Receive(response).ok());
+    EXPECT_EQ(link_.stats().saved_us, -2.5);
+  }
+  snapshot.clear_saved_us();
+  ASSERT_TRUE(Receive(response).ok());
+  EXPECT_FALSE(link_.stats().saved_us);
+}
+
 v1::StreamTelemetryResponse SnapshotOf(size_t arm_count) {
   v1::StreamTelemetryResponse response;
   for (size_t arm = 0; arm < arm_count; ++arm) {

@@ -26,93 +26,93 @@ namespace Sweepstake.Protocol.V1 {
           string.Concat(
             "Ch5zd2VlcHN0YWtlL3YxL3Bvc3RlcmlvcnMucHJvdG8SDXN3ZWVwc3Rha2Uu",
             "djEaGnN3ZWVwc3Rha2UvdjEvZXZlbnRzLnByb3RvGh1zd2VlcHN0YWtlL3Yx",
-            "L3RlbGVtZXRyeS5wcm90byJPChVMaXN0UG9zdGVyaW9yc1JlcXVlc3QSDwoH",
+            "L3RlbGVtZXRyeS5wcm90byJeChVMaXN0UG9zdGVyaW9yc1JlcXVlc3QSDwoH",
             "cHJvamVjdBgBIAEoCRIRCglwYWdlX3NpemUYAiABKA0SEgoKcGFnZV90b2tl",
-            "bhgDIAEoCSJgChZMaXN0UG9zdGVyaW9yc1Jlc3BvbnNlEi0KBnNjZW5lcxgB",
-            "IAMoCzIdLnN3ZWVwc3Rha2UudjEuU2NlbmVQb3N0ZXJpb3ISFwoPbmV4dF9w",
-            "YWdlX3Rva2VuGAIgASgJImQKE0dldFBvc3RlcmlvclJlcXVlc3QSDwoHcHJv",
-            "amVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIVCg1tYWNoaW5lX2NsYXNzGAMg",
-            "ASgJEhYKDnJld2FyZF92ZXJzaW9uGAQgASgNIkQKFEdldFBvc3RlcmlvclJl",
-            "c3BvbnNlEiwKBXNjZW5lGAEgASgLMh0uc3dlZXBzdGFrZS52MS5TY2VuZVBv",
-            "c3RlcmlvciI4ChZXYXRjaFBvc3RlcmlvcnNSZXF1ZXN0Eg8KB3Byb2plY3QY",
-            "ASABKAkSDQoFc2NlbmUYAiABKAkipgEKF1dhdGNoUG9zdGVyaW9yc1Jlc3Bv",
-            "bnNlEjAKCXBvc3RlcmlvchgBIAEoCzIdLnN3ZWVwc3Rha2UudjEuU2NlbmVQ",
-            "b3N0ZXJpb3ISLwoJZGVjaXNpb25zGAIgAygLMhwuc3dlZXBzdGFrZS52MS5E",
-            "ZWNpc2lvbkV2ZW50EigKBXN0YW1wGAMgASgLMhkuc3dlZXBzdGFrZS52MS5F",
-            "dmVudFN0YW1wIucCCg5TY2VuZVBvc3RlcmlvchIPCgdwcm9qZWN0GAEgASgJ",
-            "Eg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xhc3MYAyABKAkSFgoOcmV3",
-            "YXJkX3ZlcnNpb24YBCABKA0SKQoEYXJtcxgFIAMoCzIbLnN3ZWVwc3Rha2Uu",
-            "djEuQXJtUG9zdGVyaW9yEhwKFGFjdGl2ZV9zZXNzaW9uX2NvdW50GAYgASgN",
-            "EhQKDHNvdXJjZV9jb3VudBgHIAEoBBInCgd2ZXJkaWN0GAggASgOMhYuc3dl",
-            "ZXBzdGFrZS52MS5WZXJkaWN0EhIKCmxlYWRlcl9hcm0YCSABKAkSGwoTZXhw",
-            "ZWN0ZWRfbG9zc19yYXRpbxgKIAEoARIdChV2YWx1ZV9yZW1haW5pbmdfcmF0",
-            "aW8YCyABKAESLgoIYWN0aXZpdHkYDCABKAsyHC5zd2VlcHN0YWtlLnYxLlNj",
-            "ZW5lQWN0aXZpdHki9QEKDVNjZW5lQWN0aXZpdHkSEgoKc2Vzc2lvbl9pZBgB",
-            "IAEoCRISCgphY3RpdmVfYXJtGAIgASgJEhwKFHVuaXhfYWN0aXZlX3NpbmNl",
-            "X21zGAMgASgDEhsKE3JlY2VudF9zd2l0Y2hfY291bnQYBCABKA0SDAoEYXJt",
-            "cxgFIAMoCRItCgV0b3RhbBgGIAEoCzIeLnN3ZWVwc3Rha2UudjEuUmVnaW1l",
-            "UG9zdGVyaW9yEi8KB3JlZ2ltZXMYByADKAsyHi5zd2VlcHN0YWtlLnYxLlJl",
-            "Z2ltZVBvc3RlcmlvchITCgtpbml0aWFsX2FybRgIIAEoCSLiAwoPUmVnaW1l",
-            "UG9zdGVyaW9yEhkKDG9iamVjdF9jb3VudBgBIAEoAkgAiAEBEhcKCnNwZWVk",
-            "X21lYW4YAiABKAJIAYgBARIZCgxzdGF0aWNfcmF0aW8YAyABKAJIAogBARIS",
-            "Cgppc19wcmVzZW50GAQgASgIEhMKC2ZyYW1lX3NoYXJlGAUgASgCEiYKBGFy",
-            "bXMYBiADKAsyGC5zd2VlcHN0YWtlLnYxLlJlZ2ltZUFybRIQCghiZXN0X2Fy",
-            "bRgHIAEoCRITCgZyYW5fdXMYCCABKAJIA4gBARIkChdzYXZlZF9hZ2FpbnN0",
-            "X3NpbmdsZV91cxgJIAEoAkgEiAEBEicKGnNhdmVkX2FnYWluc3RfcmVmZXJl",
-            "bmNlX3VzGAogASgCSAWIAQESJQoYc2F2ZWRfYWdhaW5zdF9pbml0aWFsX3Vz",
-            "GAsgASgCSAaIAQFCDwoNX29iamVjdF9jb3VudEINCgtfc3BlZWRfbWVhbkIP",
-            "Cg1fc3RhdGljX3JhdGlvQgkKB19yYW5fdXNCGgoYX3NhdmVkX2FnYWluc3Rf",
-            "c2luZ2xlX3VzQh0KG19zYXZlZF9hZ2FpbnN0X3JlZmVyZW5jZV91c0IbChlf",
-            "c2F2ZWRfYWdhaW5zdF9pbml0aWFsX3VzIlcKCVJlZ2ltZUFybRIPCgdjb3N0",
-            "X3VzGAEgASgCEg4KBmxvd191cxgCIAEoAhIPCgdoaWdoX3VzGAMgASgCEhgK",
-            "EGJlc3RfcHJvYmFiaWxpdHkYBCABKAIicAoPUmV3YXJkUG9zdGVyaW9yEg0K",
-            "BWFscGhhGAEgASgBEgwKBGJldGEYAiABKAESDgoGbG93Xzk1GAMgASgBEg4K",
-            "Bmxvd181MBgEIAEoARIPCgdoaWdoXzUwGAUgASgBEg8KB2hpZ2hfOTUYBiAB",
-            "KAEi2wIKDEFybVBvc3RlcmlvchILCgNhcm0YASABKAkSFwoPYmFja2VuZF92",
-            "ZXJzaW9uGAIgASgNEjEKCXBvc3RlcmlvchgDIAEoCzIeLnN3ZWVwc3Rha2Uu",
-            "djEuUmV3YXJkUG9zdGVyaW9yEhQKDHdpbmRvd19jb3VudBgEIAEoBBIWCg5i",
-            "YWlsX291dF9jb3VudBgFIAEoBBITCgt2aXNpdF9jb3VudBgGIAEoBBIeChZl",
-            "ZmZlY3RpdmVfd2luZG93X2NvdW50GAcgASgBEhgKEHVuaXhfbGFzdF9zZWVu",
-            "X3MYCCABKAMSEwoLaXNfb3V0ZGF0ZWQYCSABKAgSHQoQYmVzdF9wcm9iYWJp",
-            "bGl0eRgKIAEoAUgAiAEBEiwKCmNvc3RfcmF0aW8YCyABKAsyGC5zd2VlcHN0",
-            "YWtlLnYxLkNvc3RSYXRpb0ITChFfYmVzdF9wcm9iYWJpbGl0eSKmBAoNRGVj",
-            "aXNpb25FdmVudBISCgpzZXNzaW9uX2lkGAEgASgJEg8KB3Byb2plY3QYAiAB",
-            "KAkSDQoFc2NlbmUYAyABKAkSEwoLZGVjaXNpb25faWQYBCABKAQSEgoKYWN0",
-            "aXZlX2FybRgFIAEoCRIVCg1jYW5kaWRhdGVfYXJtGAYgASgJEi8KB291dGNv",
-            "bWUYByABKA4yHi5zd2VlcHN0YWtlLnYxLkRlY2lzaW9uT3V0Y29tZRIrCgZy",
-            "ZWFzb24YCCABKA4yGy5zd2VlcHN0YWtlLnYxLlN3aXRjaFJlYXNvbhITCgZy",
-            "ZXdhcmQYCSABKAFIAIgBARIVCg1tYWNoaW5lX2NsYXNzGAogASgJEhgKEGJl",
-            "c3RfcHJvYmFiaWxpdHkYCyADKAESGwoTZXhwZWN0ZWRfbG9zc19yYXRpbxgM",
-            "IAEoARInCgd2ZXJkaWN0GA0gASgOMhYuc3dlZXBzdGFrZS52MS5WZXJkaWN0",
-            "Eg4KBnBvbGljeRgOIAEoCRI2CgxtZWFzdXJlbWVudHMYDyABKAsyIC5zd2Vl",
-            "cHN0YWtlLnYxLkZyYW1lTWVhc3VyZW1lbnRzEgwKBGFybXMYECADKAkSLQoJ",
-            "c3RhbmRpbmdzGBEgAygLMhouc3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZxIP",
-            "Cgd1bml4X21zGBIgASgDEhYKDnJld2FyZF92ZXJzaW9uGBMgASgNQgkKB19y",
-            "ZXdhcmQisgEKEUZyYW1lTWVhc3VyZW1lbnRzEjIKDWZyYW1lX3RpbWVfbnMY",
-            "ASABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3JhbRI2ChFkZXRlY3Rp",
-            "b25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlzdG9ncmFt",
-            "EjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVwc3Rha2UudjEuTG9nSGlz",
-            "dG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNrZXRfc3RlcHMYASADKA0S",
-            "DgoGY291bnRzGAIgAygNKtECCg9EZWNpc2lvbk91dGNvbWUSIAocREVDSVNJ",
-            "T05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURFQ0lTSU9OX09VVENPTUVf",
-            "S0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJVENIRUQQAhIiCh5ERUNJ",
-            "U0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIiCh5ERUNJU0lPTl9PVVRD",
-            "T01FX0hFTERfU0VUVExJTkcQBBIeChpERUNJU0lPTl9PVVRDT01FX05PX0ZS",
-            "QU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFOVUFMEAYSHgoaREVDSVNJ",
-            "T05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJU0lPTl9PVVRDT01FX1JF",
-            "SkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9IRUxEX0dBVEUQCTKvAgoR",
-            "UG9zdGVyaW9yc1NlcnZpY2USXQoOTGlzdFBvc3RlcmlvcnMSJC5zd2VlcHN0",
-            "YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVxdWVzdBolLnN3ZWVwc3Rha2UudjEu",
-            "TGlzdFBvc3RlcmlvcnNSZXNwb25zZRJXCgxHZXRQb3N0ZXJpb3ISIi5zd2Vl",
-            "cHN0YWtlLnYxLkdldFBvc3RlcmlvclJlcXVlc3QaIy5zd2VlcHN0YWtlLnYx",
-            "LkdldFBvc3RlcmlvclJlc3BvbnNlEmIKD1dhdGNoUG9zdGVyaW9ycxIlLnN3",
-            "ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVxdWVzdBomLnN3ZWVwc3Rh",
-            "a2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2UwAUIZqgIWU3dlZXBzdGFr",
-            "ZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
+            "bhgDIAEoCRINCgVzY2VuZRgEIAEoCSJgChZMaXN0UG9zdGVyaW9yc1Jlc3Bv",
+            "bnNlEi0KBnNjZW5lcxgBIAMoCzIdLnN3ZWVwc3Rha2UudjEuU2NlbmVQb3N0",
+            "ZXJpb3ISFwoPbmV4dF9wYWdlX3Rva2VuGAIgASgJImQKE0dldFBvc3Rlcmlv",
+            "clJlcXVlc3QSDwoHcHJvamVjdBgBIAEoCRINCgVzY2VuZRgCIAEoCRIVCg1t",
+            "YWNoaW5lX2NsYXNzGAMgASgJEhYKDnJld2FyZF92ZXJzaW9uGAQgASgNIkQK",
+            "FEdldFBvc3RlcmlvclJlc3BvbnNlEiwKBXNjZW5lGAEgASgLMh0uc3dlZXBz",
+            "dGFrZS52MS5TY2VuZVBvc3RlcmlvciI4ChZXYXRjaFBvc3RlcmlvcnNSZXF1",
+            "ZXN0Eg8KB3Byb2plY3QYASABKAkSDQoFc2NlbmUYAiABKAkipgEKF1dhdGNo",
+            "UG9zdGVyaW9yc1Jlc3BvbnNlEjAKCXBvc3RlcmlvchgBIAEoCzIdLnN3ZWVw",
+            "c3Rha2UudjEuU2NlbmVQb3N0ZXJpb3ISLwoJZGVjaXNpb25zGAIgAygLMhwu",
+            "c3dlZXBzdGFrZS52MS5EZWNpc2lvbkV2ZW50EigKBXN0YW1wGAMgASgLMhku",
+            "c3dlZXBzdGFrZS52MS5FdmVudFN0YW1wIucCCg5TY2VuZVBvc3RlcmlvchIP",
+            "Cgdwcm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xh",
+            "c3MYAyABKAkSFgoOcmV3YXJkX3ZlcnNpb24YBCABKA0SKQoEYXJtcxgFIAMo",
+            "CzIbLnN3ZWVwc3Rha2UudjEuQXJtUG9zdGVyaW9yEhwKFGFjdGl2ZV9zZXNz",
+            "aW9uX2NvdW50GAYgASgNEhQKDHNvdXJjZV9jb3VudBgHIAEoBBInCgd2ZXJk",
+            "aWN0GAggASgOMhYuc3dlZXBzdGFrZS52MS5WZXJkaWN0EhIKCmxlYWRlcl9h",
+            "cm0YCSABKAkSGwoTZXhwZWN0ZWRfbG9zc19yYXRpbxgKIAEoARIdChV2YWx1",
+            "ZV9yZW1haW5pbmdfcmF0aW8YCyABKAESLgoIYWN0aXZpdHkYDCABKAsyHC5z",
+            "d2VlcHN0YWtlLnYxLlNjZW5lQWN0aXZpdHki9QEKDVNjZW5lQWN0aXZpdHkS",
+            "EgoKc2Vzc2lvbl9pZBgBIAEoCRISCgphY3RpdmVfYXJtGAIgASgJEhwKFHVu",
+            "aXhfYWN0aXZlX3NpbmNlX21zGAMgASgDEhsKE3JlY2VudF9zd2l0Y2hfY291",
+            "bnQYBCABKA0SDAoEYXJtcxgFIAMoCRItCgV0b3RhbBgGIAEoCzIeLnN3ZWVw",
+            "c3Rha2UudjEuUmVnaW1lUG9zdGVyaW9yEi8KB3JlZ2ltZXMYByADKAsyHi5z",
+            "d2VlcHN0YWtlLnYxLlJlZ2ltZVBvc3RlcmlvchITCgtpbml0aWFsX2FybRgI",
+            "IAEoCSLiAwoPUmVnaW1lUG9zdGVyaW9yEhkKDG9iamVjdF9jb3VudBgBIAEo",
+            "AkgAiAEBEhcKCnNwZWVkX21lYW4YAiABKAJIAYgBARIZCgxzdGF0aWNfcmF0",
+            "aW8YAyABKAJIAogBARISCgppc19wcmVzZW50GAQgASgIEhMKC2ZyYW1lX3No",
+            "YXJlGAUgASgCEiYKBGFybXMYBiADKAsyGC5zd2VlcHN0YWtlLnYxLlJlZ2lt",
+            "ZUFybRIQCghiZXN0X2FybRgHIAEoCRITCgZyYW5fdXMYCCABKAJIA4gBARIk",
+            "ChdzYXZlZF9hZ2FpbnN0X3NpbmdsZV91cxgJIAEoAkgEiAEBEicKGnNhdmVk",
+            "X2FnYWluc3RfcmVmZXJlbmNlX3VzGAogASgCSAWIAQESJQoYc2F2ZWRfYWdh",
+            "aW5zdF9pbml0aWFsX3VzGAsgASgCSAaIAQFCDwoNX29iamVjdF9jb3VudEIN",
+            "Cgtfc3BlZWRfbWVhbkIPCg1fc3RhdGljX3JhdGlvQgkKB19yYW5fdXNCGgoY",
+            "X3NhdmVkX2FnYWluc3Rfc2luZ2xlX3VzQh0KG19zYXZlZF9hZ2FpbnN0X3Jl",
+            "ZmVyZW5jZV91c0IbChlfc2F2ZWRfYWdhaW5zdF9pbml0aWFsX3VzIlcKCVJl",
+            "Z2ltZUFybRIPCgdjb3N0X3VzGAEgASgCEg4KBmxvd191cxgCIAEoAhIPCgdo",
+            "aWdoX3VzGAMgASgCEhgKEGJlc3RfcHJvYmFiaWxpdHkYBCABKAIicAoPUmV3",
+            "YXJkUG9zdGVyaW9yEg0KBWFscGhhGAEgASgBEgwKBGJldGEYAiABKAESDgoG",
+            "bG93Xzk1GAMgASgBEg4KBmxvd181MBgEIAEoARIPCgdoaWdoXzUwGAUgASgB",
+            "Eg8KB2hpZ2hfOTUYBiABKAEi2wIKDEFybVBvc3RlcmlvchILCgNhcm0YASAB",
+            "KAkSFwoPYmFja2VuZF92ZXJzaW9uGAIgASgNEjEKCXBvc3RlcmlvchgDIAEo",
+            "CzIeLnN3ZWVwc3Rha2UudjEuUmV3YXJkUG9zdGVyaW9yEhQKDHdpbmRvd19j",
+            "b3VudBgEIAEoBBIWCg5iYWlsX291dF9jb3VudBgFIAEoBBITCgt2aXNpdF9j",
+            "b3VudBgGIAEoBBIeChZlZmZlY3RpdmVfd2luZG93X2NvdW50GAcgASgBEhgK",
+            "EHVuaXhfbGFzdF9zZWVuX3MYCCABKAMSEwoLaXNfb3V0ZGF0ZWQYCSABKAgS",
+            "HQoQYmVzdF9wcm9iYWJpbGl0eRgKIAEoAUgAiAEBEiwKCmNvc3RfcmF0aW8Y",
+            "CyABKAsyGC5zd2VlcHN0YWtlLnYxLkNvc3RSYXRpb0ITChFfYmVzdF9wcm9i",
+            "YWJpbGl0eSKmBAoNRGVjaXNpb25FdmVudBISCgpzZXNzaW9uX2lkGAEgASgJ",
+            "Eg8KB3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyABKAkSEwoLZGVjaXNpb25f",
+            "aWQYBCABKAQSEgoKYWN0aXZlX2FybRgFIAEoCRIVCg1jYW5kaWRhdGVfYXJt",
+            "GAYgASgJEi8KB291dGNvbWUYByABKA4yHi5zd2VlcHN0YWtlLnYxLkRlY2lz",
+            "aW9uT3V0Y29tZRIrCgZyZWFzb24YCCABKA4yGy5zd2VlcHN0YWtlLnYxLlN3",
+            "aXRjaFJlYXNvbhITCgZyZXdhcmQYCSABKAFIAIgBARIVCg1tYWNoaW5lX2Ns",
+            "YXNzGAogASgJEhgKEGJlc3RfcHJvYmFiaWxpdHkYCyADKAESGwoTZXhwZWN0",
+            "ZWRfbG9zc19yYXRpbxgMIAEoARInCgd2ZXJkaWN0GA0gASgOMhYuc3dlZXBz",
+            "dGFrZS52MS5WZXJkaWN0Eg4KBnBvbGljeRgOIAEoCRI2CgxtZWFzdXJlbWVu",
+            "dHMYDyABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1lTWVhc3VyZW1lbnRzEgwK",
+            "BGFybXMYECADKAkSLQoJc3RhbmRpbmdzGBEgAygLMhouc3dlZXBzdGFrZS52",
+            "MS5Bcm1TdGFuZGluZxIPCgd1bml4X21zGBIgASgDEhYKDnJld2FyZF92ZXJz",
+            "aW9uGBMgASgNQgkKB19yZXdhcmQisgEKEUZyYW1lTWVhc3VyZW1lbnRzEjIK",
+            "DWZyYW1lX3RpbWVfbnMYASABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3Rv",
+            "Z3JhbRI2ChFkZXRlY3Rpb25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2Uu",
+            "djEuTG9nSGlzdG9ncmFtEjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVw",
+            "c3Rha2UudjEuTG9nSGlzdG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNr",
+            "ZXRfc3RlcHMYASADKA0SDgoGY291bnRzGAIgAygNKtECCg9EZWNpc2lvbk91",
+            "dGNvbWUSIAocREVDSVNJT05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURF",
+            "Q0lTSU9OX09VVENPTUVfS0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJ",
+            "VENIRUQQAhIiCh5ERUNJU0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIi",
+            "Ch5ERUNJU0lPTl9PVVRDT01FX0hFTERfU0VUVExJTkcQBBIeChpERUNJU0lP",
+            "Tl9PVVRDT01FX05PX0ZSQU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFO",
+            "VUFMEAYSHgoaREVDSVNJT05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJ",
+            "U0lPTl9PVVRDT01FX1JFSkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9I",
+            "RUxEX0dBVEUQCTKvAgoRUG9zdGVyaW9yc1NlcnZpY2USXQoOTGlzdFBvc3Rl",
+            "cmlvcnMSJC5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVxdWVzdBol",
+            "LnN3ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXNwb25zZRJXCgxHZXRQ",
+            "b3N0ZXJpb3ISIi5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlcXVlc3Qa",
+            "Iy5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlc3BvbnNlEmIKD1dhdGNo",
+            "UG9zdGVyaW9ycxIlLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVx",
+            "dWVzdBomLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2Uw",
+            "AUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ListPosteriorsRequest), global::Sweepstake.Protocol.V1.ListPosteriorsRequest.Parser, new[]{ "Project", "PageSize", "PageToken" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ListPosteriorsRequest), global::Sweepstake.Protocol.V1.ListPosteriorsRequest.Parser, new[]{ "Project", "PageSize", "PageToken", "Scene" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ListPosteriorsResponse), global::Sweepstake.Protocol.V1.ListPosteriorsResponse.Parser, new[]{ "Scenes", "NextPageToken" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.GetPosteriorRequest), global::Sweepstake.Protocol.V1.GetPosteriorRequest.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.GetPosteriorResponse), global::Sweepstake.Protocol.V1.GetPosteriorResponse.Parser, new[]{ "Scene" }, null, null, null, null),
@@ -223,6 +223,7 @@ namespace Sweepstake.Protocol.V1 {
       project_ = other.project_;
       pageSize_ = other.pageSize_;
       pageToken_ = other.pageToken_;
+      scene_ = other.scene_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -277,6 +278,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "scene" field.</summary>
+    public const int SceneFieldNumber = 4;
+    private string scene_ = "";
+    /// <summary>
+    /// Selects only this scene, on all classes of machines. Absent: all scenes.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public string Scene {
+      get { return scene_; }
+      set {
+        scene_ = pb::ProtoPreconditions.CheckNotNull(value, "value");
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -295,6 +311,7 @@ namespace Sweepstake.Protocol.V1 {
       if (Project != other.Project) return false;
       if (PageSize != other.PageSize) return false;
       if (PageToken != other.PageToken) return false;
+      if (Scene != other.Scene) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -305,6 +322,7 @@ namespace Sweepstake.Protocol.V1 {
       if (Project.Length != 0) hash ^= Project.GetHashCode();
       if (PageSize != 0) hash ^= PageSize.GetHashCode();
       if (PageToken.Length != 0) hash ^= PageToken.GetHashCode();
+      if (Scene.Length != 0) hash ^= Scene.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -335,6 +353,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(26);
         output.WriteString(PageToken);
       }
+      if (Scene.Length != 0) {
+        output.WriteRawTag(34);
+        output.WriteString(Scene);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -357,6 +379,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(26);
         output.WriteString(PageToken);
       }
+      if (Scene.Length != 0) {
+        output.WriteRawTag(34);
+        output.WriteString(Scene);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -375,6 +401,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (PageToken.Length != 0) {
         size += 1 + pb::CodedOutputStream.ComputeStringSize(PageToken);
+      }
+      if (Scene.Length != 0) {
+        size += 1 + pb::CodedOutputStream.ComputeStringSize(Scene);
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -396,6 +425,9 @@ namespace Sweepstake.Protocol.V1 {
       }
       if (other.PageToken.Length != 0) {
         PageToken = other.PageToken;
+      }
+      if (other.Scene.Length != 0) {
+        Scene = other.Scene;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -428,6 +460,10 @@ namespace Sweepstake.Protocol.V1 {
             PageToken = input.ReadString();
             break;
           }
+          case 34: {
+            Scene = input.ReadString();
+            break;
+          }
         }
       }
     #endif
@@ -457,6 +493,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 26: {
             PageToken = input.ReadString();
+            break;
+          }
+          case 34: {
+            Scene = input.ReadString();
             break;
           }
         }

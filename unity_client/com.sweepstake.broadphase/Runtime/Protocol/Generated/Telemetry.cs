@@ -109,46 +109,47 @@ namespace Sweepstake.Protocol.V1 {
             "ASgNEisKBnJlYXNvbhgDIAEoDjIbLnN3ZWVwc3Rha2UudjEuU3dpdGNoUmVh",
             "c29uEhsKE3RyaWFsX2xpbWl0X3BlcmNlbnQYBCABKA0iPgoPQWNrbm93bGVk",
             "Z2VtZW50EhAKCHNlcXVlbmNlGAEgASgEEhkKEWJhdGNoX2ludGVydmFsX21z",
-            "GAIgASgNIscBChFQb3N0ZXJpb3JTbmFwc2hvdBIqCgRhcm1zGAEgAygLMhwu",
+            "GAIgASgNIusBChFQb3N0ZXJpb3JTbmFwc2hvdBIqCgRhcm1zGAEgAygLMhwu",
             "c3dlZXBzdGFrZS52MS5CZXRhUG9zdGVyaW9yEicKB3ZlcmRpY3QYAiABKA4y",
             "Fi5zd2VlcHN0YWtlLnYxLlZlcmRpY3QSEgoKbGVhZGVyX2FybRgDIAEoDRIa",
             "ChJsZWFkZXJfcHJvYmFiaWxpdHkYBCABKAESLQoJc3RhbmRpbmdzGAUgAygL",
-            "Mhouc3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZyKqAQoLQXJtU3RhbmRpbmcS",
-            "GQoRbGl2ZV93aW5kb3dfY291bnQYASABKAQSGAoQbGFuZV92aXNpdF9jb3Vu",
-            "dBgCIAEoBBIeChZlZmZlY3RpdmVfd2luZG93X2NvdW50GAMgASgBEhgKEGJl",
-            "c3RfcHJvYmFiaWxpdHkYBCABKAESLAoKY29zdF9yYXRpbxgFIAEoCzIYLnN3",
-            "ZWVwc3Rha2UudjEuQ29zdFJhdGlvIjYKCUNvc3RSYXRpbxIOCgZtZWRpYW4Y",
-            "ASABKAESCwoDbG93GAIgASgBEgwKBGhpZ2gYAyABKAEiHQoJUmVjb25uZWN0",
-            "EhAKCGRlbGF5X21zGAEgASgNIl4KDU9wZXJhdG9yT3JkZXISEAoIb3JkZXJf",
-            "aWQYASABKAQSIQoEbW9kZRgCIAEoDjITLnN3ZWVwc3Rha2UudjEuTW9kZRIQ",
-            "CgNhcm0YAyABKA1IAIgBAUIGCgRfYXJtIkYKCkJveFJlcXVlc3QSEwoLaW50",
-            "ZXJ2YWxfbXMYASABKA0SEQoJbWF4X2J5dGVzGAIgASgNEhAKCHVudGlsX21z",
-            "GAMgASgNInIKB0JveFZpZXcSEwoLZnJhbWVfaW5kZXgYASABKAQSFAoMb2Jq",
-            "ZWN0X2NvdW50GAIgASgNEg4KBnN0cmlkZRgDIAEoDRIOCgZib3VuZHMYBCAD",
-            "KAISDQoFYm94ZXMYBSABKAwSDQoFcGFpcnMYBiABKAwqOgoETW9kZRIUChBN",
-            "T0RFX1VOU1BFQ0lGSUVEEAASDwoLTU9ERV9NQU5VQUwQARILCgdNT0RFX0FJ",
-            "EAIqnAEKDFN3aXRjaFJlYXNvbhIdChlTV0lUQ0hfUkVBU09OX1VOU1BFQ0lG",
-            "SUVEEAASGAoUU1dJVENIX1JFQVNPTl9QT0xJQ1kQARIdChlTV0lUQ0hfUkVB",
-            "U09OX0VYUExPUkFUSU9OEAISGgoWU1dJVENIX1JFQVNPTl9CQUlMX09VVBAD",
-            "EhgKFFNXSVRDSF9SRUFTT05fTUFOVUFMEAQqfgoKQ2FwYWJpbGl0eRIaChZD",
-            "QVBBQklMSVRZX1VOU1BFQ0lGSUVEEAASHgoaQ0FQQUJJTElUWV9PUEVSQVRP",
-            "Ul9PUkRFUlMQARIXChNDQVBBQklMSVRZX0JPWF9WSUVXEAISGwoXQ0FQQUJJ",
-            "TElUWV9TVE9QU19UUklBTFMQAypZCgpTaGFkb3dGbGFnEhsKF1NIQURPV19G",
-            "TEFHX1VOU1BFQ0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZFEAESFgoS",
-            "U0hBRE9XX0ZMQUdfQ0FQUEVEEAIqwAEKCUZyYW1lRmxhZxIaChZGUkFNRV9G",
-            "TEFHX1VOU1BFQ0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxEEAESFQoR",
-            "RlJBTUVfRkxBR19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJTkcQBBIX",
-            "ChNGUkFNRV9GTEFHX0JBSUxfT1VUEAgSGAoURlJBTUVfRkxBR19TVVNQRU5E",
-            "RUQQEBIdChlGUkFNRV9GTEFHX1BBSVJTX0VYQ0VFREVEECAqggEKEk9yZGVy",
-            "UmVmdXNhbFJlYXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJ",
-            "RklFRBAAEiQKIE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAES",
-            "IAocT1JERVJfUkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QS",
-            "FwoTVkVSRElDVF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAES",
-            "DwoLVkVSRElDVF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZF",
-            "UkRJQ1RfREVHUkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVh",
-            "bVRlbGVtZXRyeRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVx",
-            "dWVzdBomLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2Uo",
-            "ATABQhmqAhZTd2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
+            "Mhouc3dlZXBzdGFrZS52MS5Bcm1TdGFuZGluZxIVCghzYXZlZF91cxgGIAEo",
+            "AUgAiAEBQgsKCV9zYXZlZF91cyKqAQoLQXJtU3RhbmRpbmcSGQoRbGl2ZV93",
+            "aW5kb3dfY291bnQYASABKAQSGAoQbGFuZV92aXNpdF9jb3VudBgCIAEoBBIe",
+            "ChZlZmZlY3RpdmVfd2luZG93X2NvdW50GAMgASgBEhgKEGJlc3RfcHJvYmFi",
+            "aWxpdHkYBCABKAESLAoKY29zdF9yYXRpbxgFIAEoCzIYLnN3ZWVwc3Rha2Uu",
+            "djEuQ29zdFJhdGlvIjYKCUNvc3RSYXRpbxIOCgZtZWRpYW4YASABKAESCwoD",
+            "bG93GAIgASgBEgwKBGhpZ2gYAyABKAEiHQoJUmVjb25uZWN0EhAKCGRlbGF5",
+            "X21zGAEgASgNIl4KDU9wZXJhdG9yT3JkZXISEAoIb3JkZXJfaWQYASABKAQS",
+            "IQoEbW9kZRgCIAEoDjITLnN3ZWVwc3Rha2UudjEuTW9kZRIQCgNhcm0YAyAB",
+            "KA1IAIgBAUIGCgRfYXJtIkYKCkJveFJlcXVlc3QSEwoLaW50ZXJ2YWxfbXMY",
+            "ASABKA0SEQoJbWF4X2J5dGVzGAIgASgNEhAKCHVudGlsX21zGAMgASgNInIK",
+            "B0JveFZpZXcSEwoLZnJhbWVfaW5kZXgYASABKAQSFAoMb2JqZWN0X2NvdW50",
+            "GAIgASgNEg4KBnN0cmlkZRgDIAEoDRIOCgZib3VuZHMYBCADKAISDQoFYm94",
+            "ZXMYBSABKAwSDQoFcGFpcnMYBiABKAwqOgoETW9kZRIUChBNT0RFX1VOU1BF",
+            "Q0lGSUVEEAASDwoLTU9ERV9NQU5VQUwQARILCgdNT0RFX0FJEAIqnAEKDFN3",
+            "aXRjaFJlYXNvbhIdChlTV0lUQ0hfUkVBU09OX1VOU1BFQ0lGSUVEEAASGAoU",
+            "U1dJVENIX1JFQVNPTl9QT0xJQ1kQARIdChlTV0lUQ0hfUkVBU09OX0VYUExP",
+            "UkFUSU9OEAISGgoWU1dJVENIX1JFQVNPTl9CQUlMX09VVBADEhgKFFNXSVRD",
+            "SF9SRUFTT05fTUFOVUFMEAQqfgoKQ2FwYWJpbGl0eRIaChZDQVBBQklMSVRZ",
+            "X1VOU1BFQ0lGSUVEEAASHgoaQ0FQQUJJTElUWV9PUEVSQVRPUl9PUkRFUlMQ",
+            "ARIXChNDQVBBQklMSVRZX0JPWF9WSUVXEAISGwoXQ0FQQUJJTElUWV9TVE9Q",
+            "U19UUklBTFMQAypZCgpTaGFkb3dGbGFnEhsKF1NIQURPV19GTEFHX1VOU1BF",
+            "Q0lGSUVEEAASFgoSU0hBRE9XX0ZMQUdfQUNUSVZFEAESFgoSU0hBRE9XX0ZM",
+            "QUdfQ0FQUEVEEAIqwAEKCUZyYW1lRmxhZxIaChZGUkFNRV9GTEFHX1VOU1BF",
+            "Q0lGSUVEEAASFgoSRlJBTUVfRkxBR19SRUJVSUxEEAESFQoRRlJBTUVfRkxB",
+            "R19QQVVTRUQQAhIWChJGUkFNRV9GTEFHX0xPQURJTkcQBBIXChNGUkFNRV9G",
+            "TEFHX0JBSUxfT1VUEAgSGAoURlJBTUVfRkxBR19TVVNQRU5ERUQQEBIdChlG",
+            "UkFNRV9GTEFHX1BBSVJTX0VYQ0VFREVEECAqggEKEk9yZGVyUmVmdXNhbFJl",
+            "YXNvbhIkCiBPUkRFUl9SRUZVU0FMX1JFQVNPTl9VTlNQRUNJRklFRBAAEiQK",
+            "IE9SREVSX1JFRlVTQUxfUkVBU09OX05PVF9BTExPV0VEEAESIAocT1JERVJf",
+            "UkVGVVNBTF9SRUFTT05fVU5LTk9XThACKnQKB1ZlcmRpY3QSFwoTVkVSRElD",
+            "VF9VTlNQRUNJRklFRBAAEhIKDlZFUkRJQ1RfU1RBQkxFEAESDwoLVkVSRElD",
+            "VF9USUUQAhIVChFWRVJESUNUX0FNQklHVU9VUxADEhQKEFZFUkRJQ1RfREVH",
+            "UkFERUQQBDJ4ChBUZWxlbWV0cnlTZXJ2aWNlEmQKD1N0cmVhbVRlbGVtZXRy",
+            "eRIlLnN3ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVxdWVzdBomLnN3",
+            "ZWVwc3Rha2UudjEuU3RyZWFtVGVsZW1ldHJ5UmVzcG9uc2UoATABQhmqAhZT",
+            "d2VlcHN0YWtlLlByb3RvY29sLlYxYgZwcm90bzM="));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.Mode), typeof(global::Sweepstake.Protocol.V1.SwitchReason), typeof(global::Sweepstake.Protocol.V1.Capability), typeof(global::Sweepstake.Protocol.V1.ShadowFlag), typeof(global::Sweepstake.Protocol.V1.FrameFlag), typeof(global::Sweepstake.Protocol.V1.OrderRefusalReason), typeof(global::Sweepstake.Protocol.V1.Verdict), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -169,7 +170,7 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.BetaPosterior), global::Sweepstake.Protocol.V1.BetaPosterior.Parser, new[]{ "Alpha", "Beta" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SwitchCommand), global::Sweepstake.Protocol.V1.SwitchCommand.Parser, new[]{ "CommandId", "Arm", "Reason", "TrialLimitPercent" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Acknowledgement), global::Sweepstake.Protocol.V1.Acknowledgement.Parser, new[]{ "Sequence", "BatchIntervalMs" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PosteriorSnapshot), global::Sweepstake.Protocol.V1.PosteriorSnapshot.Parser, new[]{ "Arms", "Verdict", "LeaderArm", "LeaderProbability", "Standings" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.PosteriorSnapshot), global::Sweepstake.Protocol.V1.PosteriorSnapshot.Parser, new[]{ "Arms", "Verdict", "LeaderArm", "LeaderProbability", "Standings", "SavedUs" }, new[]{ "SavedUs" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ArmStanding), global::Sweepstake.Protocol.V1.ArmStanding.Parser, new[]{ "LiveWindowCount", "LaneVisitCount", "EffectiveWindowCount", "BestProbability", "CostRatio" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.CostRatio), global::Sweepstake.Protocol.V1.CostRatio.Parser, new[]{ "Median", "Low", "High" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.Reconnect), global::Sweepstake.Protocol.V1.Reconnect.Parser, new[]{ "DelayMs" }, null, null, null, null),
@@ -8206,6 +8207,7 @@ namespace Sweepstake.Protocol.V1 {
   {
     private static readonly pb::MessageParser<PosteriorSnapshot> _parser = new pb::MessageParser<PosteriorSnapshot>(() => new PosteriorSnapshot());
     private pb::UnknownFieldSet _unknownFields;
+    private int _hasBits0;
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public static pb::MessageParser<PosteriorSnapshot> Parser { get { return _parser; } }
@@ -8233,11 +8235,13 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public PosteriorSnapshot(PosteriorSnapshot other) : this() {
+      _hasBits0 = other._hasBits0;
       arms_ = other.arms_.Clone();
       verdict_ = other.verdict_;
       leaderArm_ = other.leaderArm_;
       leaderProbability_ = other.leaderProbability_;
       standings_ = other.standings_.Clone();
+      savedUs_ = other.savedUs_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -8320,6 +8324,37 @@ namespace Sweepstake.Protocol.V1 {
       get { return standings_; }
     }
 
+    /// <summary>Field number for the "saved_us" field.</summary>
+    public const int SavedUsFieldNumber = 6;
+    private readonly static double SavedUsDefaultValue = 0D;
+
+    private double savedUs_;
+    /// <summary>
+    /// The detection time in µs that choosing saved per measured frame of the session, estimated against always running the arm
+    /// with which the game began; finite. A loss is negative. Absent: not known.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public double SavedUs {
+      get { if ((_hasBits0 & 1) != 0) { return savedUs_; } else { return SavedUsDefaultValue; } }
+      set {
+        _hasBits0 |= 1;
+        savedUs_ = value;
+      }
+    }
+    /// <summary>Gets whether the "saved_us" field is set</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool HasSavedUs {
+      get { return (_hasBits0 & 1) != 0; }
+    }
+    /// <summary>Clears the value of the "saved_us" field</summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public void ClearSavedUs() {
+      _hasBits0 &= ~1;
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -8340,6 +8375,7 @@ namespace Sweepstake.Protocol.V1 {
       if (LeaderArm != other.LeaderArm) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(LeaderProbability, other.LeaderProbability)) return false;
       if(!standings_.Equals(other.standings_)) return false;
+      if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(SavedUs, other.SavedUs)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -8352,6 +8388,7 @@ namespace Sweepstake.Protocol.V1 {
       if (LeaderArm != 0) hash ^= LeaderArm.GetHashCode();
       if (LeaderProbability != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(LeaderProbability);
       hash ^= standings_.GetHashCode();
+      if (HasSavedUs) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(SavedUs);
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -8384,6 +8421,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteDouble(LeaderProbability);
       }
       standings_.WriteTo(output, _repeated_standings_codec);
+      if (HasSavedUs) {
+        output.WriteRawTag(49);
+        output.WriteDouble(SavedUs);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -8408,6 +8449,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteDouble(LeaderProbability);
       }
       standings_.WriteTo(ref output, _repeated_standings_codec);
+      if (HasSavedUs) {
+        output.WriteRawTag(49);
+        output.WriteDouble(SavedUs);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -8429,6 +8474,9 @@ namespace Sweepstake.Protocol.V1 {
         size += 1 + 8;
       }
       size += standings_.CalculateSize(_repeated_standings_codec);
+      if (HasSavedUs) {
+        size += 1 + 8;
+      }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -8452,6 +8500,9 @@ namespace Sweepstake.Protocol.V1 {
         LeaderProbability = other.LeaderProbability;
       }
       standings_.Add(other.standings_);
+      if (other.HasSavedUs) {
+        SavedUs = other.SavedUs;
+      }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -8491,6 +8542,10 @@ namespace Sweepstake.Protocol.V1 {
             standings_.AddEntriesFrom(input, _repeated_standings_codec);
             break;
           }
+          case 49: {
+            SavedUs = input.ReadDouble();
+            break;
+          }
         }
       }
     #endif
@@ -8528,6 +8583,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 42: {
             standings_.AddEntriesFrom(ref input, _repeated_standings_codec);
+            break;
+          }
+          case 49: {
+            SavedUs = input.ReadDouble();
             break;
           }
         }
