@@ -35,18 +35,26 @@ export function bytes(value: number): string {
 export const times = (ratio: number) => (isNumber(ratio) ? `${significant(ratio)}×` : NONE);
 export const milliseconds = (ms: number) => significant(ms);
 
-// Returns a ratio as a percentage: with two decimals below 10 %, one below 100 %, none above. REQUIRES: ratio >= 0.
+// Returns a ratio as a percentage: with two decimals below 10 %, one below 100 %, none above; "0 %" if it rounds to zero.
+// REQUIRES: ratio >= 0.
 export function share(ratio: number): string {
   if (!isNumber(ratio)) return NONE;
   const size = 100 * ratio;
+  if (size < 0.005) return '0 %';
   return `${withDecimals(size < 9.995 ? 2 : size < 99.95 ? 1 : 0).format(size)} %`;
+}
+
+// Returns a ratio as a percentage, with − if it is negative, unless it rounds to zero.
+export function signedShare(ratio: number): string {
+  const size = share(Math.abs(ratio));
+  return ratio < 0 && size !== '0 %' ? `−${size}` : size;
 }
 
 // Returns a ratio as a percentage with a sign, unless it rounds to zero.
 export function percent(ratio: number | null): string {
   if (!isNumber(ratio)) return NONE;
-  const size = share(Math.abs(ratio));
-  return /[1-9]/.test(size) ? (ratio < 0 ? '−' : '+') + size : '0 %';
+  const text = signedShare(ratio);
+  return ratio > 0 && text !== '0 %' ? `+${text}` : text;
 }
 
 export type Interval = [number, number];

@@ -58,13 +58,14 @@ async function checkSwitches(daemon) {
   }
 }
 
-const number = (text) => Number(text.replace('−', '-').replaceAll(',', '').split(' ')[0]);
+const number = (text) => Number(text.replaceAll(',', '').split(' ')[0]);
 
 // The first figure is the saving of the history, computed here from its sums.
 async function checkSaving(page, daemon) {
   await page.goto(daemon.origin);
   await until('the first figure', async () => /\d/.test(await page.locator('.figure.main b').innerText()));
-  const shown = number(await page.locator('.figure.main b').innerText());
+  const isLoss = (await page.locator('.figure.main span').innerText()).startsWith('lost per frame');
+  const shown = (isLoss ? -1 : 1) * number(await page.locator('.figure.main b').innerText());
   let [saved, frames] = [0, 0];
   for (const { points: [point] } of await historyOf(daemon, 'SCENE', { fromUnixMs: String(Date.now() - 86_400_000) })) {
     saved += point.initialUs - point.ranUs;

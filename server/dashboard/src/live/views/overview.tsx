@@ -39,10 +39,12 @@ function Saving() {
   if (!total) return <div class="figure main"><b>–</b><span>{error ? error.message : wasRead ? 'No session has measured in the last day what it saves.' : 'Reading the history.'}</span></div>;
   const [first, ...others] = AGAINST.flatMap(([part, name]) => (total[part] === undefined ? [] : [{ us: total[part] / total.frameCount, against: `against ${name}` }]));
   if (!first) return null;
+  const wordOf = (us: number) => (us < 0 ? 'lost' : 'saved');
   return (
     <div class={first.us > 0 ? 'figure main good' : 'figure main'} title={`${grouped(total.frameCount)} measured frames`}>
-      <b>{savingText(first.us)}</b>
-      <span>saved per frame {first.against} ({first.us < 0 ? '−' : ''}{share(Math.abs(first.us) / (total.frameUs / total.frameCount))} of the frame time){others.map(({ us, against }) => `, ${savingText(us)} ${against}`)};
+      <b>{savingText(Math.abs(first.us))}</b>
+      <span>{wordOf(first.us)} per frame {first.against} ({share((Math.abs(first.us) * total.frameCount) / total.frameUs)} of the frame time)
+        {others.map(({ us, against }) => `, ${savingText(Math.abs(us))} ${wordOf(us)} ${against}`)};
         {' '}{counted(series.length, 'scene', 'scenes')} in the last day</span>
     </div>
   );
@@ -136,6 +138,8 @@ const keyOf = ({ state }: SceneSummary) => state.key;
 function Known({ all }: { all: readonly SceneSummary[] }) {
   const { query } = route.value;
   const rows = useMemo(() => filtered(all, query), [all, query]);
+  const hasProjects = all.some((row) => sceneOf(row).project !== sceneOf(all[0]!).project);
+  const columns = useMemo(() => SCENE_COLUMNS.filter(({ id }) => id !== 'project' || hasProjects), [hasProjects]);
   return (
     <>
       <h1 class="unseen">Overview</h1>
@@ -143,7 +147,7 @@ function Known({ all }: { all: readonly SceneSummary[] }) {
       <section aria-labelledby="scenes-heading">
         <h2 id="scenes-heading">Scenes</h2>
         {all.length === 0 ? <NoScenes /> : (
-          <Table caption="Scenes" csvHref={csvUrl('scenes', { project: route.value.query.get('project') ?? '' })} columns={SCENE_COLUMNS} rows={rows} keyOf={keyOf} sort="-verdict" tools={<Tools all={all} />} />
+          <Table caption="Scenes" csvHref={csvUrl('scenes', { project: route.value.query.get('project') ?? '' })} columns={columns} rows={rows} keyOf={keyOf} sort="-verdict" tools={<Tools all={all} />} />
         )}
         {all.length > 0 && rows.length === 0 && <Empty title="No scene matches the filter" />}
       </section>

@@ -223,7 +223,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       <Timeline {...props} onOpen={openStep} />
       <section aria-labelledby="history-heading"><h2 id="history-heading">History</h2>
         <OverTime selection={{ kind: HistoryKind.SESSION, sessionId }} names={[sessionId]} moments={moments} /></section>
-      <Costs {...props} />
+      <section aria-labelledby="windows-heading"><h2 id="windows-heading">Latest windows</h2><Costs {...props} /></section>
       {latest && <Boxes info={latest.info} isOver={latest.ended !== undefined} />}
       <section aria-labelledby="beliefs-heading"><h2 id="beliefs-heading">Posteriors</h2><Beliefs {...props} /></section>
       <section aria-labelledby="lane-heading"><h2 id="lane-heading">Shadow lane</h2><Lane steps={steps} /></section>

@@ -1,5 +1,5 @@
 // The columns of the overview's list of scenes. The first ones read like a sentence: what runs, how fast the game is, what was saved.
-import { grouped, share, significant } from '../../../format';
+import { grouped, share, signedShare, significant } from '../../../format';
 import { FRAME_MS } from '../../numbers/log_cost';
 import { Arm, Arms } from '../../parts/arm';
 import { VerdictChip } from '../../parts/chips';
@@ -63,7 +63,7 @@ function Saved({ row }: { row: SceneSummary }) {
   const us = savedUs(row);
   const [text, frame] = [savingText(us), frameMs(row)];
   if (us === undefined || text === undefined) return <>–</>;
-  return <span class={us > 0 ? 'gain' : undefined}>{text}{frame !== undefined && <span class="soft small"> {us < 0 ? '−' : ''}{share(Math.abs(us) / 1000 / frame)}</span>}</span>;
+  return <span class={us > 0 ? 'gain' : undefined}>{text}{frame !== undefined && <span class="soft small"> {signedShare(us / 1000 / frame)}</span>}</span>;
 }
 
 export const SCENE_COLUMNS: readonly Column<SceneSummary>[] = [
