@@ -52,7 +52,10 @@ AlertChanges AlertBoard::Update(std::map<AlertKey, Finding> findings, int64_t no
   EndSilences(now_ns, unix_now_ms);
   for (auto& [key, entry] : entries_) {
     entry.begun = entry.begun || now_ns - entry.first_held_ns >= BeginAfterNs(key.rule);
-    if (!entry.begun || entry.announced || silences_.contains(entry.id)) continue;
+    const bool is_silenced = silences_.contains(entry.id);
+    const bool is_new = !entry.announced || entry.was_silenced;
+    entry.was_silenced = is_silenced;
+    if (!entry.begun || is_silenced || !is_new) continue;
     entry.announced = true;
     changes.begun.push_back(AlertOf(key, entry));
   }

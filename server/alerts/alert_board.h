@@ -83,6 +83,7 @@ class AlertBoard {
     int64_t unix_since_ms = 0;
     bool begun = false;
     bool announced = false;
+    bool was_silenced = false;  // in the previous look
   };
   struct Kept {
     Silence silence;

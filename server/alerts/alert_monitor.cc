@@ -23,6 +23,7 @@ SceneFigures FiguresOf(const priors::SceneKey& scene, const sessions::SceneActiv
   if (!diagnosis.best_probability.empty())
     figures.leader_probability = diagnosis.best_probability[diagnosis.leader];
   if (diagnosis.verdict != Verdict::kUnknown) figures.expected_loss_us = ExpectedLossUs(session);
+  figures.saved_against_initial_us = activity.report.total.saved_against_initial_us;
   figures.saved_against_single_us = activity.report.total.saved_against_single_us;
   figures.saved_against_reference_us = activity.report.total.saved_against_reference_us;
   return figures;

@@ -34,7 +34,8 @@ struct SceneFigures {
   std::string active_arm;
   double leader_probability = 0;
   std::optional<double> expected_loss_us;
-  std::optional<double> saved_against_single_us;     // a loss is negative
+  std::optional<double> saved_against_initial_us;  // a loss is negative
+  std::optional<double> saved_against_single_us;
   std::optional<double> saved_against_reference_us;  // against decision::kReferenceArm
 };
 

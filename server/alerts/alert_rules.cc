@@ -47,22 +47,6 @@ std::string NumberText(double value) {
   return value < 10 ? absl::StrFormat("%.2g", value) : absl::StrFormat("%.0f", value);
 }
 
-std::string AmbiguousText(uint32_t session_count, double loss_ratio, bool has_verdict,
-                          std::optional<double> loss_us) {
-  if (!has_verdict) {
-    return absl::StrCat("Nothing is known about the algorithms yet; ",
-                        Counted(session_count, "session waits", "sessions wait"),
-                        " for measurements.");
-  }
-  std::string text = absl::StrCat(
-      "No algorithm is clearly the best yet; the present choice is expected to cost up to ",
-      NumberText(100 * loss_ratio), " % more than the best one");
-  if (loss_us) {
-    absl::StrAppend(&text, ", on average ", NumberText(*loss_us / session_count), " µs per frame");
-  }
-  return absl::StrCat(text, " in ", Counted(session_count, "session", "sessions"), ".");
-}
-
 std::string TextOf(Rule rule, uint32_t count) {
   switch (rule) {
     case Rule::kDegraded:
@@ -118,13 +102,33 @@ std::optional<double> ExpectedLossUs(const sessions::GameSession& session) {
   return LossUs(FactsOf(session, sessions::SessionState::kConnected));
 }
 
+std::string Findings::AmbiguousText(const Sum& sum) {
+  const uint32_t session_count = sum.finding.session_count;
+  if (!sum.has_verdict) {
+    return absl::StrCat("Nothing is known about the algorithms yet; ",
+                        Counted(session_count, "session waits", "sessions wait"),
+                        " for measurements.");
+  }
+  std::string text =
+      absl::StrCat("No algorithm is clearly the best yet; the leader is expected to cost up to ",
+                   NumberText(100 * sum.max_loss_ratio), " % more than the best one");
+  if (sum.known_loss_count > 0) {
+    absl::StrAppend(&text, ", on average ", NumberText(*sum.finding.loss_us / sum.known_loss_count),
+                    " µs per frame");
+  }
+  return absl::StrCat(text, " in ", Counted(session_count, "session", "sessions"), ".");
+}
+
 Findings::Sum& Findings::Count(Rule rule, const SessionFacts& session,
                                std::optional<double> loss_us) {
   Sum& sum = sums_[{.rule = rule, .check = {}, .scene = session.scene}];
   Finding& finding = sum.finding;
   ++finding.session_count;
   if (finding.session_ids.size() < kMaxPlaces) finding.session_ids.push_back(session.id);
-  if (loss_us) finding.loss_us = finding.loss_us.value_or(0) + *loss_us;
+  if (loss_us) {
+    finding.loss_us = finding.loss_us.value_or(0) + *loss_us;
+    ++sum.known_loss_count;
+  }
   return sum;
 }
 
@@ -177,8 +181,7 @@ std::map<AlertKey, Finding> Findings::Take(size_t limit) {
     auto& [key, sum] = *entry;
     const uint32_t count = sum.finding.session_count;
     if (key.rule == Rule::kAmbiguous) {
-      sum.finding.text =
-          AmbiguousText(count, sum.max_loss_ratio, sum.has_verdict, sum.finding.loss_us);
+      sum.finding.text = AmbiguousText(sum);
     } else if (key.rule != Rule::kCheck) {
       sum.finding.text = TextOf(key.rule, count);
     }

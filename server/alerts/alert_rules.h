@@ -60,9 +60,11 @@ class Findings {
   struct Sum {
     Finding finding;
     double max_loss_ratio = 0;
-    bool has_verdict = false;  // whether a session has learnt anything
+    uint32_t known_loss_count = 0;  // sessions in finding.loss_us
+    bool has_verdict = false;       // whether a session has learnt anything
   };
 
+  static std::string AmbiguousText(const Sum& sum);
   Sum& Count(Rule rule, const SessionFacts& session, std::optional<double> loss_us = {});
 
   std::map<AlertKey, Sum> sums_;

@@ -60,7 +60,8 @@ std::vector<prometheus::MetricFamily> AlertFamilies(const AlertFigures& figures)
   auto saved =
       Gauges("sweepstake_scene_frame_saving_seconds",
              "Time per frame that the choices have saved in a session of the scene, against "
-             "the best single arm or against KDTree; a loss is negative.");
+             "the arm that its game begins with, the best single arm or KDTree; a loss is "
+             "negative.");
   auto loss = Gauges("sweepstake_scene_frame_loss_seconds",
                      "Time per frame that the leading arm is expected to cost more than the best.");
   auto probability = Gauges("sweepstake_scene_leader_probability",
@@ -69,6 +70,7 @@ std::vector<prometheus::MetricFamily> AlertFamilies(const AlertFigures& figures)
                     "Always 1; the label is the arm that a session of the scene uses.");
   for (const SceneFigures& scene : figures.scenes) {
     Add(sessions, scene, scene.session_count);
+    Add(saved, scene, Seconds(scene.saved_against_initial_us), Label{"against", "initial"});
     Add(saved, scene, Seconds(scene.saved_against_single_us), Label{"against", "best_single"});
     Add(saved, scene, Seconds(scene.saved_against_reference_us),
         Label{"against", std::string(decision::kReferenceArm)});

@@ -130,6 +130,14 @@ TEST_F(AlertBoardTest, ATimedSilenceCoversLaterAlertsAndIsAnnouncedWhenItEnds) {
   EXPECT_EQ(Look(3600, {{kDegradedKey, {}}}).begun.size(), 1u);
 }
 
+TEST_F(AlertBoardTest, AnAnnouncedAlertIsAnnouncedAgainWhenItsSilenceEnds) {
+  EXPECT_EQ(Look(0, {{kDegradedKey, {}}}).begun.size(), 1u);
+  ASSERT_TRUE(Silence(kDegradedKey, 3600).ok());
+  EXPECT_THAT(Look(5, {{kDegradedKey, {}}}).begun, IsEmpty());
+  EXPECT_EQ(Look(3600, {{kDegradedKey, {}}}).begun.size(), 1u);
+  EXPECT_THAT(Look(5, {{kDegradedKey, {}}}).begun, IsEmpty());
+}
+
 TEST_F(AlertBoardTest, AnAlertThatWasNeverAnnouncedEndsQuietly) {
   Look(0, {{kDegradedKey, {}}});
   ASSERT_TRUE(Silence(kDegradedKey, 3600).ok());

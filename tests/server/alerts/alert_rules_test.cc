@@ -71,16 +71,18 @@ TEST(AlertRulesTest, TheLossOfAnAmbiguousSceneIsAddedOverItsSessions) {
   first.expected_loss_ratio = 0.05;
   SessionFacts second = first;
   second.expected_loss_ratio = 0.1;
-  const auto findings = FindingsOf({first, second});
+  SessionFacts untried = first;
+  untried.verdict = Verdict::kUnknown;
+  const auto findings = FindingsOf({first, second, untried});
   ASSERT_EQ(findings.size(), 1u);
   const auto& [key, finding] = *findings.begin();
   EXPECT_EQ(key, (AlertKey{.rule = Rule::kAmbiguous, .check = {}, .scene = kHarbour}));
   EXPECT_EQ(finding.severity, Severity::kNotice);
-  EXPECT_EQ(finding.session_count, 2u);
+  EXPECT_EQ(finding.session_count, 3u);
   EXPECT_NEAR(finding.loss_us.value_or(0), 30, 1e-9);
   EXPECT_EQ(finding.text,
-            "No algorithm is clearly the best yet; the present choice is expected to cost up to 10 "
-            "% more than the best one, on average 15 µs per frame in 2 sessions.");
+            "No algorithm is clearly the best yet; the leader is expected to cost up to 10 % more "
+            "than the best one, on average 15 µs per frame in 3 sessions.");
 }
 
 TEST(AlertRulesTest, ALargeExpectedLossIsSerious) {

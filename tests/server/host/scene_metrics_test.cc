@@ -27,6 +27,7 @@ alerts::SceneFigures Harbour() {
   scene.active_arm = "Grid";
   scene.leader_probability = 0.75;
   scene.expected_loss_us = 125'000;
+  scene.saved_against_initial_us = 375'000;
   scene.saved_against_single_us = -250'000;
   scene.saved_against_reference_us = 500'000;
   return scene;
@@ -37,6 +38,7 @@ TEST(SceneMetricsTest, EveryFigureOfASceneIsAGaugeInBaseUnits) {
   const std::string labels = "{project=\"game\",scene=\"harbour\",machine_class=\"desktop\"";
   for (const std::string& line :
        {"sweepstake_scene_sessions" + labels + "} 3\n",
+        "sweepstake_scene_frame_saving_seconds" + labels + ",against=\"initial\"} 0.375\n",
         "sweepstake_scene_frame_saving_seconds" + labels + ",against=\"best_single\"} -0.25\n",
         "sweepstake_scene_frame_saving_seconds" + labels + ",against=\"KDTree\"} 0.5\n",
         "sweepstake_scene_frame_loss_seconds" + labels + "} 0.125\n",
