@@ -91,7 +91,10 @@ class DecisionExport {
       const auto rows = store.LoadAudit(place_.segment->id, place_.next_row, kAuditRowsPerPage,
                                         kAuditBytesPerMessage - sent_bytes_);
       if (!rows.ok()) return rows.status();
-      if (rows->empty()) place_.segment.reset();
+      if (rows->empty()) {
+        place_.segment.reset();
+        setups_ = {};  // an export of a large log would keep one for each segment
+      }
       for (const priors::StoredAuditRow& row : *rows) {
         read_bytes += row.bytes.size();
         if (absl::Status status = Add(store, row); !status.ok()) return status;
