@@ -93,6 +93,7 @@ std::string SelectText(const char* condition) {
     WHERE kind = ?1 AND (?2 = '' OR project = ?2) AND (?3 = '' OR scene = ?3) AND )sql",
                       condition, R"sql( AND seen_s >= ?5
       AND (?6 = '' OR instr(?6, char(10) || project || char(10)))
+      AND (?14 = 0 OR (reward_version = ?14 AND machine_class = ?15))
       AND (project, scene, machine_class, reward_version, build, session)
         > (?7, ?8, ?9, ?10, ?11, ?12)
     ORDER BY project, scene, machine_class, reward_version, build, session LIMIT ?13)sql");
@@ -298,7 +299,7 @@ absl::StatusOr<HistoryPage> HistoryFile::Read(const HistoryQuery& query, int64_t
       static_cast<int>(query.kind), query.filter.project, query.filter.scene, query.session,
       query.from_ms / 1000, storage::LineList(query.filter.projects), after.scene.project,
       after.scene.scene, after.scene.machine_class, after.scene.reward_version, after.build,
-      after.session, kMaxSeriesPerPage);
+      after.session, kMaxSeriesPerPage, query.reward_version, query.machine_class);
   HistoryPage page;
   size_t bytes = 0;
   for (const auto& [id, key] : found) {

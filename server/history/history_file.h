@@ -48,8 +48,11 @@ struct HistoryQuery {
   v1::HistoryKind kind = v1::HISTORY_KIND_SCENE;
   priors::SceneFilter filter = {};
   std::string session = {};  // empty: all
-  int64_t from_ms = 0;       // 0: the whole history
-  int64_t until_ms = 0;      // exclusive; 0: now
+  // Of this version of the reward and class of machines only. Version 0: of all.
+  uint32_t reward_version = 0;
+  std::string machine_class = {};
+  int64_t from_ms = 0;   // 0: the whole history
+  int64_t until_ms = 0;  // exclusive; 0: now
   uint32_t max_points = 300;
   std::optional<SeriesKey> after = {};  // only series after this one
 };

@@ -19,7 +19,7 @@ namespace {
 using history::SeriesKey;
 
 constexpr uint32_t kDefaultPoints = 300;
-constexpr uint32_t kMaxPoints = 1'000;
+constexpr uint32_t kMaxPoints = 10'000;
 
 // A token has the names of a series, separated by line ends, which names do not contain.
 std::string SeriesTokenOf(const SeriesKey& key) {
@@ -53,13 +53,15 @@ absl::StatusOr<history::HistoryQuery> QueryOf(const Caller& caller,
   query.filter = {request.project(), request.scene()};
   if (absl::Status allowed = Narrow(caller, query.filter); !allowed.ok()) return allowed;
   query.session = request.session_id();
+  query.reward_version = request.reward_version();
+  query.machine_class = request.machine_class();
   query.from_ms = request.from_unix_ms();
   query.until_ms = request.until_unix_ms();
   const bool is_reversed = query.until_ms != 0 && query.until_ms <= query.from_ms;
   if (query.from_ms < 0 || query.until_ms < 0 || is_reversed)
     return invalid("until_unix_ms must be later than from_unix_ms, and both not negative");
   query.max_points = request.max_points() == 0 ? kDefaultPoints : request.max_points();
-  if (query.max_points > kMaxPoints) return invalid("max_points must be at most 1000");
+  if (query.max_points > kMaxPoints) return invalid("max_points must be at most 10000");
   if (request.page_token().empty()) return query;
   query.after = SeriesOf(request.page_token());
   if (!query.after) return invalid("page_token is not a next_page_token of this daemon");

@@ -70,6 +70,27 @@ TEST_F(HistoryFileTest, ReportsOfOnePeriodAreOnePoint) {
   EXPECT_EQ(series.points(1).frame_count(), 1U);
 }
 
+TEST_F(HistoryFileTest, AQueryMaySelectOneClassOfMachinesAndVersionOfTheReward) {
+  SeriesKey other_class = Scene("harbour");
+  other_class.scene.machine_class = "phone";
+  SeriesKey other_version = Scene("harbour");
+  other_version.scene.reward_version = 7;
+  Add({{Scene("harbour"), Point(kNowS - 30, 1)},
+       {other_class, Point(kNowS - 30, 2)},
+       {other_version, Point(kNowS - 30, 3)}});
+  EXPECT_EQ(Read({.max_points = 1}).series.size(), 3U);
+  const auto frames = [&](uint32_t reward_version, const std::string& machine_class) {
+    return ReadOne(
+               {.reward_version = reward_version, .machine_class = machine_class, .max_points = 1})
+        .points(0)
+        .frame_count();
+  };
+  const priors::SceneKey key = Scene("harbour").scene;
+  EXPECT_EQ(frames(key.reward_version, key.machine_class), 1U);
+  EXPECT_EQ(frames(key.reward_version, "phone"), 2U);
+  EXPECT_EQ(frames(7, key.machine_class), 3U);
+}
+
 TEST_F(HistoryFileTest, ARestartContinuesThePoints) {
   Add({{Scene("harbour"), Point(kNowS - 30, 5)}});
   Open();

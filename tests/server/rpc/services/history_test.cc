@@ -121,7 +121,7 @@ TEST_F(HistoryTest, InvalidRequestsAreRefused) {
   EXPECT_EQ(Refusal(request).error_code(), grpc::INVALID_ARGUMENT) << "without a kind";
   request.set_kind(v1::HISTORY_KIND_SCENE);
   EXPECT_TRUE(Refusal(request).ok());
-  request.set_max_points(1'001);
+  request.set_max_points(10'001);
   EXPECT_EQ(Refusal(request).error_code(), grpc::INVALID_ARGUMENT);
   request.set_max_points(0);
   request.set_from_unix_ms(10);
