@@ -48,7 +48,7 @@ struct HistoryQuery {
   v1::HistoryKind kind = v1::HISTORY_KIND_SCENE;
   priors::SceneFilter filter = {};
   std::string session = {};  // empty: all
-  // Of this version of the reward and class of machines only. Version 0: of all.
+  // Selects one version of the reward and class of machines. Version 0: selects all.
   uint32_t reward_version = 0;
   std::string machine_class = {};
   int64_t from_ms = 0;   // 0: the whole history

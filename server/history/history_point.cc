@@ -69,7 +69,8 @@ v1::HistoryPoint PointOf(const SessionReport& report) {
   point.set_end_unix_ms(use.unix_end_ms);
   point.set_frame_count(use.measured.frame_count);
   point.set_ran_us(use.measured.ran_us);
-  point.set_initial_us(use.initial_us);
+  point.set_initial_us(use.measured.arm_us[use.initial_arm]);
+  point.set_initial_known_frame_count(use.measured.known_frame_counts[use.initial_arm]);
   point.set_switch_count(use.switch_count);
   point.set_session_count(use.is_first ? 1 : 0);
   ToProto(use.frames.frame_time_ns, *point.mutable_frame_time_ns());
@@ -80,6 +81,7 @@ v1::HistoryPoint PointOf(const SessionReport& report) {
     arm.set_active_frame_count(use.active_frame_counts[i]);
     arm.set_frame_count(use.measured.frame_count);
     arm.set_would_take_us(use.measured.arm_us[i]);
+    arm.set_known_frame_count(use.measured.known_frame_counts[i]);
   }
   return point;
 }
@@ -114,6 +116,8 @@ void Add(const v1::HistoryPoint& point, v1::HistoryPoint& sum) {
   sum.set_frame_count(sum.frame_count() + point.frame_count());
   sum.set_ran_us(sum.ran_us() + point.ran_us());
   sum.set_initial_us(sum.initial_us() + point.initial_us());
+  sum.set_initial_known_frame_count(sum.initial_known_frame_count() +
+                                    point.initial_known_frame_count());
   sum.set_switch_count(sum.switch_count() + point.switch_count());
   Add(point.frame_time_ns(), *sum.mutable_frame_time_ns());
   Add(point.detection_time_ns(), *sum.mutable_detection_time_ns());
@@ -124,6 +128,7 @@ void Add(const v1::HistoryPoint& point, v1::HistoryPoint& sum) {
     arm.set_active_frame_count(arm.active_frame_count() + added.active_frame_count());
     arm.set_frame_count(arm.frame_count() + added.frame_count());
     arm.set_would_take_us(arm.would_take_us() + added.would_take_us());
+    arm.set_known_frame_count(arm.known_frame_count() + added.known_frame_count());
   }
 }
 

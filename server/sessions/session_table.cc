@@ -13,6 +13,10 @@ namespace sweepstake::sessions {
 namespace {
 
 constexpr int64_t kSweepIntervalNs = 2'000'000'000;
+// No session switches more often in a minute, if its scene is not changing.
+constexpr uint32_t kMaxCalmSwitches = 4;
+// Only so many sessions of a scene are examined, since each event of the scene does this.
+constexpr size_t kMaxSessionsOfVerdict = 16;
 
 size_t PlacesOf(const GameSession& session) {
   return (session.identity().arms.size() + SessionTable::kArmsPerPlace - 1) /
@@ -293,16 +297,32 @@ SceneRun SessionTable::RunOf(const priors::SceneKey& scene) const {
           .active_arm = identity.arms[first->decisions().active_arm()]};
 }
 
+bool SessionTable::SwitchesOften(const priors::SceneKey& scene) const {
+  const std::vector<const GameSession*>& sessions = connected_.at(scene);
+  const int64_t now_ns = context_.loop.clock().NowNs();
+  return std::any_of(
+      sessions.begin(),
+      sessions.begin() + static_cast<ptrdiff_t>(std::min(sessions.size(), kMaxSessionsOfVerdict)),
+      [&](const GameSession* session) {
+        const decision::DecisionSession& decisions = session->decisions();
+        return decisions.diagnosis().verdict == Verdict::kStable &&
+               decisions.RecentSwitchCount(now_ns) > kMaxCalmSwitches;
+      });
+}
+
 SceneActivity SessionTable::ActivityOf(const priors::SceneKey& scene) const {
   const GameSession* first = FirstOf(scene);
   if (first == nullptr) return {};
   const decision::DecisionSession& decisions = first->decisions();
+  decision::SceneReport report = decisions.Report();
+  const bool is_changing = decision::BestArmsDiffer(report) || SwitchesOften(scene);
   return {.run = RunOf(scene),
           .unix_active_since_ms = UnixMsOf(decisions.active_since_ns()),
           .recent_switch_count = decisions.RecentSwitchCount(context_.loop.clock().NowNs()),
           .arms = first->identity().arms,
           .initial_arm = decisions.initial_arm(),
-          .report = decisions.Report()};
+          .is_changing = is_changing,
+          .report = std::move(report)};
 }
 
 }  // namespace sweepstake::sessions

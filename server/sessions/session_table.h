@@ -77,6 +77,7 @@ struct SceneActivity {
   uint32_t recent_switch_count = 0;
   std::vector<std::string> arms;
   uint32_t initial_arm = 0;  // index in `arms`
+  bool is_changing = false;  // as in posteriors.proto
   decision::SceneReport report;
 };
 
@@ -165,6 +166,9 @@ class SessionTable {
   int64_t UnixMsOf(int64_t time_ns) const;
   // Returns the session of the scene that has been connected the longest; null if there is none.
   const GameSession* FirstOf(const priors::SceneKey& scene) const;
+  // Returns whether a session that believes in one best arm has switched often. REQUIRES: a session
+  // of the scene is connected.
+  bool SwitchesOften(const priors::SceneKey& scene) const;
   // Removes the sessions that were lost first, preferably those whose evidence is on disk, until
   // `places` are free. If an owner is given, only sessions of that owner may leave. Returns false,
   // and removes none, if that is not possible.

@@ -104,13 +104,6 @@ Json RegimeJson(const v1::RegimePosterior& regime, const v1::SceneActivity& acti
 
 }  // namespace
 
-bool BestArmsDiffer(const v1::SceneActivity& activity) {
-  return std::any_of(
-      activity.regimes().begin(), activity.regimes().end(), [&](const v1::RegimePosterior& regime) {
-        return !regime.best_arm().empty() && regime.best_arm() != activity.regimes(0).best_arm();
-      });
-}
-
 std::string ActivityText(const v1::ScenePosterior& scene) {
   if (!scene.has_activity())
     return "no session is connected; regimes are shown only during a session\n";

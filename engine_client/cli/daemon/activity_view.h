@@ -9,10 +9,6 @@
 
 namespace sweepstake::cli {
 
-// Returns whether the regimes of the scene have different best arms, so that no single arm is the
-// best.
-bool BestArmsDiffer(const v1::SceneActivity& activity);
-
 // Returns what runs and since when, what was saved per frame, and a table with a line per regime
 // and one for all of them. Columns: the regime's typical object count, speed and share of static
 // objects, its share of the frames, its best arm with its probability and its cost with the central

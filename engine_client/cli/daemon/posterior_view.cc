@@ -38,7 +38,7 @@ std::string Words(std::span<const std::string_view> names, Enum value) {
 }
 
 std::string VerdictText(const v1::ScenePosterior& scene) {
-  if (BestArmsDiffer(scene.activity())) return "changing: the best arm depends on the regime";
+  if (IsChanging(scene)) return "changing: the best arm depends on the regime";
   const std::string name = decision::NameOf(decision::kVerdictNames, scene.verdict());
   const auto leader = std::find_if(scene.arms().begin(), scene.arms().end(), [&](const auto& arm) {
     return arm.arm() == scene.leader_arm() && arm.has_best_probability();
@@ -110,18 +110,20 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
 }
 
 Json PosteriorJson(const v1::ScenePosterior& scene) {
-  Json document = {{"project", scene.project()},
-                   {"scene", scene.scene()},
-                   {"machine_class", scene.machine_class()},
-                   {"reward_version", scene.reward_version()},
-                   {"active_sessions", scene.active_session_count()},
-                   {"sources", scene.source_count()},
-                   {"verdict", decision::NameOf(decision::kVerdictNames, scene.verdict())},
-                   {"leader_arm", scene.leader_arm()},
-                   {"expected_loss_ratio", scene.expected_loss_ratio()},
-                   {"value_remaining_ratio", scene.value_remaining_ratio()},
-                   {"activity", ActivityJson(scene)},
-                   {"arms", Json::array()}};
+  Json document = {
+      {"project", scene.project()},
+      {"scene", scene.scene()},
+      {"machine_class", scene.machine_class()},
+      {"reward_version", scene.reward_version()},
+      {"active_sessions", scene.active_session_count()},
+      {"sources", scene.source_count()},
+      {"verdict",
+       IsChanging(scene) ? "changing" : decision::NameOf(decision::kVerdictNames, scene.verdict())},
+      {"leader_arm", scene.leader_arm()},
+      {"expected_loss_ratio", scene.expected_loss_ratio()},
+      {"value_remaining_ratio", scene.value_remaining_ratio()},
+      {"activity", ActivityJson(scene)},
+      {"arms", Json::array()}};
   for (const v1::ArmPosterior& arm : scene.arms()) {
     const v1::RewardPosterior& posterior = arm.posterior();
     const v1::CostRatio& ratio = arm.cost_ratio();

@@ -333,7 +333,10 @@ SceneVerdict EmbeddedDecider::verdict() const {
   const FloatEnvironmentScope environment;
   return FromDecision(impl_->session.diagnosis());
 }
-std::optional<double> EmbeddedDecider::saved_us() const { return impl_->session.saved_us(); }
+std::optional<double> EmbeddedDecider::saved_us() const {
+  const FloatEnvironmentScope environment;
+  return impl_->session.saved_us();
+}
 const std::optional<DecisionEvent>& EmbeddedDecider::last_decision() const {
   return impl_->last_decision;
 }

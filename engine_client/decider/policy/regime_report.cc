@@ -39,19 +39,17 @@ void AddDiagnosis(const Diagnosis& diagnosis, RegimeReport& report) {
   if (!diagnosis.best_probability.empty()) report.best_arm = diagnosis.leader;
 }
 
-std::optional<double> SavedAgainst(std::optional<uint32_t> arm, const RegimeReport& report,
-                                   const RegimeUse& use) {
-  if (!arm || *arm >= report.arms.size() || !report.arms[*arm].cost) return std::nullopt;
-  return SavedPerFrame(use, *arm);
+std::optional<double> SavedAgainst(std::optional<uint32_t> arm, const RegimeUse& use) {
+  return arm ? SavedPerFrame(use, *arm) : std::nullopt;
 }
 
 void AddUse(const RegimeUse& use, std::optional<uint32_t> single, const SavingBaselines& baselines,
             RegimeReport& report) {
   if (use.frame_count == 0) return;
   report.ran_us = use.ran_us / static_cast<double>(use.frame_count);
-  report.saved_against_single_us = SavedAgainst(single, report, use);
-  report.saved_against_reference_us = SavedAgainst(baselines.reference, report, use);
-  report.saved_against_initial_us = SavedAgainst(baselines.initial, report, use);
+  report.saved_against_single_us = SavedAgainst(single, use);
+  report.saved_against_reference_us = SavedAgainst(baselines.reference, use);
+  report.saved_against_initial_us = SavedAgainst(baselines.initial, use);
 }
 
 // Returns the beliefs about the mean costs over all measured frames. The logarithm of an arm's mean
@@ -63,10 +61,10 @@ std::vector<RegimeBelief::Arm> MeanBeliefs(std::span<const RegimeBelief> beliefs
   std::vector<RegimeBelief::Arm> means(total.arm_us.size());
   for (size_t i = 0; i < means.size(); ++i) {
     RegimeBelief::Arm& mean = means[i];
+    mean.is_known = IsMostlyKnown(total, static_cast<uint32_t>(i));
     mean.log_cost.mean = LogCostOf(total.arm_us[i] / static_cast<double>(total.frame_count));
     for (const RegimeBelief& belief : beliefs) {
       const RegimeBelief::Arm& arm = belief.arms[i];
-      mean.is_known = arm.is_known;
       const auto use = std::find_if(uses.begin(), uses.end(),
                                     [&](const RegimeUse& each) { return each.id == belief.id; });
       if (use == uses.end()) continue;
@@ -80,8 +78,19 @@ std::vector<RegimeBelief::Arm> MeanBeliefs(std::span<const RegimeBelief> beliefs
 
 }  // namespace
 
-double SavedPerFrame(const RegimeUse& use, uint32_t arm) {
+bool IsMostlyKnown(const RegimeUse& use, uint32_t arm) {
+  return 2 * use.known_frame_counts[arm] > use.frame_count;
+}
+
+std::optional<double> SavedPerFrame(const RegimeUse& use, uint32_t arm) {
+  if (use.frame_count == 0 || !IsMostlyKnown(use, arm)) return std::nullopt;
   return (use.arm_us[arm] - use.ran_us) / static_cast<double>(use.frame_count);
+}
+
+bool BestArmsDiffer(const SceneReport& report) {
+  return std::any_of(report.regimes.begin(), report.regimes.end(), [&](const RegimeReport& each) {
+    return each.best_arm && each.best_arm != report.regimes.front().best_arm;
+  });
 }
 
 SceneReport ReportOf(std::span<const RegimeBelief> beliefs, std::span<const RegimeUse> uses,

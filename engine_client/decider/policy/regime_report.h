@@ -64,13 +64,18 @@ struct RegimeBelief {
 struct RegimeUse {
   RegimeId id = {};
   uint64_t frame_count = 0;
-  double ran_us = 0;                // what ran, with its switches
-  std::vector<double> arm_us = {};  // what each arm would have taken
+  double ran_us = 0;  // what ran, with its switches
+  // What each arm would have taken. Contains what ran in the frames in which the arm's cost was not
+  // known.
+  std::vector<double> arm_us = {};
+  std::vector<uint64_t> known_frame_counts = {};  // frames in which each arm's cost was known
 };
 
-// Returns what was saved per frame in µs against always running `arm`; a loss is negative.
-// REQUIRES: use.frame_count > 0.
-double SavedPerFrame(const RegimeUse& use, uint32_t arm);
+// Returns whether an arm's cost was known in most of the frames. Otherwise its sum says little.
+bool IsMostlyKnown(const RegimeUse& use, uint32_t arm);
+// Returns what was saved per frame in µs against always running `arm`; a loss is negative. Absent
+// unless the arm's cost is mostly known.
+std::optional<double> SavedPerFrame(const RegimeUse& use, uint32_t arm);
 
 struct ArmReport {
   struct Cost {
@@ -89,7 +94,7 @@ struct RegimeReport {
   std::vector<ArmReport> arms = {};       // one per arm; empty before anything is learnt
   std::optional<uint32_t> best_arm = {};  // the known arm with the lowest cost
   // The next four are absent without a measured frame in this regime. The savings are also absent
-  // if the cost of the other arm is not known. A loss is negative.
+  // if the cost of the other arm was not known in most of the frames. A loss is negative.
   std::optional<double> ran_us = {};  // per frame
   // Per frame, against SceneReport::total.best_arm and the arms of SavingBaselines.
   std::optional<double> saved_against_single_us = {};
@@ -109,6 +114,9 @@ struct SceneReport {
   RegimeReport total;
   std::vector<RegimeReport> regimes;  // empty if there is only one, which `total` describes
 };
+
+// Returns whether the regimes have different best arms, so that no single arm is the best.
+bool BestArmsDiffer(const SceneReport& report);
 
 // `beliefs` has one entry per regime, with one present. `uses` has at most one entry per regime;
 // `total` also contains the frames of forgotten regimes. `diagnosis` replaces the beliefs of a

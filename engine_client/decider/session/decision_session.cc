@@ -326,12 +326,6 @@ SceneReport DecisionSession::Report() const {
   return ReportOf(policy_->Regimes(), tally_.uses(), tally_.total(), diagnosis_, baselines);
 }
 
-std::optional<double> DecisionSession::saved_us() const {
-  const RegimeUse& use = tally_.total();
-  if (use.frame_count == 0 || !policy_->ExpectedLogCost(setup_.initial_arm)) return std::nullopt;
-  return SavedPerFrame(use, setup_.initial_arm);
-}
-
 Decision DecisionSession::Close(Decision decision) {
   // The diagnosis is of the same posteriors as the draws.
   if (policy_kind_.draws_from_posteriors && !decision.record.draws.empty()) {

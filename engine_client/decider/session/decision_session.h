@@ -160,7 +160,9 @@ class DecisionSession {
   // reference stays valid as long as the session.
   const RegimeUse& total_use() const { return tally_.total(); }
   // Returns SceneReport::total.saved_against_initial_us, without the rest of the report.
-  std::optional<double> saved_us() const;
+  std::optional<double> saved_us() const {
+    return SavedPerFrame(tally_.total(), setup_.initial_arm);
+  }
   // Time at which the active arm began to run, or start_ns.
   int64_t active_since_ns() const { return gate_.last_switch_ns().value_or(setup_.start_ns); }
   // Number of switches that were executed in the last minute.

@@ -12,8 +12,11 @@ RegimeUse& SessionTally::UseOf(RegimeId id) {
   auto use = std::find_if(uses_.begin(), uses_.end(),
                           [&](const RegimeUse& each) { return each.id.place == id.place; });
   if (use == uses_.end()) use = uses_.emplace(use);
-  if (use->arm_us.empty() || use->id != id)
-    *use = {.id = id, .arm_us = std::vector<double>(total_.arm_us.size())};
+  if (use->arm_us.empty() || use->id != id) {
+    *use = {.id = id,
+            .arm_us = std::vector<double>(total_.arm_us.size()),
+            .known_frame_counts = std::vector<uint64_t>(total_.arm_us.size())};
+  }
   return *use;
 }
 
@@ -38,9 +41,11 @@ void SessionTally::File(const Policy& policy) {
   }
   for (uint32_t other = 0; other < total_.arm_us.size(); ++other) {
     const std::optional<double> cost = policy.ExpectedLogCost(other);
-    const double arm_us = own && cost ? ran_us * math::Exp(*cost - *own) : ran_us;
-    use.arm_us[other] += arm_us;
-    total_.arm_us[other] += arm_us;
+    const bool is_known = own && cost;
+    for (RegimeUse* each : {&use, &total_}) {
+      each->arm_us[other] += is_known ? ran_us * math::Exp(*cost - *own) : ran_us;
+      if (is_known) each->known_frame_counts[other] += frames_.frame_count();
+    }
   }
   frames_.Clear();
 }

@@ -22,7 +22,9 @@ class SessionTally {
  public:
   static constexpr int64_t kLatelyNs = 60'000'000'000;
 
-  explicit SessionTally(size_t arm_count) { total_.arm_us.resize(arm_count); }
+  explicit SessionTally(size_t arm_count)
+      : total_{.arm_us = std::vector<double>(arm_count),
+               .known_frame_counts = std::vector<uint64_t>(arm_count)} {}
 
   // Adds a measured frame. File adds the frames since the previous File to the present regime of
   // the policy. `policy` is needed in AddFrame because frames of another arm are filed first.

@@ -107,4 +107,8 @@ PriorRecord FromProto(const v1::PriorRecord& message) {
           .is_quarantined = message.is_quarantined()};
 }
 
+bool IsChanging(const v1::ScenePosterior& scene) {
+  return scene.has_activity() ? scene.activity().is_changing() : scene.regime_arms_size() > 1;
+}
+
 }  // namespace sweepstake

@@ -9,6 +9,7 @@
 #include "engine_client/decider/pooling/prior_record.h"
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/frame_sample.h"
+#include "sweepstake/v1/posteriors.pb.h"
 #include "sweepstake/v1/priors.pb.h"
 #include "sweepstake/v1/telemetry.pb.h"
 
@@ -25,5 +26,9 @@ v1::ArmStanding ToProto(const ArmStanding& standing);
 ArmStanding FromProto(const v1::ArmStanding& standing);
 v1::PriorRecord ToProto(const PriorRecord& record);
 PriorRecord FromProto(const v1::PriorRecord& message);
+
+// Returns whether no single arm is the best in the scene, as its connected sessions report or, if
+// there are none, by its stored regimes. `leader_arm` and the verdict are then not the answer.
+bool IsChanging(const v1::ScenePosterior& scene);
 
 }  // namespace sweepstake

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 
@@ -121,6 +123,35 @@ void SetDiagnosis(std::span<const decision::SceneArm> arms, v1::ScenePosterior& 
 
 }  // namespace
 
+namespace {
+
+// Returns the arm with the lowest mean cost in each regime with evidence of several arms, each
+// once.
+std::set<std::string> RegimeArms(const priors::SceneEvidence& scene) {
+  std::map<std::string_view, std::vector<decision::VersionEvidence>> regimes;
+  for (const priors::SceneEvidence::Arm& arm : scene.arms) {
+    for (const auto& [regime, measured] : arm.regimes) {
+      if (!regime.empty())
+        regimes[regime].push_back({arm.name, arm.backend_version, priors::EvidenceOf(measured)});
+    }
+  }
+  std::set<std::string> best_arms;
+  for (const auto& [regime, versions] : regimes) {
+    const decision::PooledScene pooled = decision::PoolScene(versions);
+    const decision::SceneArm* best = nullptr;
+    size_t count = 0;
+    for (const decision::SceneArm& arm : pooled.arms) {
+      if (decision::IsOutdated(arm, pooled.arms)) continue;
+      ++count;
+      if (best == nullptr || arm.posterior.mean() > best->posterior.mean()) best = &arm;
+    }
+    if (count > 1) best_arms.emplace(best->name);
+  }
+  return best_arms;
+}
+
+}  // namespace
+
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
   ToProto(scene.key, message);
   message.set_source_count(scene.source_count);
@@ -139,6 +170,7 @@ void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
       filled.set_effective_window_count(pooled.pooled[i].evidence() / pooled.window_evidence);
   }
   SetDiagnosis(pooled.arms, message);
+  for (const std::string& arm : RegimeArms(scene)) message.add_regime_arms(arm);
 }
 
 absl::StatusOr<std::vector<v1::ScenePosterior>> ToProto(
@@ -195,6 +227,7 @@ void ToProto(const sessions::SceneActivity& activity, v1::ScenePosterior& messag
   filled.set_initial_arm(activity.arms[activity.initial_arm]);
   filled.set_unix_active_since_ms(activity.unix_active_since_ms);
   filled.set_recent_switch_count(activity.recent_switch_count);
+  filled.set_is_changing(activity.is_changing);
   filled.mutable_arms()->Add(activity.arms.begin(), activity.arms.end());
   Fill(activity.report.total, activity.arms, *filled.mutable_total());
   for (const decision::RegimeReport& regime : activity.report.regimes)

@@ -22,7 +22,7 @@ struct SessionUse {
   std::vector<uint64_t> active_frame_counts = {};  // those in which each arm ran; one per arm
   // The increase of decision::SessionTally::total.
   decision::RegimeUse measured = {};
-  double initial_us = 0;      // what the arm with which the game begins would have taken
+  uint32_t initial_arm = 0;   // index of the arm with which the game begins
   uint64_t switch_count = 0;  // executed switches
   bool is_first = false;      // the session's first report
 };
@@ -41,9 +41,9 @@ class UseMeter {
     return !is_empty() && unix_now_ms / kStepMs != use_.unix_start_ms / kStepMs;
   }
   bool is_empty() const { return use_.frames.empty(); }
-  // Returns what was added since the previous call. `total` is SessionTally::total, and `initial`
-  // the index of the arm with which the game begins.
-  SessionUse Take(const decision::RegimeUse& total, uint32_t initial, int64_t unix_now_ms);
+  // Returns what was added since the previous call. `total` is SessionTally::total, and
+  // `initial_arm` the index of the arm with which the game begins.
+  SessionUse Take(const decision::RegimeUse& total, uint32_t initial_arm, int64_t unix_now_ms);
 
  private:
   void Begin() { use_ = {.active_frame_counts = std::vector<uint64_t>(arm_count_)}; }

@@ -8,6 +8,7 @@
 
 #include "absl/strings/ascii.h"
 #include "engine_client/telemetry/conversion/log_histogram.h"
+#include "engine_client/telemetry/conversion/proto_conversion.h"
 #include "server/web/csv/csv_lines.h"
 #include "sweepstake/v1/audit.pb.h"
 #include "sweepstake/v1/history.pb.h"
@@ -268,9 +269,14 @@ class Scenes final : public CsvTable {
     lines.Text(scene.scene());
     lines.Text(scene.machine_class());
     lines.Number(scene.reward_version());
-    lines.Text(VerdictWord(scene.verdict()));
-    lines.Text(scene.leader_arm());
-    lines.Number(scene.expected_loss_ratio());
+    if (IsChanging(scene)) {
+      lines.Text("changing");
+      lines.Nothing(2);
+    } else {
+      lines.Text(VerdictWord(scene.verdict()));
+      lines.Text(scene.leader_arm());
+      lines.Number(scene.expected_loss_ratio());
+    }
     lines.Number(scene.active_session_count());
     lines.Number(scene.source_count());
     lines.Text(arm.arm());

@@ -22,7 +22,9 @@ SessionReport Report(std::vector<std::string> arms, int64_t start_ms) {
   use.measured.frame_count = 1;
   use.measured.ran_us = 100;
   use.measured.arm_us.assign(arm_count, 120);
-  use.initial_us = 120;
+  use.measured.known_frame_counts.assign(arm_count, 1);
+  use.measured.known_frame_counts[0] = 0;
+  use.initial_arm = static_cast<uint32_t>(arm_count - 1);
   use.switch_count = 2;
   return report;
 }
@@ -47,6 +49,7 @@ TEST(HistoryPointTest, SumsHaveAllFields) {
   EXPECT_EQ(sum.frame_count(), 2U);
   EXPECT_EQ(sum.ran_us(), 200);
   EXPECT_EQ(sum.initial_us(), 240);
+  EXPECT_EQ(sum.initial_known_frame_count(), 2U);
   EXPECT_EQ(sum.switch_count(), 4U);
   ASSERT_EQ(sum.frame_time_ns().counts_size(), 1);
   EXPECT_EQ(sum.frame_time_ns().counts(0), 2U);
@@ -58,6 +61,7 @@ TEST(HistoryPointTest, SumsHaveAllFields) {
   EXPECT_EQ(sum.arms(0).frame_count(), 1U) << "only one session has Grid";
   EXPECT_EQ(sum.arms(2).frame_count(), 2U);
   EXPECT_EQ(sum.arms(2).would_take_us(), 240);
+  EXPECT_EQ(sum.arms(2).known_frame_count(), 1U);
 }
 
 TEST(HistoryPointTest, ReportsAreAddedToSceneBuildAndSession) {

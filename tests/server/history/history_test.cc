@@ -19,7 +19,7 @@ HistoryBatch Batch(size_t report_count) {
   report.use.unix_start_ms = priors::UnixNowMs() - 1'000;
   report.use.unix_end_ms = report.use.unix_start_ms + 500;
   report.use.active_frame_counts = {1};
-  report.use.measured = {.frame_count = 1, .ran_us = 5, .arm_us = {6}};
+  report.use.measured = {.frame_count = 1, .ran_us = 5, .arm_us = {6}, .known_frame_counts = {1}};
   batch.reports.assign(report_count, report);
   return batch;
 }

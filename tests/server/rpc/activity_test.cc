@@ -1,4 +1,6 @@
 // Tests what watchers and callers receive about the running sessions of a scene and its regimes.
+#include <gmock/gmock.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,6 +14,8 @@
 
 namespace sweepstake::rpc {
 namespace {
+
+using ::testing::ElementsAre;
 
 // Costs of the arms Grid, SAP and KDTree. The first is the best while the scene moves, the second
 // while it rests.
@@ -132,7 +136,10 @@ TEST_F(ActivityTest, HasTheRegimesOfASceneThatChanges) {
   hello.set_initial_arm(2);
   Game game(channel_, hello);
   for (const bool rests : {false, true, false, true, false, true}) Play(game, rests, 15);
-  const v1::SceneActivity activity = Get().activity();
+  const v1::ScenePosterior scene = Get();
+  EXPECT_THAT(scene.regime_arms(), ElementsAre("Grid", "SAP")) << "the stored evidence";
+  const v1::SceneActivity& activity = scene.activity();
+  EXPECT_TRUE(activity.is_changing());
   EXPECT_EQ(activity.session_id(), game.id);
   EXPECT_EQ(activity.active_arm(), "SAP");
   EXPECT_GT(activity.recent_switch_count(), 0u);
@@ -172,12 +179,24 @@ TEST_F(ActivityTest, HasOneRegimeWhileTheSceneIsConstant) {
   Game game(channel_, AdaptiveHello());
   Play(game, false, 20);
   const v1::SceneActivity activity = Get().activity();
+  EXPECT_FALSE(activity.is_changing());
   EXPECT_EQ(activity.regimes_size(), 0);
   EXPECT_EQ(activity.total().best_arm(), "Grid");
   EXPECT_NEAR(activity.total().object_count(), 2'000, 1);
   EXPECT_TRUE(activity.total().has_saved_against_single_us());
   EXPECT_LE(activity.total().saved_against_single_us(), 1e-3) << "a trial costs time";
   EXPECT_LE(activity.unix_active_since_ms(), priors::UnixNowMs());
+}
+
+TEST_F(ActivityTest, IsChangingWhileASessionSwitchesOftenAlthoughOneArmIsTheBest) {
+  const Game calm(channel_, AdaptiveHello());
+  Game busy(channel_, AdaptiveHello());
+  Play(busy, false, 20);
+  EXPECT_EQ(busy.snapshot.verdict(), v1::VERDICT_STABLE);
+  EXPECT_EQ(Get().activity().session_id(), calm.id);
+  EXPECT_FALSE(Get().activity().is_changing());
+  for (uint32_t i = 1; i <= 5; ++i) Send(busy, busy.Switch(i % 2));
+  EXPECT_TRUE(Get().activity().is_changing());
 }
 
 TEST_F(ActivityTest, IsOfTheSessionThatHasBeenConnectedTheLongest) {
@@ -221,6 +240,7 @@ sessions::SceneActivity LargestActivity(uint32_t arm_count) {
   activity.run = {.session_count = 1, .session_id = std::string(32, 'a'), .active_arm = "SAP"};
   activity.unix_active_since_ms = 1'800'000'000'000;
   activity.recent_switch_count = 30;
+  activity.is_changing = true;
   for (uint32_t arm = 0; arm < arm_count; ++arm) activity.arms.push_back("BruteForce");
   decision::RegimeReport regime = {.centre = {2'000, 0.1, 0.5},
                                    .is_present = true,

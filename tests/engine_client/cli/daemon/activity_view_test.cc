@@ -40,6 +40,7 @@ v1::ScenePosterior ChangingScene() {
   activity.set_initial_arm("SAP");
   activity.set_unix_active_since_ms(1'800'000'000'000);
   activity.set_recent_switch_count(6);
+  activity.set_is_changing(true);
   activity.add_arms("SAP");
   activity.add_arms("DBVT");
   *activity.mutable_total() = Regime("DBVT", 122.5F, 112.5F);
@@ -85,14 +86,18 @@ TEST(ActivityText, HasALinePerRegimeAndOneForAll) {
   EXPECT_THAT(text, ContainsRegex("all +- +- +- +100 % +DBVT .* +97.5 +15.0\n"));
 }
 
-TEST(ActivityText, ReplacesTheVerdictIfTheBestArmsDiffer) {
+TEST(ActivityText, ReplacesTheVerdictOfAChangingScene) {
   v1::ScenePosterior scene = ChangingScene();
-  EXPECT_TRUE(BestArmsDiffer(scene.activity()));
   EXPECT_THAT(PosteriorText(scene), HasSubstr("verdict changing: the best arm depends on the"));
   EXPECT_THAT(PosteriorText(scene), Not(HasSubstr("stable")));
-  scene.mutable_activity()->mutable_regimes(1)->set_best_arm("DBVT");
-  EXPECT_FALSE(BestArmsDiffer(scene.activity()));
+  EXPECT_EQ(PosteriorJson(scene)["verdict"], "changing");
+  scene.mutable_activity()->set_is_changing(false);
+  scene.add_regime_arms("DBVT");
+  scene.add_regime_arms("SAP");
   EXPECT_THAT(PosteriorText(scene), HasSubstr("verdict stable"));
+  EXPECT_EQ(PosteriorJson(scene)["verdict"], "stable");
+  scene.clear_activity();
+  EXPECT_THAT(PosteriorText(scene), HasSubstr("verdict changing")) << "by the stored regimes";
 }
 
 TEST(ActivityText, LeavesOutWhatIsNotKnown) {

@@ -29,15 +29,21 @@ RegimeUse UseOf(uint32_t place, uint64_t frame_count, double ran_us,
                    .frame_count = frame_count,
                    .ran_us = frames * ran_us};
   for (const double cost_us : costs_us) use.arm_us.push_back(frames * cost_us);
+  use.known_frame_counts.assign(costs_us.size(), frame_count);
   return use;
 }
 
 RegimeUse SumOf(const std::vector<RegimeUse>& uses) {
-  RegimeUse sum = {.arm_us = std::vector<double>(uses.front().arm_us.size())};
+  const size_t arm_count = uses.front().arm_us.size();
+  RegimeUse sum = {.arm_us = std::vector<double>(arm_count),
+                   .known_frame_counts = std::vector<uint64_t>(arm_count)};
   for (const RegimeUse& use : uses) {
     sum.frame_count += use.frame_count;
     sum.ran_us += use.ran_us;
-    for (size_t i = 0; i < sum.arm_us.size(); ++i) sum.arm_us[i] += use.arm_us[i];
+    for (size_t i = 0; i < arm_count; ++i) {
+      sum.arm_us[i] += use.arm_us[i];
+      sum.known_frame_counts[i] += use.known_frame_counts[i];
+    }
   }
   return sum;
 }
@@ -52,12 +58,18 @@ class TwoRegimes : public testing::Test {
   std::vector<RegimeUse> uses = {UseOf(0, 3'000, 100, moving_us), UseOf(1, 1'000, 90, resting_us)};
   RegimeUse total = SumOf(uses);
 
+  void Forget(uint32_t arm) {
+    for (RegimeBelief& belief : beliefs) belief.arms[arm].is_known = false;
+    for (RegimeUse& use : uses) use.known_frame_counts[arm] = use.frame_count / 2;
+    total = SumOf(uses);
+  }
   SceneReport Report() const { return ReportOf(beliefs, uses, total, {}, {kReference, kInitial}); }
 };
 
 TEST_F(TwoRegimes, HaveABestArmEach) {
   const SceneReport scene = Report();
   ASSERT_EQ(scene.regimes.size(), 2u);
+  EXPECT_TRUE(BestArmsDiffer(scene));
   EXPECT_EQ(scene.regimes[0].best_arm, 0u);
   EXPECT_EQ(scene.regimes[1].best_arm, 1u);
   EXPECT_TRUE(scene.regimes[0].is_present);
@@ -94,8 +106,10 @@ TEST_F(TwoRegimes, SaveAgainstTheInitialArm) {
   EXPECT_NEAR(*scene.total.saved_against_initial_us, 127.5 - 97.5, 1e-9);
   EXPECT_NEAR(*scene.regimes[0].saved_against_initial_us, 40, 1e-9);
   EXPECT_NEAR(*scene.regimes[1].saved_against_initial_us, 0, 1e-9);
-  for (RegimeBelief& belief : beliefs) belief.arms[kInitial].is_known = false;
+  Forget(kInitial);
   EXPECT_FALSE(Report().total.saved_against_initial_us);
+  total.known_frame_counts[kInitial] += 1;
+  EXPECT_TRUE(Report().total.saved_against_initial_us) << "known in more than half of the frames";
 }
 
 TEST_F(TwoRegimes, AreStillInTheTotalWhenForgotten) {
@@ -106,10 +120,8 @@ TEST_F(TwoRegimes, AreStillInTheTotalWhenForgotten) {
 }
 
 TEST_F(TwoRegimes, TheReportHasNoFiguresAboutAnArmOfUnknownCost) {
-  for (RegimeBelief& belief : beliefs) {
-    belief.arms[0].is_known = false;
-    belief.arms[kReference].is_known = false;
-  }
+  Forget(0);
+  Forget(kReference);
   const SceneReport scene = Report();
   EXPECT_EQ(scene.total.best_arm, 1u);
   EXPECT_EQ(scene.regimes[0].best_arm, 1u);
@@ -142,7 +154,7 @@ TEST_F(TwoRegimes, AnIntervalHolds95PercentOfTheBelief) {
 
 TEST_F(TwoRegimes, WithoutAFrameAreDescribedByTheBeliefsAlone) {
   uses.clear();
-  total = {.arm_us = {0, 0, 0}};
+  total = {.arm_us = {0, 0, 0}, .known_frame_counts = {0, 0, 0}};
   const SceneReport scene = Report();
   EXPECT_EQ(scene.total.best_arm, 0u);
   EXPECT_NEAR(scene.total.arms[0].cost->us, 100, 1e-9);
@@ -154,7 +166,8 @@ TEST_F(TwoRegimes, WithoutAFrameAreDescribedByTheBeliefsAlone) {
 
 TEST(ReportOf, UsesTheDiagnosisOfAPolicyThatDoesNotEstimateCosts) {
   const std::vector<RegimeBelief> beliefs = {{.is_present = true}};
-  const RegimeUse total = {.frame_count = 10, .ran_us = 1'000, .arm_us = {1'000, 1'000}};
+  const RegimeUse total = {
+      .frame_count = 10, .ran_us = 1'000, .arm_us = {1'000, 1'000}, .known_frame_counts = {0, 0}};
   const SceneReport scene =
       ReportOf(beliefs, {&total, 1}, total, {.best_probability = {0.25, 0.75}, .leader = 1}, {0});
   EXPECT_EQ(scene.total.best_arm, 1u);

@@ -39,7 +39,7 @@ namespace Sweepstake.Protocol.V1 {
             "UG9zdGVyaW9yc1Jlc3BvbnNlEjAKCXBvc3RlcmlvchgBIAEoCzIdLnN3ZWVw",
             "c3Rha2UudjEuU2NlbmVQb3N0ZXJpb3ISLwoJZGVjaXNpb25zGAIgAygLMhwu",
             "c3dlZXBzdGFrZS52MS5EZWNpc2lvbkV2ZW50EigKBXN0YW1wGAMgASgLMhku",
-            "c3dlZXBzdGFrZS52MS5FdmVudFN0YW1wIucCCg5TY2VuZVBvc3RlcmlvchIP",
+            "c3dlZXBzdGFrZS52MS5FdmVudFN0YW1wIvwCCg5TY2VuZVBvc3RlcmlvchIP",
             "Cgdwcm9qZWN0GAEgASgJEg0KBXNjZW5lGAIgASgJEhUKDW1hY2hpbmVfY2xh",
             "c3MYAyABKAkSFgoOcmV3YXJkX3ZlcnNpb24YBCABKA0SKQoEYXJtcxgFIAMo",
             "CzIbLnN3ZWVwc3Rha2UudjEuQXJtUG9zdGVyaW9yEhwKFGFjdGl2ZV9zZXNz",
@@ -47,68 +47,69 @@ namespace Sweepstake.Protocol.V1 {
             "aWN0GAggASgOMhYuc3dlZXBzdGFrZS52MS5WZXJkaWN0EhIKCmxlYWRlcl9h",
             "cm0YCSABKAkSGwoTZXhwZWN0ZWRfbG9zc19yYXRpbxgKIAEoARIdChV2YWx1",
             "ZV9yZW1haW5pbmdfcmF0aW8YCyABKAESLgoIYWN0aXZpdHkYDCABKAsyHC5z",
-            "d2VlcHN0YWtlLnYxLlNjZW5lQWN0aXZpdHki9QEKDVNjZW5lQWN0aXZpdHkS",
-            "EgoKc2Vzc2lvbl9pZBgBIAEoCRISCgphY3RpdmVfYXJtGAIgASgJEhwKFHVu",
-            "aXhfYWN0aXZlX3NpbmNlX21zGAMgASgDEhsKE3JlY2VudF9zd2l0Y2hfY291",
-            "bnQYBCABKA0SDAoEYXJtcxgFIAMoCRItCgV0b3RhbBgGIAEoCzIeLnN3ZWVw",
-            "c3Rha2UudjEuUmVnaW1lUG9zdGVyaW9yEi8KB3JlZ2ltZXMYByADKAsyHi5z",
-            "d2VlcHN0YWtlLnYxLlJlZ2ltZVBvc3RlcmlvchITCgtpbml0aWFsX2FybRgI",
-            "IAEoCSLiAwoPUmVnaW1lUG9zdGVyaW9yEhkKDG9iamVjdF9jb3VudBgBIAEo",
-            "AkgAiAEBEhcKCnNwZWVkX21lYW4YAiABKAJIAYgBARIZCgxzdGF0aWNfcmF0",
-            "aW8YAyABKAJIAogBARISCgppc19wcmVzZW50GAQgASgIEhMKC2ZyYW1lX3No",
-            "YXJlGAUgASgCEiYKBGFybXMYBiADKAsyGC5zd2VlcHN0YWtlLnYxLlJlZ2lt",
-            "ZUFybRIQCghiZXN0X2FybRgHIAEoCRITCgZyYW5fdXMYCCABKAJIA4gBARIk",
-            "ChdzYXZlZF9hZ2FpbnN0X3NpbmdsZV91cxgJIAEoAkgEiAEBEicKGnNhdmVk",
-            "X2FnYWluc3RfcmVmZXJlbmNlX3VzGAogASgCSAWIAQESJQoYc2F2ZWRfYWdh",
-            "aW5zdF9pbml0aWFsX3VzGAsgASgCSAaIAQFCDwoNX29iamVjdF9jb3VudEIN",
-            "Cgtfc3BlZWRfbWVhbkIPCg1fc3RhdGljX3JhdGlvQgkKB19yYW5fdXNCGgoY",
-            "X3NhdmVkX2FnYWluc3Rfc2luZ2xlX3VzQh0KG19zYXZlZF9hZ2FpbnN0X3Jl",
-            "ZmVyZW5jZV91c0IbChlfc2F2ZWRfYWdhaW5zdF9pbml0aWFsX3VzIlcKCVJl",
-            "Z2ltZUFybRIPCgdjb3N0X3VzGAEgASgCEg4KBmxvd191cxgCIAEoAhIPCgdo",
-            "aWdoX3VzGAMgASgCEhgKEGJlc3RfcHJvYmFiaWxpdHkYBCABKAIicAoPUmV3",
-            "YXJkUG9zdGVyaW9yEg0KBWFscGhhGAEgASgBEgwKBGJldGEYAiABKAESDgoG",
-            "bG93Xzk1GAMgASgBEg4KBmxvd181MBgEIAEoARIPCgdoaWdoXzUwGAUgASgB",
-            "Eg8KB2hpZ2hfOTUYBiABKAEi2wIKDEFybVBvc3RlcmlvchILCgNhcm0YASAB",
-            "KAkSFwoPYmFja2VuZF92ZXJzaW9uGAIgASgNEjEKCXBvc3RlcmlvchgDIAEo",
-            "CzIeLnN3ZWVwc3Rha2UudjEuUmV3YXJkUG9zdGVyaW9yEhQKDHdpbmRvd19j",
-            "b3VudBgEIAEoBBIWCg5iYWlsX291dF9jb3VudBgFIAEoBBITCgt2aXNpdF9j",
-            "b3VudBgGIAEoBBIeChZlZmZlY3RpdmVfd2luZG93X2NvdW50GAcgASgBEhgK",
-            "EHVuaXhfbGFzdF9zZWVuX3MYCCABKAMSEwoLaXNfb3V0ZGF0ZWQYCSABKAgS",
-            "HQoQYmVzdF9wcm9iYWJpbGl0eRgKIAEoAUgAiAEBEiwKCmNvc3RfcmF0aW8Y",
-            "CyABKAsyGC5zd2VlcHN0YWtlLnYxLkNvc3RSYXRpb0ITChFfYmVzdF9wcm9i",
-            "YWJpbGl0eSKmBAoNRGVjaXNpb25FdmVudBISCgpzZXNzaW9uX2lkGAEgASgJ",
-            "Eg8KB3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyABKAkSEwoLZGVjaXNpb25f",
-            "aWQYBCABKAQSEgoKYWN0aXZlX2FybRgFIAEoCRIVCg1jYW5kaWRhdGVfYXJt",
-            "GAYgASgJEi8KB291dGNvbWUYByABKA4yHi5zd2VlcHN0YWtlLnYxLkRlY2lz",
-            "aW9uT3V0Y29tZRIrCgZyZWFzb24YCCABKA4yGy5zd2VlcHN0YWtlLnYxLlN3",
-            "aXRjaFJlYXNvbhITCgZyZXdhcmQYCSABKAFIAIgBARIVCg1tYWNoaW5lX2Ns",
-            "YXNzGAogASgJEhgKEGJlc3RfcHJvYmFiaWxpdHkYCyADKAESGwoTZXhwZWN0",
-            "ZWRfbG9zc19yYXRpbxgMIAEoARInCgd2ZXJkaWN0GA0gASgOMhYuc3dlZXBz",
-            "dGFrZS52MS5WZXJkaWN0Eg4KBnBvbGljeRgOIAEoCRI2CgxtZWFzdXJlbWVu",
-            "dHMYDyABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1lTWVhc3VyZW1lbnRzEgwK",
-            "BGFybXMYECADKAkSLQoJc3RhbmRpbmdzGBEgAygLMhouc3dlZXBzdGFrZS52",
-            "MS5Bcm1TdGFuZGluZxIPCgd1bml4X21zGBIgASgDEhYKDnJld2FyZF92ZXJz",
-            "aW9uGBMgASgNQgkKB19yZXdhcmQisgEKEUZyYW1lTWVhc3VyZW1lbnRzEjIK",
-            "DWZyYW1lX3RpbWVfbnMYASABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3Rv",
-            "Z3JhbRI2ChFkZXRlY3Rpb25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2Uu",
-            "djEuTG9nSGlzdG9ncmFtEjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVw",
-            "c3Rha2UudjEuTG9nSGlzdG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNr",
-            "ZXRfc3RlcHMYASADKA0SDgoGY291bnRzGAIgAygNKtECCg9EZWNpc2lvbk91",
-            "dGNvbWUSIAocREVDSVNJT05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURF",
-            "Q0lTSU9OX09VVENPTUVfS0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJ",
-            "VENIRUQQAhIiCh5ERUNJU0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIi",
-            "Ch5ERUNJU0lPTl9PVVRDT01FX0hFTERfU0VUVExJTkcQBBIeChpERUNJU0lP",
-            "Tl9PVVRDT01FX05PX0ZSQU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFO",
-            "VUFMEAYSHgoaREVDSVNJT05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJ",
-            "U0lPTl9PVVRDT01FX1JFSkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9I",
-            "RUxEX0dBVEUQCTKvAgoRUG9zdGVyaW9yc1NlcnZpY2USXQoOTGlzdFBvc3Rl",
-            "cmlvcnMSJC5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVxdWVzdBol",
-            "LnN3ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXNwb25zZRJXCgxHZXRQ",
-            "b3N0ZXJpb3ISIi5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlcXVlc3Qa",
-            "Iy5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlc3BvbnNlEmIKD1dhdGNo",
-            "UG9zdGVyaW9ycxIlLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVx",
-            "dWVzdBomLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2Uw",
-            "AUIZqgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
+            "d2VlcHN0YWtlLnYxLlNjZW5lQWN0aXZpdHkSEwoLcmVnaW1lX2FybXMYDSAD",
+            "KAkiigIKDVNjZW5lQWN0aXZpdHkSEgoKc2Vzc2lvbl9pZBgBIAEoCRISCgph",
+            "Y3RpdmVfYXJtGAIgASgJEhwKFHVuaXhfYWN0aXZlX3NpbmNlX21zGAMgASgD",
+            "EhsKE3JlY2VudF9zd2l0Y2hfY291bnQYBCABKA0SDAoEYXJtcxgFIAMoCRIt",
+            "CgV0b3RhbBgGIAEoCzIeLnN3ZWVwc3Rha2UudjEuUmVnaW1lUG9zdGVyaW9y",
+            "Ei8KB3JlZ2ltZXMYByADKAsyHi5zd2VlcHN0YWtlLnYxLlJlZ2ltZVBvc3Rl",
+            "cmlvchITCgtpbml0aWFsX2FybRgIIAEoCRITCgtpc19jaGFuZ2luZxgJIAEo",
+            "CCLiAwoPUmVnaW1lUG9zdGVyaW9yEhkKDG9iamVjdF9jb3VudBgBIAEoAkgA",
+            "iAEBEhcKCnNwZWVkX21lYW4YAiABKAJIAYgBARIZCgxzdGF0aWNfcmF0aW8Y",
+            "AyABKAJIAogBARISCgppc19wcmVzZW50GAQgASgIEhMKC2ZyYW1lX3NoYXJl",
+            "GAUgASgCEiYKBGFybXMYBiADKAsyGC5zd2VlcHN0YWtlLnYxLlJlZ2ltZUFy",
+            "bRIQCghiZXN0X2FybRgHIAEoCRITCgZyYW5fdXMYCCABKAJIA4gBARIkChdz",
+            "YXZlZF9hZ2FpbnN0X3NpbmdsZV91cxgJIAEoAkgEiAEBEicKGnNhdmVkX2Fn",
+            "YWluc3RfcmVmZXJlbmNlX3VzGAogASgCSAWIAQESJQoYc2F2ZWRfYWdhaW5z",
+            "dF9pbml0aWFsX3VzGAsgASgCSAaIAQFCDwoNX29iamVjdF9jb3VudEINCgtf",
+            "c3BlZWRfbWVhbkIPCg1fc3RhdGljX3JhdGlvQgkKB19yYW5fdXNCGgoYX3Nh",
+            "dmVkX2FnYWluc3Rfc2luZ2xlX3VzQh0KG19zYXZlZF9hZ2FpbnN0X3JlZmVy",
+            "ZW5jZV91c0IbChlfc2F2ZWRfYWdhaW5zdF9pbml0aWFsX3VzIlcKCVJlZ2lt",
+            "ZUFybRIPCgdjb3N0X3VzGAEgASgCEg4KBmxvd191cxgCIAEoAhIPCgdoaWdo",
+            "X3VzGAMgASgCEhgKEGJlc3RfcHJvYmFiaWxpdHkYBCABKAIicAoPUmV3YXJk",
+            "UG9zdGVyaW9yEg0KBWFscGhhGAEgASgBEgwKBGJldGEYAiABKAESDgoGbG93",
+            "Xzk1GAMgASgBEg4KBmxvd181MBgEIAEoARIPCgdoaWdoXzUwGAUgASgBEg8K",
+            "B2hpZ2hfOTUYBiABKAEi2wIKDEFybVBvc3RlcmlvchILCgNhcm0YASABKAkS",
+            "FwoPYmFja2VuZF92ZXJzaW9uGAIgASgNEjEKCXBvc3RlcmlvchgDIAEoCzIe",
+            "LnN3ZWVwc3Rha2UudjEuUmV3YXJkUG9zdGVyaW9yEhQKDHdpbmRvd19jb3Vu",
+            "dBgEIAEoBBIWCg5iYWlsX291dF9jb3VudBgFIAEoBBITCgt2aXNpdF9jb3Vu",
+            "dBgGIAEoBBIeChZlZmZlY3RpdmVfd2luZG93X2NvdW50GAcgASgBEhgKEHVu",
+            "aXhfbGFzdF9zZWVuX3MYCCABKAMSEwoLaXNfb3V0ZGF0ZWQYCSABKAgSHQoQ",
+            "YmVzdF9wcm9iYWJpbGl0eRgKIAEoAUgAiAEBEiwKCmNvc3RfcmF0aW8YCyAB",
+            "KAsyGC5zd2VlcHN0YWtlLnYxLkNvc3RSYXRpb0ITChFfYmVzdF9wcm9iYWJp",
+            "bGl0eSKmBAoNRGVjaXNpb25FdmVudBISCgpzZXNzaW9uX2lkGAEgASgJEg8K",
+            "B3Byb2plY3QYAiABKAkSDQoFc2NlbmUYAyABKAkSEwoLZGVjaXNpb25faWQY",
+            "BCABKAQSEgoKYWN0aXZlX2FybRgFIAEoCRIVCg1jYW5kaWRhdGVfYXJtGAYg",
+            "ASgJEi8KB291dGNvbWUYByABKA4yHi5zd2VlcHN0YWtlLnYxLkRlY2lzaW9u",
+            "T3V0Y29tZRIrCgZyZWFzb24YCCABKA4yGy5zd2VlcHN0YWtlLnYxLlN3aXRj",
+            "aFJlYXNvbhITCgZyZXdhcmQYCSABKAFIAIgBARIVCg1tYWNoaW5lX2NsYXNz",
+            "GAogASgJEhgKEGJlc3RfcHJvYmFiaWxpdHkYCyADKAESGwoTZXhwZWN0ZWRf",
+            "bG9zc19yYXRpbxgMIAEoARInCgd2ZXJkaWN0GA0gASgOMhYuc3dlZXBzdGFr",
+            "ZS52MS5WZXJkaWN0Eg4KBnBvbGljeRgOIAEoCRI2CgxtZWFzdXJlbWVudHMY",
+            "DyABKAsyIC5zd2VlcHN0YWtlLnYxLkZyYW1lTWVhc3VyZW1lbnRzEgwKBGFy",
+            "bXMYECADKAkSLQoJc3RhbmRpbmdzGBEgAygLMhouc3dlZXBzdGFrZS52MS5B",
+            "cm1TdGFuZGluZxIPCgd1bml4X21zGBIgASgDEhYKDnJld2FyZF92ZXJzaW9u",
+            "GBMgASgNQgkKB19yZXdhcmQisgEKEUZyYW1lTWVhc3VyZW1lbnRzEjIKDWZy",
+            "YW1lX3RpbWVfbnMYASABKAsyGy5zd2VlcHN0YWtlLnYxLkxvZ0hpc3RvZ3Jh",
+            "bRI2ChFkZXRlY3Rpb25fdGltZV9ucxgCIAEoCzIbLnN3ZWVwc3Rha2UudjEu",
+            "TG9nSGlzdG9ncmFtEjEKDG5hdGl2ZV9ieXRlcxgDIAEoCzIbLnN3ZWVwc3Rh",
+            "a2UudjEuTG9nSGlzdG9ncmFtIjQKDExvZ0hpc3RvZ3JhbRIUCgxidWNrZXRf",
+            "c3RlcHMYASADKA0SDgoGY291bnRzGAIgAygNKtECCg9EZWNpc2lvbk91dGNv",
+            "bWUSIAocREVDSVNJT05fT1VUQ09NRV9VTlNQRUNJRklFRBAAEhkKFURFQ0lT",
+            "SU9OX09VVENPTUVfS0VQVBABEh0KGURFQ0lTSU9OX09VVENPTUVfU1dJVENI",
+            "RUQQAhIiCh5ERUNJU0lPTl9PVVRDT01FX0hFTERfQ09PTERPV04QAxIiCh5E",
+            "RUNJU0lPTl9PVVRDT01FX0hFTERfU0VUVExJTkcQBBIeChpERUNJU0lPTl9P",
+            "VVRDT01FX05PX0ZSQU1FUxAFEhsKF0RFQ0lTSU9OX09VVENPTUVfTUFOVUFM",
+            "EAYSHgoaREVDSVNJT05fT1VUQ09NRV9FWFBMT1JJTkcQBxIdChlERUNJU0lP",
+            "Tl9PVVRDT01FX1JFSkVDVEVEEAgSHgoaREVDSVNJT05fT1VUQ09NRV9IRUxE",
+            "X0dBVEUQCTKvAgoRUG9zdGVyaW9yc1NlcnZpY2USXQoOTGlzdFBvc3Rlcmlv",
+            "cnMSJC5zd2VlcHN0YWtlLnYxLkxpc3RQb3N0ZXJpb3JzUmVxdWVzdBolLnN3",
+            "ZWVwc3Rha2UudjEuTGlzdFBvc3RlcmlvcnNSZXNwb25zZRJXCgxHZXRQb3N0",
+            "ZXJpb3ISIi5zd2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlcXVlc3QaIy5z",
+            "d2VlcHN0YWtlLnYxLkdldFBvc3RlcmlvclJlc3BvbnNlEmIKD1dhdGNoUG9z",
+            "dGVyaW9ycxIlLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVxdWVz",
+            "dBomLnN3ZWVwc3Rha2UudjEuV2F0Y2hQb3N0ZXJpb3JzUmVzcG9uc2UwAUIZ",
+            "qgIWU3dlZXBzdGFrZS5Qcm90b2NvbC5WMWIGcHJvdG8z"));
       descriptor = pbr::FileDescriptor.FromGeneratedCode(descriptorData,
           new pbr::FileDescriptor[] { global::Sweepstake.Protocol.V1.EventsReflection.Descriptor, global::Sweepstake.Protocol.V1.TelemetryReflection.Descriptor, },
           new pbr::GeneratedClrTypeInfo(new[] {typeof(global::Sweepstake.Protocol.V1.DecisionOutcome), }, null, new pbr::GeneratedClrTypeInfo[] {
@@ -118,8 +119,8 @@ namespace Sweepstake.Protocol.V1 {
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.GetPosteriorResponse), global::Sweepstake.Protocol.V1.GetPosteriorResponse.Parser, new[]{ "Scene" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsRequest), global::Sweepstake.Protocol.V1.WatchPosteriorsRequest.Parser, new[]{ "Project", "Scene" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.WatchPosteriorsResponse), global::Sweepstake.Protocol.V1.WatchPosteriorsResponse.Parser, new[]{ "Posterior", "Decisions", "Stamp" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount", "Verdict", "LeaderArm", "ExpectedLossRatio", "ValueRemainingRatio", "Activity" }, null, null, null, null),
-            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneActivity), global::Sweepstake.Protocol.V1.SceneActivity.Parser, new[]{ "SessionId", "ActiveArm", "UnixActiveSinceMs", "RecentSwitchCount", "Arms", "Total", "Regimes", "InitialArm" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.ScenePosterior), global::Sweepstake.Protocol.V1.ScenePosterior.Parser, new[]{ "Project", "Scene", "MachineClass", "RewardVersion", "Arms", "ActiveSessionCount", "SourceCount", "Verdict", "LeaderArm", "ExpectedLossRatio", "ValueRemainingRatio", "Activity", "RegimeArms" }, null, null, null, null),
+            new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.SceneActivity), global::Sweepstake.Protocol.V1.SceneActivity.Parser, new[]{ "SessionId", "ActiveArm", "UnixActiveSinceMs", "RecentSwitchCount", "Arms", "Total", "Regimes", "InitialArm", "IsChanging" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RegimePosterior), global::Sweepstake.Protocol.V1.RegimePosterior.Parser, new[]{ "ObjectCount", "SpeedMean", "StaticRatio", "IsPresent", "FrameShare", "Arms", "BestArm", "RanUs", "SavedAgainstSingleUs", "SavedAgainstReferenceUs", "SavedAgainstInitialUs" }, new[]{ "ObjectCount", "SpeedMean", "StaticRatio", "RanUs", "SavedAgainstSingleUs", "SavedAgainstReferenceUs", "SavedAgainstInitialUs" }, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RegimeArm), global::Sweepstake.Protocol.V1.RegimeArm.Parser, new[]{ "CostUs", "LowUs", "HighUs", "BestProbability" }, null, null, null, null),
             new pbr::GeneratedClrTypeInfo(typeof(global::Sweepstake.Protocol.V1.RewardPosterior), global::Sweepstake.Protocol.V1.RewardPosterior.Parser, new[]{ "Alpha", "Beta", "Low95", "Low50", "High50", "High95" }, null, null, null, null),
@@ -1862,6 +1863,7 @@ namespace Sweepstake.Protocol.V1 {
       expectedLossRatio_ = other.expectedLossRatio_;
       valueRemainingRatio_ = other.valueRemainingRatio_;
       activity_ = other.activity_ != null ? other.activity_.Clone() : null;
+      regimeArms_ = other.regimeArms_.Clone();
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2054,6 +2056,21 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "regime_arms" field.</summary>
+    public const int RegimeArmsFieldNumber = 13;
+    private static readonly pb::FieldCodec<string> _repeated_regimeArms_codec
+        = pb::FieldCodec.ForString(106);
+    private readonly pbc::RepeatedField<string> regimeArms_ = new pbc::RepeatedField<string>();
+    /// <summary>
+    /// The best arm of each regime in the stored evidence, each arm once: with several, no single arm is the best. Used if no session
+    /// is connected. Absent: regimes are unknown.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public pbc::RepeatedField<string> RegimeArms {
+      get { return regimeArms_; }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2081,6 +2098,7 @@ namespace Sweepstake.Protocol.V1 {
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(ExpectedLossRatio, other.ExpectedLossRatio)) return false;
       if (!pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.Equals(ValueRemainingRatio, other.ValueRemainingRatio)) return false;
       if (!object.Equals(Activity, other.Activity)) return false;
+      if(!regimeArms_.Equals(other.regimeArms_)) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2100,6 +2118,7 @@ namespace Sweepstake.Protocol.V1 {
       if (ExpectedLossRatio != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(ExpectedLossRatio);
       if (ValueRemainingRatio != 0D) hash ^= pbc::ProtobufEqualityComparers.BitwiseDoubleEqualityComparer.GetHashCode(ValueRemainingRatio);
       if (activity_ != null) hash ^= Activity.GetHashCode();
+      hash ^= regimeArms_.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2163,6 +2182,7 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(98);
         output.WriteMessage(Activity);
       }
+      regimeArms_.WriteTo(output, _repeated_regimeArms_codec);
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2218,6 +2238,7 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(98);
         output.WriteMessage(Activity);
       }
+      regimeArms_.WriteTo(ref output, _repeated_regimeArms_codec);
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2262,6 +2283,7 @@ namespace Sweepstake.Protocol.V1 {
       if (activity_ != null) {
         size += 1 + pb::CodedOutputStream.ComputeMessageSize(Activity);
       }
+      size += regimeArms_.CalculateSize(_repeated_regimeArms_codec);
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
       }
@@ -2311,6 +2333,7 @@ namespace Sweepstake.Protocol.V1 {
         }
         Activity.MergeFrom(other.Activity);
       }
+      regimeArms_.Add(other.regimeArms_);
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
 
@@ -2379,6 +2402,10 @@ namespace Sweepstake.Protocol.V1 {
               Activity = new global::Sweepstake.Protocol.V1.SceneActivity();
             }
             input.ReadMessage(Activity);
+            break;
+          }
+          case 106: {
+            regimeArms_.AddEntriesFrom(input, _repeated_regimeArms_codec);
             break;
           }
         }
@@ -2451,6 +2478,10 @@ namespace Sweepstake.Protocol.V1 {
             input.ReadMessage(Activity);
             break;
           }
+          case 106: {
+            regimeArms_.AddEntriesFrom(ref input, _repeated_regimeArms_codec);
+            break;
+          }
         }
       }
     }
@@ -2505,6 +2536,7 @@ namespace Sweepstake.Protocol.V1 {
       total_ = other.total_ != null ? other.total_.Clone() : null;
       regimes_ = other.regimes_.Clone();
       initialArm_ = other.initialArm_;
+      isChanging_ = other.isChanging_;
       _unknownFields = pb::UnknownFieldSet.Clone(other._unknownFields);
     }
 
@@ -2633,6 +2665,22 @@ namespace Sweepstake.Protocol.V1 {
       }
     }
 
+    /// <summary>Field number for the "is_changing" field.</summary>
+    public const int IsChangingFieldNumber = 9;
+    private bool isChanging_;
+    /// <summary>
+    /// Whether no single arm is the best: the regimes have different best arms, or a connected session believes that one arm is the
+    /// best but has switched more than four times in the last minute. Absent: a single arm may be the best.
+    /// </summary>
+    [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
+    [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
+    public bool IsChanging {
+      get { return isChanging_; }
+      set {
+        isChanging_ = value;
+      }
+    }
+
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public override bool Equals(object other) {
@@ -2656,6 +2704,7 @@ namespace Sweepstake.Protocol.V1 {
       if (!object.Equals(Total, other.Total)) return false;
       if(!regimes_.Equals(other.regimes_)) return false;
       if (InitialArm != other.InitialArm) return false;
+      if (IsChanging != other.IsChanging) return false;
       return Equals(_unknownFields, other._unknownFields);
     }
 
@@ -2671,6 +2720,7 @@ namespace Sweepstake.Protocol.V1 {
       if (total_ != null) hash ^= Total.GetHashCode();
       hash ^= regimes_.GetHashCode();
       if (InitialArm.Length != 0) hash ^= InitialArm.GetHashCode();
+      if (IsChanging != false) hash ^= IsChanging.GetHashCode();
       if (_unknownFields != null) {
         hash ^= _unknownFields.GetHashCode();
       }
@@ -2715,6 +2765,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(66);
         output.WriteString(InitialArm);
       }
+      if (IsChanging != false) {
+        output.WriteRawTag(72);
+        output.WriteBool(IsChanging);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(output);
       }
@@ -2751,6 +2805,10 @@ namespace Sweepstake.Protocol.V1 {
         output.WriteRawTag(66);
         output.WriteString(InitialArm);
       }
+      if (IsChanging != false) {
+        output.WriteRawTag(72);
+        output.WriteBool(IsChanging);
+      }
       if (_unknownFields != null) {
         _unknownFields.WriteTo(ref output);
       }
@@ -2780,6 +2838,9 @@ namespace Sweepstake.Protocol.V1 {
       size += regimes_.CalculateSize(_repeated_regimes_codec);
       if (InitialArm.Length != 0) {
         size += 1 + pb::CodedOutputStream.ComputeStringSize(InitialArm);
+      }
+      if (IsChanging != false) {
+        size += 1 + 1;
       }
       if (_unknownFields != null) {
         size += _unknownFields.CalculateSize();
@@ -2815,6 +2876,9 @@ namespace Sweepstake.Protocol.V1 {
       regimes_.Add(other.regimes_);
       if (other.InitialArm.Length != 0) {
         InitialArm = other.InitialArm;
+      }
+      if (other.IsChanging != false) {
+        IsChanging = other.IsChanging;
       }
       _unknownFields = pb::UnknownFieldSet.MergeFrom(_unknownFields, other._unknownFields);
     }
@@ -2870,6 +2934,10 @@ namespace Sweepstake.Protocol.V1 {
             InitialArm = input.ReadString();
             break;
           }
+          case 72: {
+            IsChanging = input.ReadBool();
+            break;
+          }
         }
       }
     #endif
@@ -2922,6 +2990,10 @@ namespace Sweepstake.Protocol.V1 {
           }
           case 66: {
             InitialArm = input.ReadString();
+            break;
+          }
+          case 72: {
+            IsChanging = input.ReadBool();
             break;
           }
         }
