@@ -1,10 +1,9 @@
 // Colours for canvases, which cannot use CSS variables. A chart that reads `theme` is redrawn when the theme changes.
-import { signal, type ReadonlySignal } from '@preact/signals';
+import { signal } from '@preact/signals';
 import { colourOf, FAMILIES, familyRank } from '../../palette';
 
-const version = signal(0);
 /** A number that changes whenever the colours change. */
-export const theme: ReadonlySignal<number> = version;
+export const theme = signal(0);
 
 const known = new Map<string, string>();
 const tiles = new Map<string, HTMLCanvasElement>();
@@ -13,7 +12,7 @@ let probe: HTMLElement | undefined;
 function forget(): void {
   known.clear();
   tiles.clear();
-  version.value += 1;
+  theme.value += 1;
 }
 
 function begin(): HTMLElement {

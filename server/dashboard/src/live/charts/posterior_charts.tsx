@@ -1,80 +1,48 @@
-// The posteriors of a session over time: means, credible bands if the rows have intervals, and probabilities of being the best arm.
+// The posteriors of a session or scene over time: means, and probabilities of being the best arm.
 import { useMemo } from 'preact/hooks';
 import { significant } from '../../format';
-import { mean, type Posterior } from '../numbers/beta';
+import { type Beta, mean } from '../numbers/beta';
 import { costNsOf, LOG_COST_REWARD_VERSION, nsText } from '../numbers/log_cost';
-import { thresholds } from '../state/account';
+import { stableProbability } from '../state/account';
 import { armStyle, hatched } from './colours';
-import { type Band, fillOf, type Line, type Moment } from './plot';
-import { TimeFigure } from './time_chart';
-import { domainOf, range, type Range } from './view_state';
+import type { Band, Line } from './plot';
+import { TimeFigure, type TimeFigureProps } from './time_chart';
 
 export interface SeriesRow {
   timeMs: number; // since 1970, by the daemon's clock
-  beliefs: readonly (Posterior | undefined)[]; // in the order of the arms; undefined before an arm's first evidence
+  beliefs: readonly (Beta | undefined)[]; // in the order of the arms; undefined before an arm's first evidence
   best: readonly (number | undefined)[]; // P(best)
 }
 
-export interface PosteriorChartsProps {
+type BestRow = Pick<SeriesRow, 'timeMs' | 'best'>;
+
+interface ChartProps<Row> extends Pick<TimeFigureProps, 'names' | 'domain' | 'moments' | 'csvHref'> {
   arms: readonly string[];
-  rows: readonly SeriesRow[];
-  rewardVersion: number;
-  names: readonly string[]; // parts of file names
-  moments?: readonly Moment[];
-  domain?: Range; // range of time shared with other charts; absent: all times
-  values?: readonly [number, number]; // range of values shared with other charts
-  notYet?: string; // shown if there is nothing to draw
-  csvHref?: string | undefined; // the URL of all posteriors as CSV
-  assumed?: ReadonlySet<string>; // arms that were never measured; the range of the axis ignores them
+  rows: readonly Row[];
+  notYet: string; // shown if there is nothing to draw
 }
 
-const NOT_YET = 'Nothing has changed since the page was opened. Each change adds a point.';
-const NONE: ReadonlySet<string> = new Set();
-const PARTS = ['mean', 'low50', 'high50', 'low95', 'high95'] as const;
-type Part = typeof PARTS[number];
+const timesOf = (rows: readonly BestRow[]) => rows.map(({ timeMs }) => timeMs);
 
-// Costs fall as rewards rise, so the ends of an interval are exchanged.
-const COST_PART: Readonly<Record<Part, Part>> = { mean: 'mean', low50: 'high50', high50: 'low50', low95: 'high95', high95: 'low95' };
-
-function valueOf(posterior: Posterior | undefined, part: Part, tellsCosts: boolean): number | null {
-  if (!posterior) return null;
-  const own = tellsCosts ? COST_PART[part] : part;
-  const reward = own === 'mean' ? mean(posterior) : posterior[own];
-  return reward === undefined ? null : tellsCosts ? costNsOf(reward) : reward;
-}
-
-const hasIntervals = (rows: readonly SeriesRow[]) => rows.some(({ beliefs }) => beliefs.some((each) => each?.high95 !== undefined));
-
-function bandLines(arms: readonly string[], rows: readonly SeriesRow[], tellsCosts: boolean, assumed: ReadonlySet<string>): { lines: Line[]; bands: Band[] } {
-  const lines: Line[] = [];
-  const bands: Band[] = [];
-  const isBanded = hasIntervals(rows);
-  arms.forEach((arm, i) => {
+// `assumed` are the arms that were never measured. The range of the axis ignores them.
+const meanLines = (arms: readonly string[], rows: readonly SeriesRow[], valueOf: (reward: number) => number, assumed: ReadonlySet<string>) =>
+  arms.map((arm, i): Line => {
     const { colour, dash } = armStyle(arm, arms);
-    const first = lines.length;
-    for (const part of isBanded ? PARTS : PARTS.slice(0, 1)) {
-      const values = rows.map(({ beliefs }) => valueOf(beliefs[i], part, tellsCosts));
-      lines.push({ label: part === 'mean' ? arm : `${arm} ${part}`, values, colour, dash, arm, stepped: true, width: part === 'mean' ? 2 : 0, isAside: assumed.has(arm) });
-    }
-    if (isBanded) bands.push({ upper: first + 4, lower: first + 3, fill: fillOf(colour, 0.1) }, { upper: first + 2, lower: first + 1, fill: fillOf(colour, 0.2) });
+    const values = rows.map(({ beliefs: { [i]: belief } }) => (belief ? valueOf(mean(belief)) : null));
+    return { label: arm, values, colour, dash, arm, stepped: true, isAside: assumed.has(arm) };
   });
-  return { lines, bands };
-}
 
-const noteOf = (rows: readonly unknown[], notYet = NOT_YET) => rows.length < 2 && notYet;
-
-export function BandsChart({ arms, rows, rewardVersion, domain, notYet, assumed = NONE, ...rest }: PosteriorChartsProps) {
+/** Shows the mean of each arm's posterior over time, as a detection time if rewards stand for costs. */
+export function MeansChart({ arms, rows, rewardVersion, notYet, assumed, ...rest }: ChartProps<SeriesRow> & { rewardVersion: number; assumed: ReadonlySet<string> }) {
   const tellsCosts = rewardVersion === LOG_COST_REWARD_VERSION;
-  const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
-  const drawn = useMemo(() => bandLines(arms, rows, tellsCosts, assumed), [arms, rows, tellsCosts, assumed]);
+  const timesMs = useMemo(() => timesOf(rows), [rows]);
+  const lines = useMemo(() => meanLines(arms, rows, tellsCosts ? costNsOf : (reward) => reward, assumed), [arms, rows, tellsCosts, assumed]);
   return (
-    <TimeFigure {...rest} {...drawn} id="bands" title={tellsCosts ? 'Estimated detection time of each algorithm' : 'Estimated reward of each algorithm'} timesMs={timesMs}
-      note={hasIntervals(rows) ? 'Lines show means, and areas show 50 % and 95 % credible intervals.' : 'Lines show means.'} empty={noteOf(rows, notYet)} unit={tellsCosts ? 'ns' : ''} scale={tellsCosts ? 'log' : 'unit'}
-      domain={range.value ?? domain ?? domainOf(timesMs, undefined)} format={tellsCosts ? nsText : (value) => significant(value)} height={260} />
+    <TimeFigure {...rest} id="bands" title={tellsCosts ? 'Estimated detection time of each algorithm' : 'Estimated reward of each algorithm'} timesMs={timesMs} lines={lines}
+      note="Lines show means." empty={rows.length < 2 && notYet} unit={tellsCosts ? 'ns' : ''} scale={tellsCosts ? 'log' : 'unit'}
+      format={tellsCosts ? nsText : (value) => significant(value)} height={260} />
   );
 }
-
-type BestRow = Pick<SeriesRow, 'timeMs' | 'best'>;
 
 // Returns the index of the arm with the highest probability.
 const leaderOf = ({ best }: BestRow) => best.reduce((most: number, p, i) => ((p ?? 0) > (best[most] ?? 0) ? i : most), 0);
@@ -83,35 +51,34 @@ const leaderOf = ({ best }: BestRow) => best.reduce((most: number, p, i) => ((p 
 // other arms keep their order, because each order needs a new plot. Each period with one leader is a state.
 function stackLines(arms: readonly string[], rows: readonly BestRow[]): { lines: Line[]; bands: Band[]; states: number[] } {
   const states = rows.map(leaderOf);
-  const order = [states.at(-1) ?? 0, ...arms.keys()].filter((i, place, all) => all.indexOf(i) === place);
-  const sums = rows.map(() => 0);
-  const lines: Line[] = [{ label: '', values: rows.map(({ best }) => (best.some((p) => p !== undefined) ? 0 : null)), colour: 'var(--soft)', width: 0 }];
+  const order = [...new Set([states.at(-1) ?? 0, ...arms.keys()])];
+  const sums = rows.map(({ best }) => (best.some((p) => p !== undefined) ? 0 : null));
+  const lines: Line[] = [{ label: '', values: [...sums], colour: 'var(--soft)', width: 0 }];
   const bands: Band[] = [];
   for (const i of order) {
     const { colour, dash, hatch } = armStyle(arms[i]!, arms);
-    const told = rows.map(({ best }) => best[i] ?? null);
-    const values = rows.map(({ best }, k) => (best.some((p) => p !== undefined) ? (sums[k]! += best[i] ?? 0) : null));
-    lines.push({ label: arms[i]!, values, told, colour, dash, stepped: true, width: 1.5 });
-    bands.push({ upper: lines.length - 1, lower: lines.length - 2, fill: (context) => hatched(context, colour, hatch) });
+    rows.forEach(({ best }, k) => { if (sums[k] !== null) sums[k]! += best[i] ?? 0; });
+    bands.push({ upper: lines.length, lower: lines.length - 1, fill: (context) => hatched(context, colour, hatch) });
+    lines.push({ label: arms[i]!, values: [...sums], told: rows.map(({ best }) => best[i] ?? null), colour, dash, stepped: true, width: 1.5 });
   }
   return { lines, bands, states };
 }
 
-type StackProps = Pick<PosteriorChartsProps, 'arms' | 'names' | 'domain' | 'moments' | 'csvHref'> & Pick<Parameters<typeof TimeFigure>[0], 'id' | 'title' | 'note' | 'empty' | 'levels' | 'format' | 'height'> & { rows: readonly BestRow[] };
+type StackProps = Omit<ChartProps<BestRow>, 'notYet'> & Pick<TimeFigureProps, 'id' | 'title' | 'note' | 'empty' | 'levels' | 'format' | 'height'>;
 
 /** Shows shares of the arms over time as stacked areas. A short period with another leader stays visible. */
-export function StackChart({ arms, rows, domain, ...rest }: StackProps) {
-  const timesMs = useMemo(() => rows.map(({ timeMs }) => timeMs), [rows]);
+export function StackChart({ arms, rows, ...rest }: StackProps) {
+  const timesMs = useMemo(() => timesOf(rows), [rows]);
   const drawn = useMemo(() => stackLines(arms, rows), [arms, rows]);
-  return <TimeFigure {...rest} {...drawn} timesMs={timesMs} scale="unit" domain={range.value ?? domain ?? domainOf(timesMs, undefined)} />;
+  return <TimeFigure {...rest} {...drawn} timesMs={timesMs} scale="unit" />;
 }
 
 /** Shows P(best) of each arm over time. */
-export function BestChart({ notYet, rows, ...rest }: Omit<StackProps, 'id' | 'title' | 'note' | 'empty' | 'levels' | 'format' | 'height'> & { notYet?: string }) {
-  const { stableProbability } = thresholds.value;
+export function BestChart({ notYet, ...rest }: ChartProps<BestRow>) {
+  const least = stableProbability.value;
   return (
-    <StackChart {...rest} rows={rows} id="best" title="Probability that each algorithm is the best" empty={noteOf(rows, notYet)}
-      note={`The scene is stable if the probability of its leader is at least ${stableProbability}.`} levels={[{ value: stableProbability, label: 'stable' }]}
+    <StackChart {...rest} id="best" title="Probability that each algorithm is the best" empty={rest.rows.length < 2 && notYet}
+      note={`The scene is stable if the probability of its leader is at least ${least}.`} levels={[{ value: least, label: 'stable' }]}
       format={(value) => value.toFixed(3)} height={200} />
   );
 }

@@ -148,7 +148,7 @@ function TimeChart({ title, height = 200, ...rest }: TimeChartProps) {
   );
 }
 
-interface TimeFigureProps extends TimeChartProps {
+export interface TimeFigureProps extends TimeChartProps {
   id: string;
   note?: ComponentChildren;
   names: readonly string[]; // parts of the names of exported files

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { bucketsOf, countOf, merged, middleOf, percentile, percentiles } from './histogram';
+import { bucketsOf, middleOf, percentile, percentiles } from './histogram';
 
 describe('histograms of the daemon', () => {
   it('number their buckets by differences', () => {
@@ -12,13 +12,6 @@ describe('histograms of the daemon', () => {
       expect(Math.abs(middleOf(bucket) / value - 1)).toBeLessThan(0.0451);
     }
     expect(middleOf(0)).toBe(0);
-  });
-
-  it('are merged by adding the counts of equal buckets', () => {
-    const a = bucketsOf({ bucketSteps: [5, 5], counts: [1, 1] });
-    const b = bucketsOf({ bucketSteps: [2, 8], counts: [3, 2] });
-    expect([...merged([a, b])]).toEqual([[2, 3], [5, 1], [10, 3]]);
-    expect(countOf(merged([a, b]))).toBe(7);
   });
 
   it('have percentiles', () => {

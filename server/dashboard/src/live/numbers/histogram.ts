@@ -1,4 +1,4 @@
-// Merges the histograms that the daemon sends (message LogHistogram), and computes percentiles, with an error of at most 4.5 %.
+// Reads the histograms that the daemon sends (message LogHistogram), and computes percentiles, with an error of at most 4.5 %.
 
 /** The fields of the message LogHistogram. `bucketSteps` are the differences between the numbers of consecutive buckets. */
 export interface LogHistogram { readonly bucketSteps: readonly number[]; readonly counts: readonly number[] }
@@ -18,13 +18,6 @@ export function bucketsOf({ bucketSteps, counts }: LogHistogram): Buckets {
     buckets.set(bucket, (buckets.get(bucket) ?? 0) + counts[i]!);
   });
   return buckets;
-}
-
-/** Returns the sum of the histograms, with the buckets in ascending order. */
-export function merged(all: readonly Buckets[]): Buckets {
-  const sum = new Map<number, number>();
-  for (const buckets of all) for (const [bucket, count] of buckets) sum.set(bucket, (sum.get(bucket) ?? 0) + count);
-  return new Map([...sum].sort(([a], [b]) => a - b));
 }
 
 export const countOf = (buckets: Buckets) => [...buckets.values()].reduce((sum, count) => sum + count, 0);

@@ -9,9 +9,7 @@ interface Account {
   loggedIn: boolean;
   name: string;  // name of the token; empty without a token
   role: 'player' | 'ticket' | 'ingest' | 'watch' | 'operator' | 'admin';
-  projects: readonly string[];  // the projects that the token allows; empty: all
   stableProbability: number;  // minimum of the leader's P(best) for the verdict "stable"
-  tieLossRatio: number;  // maximum expected loss for the verdict "tie" of a scene that is not stable
 }
 
 // Undefined until the daemon has answered.
@@ -25,8 +23,7 @@ export const isOperator = computed(() => ['operator', 'admin'].includes(account.
 let wasLoggedIn = false;
 export const hasLostLogin = () => wasLoggedIn;
 
-// The thresholds of verdicts, which charts draw. The daemon computes the verdicts.
-export const thresholds = computed(() => account.value ?? { stableProbability: Number.NaN, tieLossRatio: Number.NaN });
+export const stableProbability = computed(() => account.value?.stableProbability ?? Number.NaN);
 
 export const needsLogin = computed(() => account.value?.asksForTokens === true && !account.value.loggedIn);
 

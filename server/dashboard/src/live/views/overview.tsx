@@ -11,7 +11,7 @@ import { Name, visible } from '../parts/name';
 import { Empty, Failure, Loading } from '../parts/states';
 import { type Column, Table } from '../parts/table';
 import { CopyLink } from '../parts/toast';
-import { thresholds } from '../state/account';
+import { stableProbability } from '../state/account';
 import { connection } from '../state/connection';
 import { isKnown } from '../state/live';
 import { leadersOf, savingText } from '../state/regimes';
@@ -152,7 +152,7 @@ function Known({ all }: { all: readonly SceneSummary[] }) {
         {all.length > 0 && rows.length === 0 && <Empty title="No scene matches the filter" />}
       </section>
       <Projects all={all} />
-      <p class="soft small"><SessionCount /> A verdict uses the evidence of all sessions. A scene is changing if its regimes have different best algorithms or its session switches often, and stable if P(best) of its leader is at least {significant(thresholds.value.stableProbability, 1)}.</p>
+      <p class="soft small"><SessionCount /> A verdict uses the evidence of all sessions. A scene is changing if its regimes have different best algorithms or its session switches often, and stable if P(best) of its leader is at least {significant(stableProbability.value, 1)}.</p>
       <p class="soft small"><a href={urlOf('/recording')}>Play a recording</a> of the boxes of a game.</p>
       <details class="soft small">
         <summary>Terms on this page</summary>

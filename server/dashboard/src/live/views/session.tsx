@@ -8,7 +8,7 @@ import { readDecision, readRows } from '../audit/log';
 import { LogState, type SessionLog, toldIn, useSessionLog, useSteps } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import type { Moment } from '../charts/plot';
-import { BandsChart, BestChart } from '../charts/posterior_charts';
+import { BestChart, MeansChart } from '../charts/posterior_charts';
 import { RidgeFigure } from '../charts/ridgeline';
 import { TimelineChart } from '../charts/timeline';
 import { TimeTools } from '../charts/time_chart';
@@ -154,11 +154,11 @@ function Beliefs({ sessionId, steps, arms, moments, rewardVersion, domain }: Cha
   const ridges = useMemo(() => priorAndPosterior(steps, arms), [steps, arms]);
   const known = useMemo(() => rows.filter(({ beliefs }) => beliefs.some(Boolean)), [rows]);
   const assumed = useMemo(() => new Set(ridges.filter(({ measured }) => measured === 'never').map(({ arm }) => arm)), [ridges]);
-  const common = { arms, assumed, moments, rewardVersion, names: [sessionId], domain, notYet: 'The log has fewer than two decisions.', csvHref: sessionCsvUrl('posteriors', sessionId) };
+  const common = { arms, moments, names: [sessionId], domain, notYet: 'The log has fewer than two decisions.', csvHref: sessionCsvUrl('posteriors', sessionId) };
   return (
     <>
       <BestChart {...common} rows={rows} />
-      <BandsChart {...common} rows={known} />
+      <MeansChart {...common} rows={known} rewardVersion={rewardVersion} assumed={assumed} />
       <RidgeFigure id="prior" title="Prior and posterior of this session" names={[sessionId]} rows={ridges} csvHref={common.csvHref} rewardVersion={rewardVersion}
         notYet="The log has no decision yet." note="Dashed grey: the prior that the session began with, if it had one." />
     </>

@@ -2,7 +2,7 @@ import { create } from '../../transport/messages';
 import { describe, expect, it } from 'vitest';
 import { DecisionEventSchema, DecisionOutcome, ScenePosteriorSchema } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { colourOf } from '../../../palette';
-import { armNames, armRows, latestSwitches, MAX_SWITCHES, ridgeRows } from './arms';
+import { armRows, latestSwitches, MAX_SWITCHES, ridgeRows } from './arms';
 
 const posterior = create(ScenePosteriorSchema, {
   rewardVersion: 3,
@@ -21,7 +21,6 @@ describe('the rows of a scene', () => {
     const before = create(ScenePosteriorSchema, { arms: [{ arm: 'A', backendVersion: 2, posterior: { alpha: 5, beta: 4 } }, { arm: 'B', backendVersion: 1, posterior: { alpha: 70, beta: 30 } }] });
     expect(ridgeRows(rows, before).map(({ before: was }) => was?.alpha)).toEqual([undefined, 5, undefined]);
   });
-  it('name each arm once', () => expect(armNames(rows)).toEqual(['A', 'B']));
 });
 
 it('At most MAX_SWITCHES latest switches are marked, in the colour of the new arm', () => {

@@ -38,9 +38,6 @@ export function ridgeRows(rows: readonly ArmRow[], before?: ScenePosterior): Rid
     });
 }
 
-/** Returns the names of the scene's arms, each once, in the daemon's order. */
-export const armNames = (rows: readonly ArmRow[]) => rows.filter(({ isOutdated }) => !isOutdated).map(({ arm }) => arm);
-
 /** Maximum number of switches that charts mark; more lines would hide the chart. */
 export const MAX_SWITCHES = 40;
 
