@@ -4,32 +4,29 @@ import { type ApiError, asApiError, jsonOf, stream } from './calls';
 import type { Init, Streaming } from './messages';
 
 export interface Reading<Value> {
-  value?: Value; // the result; while reading and after an error, the latest value passed to `show`
+  value?: Value;
   error?: ApiError;
   isReading: boolean;
   atMs: number; // time at which the reading was complete, by the browser's clock
   again: () => void;
 }
 
-/** Reads again whenever `key` changes, and when `again` is called. `read` may pass parts of the value to `show`. */
-export function useReading<Value>(key: unknown, read: (cancel: AbortSignal, show: (value: Value) => void) => Promise<Value>): Reading<Value> {
-  const begun: Omit<Reading<Value>, 'again'> = { isReading: true, atMs: 0 };
-  const [{ of, reading }, setReading] = useState({ of: key, reading: begun });
+const BEGUN = { isReading: true, atMs: 0 };
+
+/** Reads again whenever `key` changes, and when `again` is called. Until the answer there is no value. */
+export function useReading<Value>(key: unknown, read: (cancel: AbortSignal) => Promise<Value>): Reading<Value> {
   const [turn, setTurn] = useState(0);
+  const [last, setLast] = useState<{ key: unknown; turn: number; reading: Omit<Reading<Value>, 'again'> }>({ key, turn, reading: BEGUN });
   useEffect(() => {
     const cancel = new AbortController();
-    let latest = begun;
-    const set = (next: Partial<Reading<Value>>) => {
-      latest = { ...latest, ...next };
-      if (!cancel.signal.aborted) setReading({ of: key, reading: latest });
+    const set = (end: Pick<Reading<Value>, 'value' | 'error'>) => {
+      if (!cancel.signal.aborted) setLast({ key, turn, reading: { isReading: false, atMs: Date.now(), ...end } });
     };
-    set({});
-    read(cancel.signal, (value) => set({ value })).then(
-      (value) => set({ value, isReading: false, atMs: Date.now() }),
-      (error: unknown) => set({ error: asApiError(error), isReading: false }));
+    read(cancel.signal).then((value) => set({ value }), (error: unknown) => set({ error: asApiError(error) }));
     return () => cancel.abort();
   }, [key, turn]);
-  return { ...(of === key ? reading : begun), again: () => setTurn((before) => before + 1) };
+  const isLatest = last.key === key && last.turn === turn;
+  return { ...(isLatest ? last.reading : BEGUN), again: () => setTurn((before) => before + 1) };
 }
 
 /** Reads all messages of an RPC that answers with a finite stream. */
