@@ -1,8 +1,8 @@
 // The dashboard's entry point, and the frame around the views: navigation, state of the connection, login, theme and keyboard shortcuts.
-import { effect, signal } from '@preact/signals';
+import { effect } from '@preact/signals';
 import { type ComponentType, render } from 'preact';
 import { useErrorBoundary } from 'preact/hooks';
-import { chooseTheme, keptTheme, THEMES, type Theme } from '../theme';
+import { theme, THEMES } from '../theme';
 import { ConnectionBadge } from './parts/chips';
 import { startClock } from './parts/clock';
 import { confirmed, QuestionHost } from './parts/dialog';
@@ -58,15 +58,9 @@ function View() {
   return <Empty title="This page does not exist"><p>The dashboard has no page <Name text={path} />. <a href={urlOf('/')}>The overview</a> lists all scenes.</p></Empty>;
 }
 
-const theme = signal<Theme>(keptTheme());
-
 function ThemeSwitch() {
   const next = THEMES[(THEMES.indexOf(theme.value) + 1) % THEMES.length]!;
-  const choose = () => {
-    chooseTheme(next);
-    theme.value = next;
-  };
-  return <button type="button" class="quiet" onClick={choose} title={`Change the theme to ${next}`}><span class="long">Theme: </span>{theme.value}</button>;
+  return <button type="button" class="quiet" onClick={() => { theme.value = next; }} title={`Change the theme to ${next}`}><span class="long">Theme: </span>{theme.value}</button>;
 }
 
 async function leave(): Promise<void> {
