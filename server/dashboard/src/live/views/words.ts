@@ -6,7 +6,7 @@ import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_p
 import type { SceneVerdict } from '../state/summaries';
 
 /** A short name, a sentence that explains it, and a symbol that distinguishes it without colour. */
-export interface Word { name: string; meaning: string; mark: string }
+interface Word { name: string; meaning: string; mark: string }
 
 /** The terms that a first-time reader of the page needs. */
 export const GLOSSARY: readonly (readonly [string, string])[] = [
@@ -26,8 +26,9 @@ export const GLOSSARY: readonly (readonly [string, string])[] = [
 
 const word = (name: string, mark: string, meaning: string): Word => ({ name, meaning, mark });
 const UNKNOWN = word('unknown', '?', 'The daemon is newer than this page and uses a value that the page does not know. Reload the page.');
+const wordOf = <Value extends PropertyKey>(words: Readonly<Record<Value, Word>>) => (value: Value): Word => words[value] ?? UNKNOWN;
 
-const OUTCOMES: Readonly<Record<DecisionOutcome, Word>> = {
+export const outcomeWord = wordOf<DecisionOutcome>({
   [DecisionOutcome.UNSPECIFIED]: UNKNOWN,
   [DecisionOutcome.KEPT]: word('kept', '•', 'The policy chose the active algorithm again.'),
   [DecisionOutcome.SWITCHED]: word('switched', '→', 'The daemon commanded a switch to another algorithm.'),
@@ -39,46 +40,46 @@ const OUTCOMES: Readonly<Record<DecisionOutcome, Word>> = {
   [DecisionOutcome.EXPLORING]: word('exploring', '⌕', 'At the start every algorithm is measured once before any is preferred.'),
   [DecisionOutcome.REJECTED]: word('rejected', '✗', 'A measurement was not a finite number, so the whole window was discarded.'),
   [DecisionOutcome.HELD_GATE]: word('held: does not pay', '○', 'Another algorithm looks better, but not by enough to pay for the switch.'),
-};
+});
 
-const REASONS: Readonly<Record<SwitchReason, Word>> = {
+export const reasonWord = wordOf<SwitchReason>({
   [SwitchReason.UNSPECIFIED]: word('no switch', '–', 'The algorithm did not change.'),
   [SwitchReason.POLICY]: word('policy', '→', 'The policy chose the algorithm from the posteriors.'),
   [SwitchReason.EXPLORATION]: word('exploration', '⌕', 'The algorithm was the next one to be measured.'),
   [SwitchReason.BAIL_OUT]: word('bail-out', '!', 'A frame took longer than the bail-out limit, and the algorithm was the cause.'),
   [SwitchReason.MANUAL]: word('manual', '✋', 'A person chose the algorithm.'),
-};
+});
 
-const VERDICTS: Readonly<Record<SceneVerdict, Word>> = {
+export const verdictWord = wordOf<SceneVerdict>({
   changing: word('changing', '⇄', 'The best algorithm depends on the regime of the scene, or the session still switches more than four times a minute.'),
   [Verdict.UNSPECIFIED]: word('unknown', '?', 'There is no decision about this scene yet.'),
   [Verdict.STABLE]: word('stable', '●', 'One algorithm is very probably the best.'),
   [Verdict.TIE]: word('tie', '=', 'No algorithm is clearly the best, but the leader costs hardly more than the best algorithm.'),
   [Verdict.AMBIGUOUS]: word('ambiguous', '≈', 'No algorithm is clearly the best, and the leader may cost noticeably more than the best algorithm. More measurements are needed.'),
   [Verdict.DEGRADED]: word('degraded', '▼', 'Even with the best algorithm, the broad phase keeps the frame rate below the frame-rate floor, the required minimum.'),
-};
+});
 
-const MODES: Readonly<Record<Mode, Word>> = {
+export const modeWord = wordOf<Mode>({
   [Mode.UNSPECIFIED]: UNKNOWN,
   [Mode.MANUAL]: word('Manual', '✋', 'The game keeps an algorithm that a person chose. Its frames do not become evidence.'),
   [Mode.AI]: word('AI decides', '◆', 'The daemon chooses the algorithm.'),
-};
+});
 
-const STATES: Readonly<Record<SessionState, Word>> = {
+export const stateWord = wordOf<SessionState>({
   [SessionState.UNSPECIFIED]: UNKNOWN,
   [SessionState.CONNECTED]: word('connected', '●', 'The game is connected.'),
   [SessionState.LOST]: word('lost', '○', 'The connection was lost. The game may reconnect.'),
   [SessionState.ENDING]: word('ending', '◌', 'The session has ended, and its last evidence is being written.'),
-};
+});
 
-const ENDS: Readonly<Record<SessionEnd, Word>> = {
+export const endWord = wordOf<SessionEnd>({
   [SessionEnd.UNSPECIFIED]: word('gone', '–', 'The session ended while the page was disconnected.'),
   [SessionEnd.GOODBYE]: word('ended', '■', 'The game ended the session.'),
   [SessionEnd.KICKED]: word('kicked', '✗', 'An operator of the daemon ended the session.'),
   [SessionEnd.FORGOTTEN]: word('forgotten', '…', 'The game did not reconnect in time. If it reconnects later, the session can continue from the stored evidence.'),
-};
+});
 
-const KINDS: Readonly<Record<AuditKind, Word>> = {
+export const kindWord = wordOf<AuditKind>({
   [AuditKind.UNSPECIFIED]: UNKNOWN,
   [AuditKind.SETUP]: word('setup', '▶', 'A session began, or continued after a restart of the daemon.'),
   [AuditKind.TICK]: word('decision', '•', 'The policy made one of its regular decisions.'),
@@ -89,15 +90,7 @@ const KINDS: Readonly<Record<AuditKind, Word>> = {
   [AuditKind.ORDER]: word('order', '✋', 'An operator ordered manual mode or AI Decides.'),
   [AuditKind.MISSING]: word('rows missing', '…', 'Rows are missing here: they were removed because the size of the log is limited, or could not be written.'),
   [AuditKind.ADMIN]: word('administration', '⚙', 'An administrator changed something, such as a token or stored evidence.'),
-};
-
-export const outcomeWord = (value: DecisionOutcome) => OUTCOMES[value] ?? UNKNOWN;
-export const reasonWord = (value: SwitchReason) => REASONS[value] ?? UNKNOWN;
-export const verdictWord = (value: SceneVerdict) => VERDICTS[value] ?? UNKNOWN;
-export const modeWord = (value: Mode) => MODES[value] ?? UNKNOWN;
-export const stateWord = (value: SessionState) => STATES[value] ?? UNKNOWN;
-export const endWord = (value: SessionEnd) => ENDS[value] ?? UNKNOWN;
-export const kindWord = (value: AuditKind) => KINDS[value] ?? UNKNOWN;
+});
 
 /** Whether another arm looked better but was not chosen. */
 export const isHeldBack = (outcome: DecisionOutcome) =>
