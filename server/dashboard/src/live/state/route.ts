@@ -70,6 +70,13 @@ export const sceneHref = ({ project, scene, machineClass, rewardVersion }: Scene
 export const sessionHref = (id: string) => urlOf(`/sessions/${pathPart(id)}`);
 export const decisionsHref = (filter: Readonly<Record<string, string>>) => urlOf(`/decisions${tail(filter)}`);
 
+/** Returns the URL of this page with another value of a parameter. */
+export function hrefWith(name: string, value: string): string {
+  const query = new URLSearchParams(route.value.query);
+  query.set(name, value);
+  return `${route.value.path}?${query.toString()}`;
+}
+
 // Returns the name of the scene in the URL of a scene's page.
 export function sceneNameOf({ parts, query }: Route): SceneName {
   return { project: parts[0] ?? '', scene: parts[1] ?? '', machineClass: query.get('class') ?? '', rewardVersion: Number(query.get('reward') ?? 3) };

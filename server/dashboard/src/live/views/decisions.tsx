@@ -16,7 +16,7 @@ import { addShortcuts } from '../parts/keys';
 import { Name, visible } from '../parts/name';
 import { Empty, Failure, Loading, Read } from '../parts/states';
 import { type Column, Table } from '../parts/table';
-import { decisionsHref, route, sessionHref, setQuery } from '../state/route';
+import { decisionsHref, hrefWith, route, sessionHref, setQuery } from '../state/route';
 import { scenes } from '../state/scenes';
 import { sessions } from '../state/sessions';
 import { create, toJson } from '../transport/messages';
@@ -79,15 +79,10 @@ const wordsOf = ({ row, setup }: PlacedRow) => visible(explainedRow(row, setup)[
 const outcomeText = ({ row: { decision } }: PlacedRow) => (decision ? outcomeWord(decision.outcome).name : '');
 const armOf = ({ row: { arm, decision } }: PlacedRow) => decision?.activeArm || arm;
 const candidateOf = ({ row: { decision } }: PlacedRow) => decision?.candidate ?? '';
-const rowHref = ({ row }: PlacedRow) => {
-  const query = new URLSearchParams(route.value.query);
-  query.set('row', rowId(row));
-  return `${route.value.path}?${query.toString()}`;
-};
 
 const ROWS: readonly Column<PlacedRow>[] = [
   { id: 'time', title: 'Time', sort: timeOf,
-    cell: (placed) => <a href={rowHref(placed)}>{timeOf(placed) ? timeText(timeOf(placed)!) : `row ${placed.row.row}`}</a> },
+    cell: (placed) => <a href={hrefWith('row', rowId(placed.row))}>{timeOf(placed) ? timeText(timeOf(placed)!) : `row ${placed.row.row}`}</a> },
   { id: 'kind', title: 'Kind', isText: true, sort: ({ row }) => kindWord(row.kind).name,
     cell: ({ row }) => <span title={kindWord(row.kind).meaning}><span aria-hidden="true">{kindWord(row.kind).mark} </span>{kindWord(row.kind).name}</span> },
   { id: 'decision', title: 'Decision', sort: ({ row }) => row.decision && Number(row.decision.id), cell: ({ row }) => String(row.decision?.id ?? '–') },
@@ -100,13 +95,9 @@ const ROWS: readonly Column<PlacedRow>[] = [
   { id: 'session', title: 'Session', isText: true, sort: ({ row }) => row.session, cell: ({ row }) => <a href={sessionHref(row.session)}><Name text={row.session} /></a> },
 ];
 
-interface Asked { session: string; project: string; scene: string; kind: string; outcome: string; arm: string; from: string; until: string; older: string; newer: string; row: string }
-
-function asked(): Asked {
-  const text = (name: string) => route.value.query.get(name) ?? '';
-  return { session: text('session'), project: text('project'), scene: text('scene'), kind: text('kind'), outcome: text('outcome'), arm: text('arm'),
-    from: text('from'), until: text('until'), older: text('older'), newer: text('newer'), row: text('row') };
-}
+const PARAMETERS = ['session', 'project', 'scene', 'kind', 'outcome', 'arm', 'from', 'until', 'older', 'newer', 'row'] as const;
+type Asked = Readonly<Record<typeof PARAMETERS[number], string>>;
+const asked = () => Object.fromEntries(PARAMETERS.map((name) => [name, route.value.query.get(name) ?? ''])) as Asked;
 
 /** Returns the value of an enumeration that has this name, as a list; empty if there is none. */
 const named = (names: Readonly<Record<string, string | number>>, name: string) => (typeof names[name] === 'number' ? [names[name]] : []);

@@ -7,7 +7,7 @@ import { Chip, VerdictChip } from '../../parts/chips';
 import { ago, now, timeText } from '../../parts/clock';
 import { Name, visible } from '../../parts/name';
 import { isChanging, leadersOf, savingText } from '../../state/regimes';
-import { decisionsHref, route, sceneHref, sessionHref } from '../../state/route';
+import { decisionsHref, hrefWith, sceneHref, sessionHref } from '../../state/route';
 import { frameTimesOf } from '../../state/frame_times';
 import { leaderProbabilityOf, sceneKey, type SceneName, type SceneState } from '../../state/scenes';
 import { connectedSessions, isConnected, lastMessageMs, sessions, type SessionState } from '../../state/sessions';
@@ -20,13 +20,6 @@ import { HistoryKind, type HistoryPoint } from '../../../gen/sweepstake/v1/histo
 import { percentilesOf, type Use, measuredIn } from '../../numbers/use';
 import { useHistory, WHOLE_LIFE } from '../../transport/history';
 import { type Column, Table } from '../../parts/table';
-
-/** Returns the URL that compares the scene of this view with another one. */
-export function besideHref(other: string): string {
-  const query = new URLSearchParams(route.value.query);
-  query.set('with', other);
-  return `${route.value.path}?${query.toString()}`;
-}
 
 /** Returns the posteriors of a scene for all classes of machines and versions of the reward. */
 export function variantsOf({ project, scene }: SceneName): SceneState[] {
@@ -49,7 +42,7 @@ function variantColumns(own: string): readonly Column<SceneState>[] {
       cell: ({ posterior }) => (leadersOf(posterior).length > 0 ? leaderProbabilityOf(posterior).toFixed(3) : '–') },
     { id: 'loss', title: 'Loss', sort: ({ posterior }) => posterior.expectedLossRatio, cell: ({ posterior }) => (isChanging(posterior) ? '–' : share(posterior.expectedLossRatio)) },
     { id: 'sources', title: 'Sources', hint: 'Sessions that added evidence', sort: ({ posterior }) => Number(posterior.sourceCount) },
-    { id: 'compare', title: 'Comparison', isText: true, cell: ({ key }) => (key === own ? '' : <a href={besideHref(key)}>Compare</a>) },
+    { id: 'compare', title: 'Comparison', isText: true, cell: ({ key }) => (key === own ? '' : <a href={hrefWith('with', key)}>Compare</a>) },
   ];
 }
 
