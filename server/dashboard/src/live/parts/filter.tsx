@@ -1,4 +1,5 @@
 // A search field whose text is in the URL. The key "/" focuses it.
+import type { JSX } from 'preact';
 import { useEffect, useRef } from 'preact/hooks';
 import { route, setQuery } from '../state/route';
 import { addShortcuts } from './keys';
@@ -25,29 +26,45 @@ export function matches(filter: string, texts: readonly string[]): boolean {
 /** The parameters of a place in pages of rows. Another filter begins at the first page. */
 const PLACE = { older: undefined, newer: undefined };
 
-// A selection whose value is in the URL. The first option is the default, which the URL omits.
-export function Choice({ label, parameter, options }: { label: string; parameter: string; options: readonly (readonly [value: string, text: string])[] }) {
-  const chosen = route.value.query.get(parameter) ?? options[0]?.[0] ?? '';
+interface SelectProps extends Pick<JSX.SelectHTMLAttributes, 'disabled' | 'onFocus'> {
+  label: string;
+  value: string;
+  options: readonly (readonly [value: string, text: string])[];
+  onChange(value: string): void;
+}
+
+export function Select({ label, options, onChange, ...rest }: SelectProps) {
   return (
     <label class="choice">
       <span>{label}</span>
-      <select value={chosen} onChange={(event) => setQuery({ ...PLACE, [parameter]: event.currentTarget.value === options[0]?.[0] ? undefined : event.currentTarget.value }, { step: true })}>
+      <select {...rest} onChange={(event) => onChange(event.currentTarget.value)}>
         {options.map(([value, text]) => <option key={value} value={value}>{text}</option>)}
       </select>
     </label>
   );
 }
 
+// A selection whose value is in the URL. The first option is the default, which the URL omits.
+export function Choice({ parameter, ...rest }: Pick<SelectProps, 'label' | 'options'> & { parameter: string }) {
+  const usual = rest.options[0]?.[0] ?? '';
+  const choose = (value: string) => setQuery({ ...PLACE, [parameter]: value === usual ? undefined : value }, { step: true });
+  return <Select {...rest} value={route.value.query.get(parameter) ?? usual} onChange={choose} />;
+}
+
 const inputTime = (unixMs: number) => new Date(unixMs - 60_000 * new Date(unixMs).getTimezoneOffset()).toISOString().slice(0, 19);
 
-// A time in the browser's time zone. The URL has it in milliseconds since 1970.
-export function TimeChoice({ label, parameter }: { label: string; parameter: string }) {
-  const chosen = Number(route.value.query.get(parameter) ?? 0);
-  const set = (text: string) => setQuery({ ...PLACE, [parameter]: text && String(new Date(text).getTime()) }, { step: true });
+/** A time in the browser's time zone. An empty field is 0. */
+export function TimeInput({ label, unixMs, onChange }: { label: string; unixMs: number; onChange(unixMs: number): void }) {
   return (
     <label class="choice">
       <span>{label}</span>
-      <input type="datetime-local" step="1" value={chosen ? inputTime(chosen) : ''} onChange={(event) => set(event.currentTarget.value)} />
+      <input type="datetime-local" step="1" value={unixMs ? inputTime(unixMs) : ''} onChange={(event) => onChange(new Date(event.currentTarget.value || 0).getTime())} />
     </label>
   );
+}
+
+/** A time that the URL has in milliseconds since 1970. */
+export function TimeChoice({ label, parameter }: { label: string; parameter: string }) {
+  const set = (unixMs: number) => setQuery({ ...PLACE, [parameter]: unixMs ? String(unixMs) : undefined }, { step: true });
+  return <TimeInput label={label} unixMs={Number(route.value.query.get(parameter) ?? 0)} onChange={set} />;
 }

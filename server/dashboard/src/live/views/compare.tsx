@@ -12,6 +12,7 @@ import { range, type Range, useFrozen } from '../charts/view_state';
 import { Arms } from '../parts/arm';
 import { VerdictChip } from '../parts/chips';
 import { sessionCsvUrl } from '../parts/download';
+import { Select } from '../parts/filter';
 import { CopyLink } from '../parts/toast';
 import { Name, visible } from '../parts/name';
 import { Empty } from '../parts/states';
@@ -132,14 +133,8 @@ export function CompareWith({ info }: { info: SessionInfo }) {
   const others = [...sessions.value].filter(([id, { info: { project, scene } }]) => id !== info.sessionId && project === info.project && scene === info.scene)
     .map(([id]) => id);
   if (others.length === 0) return null;
-  return (
-    <label class="choice"><span>Compare with</span>
-      <select value="" onChange={(event) => setQuery({ with: event.currentTarget.value, from: undefined, to: undefined }, { step: true })}>
-        <option value="">no other session</option>
-        {others.map((id) => <option key={id} value={id}>{visible(id)}</option>)}
-      </select>
-    </label>
-  );
+  const options = [['', 'no other session'] as const, ...others.map((id) => [id, visible(id)] as const)];
+  return <Select label="Compare with" value="" options={options} onChange={(id) => setQuery({ with: id, from: undefined, to: undefined }, { step: true })} />;
 }
 
 export function CompareSessions({ ids: [first, second] }: { ids: readonly [string, string] }) {

@@ -3,6 +3,7 @@ import { useEffect, useState } from 'preact/hooks';
 import { grouped } from '../../format';
 import type { Boxes } from '../numbers/boxes';
 import { openRecording, type Recording } from '../numbers/recording';
+import { Select } from '../parts/filter';
 import { Name } from '../parts/name';
 import { Empty } from '../parts/states';
 import { Picture } from './session/boxes';
@@ -42,9 +43,7 @@ function Player({ recording, onError }: PlayerProps) {
         <button type="button" class="primary" onClick={play}>{isPlaying ? 'Stop' : 'Play'}</button>
         <button type="button" disabled={frame === 0} onClick={() => goTo(frame - 1)}>Previous frame</button>
         <button type="button" disabled={frame === last} onClick={() => goTo(frame + 1)}>Next frame</button>
-        <label class="choice"><span>Speed</span>
-          <select value={rate} onChange={(event) => setRate(Number(event.currentTarget.value))}>{RATES.map((each) => <option key={each} value={each}>{each} frames/s</option>)}</select>
-        </label>
+        <Select label="Speed" value={String(rate)} options={RATES.map((each) => [String(each), `${each} frames/s`] as const)} onChange={(value) => setRate(Number(value))} />
         <label class="choice"><span>Frame {grouped(frame)} of {grouped(last)}</span><input type="range" min={0} max={last} value={frame} onInput={(event) => goTo(Number(event.currentTarget.value))} /></label>
       </div>
       {boxes && (boxes.count > 0 ? <Picture boxes={boxes} /> : <Empty title="The frame has no objects" />)}

@@ -6,6 +6,7 @@ import { SessionsService, type SessionInfo } from '../../../gen/sweepstake/v1/se
 import { Mode } from '../../../gen/sweepstake/v1/telemetry_pb';
 import { Name, visible } from '../../parts/name';
 import { confirmed } from '../../parts/dialog';
+import { Select } from '../../parts/filter';
 import { toast } from '../../parts/toast';
 import { account, isOperator } from '../../state/account';
 import { asApiError, call } from '../../transport/calls';
@@ -73,11 +74,8 @@ export function Orders({ info, arms, isOver }: { info: SessionInfo; arms: readon
   return (
     <div class="orders" role="group" aria-label="Orders">
       <button type="button" disabled={refuses || info.mode === Mode.AI} onClick={() => void ask(info, { mode: Mode.AI, arm: '' })}>AI decides</button>
-      <label class="choice"><span>Keep</span>
-        <select value={arm} disabled={!info.takesOrders} onFocus={() => setChosen(arm)} onChange={(event) => setChosen(event.currentTarget.value)}>
-          {[...new Set([info.activeArm, ...arms])].map((name) => <option key={name} value={name}>{visible(name)}</option>)}
-        </select>
-      </label>
+      <Select label="Keep" value={arm} options={[...new Set([info.activeArm, ...arms])].map((name) => [name, visible(name)] as const)} disabled={!info.takesOrders}
+        onFocus={() => setChosen(arm)} onChange={setChosen} />
       <button type="button" disabled={refuses} onClick={() => void ask(info, { mode: Mode.MANUAL, arm })}>Pin this algorithm</button>
       <button type="button" disabled={isBusy} onClick={() => void kick(info, true)}>Reconnect</button>
       <button type="button" disabled={isBusy} onClick={() => void kick(info, false)}>End session</button>
