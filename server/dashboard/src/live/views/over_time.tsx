@@ -4,11 +4,11 @@ import { significant } from '../../format';
 import { HistoryKind, type HistoryPoint, type HistorySeries } from '../../gen/sweepstake/v1/history_pb';
 import type { RegimePosterior, SceneActivity } from '../../gen/sweepstake/v1/posteriors_pb';
 import { armStyle } from '../charts/colours';
-import { type Band, fillOf, type Level, type Line, type Moment } from '../charts/plot';
+import { type Band, fillOf, type Line, type Moment } from '../charts/plot';
 import { BestChart, StackChart } from '../charts/posterior_charts';
 import { TimeFigure } from '../charts/time_chart';
 import { domainOf, range, type Range } from '../charts/view_state';
-import { FRAME_MS, NS_PER_MS } from '../numbers/log_cost';
+import { NS_PER_MS } from '../numbers/log_cost';
 import { percentilesOf, measuredIn } from '../numbers/use';
 import { csvUrl } from '../parts/download';
 import { Choice } from '../parts/filter';
@@ -16,11 +16,10 @@ import { Failure, Loading } from '../parts/states';
 import { period, timesOf } from '../state/period';
 import { route } from '../state/route';
 import { type HistorySelection, useHistory } from '../transport/history';
+import { BUDGETS, PERCENTILES } from './session/cost_charts';
 
 const MAX_POINTS = 300;
 const NOT_YET = 'The history has no measurements in this period. Points appear about 20 seconds after they are measured.';
-const PERCENTILES = [['p50', 'var(--kind-1)', []], ['p95', 'var(--kind-3)', [8, 3]], ['p99', 'var(--kind-4)', [4, 2]]] as const;
-const FRAME_LEVELS: readonly Level[] = [{ value: FRAME_MS, label: '60 fps' }, { value: 2 * FRAME_MS, label: '30 fps' }];
 const us = (value: number) => `${significant(value)} µs`;
 
 const armsOf = (points: readonly HistoryPoint[]) => [...new Set(points.flatMap(({ arms, activity }) => [...arms.map(({ arm }) => arm), ...(activity?.arms ?? [])]))].sort();
@@ -54,10 +53,10 @@ function costLines({ arms }: Rows, beliefs: ReturnType<typeof beliefsOf>): { lin
 
 const percentileLines = (points: readonly HistoryPoint[], part: 'frameTimeNs' | 'detectionTimeNs', unitNs: number): Line[] => {
   const values = points.map((point) => percentilesOf(point[part]));
-  return PERCENTILES.map(([label, colour, dash], i) => ({ label, values: values.map((each) => (each ? each[i]! / unitNs : null)), colour, dash: [...dash], stepped: true }));
+  return PERCENTILES.map((line, i) => ({ ...line, values: values.map((each) => (each ? each[i]! / unitNs : null)), stepped: true }));
 };
 
-const SAVINGS = [['againstInitialUs', 'against the first algorithm', 'var(--kind-1)'], ['againstSingleUs', 'against the best single one', 'var(--kind-3)'], ['againstReferenceUs', 'against KDTree', 'var(--kind-4)']] as const;
+const SAVINGS = [['againstInitialUs', 'against the first algorithm', 'var(--arm-4)'], ['againstSingleUs', 'against the best single one', 'var(--arm-2)'], ['againstReferenceUs', 'against KDTree', 'var(--arm-3)']] as const;
 const savingLines = (points: readonly HistoryPoint[]): Line[] => {
   const uses = points.map(measuredIn);
   return SAVINGS.map(([part, label, colour]) => ({ label, colour, stepped: true, values: uses.map((use) => (use?.[part] === undefined ? null : use[part] / use.frameCount)) }));
@@ -69,7 +68,7 @@ const shares = ({ points, arms }: Rows): (number | undefined)[][] => points.map(
   return counts.map((count) => (total > 0 ? count / total : undefined));
 });
 
-function Beliefs({ rows, common }: { rows: Rows; common: Common }) {
+function Beliefs({ rows, common }: { rows: Rows; common: Common & { empty: string | false } }) {
   const chosen = route.value.query.get('regime') ?? '';
   const beliefs = useMemo(() => beliefsOf(rows, chosen), [rows, chosen]);
   const best = useMemo(() => rows.timesMs.map((timeMs, i) => ({ timeMs, best: beliefs[i]!.map((belief) => belief?.bestProbability) })), [beliefs]);
@@ -86,16 +85,16 @@ function Beliefs({ rows, common }: { rows: Rows; common: Common }) {
   );
 }
 
-interface Common { csvHref: string; names: readonly string[]; domain: Range; moments: readonly Moment[]; empty: string | false }
+interface Common { csvHref: string; names: readonly string[]; domain: Range; moments: readonly Moment[] }
 
-function Charts({ series, csvHref, names, domain, moments }: { series: HistorySeries | undefined; csvHref: string; names: readonly string[]; domain: Range; moments: readonly Moment[] }) {
+function Charts({ series, ...rest }: Common & { series: HistorySeries | undefined }) {
   const rows = useMemo((): Rows => {
     const points = series?.points ?? [];
     return { points, arms: armsOf(points), timesMs: points.map(({ unixMs }) => Number(unixMs)) };
   }, [series]);
   const drawn = useMemo(() => ({ frame: percentileLines(rows.points, 'frameTimeNs', NS_PER_MS), detection: percentileLines(rows.points, 'detectionTimeNs', 1000), saved: savingLines(rows.points), shares: shares(rows) }), [rows]);
   const ran = useMemo(() => rows.timesMs.map((timeMs, i) => ({ timeMs, best: drawn.shares[i]! })), [drawn]);
-  const common: Common = { csvHref, names, domain, moments, empty: rows.points.length === 0 && NOT_YET };
+  const common = { ...rest, empty: rows.points.length === 0 && NOT_YET };
   const hasBeliefs = rows.points.some(({ activity }) => activity);
   return (
     <>
@@ -103,7 +102,7 @@ function Charts({ series, csvHref, names, domain, moments }: { series: HistorySe
       <StackChart {...common} id="ran" title="What ran" arms={rows.arms} rows={ran} format={(value) => `${significant(100 * value)} %`} height={140}
         note="Share of the frames in which each algorithm ran." />
       <div class="beside">
-        <TimeFigure {...common} id="frame-history" title="Frame time" timesMs={rows.timesMs} lines={drawn.frame} levels={FRAME_LEVELS} unit="(ms)" scale="zero" format={(value) => `${significant(value)} ms`} height={160} />
+        <TimeFigure {...common} id="frame-history" title="Frame time" timesMs={rows.timesMs} lines={drawn.frame} levels={BUDGETS} unit="(ms)" scale="zero" format={(value) => `${significant(value)} ms`} height={160} />
         <TimeFigure {...common} id="detection-history" title="Detection time" timesMs={rows.timesMs} lines={drawn.detection} unit="(µs)" scale="log" format={us} height={160} />
       </div>
       <TimeFigure {...common} id="saved" title="Saved per frame" timesMs={rows.timesMs} lines={drawn.saved} unit="(µs)" scale="signed" format={us} height={140}

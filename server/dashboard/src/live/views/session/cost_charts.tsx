@@ -8,24 +8,22 @@ import { TimeFigure } from '../../charts/time_chart';
 import type { Range } from '../../charts/view_state';
 import type { CostColumns } from './model';
 
-/** Milliseconds that a frame may take at 60 and at 30 frames per second: 16.7 and 33.3. */
+/** Milliseconds that a frame may take at 60 and at 30 frames per second. */
 export const BUDGETS: readonly Level[] = [{ value: FRAME_MS, label: '60 fps' }, { value: 2 * FRAME_MS, label: '30 fps' }];
 // Detection takes a small part of a frame. Its axis therefore ignores the budgets, which are drawn only if values come near them.
 const BUDGETS_ASIDE: readonly Level[] = BUDGETS.map((level) => ({ ...level, isAside: true }));
 
-const PARTS = [
-  { label: 'window mean', colour: 'var(--soft)', dash: [2, 2] }, { label: 'p50', colour: 'var(--kind-1)', dash: [] },
-  { label: 'p95', colour: 'var(--kind-3)', dash: [8, 3] }, { label: 'p99', colour: 'var(--kind-4)', dash: [4, 2] },
+export const PERCENTILES = [
+  { label: 'p50', colour: 'var(--arm-4)', dash: [] }, { label: 'p95', colour: 'var(--arm-2)', dash: [8, 3] }, { label: 'p99', colour: 'var(--arm-3)', dash: [4, 2] },
 ] as const;
 
 const percentileLines = (columns: readonly (number | null)[][], first: string): Line[] =>
-  PARTS.map(({ label, colour, dash }, i) => ({ label: i === 0 ? first : label, values: columns[i] ?? [], colour, dash }));
+  [{ label: first, colour: 'var(--soft)', dash: [2, 2] }, ...PERCENTILES].map((line, i) => ({ ...line, values: columns[i] ?? [] }));
 
 const single = (label: string, values: (number | null)[]): Line[] => [{ label, values, colour: 'var(--accent)' }];
 const ms = (value: number) => `${significant(value)} ms`;
 const us = (value: number) => `${compact(1000 * value)} µs`; // of a value in milliseconds
 
-/** Lowest and highest values of the axes. */
 export interface Ends { frameMs: readonly [number, number]; detectionMs: readonly [number, number] }
 
 export interface CostChartsProps {
