@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { bytes, compact, grouped, percent, share, signedShare, significant } from './format';
+import { bytes, compact, grouped, share, signedShare, significant } from './format';
 
 describe('numbers', () => {
   it('show significant digits without an exponent', () => {
@@ -19,8 +19,7 @@ describe('numbers', () => {
     expect([512, 11_240, 3_400_000].map(bytes)).toEqual(['512 B', '11.2 kB', '3.40 MB']);
   });
 
-  it('of ratios have a sign unless they round to zero', () => {
-    expect([0.0123, -0.0123, 0.5, 12, 0.00001, -0.00001].map(percent)).toEqual(['+1.23 %', '−1.23 %', '+50.0 %', '+1,200 %', '0 %', '0 %']);
+  it('of ratios are percentages, with a sign if they are negative and do not round to zero', () => {
     expect([0.0123, -0.0123, 0.00001, -0.00001].map(signedShare)).toEqual(['1.23 %', '−1.23 %', '0 %', '0 %']);
     expect([0.99996, 0.0002, 0.00001, 0].map(share)).toEqual(['100 %', '0.02 %', '0 %', '0 %']);
   });

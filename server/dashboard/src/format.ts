@@ -32,9 +32,6 @@ export function bytes(value: number): string {
   return `${step === 0 ? grouped(value) : significant(value)} ${BYTES[step]}`;
 }
 
-export const times = (ratio: number) => (isNumber(ratio) ? `${significant(ratio)}×` : NONE);
-export const milliseconds = (ms: number) => significant(ms);
-
 // Returns a ratio as a percentage: with two decimals below 10 %, one below 100 %, none above; "0 %" if it rounds to zero.
 // REQUIRES: ratio >= 0.
 export function share(ratio: number): string {
@@ -50,16 +47,6 @@ export function signedShare(ratio: number): string {
   return ratio < 0 && size !== '0 %' ? `−${size}` : size;
 }
 
-// Returns a ratio as a percentage with a sign, unless it rounds to zero.
-export function percent(ratio: number | null): string {
-  if (!isNumber(ratio)) return NONE;
-  const text = signedShare(ratio);
-  return ratio > 0 && text !== '0 %' ? `+${text}` : text;
-}
-
-export type Interval = [number, number];
-export const interval = ([low, high]: Interval) => `${percent(low)} to ${percent(high)}`;
-export const probability = (p: number) => (p < 0.0001 ? '< 0.0001' : significant(p, 2));
 export const counted = (count: number, one: string, many: string) => `${grouped(count)} ${count === 1 ? one : many}`;
 
 export function mean(values: readonly number[]): number {

@@ -1,6 +1,7 @@
 // The document of `sweepstake-lab experiment --json`, and the page's summaries of it. Times of a run are seconds since its start. Ratios
 // are plain numbers, 0.1 for 10 %.
-import { mean, type Interval } from '../../../../../server/dashboard/src/format';
+import { mean } from '../../../../../server/dashboard/src/format';
+import { type Interval } from '../format';
 import type { Machine } from '../page';
 import type { FrameMs } from './replay';
 

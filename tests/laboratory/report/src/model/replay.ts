@@ -1,5 +1,6 @@
 // The document of `sweepstake-lab replay --json`. Ratios are plain numbers, 0.1 for 10 %.
-import { mean, type Interval } from '../../../../../server/dashboard/src/format';
+import { mean } from '../../../../../server/dashboard/src/format';
+import { type Interval } from '../format';
 
 // The decisions in which P(best) of the leader was between `low` and `high`. `predicted` is the mean of P(best). `best` is the share of
 // decisions in which the leader was the fastest algorithm. `best_or_tie` also counts leaders that took at most 0.5 % longer.

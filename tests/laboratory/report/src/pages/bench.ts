@@ -1,7 +1,8 @@
 // The page of `sweepstake-lab bench`.
 import { lineChart, type Series } from '../charts/line_chart';
 import { byValue, rangeChart } from '../charts/range_chart';
-import { grouped, milliseconds, times } from '../../../../../server/dashboard/src/format';
+import { grouped } from '../../../../../server/dashboard/src/format';
+import { milliseconds, times } from '../format';
 import { contestantTitle, indexBench, sceneTitle, type BenchDocument, type BenchIndex, type BenchRow, type Cell, type Contestant, type Scene } from '../model/bench';
 import { commandLine, machineList, type Page } from '../page';
 import { colourOf, symbolOf } from '../../../../../server/dashboard/src/palette';

@@ -1,6 +1,7 @@
 // Tables of comparisons: our best arm with the best peer, arms with the peers of their family, and figures with their goals.
 import { bold, details, h, list, small, verdict, type Child } from '../dom';
-import { grouped, milliseconds, times } from '../../../../../server/dashboard/src/format';
+import { grouped } from '../../../../../server/dashboard/src/format';
+import { milliseconds, times } from '../format';
 import { contestantTitle, familyLines, goalLines, isPublished, overallAt, sceneTitle, type BenchIndex, type Cell as At, type Ratio } from '../model/bench';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell } from '../table';
 import { boundOf, cellHead, goalClass, goalVerdict, separateScenes } from './bench_tables';

@@ -1,6 +1,7 @@
 // Tables with a line per contestant and a column per cell, and a table of all rows.
 import { bold, h, small, type Child } from '../dom';
-import { bytes, compact, grouped, milliseconds, significant, times } from '../../../../../server/dashboard/src/format';
+import { bytes, compact, grouped, significant } from '../../../../../server/dashboard/src/format';
+import { milliseconds, times } from '../format';
 import { contestantTitle, hasGoal, largeIsGood, sceneTitle, type BenchIndex, type BenchRow, type Contestant, type Ratio, type RatioKind } from '../model/bench';
 import { familyTitle } from '../palette';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell, type HeadCell } from '../table';

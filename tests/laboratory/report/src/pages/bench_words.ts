@@ -1,6 +1,7 @@
 // Texts of the page of a bench.
 import { details, h, headline, list, paragraph, verdict, type Child } from '../dom';
-import { compact, grouped, significant, times } from '../../../../../server/dashboard/src/format';
+import { compact, grouped, significant } from '../../../../../server/dashboard/src/format';
+import { times } from '../format';
 import { contestantTitle, overallSpan, sceneTitle, type BenchIndex, type BenchRow, type RatioKind } from '../model/bench';
 
 export const GOAL_WORDS: Record<RatioKind, [string, string]> = {

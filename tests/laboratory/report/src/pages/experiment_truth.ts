@@ -2,8 +2,8 @@
 // regret.
 import { byValue, rangeChart, type RangeRow } from '../charts/range_chart';
 import { details, paragraph, small, verdict, type Child } from '../dom';
-import { counted, interval, mean, percent, probability, share, significant, times } from '../../../../../server/dashboard/src/format';
-import { microseconds, shareInterval, signedMs } from '../format';
+import { counted, mean, share, significant } from '../../../../../server/dashboard/src/format';
+import { interval, microseconds, percent, probability, shareInterval, signedMs, times } from '../format';
 import { regretsByPlayer, replayed, smallestProbability, type Agreement, type Comparison, type ExperimentDocument, type Truth } from '../model/experiment';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell, type Group } from '../table';
 import { armChip } from './experiment_cells';

@@ -1,6 +1,7 @@
 // Texts of the page of an experiment.
 import { h, headline, list, paragraph, verdict, type Child } from '../dom';
-import { compact, counted, grouped, percent, significant } from '../../../../../server/dashboard/src/format';
+import { compact, counted, grouped, significant } from '../../../../../server/dashboard/src/format';
+import { percent } from '../format';
 import { agreementCounts, chosenWell, frameTime, meanRegret, noisyCells, timeParts, type ExperimentDocument } from '../model/experiment';
 
 const SCENES: Record<string, string> = { brownian: 'Brownian', 'rotating-gravity': 'Rotating Grav', hurricane: 'Hurricane' };

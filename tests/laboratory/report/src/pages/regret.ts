@@ -1,7 +1,7 @@
 // Charts and texts about regret, shared by the pages of experiment and replay.
 import type { RangeRow } from '../charts/range_chart';
 import { SYMLOG_LINEAR } from '../charts/scales';
-import { percent, type Interval } from '../../../../../server/dashboard/src/format';
+import { type Interval, percent } from '../format';
 
 export const REGRET_AXIS = 'Percent of frame time lost to the best fixed algorithm';
 // Explains the axis of a chart of regretRow, which has the scale `symlog`.
