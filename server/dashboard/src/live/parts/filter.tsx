@@ -4,14 +4,14 @@ import { useEffect, useRef } from 'preact/hooks';
 import { route, setQuery } from '../state/route';
 import { addShortcuts } from './keys';
 
-export function Filter({ label, parameter = 'q' }: { label: string; parameter?: string }) {
+export function Filter({ label }: { label: string }) {
   const input = useRef<HTMLInputElement>(null);
   useEffect(() => addShortcuts([{ keys: '/', what: label, run: () => input.current?.focus() }]), [label]);
   return (
     <label class="filter">
       <span class="unseen">{label}</span>
-      <input ref={input} type="search" placeholder={`${label}  /`} value={route.value.query.get(parameter) ?? ''} spellcheck={false}
-        onInput={(event) => setQuery({ [parameter]: event.currentTarget.value })}
+      <input ref={input} type="search" placeholder={`${label}  /`} value={route.value.query.get('q') ?? ''} spellcheck={false}
+        onInput={(event) => setQuery({ q: event.currentTarget.value })}
         onKeyDown={(event) => event.key === 'Escape' && event.currentTarget.blur()} />
     </label>
   );

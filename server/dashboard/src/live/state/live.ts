@@ -9,8 +9,8 @@ import { account, learnAccount, needsLogin } from './account';
 import * as scenes from './scenes';
 import * as sessions from './sessions';
 
-// Whether the first snapshot of the scenes and of the sessions was received.
-export const isKnown = signal({ scenes: false, sessions: false });
+/** Whether a snapshot of the scenes was received. */
+export const areScenesKnown = signal(false);
 
 const ASK_AGAIN_MS = 3000;  // interval of requests for the account until one succeeds
 const HIDDEN_INTERVAL_MS = 1000;  // a hidden page has no animation frames and uses a timer instead
@@ -39,10 +39,7 @@ function listener<Message>(stream: 'scenes' | 'sessions', took: (messages: reado
     messages(messages, isSnapshot) {
       if (isSnapshot) {
         waiting = undefined;  // changes from here on are applied after the snapshot
-        withNextFrame(() => {
-          took(messages, true);
-          isKnown.value = { ...isKnown.peek(), [stream]: true };
-        });
+        withNextFrame(() => took(messages, true));
       } else if (waiting) {
         waiting.push(...messages);
       } else {
@@ -64,6 +61,7 @@ function tookPosteriors(messages: readonly WatchPosteriorsResponse[], isSnapshot
   const posteriors = messages.map(({ posterior }) => posterior).filter((each): each is ScenePosterior => each !== undefined);
   const decisions: DecisionEvent[] = messages.flatMap((message) => message.decisions);
   if (isSnapshot) scenes.takeSnapshot(posteriors);
+  areScenesKnown.value ||= isSnapshot;
   if (!isSnapshot || decisions.length > 0) scenes.takeChanges(isSnapshot ? [] : posteriors, decisions);
   if (decisions.length > 0) sessions.takeDecisions(decisions);
 }

@@ -13,7 +13,7 @@ import { type Column, Table } from '../parts/table';
 import { CopyLink } from '../parts/toast';
 import { stableProbability } from '../state/account';
 import { connection } from '../state/connection';
-import { isKnown } from '../state/live';
+import { areScenesKnown } from '../state/live';
 import { leadersOf, savingText } from '../state/regimes';
 import { route, sceneHref } from '../state/route';
 import { PERIODS } from '../state/period';
@@ -129,7 +129,7 @@ function NoScenes() {
 
 export function Overview() {
   const all = summaries.value;
-  if (all.length === 0 && !isKnown.value.scenes) return connection.value.status === 'connecting' ? <Loading what="scenes" /> : <NotThere />;
+  if (all.length === 0 && !areScenesKnown.value) return connection.value.status === 'connecting' ? <Loading what="scenes" /> : <NotThere />;
   return <Known all={all} />;
 }
 

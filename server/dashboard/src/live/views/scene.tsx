@@ -15,7 +15,7 @@ import { Empty, Failure, Loading } from '../parts/states';
 import { HistoryKind } from '../../gen/sweepstake/v1/history_pb';
 import type { ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { connection } from '../state/connection';
-import { isKnown } from '../state/live';
+import { areScenesKnown } from '../state/live';
 import { decisionsHref, route, sceneHref, sceneNameOf } from '../state/route';
 import { sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
 import { urlOf } from '../transport/base';
@@ -119,7 +119,7 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
 function NoScene({ name }: { name: SceneName }) {
   const others = variantsOf(name);
   const { error } = connection.value;
-  if (!isKnown.value.scenes) return error ? <Failure what="The scene" error={error} onRetry={() => location.reload()} /> : <Loading what="the scene" />;
+  if (!areScenesKnown.value) return error ? <Failure what="The scene" error={error} onRetry={() => location.reload()} /> : <Loading what="the scene" />;
   return (
     <Empty title="The daemon does not know this scene">
       <p><Name text={name.project} /> / <Name text={name.scene} /> on <Name text={name.machineClass} />, reward version {name.rewardVersion}.</p>
