@@ -81,7 +81,6 @@ function useLines<Row>(placed: readonly PlacedRow<Row>[], from: number, columns:
   return lines;
 }
 
-// Takes the place of rows that are not drawn.
 const Gap = ({ rows, columns }: { rows: number; columns: number }) =>
   (rows > 0 ? <tr class="gap" aria-hidden="true"><td colSpan={columns} style={{ height: rows * ROW_PX }} /></tr> : null);
 
@@ -123,21 +122,10 @@ function useView() {
   return { box, view, look };
 }
 
-// Returns the range of rows to draw.
 function windowOf({ top, height }: { top: number; height: number }, count: number): [number, number] {
   if (count <= ALL_UP_TO) return [0, count];
   const to = Math.min(count, Math.ceil((top + height) / ROW_PX) + OVERSCAN);
   return [Math.min(Math.max(0, Math.floor(top / ROW_PX) - OVERSCAN), to), to];
-}
-
-// Returns the order of the rows, which is kept until the query of the URL changes. A changed filter or sorting changes the query.
-function useOrder<Row>() {
-  const order = useRef(new RowOrder<Row>());
-  const address = useRef('');
-  const asked = route.value.query.toString();
-  if (address.current !== asked) order.current = new RowOrder<Row>();
-  address.current = asked;
-  return order;
 }
 
 export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParameter = 'sort', tools, csvHref, isBare = false }: TableProps<Row>) {
@@ -145,19 +133,19 @@ export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParam
   const { isEntered, handlers } = useEntered();
   const choice = useColumns(all, caption, sortParameter === 'sort' ? 'columns' : `${sortParameter}-columns`, sorting.column);
   const columns = choice.shown;
-  const [, drawAgain] = useState(0);
-  const order = useOrder<Row>();
+  const [turn, setTurn] = useState(0);
+  // The order is kept until the query of the URL changes. A changed filter or sorting changes the query.
+  const order = useMemo(() => new RowOrder<Row>(), [route.value.query.toString(), turn]);
   const valueOf = all.find(({ id }) => id === sorting.column)?.sort;
   const sorted = useMemo(() => (valueOf ? sortedBy(rows, valueOf, sorting.isDescending) : [...rows]), [rows, sorting.column, sorting.isDescending]);
   const { box, view, look } = useView();
-  const { placed, isOutdated } = order.current.place(sorted, keyOf, isEntered || view.top > 0);
+  const { placed, isOutdated } = order.place(sorted, keyOf, isEntered || view.top > 0);
   const [from, to] = windowOf(view, placed.length);
   const lines = useLines(placed.slice(from, to), from, columns);
 
   const sortAgain = (next: Sorting) => {
-    order.current = new RowOrder<Row>();
     setQuery({ [sortParameter]: sortingText(next) === sort ? undefined : sortingText(next) });
-    drawAgain((count) => count + 1);
+    setTurn((count) => count + 1);
   };
   return (
     <div class="table">
