@@ -16,7 +16,7 @@ import { Changes } from './priors/changes';
 import { OperatorReason, PriorsQuestion, PromoteButton, RevokeButton } from './priors/question';
 import { useMemo } from 'preact/hooks';
 import { Arm } from '../parts/arm';
-import { type Column, Table } from '../parts/table';
+import { type Column, Table, type TableProps } from '../parts/table';
 import { decisionsHref, route, sceneHref, sessionHref } from '../state/route';
 import { sessions } from '../state/sessions';
 
@@ -62,7 +62,7 @@ function Quarantine({ waiting, scope }: { waiting: readonly PriorRecord[]; scope
       <h2>Waiting in quarantine</h2>
       <p>{grouped(waiting.length)} imported records have no effect until an operator promotes them. No session starts from them, and no posterior includes them.</p>
       <div class="tools"><PromoteButton scope={scope} /></div>
-      <Waiting records={waiting} />
+      <Groups records={waiting} by={BY_BUILD} columns={WAITING} caption="Quarantine" sort="build" sortParameter="waiting" />
     </section>
   );
 }
@@ -70,10 +70,10 @@ function Quarantine({ waiting, scope }: { waiting: readonly PriorRecord[]; scope
 function Tables({ records, project }: { records: readonly PriorRecord[]; project: string }) {
   return (
     <>
-      <section><h2>Builds</h2><Builds records={records} /></section>
+      <section><h2>Builds</h2><Groups records={records} by={BY_BUILD} columns={BUILDS} caption="Builds" sort="-seen" sortParameter="builds" /></section>
       <section><h2>From build to build</h2><Changes known={buildsOf(records)} project={project} /></section>
-      <section><h2>Evidence</h2><Sums records={records} /></section>
-      <section><h2>Sources</h2><Sources records={records} /></section>
+      <section><h2>Evidence</h2><Groups records={records} by={BY_ARM} columns={SUMS} caption="Sums of evidence" sort="scene" csvHref={csvUrl('evidence', { project, withWeights: true })} /></section>
+      <section><h2>Sources</h2><Groups records={records} by={['sourceId']} columns={SOURCES} caption="Sources" sort="-windows" sortParameter="sources" /></section>
     </>
   );
 }
@@ -141,19 +141,13 @@ const ORIGIN: readonly Column<Group>[] = [
   PROJECT,
 ];
 
-const BUILDS: readonly Column<Group>[] = [
+const buildsWith = (title: string, Button: typeof RevokeButton): readonly Column<Group>[] => [
   BUILD,
-  { id: 'revoke', title: 'Revoke', isText: true,
-    cell: ({ example: { project, build } }) => build && <RevokeButton scope={{ project, build }} of={`build ${build}`} /> },
+  { id: title.toLowerCase(), title, isText: true, cell: ({ example: { project, build } }) => build && <Button scope={{ project, build }} of={`build ${build}`} /> },
   SOURCE_COUNT, ...ORIGIN,
 ];
-
-const WAITING: readonly Column<Group>[] = [
-  BUILD,
-  { id: 'promote', title: 'Promote', isText: true,
-    cell: ({ example: { project, build } }) => build && <PromoteButton scope={{ project, build }} of={`build ${build}`} /> },
-  SOURCE_COUNT, ...ORIGIN,
-];
+const BUILDS = buildsWith('Revoke', RevokeButton);
+const WAITING = buildsWith('Promote', PromoteButton);
 
 // A session that has left the daemon's memory is shown by its rows in the audit log.
 const sourceHref = (id: string) => (sessions.value.has(id) ? sessionHref(id) : decisionsHref({ session: id }));
@@ -192,7 +186,7 @@ const SUMS: readonly Column<Group>[] = [
   { id: 'reward', title: 'Reward', sort: ({ example }) => example.rewardVersion },
 ];
 
-interface GroupsProps { records: readonly PriorRecord[]; by: readonly (keyof PriorRecord)[]; columns: readonly Column<Group>[]; caption: string; sort: string; sortParameter?: string; csvHref?: string | undefined }
+interface GroupsProps extends Omit<TableProps<Group>, 'rows' | 'keyOf'> { records: readonly PriorRecord[]; by: readonly (keyof PriorRecord)[] }
 
 function Groups({ records, by, ...table }: GroupsProps) {
   const groups = useMemo(() => groupsOf(records, ...by), [records]);
@@ -201,12 +195,5 @@ function Groups({ records, by, ...table }: GroupsProps) {
   return <Table {...table} rows={rows} keyOf={({ key }) => key} />;
 }
 
-interface Records { records: readonly PriorRecord[] }
-
 const BY_BUILD = ['project', 'build'] as const;
 const BY_ARM = [...BY_BUILD, 'scene', 'machineClass', 'rewardVersion', 'arm', 'backendVersion', 'measuredBy'] as const;
-
-export const Waiting = (records: Records) => <Groups {...records} by={BY_BUILD} columns={WAITING} caption="Quarantine" sort="build" sortParameter="waiting" />;
-export const Builds = (records: Records) => <Groups {...records} by={BY_BUILD} columns={BUILDS} caption="Builds" sort="-seen" sortParameter="builds" />;
-export const Sums = (records: Records) => <Groups {...records} by={BY_ARM} columns={SUMS} caption="Sums of evidence" csvHref={csvUrl('evidence', { project: route.value.query.get('project') ?? '', withWeights: true })} sort="scene" />;
-export const Sources = (records: Records) => <Groups {...records} by={['sourceId']} columns={SOURCES} caption="Sources" sort="-windows" sortParameter="sources" />;
