@@ -66,21 +66,24 @@ export function takeSnapshot(posteriors: readonly ScenePosterior[]): void {
   }));
 }
 
-// Adds changed posteriors and new decisions. Decisions of unknown scenes are ignored.
 export function takeChanges(posteriors: readonly ScenePosterior[], decisions: readonly DecisionEvent[]): void {
   const next = new Map(scenes.peek());
   for (const posterior of posteriors) {
     const key = sceneKey(posterior);
     next.set(key, withPosterior(next.get(key), key, posterior, true));
   }
-  const share = shareOf(next.size, MAX_SCENE_DECISIONS);
-  for (const [key, added] of groupedBy(decisions, sceneKey)) {
-    const state = next.get(key);
-    if (!state) continue;
-    const limit = key === sceneInView.peek() ? MAX_SCENE_DECISIONS : share;
-    next.set(key, { ...state, changedMs: Date.now(), decisions: [...state.decisions, ...added].slice(-limit) });
-  }
+  addDecisions(next, groupedBy(decisions, sceneKey), MAX_SCENE_DECISIONS, sceneInView.peek(), { changedMs: Date.now() });
   scenes.value = next;
+}
+
+/** Adds decisions to the states with these keys. Ignores unknown keys. Each state keeps its share of MAX_DECISIONS; the state in view keeps `most`. */
+export function addDecisions<State extends Pick<SceneState, 'decisions'>>(all: Map<string, State>, added: ReadonlyMap<string, readonly DecisionEvent[]>, most: number,
+  inView: string, change: Partial<State> = {}): void {
+  const share = shareOf(all.size, most);
+  for (const [key, own] of added) {
+    const state = all.get(key);
+    if (state) all.set(key, { ...state, ...change, decisions: [...state.decisions, ...own].slice(key === inView ? -most : -share) });
+  }
 }
 
 export function groupedBy<Item>(items: readonly Item[], keyOf: (item: Item) => string): Map<string, Item[]> {

@@ -3,7 +3,7 @@ import { create } from '../transport/messages';
 import { computed, signal } from '@preact/signals';
 import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEndedSchema, SessionState as Link, type SessionEnded, type SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
-import { groupedBy, shareOf } from './scenes';
+import { addDecisions, groupedBy } from './scenes';
 
 const MAX_SESSION_DECISIONS = 2000;
 export const MAX_ENDED_SESSIONS = 50;
@@ -64,15 +64,8 @@ export function takeChanges(infos: readonly SessionInfo[], ended: readonly Sessi
   sessions.value = forgetEnded(next);
 }
 
-// Adds decisions to their sessions. Decisions of unknown sessions are ignored.
 export function takeDecisions(decisions: readonly DecisionEvent[]): void {
   const next = new Map(sessions.peek());
-  const share = shareOf(next.size, MAX_SESSION_DECISIONS);
-  for (const [id, added] of groupedBy(decisions, ({ sessionId }) => sessionId)) {
-    const session = next.get(id);
-    if (!session) continue;
-    const limit = id === sessionInView.peek() ? MAX_SESSION_DECISIONS : share;
-    next.set(id, { ...session, decisions: [...session.decisions, ...added].slice(-limit) });
-  }
+  addDecisions(next, groupedBy(decisions, ({ sessionId }) => sessionId), MAX_SESSION_DECISIONS, sessionInView.peek());
   sessions.value = next;
 }
