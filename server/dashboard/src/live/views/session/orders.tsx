@@ -17,20 +17,24 @@ interface Order { mode: Mode; arm: string }
 /** The order that waits for the daemon's answer; absent: none. */
 const waits = signal<{ sessionId: string; what: string } | undefined>(undefined);
 
-async function waiting<Result>(sessionId: string, what: string, order: Promise<Result>): Promise<Result> {
+/** Returns the answer to the order; undefined if it failed. */
+async function answerTo<Result>(order: Promise<Result>, sessionId: string, what: string): Promise<Result | undefined> {
   const own = waits.value = { sessionId, what };
-  return order.finally(() => { if (waits.peek() === own) waits.value = undefined; });
+  try {
+    return await order;
+  } catch (error) {
+    toast(`The order failed: ${asApiError(error).message}`, { isBad: true });
+    return undefined;
+  } finally {
+    if (waits.peek() === own) waits.value = undefined;
+  }
 }
 
 const orderText = ({ mode, arm }: Order) => (mode === Mode.AI ? 'the daemon decides' : `the game keeps ${visible(arm)}`);
 
 async function give(sessionId: string, order: Order, opposite: Order | undefined): Promise<void> {
-  try {
-    const { mode, activeArm } = await waiting(sessionId, `Ordering that ${orderText(order)}`, call(SessionsService.method.orderSession, { sessionId, ...order }));
-    toast(`Done: ${orderText({ mode, arm: activeArm })}.`, opposite ? { undo: () => void give(sessionId, opposite, undefined) } : {});
-  } catch (error) {
-    toast(`The order failed: ${asApiError(error).message}`, { isBad: true });
-  }
+  const done = await answerTo(call(SessionsService.method.orderSession, { sessionId, ...order }), sessionId, `Ordering that ${orderText(order)}`);
+  if (done) toast(`Done: ${orderText({ mode: done.mode, arm: done.activeArm })}.`, opposite ? { undo: () => void give(sessionId, opposite, undefined) } : {});
 }
 
 async function ask({ sessionId, mode, activeArm }: SessionInfo, order: Order): Promise<void> {
@@ -55,12 +59,9 @@ async function kick({ sessionId, scene }: SessionInfo, mayReturn: boolean): Prom
   );
   const action = mayReturn ? 'Reconnect' : 'End session';
   if (!await confirmed({ title: `${action}?`, body, action, isDangerous: !mayReturn })) return;
-  try {
-    await waiting(sessionId, mayReturn ? 'Ending the connection' : 'Ending the session', call(SessionsService.method.kickSession, { sessionId, mayReturn }));
-    toast(mayReturn ? 'The connection was ended.' : 'The session was ended.');
-  } catch (error) {
-    toast(`The order failed: ${asApiError(error).message}`, { isBad: true });
-  }
+  const what = mayReturn ? 'connection' : 'session';
+  const done = await answerTo(call(SessionsService.method.kickSession, { sessionId, mayReturn }), sessionId, `Ending the ${what}`);
+  if (done) toast(`The ${what} was ended.`);
 }
 
 export function Orders({ info, arms, isOver }: { info: SessionInfo; arms: readonly string[]; isOver: boolean }) {
