@@ -30,24 +30,18 @@ export interface LogReading<Rows> {
 /** Calls `read` at first, `afterMs` after a change of `news`, and again after an error that may pass. `read` gets the rows so far. REQUIRES: a
  * component always reads the same part of the log. */
 export function useLog<Rows>(news: unknown, read: (before: Rows | undefined, cancel: AbortSignal) => Promise<Rows>, afterMs = READ_AFTER_MS): LogReading<Rows> {
-  const begun: Omit<LogReading<Rows>, 'again'> = { rows: undefined, atMs: 0, isBusy: true };
-  const [reading, setReading] = useState(begun);
+  const [reading, setReading] = useState<Omit<LogReading<Rows>, 'again'>>({ rows: undefined, atMs: 0, isBusy: true });
   const [turn, setTurn] = useState(0);
-  const latest = useRef(reading);
   const readFor = useRef(news); // the latest news when the log was read last
-  const set = (next: Omit<LogReading<Rows>, 'again'>) => {
-    latest.current = next;
-    setReading(next);
-  };
 
   useEffect(() => {
     const cancel = new AbortController();
-    const { rows, atMs } = latest.current;
+    const { rows, atMs } = reading;
     readFor.current = news;
-    set({ ...latest.current, isBusy: true });
+    setReading({ ...reading, isBusy: true });
     read(rows, cancel.signal).then(
-      (next) => !cancel.signal.aborted && set({ rows: next, atMs: Date.now(), isBusy: false }),
-      (error: unknown) => !cancel.signal.aborted && set({ rows, atMs, error: asApiError(error), isBusy: false }));
+      (next) => !cancel.signal.aborted && setReading({ rows: next, atMs: Date.now(), isBusy: false }),
+      (error: unknown) => !cancel.signal.aborted && setReading({ rows, atMs, error: asApiError(error), isBusy: false }));
     return () => cancel.abort();
   }, [turn]);
 
@@ -74,11 +68,10 @@ interface SessionRows {
   isWhole: boolean; // the steps begin with the session
 }
 
-export interface SessionLog extends Omit<LogReading<SessionRows>, 'rows'> {
+const NO_ROWS = { steps: [], rowCount: 0, isWhole: false };
+
+export interface SessionLog extends Omit<LogReading<SessionRows>, 'rows'>, Pick<SessionRows, 'steps' | 'rowCount' | 'isWhole'> {
   sessionId: string;
-  steps: readonly Step[];
-  rowCount: number;
-  isWhole: boolean;
   isReading: boolean; // true until the first reading is complete
   readOlder: (() => void) | undefined; // undefined: no older rows can be read
 }
@@ -104,7 +97,7 @@ export function useSessionLog(sessionId: string, told: DecisionEvent | undefined
     return { steps: isCut ? steps.slice(-MAX_STEPS) : steps, rowCount: before.rowCount + part.rows.length, newerToken: part.newerToken, olderToken: isCut ? undefined : before.olderToken, isWhole: before.isWhole && !isCut };
   });
   const { rows, isBusy, error, again } = log;
-  const steps = rows?.steps ?? [];
+  const { steps, rowCount, isWhole } = rows ?? NO_ROWS;
   const readOlder = () => {
     asksForOlder.current = true;
     again();
@@ -112,7 +105,7 @@ export function useSessionLog(sessionId: string, told: DecisionEvent | undefined
   const isBefore = range.value !== undefined && steps.length > 0 && range.value.fromMs < steps[0]!.timeMs;
   const isWanted = isBefore && rows?.olderToken !== undefined && !isBusy && !error;
   useEffect(() => { if (isWanted) readOlder(); }, [isWanted]);
-  return { sessionId, steps, rowCount: rows?.rowCount ?? 0, isWhole: rows?.isWhole ?? false, isReading: !rows && !error, atMs: log.atMs, isBusy, ...(error && { error }), again, readOlder: rows?.olderToken === undefined ? undefined : readOlder };
+  return { ...log, sessionId, steps, rowCount, isWhole, isReading: !rows && !error, readOlder: rows?.olderToken === undefined ? undefined : readOlder };
 }
 
 const PACE_MS = 400; // limits computations over all steps
