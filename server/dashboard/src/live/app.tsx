@@ -16,8 +16,7 @@ import { connection } from './state/connection';
 import { startLive } from './state/live';
 import { followLinks, navigate, route, type RouteName } from './state/route';
 import { followScenes } from './state/summaries';
-import { urlOf } from './transport/base';
-import { ApiError, asApiError } from './transport/calls';
+import { ApiError, asApiError, urlOf } from './transport/calls';
 import { Login } from './views/login';
 import { Overview } from './views/overview';
 

@@ -1,5 +1,5 @@
 // Saves files through the browser's download, and links to the tables that the daemon writes as CSV.
-import { urlOf } from '../transport/base';
+import { urlOf } from '../transport/calls';
 
 export function save(name: string, blob: Blob): void {
   const link = document.createElement('a');

@@ -1,7 +1,6 @@
 // The account of the page's user, as the daemon reports it.
 import { computed, signal } from '@preact/signals';
-import { urlOf } from '../transport/base';
-import { ApiError, asApiError, send } from '../transport/calls';
+import { ApiError, asApiError, send, urlOf } from '../transport/calls';
 
 interface Account {
   version: string;  // version of the daemon

@@ -1,8 +1,7 @@
 // The alerts of the daemon. They are polled while the page is hidden, too, because their number is in its title.
 import { computed, effect, signal } from '@preact/signals';
 import { AlertsService, type Alert, type ListAlertsResponse } from '../../gen/sweepstake/v1/alerts_pb';
-import { asApiError, type ApiError, call } from '../transport/calls';
-import { urlOf } from '../transport/base';
+import { type ApiError, asApiError, call, urlOf } from '../transport/calls';
 import { account, needsLogin } from './account';
 import { repeat } from './health';
 import { sceneHref } from './route';

@@ -1,8 +1,7 @@
 // The state of the connection: whether the page shows the daemon's current data. The daemon sends nothing while nothing changes, so after
 // some silence the page requests /livez. Without an answer the page's data is stale.
 import { computed, signal } from '@preact/signals';
-import { urlOf } from '../transport/base';
-import type { ApiError } from '../transport/calls';
+import { type ApiError, urlOf } from '../transport/calls';
 
 // 'stale': connected, but nothing was received for 5 s, not even an answer from /livez. 'denied': the daemon requires a token, or one
 // with more rights.

@@ -1,7 +1,6 @@
 // Polls the daemon's health while a view shows it: the checks of /readyz and the figures of /metrics.
 import { computed, signal, type Signal } from '@preact/signals';
-import { urlOf } from '../transport/base';
-import { asApiError, parseError, type ApiError } from '../transport/calls';
+import { type ApiError, asApiError, parseError, urlOf } from '../transport/calls';
 
 // One check of /readyz?verbose.
 export interface Check {

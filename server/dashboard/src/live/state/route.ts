@@ -1,7 +1,7 @@
 // The current page: path and query. Every view, filter, range and pause has a URL, so that links and the browser's Back and Forward
 // buttons work. The daemon answers the paths of these pages with index.html.
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
-import { pathIn, urlOf } from '../transport/base';
+import { pathIn, urlOf } from '../transport/calls';
 import type { SceneName } from './scenes';
 
 export type RouteName = 'overview' | 'scene' | 'session' | 'decisions' | 'priors' | 'health' | 'recording' | 'unknown';

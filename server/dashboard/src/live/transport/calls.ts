@@ -1,6 +1,15 @@
 // Calls the daemon's RPCs over HTTP, with messages as JSON. Names in messages are not escaped: parts/name.tsx shows them safely.
-import { urlOf } from './base';
 import { create, fromJsonText, type Init, type Schema, type Streaming, toJsonText, type Unary } from './messages';
+
+// The path under which a proxy serves the daemon (setting http_base), such as "/sweepstake"; empty if the daemon is at the root. The daemon
+// writes it into index.html.
+const content = typeof document === 'undefined' ? undefined : document.querySelector<HTMLMetaElement>('meta[name="base-path"]')?.content;
+const BASE = content?.startsWith('/') ? content.slice(0, -1) : '';
+
+// Returns the URL of a path of the daemon, such as "/health".
+export const urlOf = (path: string) => BASE + path;
+
+export const pathIn = (pathname: string) => (pathname.startsWith(`${BASE}/`) ? pathname.slice(BASE.length) : pathname === BASE ? '/' : pathname);
 
 const TIMEOUT_MS = 10_000;
 export const HEADERS: Readonly<Record<string, string>> = { 'Content-Type': 'application/json', 'X-Sweepstake': '1' };

@@ -1,7 +1,6 @@
 // Follows an endless RPC over server-sent events while the page is open. After a lost connection it receives the missed events or a
 // new snapshot. It uses fetch instead of EventSource, which reports neither the reason of a refusal nor comments (signs of life).
-import { urlOf } from './base';
-import { type ApiError, asApiError, HEADERS, errorOfResponse, jsonOf, linesOf, messageOf, parseError } from './calls';
+import { type ApiError, asApiError, errorOfResponse, HEADERS, jsonOf, linesOf, messageOf, parseError, urlOf } from './calls';
 import type { Init, Streaming } from './messages';
 
 const FIRST_DELAY_MS = 500;

@@ -20,7 +20,7 @@ import { PERIODS } from '../state/period';
 import { groupedBy } from '../state/scenes';
 import { connectedSessions, sessions } from '../state/sessions';
 import { type SceneSummary, summaries } from '../state/summaries';
-import { urlOf } from '../transport/base';
+import { urlOf } from '../transport/calls';
 import { useHistory } from '../transport/history';
 import { Attention } from './overview/attention';
 import { SCENE_COLUMNS } from './overview/columns';

@@ -18,7 +18,7 @@ import { connection } from '../state/connection';
 import { areScenesKnown } from '../state/live';
 import { decisionsHref, route, sceneHref, sceneNameOf } from '../state/route';
 import { sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
-import { urlOf } from '../transport/base';
+import { urlOf } from '../transport/calls';
 import { useHistory, WHOLE_LIFE } from '../transport/history';
 import { OverTime } from './over_time';
 import { CompareScenes } from './compare';

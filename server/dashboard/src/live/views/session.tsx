@@ -29,7 +29,7 @@ import { account, isOperator } from '../state/account';
 import type { SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
 import { decisionsHref, route, sceneHref, setQuery } from '../state/route';
 import { isConnected, lastMessageMs, sessionInView, sessions, type SessionState } from '../state/sessions';
-import { urlOf } from '../transport/base';
+import { urlOf } from '../transport/calls';
 import { useReading } from '../transport/reading';
 import { HistoryKind } from '../../gen/sweepstake/v1/history_pb';
 import { OverTime } from './over_time';
