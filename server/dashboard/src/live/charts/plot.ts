@@ -1,6 +1,7 @@
 // Draws a time chart with uPlot.
 import uPlot from 'uplot';
 import { compact } from '../../format';
+import { rounded } from '../numbers/ticks';
 import { clockText, dayText, minuteText } from '../parts/clock';
 import { resolved, translucent } from './colours';
 import { crosshairMs, type Range, setRange } from './view_state';
@@ -67,13 +68,6 @@ export function axisTime(ms: number, stepMs: number): string {
   return text(Math.round(ms / SECOND) * SECOND);
 }
 
-/** Rounds to 1, 2 or 5 times a power of ten: up if `isUp`, else down. */
-function roundValue(value: number, isUp: boolean): number {
-  const power = 10 ** Math.floor(Math.log10(value) + 1e-9);
-  const steps = [1, 2, 5, 10].map((step) => step * power);
-  return (isUp ? steps.find((step) => step >= value * (1 - 1e-9)) : steps.findLast((step) => step <= value * (1 + 1e-9))) ?? power;
-}
-
 /** An axis from 0 that would reach more than this multiple of the usual values ends at OUTLIER_END times the usual values instead. */
 const OUTLIER = 2.5;
 const OUTLIER_END = 2;
@@ -95,7 +89,7 @@ export function valueRange({ scale, levels = [], values }: Pick<Picture, 'scale'
   const most = Math.max(...all, 0);
   if (scale === 'log') {
     const least = Math.min(...all.filter((value) => value > 0), most || 1);
-    return [roundValue(least, false), roundValue(Math.max(most || 10, least * 1.01), true)];
+    return [rounded(least, false), rounded(Math.max(most || 10, least * 1.01), true)];
   }
   const shown = levels.filter(({ isAside }) => !isAside).map(({ value }) => value);
   const reach = usual && !values && most > OUTLIER * usual ? OUTLIER_END * usual : most;

@@ -1,6 +1,7 @@
 // Decodes the boxes that a game sends (BoxView), and projects them onto the screen of an orbiting camera.
 import type { BoxView } from '../../gen/sweepstake/v1/telemetry_pb';
 import { resolved } from '../charts/colours';
+import { rounded } from './ticks';
 
 const BOX_BYTES = 12;
 const PAIR_BYTES = 4;
@@ -107,11 +108,7 @@ function framesOf(boxes: Boxes, camera: Camera, { width, height }: Size): { plai
 const MAX_LINES = 20; // of the ground, in one direction
 
 /** Returns the distance of the ground's lines: 1, 2 or 5 times a power of ten world units, so that the longer side has 5 to 12 cells. */
-export function cellOf({ low, high }: Pick<Boxes, 'low' | 'high'>): number {
-  const length = Math.max(high[0] - low[0], high[2] - low[2]) || 1;
-  const power = 10 ** Math.floor(Math.log10(length));
-  return [0.1, 0.2, 0.5, 1].map((step) => step * power).find((step) => length / step <= 12) ?? power;
-}
+export const cellOf = ({ low, high }: Pick<Boxes, 'low' | 'high'>) => rounded((Math.max(high[0] - low[0], high[2] - low[2]) || 1) / 12, true);
 
 /** Returns the multiples of `cell` from `low` to `high`. Their number is bounded even if the coordinates are too large to tell them apart. */
 export function linesOf(low: number, high: number, cell: number): number[] {

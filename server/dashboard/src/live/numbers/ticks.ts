@@ -1,10 +1,15 @@
 // The ticks of axes.
 
+/** Rounds to 1, 2 or 5 times a power of ten: up if `isUp`, else down. */
+export function rounded(value: number, isUp: boolean): number {
+  const power = 10 ** Math.floor(Math.log10(value) + 1e-9);
+  const steps = [1, 2, 5, 10].map((step) => step * power);
+  return (isUp ? steps.find((step) => step >= value * (1 - 1e-9)) : steps.findLast((step) => step <= value * (1 + 1e-9))) ?? power;
+}
+
 /** Returns about `count` round numbers within [low, high]. */
 export function linearTicks(low: number, high: number, count: number): number[] {
-  const rough = (high - low) / Math.max(count, 1);
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((factor) => factor * power).find((each) => each >= rough) ?? rough;
+  const step = rounded((high - low) / Math.max(count, 1), true);
   const ticks: number[] = [];
   for (let k = Math.ceil(low / step); k * step <= high && ticks.length < 100; ++k) ticks.push(k * step);
   return ticks;
