@@ -41,19 +41,13 @@ export const sumOf = (metrics: Metrics, name: string): number => [...metrics.get
 // Returns the value of the label `name`: "frame_time" for the label 'reason' of `reason="frame_time"`.
 export const labelOf = (labels: string, name: string) => new RegExp(`(?:^|,)${name}="((?:[^"\\\\]|\\\\.)*)"`).exec(labels)?.[1] ?? '';
 
-// Returns the cumulative counts of a histogram's buckets, with ascending upper bounds.
-function bucketsOf(metrics: Metrics, name: string): [bound: number, count: number][] {
-  return [...metrics.get(`${name}_bucket`) ?? []].map(([labels, count]): [number, number] => [numberOf(labelOf(labels, 'le')), count])
-    .sort(([a], [b]) => a - b);
-}
-
 // Returns the upper bound of the bucket that contains the quantile of the observations after `before`; undefined if there are none.
 export function quantileOf(metrics: Metrics, before: Metrics | undefined, name: string, share: number): number | undefined {
-  const earlier = new Map(before ? bucketsOf(before, name) : []);
-  const buckets = bucketsOf(metrics, name).map(([bound, count]): [number, number] => [bound, count - (earlier.get(bound) ?? 0)]);
-  const total = buckets.at(-1)?.[1] ?? 0;
-  if (total <= 0) return undefined;
-  return buckets.find(([, count]) => count >= share * total)?.[0];
+  const [latest, earlier] = [metrics, before].map((each) => each?.get(`${name}_bucket`));
+  const buckets = [...latest ?? []].map(([labels, count]) => ({ bound: numberOf(labelOf(labels, 'le')), count: count - (earlier?.get(labels) ?? 0) }))
+    .sort((a, b) => a.bound - b.bound);
+  const total = buckets.at(-1)?.count ?? 0;
+  return total > 0 ? buckets.find(({ count }) => count >= share * total)?.bound : undefined;
 }
 
 const CHECKS_INTERVAL_MS = 10_000;
