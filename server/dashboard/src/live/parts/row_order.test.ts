@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { MAX_GONE, RowOrder, sortedBy, sortingOf, sortingText } from './row_order';
+import { MAX_GONE, RowOrder, sortedBy } from './row_order';
 
 const keyOf = (row: string) => row[0]!;
 const shown = (order: RowOrder<string>, rows: readonly string[], isHeld: boolean) => {
@@ -44,9 +44,4 @@ it('sorts numbers by value, names by the numbers in them, and rows without a val
   expect(sortedBy(rows, ({ v }) => v, false).map(({ v }) => v)).toEqual([9, 10, undefined, NaN]);
   expect(sortedBy(rows, ({ v }) => v, true).map(({ v }) => v)).toEqual([10, 9, undefined, NaN]);
   expect(sortedBy(['s10', 's9'], (row) => row, false)).toEqual(['s9', 's10']);
-});
-
-it('converts a sorting to the text in the URL and back', () => {
-  expect(sortingText(sortingOf('-loss'))).toBe('-loss');
-  expect(sortingOf('scene')).toEqual({ column: 'scene', isDescending: false });
 });

@@ -40,14 +40,6 @@ export class RowOrder<Row> {
 }
 
 export type SortValue = number | string | undefined;
-// The column by which a table is sorted. As text, "-" before the column stands for descending.
-export interface Sorting {
-  column: string;
-  isDescending: boolean;
-}
-
-export const sortingOf = (text: string): Sorting => ({ column: text.replace(/^-/, ''), isDescending: text.startsWith('-') });
-export const sortingText = ({ column, isDescending }: Sorting) => (isDescending ? '-' : '') + column;
 
 const texts = new Intl.Collator('en', { numeric: true });
 

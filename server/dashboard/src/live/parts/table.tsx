@@ -7,7 +7,7 @@ import { CsvLink } from './download';
 import { route, setQuery } from '../state/route';
 import { grouped } from '../../format';
 import { fileName, Name } from './name';
-import { RowOrder, sortedBy, sortingOf, sortingText, type PlacedRow, type Sorting, type SortValue } from './row_order';
+import { RowOrder, sortedBy, type PlacedRow, type SortValue } from './row_order';
 
 const ROW_PX = 33;  // height of a row; equal to --row in style.css
 const ALL_UP_TO = 80;  // tables up to this number of rows are drawn whole
@@ -29,20 +29,18 @@ export interface TableProps<Row> {
   columns: readonly Column<Row>[];  // the first column identifies the row; another array draws all rows again
   rows: readonly Row[];
   keyOf(row: Row): string;
-  sort: string;  // the column that the table is sorted by at first; "-" before it for descending
+  sort: string;  // the column that the table is sorted by at first; "-" before it for descending, as in the URL
   sortParameter?: string;  // name of the sorting in the URL, if a view has several tables
   tools?: ComponentChildren;
   csvHref?: string | undefined;  // the URL of the whole table as CSV; absent: the daemon has no such table
   isBare?: boolean;  // without the line of tools
 }
 
-function Heading<Row>({ column, sorting, onSort }: { column: Column<Row>; sorting: Sorting; onSort(sorting: Sorting): void }) {
-  const isSorted = sorting.column === column.id;
-  const order = !isSorted ? undefined : sorting.isDescending ? 'descending' : 'ascending';
-  const sort = () => onSort({ column: column.id, isDescending: isSorted && !sorting.isDescending });
+function Heading<Row>({ column, sorting, onSort }: { column: Column<Row>; sorting: string; onSort(sorting: string): void }) {
+  const order = sorting === column.id ? 'ascending' : sorting === `-${column.id}` ? 'descending' : undefined;
   return (
     <th scope="col" class={column.isText ? 'text' : undefined} style={column.width && { minWidth: column.width }} title={column.hint} aria-sort={order}>
-      {column.sort ? <button type="button" class="sort" onClick={sort}>{column.title}</button> : column.title}
+      {column.sort ? <button type="button" class="sort" onClick={() => onSort(order === 'ascending' ? `-${column.id}` : column.id)}>{column.title}</button> : column.title}
     </th>
   );
 }
@@ -129,22 +127,23 @@ function windowOf({ top, height }: { top: number; height: number }, count: numbe
 }
 
 export function Table<Row>({ caption, columns: all, rows, keyOf, sort, sortParameter = 'sort', tools, csvHref, isBare = false }: TableProps<Row>) {
-  const sorting = sortingOf(route.value.query.get(sortParameter) ?? sort);
+  const sorting = route.value.query.get(sortParameter) ?? sort;
+  const sortColumn = sorting.replace(/^-/, '');
   const { isEntered, handlers } = useEntered();
-  const choice = useColumns(all, caption, sortParameter === 'sort' ? 'columns' : `${sortParameter}-columns`, sorting.column);
+  const choice = useColumns(all, caption, sortParameter === 'sort' ? 'columns' : `${sortParameter}-columns`, sortColumn);
   const columns = choice.shown;
   const [turn, setTurn] = useState(0);
   // The order is kept until the query of the URL changes. A changed filter or sorting changes the query.
   const order = useMemo(() => new RowOrder<Row>(), [route.value.query.toString(), turn]);
-  const valueOf = all.find(({ id }) => id === sorting.column)?.sort;
-  const sorted = useMemo(() => (valueOf ? sortedBy(rows, valueOf, sorting.isDescending) : [...rows]), [rows, sorting.column, sorting.isDescending]);
+  const valueOf = all.find(({ id }) => id === sortColumn)?.sort;
+  const sorted = useMemo(() => (valueOf ? sortedBy(rows, valueOf, sorting.startsWith('-')) : [...rows]), [rows, sorting]);
   const { box, view, look } = useView();
   const { placed, isOutdated } = order.place(sorted, keyOf, isEntered || view.top > 0);
   const [from, to] = windowOf(view, placed.length);
   const lines = useLines(placed.slice(from, to), from, columns);
 
-  const sortAgain = (next: Sorting) => {
-    setQuery({ [sortParameter]: sortingText(next) === sort ? undefined : sortingText(next) });
+  const sortAgain = (next: string) => {
+    setQuery({ [sortParameter]: next === sort ? undefined : next });
     setTurn((count) => count + 1);
   };
   return (
