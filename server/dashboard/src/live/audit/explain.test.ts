@@ -1,6 +1,6 @@
 import { create, type Init } from '../transport/messages';
 import { describe, expect, it } from 'vitest';
-import { rows, setup } from './sample_log';
+import { rows, setup } from './log.test.sample';
 import { AuditKind, type AuditRow, AuditRowSchema } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';

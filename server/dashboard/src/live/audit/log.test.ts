@@ -2,7 +2,7 @@ import { create, fromJsonText, toJsonText } from '../transport/messages';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { AuditKind, AuditRowSchema, ListDecisionsRequestSchema, ListDecisionsResponseSchema } from '../../gen/sweepstake/v1/audit_pb';
 import { entriesOf, msOf, type PlacedRow, readRow, readRows, rowId, unixMsOf } from './log';
-import { rows, setup } from './sample_log';
+import { rows, setup } from './log.test.sample';
 import { readSteps, windowOf } from './steps';
 
 afterEach(() => vi.unstubAllGlobals());

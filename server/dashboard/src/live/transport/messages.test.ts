@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { log } from '../audit/sample_log';
+import { log } from '../audit/log.test.sample';
 import { ExportDecisionsResponseSchema } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionEventSchema, DecisionOutcome, RegimePosteriorSchema } from '../../gen/sweepstake/v1/posteriors_pb';
 import { BoxViewSchema } from '../../gen/sweepstake/v1/telemetry_pb';

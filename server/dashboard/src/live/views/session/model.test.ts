@@ -1,7 +1,7 @@
 import { create } from '../../transport/messages';
 import { describe, expect, it } from 'vitest';
 import { AuditKind } from '../../../gen/sweepstake/v1/audit_pb';
-import { rows, setup } from '../../audit/sample_log';
+import { rows, setup } from '../../audit/log.test.sample';
 import { armsOf, forEachVisit, mergedSteps, type Step, stepOfRow, windowOf } from '../../audit/steps';
 import { DecisionEventSchema, DecisionOutcome } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { middleOf } from '../../numbers/histogram';
