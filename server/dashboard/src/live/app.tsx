@@ -22,7 +22,6 @@ import { Overview } from './views/overview';
 
 type Loader = () => Promise<ComponentType>;
 
-// Views that are loaded on first use.
 const LATER: Readonly<Partial<Record<RouteName, Loader>>> = {
   scene: async () => (await import('./views/scene')).SceneView,
   session: async () => (await import('./views/session')).SessionView,

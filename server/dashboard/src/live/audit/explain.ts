@@ -37,15 +37,12 @@ export function toldOfEvent(event: DecisionEvent, rewardVersion: number): Told {
 const percent = (share: number) => (share > 0 && share < 1e-4 ? 'less than 0.01 %' : `${significant(100 * share, 2)} %`);
 const seconds = (s: number) => `${significant(s, 2)} s`;
 
-/** Returns a duration in seconds or milliseconds. */
 export const durationText = (ms: number) => (ms < 1000 ? `${significant(ms, 2)} ms` : seconds(ms / 1000));
 
-/** Returns the expected detection time of an arm in ns; undefined if it is not known. */
 const costOf = ({ arms, costsNs }: Told, arm: string) => costsNs?.[arms.indexOf(arm)];
 
 const other = ({ candidate, activeArm }: Told) => (candidate && candidate !== activeArm ? candidate : '');
 
-/** Returns the arms other than the active one, the cheapest first. */
 const rivalsOf = (told: Told) => told.arms.filter((arm) => arm !== told.activeArm && costOf(told, arm) !== undefined)
   .sort((a, b) => costOf(told, a)! - costOf(told, b)!);
 
@@ -124,7 +121,6 @@ function whatWasMeasured({ activeArm, reward, rewardVersion }: Told): string | u
   return `In the frames before this decision ${activeArm} took ${rewardText(reward, true)} per frame, a reward of ${significant(reward)}.`;
 }
 
-/** Returns the sentences that explain a decision, the most important one first. */
 export const explained = (told: Told): string[] =>
   [whatHappened(told), whatWouldPay(told), whatWasMeasured(told), whatIsBelieved(told)].filter((each): each is string => each !== undefined);
 
@@ -138,7 +134,6 @@ function actionText({ operatorName, action }: AuditRow): string {
   return operatorName ? `${operatorName} ${action}.` : `${action.charAt(0).toUpperCase()}${action.slice(1)}.`;
 }
 
-/** Returns sentences that explain any row of the audit log. */
 export function explainedRow(row: AuditRow, setup?: AuditSetup): string[] {
   const { kind, arm, switchCost } = row;
   const meaning = kindWord(kind).meaning;

@@ -12,12 +12,10 @@ export type Selection = Init<DecisionFilter>;
 /** Some rows of the log, newest first. The tokens are the places before and after them. */
 export interface LogPart { rows: readonly PlacedRow[]; olderToken: string; newerToken: string; hasMore: boolean }
 
-/** The number of rows in a page. */
 export const PAGE_ROWS = 100;
 
 export const msOf = (ns: bigint) => Number(ns) / NS_PER_MS;
 
-/** Identifies the row within the log. */
 export const rowId = ({ session, segment, row }: AuditRow) => `${session}.${segment}.${row}`;
 
 /** The wall-clock time of `timeNs`: the segment's start plus the time on the daemon's steady clock since then. */
@@ -54,7 +52,6 @@ export async function readRow(id: string, cancel?: AbortSignal): Promise<PlacedR
   return sessionId ? firstOf(await readPart({ filter: { sessionId }, segment: Number(segment), row: BigInt(row!) }, cancel)) : null;
 }
 
-/** Reads the row of a session's decision; null if there is none. */
 export const readDecision = async (sessionId: string, decisionId: bigint, cancel?: AbortSignal) => firstOf(await readPart({ filter: { sessionId }, decisionId }, cancel));
 
 /** Returns all fields of the row that are set, with the path to each. */

@@ -31,13 +31,11 @@ export function stepOfRow(placed: PlacedRow): Step | undefined {
   return decision ? { ...step, told: toldOfRow(row, setup) } : step;
 }
 
-/** Returns the steps of the rows, oldest first. */
 export const stepsOf = ({ rows }: LogPart): Step[] => rows.map(stepOfRow).filter((step) => step !== undefined).reverse();
 
-/** Reads a session's steps from one time to another, oldest first, but at most the latest `count` ones. Charts refine a zoomed range with
- * it. Throws ApiError. */
-export const readSteps = async (sessionId: string, fromMs: number, untilMs: number, cancel?: AbortSignal, count = MAX_STEPS): Promise<Step[]> =>
-  stepsOf(await readRows({ sessionId, unixFromMs: BigInt(Math.floor(fromMs)), unixUntilMs: BigInt(Math.ceil(untilMs)) }, count, cancel));
+/** Reads a session's steps from one time to another, oldest first, but at most the latest MAX_STEPS. Throws ApiError. */
+export const readSteps = async (sessionId: string, fromMs: number, untilMs: number, cancel?: AbortSignal): Promise<Step[]> =>
+  stepsOf(await readRows({ sessionId, unixFromMs: BigInt(Math.floor(fromMs)), unixUntilMs: BigInt(Math.ceil(untilMs)) }, MAX_STEPS, cancel));
 
 export function stepOfEvent(event: DecisionEvent, timeMs: number, rewardVersion: number): Step {
   const kind = event.reason === SwitchReason.BAIL_OUT ? AuditKind.BAIL_OUT : AuditKind.TICK;
@@ -60,7 +58,6 @@ export function mergedSteps(logged: readonly Step[], events: readonly DecisionEv
   return [...known, ...later];
 }
 
-/** The costs of the frames of a decision window. */
 export interface WindowMeans {
   frameMs: number; // mean
   detectionMs: number; // mean of the frames that did not rebuild

@@ -11,9 +11,7 @@ import { CsvLink, sessionCsvUrl } from '../parts/download';
 import { Failure, Loading } from '../parts/states';
 import type { SessionState } from '../state/sessions';
 
-/** The number of rows that a session's first screen reads. */
 const FIRST_ROWS = 150;
-/** The number of older rows that are read at once. */
 const OLDER_ROWS = 1000;
 /** Delay of reading the log after a decision, because a decision arrives before its row is on disk. */
 const READ_AFTER_MS = 200;
@@ -76,9 +74,8 @@ export interface SessionLog extends Omit<LogReading<SessionRows>, 'rows'>, Pick<
   readOlder: (() => void) | undefined; // undefined: no older rows can be read
 }
 
-/** Returns the newest rows of a session's log, and reads its new rows when `told` changes. `told` is the session's latest decision, or
- * undefined if the view does not show new ones. Older rows are read if the zoomed range begins before the rows. REQUIRES: a component always
- * passes the same session and number of first rows. */
+/** Returns the newest rows of a session's log, and reads its new rows when the latest decision `told` changes. Older rows are read if the
+ * zoomed range begins before the rows. REQUIRES: a component always passes the same session and number of first rows. */
 export function useSessionLog(sessionId: string, told: DecisionEvent | undefined, firstRows = FIRST_ROWS): SessionLog {
   const asksForOlder = useRef(false);
   const log = useLog<SessionRows>(told, async (before, cancel) => {

@@ -71,8 +71,7 @@ const DASHES: readonly (readonly number[])[] = [
 ];
 const UNKNOWN_DASHES: readonly (readonly number[])[] = [[4, 4], [14, 4], [2, 6], [8, 2, 1, 2], [3, 1, 1, 1], [6, 6]];
 
-// Returns the dash of the custom arm with this number. Custom arms share one colour. Arms beyond the list repeat its dashes, each time
-// with one more dot at the end.
+// Returns the dash of a custom arm. Custom arms share one colour. Arms beyond the list repeat its dashes with more dots at the end.
 const unknownDash = (place: number) =>
   [...UNKNOWN_DASHES[place % UNKNOWN_DASHES.length]!, ...Array.from({ length: Math.floor(place / UNKNOWN_DASHES.length) }, () => [1, 3]).flat()];
 

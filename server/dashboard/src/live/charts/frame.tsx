@@ -10,7 +10,6 @@ import { savePng } from './png';
 
 /** A value of a chart; null and undefined: unknown. */
 type CellValue = string | number | bigint | boolean | null | undefined;
-/** The values of a chart. */
 export interface ChartTable { header: readonly string[]; rows: readonly (readonly CellValue[])[] }
 
 interface FrameProps {
@@ -19,7 +18,6 @@ interface FrameProps {
   note?: ComponentChildren;
   /** Parts of the names of exported files, before the chart's id. */
   names: readonly string[];
-  /** Called when the table is opened. */
   table: () => ChartTable;
   /** The URL of all values at full resolution; absent: the daemon has no such table. */
   csvHref?: string | undefined;
@@ -28,7 +26,6 @@ interface FrameProps {
   children: ComponentChildren;
 }
 
-// The rows have no names, so a row's key is its index.
 function ValueTable({ id, title, table: { header, rows } }: { id: string; title: string; table: ChartTable }) {
   const columns = header.map((name, i): Column<number> => {
     const valueOf = (row: number) => rows[row]?.[i];

@@ -20,13 +20,11 @@ export interface Line {
 }
 /** The area between two lines, given by their indices. */
 export interface Band { upper: number; lower: number; fill: (context: CanvasRenderingContext2D) => CanvasPattern | string }
-/** A labelled horizontal line. */
 export interface Level {
   value: number;
   label: string; // drawn to the right of the chart, where one word fits
   isAside?: boolean; // the range of the axis ignores this level, which is drawn only if values come near it
 }
-/** A vertical line at a time, optionally with a label. */
 export interface Moment { timeMs: number; colour: string; label?: string }
 /** The axis of values. zero: from 0 upwards; unit: 0 to 1; log: logarithmic, values > 0; lanes: rows with names, numbered from the top. */
 export type Scale = 'zero' | 'unit' | 'log' | 'lanes' | 'signed';
@@ -59,7 +57,6 @@ const TICK = 10; // length in pixels of a short moment; in a chart of stacked ar
 const SECOND = 1000;
 const DAY = 86_400 * SECOND;
 
-/** The steps of time axes in milliseconds: round clock times. */
 const TIME_STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10_800, 21_600, 43_200, 86_400, 172_800, 604_800].map((s) => s * SECOND);
 
 /** Returns the label of a time on an axis with steps of `stepMs`. Rounds to seconds, since uPlot's positions are off by fractions of a millisecond. */

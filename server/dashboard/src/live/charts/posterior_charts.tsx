@@ -44,7 +44,6 @@ export function MeansChart({ arms, rows, rewardVersion, notYet, assumed, ...rest
   );
 }
 
-// Returns the index of the arm with the highest probability.
 const leaderOf = ({ best }: BestRow) => best.reduce((most: number, p, i) => ((p ?? 0) > (best[most] ?? 0) ? i : most), 0);
 
 // Stacks the arms from the bottom up. The current leader comes first, so that its height can be compared with the threshold. The
@@ -73,7 +72,6 @@ export function StackChart({ arms, rows, ...rest }: StackProps) {
   return <TimeFigure {...rest} {...drawn} timesMs={timesMs} scale="unit" />;
 }
 
-/** Shows P(best) of each arm over time. */
 export function BestChart({ notYet, ...rest }: ChartProps<BestRow>) {
   const least = stableProbability.value;
   return (

@@ -10,7 +10,6 @@ import { visible } from '../parts/name';
 import { ChartFrame, type ChartTable } from './frame';
 import { useWidth } from './width';
 
-/** How an arm was measured. */
 export type Measured = 'live' | 'lane' | 'never';
 
 export interface RidgeRow {
@@ -36,11 +35,9 @@ export const SIDE = 12;
 const TICK_SIDE = 26; // pixels from the edge to the centre of a tick's text, so that the text is not cut off
 const ROOM_FOR_INTERVAL = 380; // minimum width in pixels at which the interval is written beside the arm's name
 
-// An axis of rewards or, if `tellsCosts`, of the costs that the rewards stand for. Both increase to the right. Costs fall as rewards
-// rise, so an axis of costs has the highest reward on the left.
+// An axis of rewards or, if `tellsCosts`, of the costs that they stand for. Costs increase to the right, so rewards fall.
 interface Axis { low: number; high: number; x: (reward: number) => number; reward: (x: number) => number; tellsCosts: boolean }
 
-/** Returns a range of rewards that contains the posteriors of all measured rows. */
 export const ridgeRange = (rows: readonly RidgeRow[]) =>
   ridgeAxis(rows.map(({ posterior, measured }) => ({ posterior, isMeasured: measured !== 'never' })));
 
@@ -90,7 +87,6 @@ function Row({ row, base, axis, width }: { row: RidgeRow; base: number; axis: Ax
   );
 }
 
-/** Returns a name that fits into a chart of this width. */
 export function shortened(name: string, width: number): string {
   const shown = visible(name);
   const most = Math.max(8, Math.floor(width / 22));
@@ -114,7 +110,6 @@ export function Ticks({ ticks, width, y, unit }: TicksProps) {
   );
 }
 
-/** Returns how many ticks have room. */
 export const tickCount = (width: number) => Math.max(2, Math.floor(width / 90));
 
 function ticksOf({ low, high, x, tellsCosts }: Axis, width: number): { x: number; text: string }[] {
@@ -170,7 +165,6 @@ interface RidgeFigureProps extends RidgelineProps {
   children?: ComponentChildren; // above the chart
 }
 
-/** A chart of posteriors in a frame. */
 export function RidgeFigure({ id, names, note, notYet, table, csvHref, children, ...chart }: RidgeFigureProps) {
   const { title, rows } = chart;
   const values = () => ({

@@ -19,8 +19,7 @@ interface TimeChartProps extends Omit<Picture, 'hidden'> { title: string; height
 
 const isTold = ({ label, width }: Line) => label !== '' && width !== 0;
 
-// Returns the value at an index as text. At the end of the chart (`isEnd`) returns the line's last value, because the line may end before
-// the chart.
+// Returns the value at an index as text. At the end of the chart, returns the line's last value, because the line may end earlier.
 function valueText({ told, values }: Line, place: number, isEnd: boolean, format: (value: number) => string): string {
   const all = told ?? values;
   let at = place;
@@ -34,7 +33,6 @@ const structureOf = ({ lines, bands = [], scale, hidden, lanes }: Picture) =>
   JSON.stringify([lanes, lines.map(({ label, colour, dash, width }) => [label, colour, dash, width]), bands.map(({ upper, lower }) => [upper, lower]), scale,
     [...hidden]]);
 
-/** Returns the action of a key, or undefined. */
 function actionOf(key: string, { timesMs, domain }: Picture): (() => void) | undefined {
   const at = crosshairMs.peek() ?? domain.toMs;
   const step = (by: number) => () => {
@@ -70,7 +68,6 @@ function Entry({ line, value }: { line: Line; value: string }) {
   );
 }
 
-// The values at the crosshair, or the latest ones.
 function Legend({ picture: { lines, timesMs, format, domain } }: { picture: Picture }) {
   const at = crosshairMs.value;
   const place = placeAt(timesMs, at ?? domain.toMs);
@@ -171,13 +168,11 @@ export function TimeFigure({ id, note, names, empty, unit = '', laterMs = 0, csv
   return <ChartFrame id={id} title={title} note={note} names={names} table={table} csvHref={csvHref} empty={empty}><TimeChart {...chart} /></ChartFrame>;
 }
 
-/** A button that pauses the view, and continues it. */
 export function PauseButton() {
   const isPaused = pausedMs.value !== undefined;
   return <button type="button" aria-pressed={isPaused} onClick={() => setPaused(isPaused ? undefined : Date.now())}>{isPaused ? '▶ Resume' : '❚❚ Pause'}</button>;
 }
 
-/** Pause and period, which act on all charts of a view. */
 export function TimeTools() {
   return (
     <div class="time-tools" role="toolbar" aria-label="Time">

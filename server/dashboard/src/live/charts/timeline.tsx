@@ -54,7 +54,6 @@ function pill({ fromMs, toMs, arm }: Mark, { x, y }: Geometry): string {
   return `M${(x(fromMs) + 4).toFixed(1)} ${y(arm) - 4}h${inner}a4 4 0 0 1 0 8h-${inner}a4 4 0 0 1 0-8z`;
 }
 
-// Paints the marks of one arm.
 function paintMarks(ctx: CanvasRenderingContext2D, marks: readonly Mark[], arm: string, arms: readonly string[], geometry: Geometry, isOn = false): void {
   const colour = resolved(armStyle(arm, arms).colour);
   const shapes = (isHollow: boolean) => new Path2D(marks.filter((mark) => !mark.sign && mark.isHollow === isHollow).map((mark) => placed(mark, geometry) + shapeOf(arm)).join(''));
@@ -76,7 +75,6 @@ function bars(intervals: readonly Range[], { x, msPerPixel, domain }: Geometry, 
   return new Path2D(shown.map(({ fromMs, toMs }) => `M${x(fromMs).toFixed(1)} ${y}h${Math.max(x(toMs) - x(fromMs), 1.5).toFixed(1)}v${height}H${x(fromMs).toFixed(1)}z`).join(''));
 }
 
-// Short marks that would overlap a shown mark of the same arm and look are left out, so that long sessions are drawn fast.
 function paint(plot: uPlot, { shades, spans, marks }: Timeline, arms: readonly string[], domain: Range, on: Mark | undefined): void {
   const { ctx, bbox } = plot;
   const geometry = geometryOf(plot, arms, domain);
@@ -202,7 +200,6 @@ function markOf(step: Step, arm: string): Mark | undefined {
   return isHeldBack(told.outcome) ? { ...mark, arm: told.candidate, isHollow: true } : undefined;
 }
 
-/** Returns a sentence that explains a mark. */
 export function wordsOf({ sign, step: { kind, told } }: Mark): string {
   if (sign || !told) return `${kindWord(kind).name}. ${kindWord(kind).meaning}`;
   return `${outcomeWord(told.outcome).name}. ${explained(told)[0] ?? ''}`;
@@ -256,8 +253,7 @@ export function joined(intervals: readonly Range[], gapMs: number): Range[] {
   return all;
 }
 
-/** Returns the marks without short ones that would overlap: those shorter than `gapMs` that begin less than `gapMs` after a kept mark of
- * the same look and arm. */
+/** Leaves out marks shorter than `gapMs` that begin less than `gapMs` after a kept mark of the same look and arm. */
 export function thinned(marks: readonly Mark[], gapMs: number): Mark[] {
   const shownMs = new Map<string, number>();
   return marks.filter(({ arm, isHollow, sign, fromMs, toMs }) => {

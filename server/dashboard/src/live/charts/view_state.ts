@@ -14,7 +14,6 @@ const numberOf = (name: string) => {
   return Number.isFinite(value) ? value : undefined;
 };
 
-/** The chosen range of time; undefined: all times. */
 export const range: ReadonlySignal<Range | undefined> = computed(() => {
   const fromMs = numberOf('from');
   const toMs = numberOf('to');
@@ -76,7 +75,6 @@ export function zoomed({ fromMs, toMs }: Range, aboutMs: number, asked: number):
   return { fromMs: about - (about - fromMs) * factor, toMs: about + (toMs - about) * factor };
 }
 
-/** Returns the action of a key that zooms about a time, or undefined. */
 export function zoomAction(key: string, domain: Range, aboutMs: number): (() => void) | undefined {
   switch (key) {
     case '+': case '=': return () => setRange(zoomed(domain, aboutMs, 0.5));

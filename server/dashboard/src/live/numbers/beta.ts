@@ -26,7 +26,6 @@ function logitLogShape(posterior: Beta, offset: number): number {
   return Math.min(0, small * along - (small + large) * logRatio);
 }
 
-/** Returns the reward at a logit. */
 export function rewardAt(logit: number): number {
   const e = Math.exp(-Math.abs(logit));
   return logit < 0 ? e / (1 + e) : 1 / (1 + e);

@@ -35,7 +35,6 @@ export function percentile(buckets: Buckets, share: number): number | undefined 
   return undefined;
 }
 
-/** p50, p95 and p99. */
 export type Percentiles = readonly [number, number, number];
 export function percentiles(buckets: Buckets): Percentiles | undefined {
   const [p50, p95, p99] = [0.5, 0.95, 0.99].map((share) => percentile(buckets, share));

@@ -11,9 +11,7 @@ const LOG_RANGE = Math.log(5e9); // ln(5 s ÷ 1 ns): the range of log-costs from
 /** Median and the bounds of the central 95 % interval. */
 export interface Ratio { median: number; low: number; high: number }
 
-/** Returns the detection time in nanoseconds that has this reward. */
 export const costNsOf = (reward: number) => Math.exp((1 - reward) * LOG_RANGE);
-/** Returns the reward of a detection time in nanoseconds. */
 export const rewardOfNs = (ns: number) => Math.min(Math.max(1 - Math.log(ns) / LOG_RANGE, 0), 1);
 
 /** Returns a time as text, such as "35.2 µs". */

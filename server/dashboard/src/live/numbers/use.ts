@@ -51,5 +51,4 @@ export function sumOf(uses: readonly (Use | undefined)[]): Use | undefined {
   return { frameCount: total('frameCount'), ranUs: total('ranUs'), frameUs: total('frameUs'), ...Object.fromEntries(savings) };
 }
 
-/** Returns the percentiles of the histogram; undefined without values. */
 export const percentilesOf = (histogram: HistoryPoint['frameTimeNs']): Percentiles | undefined => histogram && percentiles(bucketsOf(histogram));

@@ -17,7 +17,6 @@ type CsvTable = 'decisions' | 'windows' | 'posteriors' | 'logs' | 'scenes' | 'se
 /** Returns the URL of a table as CSV. `request` is the request of the table's method, as JSON. */
 export const csvUrl = (table: CsvTable, request: object = {}) => urlOf(`/csv/${table}?request=${encodeURIComponent(JSON.stringify(request))}`);
 
-/** Returns the URL of a table that is made from the log of a session. */
 export const sessionCsvUrl = (table: 'decisions' | 'windows' | 'posteriors', sessionId: string) => csvUrl(table, { filter: { sessionId } });
 
 /** A link that saves a table as CSV. `of` names the table for readers who do not see what is beside the link. */

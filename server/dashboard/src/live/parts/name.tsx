@@ -11,6 +11,5 @@ const HIDDEN = /[\p{C}\p{Zl}\p{Zp}\p{Default_Ignorable_Code_Point}\u2800]|[^\P{Z
 export const visible = (name: string) =>
   name.replace(HIDDEN, (character) => `⟨U+${character.codePointAt(0)!.toString(16).toUpperCase().padStart(4, '0')}⟩`);
 
-// Returns a file name made from these names.
 export const fileName = (...names: string[]) =>
   names.map((name) => name.replace(/[^\p{L}\p{N}.-]+/gu, '-').replace(/^[.-]+|-+$/g, '').slice(0, 60)).filter(Boolean).join('_') || 'sweepstake';

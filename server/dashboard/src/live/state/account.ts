@@ -11,7 +11,6 @@ interface Account {
   stableProbability: number;  // minimum of the leader's P(best) for the verdict "stable"
 }
 
-// Undefined until the daemon has answered.
 export const account = signal<Account | undefined>(undefined);
 export const accountError = signal<ApiError | undefined>(undefined);
 

@@ -2,10 +2,10 @@
 // some silence the page requests /livez. Without an answer the page's data is stale.
 import { computed, signal } from '@preact/signals';
 import { type ApiError, urlOf } from '../transport/calls';
+import type { LinkStatus } from '../transport/events';
 
-// 'stale': connected, but nothing was received for 5 s, not even an answer from /livez. 'denied': the daemon requires a token, or one
-// with more rights.
-export type ConnectionStatus = 'connecting' | 'live' | 'stale' | 'offline' | 'denied';
+// 'stale': connected, but nothing was received for 5 s, not even an answer from /livez.
+export type ConnectionStatus = LinkStatus | 'stale';
 
 interface Connection {
   status: ConnectionStatus;

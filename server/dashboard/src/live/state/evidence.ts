@@ -8,7 +8,6 @@ export const MAX_RECORDS = 200_000;  // maximum number of records that `sweepsta
 // Records that are equal in some fields. `example` is one of the records, from which these fields are read.
 export interface Group { key: string; example: PriorRecord; records: readonly PriorRecord[] }
 
-// Returns the groups of the records that are equal in these fields.
 export const groupsOf = (records: readonly PriorRecord[], ...fields: readonly (keyof PriorRecord)[]): Group[] =>
   [...groupedBy(records, (record) => fields.map((field) => record[field]).join('\n'))].map(([key, own]) => ({ key, example: own[0]!, records: own }));
 

@@ -2,7 +2,6 @@
 import { computed, signal, type Signal } from '@preact/signals';
 import { type ApiError, asApiError, parseError, urlOf } from '../transport/calls';
 
-// One check of /readyz?verbose.
 export interface Check {
   name: string;
   isOk: boolean;
@@ -22,7 +21,6 @@ export type Metrics = ReadonlyMap<string, ReadonlyMap<string, number>>;
 const SAMPLE = /^([a-zA-Z_:][\w:]*)(?:\{(.*)\})? (\S+)/;
 const numberOf = (text: string) => (text === '+Inf' ? Infinity : text === '-Inf' ? -Infinity : Number(text));
 
-// Reads the Prometheus text format.
 export function parseMetrics(text: string): Metrics {
   const families = new Map<string, Map<string, number>>();
   for (const line of text.split('\n')) {
@@ -99,7 +97,6 @@ export function repeat(task: () => Promise<void>, intervalMs: number, evenHidden
   return () => clearInterval(timer);
 }
 
-/** Polls until the returned function is called. */
 export function followHealth(): () => void {
   const ends = [repeat(learnChecks, CHECKS_INTERVAL_MS, false), repeat(learnFigures, FIGURES_INTERVAL_MS, false)];
   return () => ends.forEach((end) => end());

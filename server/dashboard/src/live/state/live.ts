@@ -30,8 +30,7 @@ function withNextFrame(update: () => void): void {
   else requestAnimationFrame(applyUpdates);
 }
 
-// Returns a listener of one stream. It calls `took` with each snapshot, and once per animation frame with the changes
-// since the previous call.
+// Returns a listener of one stream. It calls `took` with each snapshot, and once per animation frame with the changes since then.
 function listener<Message>(stream: 'scenes' | 'sessions', took: (messages: readonly Message[], isSnapshot: boolean) => void): Listener<Message> {
   let waiting: Message[] | undefined;  // changes to apply at the next frame
   return {

@@ -29,5 +29,4 @@ export function timesOf({ lengthMs }: Period, chosen: Range | undefined, nowMs: 
   return { fromUnixMs: lengthMs === 0 ? 0 : nowMs - lengthMs, untilUnixMs: 0 };
 }
 
-/** What useHistory reads again when it changes. */
 export const periodKey: ReadonlySignal<string> = computed(() => `${period.value.name} ${range.value?.fromMs ?? ''} ${range.value?.toMs ?? ''}`);

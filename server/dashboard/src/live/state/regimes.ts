@@ -2,7 +2,6 @@
 import type { RegimeArm, RegimePosterior, SceneActivity, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
 import { grouped, share, significant } from '../../format';
 
-/** Returns the belief about the regime's best arm, if there is one. */
 export const bestOf = ({ arms, bestArm }: RegimePosterior, activity: SceneActivity): RegimeArm | undefined => arms[activity.arms.indexOf(bestArm)];
 
 /** Returns the best arm of each regime, each arm once, in the order of the regimes. Empty if there is only one regime. */
@@ -21,7 +20,6 @@ export const isChanging = (posterior: Pick<ScenePosterior, 'activity'>) => regim
 
 const MAX_CALM_SWITCHES = 4;
 
-/** Returns whether the session has switched often in the last minute. */
 export const switchesOften = ({ activity }: Pick<ScenePosterior, 'activity'>) => (activity?.recentSwitchCount ?? 0) > MAX_CALM_SWITCHES;
 
 /** Returns the arms that are the best: the leader of all evidence or, if the scene is changing, the best arm of each regime. */

@@ -46,8 +46,7 @@ export function navigate(href: string): void {
   document.getElementById('main')?.focus({ preventScroll: true });
 }
 
-// Sets parameters of the query, and removes empty ones. With `step` the change is a new entry of the browser's history; without it, it
-// replaces the current entry, as while the user types into a filter.
+// Sets parameters of the query, and removes empty ones. With `step` the change is a new entry of the browser's history.
 export function setQuery(changes: Readonly<Record<string, string | undefined>>, { step = false } = {}): void {
   const url = new URL(address.peek());
   for (const [name, value] of Object.entries(changes)) {
@@ -77,7 +76,6 @@ export function hrefWith(name: string, value: string): string {
   return `${route.value.path}?${query.toString()}`;
 }
 
-// Returns the name of the scene in the URL of a scene's page.
 export function sceneNameOf({ parts, query }: Route): SceneName {
   return { project: parts[0] ?? '', scene: parts[1] ?? '', machineClass: query.get('class') ?? '', rewardVersion: Number(query.get('reward') ?? 3) };
 }

@@ -23,9 +23,8 @@ export const sessionInView = signal('');
 export const isConnected = ({ info, ended }: SessionState) => !ended && info.state === Link.CONNECTED;
 export const connectedSessions = computed(() => [...sessions.value.values()].filter(isConnected));
 
-// Returns when the daemon last received a message from the session's game, as far as the page knows, by the daemon's clock; 0: unknown.
-// `info` may be old, since the daemon sends it only when another field changes. Decisions arrive at once, so the time of the last decision
-// with frames may be later.
+// Returns when the daemon last received a message from the session's game, by its clock; 0: unknown. The daemon sends `info` only when
+// another field changes. Decisions arrive at once, so the time of the last decision with frames may be later.
 export function lastMessageMs({ info, decisions }: SessionState): number {
   const last = decisions.findLast(({ outcome }) => outcome !== DecisionOutcome.NO_FRAMES);
   return Math.max(Number(info.unixLastMessageMs), Number(last?.unixMs ?? 0n));

@@ -25,8 +25,7 @@ const RANKS: Readonly<Record<SceneVerdict, number>> = {
   [Verdict.DEGRADED]: 4, [Verdict.AMBIGUOUS]: 3, [Verdict.UNSPECIFIED]: 2, [Verdict.TIE]: 1, changing: 1, [Verdict.STABLE]: 0,
 };
 
-// Returns whether the last verdict of a connected session is DEGRADED. The posterior has no such verdict, because it depends on the
-// frame rate of a session.
+// Returns whether the last verdict of a connected session is DEGRADED, which a posterior never is: it depends on a frame rate.
 export function isDegraded({ decisions }: Pick<SceneState, 'decisions'>, all: ReadonlyMap<string, SessionState>): boolean {
   const last = new Map(decisions.map(({ sessionId, verdict }) => [sessionId, verdict]));
   return [...last].some(([id, verdict]) => {
@@ -35,8 +34,7 @@ export function isDegraded({ decisions }: Pick<SceneState, 'decisions'>, all: Re
   });
 }
 
-/** Returns the verdict of the posterior, DEGRADED if a session reports that, or 'changing'. A scene whose session switches often is not
- * stable, whatever its posterior is. */
+/** Returns the verdict of the posterior, DEGRADED if a session reports that, or 'changing'. A scene that switches often is not stable. */
 export function verdictOf(state: SceneState): SceneVerdict {
   if (isDegraded(state, sessions.value)) return Verdict.DEGRADED;
   const { posterior } = state;

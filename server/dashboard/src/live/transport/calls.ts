@@ -6,7 +6,6 @@ import { create, fromJsonText, type Init, type Schema, type Streaming, toJsonTex
 const content = typeof document === 'undefined' ? undefined : document.querySelector<HTMLMetaElement>('meta[name="base-path"]')?.content;
 const BASE = content?.startsWith('/') ? content.slice(0, -1) : '';
 
-// Returns the URL of a path of the daemon, such as "/health".
 export const urlOf = (path: string) => BASE + path;
 
 export const pathIn = (pathname: string) => (pathname.startsWith(`${BASE}/`) ? pathname.slice(BASE.length) : pathname === BASE ? '/' : pathname);
@@ -14,8 +13,7 @@ export const pathIn = (pathname: string) => (pathname.startsWith(`${BASE}/`) ? p
 const TIMEOUT_MS = 10_000;
 export const HEADERS: Readonly<Record<string, string>> = { 'Content-Type': 'application/json', 'X-Sweepstake': '1' };
 
-// The error of a call. `code` is the name of gRPC's status code, or UNREACHABLE if there was no answer. `reason` is the name of an
-// ErrorReason of the protocol, or empty.
+// `code` is the name of gRPC's status code, or UNREACHABLE without an answer. `reason` is the name of an ErrorReason, or empty.
 export class ApiError extends Error {
   constructor(readonly code: string, readonly reason: string, message: string) {
     super(message);
@@ -67,7 +65,6 @@ export async function send(path: string, init: RequestInit = {}): Promise<Respon
   }
 }
 
-// Returns the request as JSON.
 export const jsonOf = <Request>(schema: Schema<Request>, request: NoInfer<Init<Request>>) => toJsonText(schema, create(schema, request));
 
 // Reads a message from JSON. Ignores fields that this page does not know, which a newer daemon may send. Throws ApiError.
@@ -86,7 +83,6 @@ export async function call<Request, Response>(method: Unary<Request, Response>, 
   return messageOf(method.output, await response.text());
 }
 
-// Splits a streamed text into lines.
 export async function* linesOf(body: ReadableStream<Uint8Array>): AsyncGenerator<string> {
   const decoder = new TextDecoder();
   const reader = body.getReader();

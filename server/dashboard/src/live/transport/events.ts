@@ -7,6 +7,7 @@ const FIRST_DELAY_MS = 500;
 const MAX_DELAY_MS = 30_000;
 const MAX_SILENCE_MS = 40_000;  // silence after which the page reconnects; the daemon sends a comment or an event at least every 15 s
 
+// 'denied': the daemon requires a token, or one with more rights.
 export type LinkStatus = 'connecting' | 'live' | 'offline' | 'denied';
 
 export interface Listener<Message> {

@@ -49,7 +49,6 @@ function build<Shape>(schema: Schema<Shape>, valueOf: (field: Field) => unknown)
   return message as Shape;
 }
 
-/** Returns a message with default values in all fields that `init` lacks. */
 export function create<Shape>(schema: Schema<Shape>, init: NoInfer<Init<Shape>>): Shape {
   return build(schema, ({ name, kind, isList, other }) => {
     const value = (init as Fields)[name];

@@ -128,7 +128,6 @@ function SessionSide({ data: { id, log, steps, arms, columns, laterMs }, domain,
   );
 }
 
-/** A list from which the user selects another session of the same scene to compare with. */
 export function CompareWith({ info }: { info: SessionInfo }) {
   const others = [...sessions.value].filter(([id, { info: { project, scene } }]) => id !== info.sessionId && project === info.project && scene === info.scene)
     .map(([id]) => id);

@@ -69,7 +69,6 @@ function Segments() {
   );
 }
 
-/** Returns the time of a row by the daemon's wall clock; undefined if the row has none. */
 function timeOf({ row, setup }: PlacedRow): number | undefined {
   if (row.unixMs !== undefined) return Number(row.unixMs);
   return setup && row.timeNs !== undefined ? unixMsOf(setup, row.timeNs) : undefined;
@@ -135,7 +134,6 @@ function Pager({ older, newer, part: { olderToken, newerToken, hasMore } }: Pick
   );
 }
 
-// The choices of an enumeration, by the names of its values.
 const choicesOf = <Value extends number>(names: Readonly<Record<string, string | number>>, wordOf: (value: Value) => { name: string }) =>
   [['', 'any'], ...Object.entries(names).filter(([, value]) => Number(value) > 0)
     .map(([name, value]) => [name, wordOf(value as Value).name] as const)] as const;

@@ -12,7 +12,6 @@ import { checks, followHealth, healthError, labelOf, learnChecks, learnFigures, 
 
 const WINDOW = 30;  // number of samples for rates and quantiles: one minute
 
-// A figure with its recent values as a curve.
 interface Row {
   name: string;
   value: string;

@@ -24,7 +24,6 @@ const us = (value: number) => `${significant(value)} µs`;
 
 const armsOf = (points: readonly HistoryPoint[]) => [...new Set(points.flatMap(({ arms, activity }) => [...arms.map(({ arm }) => arm), ...(activity?.arms ?? [])]))].sort();
 
-/** Returns the regime to show: the present one, all together, or the one of this number. */
 function regimeIn({ total, regimes }: SceneActivity, chosen: string): RegimePosterior | undefined {
   if (chosen === 'all' || regimes.length === 0) return total;
   return chosen === '' ? regimes.find(({ isPresent }) => isPresent) ?? total : regimes[Number(chosen) - 1];
@@ -32,7 +31,6 @@ function regimeIn({ total, regimes }: SceneActivity, chosen: string): RegimePost
 
 interface Rows { timesMs: number[]; points: readonly HistoryPoint[]; arms: string[] }
 
-/** Returns a value of each algorithm at each point, in the order of the algorithms. */
 function beliefsOf({ points, arms }: Rows, chosen: string): (RegimePosterior['arms'][number] | undefined)[][] {
   return points.map(({ activity }) => {
     const regime = activity && regimeIn(activity, chosen);

@@ -27,7 +27,6 @@ interface Evidence {
   error?: ApiError; // the evidence received before the error is shown
 }
 
-// Reads the evidence of a project, or of all projects.
 async function read(project: string, cancel: AbortSignal): Promise<Evidence> {
   const records: PriorRecord[] = [];
   const evidence = () => ({
@@ -78,7 +77,6 @@ function Tables({ records, project }: { records: readonly PriorRecord[]; project
   );
 }
 
-/** Returns the builds, that with the latest evidence first. */
 const buildsOf = (records: readonly PriorRecord[]) => groupsOf(records, 'build').sort((a, b) => lastSeenS(b) - lastSeenS(a)).map(({ example }) => example.build);
 
 const namesIn = (records: readonly PriorRecord[], field: 'build' | 'project') => [...new Set(records.map((record) => record[field]))];
@@ -130,7 +128,6 @@ const BUILD: Column<Group> = { id: 'build', title: 'Build', isText: true, sort: 
 const SOURCE_COUNT: Column<Group> = { id: 'sources', title: 'Sources', hint: 'Sessions and imported sources', sort: (row) => sourcesOf(row).length };
 const PROJECT: Column<Group> = { id: 'project', title: 'Project', isText: true, sort: ({ example }) => example.project };
 
-// The columns that builds and sources have in common.
 const ORIGIN: readonly Column<Group>[] = [
   ...NUMBERS,
   { id: 'arms', title: 'Algorithms', sort: (row) => armsOf(row).length },

@@ -44,7 +44,6 @@ function Facts({ state }: { state: SceneState }) {
   );
 }
 
-/** Returns the URL of the posteriors of a scene as CSV. */
 const csvOf = ({ project, scene }: Pick<SceneName, 'project' | 'scene'>) => csvUrl('scenes', { project, scene });
 
 function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow[]; state: SceneState; before: ScenePosterior }) {
@@ -62,7 +61,6 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   );
 }
 
-// When each build was first played, as marks of charts.
 function useBuilds({ project, scene, machineClass }: SceneName): readonly Moment[] {
   const { series } = useHistory({ kind: HistoryKind.BUILD, project, scene }, WHOLE_LIFE);
   return useMemo(() => series.filter((each) => each.build !== '' && each.machineClass === machineClass)

@@ -41,7 +41,6 @@ import { Orders } from './session/orders';
 import { Why } from './session/why';
 import { endWord, modeWord, outcomeWord, stateWord } from './words';
 
-/** Returns the version of the reward of a session's policy. */
 export function rewardVersionOf(steps: readonly Step[], state: SessionState | undefined): number {
   const event = state?.decisions.at(-1);
   if (event) return event.rewardVersion;
@@ -76,7 +75,6 @@ function Facts({ sessionId, state, steps, rewardVersion }: { sessionId: string; 
   );
 }
 
-/** Reads the step in the URL, which is not among the steps of the view, and opens it. */
 function AskedStep({ sessionId, onOpen }: { sessionId: string; onOpen(step: Step): void }) {
   const { query } = route.value;
   const [id, at] = [Number(query.get('decision') ?? 0), Number(query.get('at') ?? 0)];

@@ -8,7 +8,6 @@ import type { SceneVerdict } from '../state/summaries';
 /** A short name, a sentence that explains it, and a symbol that distinguishes it without colour. */
 interface Word { name: string; meaning: string; mark: string }
 
-/** The terms that a first-time reader of the page needs. */
 export const GLOSSARY: readonly (readonly [string, string])[] = [
   ['algorithm', 'One of the broad phases that a game can run, such as SAP or KDTree. The paper and the API call it an arm.'],
   ['detection time', 'The time that the broad phase takes in a frame.'],

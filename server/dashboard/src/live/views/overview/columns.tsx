@@ -39,7 +39,6 @@ function RunsNow({ row }: { row: SceneSummary }) {
   );
 }
 
-// In a changing scene, the best algorithm of the present regime comes first.
 function Best({ row }: { row: SceneSummary }) {
   const [all, present] = [leadersOf(sceneOf(row)), presentOf(row)?.arm];
   if (!present) return <Arms names={all} />;
@@ -58,7 +57,6 @@ function FrameTime({ row }: { row: SceneSummary }) {
   return <span class="curve-cell"><Sparkline values={times} low={0} high={Math.max(1.25 * FRAME_MS, ...times)} mark={FRAME_MS} />{significant(last)} ms</span>;
 }
 
-// The saving as a time and as a share of the frame time.
 function Saved({ row }: { row: SceneSummary }) {
   const us = savedUs(row);
   const [text, frame] = [savingText(us), frameMs(row)];

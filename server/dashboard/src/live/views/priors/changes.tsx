@@ -34,8 +34,7 @@ function changeWord(change: ArmComparison): string {
 
 const leaderWord = ({ knownInBoth, leaderChanged }: SceneComparison) => (!knownInBoth ? 'in one build only' : leaderChanged ? 'another' : 'the same');
 
-/** Orders scenes: first those with another cheapest arm, then other scenes known in both builds, within each group by the largest
- * change. */
+/** Orders scenes: first those with another cheapest arm, then those known in both builds, then by the largest change. */
 export const byWeight = (a: SceneComparison, b: SceneComparison) =>
   Number(b.leaderChanged) - Number(a.leaderChanged) || Number(b.knownInBoth) - Number(a.knownInBoth) || b.largestLogChange - a.largestLogChange || a.scene.localeCompare(b.scene);
 

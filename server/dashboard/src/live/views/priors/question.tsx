@@ -32,9 +32,9 @@ const REASON_ID = 'priors-reason';
 
 const operatorReason = () => (isOperator.value ? '' : `Promoting and revoking need the role operator; yours is ${account.value?.role ?? 'not known'}.`);
 
-/** Shows why the buttons to promote and to revoke are disabled; empty if they are not. */
 export const OperatorReason = () => <span id={REASON_ID} class="soft">{operatorReason()}</span>;
 
+// A button that opens the dialog. `scope` selects the sources, and `of` names them, such as "build 1.2".
 interface ButtonProps { scope: Scope; of?: string }
 
 function QuestionButton({ action, scope, of, isOpen, all }: ButtonProps & { action: Action; isOpen: boolean; all: string }) {
@@ -45,12 +45,8 @@ function QuestionButton({ action, scope, of, isOpen, all }: ButtonProps & { acti
   );
 }
 
-/** A button that opens the dialog to revoke evidence. `scope` selects the sources, and `of` names them, such as "build 1.2". Without
- * `of`, the user selects the sources in the dialog. */
 export const RevokeButton = (props: ButtonProps) => <QuestionButton {...props} action="revoke" isOpen={!props.of} all="Revoke …" />;
 
-/** A button that opens the dialog to promote evidence in quarantine. `scope` selects the sources, and `of` names them. Without `of`,
- * the button is called "Promote all". */
 export const PromoteButton = (props: ButtonProps) => <QuestionButton {...props} action="promote" isOpen={false} all="Promote all …" />;
 
 const many = (count: bigint, one: string, several = `${one}s`) => `${grouped(Number(count))} ${count === 1n ? one : several}`;
@@ -93,7 +89,6 @@ function PreviewWords({ action, preview: { value: counts, error } }: { action: A
   return isAny(counts) ? <b>{countsText(counts)} {would}.</b> : <>{none}</>;
 }
 
-// The scenes in which another arm would become the leader.
 function Leaders({ changes }: { changes: LeaderChanges | undefined }) {
   if (!changes) return null;
   const { scenes, sceneCount } = changes;

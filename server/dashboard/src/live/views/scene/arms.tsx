@@ -41,7 +41,6 @@ export function ridgeRows(rows: readonly ArmRow[], before?: ScenePosterior): Rid
 /** Maximum number of switches that charts mark; more lines would hide the chart. */
 export const MAX_SWITCHES = 40;
 
-/** Returns the latest switch commands of a scene's sessions as marks of charts, oldest first. */
 export const latestSwitches = (decisions: readonly DecisionEvent[]): Moment[] =>
   decisions.filter(({ outcome }) => outcome === DecisionOutcome.SWITCHED).slice(-MAX_SWITCHES)
     .map(({ unixMs, candidateArm }) => ({ timeMs: Number(unixMs), colour: colourOf(candidateArm) }));

@@ -15,7 +15,6 @@ const NO_EVIDENCE = 'No evidence of this scene is stored yet.';
 const find = (parts: readonly CompareBuildsResponse[], { machineClass, rewardVersion }: SceneName) =>
   parts.flatMap(({ scenes }) => scenes).find((scene) => scene.machineClass === machineClass && scene.rewardVersion === rewardVersion);
 
-/** Returns one row per arm for its live evidence, and one for its evidence from the shadow lane. */
 function measuredRows(scene: SceneComparison | undefined): RidgeRow[] {
   return (scene?.arms ?? []).flatMap(({ arm, after }): RidgeRow[] => {
     const known = (['live', 'lane'] as const).filter((measured) => after?.[measured]);
@@ -29,7 +28,6 @@ function priorRows(scene: SceneComparison | undefined): RidgeRow[] {
     ? [{ arm, label: arm, posterior: after.posterior, measured: after.live ? 'live' : 'lane', ...(before?.posterior && { before: before.posterior }) }] : []));
 }
 
-/** Returns the URL of the evidence of a scene as CSV. */
 const csvOf = ({ project, scene }: SceneName) => csvUrl('evidence', { project, scene, withWeights: true });
 
 function ByMeasure({ scene, name }: { scene: SceneComparison | undefined; name: SceneName }) {

@@ -26,7 +26,6 @@ function RunsNow({ activity, sessionCount }: { activity: SceneActivity; sessionC
   );
 }
 
-// Says which part of the frame the broad phase of a degraded scene takes.
 function partOf(state: SceneState): string {
   const last = state.decisions.findLast(({ verdict, measurements }) => verdict === Verdict.DEGRADED && measurements)?.measurements;
   const { detectionMs, frameMs } = last ? percentilesOf(last) : {};
@@ -34,7 +33,6 @@ function partOf(state: SceneState): string {
   return `The broad phase takes ${share(detectionMs[0] / frameMs[0])} of the frame. `;
 }
 
-// The verdict on a scene in which one arm is the best.
 function OneBest({ state, verdict }: { state: SceneState; verdict: SceneVerdict }) {
   const { posterior } = state;
   if (!posterior.leaderArm) return <>{verdictWord(verdict).meaning}</>;
@@ -47,7 +45,6 @@ function OneBest({ state, verdict }: { state: SceneState; verdict: SceneVerdict 
   );
 }
 
-// The best arm of each regime, and its probability.
 function BestOfRegimes({ activity }: { activity: SceneActivity }) {
   return (
     <>
@@ -122,7 +119,6 @@ const rowsOf = (activity: SceneActivity): Row[] => [
   ...(activity.total ? [{ name: 'all', regime: activity.total, activity }] : []),
 ];
 
-/** The regimes of the scene, and all of them together. */
 export function Regimes({ posterior: { activity } }: { posterior: ScenePosterior }) {
   if (!activity) return <p class="soft">No session is connected. Regimes are shown only during a session.</p>;
   if (activity.regimes.length === 0) return <p class="soft">The session has seen one regime so far: {activity.total ? regimeText(activity.total) : 'not described'}.</p>;

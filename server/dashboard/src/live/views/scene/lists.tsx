@@ -21,7 +21,6 @@ import { percentilesOf, type Use, measuredIn } from '../../numbers/use';
 import { useHistory, WHOLE_LIFE } from '../../transport/history';
 import { type Column, Table } from '../../parts/table';
 
-/** Returns the posteriors of a scene for all classes of machines and versions of the reward. */
 export function variantsOf({ project, scene }: SceneName): SceneState[] {
   return summaries.value.map(({ state }) => state).filter(({ posterior }) => posterior.project === project && posterior.scene === scene);
 }
@@ -129,7 +128,6 @@ const COLUMNS: readonly Column<BuildRow>[] = [
   { id: 'last', title: 'Last played', sort: ({ point }) => Number(point.endUnixMs), cell: ({ point }) => timeText(Number(point.endUnixMs)) },
 ];
 
-/** The builds that have played the scene, over their whole lives. */
 export function Builds({ name: { project, scene, machineClass, rewardVersion } }: { name: SceneName }) {
   const { series, wasRead, error } = useHistory({ kind: HistoryKind.BUILD, project, scene }, WHOLE_LIFE);
   const online = useComputed(() => connectedSessions.value.filter(({ info }) => info.project === project && info.scene === scene && info.machineClass === machineClass).map(({ info }) => info.build)).value;

@@ -40,8 +40,7 @@ function measuredBy(arm: string, live: ReadonlySet<string>, lane: ReadonlySet<st
   return lane.has(arm) ? 'lane' : isChanged ? 'live' : 'never';
 }
 
-/** Returns the latest posterior of each arm and its prior, from the log. If the steps lack the session's beginning, an arm whose posterior
- * differs from its prior counts as measured. */
+/** Returns the latest posterior of each arm and its prior. Without the session's beginning, an arm whose posterior changed counts as measured. */
 export function priorAndPosterior(steps: readonly Step[], arms: readonly string[]): RidgeRow[] {
   const last = steps.findLast((step) => posteriorsOf(step).length === arms.length);
   if (!last) return [];
@@ -58,7 +57,6 @@ export function priorAndPosterior(steps: readonly Step[], arms: readonly string[
   });
 }
 
-/** Returns the times at which the active arm changed, as marks of charts. */
 export function switchMoments(steps: readonly Step[], arms: readonly string[]): Moment[] {
   const moments: Moment[] = [];
   let before = '';
@@ -70,8 +68,7 @@ export function switchMoments(steps: readonly Step[], arms: readonly string[]): 
   return moments;
 }
 
-/** The costs of a session's frames as columns of charts. Above MAX_POINTS points, only the points where a column is lowest or highest are
- * kept. */
+/** The costs of a session's frames as columns of charts. Above MAX_POINTS points, only extremes are kept. */
 export interface CostColumns {
   timesMs: number[];
   frame: (number | null)[][]; // window mean, p50, p95, p99 in ms
@@ -108,7 +105,6 @@ export function costColumns(steps: readonly Step[]): CostColumns {
   };
 }
 
-/** The measurements of one arm in the shadow lane. */
 export interface LaneSum { arm: string; visitCount: number; cappedCount: number; medianNs: number; lastNs: number; buildNs: number; lastMs: number }
 
 const medianOf = (values: readonly number[]) => Float64Array.from(values).sort()[Math.floor((values.length - 1) / 2)] ?? 0;
@@ -128,7 +124,6 @@ export function laneSums(steps: readonly Step[]): LaneSum[] {
   }));
 }
 
-/** Returns the query that names a step in the URL of a session's page. */
 export const stepQuery = ({ decisionId, timeMs }: Pick<Step, 'decisionId' | 'timeMs'>): { decision: string } | { at: string } =>
   (decisionId > 0 ? { decision: String(decisionId) } : { at: String(Math.round(timeMs)) });
 
