@@ -2,7 +2,7 @@
 import { AuditKind, type AuditRow, type AuditSetup } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome, type DecisionEvent, type FrameMeasurements } from '../../gen/sweepstake/v1/posteriors_pb';
 import { type ShadowSample, SwitchReason } from '../../gen/sweepstake/v1/telemetry_pb';
-import { bucketsOf, type Percentiles, percentiles } from '../numbers/histogram';
+import { type LogHistogram, percentiles } from '../numbers/histogram';
 import { type Told, toldOfEvent, toldOfRow } from './explain';
 import { once } from '../state/once';
 import { NS_PER_MS } from '../numbers/log_cost';
@@ -58,16 +58,9 @@ export function mergedSteps(logged: readonly Step[], events: readonly DecisionEv
   return [...known, ...later];
 }
 
-export interface WindowMeans {
-  frameMs: number; // mean
-  detectionMs: number; // mean of the frames that did not rebuild
-  checkCount: number; // mean per frame
-  nativeBytes: number; // peak
-}
-
-/** Returns the costs in the row's decision window; undefined if the window has no frames. Without frames of a known regime, these
+/** Returns the mean costs and the peak of memory in the row's decision window; undefined if the window has no frames. Without frames of a known regime, these
  * are the new frames, which the decision uses unless their regime is in doubt (engine_client/decider/session/decision_session.cc). */
-export const windowOf = once((row: AuditRow): WindowMeans | undefined => {
+export const windowOf = once((row: AuditRow) => {
   const active = row.runs?.active;
   const window = active?.window?.frameCount ? active.window : active?.newFrames;
   const frameCount = Number(window?.frameCount ?? 0);
@@ -80,13 +73,13 @@ export const windowOf = once((row: AuditRow): WindowMeans | undefined => {
   };
 });
 
-const inMs = (values: Percentiles | undefined) => values?.map((ns) => ns / NS_PER_MS);
+const inMs = (histogram: LogHistogram | undefined) => percentiles(histogram)?.map((ns) => ns / NS_PER_MS);
 
 /** Returns p50, p95 and p99 of each cost of the frames; undefined for a cost without measurements. */
 export const percentilesOf = once(({ frameTimeNs, detectionTimeNs, nativeBytes }: FrameMeasurements) => ({
-  frameMs: inMs(frameTimeNs && percentiles(bucketsOf(frameTimeNs))),
-  detectionMs: inMs(detectionTimeNs && percentiles(bucketsOf(detectionTimeNs))),
-  nativeBytes: nativeBytes && percentiles(bucketsOf(nativeBytes)),
+  frameMs: inMs(frameTimeNs),
+  detectionMs: inMs(detectionTimeNs),
+  nativeBytes: percentiles(nativeBytes),
 }));
 
 /** Calls `visit` with each visit of the shadow lane in the log, oldest first. */

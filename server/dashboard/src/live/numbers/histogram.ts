@@ -35,8 +35,8 @@ export function percentile(buckets: Buckets, share: number): number | undefined 
   return undefined;
 }
 
-export type Percentiles = readonly [number, number, number];
-export function percentiles(buckets: Buckets): Percentiles | undefined {
-  const [p50, p95, p99] = [0.5, 0.95, 0.99].map((share) => percentile(buckets, share));
-  return p50 === undefined || p95 === undefined || p99 === undefined ? undefined : [p50, p95, p99];
+/** Returns p50, p95 and p99; undefined without values. */
+export function percentiles(histogram: LogHistogram | undefined): number[] | undefined {
+  const buckets = histogram && bucketsOf(histogram);
+  return buckets && countOf(buckets) > 0 ? [0.5, 0.95, 0.99].map((share) => percentile(buckets, share)!) : undefined;
 }

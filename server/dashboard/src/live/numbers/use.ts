@@ -1,6 +1,6 @@
 // What sessions ran and saved, from points of the history. The daemon defines the sums (history.proto).
 import type { HistoryPoint } from '../../gen/sweepstake/v1/history_pb';
-import { bucketsOf, countOf, middleOf, percentiles, type Percentiles } from './histogram';
+import { bucketsOf, countOf, middleOf } from './histogram';
 
 export const REFERENCE_ARM = 'KDTree'; // kReferenceArm in regime_report.h
 
@@ -50,5 +50,3 @@ export function sumOf(uses: readonly (Use | undefined)[]): Use | undefined {
   const savings = SAVINGS.map((part) => [part, total(part)] as const).filter(([, us]) => !Number.isNaN(us));
   return { frameCount: total('frameCount'), ranUs: total('ranUs'), frameUs: total('frameUs'), ...Object.fromEntries(savings) };
 }
-
-export const percentilesOf = (histogram: HistoryPoint['frameTimeNs']): Percentiles | undefined => histogram && percentiles(bucketsOf(histogram));

@@ -5,11 +5,6 @@ export interface PlacedRow<Row> {
   isGone: boolean;  // the row was removed; it keeps its place while the order is held
 }
 
-export interface Placement<Row> {
-  placed: readonly PlacedRow<Row>[];
-  isOutdated: boolean;  // the shown rows differ from the requested ones
-}
-
 // Maximum number of removed rows that are still shown, because a page may stay open with the pointer on a table.
 export const MAX_GONE = 100;
 
@@ -21,8 +16,9 @@ function withoutOldestGone<Row>(placed: readonly PlacedRow<Row>[]): readonly Pla
 export class RowOrder<Row> {
   private shown: readonly PlacedRow<Row>[] = [];
 
-  // Returns the rows in the order to show. `rows` is the requested order. If `isHeld`, rows keep their places and new rows come last.
-  place(rows: readonly Row[], keyOf: (row: Row) => string, isHeld: boolean): Placement<Row> {
+  // Returns the rows in the order to show, and whether it differs from the requested order `rows`. If `isHeld`, rows keep their places and
+  // new rows come last.
+  place(rows: readonly Row[], keyOf: (row: Row) => string, isHeld: boolean): { placed: readonly PlacedRow<Row>[]; isOutdated: boolean } {
     const wanted = rows.map((row) => ({ key: keyOf(row), row, isGone: false }));
     if (!isHeld || this.shown.length === 0) {
       this.shown = wanted;

@@ -10,13 +10,7 @@ const INTERVAL_MS = 500;
 /** 'changing': the best arm depends on the regime of the scene. The daemon's verdict is about all evidence together. */
 export type SceneVerdict = Verdict | 'changing';
 
-export interface SceneSummary {
-  state: SceneState;
-  leaderProbability: number;  // as leaderProbabilityOf
-  verdict: SceneVerdict;
-  evidence: bigint;  // windows and lane visits of all arms
-  uncertainty: number;  // sort key: degraded scenes are highest, then uncertain ones
-}
+export type SceneSummary = ReturnType<typeof summaryOf>;
 
 /** The summaries of all scenes. Only this file changes the list. */
 export const summaries = signal<readonly SceneSummary[]>([]);
@@ -41,7 +35,8 @@ export function verdictOf(state: SceneState): SceneVerdict {
   return isChanging(posterior) || (posterior.verdict === Verdict.STABLE && switchesOften(posterior)) ? 'changing' : posterior.verdict;
 }
 
-export function summaryOf(state: SceneState): SceneSummary {
+// `evidence` counts windows and lane visits of all arms. Degraded scenes have the highest uncertainty, then uncertain ones.
+export function summaryOf(state: SceneState) {
   const { posterior } = state;
   const leaderProbability = leaderProbabilityOf(posterior);
   const verdict = verdictOf(state);

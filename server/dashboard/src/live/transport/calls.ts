@@ -29,13 +29,9 @@ export class ApiError extends Error {
   }
 }
 
-interface ErrorBody {
-  error?: { code?: string; reason?: string; message?: string };
-}
-
 export function parseError(text: string, fallback: string): ApiError {
   try {
-    const { code = 'UNKNOWN', reason = '', message = '' } = (JSON.parse(text) as ErrorBody).error ?? {};
+    const { code = 'UNKNOWN', reason = '', message = '' } = (JSON.parse(text) as { error?: Partial<ApiError> }).error ?? {};
     return new ApiError(code, reason, message || fallback);
   } catch {
     return new ApiError('UNKNOWN', '', fallback);

@@ -9,7 +9,8 @@ import { BestChart, StackChart } from '../charts/posterior_charts';
 import { TimeFigure } from '../charts/time_chart';
 import { domainOf, range, type Range } from '../charts/view_state';
 import { NS_PER_MS } from '../numbers/log_cost';
-import { percentilesOf, measuredIn } from '../numbers/use';
+import { percentiles } from '../numbers/histogram';
+import { measuredIn } from '../numbers/use';
 import { csvUrl } from '../parts/download';
 import { Choice } from '../parts/filter';
 import { Failure, Loading } from '../parts/states';
@@ -50,7 +51,7 @@ function costLines({ arms }: Rows, beliefs: ReturnType<typeof beliefsOf>): { lin
 }
 
 const percentileLines = (points: readonly HistoryPoint[], part: 'frameTimeNs' | 'detectionTimeNs', unitNs: number): Line[] => {
-  const values = points.map((point) => percentilesOf(point[part]));
+  const values = points.map((point) => percentiles(point[part]));
   return PERCENTILES.map((line, i) => ({ ...line, values: values.map((each) => (each ? each[i]! / unitNs : null)), stepped: true }));
 };
 

@@ -17,7 +17,8 @@ import { endWord, modeWord, outcomeWord, stateWord } from '../words';
 import { useComputed } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
 import { HistoryKind, type HistoryPoint } from '../../../gen/sweepstake/v1/history_pb';
-import { percentilesOf, type Use, measuredIn } from '../../numbers/use';
+import { percentiles } from '../../numbers/histogram';
+import { type Use, measuredIn } from '../../numbers/use';
 import { useHistory, WHOLE_LIFE } from '../../transport/history';
 import { type Column, Table } from '../../parts/table';
 
@@ -110,8 +111,8 @@ interface BuildRow { build: string; point: HistoryPoint; onlineCount: number; us
 
 const three = (part: 'frameTimeNs' | 'detectionTimeNs' | 'nativeBytes', id: string, title: string, text: (value: number) => string): Column<BuildRow>[] =>
   (['p50', 'p95', 'p99'] as const).map((name, place) => ({
-    id: `${id}-${name}`, title: `${title} ${name}`, sort: ({ point }: BuildRow) => percentilesOf(point[part])?.[place],
-    cell: ({ point }: BuildRow) => { const value = percentilesOf(point[part])?.[place]; return value === undefined ? '–' : text(value); },
+    id: `${id}-${name}`, title: `${title} ${name}`, sort: ({ point }: BuildRow) => percentiles(point[part])?.[place],
+    cell: ({ point }: BuildRow) => { const value = percentiles(point[part])?.[place]; return value === undefined ? '–' : text(value); },
   }));
 const usText = (ns: number) => `${significant(ns / 1000)} µs`;
 

@@ -68,16 +68,6 @@ export function switchMoments(steps: readonly Step[], arms: readonly string[]): 
   return moments;
 }
 
-/** The costs of a session's frames as columns of charts. Above MAX_POINTS points, only extremes are kept. */
-export interface CostColumns {
-  timesMs: number[];
-  frame: (number | null)[][]; // window mean, p50, p95, p99 in ms
-  detection: (number | null)[][];
-  bytes: (number | null)[][]; // window peak, p50, p95, p99
-  checks: (number | null)[];
-  objects: (number | null)[];
-}
-
 const orNull = (value: number | undefined) => (value === undefined || Number.isNaN(value) ? null : value);
 
 // Forward fill: a sparse value holds until the next one.
@@ -88,12 +78,14 @@ function held(values: (number | null)[]): (number | null)[] {
 
 type Part = 'frameMs' | 'detectionMs' | 'nativeBytes';
 
-export function costColumns(steps: readonly Step[]): CostColumns {
+/** The costs of a session's frames as columns of charts. Above MAX_POINTS points, only extremes are kept. */
+export type CostColumns = ReturnType<typeof costColumns>;
+export function costColumns(steps: readonly Step[]) {
   const all = steps.filter(({ kind, placed, event }) => event?.measurements || (placed && kind === AuditKind.TICK)).map(({ timeMs, placed, event }) =>
     ({ timeMs, frames: event?.measurements && percentilesOf(event.measurements), window: placed && windowOf(placed.row), scene: placed?.row.scene }));
   const worst = (part: Part) => all.map(({ frames, window }) => orNull(frames?.[part]?.[2] ?? window?.[part]));
   const kept = keepExtremes(all.map(({ timeMs }) => timeMs), [worst('frameMs'), worst('detectionMs')], MAX_POINTS).map((i) => all[i]!);
-  const columns = (part: Part) =>
+  const columns = (part: Part) => // mean (peak of bytes), p50, p95, p99
     [kept.map(({ window }) => orNull(window?.[part])), ...[0, 1, 2].map((place) => kept.map(({ frames }) => orNull(frames?.[part]?.[place])))];
   return {
     timesMs: kept.map(({ timeMs }) => timeMs),
