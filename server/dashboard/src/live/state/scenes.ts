@@ -48,30 +48,19 @@ export const leaderProbabilityOf = (posterior: ScenePosterior) =>
 /** When a source last added evidence of the arm, by the daemon's clock; 0: unknown. */
 export const lastSeenMs = ({ unixLastSeenS }: Pick<ArmPosterior, 'unixLastSeenS'>) => 1000 * Number(unixLastSeenS);
 
-function withPosterior(state: SceneState | undefined, key: string, posterior: ScenePosterior, isNew: boolean): SceneState {
-  return {
-    key,
-    posterior,
-    changedMs: isNew ? Date.now() : Math.max(state?.changedMs ?? 0, ...posterior.arms.map(lastSeenMs)),
-    decisions: state?.decisions ?? [],
-  };
-}
+// Returns the states of the scenes by their keys. Known scenes keep their decisions.
+const statesOf = (posteriors: readonly ScenePosterior[], areNew: boolean) => posteriors.map((posterior): [string, SceneState] => {
+  const key = sceneKey(posterior);
+  const { changedMs = 0, decisions = [] } = scenes.peek().get(key) ?? {};
+  return [key, { key, posterior, changedMs: areNew ? Date.now() : Math.max(changedMs, ...posterior.arms.map(lastSeenMs)), decisions }];
+});
 
-// Replaces all scenes by those of a snapshot. Known scenes keep their decisions.
 export function takeSnapshot(posteriors: readonly ScenePosterior[]): void {
-  const before = scenes.peek();
-  scenes.value = new Map(posteriors.map((posterior) => {
-    const key = sceneKey(posterior);
-    return [key, withPosterior(before.get(key), key, posterior, false)];
-  }));
+  scenes.value = new Map(statesOf(posteriors, false));
 }
 
 export function takeChanges(posteriors: readonly ScenePosterior[], decisions: readonly DecisionEvent[]): void {
-  const next = new Map(scenes.peek());
-  for (const posterior of posteriors) {
-    const key = sceneKey(posterior);
-    next.set(key, withPosterior(next.get(key), key, posterior, true));
-  }
+  const next = new Map([...scenes.peek(), ...statesOf(posteriors, true)]);
   addDecisions(next, groupedBy(decisions, sceneKey), MAX_SCENE_DECISIONS, sceneInView.peek(), { changedMs: Date.now() });
   scenes.value = next;
 }

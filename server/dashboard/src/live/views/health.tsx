@@ -80,7 +80,6 @@ const groupsOf = (all: readonly Sample[]): readonly { heading: string; rows: rea
   { heading: 'Refused since the start', rows: refusalRows(all), empty: 'Nothing was refused.' },
 ];
 
-
 function storeRows(all: readonly Sample[]): Row[] {
   const { metrics } = all.at(-1)!;
   const most = valueOf(metrics, 'sweepstake_store_max_size_bytes') ?? 0;
