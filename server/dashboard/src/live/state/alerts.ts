@@ -27,18 +27,6 @@ export async function learnAlerts(): Promise<void> {
   }
 }
 
-/** Mutes the alert: for this time, or until it ends if the time is 0. Throws ApiError. */
-export async function silence(alertId: string, durationMs: number, comment: string): Promise<void> {
-  await call(AlertsService.method.silenceAlert, { alertId, durationMs: BigInt(durationMs), comment });
-  await learnAlerts();
-}
-
-/** Throws ApiError. */
-export async function unsilence(alertId: string): Promise<void> {
-  await call(AlertsService.method.unsilenceAlert, { alertId });
-  await learnAlerts();
-}
-
 export function followAlerts(): void {
   effect(() => { if (account.value && !needsLogin.value) void learnAlerts(); });
   repeat(learnAlerts, INTERVAL_MS, true);

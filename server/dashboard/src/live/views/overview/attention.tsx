@@ -2,16 +2,16 @@
 import { signal } from '@preact/signals';
 import { useRef, useState } from 'preact/hooks';
 import { counted } from '../../../format';
-import { AlertSeverity, type Alert } from '../../../gen/sweepstake/v1/alerts_pb';
+import { type Alert, AlertSeverity, AlertsService } from '../../../gen/sweepstake/v1/alerts_pb';
 import { duration, now, timeText } from '../../parts/clock';
 import { Modal } from '../../parts/dialog';
 import { visible } from '../../parts/name';
 import { useEntered } from '../../parts/table';
 import { toast } from '../../parts/toast';
 import { account, isOperator } from '../../state/account';
-import { alerts, alertsError, hrefOf, silence, unsilence } from '../../state/alerts';
+import { alerts, alertsError, hrefOf, learnAlerts } from '../../state/alerts';
 import { sessionHref } from '../../state/route';
-import { asApiError } from '../../transport/calls';
+import { asApiError, call } from '../../transport/calls';
 
 const HOUR_MS = 3_600_000;
 const PERIODS: readonly { label: string; ms: number }[] = [{ label: 'Until it ends', ms: 0 }, { label: '1 hour', ms: HOUR_MS }, { label: '1 day', ms: 24 * HOUR_MS }];
@@ -24,9 +24,10 @@ const changeCount = signal(0);
 
 const nameOf = ({ project, scene }: Alert) => (project ? visible(scene) : 'the daemon');
 
-async function change(done: string, task: Promise<void>): Promise<void> {
+async function change(done: string, task: Promise<unknown>): Promise<void> {
   try {
     await task;
+    await learnAlerts();
     toast(done);
   } catch (error) {
     toast(`This failed: ${asApiError(error).message}`, { isBad: true });
@@ -39,7 +40,7 @@ function Mute({ alert }: { alert: Alert }) {
   const close = () => { asked.value = undefined; };
   const mute = (ms: number) => {
     close();
-    void change(`Muted: ${nameOf(alert)}.`, silence(alert.id, ms, comment.trim()));
+    void change(`Muted: ${nameOf(alert)}.`, call(AlertsService.method.silenceAlert, { alertId: alert.id, durationMs: BigInt(ms), comment: comment.trim() }));
   };
   return (
     <Modal title={`Mute the alert about ${nameOf(alert)}?`} onClose={close}>
@@ -66,7 +67,7 @@ function Item({ alert }: { alert: Alert }) {
       {sessionIds.map((session) => <span key={session}><a href={sessionHref(session)}>{session.slice(0, 8)}</a>{' '}</span>)}
       <span class="soft">for {duration(now.value - Number(alert.unixSinceMs))}{muted && `, muted until ${until} by ${visible(muted.silencedBy)}${muted.comment && `: ${visible(muted.comment)}`}`}</span>{' '}
       {isOperator.value && (muted
-        ? <button type="button" class="quiet" aria-label={`Unmute ${name}`} onClick={() => void change(`Not muted any more: ${name}.`, unsilence(id))}>Unmute</button>
+        ? <button type="button" class="quiet" aria-label={`Unmute ${name}`} onClick={() => void change(`Not muted any more: ${name}.`, call(AlertsService.method.unsilenceAlert, { alertId: id }))}>Unmute</button>
         : <button type="button" class="quiet" aria-label={`Mute ${name}`} onClick={() => { asked.value = alert; }}>Mute</button>)}
     </li>
   );
