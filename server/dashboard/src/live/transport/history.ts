@@ -42,20 +42,15 @@ async function readAll(selection: HistorySelection, { maxPoints, period: own }: 
 export function useHistory(selection: HistorySelection, options: Options): HistoryReading {
   const { everyMs = STEP_MS } = options;
   const key = JSON.stringify([selection, options, options.period ? '' : periodKey.value]);
-  const [{ of, reading }, setReading] = useState<{ of: string; reading: HistoryReading }>({ of: '', reading: { series: [], wasRead: false } });
+  const [{ of, ...reading }, setReading] = useState<HistoryReading & { of: string }>({ of: '', series: [], wasRead: false });
   useEffect(() => {
     let isOver = false;
     let timer: ReturnType<typeof setTimeout> | undefined;
     const later = () => { timer = setTimeout(document.hidden || pausedMs.peek() !== undefined ? later : () => void read(), everyMs); };
     const read = async () => {
-      let next: Partial<HistoryReading>;
-      try {
-        next = { series: await readAll(selection, options), wasRead: true };
-      } catch (error) {
-        next = { error: asApiError(error) };
-      }
+      const next = await readAll(selection, options).then((series) => ({ series, wasRead: true }), (error: unknown) => ({ error: asApiError(error) }));
       if (isOver) return;
-      setReading(({ reading: { series, wasRead } }) => ({ of: key, reading: { series, wasRead, ...next } }));
+      setReading(({ series, wasRead }) => ({ of: key, series, wasRead, ...next }));
       later();
     };
     void read();
