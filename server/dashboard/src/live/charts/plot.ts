@@ -109,17 +109,13 @@ function drawLevels(plot: uPlot, { levels = [] }: Picture): void {
   for (const { value, label } of levels) {
     const y = plot.valToPos(value, 'y', true);
     if (y < bbox.top || y > bbox.top + bbox.height) continue;
-    ctx.save();
     drawLine(plot, [bbox.left, y, bbox.left + bbox.width, y], { colour: 'var(--bad)', width: 1, dash: [6, 4] });
     if (Math.abs(wordsY - y) >= 12 * uPlot.pxRatio) { // closer labels would overlap
       ctx.fillStyle = resolved('var(--bad)');
-      ctx.font = fontOf(11 * uPlot.pxRatio);
-      ctx.textAlign = 'left';
       ctx.textBaseline = 'middle';
       ctx.fillText(label, bbox.left + bbox.width + 4 * uPlot.pxRatio, y);
       wordsY = y;
     }
-    ctx.restore();
   }
 }
 
@@ -137,9 +133,6 @@ function drawName({ ctx, bbox }: uPlot, name: string, x: number, freeFrom: numbe
 
 function drawMoments(plot: uPlot, { moments = [], domain, scale }: Picture): void {
   const { ctx, bbox } = plot;
-  ctx.save();
-  ctx.font = fontOf(11 * uPlot.pxRatio);
-  ctx.textAlign = 'left';
   ctx.textBaseline = 'alphabetic';
   const shown = moments.filter(({ timeMs }) => timeMs >= domain.fromMs && timeMs <= domain.toMs);
   const isShort = scale === 'unit' || shown.length * DENSE * uPlot.pxRatio > bbox.width;
@@ -154,7 +147,6 @@ function drawMoments(plot: uPlot, { moments = [], domain, scale }: Picture): voi
     drawLine(plot, line, { colour, width: 1, dash: [2, 2] });
     if (label) wordsEnd = drawName(plot, label, x, wordsEnd);
   }
-  ctx.restore();
 }
 
 // Marks values above the axis with triangles at its end, in the colour of their line.
@@ -162,7 +154,6 @@ function drawOutliers(plot: uPlot, { timesMs, lines, hidden, scale }: Picture): 
   if (scale !== 'zero') return;
   const { ctx, bbox } = plot;
   const [size, end] = [4 * uPlot.pxRatio, plot.scales.y?.max ?? Infinity];
-  ctx.save();
   for (const { values, colour, arm, width } of lines) {
     if (width === 0 || hidden.has(arm ?? '')) continue;
     ctx.fillStyle = resolved(colour);
@@ -175,7 +166,16 @@ function drawOutliers(plot: uPlot, { timesMs, lines, hidden, scale }: Picture): 
       ctx.fill(new Path2D(`M${x} ${bbox.top}l${size} ${1.5 * size}h${-2 * size}z`));
     });
   }
-  ctx.restore();
+}
+
+// Draws what uPlot does not draw, over its lines.
+function drawMore(plot: uPlot, picture: Picture): void {
+  plot.ctx.save();
+  plot.ctx.font = fontOf(11 * uPlot.pxRatio);
+  plot.ctx.textAlign = 'left';
+  for (const draw of [drawMoments, drawLevels, drawOutliers]) draw(plot, picture);
+  plot.ctx.restore();
+  picture.paint?.(plot);
 }
 
 function seriesOf({ lines, hidden }: Picture): uPlot.Series[] {
@@ -240,7 +240,7 @@ function options(now: () => Picture, width: number, height: number): uPlot.Optio
       bind: { dblclick: () => () => { setRange(undefined); return null; } },
     },
     hooks: {
-      draw: [(plot) => { drawMoments(plot, now()); drawLevels(plot, now()); drawOutliers(plot, now()); now().paint?.(plot); }],
+      draw: [(plot) => drawMore(plot, now())],
       setCursor: [(plot) => {
         const { left = -1 } = plot.cursor;
         if (plot.over.matches(':hover')) crosshairMs.value = left < 0 ? undefined : plot.posToVal(left, 'x');
