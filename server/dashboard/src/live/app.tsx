@@ -20,9 +20,7 @@ import { ApiError, asApiError, urlOf } from './transport/calls';
 import { Login } from './views/login';
 import { Overview } from './views/overview';
 
-type Loader = () => Promise<ComponentType>;
-
-const LATER: Readonly<Partial<Record<RouteName, Loader>>> = {
+const LATER: Readonly<Partial<Record<RouteName, () => Promise<ComponentType>>>> = {
   scene: async () => (await import('./views/scene')).SceneView,
   session: async () => (await import('./views/session')).SessionView,
   decisions: async () => (await import('./views/decisions')).DecisionsView,

@@ -130,9 +130,8 @@ function orderText({ operatorName, mode, arm }: AuditRow): string {
 }
 
 // If the row names no operator, the action alone is the sentence.
-function actionText({ operatorName, action }: AuditRow): string {
-  return operatorName ? `${operatorName} ${action}.` : `${action.charAt(0).toUpperCase()}${action.slice(1)}.`;
-}
+const actionText = ({ operatorName, action }: AuditRow): string =>
+  operatorName ? `${operatorName} ${action}.` : `${action.charAt(0).toUpperCase()}${action.slice(1)}.`;
 
 export function explainedRow(row: AuditRow, setup?: AuditSetup): string[] {
   const { kind, arm, switchCost } = row;

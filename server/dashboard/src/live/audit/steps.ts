@@ -58,7 +58,7 @@ export function mergedSteps(logged: readonly Step[], events: readonly DecisionEv
   return [...known, ...later];
 }
 
-/** Returns the mean costs and the peak of memory in the row's decision window; undefined if the window has no frames. Without frames of a known regime, these
+/** Returns mean costs and the peak of memory in the row's decision window; undefined without frames. Without frames of a known regime, these
  * are the new frames, which the decision uses unless their regime is in doubt (engine_client/decider/session/decision_session.cc). */
 export const windowOf = once((row: AuditRow) => {
   const active = row.runs?.active;
@@ -67,6 +67,7 @@ export const windowOf = once((row: AuditRow) => {
   if (!window || frameCount === 0) return undefined;
   return {
     frameMs: window.timeNs / frameCount / NS_PER_MS,
+    // An ordinary frame does not rebuild.
     detectionMs: window.ordinaryFrameCount > 0 ? window.ordinaryDetectionNs / Number(window.ordinaryFrameCount) / NS_PER_MS : Number.NaN,
     checkCount: window.checkCount / frameCount,
     nativeBytes: Number(window.peakBytes),

@@ -75,10 +75,8 @@ const UNKNOWN_DASHES: readonly (readonly number[])[] = [[4, 4], [14, 4], [2, 6],
 const unknownDash = (place: number) =>
   [...UNKNOWN_DASHES[place % UNKNOWN_DASHES.length]!, ...Array.from({ length: Math.floor(place / UNKNOWN_DASHES.length) }, () => [1, 3]).flat()];
 
-export interface ArmStyle { colour: string; dash: number[]; hatch: number }
-
 /** REQUIRES: `arm` is one of `arms`. */
-export function armStyle(arm: string, arms: readonly string[]): ArmStyle {
+export function armStyle(arm: string, arms: readonly string[]) {
   const rank = familyRank(arm);
   if (rank < FAMILIES.length) return { colour: colourOf(arm), dash: [...DASHES[rank]!], hatch: rank };
   const place = Math.max(arms.filter((other) => familyRank(other) === FAMILIES.length).indexOf(arm), 0);

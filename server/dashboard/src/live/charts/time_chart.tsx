@@ -49,17 +49,15 @@ function actionOf(key: string, { timesMs, domain }: Picture): (() => void) | und
   }
 }
 
-function Swatch({ line: { colour, dash } }: { line: Line }) {
-  return (
-    <svg width="26" height="10" aria-hidden="true">
-      <line x1="1" x2="25" y1="5" y2="5" stroke={colour} stroke-width="2.5" stroke-dasharray={dash?.join(' ') ?? ''} />
-    </svg>
+function Entry({ line: { arm, label, colour, dash }, value }: { line: Line; value: string }) {
+  const content = (
+    <>
+      <svg width="26" height="10" aria-hidden="true">
+        <line x1="1" x2="25" y1="5" y2="5" stroke={colour} stroke-width="2.5" stroke-dasharray={dash?.join(' ') ?? ''} />
+      </svg>
+      {' '}<Name text={label} /> <span class="value">{value}</span>
+    </>
   );
-}
-
-function Entry({ line, value }: { line: Line; value: string }) {
-  const content = <><Swatch line={line} /> <Name text={line.label} /> <span class="value">{value}</span></>;
-  const { arm } = line;
   if (!arm) return <span class="entry">{content}</span>;
   return (
     <button type="button" class="entry" aria-pressed={!hiddenArms.value.has(arm)} title="Show or hide this line" onClick={() => toggleArm(arm)}>

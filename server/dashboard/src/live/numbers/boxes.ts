@@ -11,11 +11,8 @@ export interface Boxes {
   /** For each box the smallest x, y and z, then the largest, in world units. */
   readonly corners: Float32Array;
   readonly count: number;
-  readonly pairCount: number;
   /** The indices of the two boxes of each pair. */
   readonly pairs: readonly (readonly [number, number])[];
-  /** Per box 1 if it overlaps another box of this view, else 0. */
-  readonly overlaps: Uint8Array;
   readonly objectCount: number;
   /** Every `stride`-th object is shown. */
   readonly stride: number;
@@ -40,9 +37,7 @@ export function boxesOf(view: BoxView): Boxes {
   const pairCount = isWhole ? Math.floor(view.pairs.length / PAIR_BYTES) : 0;
   const pairs = Array.from({ length: pairCount }, (_, i) => [places.getUint16(PAIR_BYTES * i, true), places.getUint16(PAIR_BYTES * i + 2, true)] as const)
     .filter((pair) => pair.every((place) => place < count));
-  const overlaps = new Uint8Array(count);
-  for (const place of pairs.flat()) overlaps[place] = 1;
-  return { corners, count, pairCount: pairs.length, pairs, overlaps, objectCount, stride, frameIndex, low, high };
+  return { corners, count, pairs, objectCount, stride, frameIndex, low, high };
 }
 
 /** A camera that looks at the centre of the boxes. Angles are in radians; a zoom of 1 shows all boxes. The picture is moved by a share of
@@ -81,14 +76,18 @@ const EDGES = Array.from({ length: 8 }, (_, from) => [1, 2, 4].filter((bit) => (
 
 interface Size { readonly width: number; readonly height: number } // in CSS pixels
 
+/** Returns the boxes that overlap another box of this view. */
+export const overlapsOf = ({ pairs }: Pick<Boxes, 'pairs'>): ReadonlySet<number> => new Set(pairs.flat());
+
 function framesOf(boxes: Boxes, camera: Camera, { width, height }: Size): { plain: Path2D; overlapping: Path2D; pairs: Path2D } {
   const project = projection(camera, boxes.low, boxes.high, width, height);
+  const overlaps = overlapsOf(boxes);
   const paths = { plain: new Path2D(), overlapping: new Path2D(), pairs: new Path2D() };
   const pixels = Array.from({ length: 8 }, () => ({ x: 0, y: 0 }));
   for (let box = 0; box < boxes.count; ++box) {
     const at = (corner: number, axis: number) => boxes.corners[6 * box + axis + ((corner >> axis) & 1 ? 3 : 0)]!;
     pixels.forEach((pixel, corner) => project(at(corner, 0), at(corner, 1), at(corner, 2), pixel));
-    const path = boxes.overlaps[box] ? paths.overlapping : paths.plain;
+    const path = overlaps.has(box) ? paths.overlapping : paths.plain;
     for (const [from, to] of EDGES) {
       path.moveTo(pixels[from]!.x, pixels[from]!.y);
       path.lineTo(pixels[to]!.x, pixels[to]!.y);

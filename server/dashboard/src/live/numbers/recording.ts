@@ -51,10 +51,7 @@ function boxesOf(bytes: DataView, frame: number, low: Boxes['low'], high: Boxes[
     corners.set([...corner(bytes, at), ...corner(bytes, at + BOX_BYTES / 2)], 6 * box);
   }
   check(corners.every(Number.isFinite), `frame ${frame} has a coordinate that is not finite`);
-  const pairs = pairsOf(corners);
-  const overlaps = new Uint8Array(count);
-  for (const box of pairs.flat()) overlaps[box] = 1;
-  return { corners, count, pairs, pairCount: pairs.length, overlaps, objectCount, stride, frameIndex: BigInt(frame), low, high };
+  return { corners, count, pairs: pairsOf(corners), objectCount, stride, frameIndex: BigInt(frame), low, high };
 }
 
 // Returns the number of boxes before each frame, and after the last one.

@@ -31,6 +31,5 @@ export function ArmMark({ arm, hollow = false }: { arm: string; hollow?: boolean
 export const Arms = ({ names }: { names: readonly string[] }) =>
   (names.length === 0 ? <Arm name="" /> : <>{names.map((name, i) => <span key={name}>{i > 0 && ' '}<Arm name={name} /></span>)}</>);
 
-export function Arm({ name, hollow = false }: { name: string; hollow?: boolean }) {
-  return <span class="arm"><ArmMark arm={name} hollow={hollow} /> <Name text={name} unknown="none" /></span>;
-}
+export const Arm = ({ name, hollow = false }: { name: string; hollow?: boolean }) =>
+  <span class="arm"><ArmMark arm={name} hollow={hollow} /> <Name text={name} unknown="none" /></span>;

@@ -12,9 +12,8 @@ const TONES: Readonly<Record<SceneVerdict, Tone>> = {
   changing: 'good', [Verdict.STABLE]: 'good', [Verdict.TIE]: 'good', [Verdict.AMBIGUOUS]: 'warn', [Verdict.DEGRADED]: 'bad', [Verdict.UNSPECIFIED]: 'plain',
 };
 
-export function Chip({ tone, sign, title, children }: { tone: Tone; sign?: string; title?: string; children: ComponentChildren }) {
-  return <span class={`chip ${tone}`} title={title}>{sign && <span aria-hidden="true">{sign} </span>}{children}</span>;
-}
+export const Chip = ({ tone, sign, title, children }: { tone: Tone; sign?: string; title?: string; children: ComponentChildren }) =>
+  <span class={`chip ${tone}`} title={title}>{sign && <span aria-hidden="true">{sign} </span>}{children}</span>;
 
 export function VerdictChip({ verdict }: { verdict: SceneVerdict }) {
   const { name, mark, meaning } = verdictWord(verdict);

@@ -5,9 +5,8 @@ import { type Reading, useReading } from '../transport/reading';
 
 export const Loading = ({ what }: { what: string }) => <p class="state" role="status">Loading {what} …</p>;
 
-export function Empty({ title, children }: { title: string; children?: ComponentChildren }) {
-  return <div class="state empty"><p class="lead">{title}</p>{children}</div>;
-}
+export const Empty = ({ title, children }: { title: string; children?: ComponentChildren }) =>
+  <div class="state empty"><p class="lead">{title}</p>{children}</div>;
 
 export function Failure({ what, error, onRetry }: { what: string; error: ApiError; onRetry?: () => void }) {
   return (

@@ -2,18 +2,12 @@
 import { computed, signal, type Signal } from '@preact/signals';
 import { type ApiError, asApiError, parseError, urlOf } from '../transport/calls';
 
-export interface Check {
-  name: string;
-  isOk: boolean;
-  note: string;  // the problem of a failed check, or a warning
-}
-
 const CHECK = /^\[([+-])\](\S+) (?:ok|failed)(?:: (.*)|, but (.*))?$/;
 
-export function parseChecks(text: string): Check[] {
-  return text.split('\n').map((line) => CHECK.exec(line)).filter((found) => found !== null)
+/** Returns the checks of /readyz?verbose. `note` is the problem of a failed check, or a warning. */
+export const parseChecks = (text: string) =>
+  text.split('\n').map((line) => CHECK.exec(line)).filter((found) => found !== null)
     .map(([, sign, name, problem, note]) => ({ name: name!, isOk: sign === '+', note: problem ?? note ?? '' }));
-}
 
 // The metric families by name. A family has its values by their labels, such as `reason="MALFORMED_MESSAGE"`; '' for a value without labels.
 export type Metrics = ReadonlyMap<string, ReadonlyMap<string, number>>;
@@ -60,7 +54,7 @@ export interface Sample {
 
 const checksError = signal<ApiError | undefined>(undefined);
 const figuresError = signal<ApiError | undefined>(undefined);
-export const checks = signal<readonly Check[] | undefined>(undefined);  // undefined: not known yet
+export const checks = signal<ReturnType<typeof parseChecks> | undefined>(undefined);  // undefined: not known yet
 export const samples = signal<readonly Sample[]>([]);  // oldest first
 export const healthError = computed(() => checksError.value ?? figuresError.value);
 

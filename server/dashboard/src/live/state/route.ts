@@ -76,9 +76,8 @@ export function hrefWith(name: string, value: string): string {
   return `${route.value.path}?${query.toString()}`;
 }
 
-export function sceneNameOf({ parts, query }: Route): SceneName {
-  return { project: parts[0] ?? '', scene: parts[1] ?? '', machineClass: query.get('class') ?? '', rewardVersion: Number(query.get('reward') ?? 3) };
-}
+export const sceneNameOf = ({ parts, query }: Route): SceneName =>
+  ({ project: parts[0] ?? '', scene: parts[1] ?? '', machineClass: query.get('class') ?? '', rewardVersion: Number(query.get('reward') ?? 3) });
 
 // Opens links within the dashboard without reloading the page, unless the user opens another tab.
 function follow(event: MouseEvent): void {

@@ -38,9 +38,8 @@ export function parseError(text: string, fallback: string): ApiError {
   }
 }
 
-export async function errorOfResponse(response: Response): Promise<ApiError> {
-  return parseError(await response.text(), `the daemon answered ${response.status} ${response.statusText}`);
-}
+export const errorOfResponse = async (response: Response): Promise<ApiError> =>
+  parseError(await response.text(), `the daemon answered ${response.status} ${response.statusText}`);
 
 // Converts any other exception (no connection, a broken connection, a timeout) to an ApiError.
 export function asApiError(error: unknown): ApiError {

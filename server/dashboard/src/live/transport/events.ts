@@ -18,20 +18,17 @@ export interface Listener<Message> {
   heard?(): void;
 }
 
-interface ServerEvent {
-  name: string;
-  id: string | undefined;
-  data: string;
-}
+const newEvent = () => ({ name: 'message', id: undefined as string | undefined, data: '' });
+type ServerEvent = ReturnType<typeof newEvent>;
 
 // Returns the events of a stream, and undefined for a comment, which is a sign of life.
 export async function* eventsOf(lines: AsyncIterable<string>): AsyncGenerator<ServerEvent | undefined> {
-  let event: ServerEvent = { name: 'message', id: undefined, data: '' };
+  let event = newEvent();
   for await (const line of lines) {
     const text = line.endsWith('\r') ? line.slice(0, -1) : line;
     if (text === '') {
       if (event.data || event.id !== undefined) yield event;
-      event = { name: 'message', id: undefined, data: '' };
+      event = newEvent();
       continue;
     }
     const colon = text.indexOf(':');

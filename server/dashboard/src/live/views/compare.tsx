@@ -3,7 +3,7 @@ import { useComputed } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
 import { share } from '../../format';
 import { armsOf, MAX_STEPS, type Step } from '../audit/steps';
-import { LogState, type SessionLog, toldIn, useSessionLog, useSteps } from '../audit/use_log';
+import { LogState, toldIn, useSessionLog, useSteps } from '../audit/use_log';
 import { ChartFrame } from '../charts/frame';
 import { RidgeFigure, ridgeRange, type RidgeRow } from '../charts/ridgeline';
 import { TimelineChart } from '../charts/timeline';
@@ -26,7 +26,7 @@ import { armRows, ridgeRows } from './scene/arms';
 import { HistoryKind } from '../../gen/sweepstake/v1/history_pb';
 import { OverTime } from './over_time';
 import { CostCharts, type Ends } from './session/cost_charts';
-import { type CostColumns, costColumns, stepQuery, switchMoments } from './session/model';
+import { costColumns, stepQuery, switchMoments } from './session/model';
 
 const Alone = () => <button type="button" class="quiet" onClick={() => setQuery({ with: undefined }, { step: true })}>Show only the first one</button>;
 const span = (ranges: readonly (readonly [number, number])[]): [number, number] => [Math.min(...ranges.map(([low]) => low)), Math.max(...ranges.map(([, high]) => high))];
@@ -78,21 +78,14 @@ export function CompareScenes({ own, other }: { own: SceneState; other: string }
   );
 }
 
-interface SessionData {
-  id: string;
-  log: SessionLog;
-  steps: readonly Step[];
-  arms: string[];
-  columns: CostColumns;
-  laterMs: number; // real time minus drawn time
-}
+type SessionData = ReturnType<typeof useSession>;
 
-function useSession(id: string): SessionData {
+function useSession(id: string) {
   const state = useComputed(() => sessions.value.get(id)).value;
   const log = useSessionLog(id, toldIn(state), MAX_STEPS);
   const { steps, hasLog } = useSteps(log, state?.decisions, log.steps.at(-1)?.told?.rewardVersion ?? 0);
   const drawn = useMemo(() => ({ steps, arms: armsOf(steps), columns: costColumns(steps) }), [steps]);
-  const latest = { id, log, ...drawn, laterMs: 0 };
+  const latest = { id, log, ...drawn, laterMs: 0 }; // laterMs: real time minus drawn time
   return useFrozen(latest, hasLog);
 }
 

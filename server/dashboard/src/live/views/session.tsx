@@ -163,11 +163,6 @@ function Beliefs({ sessionId, steps, arms, moments, rewardVersion, domain }: Cha
   );
 }
 
-function Costs({ sessionId, steps, moments, domain }: ChartsProps) {
-  const columns = useMemo(() => costColumns(steps), [steps]);
-  return <CostCharts columns={columns} moments={moments} domain={domain} names={[sessionId]} csvHref={sessionCsvUrl('windows', sessionId)} />;
-}
-
 // Returns why the user cannot view the boxes of the session; empty if it is possible.
 function whyNoBoxes({ showsBoxes }: SessionInfo, isOver: boolean): string {
   if (isOver) return 'The session has ended.';
@@ -200,6 +195,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
   const arms = useMemo(() => names, [names.join('\n')]);
   const domain = domainOf(steps.map(({ timeMs }) => timeMs), range.value);
   const moments = useMemo(() => switchMoments(steps, arms), [steps, arms]);
+  const columns = useMemo(() => costColumns(steps), [steps]);
   const [chosen, openStep] = useChosenStep(steps);
   const openDecisive = () => void decisiveOf(sessionId, steps, log.isWhole).then((step) => step && openStep(step));
   const props = { sessionId, steps, arms, moments, rewardVersion, domain };
@@ -221,7 +217,8 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
       <Timeline {...props} onOpen={openStep} />
       <section aria-labelledby="history-heading"><h2 id="history-heading">History</h2>
         <OverTime selection={{ kind: HistoryKind.SESSION, sessionId }} names={[sessionId]} moments={moments} /></section>
-      <section aria-labelledby="windows-heading"><h2 id="windows-heading">Latest windows</h2><Costs {...props} /></section>
+      <section aria-labelledby="windows-heading"><h2 id="windows-heading">Latest windows</h2>
+        <CostCharts columns={columns} moments={moments} domain={domain} names={[sessionId]} csvHref={sessionCsvUrl('windows', sessionId)} /></section>
       {latest && <Boxes info={latest.info} isOver={latest.ended !== undefined} />}
       <section aria-labelledby="beliefs-heading"><h2 id="beliefs-heading">Posteriors</h2><Beliefs {...props} /></section>
       <section aria-labelledby="lane-heading"><h2 id="lane-heading">Shadow lane</h2><Lane steps={steps} /></section>

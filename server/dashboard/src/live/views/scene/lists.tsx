@@ -22,9 +22,8 @@ import { type Use, measuredIn } from '../../numbers/use';
 import { useHistory, WHOLE_LIFE } from '../../transport/history';
 import { type Column, Table } from '../../parts/table';
 
-export function variantsOf({ project, scene }: SceneName): SceneState[] {
-  return summaries.value.map(({ state }) => state).filter(({ posterior }) => posterior.project === project && posterior.scene === scene);
-}
+export const variantsOf = ({ project, scene }: SceneName): SceneState[] =>
+  summaries.value.map(({ state }) => state).filter(({ posterior }) => posterior.project === project && posterior.scene === scene);
 
 // Versions from this number on belong to weights that a game or daemon has set (RewardVersionOf in session/policy_registry.h).
 const FIRST_OWN_REWARD_VERSION = 2 ** 30;

@@ -3,7 +3,7 @@
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { SessionsService } from '../../../gen/sweepstake/v1/sessions_pb';
 import { counted, grouped, significant } from '../../../format';
-import { type Boxes, boxesOf, type Camera, cellOf, drawBoxes, moved, START, turned, zoomed } from '../../numbers/boxes';
+import { type Boxes, boxesOf, type Camera, cellOf, drawBoxes, moved, overlapsOf, START, turned, zoomed } from '../../numbers/boxes';
 import { theme } from '../../charts/colours';
 import { pausedMs } from '../../charts/view_state';
 import { useWidth } from '../../charts/width';
@@ -54,10 +54,10 @@ const KEYS: Readonly<Record<string, (camera: Camera) => Camera>> = {
   '+': (camera) => zoomed(camera, ZOOM), '=': (camera) => zoomed(camera, ZOOM), '-': (camera) => zoomed(camera, 1 / ZOOM), '0': () => START,
 };
 
-function describe({ count, objectCount, stride, pairCount, overlaps, frameIndex }: Boxes): string {
+function describe(boxes: Boxes): string {
+  const { count, objectCount, stride, pairs, frameIndex } = boxes;
   const shown = stride > 1 ? `${grouped(count)} of ${counted(objectCount, 'object', 'objects')} (one in ${grouped(stride)})` : counted(count, 'object', 'objects');
-  const overlapping = overlaps.reduce((sum, each) => sum + each, 0);
-  return `Frame ${grouped(Number(frameIndex))}: ${shown}, ${grouped(overlapping)} of them in ${counted(pairCount, 'overlapping pair', 'overlapping pairs')}.`;
+  return `Frame ${grouped(Number(frameIndex))}: ${shown}, ${grouped(overlapsOf(boxes).size)} of them in ${counted(pairs.length, 'overlapping pair', 'overlapping pairs')}.`;
 }
 
 export function Picture({ boxes }: { boxes: Boxes }) {
