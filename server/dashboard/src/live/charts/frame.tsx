@@ -8,9 +8,8 @@ import { fileName, visible } from '../parts/name';
 import './charts.css';
 import { savePng } from './png';
 
-/** A value of a chart; null and undefined: unknown. */
-type CellValue = string | number | bigint | boolean | null | undefined;
-export interface ChartTable { header: readonly string[]; rows: readonly (readonly CellValue[])[] }
+/** The values of a chart; null and undefined: unknown. */
+export interface ChartTable { header: readonly string[]; rows: readonly (readonly (string | number | bigint | boolean | null | undefined)[])[] }
 
 interface FrameProps {
   id: string;

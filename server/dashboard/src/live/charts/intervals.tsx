@@ -53,9 +53,7 @@ function Row({ row: { arm, before, after }, top, x, width, isPair, format }: Row
   );
 }
 
-interface IntervalsProps { title: string; rows: readonly IntervalRow[]; unit: string; format?: Format }
-
-export function Intervals({ title, rows, unit, format = significant }: IntervalsProps) {
+export function Intervals({ title, rows, unit, format = significant }: { title: string; rows: readonly IntervalRow[]; unit: string; format?: Format }) {
   const { element, width } = useWidth<HTMLDivElement>();
   const axis = ratioAxis(rows.flatMap(({ before, after }) => [before, after]).filter((each): each is Ratio => each !== undefined));
   const span = Math.log(axis[1] / axis[0]);

@@ -93,10 +93,8 @@ export function shortened(name: string, width: number): string {
   return [...shown].length <= most ? shown : `${[...shown].slice(0, most - 1).join('')}…`;
 }
 
-interface TicksProps { ticks: readonly { x: number; text: string }[]; width: number; y: number; unit: string }
-
 /** The axis of a chart with lines at round values. The text of a tick is moved inwards if it would be cut off. */
-export function Ticks({ ticks, width, y, unit }: TicksProps) {
+export function Ticks({ ticks, width, y, unit }: { ticks: readonly { x: number; text: string }[]; width: number; y: number; unit: string }) {
   return (
     <g font-size=".73rem" fill="var(--soft)" text-anchor="middle">
       {ticks.map(({ x, text }) => (

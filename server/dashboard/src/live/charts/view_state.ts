@@ -1,4 +1,4 @@
-// The state that the charts of a view share: range of time, pause and hidden arms (all three in the URL), and the crosshair.
+// The state that the charts of a view share: period, range of time, pause and hidden arms (all in the URL), and the crosshair.
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { route, setQuery } from '../state/route';
@@ -23,6 +23,34 @@ export const range: ReadonlySignal<Range | undefined> = computed(() => {
 export function setRange(next: Range | undefined): void {
   setQuery({ from: next && String(Math.round(next.fromMs)), to: next && String(Math.round(next.toMs)) }, { step: true });
 }
+
+const MINUTE_MS = 60_000;
+const DAY_MS = 1440 * MINUTE_MS;
+
+export interface Period {
+  name: string; // in the URL
+  words: string;
+  lengthMs: number; // 0: the whole history
+}
+
+export const PERIODS: readonly Period[] = [
+  { name: 'quarter', words: 'last 15 minutes', lengthMs: 15 * MINUTE_MS },
+  { name: 'hour', words: 'last hour', lengthMs: 60 * MINUTE_MS },
+  { name: 'day', words: 'last day', lengthMs: DAY_MS },
+  { name: 'week', words: 'last week', lengthMs: 7 * DAY_MS },
+  { name: 'all', words: 'whole history', lengthMs: 0 },
+];
+
+/** The chosen period. A chosen range of time goes before it. */
+export const period: ReadonlySignal<Period> = computed(() => PERIODS.find(({ name }) => name === route.value.query.get('period')) ?? PERIODS[0]!);
+
+/** Returns the period as times; 0 as a start: the whole history, 0 as an end: now. */
+export function timesOf({ lengthMs }: Period, chosen: Range | undefined, nowMs: number): { fromUnixMs: number; untilUnixMs: number } {
+  if (chosen) return { fromUnixMs: Math.floor(chosen.fromMs), untilUnixMs: Math.ceil(chosen.toMs) };
+  return { fromUnixMs: lengthMs === 0 ? 0 : nowMs - lengthMs, untilUnixMs: 0 };
+}
+
+export const periodKey: ReadonlySignal<string> = computed(() => `${period.value.name} ${range.value?.fromMs ?? ''} ${range.value?.toMs ?? ''}`);
 
 /** When the view was paused; undefined if it is not. */
 export const pausedMs: ReadonlySignal<number | undefined> = computed(() => numberOf('pause'));

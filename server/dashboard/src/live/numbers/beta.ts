@@ -31,9 +31,6 @@ export function rewardAt(logit: number): number {
   return logit < 0 ? e / (1 + e) : 1 / (1 + e);
 }
 
-/** The density at a reward ÷ the highest density, from 0 to 1. */
-export interface RidgePoint { reward: number; height: number }
-
 const NEEDLE_POINTS = 48; // additional points around the peak
 const NEEDLE_DEVIATIONS = 6; // range of these points on each side of the peak, in standard deviations
 
@@ -43,8 +40,8 @@ function logDensity(posterior: Beta, reward: number): number {
   return logitLogShape(posterior, logX - logY - logitMode(posterior)) - logX - logY;
 }
 
-/** Returns points of ascending reward within [low, high]: `count` evenly spaced ones, and more around the peak. */
-export function ridge(posterior: Beta, low: number, high: number, count: number): RidgePoint[] {
+/** Returns points of ascending reward within [low, high]: `count` evenly spaced ones, and more around the peak. Heights are from 0 to 1. */
+export function ridge(posterior: Beta, low: number, high: number, count: number): { reward: number; height: number }[] {
   const deviation = logitDeviation(posterior);
   const peak = logitMode(posterior);
   const rewards = [

@@ -27,7 +27,6 @@ export function ArmMark({ arm, hollow = false }: { arm: string; hollow?: boolean
   );
 }
 
-/** Several arms; "none" if there are none. */
 export const Arms = ({ names }: { names: readonly string[] }) =>
   (names.length === 0 ? <Arm name="" /> : <>{names.map((name, i) => <span key={name}>{i > 0 && ' '}<Arm name={name} /></span>)}</>);
 

@@ -1,6 +1,5 @@
 // The choice of the period that charts show: the latest minutes to weeks, or two times.
-import { range, setRange } from '../charts/view_state';
-import { period, PERIODS } from '../state/period';
+import { period, PERIODS, range, setRange } from '../charts/view_state';
 import { setQuery } from '../state/route';
 import { Select, TimeInput } from './filter';
 

@@ -3,6 +3,9 @@ import { create } from '../transport/messages';
 import { computed, signal } from '@preact/signals';
 import { DecisionOutcome, type DecisionEvent } from '../../gen/sweepstake/v1/posteriors_pb';
 import { SessionEndedSchema, SessionState as Link, type SessionEnded, type SessionInfo } from '../../gen/sweepstake/v1/sessions_pb';
+import { bucketsOf, percentile } from '../numbers/histogram';
+import { NS_PER_MS } from '../numbers/log_cost';
+import { once } from './once';
 import { addDecisions, groupedBy } from './scenes';
 
 const MAX_SESSION_DECISIONS = 2000;
@@ -68,3 +71,14 @@ export function takeDecisions(decisions: readonly DecisionEvent[]): void {
   addDecisions(next, groupedBy(decisions, ({ sessionId }) => sessionId), MAX_SESSION_DECISIONS, sessionInView.peek());
   sessions.value = next;
 }
+
+const frameTimeMs = once(({ measurements }: DecisionEvent): number | undefined => {
+  const ns = measurements?.frameTimeNs && percentile(bucketsOf(measurements.frameTimeNs), 0.5);
+  return ns === undefined ? undefined : ns / NS_PER_MS;
+});
+
+const MAX_TIMES = 60;
+
+/** Returns the median frame time before each of the session's latest decisions in milliseconds, oldest first. */
+export const frameTimesOf = (session: Pick<SessionState, 'decisions'> | undefined): number[] =>
+  (session?.decisions.slice(-MAX_TIMES) ?? []).map(frameTimeMs).filter((ms) => ms !== undefined);

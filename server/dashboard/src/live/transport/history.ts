@@ -1,8 +1,7 @@
 // Reads the history of scenes, builds and sessions from the daemon while a view shows it.
 import { useEffect, useState } from 'preact/hooks';
 import { HistoryService, type HistoryKind, type HistorySeries } from '../../gen/sweepstake/v1/history_pb';
-import { pausedMs, range } from '../charts/view_state';
-import { period, type Period, periodKey, PERIODS, timesOf } from '../state/period';
+import { pausedMs, period, type Period, periodKey, PERIODS, range, timesOf } from '../charts/view_state';
 import { type ApiError, asApiError, call } from './calls';
 
 export interface HistorySelection { kind: HistoryKind; project?: string; scene?: string; sessionId?: string }

@@ -10,9 +10,7 @@ import { Picture } from './session/boxes';
 
 const RATES = [1, 5, 15, 30, 60, 120]; // frames per second
 
-interface PlayerProps { recording: Recording; onError(error: Error): void }
-
-function Player({ recording, onError }: PlayerProps) {
+function Player({ recording, onError }: { recording: Recording; onError(error: Error): void }) {
   const last = recording.frameCount - 1;
   const [frame, setFrame] = useState(0);
   const [boxes, setBoxes] = useState<Boxes | undefined>(undefined);

@@ -9,8 +9,7 @@ import { Sparkline } from '../../parts/sparkline';
 import type { Column } from '../../parts/table';
 import { isChanging, leadersOf, presentBest, savingText } from '../../state/regimes';
 import { sceneHref } from '../../state/route';
-import { frameTimesOf } from '../../state/frame_times';
-import { sessions } from '../../state/sessions';
+import { frameTimesOf, sessions } from '../../state/sessions';
 import type { SceneSummary } from '../../state/summaries';
 
 const sceneOf = ({ state }: SceneSummary) => state.posterior;

@@ -6,9 +6,7 @@ import { Intervals } from '../../charts/intervals';
 import { visible } from '../../parts/name';
 import { bestOf, regimeText } from '../../state/regimes';
 
-interface RegimeProps { regime: RegimePosterior; number: number; activity: SceneActivity; names: readonly string[] }
-
-function Regime({ regime, number, activity, names }: RegimeProps) {
+function Regime({ regime, number, activity, names }: { regime: RegimePosterior; number: number; activity: SceneActivity; names: readonly string[] }) {
   const known = activity.arms.map((arm, i) => ({ arm, belief: regime.arms[i] })).filter(({ belief }) => belief && belief.costUs > 0)
     .sort((a, b) => a.belief!.costUs - b.belief!.costUs);
   const rows = known.map(({ arm, belief }) => ({ arm, before: undefined, after: { median: belief!.costUs, low: belief!.lowUs, high: belief!.highUs } }));

@@ -9,9 +9,7 @@ import { addShortcuts } from '../../parts/keys';
 import { Name, visible } from '../../parts/name';
 import { decisionsHref } from '../../state/route';
 
-interface WhyProps { step: Step; sessionId: string; onRead: () => void; onClose: () => void }
-
-export function Why({ step, sessionId, onRead, onClose }: WhyProps) {
+export function Why({ step, sessionId, onRead, onClose }: { step: Step; sessionId: string; onRead: () => void; onClose: () => void }) {
   useEffect(() => addShortcuts([{ keys: 'Escape', what: 'Close the explanation', run: onClose }]), []);
   const { placed, told, timeMs, decisionId } = step;
   const sentences = placed ? explainedRow(placed.row, placed.setup) : told ? explained(told) : [];

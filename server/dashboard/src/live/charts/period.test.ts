@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { PERIODS, timesOf } from './period';
+import { PERIODS, timesOf } from './view_state';
 
 const named = (name: string) => PERIODS.find((each) => each.name === name)!;
 

@@ -1,7 +1,7 @@
 import { create } from '../transport/messages';
 import { describe, expect, it } from 'vitest';
 import { DecisionEventSchema } from '../../gen/sweepstake/v1/posteriors_pb';
-import { frameTimesOf } from './frame_times';
+import { frameTimesOf } from './sessions';
 
 describe('frame times', () => {
   it('are the medians of the latest decisions that have them', () => {
