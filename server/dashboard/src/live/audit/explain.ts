@@ -50,7 +50,7 @@ const sureText = (probability: number) => (probability > 0.999 ? 'over 99.9 %' :
 
 const SMALLEST_GAIN = 1e-4; // smaller gains are called nothing
 
-/** Returns the gain above which a switch pays: the gate's inequality divided by its horizon. */
+/** The gain above which a switch pays: the gate's inequality divided by its horizon. */
 const leastGain = ({ cooldownS, loss, costS, horizonS }: NonNullable<Told['gate']>) => (cooldownS * loss + costS) / horizonS;
 
 /** A policy may stay although a switch would pay, if the saving is too small to be measured well. */
@@ -124,10 +124,8 @@ function whatWasMeasured({ activeArm, reward, rewardVersion }: Told): string | u
 export const explained = (told: Told): string[] =>
   [whatHappened(told), whatWouldPay(told), whatWasMeasured(told), whatIsBelieved(told)].filter((each): each is string => each !== undefined);
 
-function orderText({ operatorName, mode, arm }: AuditRow): string {
-  if (mode === Mode.AI) return `${operatorName} let the daemon decide.`;
-  return `${operatorName} ordered the game to keep to ${arm || 'the active algorithm'}.`;
-}
+const orderText = ({ operatorName, mode, arm }: AuditRow): string =>
+  `${operatorName} ${mode === Mode.AI ? 'let the daemon decide' : `ordered the game to keep to ${arm || 'the active algorithm'}`}.`;
 
 // If the row names no operator, the action alone is the sentence.
 const actionText = ({ operatorName, action }: AuditRow): string =>

@@ -39,7 +39,10 @@ function meanNs({ frameTimeNs }: Point): number {
   return sum / Math.max(1, countOf(buckets));
 }
 
-const SAVINGS = ['againstInitialUs', 'againstSingleUs', 'againstReferenceUs'] as const;
+/** The savings, and against what they are. */
+export const SAVINGS = [
+  ['againstInitialUs', 'the algorithm that each game begins with'], ['againstSingleUs', 'the best single algorithm'], ['againstReferenceUs', REFERENCE_ARM],
+] as const;
 
 /** Adds up what several points, scenes or builds saved; undefined if none has measured frames. A saving that one of them does not
  * know is absent. */
@@ -47,6 +50,6 @@ export function sumOf(uses: readonly (Use | undefined)[]): Use | undefined {
   const known = uses.filter((use) => use !== undefined);
   if (known.length === 0) return undefined;
   const total = (part: keyof Use) => known.reduce((sum, use) => sum + (use[part] ?? Number.NaN), 0);
-  const savings = SAVINGS.map((part) => [part, total(part)] as const).filter(([, us]) => !Number.isNaN(us));
+  const savings = SAVINGS.map(([part]) => [part, total(part)] as const).filter(([, us]) => !Number.isNaN(us));
   return { frameCount: total('frameCount'), ranUs: total('ranUs'), frameUs: total('frameUs'), ...Object.fromEntries(savings) };
 }

@@ -16,8 +16,7 @@ function withoutOldestGone<Row>(placed: readonly PlacedRow<Row>[]): readonly Pla
 export class RowOrder<Row> {
   private shown: readonly PlacedRow<Row>[] = [];
 
-  // Returns the rows in the order to show, and whether it differs from the requested order `rows`. If `isHeld`, rows keep their places and
-  // new rows come last.
+  // Returns the rows in the order to show, and whether it differs from that of `rows`. If `isHeld`, rows keep their places, new rows come last.
   place(rows: readonly Row[], keyOf: (row: Row) => string, isHeld: boolean): { placed: readonly PlacedRow<Row>[]; isOutdated: boolean } {
     const wanted = rows.map((row) => ({ key: keyOf(row), row, isGone: false }));
     if (!isHeld || this.shown.length === 0) {

@@ -38,9 +38,10 @@ export interface TableProps<Row> {
 
 function Heading<Row>({ column, sorting, onSort }: { column: Column<Row>; sorting: string; onSort(sorting: string): void }) {
   const order = sorting === column.id ? 'ascending' : sorting === `-${column.id}` ? 'descending' : undefined;
+  const next = order === 'ascending' ? `-${column.id}` : column.id;
   return (
     <th scope="col" class={column.isText ? 'text' : undefined} style={column.width && { minWidth: column.width }} title={column.hint} aria-sort={order}>
-      {column.sort ? <button type="button" class="sort" onClick={() => onSort(order === 'ascending' ? `-${column.id}` : column.id)}>{column.title}</button> : column.title}
+      {column.sort ? <button type="button" class="sort" onClick={() => onSort(next)}>{column.title}</button> : column.title}
     </th>
   );
 }

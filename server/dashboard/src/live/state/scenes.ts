@@ -65,9 +65,9 @@ export function takeChanges(posteriors: readonly ScenePosterior[], decisions: re
   scenes.value = next;
 }
 
-/** Adds decisions to the states with these keys. Ignores unknown keys. Each state keeps its share of MAX_DECISIONS; the state in view keeps `most`. */
-export function addDecisions<State extends Pick<SceneState, 'decisions'>>(all: Map<string, State>, added: ReadonlyMap<string, readonly DecisionEvent[]>, most: number,
-  inView: string, change: Partial<State> = {}): void {
+/** Adds decisions to states; ignores unknown keys. Each state keeps its share of MAX_DECISIONS; the one in view keeps `most`. */
+export function addDecisions<State extends Pick<SceneState, 'decisions'>>(all: Map<string, State>, added: ReadonlyMap<string, readonly DecisionEvent[]>,
+  most: number, inView: string, change: Partial<State> = {}): void {
   const share = shareOf(all.size, most);
   for (const [key, own] of added) {
     const state = all.get(key);

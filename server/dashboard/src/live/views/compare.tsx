@@ -85,8 +85,7 @@ function useSession(id: string) {
   const log = useSessionLog(id, toldIn(state), MAX_STEPS);
   const { steps, hasLog } = useSteps(log, state?.decisions, log.steps.at(-1)?.told?.rewardVersion ?? 0);
   const drawn = useMemo(() => ({ steps, arms: armsOf(steps), columns: costColumns(steps) }), [steps]);
-  const latest = { id, log, ...drawn, laterMs: 0 }; // laterMs: real time minus drawn time
-  return useFrozen(latest, hasLog);
+  return useFrozen({ id, log, ...drawn, laterMs: 0 }, hasLog); // laterMs: real time minus drawn time
 }
 
 function endsOf(columns: readonly (readonly (number | null)[])[]): [number, number] {

@@ -3,7 +3,7 @@ import { useMemo } from 'preact/hooks';
 import { counted, grouped, share, significant } from '../../format';
 import { HistoryKind } from '../../gen/sweepstake/v1/history_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
-import { REFERENCE_ARM, sumOf, measuredIn } from '../numbers/use';
+import { measuredIn, SAVINGS, sumOf } from '../numbers/use';
 import { PERIODS } from '../charts/view_state';
 import { csvUrl } from '../parts/download';
 import { VerdictChip } from '../parts/chips';
@@ -29,7 +29,6 @@ import { GLOSSARY, verdictWord } from './words';
 const sceneOf = ({ state }: SceneSummary) => state.posterior;
 const VERDICTS = [Verdict.DEGRADED, Verdict.AMBIGUOUS, Verdict.UNSPECIFIED, Verdict.TIE, 'changing', Verdict.STABLE] as const;
 
-const AGAINST = [['againstInitialUs', 'the algorithm that each game begins with'], ['againstSingleUs', 'the best single algorithm'], ['againstReferenceUs', REFERENCE_ARM]] as const;
 const LATELY = { maxPoints: 1, period: PERIODS.find(({ name }) => name === 'day')!, everyMs: 60_000 };
 
 // The first figure: what choosing algorithms has saved in all sessions of the last day.
@@ -37,7 +36,7 @@ function Saving() {
   const { series, wasRead, error } = useHistory({ kind: HistoryKind.SCENE }, LATELY);
   const total = useMemo(() => sumOf(series.map(({ points }) => measuredIn(points[0]!))), [series]);
   if (!total) return <div class="figure main"><b>–</b><span>{error ? error.message : wasRead ? 'No session has measured in the last day what it saves.' : 'Reading the history.'}</span></div>;
-  const [first, ...others] = AGAINST.flatMap(([part, name]) => (total[part] === undefined ? [] : [{ us: total[part] / total.frameCount, against: `against ${name}` }]));
+  const [first, ...others] = SAVINGS.flatMap(([part, name]) => (total[part] === undefined ? [] : [{ us: total[part] / total.frameCount, against: `against ${name}` }]));
   if (!first) return null;
   const wordOf = (us: number) => (us < 0 ? 'lost' : 'saved');
   return (

@@ -41,11 +41,8 @@ import { Orders } from './session/orders';
 import { Why } from './session/why';
 import { endWord, modeWord, outcomeWord, stateWord } from './words';
 
-export function rewardVersionOf(steps: readonly Step[], state: SessionState | undefined): number {
-  const event = state?.decisions.at(-1);
-  if (event) return event.rewardVersion;
-  return steps.findLast(({ told }) => told)?.told?.rewardVersion ?? LOG_COST_REWARD_VERSION;
-}
+const rewardVersionOf = (steps: readonly Step[], state: SessionState | undefined) =>
+  (state?.decisions.at(-1) ?? steps.findLast(({ told }) => told)?.told)?.rewardVersion ?? LOG_COST_REWARD_VERSION;
 
 function Facts({ sessionId, state, steps, rewardVersion }: { sessionId: string; state: SessionState | undefined; steps: readonly Step[]; rewardVersion: number }) {
   const setup = steps.findLast(({ placed }) => placed?.setup)?.placed?.setup;
