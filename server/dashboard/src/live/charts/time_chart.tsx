@@ -105,7 +105,7 @@ export function usePlot(host: RefObject<HTMLElement>, picture: Picture, width: n
   }, [structure, theme.value, width === 0]);
   useEffect(() => { if (width > 0) plot.current?.setSize({ width, height }); }, [width, height]);
   useEffect(() => { if (isSeen) plot.current?.setData(dataOf(picture)); },
-    [isSeen, picture.timesMs, picture.lines, picture.moments, picture.paint, picture.domain.fromMs, picture.domain.toMs]);
+    [isSeen, picture.timesMs, picture.lines, picture.moments, picture.paint, picture.values?.join(' '), picture.domain.fromMs, picture.domain.toMs]);
   useEffect(() => {
     addEventListener('beforeprint', create); // a printed page contains charts that are outside the screen
     return () => removeEventListener('beforeprint', create);
