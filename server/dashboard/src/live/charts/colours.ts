@@ -60,7 +60,6 @@ function tileOf(colour: string, hatch: number, scale: number): HTMLCanvasElement
   return tile;
 }
 
-/** Returns a fill of this colour with hatch number `hatch`, for adjacent areas. */
 export function hatched(context: CanvasRenderingContext2D, colour: string, hatch: number): CanvasPattern | string {
   const tile = tileOf(colour, hatch, Math.max(1, Math.round(devicePixelRatio)));
   return (tile && context.createPattern(tile, 'repeat')) ?? translucent(colour, 0.6);

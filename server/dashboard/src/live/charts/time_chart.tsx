@@ -77,7 +77,6 @@ function Legend({ picture: { lines, timesMs, format, domain } }: { picture: Pict
   );
 }
 
-// Returns the times at which values are drawn, in a chart of this width.
 function useTimes({ timesMs, states, domain: { fromMs, toMs } }: Pick<Picture, 'timesMs' | 'states' | 'domain'>, width: number): readonly number[] {
   const leastMs = (LEAST * (toMs - fromMs)) / Math.max(width - LEFT - RIGHT, 1);
   return useMemo(() => (states ? widened(timesMs, states, { fromMs, toMs }, leastMs) : timesMs), [timesMs, states, fromMs, toMs, leastMs]);
@@ -153,7 +152,6 @@ export interface TimeFigureProps extends TimeChartProps {
   csvHref?: string | undefined;
 }
 
-/** A time chart in a frame, whose table has the values of the lines. */
 export function TimeFigure({ id, note, names, empty, unit = '', laterMs = 0, csvHref, ...chart }: TimeFigureProps) {
   const { title, timesMs, lines } = chart;
   const table = () => {

@@ -31,7 +31,6 @@ const VERDICTS = [Verdict.DEGRADED, Verdict.AMBIGUOUS, Verdict.UNSPECIFIED, Verd
 
 const LATELY = { maxPoints: 1, period: PERIODS.find(({ name }) => name === 'day')!, everyMs: 60_000 };
 
-// The first figure: what choosing algorithms has saved in all sessions of the last day.
 function Saving() {
   const { series, wasRead, error } = useHistory({ kind: HistoryKind.SCENE }, LATELY);
   const total = useMemo(() => sumOf(series.map(({ points }) => measuredIn(points[0]!))), [series]);
@@ -117,14 +116,12 @@ function Projects({ all }: { all: readonly SceneSummary[] }) {
   );
 }
 
-function NoScenes() {
-  return (
-    <Empty title="No scene has reported yet">
-      <p>A scene appears here as soon as a game has played it. To try this without a game, run:</p>
-      <pre>sweepstake run --scene hurricane --objects 3000 --mode ai --daemon HOST:PORT</pre>
-    </Empty>
-  );
-}
+const NoScenes = () => (
+  <Empty title="No scene has reported yet">
+    <p>A scene appears here as soon as a game has played it. To try this without a game, run:</p>
+    <pre>sweepstake run --scene hurricane --objects 3000 --mode ai --daemon HOST:PORT</pre>
+  </Empty>
+);
 
 export function Overview() {
   const all = summaries.value;

@@ -66,16 +66,14 @@ function Quarantine({ waiting, scope }: { waiting: readonly PriorRecord[]; scope
   );
 }
 
-function Tables({ records, project }: { records: readonly PriorRecord[]; project: string }) {
-  return (
-    <>
-      <section><h2>Builds</h2><Groups records={records} by={BY_BUILD} columns={BUILDS} caption="Builds" sort="-seen" sortParameter="builds" /></section>
-      <section><h2>From build to build</h2><Changes known={buildsOf(records)} project={project} /></section>
-      <section><h2>Evidence</h2><Groups records={records} by={BY_ARM} columns={SUMS} caption="Sums of evidence" sort="scene" csvHref={csvUrl('evidence', { project, withWeights: true })} /></section>
-      <section><h2>Sources</h2><Groups records={records} by={['sourceId']} columns={SOURCES} caption="Sources" sort="-windows" sortParameter="sources" /></section>
-    </>
-  );
-}
+const Tables = ({ records, project }: { records: readonly PriorRecord[]; project: string }) => (
+  <>
+    <section><h2>Builds</h2><Groups records={records} by={BY_BUILD} columns={BUILDS} caption="Builds" sort="-seen" sortParameter="builds" /></section>
+    <section><h2>From build to build</h2><Changes known={buildsOf(records)} project={project} /></section>
+    <section><h2>Evidence</h2><Groups records={records} by={BY_ARM} columns={SUMS} caption="Sums of evidence" sort="scene" csvHref={csvUrl('evidence', { project, withWeights: true })} /></section>
+    <section><h2>Sources</h2><Groups records={records} by={['sourceId']} columns={SOURCES} caption="Sources" sort="-windows" sortParameter="sources" /></section>
+  </>
+);
 
 const buildsOf = (records: readonly PriorRecord[]) => groupsOf(records, 'build').sort((a, b) => lastSeenS(b) - lastSeenS(a)).map(({ example }) => example.build);
 

@@ -17,7 +17,6 @@ const HOUR_MS = 3_600_000;
 const PERIODS: readonly { label: string; ms: number }[] = [{ label: 'Until it ends', ms: 0 }, { label: '1 hour', ms: HOUR_MS }, { label: '1 day', ms: 24 * HOUR_MS }];
 const MAX_COMMENT = 200;  // bytes; the daemon refuses longer comments
 
-/** The alert that the dialog asks about. */
 const asked = signal<Alert | undefined>(undefined);
 /** The number of changes by this user, after which the list shows the latest state at once. */
 const changeCount = signal(0);

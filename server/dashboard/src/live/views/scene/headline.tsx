@@ -45,17 +45,15 @@ function OneBest({ state, verdict }: { state: SceneState; verdict: SceneVerdict 
   );
 }
 
-function BestOfRegimes({ activity }: { activity: SceneActivity }) {
-  return (
-    <>
-      The best algorithm depends on the regime of the scene:{' '}
-      {activity.regimes.map((regime, i) => (
-        <span key={i}>{i > 0 && ', '}<b><Name text={regime.bestArm} unknown="unknown" /></b> with a probability of{' '}
-          <b>{bestOf(regime, activity)?.bestProbability.toFixed(3) ?? '–'}</b> in regime {i + 1}{regime.isPresent && ' (now)'}</span>
-      ))}.
-    </>
-  );
-}
+const BestOfRegimes = ({ activity }: { activity: SceneActivity }) => (
+  <>
+    The best algorithm depends on the regime of the scene:{' '}
+    {activity.regimes.map((regime, i) => (
+      <span key={i}>{i > 0 && ', '}<b><Name text={regime.bestArm} unknown="unknown" /></b> with a probability of{' '}
+        <b>{bestOf(regime, activity)?.bestProbability.toFixed(3) ?? '–'}</b> in regime {i + 1}{regime.isPresent && ' (now)'}</span>
+    ))}.
+  </>
+);
 
 function saved(us: number | undefined, against: string): string | undefined {
   if (us === undefined) return undefined;

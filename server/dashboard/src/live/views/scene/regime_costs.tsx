@@ -25,10 +25,8 @@ function Regime({ regime, number, activity, names }: { regime: RegimePosterior; 
 }
 
 /** REQUIRES: the session has seen several regimes. */
-export function RegimeCosts({ activity, posterior: { project, scene } }: { activity: SceneActivity; posterior: ScenePosterior }) {
-  return (
-    <div class="beside">
-      {activity.regimes.map((regime, i) => <Regime key={i} regime={regime} number={i + 1} activity={activity} names={[project, scene]} />)}
-    </div>
-  );
-}
+export const RegimeCosts = ({ activity, posterior: { project, scene } }: { activity: SceneActivity; posterior: ScenePosterior }) => (
+  <div class="beside">
+    {activity.regimes.map((regime, i) => <Regime key={i} regime={regime} number={i + 1} activity={activity} names={[project, scene]} />)}
+  </div>
+);

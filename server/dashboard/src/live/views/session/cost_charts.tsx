@@ -8,7 +8,6 @@ import { TimeFigure } from '../../charts/time_chart';
 import type { Range } from '../../charts/view_state';
 import type { CostColumns } from './model';
 
-/** Milliseconds that a frame may take at 60 and at 30 frames per second. */
 export const BUDGETS: readonly Level[] = [{ value: FRAME_MS, label: '60 fps' }, { value: 2 * FRAME_MS, label: '30 fps' }];
 // Detection takes a small part of a frame. Its axis therefore ignores the budgets, which are drawn only if values come near them.
 const BUDGETS_ASIDE: readonly Level[] = BUDGETS.map((level) => ({ ...level, isAside: true }));
