@@ -10,7 +10,7 @@ function daemonProxy() {
     changeOrigin: true,
     configure: (proxy) => proxy.on('proxyReq', (request) => request.removeHeader('origin')),
   };
-  return Object.fromEntries(['/api', '/events', '/login', '/logout', '/metrics', '/livez', '/readyz'].map((path) => [path, toDaemon]));
+  return Object.fromEntries(['/api', '/csv', '/events', '/login', '/logout', '/metrics', '/livez', '/readyz'].map((path) => [path, toDaemon]));
 }
 
 // In the built page, URLs begin with "./". The daemon replaces the dot by its setting http_base.

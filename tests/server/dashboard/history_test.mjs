@@ -47,6 +47,14 @@ function checkMoment(name, { active, runs, verdict, headline, leader, regimes })
   return verdict;
 }
 
+// The page shows the algorithm that the daemon reports, at most a few seconds after a switch.
+async function checkActive(page, daemon, name) {
+  await until(`the page of ${name} shows the algorithm that runs`, async () => {
+    const sessions = (await daemon.responses('SessionsService/ListSessions')).flatMap(({ sessions: all }) => all);
+    return sessions.find(({ scene }) => scene === name).activeArm === (await readMoment(page)).active;
+  }, 10_000);
+}
+
 // The active algorithm of each session becomes that of its latest switch in the audit log, which is written a little later.
 async function checkSwitches(daemon) {
   const sessions = async () => (await daemon.responses('SessionsService/ListSessions')).flatMap(({ sessions: all }) => all);
@@ -98,6 +106,7 @@ async function check(browser, folder) {
     await page.goto(sceneUrl(daemon, name));
     await page.locator('.runs-now').waitFor();
     verdicts.push(checkMoment(name, await readMoment(page)));
+    await checkActive(page, daemon, name);
     await checkSwitches(daemon);
   }
   console.log(`verdicts: ${verdicts.join(' ')}`);

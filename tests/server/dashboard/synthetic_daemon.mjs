@@ -82,7 +82,7 @@ export class SyntheticDaemon {
     const { project, scene } = played;
     const sessionId = `5e55${i.toString(16).padStart(28, '0')}`;
     played.activeSessionCount = 1;
-    played.activity = { sessionId, activeArm: ARMS[i % ARMS.length], unixActiveSinceMs: String(Date.now()), recentSwitchCount: 6, arms: ARMS, initialArm: 'Grid', ...regimesOf() };
+    played.activity = { sessionId, activeArm: ARMS[i % ARMS.length], unixActiveSinceMs: String(Date.now()), recentSwitchCount: 6, isChanging: true, arms: ARMS, initialArm: 'Grid', ...regimesOf() };
     return { sessionId, project, scene, build: `build-${i % 3}`, clientAddress: 'ipv4:127.0.0.1:5', state: 'SESSION_STATE_CONNECTED',
       machineClass: played.machineClass, activeArm: ARMS[i % ARMS.length], initialArm: 'Grid', takesOrders: true, showsBoxes: true, mode: 'MODE_AI', unixStartMs: String(Date.now() - 60_000 * i), unixLastMessageMs: String(Date.now()) };
   }
@@ -181,8 +181,8 @@ export class SyntheticDaemon {
     if (kind !== 'HISTORY_KIND_SCENE') return '{}';
     const starts = maxPoints === 1 ? [0] : [60_000, 0];
     const series = this.scenes.filter((each) => each.activity && (!scene || each.scene === scene)).map(({ project, scene: name, machineClass, rewardVersion, activity }) => ({
-      project, scene: name, machineClass, rewardVersion, points: starts.map((ago) => ({ unixMs: String(Date.now() - 60_000 - ago), endUnixMs: String(Date.now() - ago), frameCount: '1000', ranUs: 105_000, initialUs: 135_000, switchCount: '6',
-        arms: [['Grid', 135_000], ['KDTree', 145_000], ['SAP', 117_500]].map(([arm, wouldTakeUs]) => ({ arm, wouldTakeUs, frameCount: '1000', activeFrameCount: arm === 'SAP' ? '1000' : '0' })),
+      project, scene: name, machineClass, rewardVersion, points: starts.map((ago) => ({ unixMs: String(Date.now() - 60_000 - ago), endUnixMs: String(Date.now() - ago), frameCount: '1000', ranUs: 105_000, initialUs: 135_000, initialKnownFrameCount: '1000', switchCount: '6',
+        arms: [['Grid', 135_000], ['KDTree', 145_000], ['SAP', 117_500]].map(([arm, wouldTakeUs]) => ({ arm, wouldTakeUs, frameCount: '1000', knownFrameCount: '990', activeFrameCount: arm === 'SAP' ? '1000' : '0' })),
         frameTimeNs: { bucketSteps: [190], counts: [1000] }, detectionTimeNs: { bucketSteps: [133], counts: [1000] }, activity })) }));
     return JSON.stringify({ series });
   }

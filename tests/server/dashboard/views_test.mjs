@@ -154,6 +154,7 @@ async function checkWhy(page, daemon, { sessionId }) {
   await why.click();
   const panel = page.locator('section.why');
   await panel.waitFor();
+  await panel.getByText('More', { exact: true }).click();
   assert.match(await panel.innerText(), /is the best algorithm with a probability of (over )?\d/);
   assert.ok(Number(query(page).get('decision')) > 0);
   await panel.getByText('Audit row', { exact: true }).click(); // the page reads it automatically, a moment after the decision

@@ -131,16 +131,17 @@ const orderText = ({ operatorName, mode, arm }: AuditRow): string =>
 const actionText = ({ operatorName, action }: AuditRow): string =>
   operatorName ? `${operatorName} ${action}.` : `${action.charAt(0).toUpperCase()}${action.slice(1)}.`;
 
+/** Returns what an executed switch cost, from its row. */
+export const costOfSwitch = ({ switchCost }: AuditRow): string =>
+  `The change cost ${durationText(msOf((switchCost?.rebuildTimeNs ?? 0n) + (switchCost?.settlingCostNs ?? 0n)))} of frame time.`;
+
 export function explainedRow(row: AuditRow, setup?: AuditSetup): string[] {
-  const { kind, arm, switchCost } = row;
+  const { kind, arm } = row;
   const meaning = kindWord(kind).meaning;
   switch (kind) {
     case AuditKind.TICK: return explained(toldOfRow(row, setup));
     case AuditKind.BAIL_OUT: return [meaning, ...explained(toldOfRow(row, setup))];
-    case AuditKind.SWITCH: {
-      const costMs = msOf((switchCost?.rebuildTimeNs ?? 0n) + (switchCost?.settlingCostNs ?? 0n));
-      return [`The game now uses ${arm}. ${reasonWord(row.reason).meaning} The change cost ${durationText(costMs)} of frame time.`];
-    }
+    case AuditKind.SWITCH: return [`The game now uses ${arm}. ${reasonWord(row.reason).meaning} ${costOfSwitch(row)}`];
     case AuditKind.MODE: return [row.mode === Mode.AI ? 'The daemon decides.' : `The game keeps ${arm}, which a person chose.`];
     case AuditKind.ORDER: return [orderText(row)];
     case AuditKind.ADMIN: return [actionText(row)];

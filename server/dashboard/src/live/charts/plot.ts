@@ -69,12 +69,12 @@ export function axisTime(ms: number, stepMs: number): string {
 const OUTLIER = 2.5;
 const OUTLIER_END = 2;
 
-/** Returns the 99th percentile of the shown values; undefined if there are none. */
+/** Returns the percentile 99.9 of the shown values; undefined if there are none. */
 export function usualOf({ timesMs, lines, domain, hidden }: Pick<Picture, 'timesMs' | 'lines' | 'domain' | 'hidden'>): number | undefined {
   const isIn = timesMs.map((ms) => ms >= domain.fromMs && ms <= domain.toMs);
   const all = lines.filter(({ arm, isAside }) => !isAside && !hidden.has(arm ?? ''))
     .flatMap(({ values }) => values.filter((value, i): value is number => value !== null && isIn[i]!)).sort((a, b) => a - b);
-  return all[Math.floor(0.99 * (all.length - 1))];
+  return all[Math.floor(0.999 * (all.length - 1))];
 }
 
 /** Returns the range of the axis of values for lines from `min` to `max`, which are null if no line has a value. With `usual` (usualOf),

@@ -14,18 +14,22 @@ const numberOf = (name: string) => {
   return Number.isFinite(value) ? value : undefined;
 };
 
-export const range: ReadonlySignal<Range | undefined> = computed(() => {
-  const fromMs = numberOf('from');
-  const toMs = numberOf('to');
-  return fromMs === undefined || toMs === undefined || toMs <= fromMs ? undefined : { fromMs, toMs };
-});
-
-export function setRange(next: Range | undefined): void {
-  setQuery({ from: next && String(Math.round(next.fromMs)), to: next && String(Math.round(next.toMs)) }, { step: true });
-}
-
 const MINUTE_MS = 60_000;
 const DAY_MS = 1440 * MINUTE_MS;
+
+const within = (ms: number) => Math.min(Math.max(Math.round(ms), 0), Date.now() + DAY_MS);
+
+export const range: ReadonlySignal<Range | undefined> = computed(() => {
+  const [fromMs, toMs] = [numberOf('from'), numberOf('to')];
+  if (fromMs === undefined || toMs === undefined) return undefined;
+  return within(fromMs) < within(toMs) ? { fromMs: within(fromMs), toMs: within(toMs) } : undefined;
+});
+
+/** Sets the range of time, from 1970 to tomorrow. The ends may be in any order. */
+export function setRange(next: Range | undefined): void {
+  const [from, to] = next ? [within(next.fromMs), within(next.toMs)].sort((a, b) => a - b) : [];
+  setQuery({ from: from?.toString(), to: to?.toString() }, { step: true });
+}
 
 export interface Period {
   name: string; // in the URL

@@ -1,17 +1,19 @@
 import { describe, expect, it } from 'vitest';
-import { sumOf, measuredIn } from './use';
+import { measuredIn, savingsOf, sumOf } from './use';
 
 const point = (ranUs: number, wouldTake: Record<string, number>, initialUs: number, frames = 10n) => ({
   frameCount: frames,
   ranUs,
   initialUs,
-  arms: Object.entries(wouldTake).map(([arm, wouldTakeUs]) => ({ arm, wouldTakeUs, frameCount: arm === 'Rare' ? 1n : frames, activeFrameCount: 0n })),
+  initialKnownFrameCount: initialUs > 0 ? 6n : 5n,
+  arms: Object.entries(wouldTake).map(([arm, wouldTakeUs]) =>
+    ({ arm, wouldTakeUs, frameCount: arm === 'Rare' ? 1n : frames, knownFrameCount: arm === 'New' ? 5n : 6n, activeFrameCount: 0n })),
   frameTimeNs: { bucketSteps: [8], counts: [10] },
 });
 
 describe('savings of a point', () => {
-  it('compare with the cheapest algorithm that all sessions have', () => {
-    const use = measuredIn(point(100, { KDTree: 150, SAP: 120, Rare: 1 }, 200))!;
+  it('compare with the cheapest algorithm that all sessions have and mostly know', () => {
+    const use = measuredIn(point(100, { KDTree: 150, SAP: 120, Rare: 1, New: 1 }, 200))!;
     expect(use.againstSingleUs).toBe(20);
     expect(use.againstReferenceUs).toBe(50);
     expect(use.againstInitialUs).toBe(100);
@@ -28,8 +30,8 @@ describe('savings of a point', () => {
 });
 
 describe('sums of savings', () => {
-  it('add up, and omit what one of them does not know', () => {
-    const sum = sumOf([measuredIn(point(100, { KDTree: 150, SAP: 120 }, 200)), undefined, measuredIn(point(50, { SAP: 40 }, 60))])!;
+  it('add up, and leave out scenes without a known initial algorithm', () => {
+    const sum = sumOf([measuredIn(point(100, { KDTree: 150, SAP: 120 }, 200)), undefined, measuredIn(point(50, { SAP: 40 }, 60)), measuredIn(point(7, { SAP: 9 }, 0))])!;
     expect(sum.frameCount).toBe(20);
     expect(sum.ranUs).toBe(150);
     expect(sum.againstSingleUs).toBe(10);
@@ -38,5 +40,11 @@ describe('sums of savings', () => {
   });
   it('are absent if nothing was measured', () => {
     expect(sumOf([undefined])).toBeUndefined();
+    expect(sumOf([measuredIn(point(7, { SAP: 9 }, 0))])).toBeUndefined();
   });
+});
+
+it('a saving has its size per frame, its share of the frame time, and its baseline', () => {
+  const [first] = savingsOf({ frameCount: 10, ranUs: 100, againstInitialUs: -50, frameUs: 1000 });
+  expect(first).toEqual({ us: -5, ratio: -0.05, against: 'the algorithm that each game begins with' });
 });

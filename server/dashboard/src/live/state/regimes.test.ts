@@ -2,7 +2,7 @@ import { create, type Init } from '../transport/messages';
 import { describe, expect, it } from 'vitest';
 import { type RegimePosterior, RegimePosteriorSchema, SceneActivitySchema, ScenePosteriorSchema } from '../../gen/sweepstake/v1/posteriors_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
-import { bestOf, costText, isChanging, leadersOf, presentBest, regimeArms, regimeText, savingText, surenessOf } from './regimes';
+import { bestDiffer, bestOf, costText, isChanging, leadersOf, presentBest, regimeArms, regimeText, savingText, surenessOf } from './regimes';
 import { leaderProbabilityOf } from './scenes';
 import { summaryOf, verdictOf } from './summaries';
 
@@ -44,6 +44,17 @@ describe('a scene whose regimes have different best arms', () => {
   });
 });
 
+describe('a scene without a session', () => {
+  it('is changing if its stored regimes have different best arms', () => {
+    const scene = sceneOf(regimeOf('DBVT', 1));
+    delete scene.activity;
+    scene.regimeArms = ['DBVT', 'SAP'];
+    expect(verdictOf(stateOf(scene))).toBe('changing');
+    expect(leadersOf(scene)).toEqual(['DBVT', 'SAP']);
+    expect(leaderProbabilityOf(scene)).toBe(0);
+  });
+});
+
 describe('a scene with one best arm', () => {
   it('is judged by all evidence', () => {
     const withoutSession = sceneOf();
@@ -56,13 +67,12 @@ describe('a scene with one best arm', () => {
     }
   });
 
-  it('is not stable while its session switches often', () => {
+  it('is not stable while a session switches often, as the daemon reports', () => {
     const scene = sceneOf();
-    for (const [count, verdict] of [[4, Verdict.STABLE], [5, 'changing']] as const) {
-      scene.activity!.recentSwitchCount = count;
-      expect(verdictOf(stateOf(scene))).toBe(verdict);
-    }
-    expect(verdictOf(stateOf({ ...scene, verdict: Verdict.AMBIGUOUS }))).toBe(Verdict.AMBIGUOUS);
+    scene.activity!.isChanging = true;
+    expect(verdictOf(stateOf(scene))).toBe('changing');
+    expect(bestDiffer(scene)).toBe(false);
+    expect(leadersOf(scene)).toEqual(['DBVT']);
   });
 
   it('is not changing because nothing is known of one regime yet', () => {

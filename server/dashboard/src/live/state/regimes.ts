@@ -1,12 +1,15 @@
 // The regimes of a scene, and what its sessions run now. The daemon computes all figures (engine_client/decider/policy/regime_report.h).
 import type { RegimeArm, RegimePosterior, SceneActivity, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
-import { grouped, share, significant } from '../../format';
+import { grouped, share, signedShare, significant } from '../../format';
 
 export const bestOf = ({ arms, bestArm }: RegimePosterior, activity: SceneActivity): RegimeArm | undefined => arms[activity.arms.indexOf(bestArm)];
 
-/** Returns the best arm of each regime, each arm once, in the order of the regimes. Empty if there is only one regime. */
-export const regimeArms = ({ activity }: Pick<ScenePosterior, 'activity'>): string[] =>
-  [...new Set(activity?.regimes.map(({ bestArm }) => bestArm))].filter(Boolean);
+type Judged = Pick<ScenePosterior, 'activity' | 'regimeArms'>;
+
+/** Returns the best arm of each regime, each arm once, in the order of the regimes; without a connected session, those of the stored
+ * evidence. Empty if there is only one regime. */
+export const regimeArms = ({ activity, regimeArms: stored }: Judged): string[] =>
+  (activity ? [...new Set(activity.regimes.map(({ bestArm }) => bestArm))].filter(Boolean) : stored);
 
 /** Returns the best arm of the present regime and its probability; undefined if the session is in no known regime. */
 export function presentBest({ activity }: Pick<ScenePosterior, 'activity'>): { arm: string; probability: number } | undefined {
@@ -16,15 +19,14 @@ export function presentBest({ activity }: Pick<ScenePosterior, 'activity'>): { a
 }
 
 /** Returns whether regimes have different best arms, so that no single arm is the best. */
-export const isChanging = (posterior: Pick<ScenePosterior, 'activity'>) => regimeArms(posterior).length > 1;
+export const bestDiffer = (posterior: Judged) => regimeArms(posterior).length > 1;
 
-const MAX_CALM_SWITCHES = 4;
-
-export const switchesOften = ({ activity }: Pick<ScenePosterior, 'activity'>) => (activity?.recentSwitchCount ?? 0) > MAX_CALM_SWITCHES;
+/** Returns whether no single arm is the best, also because a session switches often. */
+export const isChanging = (posterior: Judged) => posterior.activity?.isChanging || bestDiffer(posterior);
 
 /** Returns the arms that are the best: the leader of all evidence or, if the scene is changing, the best arm of each regime. */
 export const leadersOf = (posterior: ScenePosterior): string[] =>
-  (isChanging(posterior) ? regimeArms(posterior) : [posterior.leaderArm].filter(Boolean));
+  (bestDiffer(posterior) ? regimeArms(posterior) : [posterior.leaderArm].filter(Boolean));
 
 /** Returns the lowest P(best) of the regimes' best arms; 0 without regimes. */
 export const surenessOf = (activity: SceneActivity) =>
@@ -45,6 +47,9 @@ const microseconds = (us: number) => `${significant(us)} µs`;
 /** Returns the cost with its interval; undefined if it is not known. */
 export const costText = (arm: RegimeArm | undefined) =>
   (arm && arm.costUs > 0 ? `${microseconds(arm.costUs)} (${significant(arm.lowUs)} to ${significant(arm.highUs)})` : undefined);
+
+/** Returns a saving per frame with its share of the frame time, as a text. */
+export const savingWithShare = (us: number, ratio: number) => `${savingText(us)} (${signedShare(ratio)})`;
 
 /** Returns a saving per frame, with a sign if it is negative. */
 export const savingText = (us: number | undefined) => (us === undefined ? undefined : `${us < 0 ? '−' : ''}${microseconds(Math.abs(us))}`);

@@ -1,7 +1,7 @@
 // The scenes of the daemon, as in its last message.
 import { signal } from '@preact/signals';
 import type { ArmPosterior, DecisionEvent, ScenePosterior } from '../../gen/sweepstake/v1/posteriors_pb';
-import { isChanging, surenessOf } from './regimes';
+import { bestDiffer, surenessOf } from './regimes';
 
 const MAX_SCENE_DECISIONS = 500;
 
@@ -40,9 +40,9 @@ export const sceneInView = signal('');
 export const sceneKey = ({ project, scene, machineClass, rewardVersion }: SceneName) =>
   [project, scene, machineClass, rewardVersion].join('\n');
 
-/** The leader's probability of being the best arm; 0 without evidence. If the best arm depends on the regime: the lowest of the regimes. */
+/** The leader's probability of being the best arm. If the best arm depends on the regime: the lowest of the regimes. 0 if not known. */
 export const leaderProbabilityOf = (posterior: ScenePosterior) =>
-  (posterior.activity && isChanging(posterior) ? surenessOf(posterior.activity)
+  (bestDiffer(posterior) ? posterior.activity ? surenessOf(posterior.activity) : 0
     : posterior.arms.find(({ arm, isOutdated }) => arm === posterior.leaderArm && !isOutdated)?.bestProbability ?? 0);
 
 /** When a source last added evidence of the arm, by the daemon's clock; 0: unknown. */

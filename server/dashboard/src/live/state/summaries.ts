@@ -1,7 +1,7 @@
 // The rows of the overview, one per scene. They are updated at most every half second, and only for scenes that changed.
 import { effect, signal, untracked } from '@preact/signals';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
-import { isChanging, switchesOften } from './regimes';
+import { isChanging } from './regimes';
 import { leaderProbabilityOf, scenes, type SceneState } from './scenes';
 import { isConnected, sessions, type SessionState } from './sessions';
 
@@ -28,11 +28,11 @@ export function isDegraded({ decisions }: Pick<SceneState, 'decisions'>, all: Re
   });
 }
 
-/** Returns the verdict of the posterior, DEGRADED if a session reports that, or 'changing'. A scene that switches often is not stable. */
+/** Returns the verdict of the posterior, DEGRADED if a session reports that, or 'changing'. */
 export function verdictOf(state: SceneState): SceneVerdict {
   if (isDegraded(state, sessions.value)) return Verdict.DEGRADED;
   const { posterior } = state;
-  return isChanging(posterior) || (posterior.verdict === Verdict.STABLE && switchesOften(posterior)) ? 'changing' : posterior.verdict;
+  return isChanging(posterior) ? 'changing' : posterior.verdict;
 }
 
 // `evidence` counts windows and lane visits of all arms. Degraded scenes have the highest uncertainty, then uncertain ones.

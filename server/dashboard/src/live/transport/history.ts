@@ -2,9 +2,14 @@
 import { useEffect, useState } from 'preact/hooks';
 import { HistoryService, type HistoryKind, type HistorySeries } from '../../gen/sweepstake/v1/history_pb';
 import { pausedMs, period, type Period, periodKey, PERIODS, range, timesOf } from '../charts/view_state';
+import type { SceneName } from '../state/scenes';
 import { type ApiError, asApiError, call } from './calls';
 
-export interface HistorySelection { kind: HistoryKind; project?: string; scene?: string; sessionId?: string }
+export interface HistorySelection { kind: HistoryKind; project?: string; scene?: string; machineClass?: string; rewardVersion?: number; sessionId?: string }
+
+/** Selects the history of a scene or of its builds. */
+export const selectionOf = (kind: HistoryKind, { project, scene, machineClass, rewardVersion }: SceneName): HistorySelection =>
+  ({ kind, project, scene, machineClass, rewardVersion });
 
 export interface HistoryReading {
   series: readonly HistorySeries[];

@@ -24,6 +24,7 @@ import { sessions } from '../state/sessions';
 import { verdictOf } from '../state/summaries';
 import { armRows, ridgeRows } from './scene/arms';
 import { HistoryKind } from '../../gen/sweepstake/v1/history_pb';
+import { selectionOf } from '../transport/history';
 import { OverTime } from './over_time';
 import { CostCharts, type Ends } from './session/cost_charts';
 import { costColumns, stepQuery, switchMoments } from './session/model';
@@ -52,8 +53,7 @@ function SceneSide({ side: { state, ridges }, rewards }: { side: Side; rewards: 
       <p><VerdictChip verdict={verdictOf(state)} /> {leaders.length > 0 && <><Arms names={leaders} />, P(best) {leaderProbabilityOf(posterior).toFixed(3)}{!isChanging(posterior) && `, loss ${share(posterior.expectedLossRatio)}`}</>}</p>
       <RidgeFigure id="beliefs" title="Posterior of each algorithm" names={names} rows={ridges} rewardVersion={posterior.rewardVersion} rewards={rewards}
         notYet="No algorithm has evidence yet." />
-      <OverTime selection={{ kind: HistoryKind.SCENE, project: posterior.project, scene: posterior.scene }} names={names}
-        isOwn={(series) => series.machineClass === posterior.machineClass && series.rewardVersion === posterior.rewardVersion} />
+      <OverTime selection={selectionOf(HistoryKind.SCENE, posterior)} names={names} />
     </div>
   );
 }
@@ -134,7 +134,7 @@ export function CompareSessions({ ids: [first, second] }: { ids: readonly [strin
   const laid = useMemo(() => laidTo(startMs, other), [startMs, other.steps]);
   const both = [own, { ...laid, log: other.log }];
   const lengthMs = Math.max(1000, ...both.map(({ steps }) => (steps.at(-1)?.timeMs ?? startMs) - startMs));
-  const ends = { frameMs: endsOf(both.flatMap(({ columns }) => columns.frame)), detectionMs: endsOf(both.flatMap(({ columns }) => columns.detection)) };
+  const ends = { frameMs: endsOf(both.flatMap(({ columns }) => columns.frame)), detectionUs: endsOf(both.flatMap(({ columns }) => columns.detection)) };
   return (
     <>
       <header class="title"><h1>Comparison</h1><span><Alone /><CopyLink /></span></header>

@@ -109,15 +109,15 @@ function Charts({ series, ...rest }: Common & { series: HistorySeries | undefine
   );
 }
 
-/** The history of one scene or session. `isOwn` selects its series. */
-export function OverTime({ selection, isOwn = () => true, names, moments = [] }: { selection: HistorySelection; isOwn?(series: HistorySeries): boolean; names: readonly string[]; moments?: readonly Moment[] }) {
+/** The history of one scene or session. */
+export function OverTime({ selection, names, moments = [] }: { selection: HistorySelection; names: readonly string[]; moments?: readonly Moment[] }) {
   const { series, wasRead, error } = useHistory(selection, { maxPoints: MAX_POINTS });
-  const own = series.find(isOwn);
+  const own = series[0];
   const times = timesOf(period.value, range.value, Date.now());
   const firstMs = Number(own?.points[0]?.unixMs ?? 0);
   const domain = range.value ?? domainOf([Math.max(times.fromUnixMs, firstMs), Date.now()], undefined);
   if (error && !own) return <Failure what="The history" error={error} onRetry={() => location.reload()} />;
   if (!wasRead && !own) return <Loading what="the history" />;
-  const csvHref = csvUrl('history', { ...selection, kind: `HISTORY_KIND_${HistoryKind[selection.kind]}`, fromUnixMs: String(times.fromUnixMs), untilUnixMs: String(times.untilUnixMs), maxPoints: 1000 });
+  const csvHref = csvUrl('history', { ...selection, kind: `HISTORY_KIND_${HistoryKind[selection.kind]}`, fromUnixMs: String(times.fromUnixMs), untilUnixMs: String(times.untilUnixMs), maxPoints: 10_000 }); // no points are added up
   return <Charts series={own} csvHref={csvHref} names={names} domain={domain} moments={moments} />;
 }

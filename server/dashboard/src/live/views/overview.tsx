@@ -3,7 +3,7 @@ import { useMemo } from 'preact/hooks';
 import { counted, grouped, share, significant } from '../../format';
 import { HistoryKind } from '../../gen/sweepstake/v1/history_pb';
 import { Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
-import { measuredIn, SAVINGS, sumOf } from '../numbers/use';
+import { measuredIn, savingsOf, sumOf } from '../numbers/use';
 import { PERIODS } from '../charts/view_state';
 import { csvUrl } from '../parts/download';
 import { VerdictChip } from '../parts/chips';
@@ -35,14 +35,14 @@ function Saving() {
   const { series, wasRead, error } = useHistory({ kind: HistoryKind.SCENE }, LATELY);
   const total = useMemo(() => sumOf(series.map(({ points }) => measuredIn(points[0]!))), [series]);
   if (!total) return <div class="figure main"><b>–</b><span>{error ? error.message : wasRead ? 'No session has measured in the last day what it saves.' : 'Reading the history.'}</span></div>;
-  const [first, ...others] = SAVINGS.flatMap(([part, name]) => (total[part] === undefined ? [] : [{ us: total[part] / total.frameCount, against: `against ${name}` }]));
+  const [first, ...others] = savingsOf(total);
   if (!first) return null;
   const wordOf = (us: number) => (us < 0 ? 'lost' : 'saved');
   return (
     <div class={first.us > 0 ? 'figure main good' : 'figure main'} title={`${grouped(total.frameCount)} measured frames`}>
       <b>{savingText(Math.abs(first.us))}</b>
-      <span>{wordOf(first.us)} per frame {first.against} ({share((Math.abs(first.us) * total.frameCount) / total.frameUs)} of the frame time)
-        {others.map(({ us, against }) => `, ${savingText(Math.abs(us))} ${wordOf(us)} ${against}`)};
+      <span>{wordOf(first.us)} per frame against {first.against} ({share(Math.abs(first.ratio))} of the frame time)
+        {others.map(({ us, against }) => `, ${savingText(Math.abs(us))} ${wordOf(us)} against ${against}`)};
         {' '}{counted(series.length, 'scene', 'scenes')} in the last day</span>
     </div>
   );

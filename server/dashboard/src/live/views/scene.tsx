@@ -7,6 +7,7 @@ import { RidgeFigure } from '../charts/ridgeline';
 import { TimeTools } from '../charts/time_chart';
 import { useFrozen } from '../charts/view_state';
 import { mean } from '../numbers/beta';
+import { LOG_COST_REWARD_VERSION } from '../numbers/log_cost';
 import { csvUrl } from '../parts/download';
 import { ago, now } from '../parts/clock';
 import { CopyLink } from '../parts/toast';
@@ -19,13 +20,13 @@ import { areScenesKnown } from '../state/live';
 import { decisionsHref, route, sceneHref, sceneNameOf } from '../state/route';
 import { sceneInView, sceneKey, scenes, type SceneName, type SceneState } from '../state/scenes';
 import { urlOf } from '../transport/calls';
-import { useHistory, WHOLE_LIFE } from '../transport/history';
+import { type HistoryReading, selectionOf, useHistory, WHOLE_LIFE } from '../transport/history';
 import { OverTime } from './over_time';
 import { CompareScenes } from './compare';
-import { Builds, Latest, Sessions, Variants, variantsOf } from './scene/lists';
+import { BuildChange, Builds, Latest, Sessions, Variants, variantsOf } from './scene/lists';
 import { type ArmRow, armRows, ArmTable, latestSwitches, MAX_SWITCHES, ridgeRows } from './scene/arms';
 import { SceneEvidence } from './scene/evidence';
-import { isChanging } from '../state/regimes';
+import { bestDiffer } from '../state/regimes';
 import { Headline, Regimes } from './scene/headline';
 import { RegimeCosts } from './scene/regime_costs';
 
@@ -35,7 +36,7 @@ function Facts({ state }: { state: SceneState }) {
   return (
     <dl class="facts">
       <div><dt>Machines</dt><dd><Name text={posterior.machineClass} /></dd></div>
-      <div><dt>Reward</dt><dd>version {posterior.rewardVersion}</dd></div>
+      {posterior.rewardVersion !== LOG_COST_REWARD_VERSION && <div><dt>Reward</dt><dd>version {posterior.rewardVersion}</dd></div>}
       <div><dt>Now</dt><dd>{counted(posterior.activeSessionCount, 'session', 'sessions')}</dd></div>
       <div><dt>Evidence from</dt><dd>{counted(Number(posterior.sourceCount), 'session', 'sessions')}</dd></div>
       <div><dt>Last change</dt><dd>{changedMs ? ago(changedMs, now.value) : 'unknown'}</dd></div>
@@ -61,22 +62,14 @@ function Beliefs({ rows, state: { posterior }, before }: { rows: readonly ArmRow
   );
 }
 
-function useBuilds({ project, scene, machineClass }: SceneName): readonly Moment[] {
-  const { series } = useHistory({ kind: HistoryKind.BUILD, project, scene }, WHOLE_LIFE);
-  return useMemo(() => series.filter((each) => each.build !== '' && each.machineClass === machineClass)
-    .map(({ build, points }): Moment => ({ timeMs: Number(points[0]!.unixMs), colour: 'var(--soft)', label: visible(build).slice(0, 20) })), [series]);
-}
-
-function Charts({ state }: { state: SceneState }) {
-  const { project, scene, machineClass, rewardVersion } = state.posterior;
-  const builds = useBuilds(state.posterior);
-  const moments = useMemo(() => [...latestSwitches(state.decisions), ...builds], [state.decisions, builds]);
+function Charts({ state: { posterior, decisions }, builds: { series } }: { state: SceneState; builds: HistoryReading }) {
+  const moments = useMemo(() => [...latestSwitches(decisions), ...series.filter(({ build }) => build !== '')
+    .map(({ build, points }): Moment => ({ timeMs: Number(points[0]!.unixMs), colour: 'var(--soft)', label: visible(build).slice(0, 20) }))], [decisions, series]);
   return (
     <>
       <TimeTools />
       <p class="soft small">Dotted lines mark the first session of each build. They also mark the latest {MAX_SWITCHES} switches of all sessions, in the colour of the new algorithm.</p>
-      <OverTime selection={{ kind: HistoryKind.SCENE, project, scene }} names={[project, scene]} moments={moments}
-        isOwn={(series) => series.machineClass === machineClass && series.rewardVersion === rewardVersion} />
+      <OverTime selection={selectionOf(HistoryKind.SCENE, posterior)} names={[posterior.project, posterior.scene]} moments={moments} />
     </>
   );
 }
@@ -86,14 +79,16 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
   const before = useRef(latest.posterior).current;
   const rows = useMemo(() => armRows(state.posterior), [state]);
   const { activity } = state.posterior;
+  const builds = useHistory(selectionOf(HistoryKind.BUILD, name), WHOLE_LIFE);
   const beliefs = <><Beliefs rows={rows} state={state} before={before} /><ArmTable rows={rows} rewardVersion={name.rewardVersion} csvHref={csvOf(name)} /></>;
   return (
     <>
       <header class="title"><h1><span class="soft"><Name text={name.project} /> /</span> <Name text={name.scene} /></h1><CopyLink /></header>
       <Headline state={state} />
+      <BuildChange builds={builds} />
       <Facts state={state} />
       <section aria-labelledby="regimes-heading"><h2 id="regimes-heading">Regimes</h2><Regimes posterior={state.posterior} /></section>
-      {activity && isChanging(state.posterior) ? (
+      {activity && bestDiffer(state.posterior) ? (
         <>
           <RegimeCosts activity={activity} posterior={state.posterior} />
           <details>
@@ -103,10 +98,10 @@ function Scene({ state: latest, name }: { state: SceneState; name: SceneName }) 
           </details>
         </>
       ) : beliefs}
-      <section aria-labelledby="time-heading"><h2 id="time-heading">Over time</h2><Charts state={state} /></section>
+      <section aria-labelledby="time-heading"><h2 id="time-heading">Over time</h2><Charts state={state} builds={builds} /></section>
       <section aria-labelledby="evidence-heading"><h2 id="evidence-heading">Evidence</h2><SceneEvidence name={name} /></section>
       <section aria-labelledby="classes-heading"><h2 id="classes-heading">Comparison of machines</h2><Variants name={name} /></section>
-      <section aria-labelledby="builds-heading"><h2 id="builds-heading">Comparison of builds</h2><Builds name={name} /></section>
+      <section aria-labelledby="builds-heading"><h2 id="builds-heading">Comparison of builds</h2><Builds name={name} builds={builds} /></section>
       <section aria-labelledby="sessions-heading"><h2 id="sessions-heading">Sessions</h2><Sessions name={name} /></section>
       <section aria-labelledby="latest-heading"><h2 id="latest-heading">Latest decisions</h2><Latest decisions={state.decisions} rewardVersion={name.rewardVersion} />
         <p><a href={decisionsHref({ project: name.project, scene: name.scene })}>All decisions of this scene</a></p></section>

@@ -19,9 +19,9 @@ import { Chip } from '../parts/chips';
 import { ago, now, timeText } from '../parts/clock';
 import { sessionCsvUrl } from '../parts/download';
 import { CopyLink } from '../parts/toast';
-import { measuredIn } from '../numbers/use';
-import { Name, visible } from '../parts/name';
-import { savingText } from '../state/regimes';
+import { measuredIn, savingsOf } from '../numbers/use';
+import { Name } from '../parts/name';
+import { savingWithShare } from '../state/regimes';
 import { useHistory, WHOLE_LIFE } from '../transport/history';
 import { Empty, Failure, Later, Loading, Read } from '../parts/states';
 import { type Column, Table } from '../parts/table';
@@ -36,7 +36,7 @@ import { OverTime } from './over_time';
 import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
-import { beliefRows, costColumns, laneSums, type LaneSum, decisiveStep, priorAndPosterior, stepQuery, switchMoments } from './session/model';
+import { beliefRows, costColumns, laneSums, type LaneSum, decisiveStep, priorAndPosterior, executionOf, stepQuery, stepsIn, switchMoments } from './session/model';
 import { Orders } from './session/orders';
 import { Why } from './session/why';
 import { endWord, modeWord, outcomeWord, stateWord } from './words';
@@ -65,8 +65,7 @@ function Facts({ sessionId, state, steps, rewardVersion }: { sessionId: string; 
       {info && <div><dt>Address</dt><dd><Name text={info.clientAddress} /></dd></div>}
       {info && <div><dt>Began</dt><dd>{timeText(Number(info.unixStartMs))}</dd></div>}
       {state && lastMessageMs(state) > 0 && <div><dt>Last message</dt><dd class="ago">{ago(lastMessageMs(state), now.value)}</dd></div>}
-      {total && total.againstSingleUs !== undefined && <div><dt>Saved per frame</dt><dd>{[total.againstInitialUs !== undefined && info && `${savingText(total.againstInitialUs / total.frameCount)} against ${visible(info.initialArm)}`,
-        `${savingText(total.againstSingleUs / total.frameCount)} against the best single algorithm`].filter(Boolean).join(', ')}</dd></div>}
+      {total && <div><dt>Saved per frame, and share of the frame time</dt><dd>{savingsOf(total).map(({ us, ratio, against }) => `${savingWithShare(us, ratio)} against ${against}`).join(', ') || '–'}</dd></div>}
       {info && <div><dt>Dropped frames</dt><dd>{String(info.droppedFrameCount)}</dd></div>}
     </dl>
   );
@@ -132,7 +131,8 @@ function Lane({ steps }: { steps: readonly Step[] }) {
   return <Table caption="Visits of the shadow lane" columns={LANE_COLUMNS} rows={sums} keyOf={({ arm }) => arm} sort="median" sortParameter="lane" />;
 }
 
-interface ChartsProps { sessionId: string; steps: readonly Step[]; arms: readonly string[]; moments: readonly Moment[]; rewardVersion: number; domain: Range }
+// `shown` are the steps in the chosen range of time. The charts draw them with a limited number of points, so a zoom refines them.
+interface ChartsProps { sessionId: string; steps: readonly Step[]; shown: readonly Step[]; arms: readonly string[]; moments: readonly Moment[]; rewardVersion: number; domain: Range }
 
 function Timeline({ sessionId, steps, arms, domain, onOpen }: ChartsProps & { onOpen(step: Step): void }) {
   const switchCount = steps.filter(isSwitch).length;
@@ -144,8 +144,8 @@ function Timeline({ sessionId, steps, arms, domain, onOpen }: ChartsProps & { on
   );
 }
 
-function Beliefs({ sessionId, steps, arms, moments, rewardVersion, domain }: ChartsProps) {
-  const rows = useMemo(() => beliefRows(steps, arms.length), [steps, arms]);
+function Beliefs({ sessionId, steps, shown, arms, moments, rewardVersion, domain }: ChartsProps) {
+  const rows = useMemo(() => beliefRows(shown, arms.length), [shown, arms]);
   const ridges = useMemo(() => priorAndPosterior(steps, arms), [steps, arms]);
   const known = useMemo(() => rows.filter(({ beliefs }) => beliefs.some(Boolean)), [rows]);
   const assumed = useMemo(() => new Set(ridges.filter(({ measured }) => measured === 'never').map(({ arm }) => arm)), [ridges]);
@@ -192,10 +192,11 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
   const arms = useMemo(() => names, [names.join('\n')]);
   const domain = domainOf(steps.map(({ timeMs }) => timeMs), range.value);
   const moments = useMemo(() => switchMoments(steps, arms), [steps, arms]);
-  const columns = useMemo(() => costColumns(steps), [steps]);
+  const shown = useMemo(() => stepsIn(range.value, steps), [steps, range.value]);
+  const columns = useMemo(() => costColumns(shown), [shown]);
   const [chosen, openStep] = useChosenStep(steps);
   const openDecisive = () => void decisiveOf(sessionId, steps, log.isWhole).then((step) => step && openStep(step));
-  const props = { sessionId, steps, arms, moments, rewardVersion, domain };
+  const props = { sessionId, steps, shown, arms, moments, rewardVersion, domain };
   return (
     <>
       <header class="title"><h1>Session <Name text={sessionId} /></h1><CopyLink /></header>
@@ -208,7 +209,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
         <span class="soft">{grouped(steps.findLast(({ told }) => told)?.decisionId ?? 0)} decisions</span>
       </p>
       <LogState log={log} />
-      {chosen && <Why step={chosen} sessionId={sessionId} onRead={log.again} onClose={() => setQuery({ decision: undefined, at: undefined })} />}
+      {chosen && <Why step={chosen} done={executionOf(chosen, steps)} sessionId={sessionId} onRead={log.again} onClose={() => setQuery({ decision: undefined, at: undefined })} />}
       {!chosen && !log.isReading && asksForStep() && <AskedStep sessionId={sessionId} onOpen={openStep} />}
       <TimeTools />
       <Timeline {...props} onOpen={openStep} />

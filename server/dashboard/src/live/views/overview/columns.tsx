@@ -7,7 +7,7 @@ import { ago, duration, now } from '../../parts/clock';
 import { Name } from '../../parts/name';
 import { Sparkline } from '../../parts/sparkline';
 import type { Column } from '../../parts/table';
-import { isChanging, leadersOf, presentBest, savingText } from '../../state/regimes';
+import { bestDiffer, leadersOf, presentBest, savingText } from '../../state/regimes';
 import { sceneHref } from '../../state/route';
 import { frameTimesOf, sessions } from '../../state/sessions';
 import type { SceneSummary } from '../../state/summaries';
@@ -17,10 +17,10 @@ const activityOf = (row: SceneSummary) => sceneOf(row).activity;
 const savedUs = (row: SceneSummary) => activityOf(row)?.total?.savedAgainstInitialUs;
 const hasLeader = (row: SceneSummary) => leadersOf(sceneOf(row)).length > 0;
 // In a changing scene, the best algorithm of the present regime is meant.
-const presentOf = (row: SceneSummary) => (isChanging(sceneOf(row)) ? presentBest(sceneOf(row)) : undefined);
-const sureness = (row: SceneSummary) => (isChanging(sceneOf(row)) ? presentOf(row)?.probability : hasLeader(row) ? row.leaderProbability : undefined);
+const presentOf = (row: SceneSummary) => (bestDiffer(sceneOf(row)) ? presentBest(sceneOf(row)) : undefined);
+const sureness = (row: SceneSummary) => (bestDiffer(sceneOf(row)) ? presentOf(row)?.probability : hasLeader(row) ? row.leaderProbability : undefined);
 // In a changing scene no single algorithm is the choice, so there is no loss of choosing it.
-const lossOf = (row: SceneSummary) => (hasLeader(row) && !isChanging(sceneOf(row)) ? sceneOf(row).expectedLossRatio : undefined);
+const lossOf = (row: SceneSummary) => (hasLeader(row) && row.verdict !== 'changing' ? sceneOf(row).expectedLossRatio : undefined);
 
 /** The session that `activity` is about. */
 const sessionOf = (row: SceneSummary) => sessions.value.get(activityOf(row)?.sessionId ?? '');

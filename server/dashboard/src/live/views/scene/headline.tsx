@@ -3,15 +3,16 @@ import { counted, share, significant } from '../../../format';
 import type { RegimePosterior, SceneActivity, ScenePosterior } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { Verdict } from '../../../gen/sweepstake/v1/telemetry_pb';
 import { percentilesOf } from '../../audit/steps';
-import { Arm } from '../../parts/arm';
+import { Arm, Arms } from '../../parts/arm';
 import { VerdictChip } from '../../parts/chips';
 import { duration, now, timeText } from '../../parts/clock';
 import { REFERENCE_ARM } from '../../numbers/use';
 import { Name, visible } from '../../parts/name';
 import { type Column, Table } from '../../parts/table';
-import { bestOf, costText, isChanging, regimeText, savingText } from '../../state/regimes';
+import { bestDiffer, bestOf, costText, regimeArms, regimeText, savingText } from '../../state/regimes';
 import { sessionHref } from '../../state/route';
 import { leaderProbabilityOf, type SceneState } from '../../state/scenes';
+import { frameTimesOf, sessions } from '../../state/sessions';
 import { type SceneVerdict, verdictOf } from '../../state/summaries';
 import { verdictWord } from '../words';
 
@@ -38,35 +39,41 @@ function OneBest({ state, verdict }: { state: SceneState; verdict: SceneVerdict 
   if (!posterior.leaderArm) return <>{verdictWord(verdict).meaning}</>;
   return (
     <>
-      {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} ${partOf(state)}`}{verdict === 'changing' && `The session switched ${counted(posterior.activity?.recentSwitchCount ?? 0, 'time', 'times')} in the last minute. Over all evidence, `}<b><Name text={posterior.leaderArm} /></b> is the best algorithm with a probability of{' '}
+      {verdict === Verdict.DEGRADED && `${verdictWord(verdict).meaning} ${partOf(state)}`}{verdict === 'changing' && 'A session has switched more than four times in the last minute. Over all evidence, '}<b><Name text={posterior.leaderArm} /></b> is the best algorithm with a probability of{' '}
       <b class="leader-probability">{leaderProbabilityOf(posterior).toFixed(3)}</b>.{verdict !== 'changing' && <> Choosing it loses <b>{share(posterior.expectedLossRatio)}</b> on average. With
         exactly known costs, the choice would gain <b>{share(posterior.valueRemainingRatio)}</b> on average.</>}
     </>
   );
 }
 
-const BestOfRegimes = ({ activity }: { activity: SceneActivity }) => (
-  <>
-    The best algorithm depends on the regime of the scene:{' '}
-    {activity.regimes.map((regime, i) => (
-      <span key={i}>{i > 0 && ', '}<b><Name text={regime.bestArm} unknown="unknown" /></b> with a probability of{' '}
-        <b>{bestOf(regime, activity)?.bestProbability.toFixed(3) ?? '–'}</b> in regime {i + 1}{regime.isPresent && ' (now)'}</span>
-    ))}.
-  </>
-);
+function BestOfRegimes({ posterior }: { posterior: ScenePosterior }) {
+  const { activity } = posterior;
+  if (!activity) return <>The best algorithm depended on the regime of the scene: <Arms names={regimeArms(posterior)} />.</>;
+  return (
+    <>
+      The best algorithm depends on the regime of the scene:{' '}
+      {activity.regimes.map((regime, i) => (
+        <span key={i}>{i > 0 && ', '}<b><Name text={regime.bestArm} unknown="unknown" /></b> with a probability of{' '}
+          <b>{bestOf(regime, activity)?.bestProbability.toFixed(3) ?? '–'}</b> in regime {i + 1}{regime.isPresent && ' (now)'}</span>
+      ))}.
+    </>
+  );
+}
 
-function saved(us: number | undefined, against: string): string | undefined {
+function saved(us: number | undefined, frameMs: number | undefined, against: string): string | undefined {
   if (us === undefined) return undefined;
-  return `${us < 0 ? 'loses' : 'saves'} ${savingText(Math.abs(us))} per frame against ${against}`;
+  const ratio = frameMs === undefined ? '' : ` (${share(Math.abs(us) / 1000 / frameMs)} of the frame time)`;
+  return `${us < 0 ? 'loses' : 'saves'} ${savingText(Math.abs(us))}${ratio} per frame against ${against}`;
 }
 
 function Savings({ total, activity }: { total: RegimePosterior; activity: SceneActivity }) {
   const cost = costText(bestOf(total, activity));
   const { initialArm } = activity;
+  const frameMs = frameTimesOf(sessions.value.get(activity.sessionId)).at(-1);
   const parts = [
-    saved(total.savedAgainstInitialUs, `${visible(initialArm)}, the algorithm that the game begins with`),
-    initialArm !== total.bestArm && saved(total.savedAgainstSingleUs, 'the best single choice'),
-    initialArm !== REFERENCE_ARM && saved(total.savedAgainstReferenceUs, REFERENCE_ARM),
+    saved(total.savedAgainstInitialUs, frameMs, `${visible(initialArm)}, the algorithm that the game begins with`),
+    initialArm !== total.bestArm && saved(total.savedAgainstSingleUs, frameMs, 'the best single choice'),
+    initialArm !== REFERENCE_ARM && saved(total.savedAgainstReferenceUs, frameMs, REFERENCE_ARM),
   ].filter(Boolean);
   if (!total.bestArm || !cost) return null;
   return (
@@ -85,7 +92,7 @@ export function Headline({ state }: { state: SceneState }) {
       {activity && <RunsNow activity={activity} sessionCount={activeSessionCount} />}
       <p>
         <VerdictChip verdict={verdict} />{' '}
-        {activity && isChanging(state.posterior) ? <BestOfRegimes activity={activity} /> : <OneBest state={state} verdict={verdict} />}
+        {bestDiffer(state.posterior) ? <BestOfRegimes posterior={state.posterior} /> : <OneBest state={state} verdict={verdict} />}
       </p>
       {activity?.total && <Savings total={activity.total} activity={activity} />}
     </>
@@ -106,7 +113,9 @@ const COLUMNS: readonly Column<Row>[] = [
     cell: ({ regime, activity }) => costText(bestOf(regime, activity)) ?? '–' },
   { id: 'ran', title: 'Mean cost of what ran', hint: 'Mean detection time per frame of the algorithms that ran, with the cost of switches. These can make it higher than the cost of the best algorithm.', sort: ({ regime }) => regime.ranUs,
     cell: ({ regime }) => (regime.ranUs === undefined ? '–' : `${significant(regime.ranUs)} µs`) },
-  { id: 'saved', title: 'Saved', hint: 'Saved per frame against the best single choice', sort: ({ regime }) => regime.savedAgainstSingleUs,
+  { id: 'saved', title: 'Saved', hint: 'Saved per frame against the algorithm that the game begins with', sort: ({ regime }) => regime.savedAgainstInitialUs,
+    cell: ({ regime }) => savingText(regime.savedAgainstInitialUs) ?? '–' },
+  { id: 'saved-single', title: 'Saved, best single', hint: 'Saved per frame against the best single choice', sort: ({ regime }) => regime.savedAgainstSingleUs,
     cell: ({ regime }) => savingText(regime.savedAgainstSingleUs) ?? '–' },
   { id: 'saved-kdtree', title: 'Saved, KDTree', hint: 'Saved per frame against KDTree', sort: ({ regime }) => regime.savedAgainstReferenceUs,
     cell: ({ regime }) => savingText(regime.savedAgainstReferenceUs) ?? '–' },

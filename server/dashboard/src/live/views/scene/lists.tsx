@@ -6,7 +6,7 @@ import { Arm, Arms } from '../../parts/arm';
 import { Chip, VerdictChip } from '../../parts/chips';
 import { ago, now, timeText } from '../../parts/clock';
 import { Name, visible } from '../../parts/name';
-import { isChanging, leadersOf, savingText } from '../../state/regimes';
+import { isChanging, leadersOf, savingWithShare } from '../../state/regimes';
 import { decisionsHref, hrefWith, sceneHref, sessionHref } from '../../state/route';
 import { leaderProbabilityOf, sceneKey, type SceneName, type SceneState } from '../../state/scenes';
 import { connectedSessions, frameTimesOf, isConnected, lastMessageMs, sessions, type SessionState } from '../../state/sessions';
@@ -17,8 +17,8 @@ import { useComputed } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
 import { HistoryKind, type HistoryPoint } from '../../../gen/sweepstake/v1/history_pb';
 import { percentiles } from '../../numbers/histogram';
-import { type Use, measuredIn } from '../../numbers/use';
-import { useHistory, WHOLE_LIFE } from '../../transport/history';
+import { type Use, measuredIn, REFERENCE_ARM, SAVINGS } from '../../numbers/use';
+import { type HistoryReading, useHistory, WHOLE_LIFE } from '../../transport/history';
 import { type Column, Table } from '../../parts/table';
 
 export const variantsOf = ({ project, scene }: SceneName): SceneState[] =>
@@ -37,7 +37,7 @@ function variantColumns(own: string): readonly Column<SceneState>[] {
     { id: 'verdict', title: 'Verdict', isText: true, cell: (state) => <VerdictChip verdict={verdictOf(state)} /> },
     { id: 'leader', title: 'Leader', isText: true, sort: ({ posterior }) => leadersOf(posterior).join(' '), cell: ({ posterior }) => <Arms names={leadersOf(posterior)} /> },
     { id: 'p', title: 'P(best)', hint: 'In a changing scene, the lowest of its regimes', sort: ({ posterior }) => leaderProbabilityOf(posterior),
-      cell: ({ posterior }) => (leadersOf(posterior).length > 0 ? leaderProbabilityOf(posterior).toFixed(3) : '–') },
+      cell: ({ posterior }) => (leaderProbabilityOf(posterior) > 0 ? leaderProbabilityOf(posterior).toFixed(3) : '–') },
     { id: 'loss', title: 'Loss', sort: ({ posterior }) => posterior.expectedLossRatio, cell: ({ posterior }) => (isChanging(posterior) ? '–' : share(posterior.expectedLossRatio)) },
     { id: 'sources', title: 'Sources', hint: 'Sessions that added evidence', sort: ({ posterior }) => Number(posterior.sourceCount) },
     { id: 'compare', title: 'Comparison', isText: true, cell: ({ key }) => (key === own ? '' : <a href={hrefWith('with', key)}>Compare</a>) },
@@ -51,9 +51,13 @@ export function Variants({ name }: { name: SceneName }) {
   return <Table caption="Classes of machines" columns={columns} rows={variants} keyOf={({ key }) => key} sort="class" sortParameter="classes" />;
 }
 
-const savedOf = ({ use }: { use?: Use | undefined }) => use && (use.againstInitialUs ?? use.againstSingleUs ?? Number.NaN) / use.frameCount;
-const SAVED_HINT = 'Detection time per frame that was saved against the algorithm that the game begins with, with the cost of switches';
-const SAVED = { id: 'saved', title: 'Saved per frame', hint: SAVED_HINT, sort: savedOf, cell: (row: { use?: Use | undefined }) => savingText(savedOf(row)) ?? '–' };
+interface Used { use?: Use | undefined }
+const SAVED = SAVINGS.map(([part, against], i): Column<Used> => ({
+  id: `saved-${i}`, title: ['Saved per frame', 'Saved, best single', `Saved, ${REFERENCE_ARM}`][i]!, isDetail: i > 0,
+  hint: `Detection time per frame that was saved against ${against}, with the cost of switches, and its share of the frame time`,
+  sort: ({ use }) => (use?.[part] === undefined ? undefined : use[part] / use.frameCount),
+  cell: ({ use }) => (use?.[part] === undefined ? '–' : savingWithShare(use[part] / use.frameCount, use[part] / use.frameUs)),
+}));
 
 interface SessionRow extends SessionState { use?: Use | undefined }
 
@@ -67,7 +71,7 @@ const SESSION_COLUMNS: readonly Column<SessionRow>[] = [
   { id: 'arm', title: 'Active algorithm', isText: true, sort: ({ info }) => info.activeArm, cell: ({ info }) => <Arm name={info.activeArm} /> },
   { id: 'frame', title: 'Frame time', hint: 'Median of the latest frames', sort: (session) => frameTimesOf(session).at(-1),
     cell: (session) => { const ms = frameTimesOf(session).at(-1); return ms === undefined ? '–' : `${significant(ms)} ms`; } },
-  SAVED,
+  ...SAVED,
   { id: 'class', title: 'Machines', isText: true, hint: 'Class of machines', sort: ({ info }) => info.machineClass },
   { id: 'mode', title: 'Mode', isText: true, sort: ({ info }) => modeWord(info.mode).name },
   { id: 'build', title: 'Build', isText: true, sort: ({ info }) => info.build },
@@ -112,14 +116,15 @@ const three = (part: 'frameTimeNs' | 'detectionTimeNs' | 'nativeBytes', id: stri
     id: `${id}-${name}`, title: `${title} ${name}`, sort: ({ point }: BuildRow) => percentiles(point[part])?.[place],
     cell: ({ point }: BuildRow) => { const value = percentiles(point[part])?.[place]; return value === undefined ? '–' : text(value); },
   }));
+const msText = (ns: number) => `${significant(ns / 1e6)} ms`;
 const usText = (ns: number) => `${significant(ns / 1000)} µs`;
 
 const COLUMNS: readonly Column<BuildRow>[] = [
   { id: 'build', title: 'Build', sort: ({ build }) => build },
   { id: 'sessions', title: 'Sessions', sort: ({ point }) => Number(point.sessionCount), cell: ({ point, onlineCount }) => `${grouped(Number(point.sessionCount))}, ${onlineCount} online` },
-  ...three('frameTimeNs', 'frame', 'Frame', (ns) => `${significant(ns / 1e6)} ms`),
+  ...three('frameTimeNs', 'frame', 'Frame', msText),
   ...three('detectionTimeNs', 'detection', 'Detection', usText),
-  SAVED,
+  ...SAVED,
   ...three('nativeBytes', 'memory', 'Memory', bytes).slice(1, 2),
   { id: 'frames', title: 'Frames', hint: 'Number of measured frames', sort: ({ point }) => Number(point.frameCount) },
   { id: 'switches', title: 'Switches', sort: ({ point }) => Number(point.switchCount) },
@@ -127,11 +132,28 @@ const COLUMNS: readonly Column<BuildRow>[] = [
   { id: 'last', title: 'Last played', sort: ({ point }) => Number(point.endUnixMs), cell: ({ point }) => timeText(Number(point.endUnixMs)) },
 ];
 
-export function Builds({ name: { project, scene, machineClass, rewardVersion } }: { name: SceneName }) {
-  const { series, wasRead, error } = useHistory({ kind: HistoryKind.BUILD, project, scene }, WHOLE_LIFE);
+// Returns a time, and how much it has changed.
+function changed(ns: number | undefined, before: number | undefined, text: (value: number) => string): string {
+  if (ns === undefined || !before) return 'not known';
+  const ratio = share(Math.abs(ns / before - 1));
+  return `${text(ns)} (${ratio === '0 %' ? 'the same' : `${ratio} ${ns > before ? 'more' : 'less'}`})`;
+}
+
+/** Compares the two builds that were first played last. */
+export function BuildChange({ builds: { series } }: { builds: HistoryReading }) {
+  const [before, last] = series.filter(({ build }) => build !== '').sort((a, b) => Number(a.points[0]!.unixMs - b.points[0]!.unixMs)).slice(-2);
+  if (!before || !last) return null;
+  const [[frame, frameBefore], [detection, detectionBefore]] = (['frameTimeNs', 'detectionTimeNs'] as const).map((name) => [last, before].map(({ points }) => percentiles(points[0]![name])?.[0])) as [[number?, number?], [number?, number?]];
+  return (
+    <p>Against build <Name text={before.build} />, build <b><Name text={last.build} /></b> has a median detection time of <b>{changed(detection, detectionBefore, usText)}</b> and
+      {' '}a median frame time of {changed(frame, frameBefore, msText)}.</p>
+  );
+}
+
+/** The builds that have played the scene, over their whole lives. */
+export function Builds({ name: { project, scene, machineClass }, builds: { series, wasRead, error } }: { name: SceneName; builds: HistoryReading }) {
   const online = useComputed(() => connectedSessions.value.filter(({ info }) => info.project === project && info.scene === scene && info.machineClass === machineClass).map(({ info }) => info.build)).value;
-  const own = series.filter((each) => each.machineClass === machineClass && each.rewardVersion === rewardVersion);
-  if (own.length === 0) return <p class="soft">{error ? error.message : wasRead ? 'The history has no build of this scene on this class of machines.' : 'Reading the history.'}</p>;
-  const rows = own.map(({ build, points }): BuildRow => ({ build, point: points[0]!, onlineCount: online.filter((each) => each === build).length, use: measuredIn(points[0]!) }));
+  if (series.length === 0) return <p class="soft">{error ? error.message : wasRead ? 'The history has no build of this scene on this class of machines.' : 'Reading the history.'}</p>;
+  const rows = series.map(({ build, points }): BuildRow => ({ build, point: points[0]!, onlineCount: online.filter((each) => each === build).length, use: measuredIn(points[0]!) }));
   return <Table caption="Builds" csvHref={csvUrl('history', { kind: 'HISTORY_KIND_BUILD', project, scene, maxPoints: 1 })} columns={COLUMNS} rows={rows} keyOf={({ build }) => build} sort="build" sortParameter="builds" />;
 }

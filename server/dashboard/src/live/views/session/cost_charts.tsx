@@ -10,7 +10,7 @@ import type { CostColumns } from './model';
 
 export const BUDGETS: readonly Level[] = [{ value: FRAME_MS, label: '60 fps' }, { value: 2 * FRAME_MS, label: '30 fps' }];
 // Detection takes a small part of a frame. Its axis therefore ignores the budgets, which are drawn only if values come near them.
-const BUDGETS_ASIDE: readonly Level[] = BUDGETS.map((level) => ({ ...level, isAside: true }));
+const BUDGETS_ASIDE: readonly Level[] = BUDGETS.map((level) => ({ ...level, value: 1000 * level.value, isAside: true })); // µs
 
 export const PERCENTILES = [
   { label: 'p50', colour: 'var(--arm-4)', dash: [] }, { label: 'p95', colour: 'var(--arm-2)', dash: [8, 3] }, { label: 'p99', colour: 'var(--arm-3)', dash: [4, 2] },
@@ -21,9 +21,9 @@ const percentileLines = (columns: readonly (number | null)[][], first: string): 
 
 const single = (label: string, values: (number | null)[]): Line[] => [{ label, values, colour: 'var(--accent)' }];
 const ms = (value: number) => `${significant(value)} ms`;
-const us = (value: number) => `${compact(1000 * value)} µs`; // of a value in milliseconds
+const us = (value: number) => `${significant(value)} µs`;
 
-export interface Ends { frameMs: readonly [number, number]; detectionMs: readonly [number, number] }
+export interface Ends { frameMs: readonly [number, number]; detectionUs: readonly [number, number] }
 
 export interface CostChartsProps {
   columns: CostColumns;
@@ -46,12 +46,12 @@ export function CostCharts({ columns, moments, domain, names, ends, laterMs = 0,
     empty: !drawn.some((line) => line.values.some((value) => value !== null)) && 'Nothing was measured yet.' });
   return (
     <>
-      <TimeFigure {...figure(lines.frame)} id="frame-time" title="Frame time" levels={BUDGETS} format={ms} height={180} {...(ends && { values: ends.frameMs })}
+      <TimeFigure {...figure(lines.frame)} id="frame-time" title="Frame time" levels={BUDGETS} unit="(ms)" format={ms} height={180} {...(ends && { values: ends.frameMs })}
         note="Percentiles cover the frames since the page was opened. The mean of each window is from the audit log. The lines 60 fps and 30 fps mark 16.7 and 33.3 ms per frame." />
-      <TimeFigure {...figure(lines.detection)} id="detection" title="Detection time" levels={BUDGETS_ASIDE} format={us} height={180} scale="log"
-        {...(ends && { values: ends.detectionMs })} note="Time of the broad phase per frame, on a logarithmic axis. The lines 60 fps and 30 fps appear only if values come near them." />
+      <TimeFigure {...figure(lines.detection)} id="detection" title="Detection time" levels={BUDGETS_ASIDE} unit="(µs)" format={us} height={180} scale="log"
+        {...(ends && { values: ends.detectionUs })} note="Time of the broad phase per frame, on a logarithmic axis. The lines 60 fps and 30 fps appear only if values come near them." />
       <div class="beside">
-        <TimeFigure {...figure(lines.bytes)} id="memory" title="Memory" format={bytes} height={140} />
+        <TimeFigure {...figure(lines.bytes)} id="memory" title="Memory" unit="(bytes)" format={bytes} height={140} />
         <TimeFigure {...figure(lines.checks)} id="checks" title="AABB checks per frame" format={compact} height={140} />
         <TimeFigure {...figure(lines.objects)} id="objects" title="Objects" format={compact} height={140} />
       </div>

@@ -1,6 +1,7 @@
 // The data of a session's charts and tables, computed from the steps of its log.
 import type { Measured as MeasuredBy, RidgeRow } from '../../charts/ridgeline';
 import type { Moment } from '../../charts/plot';
+import type { Range } from '../../charts/view_state';
 import { armStyle } from '../../charts/colours';
 import { AuditKind } from '../../../gen/sweepstake/v1/audit_pb';
 import { forEachVisit, isSwitch, percentilesOf, type Step, windowOf } from '../../audit/steps';
@@ -10,6 +11,13 @@ import { keepExtremes } from '../../numbers/downsample';
 import type { SeriesRow } from '../../charts/posterior_charts';
 
 const MAX_POINTS = 600;
+
+/** Returns the steps in the range and one on each side of it, so that lines reach its ends. */
+export function stepsIn(shown: Range | undefined, steps: readonly Step[]): readonly Step[] {
+  if (!shown) return steps;
+  const [first, end] = [steps.findIndex(({ timeMs }) => timeMs >= shown.fromMs), steps.findLastIndex(({ timeMs }) => timeMs <= shown.toMs)];
+  return first < 0 ? [] : steps.slice(Math.max(0, first - 1), end + 2);
+}
 
 /** Returns the posterior of each arm after a step of the log; empty if the step's row has none. */
 const posteriorsOf = ({ placed }: Step): readonly Beta[] => placed?.row.decision?.posteriors ?? [];
@@ -90,7 +98,7 @@ export function costColumns(steps: readonly Step[]) {
   return {
     timesMs: kept.map(({ timeMs }) => timeMs),
     frame: columns('frameMs'),
-    detection: columns('detectionMs'),
+    detection: columns('detectionMs').map((values) => values.map((ms) => ms && 1000 * ms)), // µs
     bytes: columns('nativeBytes'),
     checks: kept.map(({ window }) => orNull(window?.checkCount)),
     objects: held(kept.map(({ scene }) => orNull(scene?.objectCount))),
@@ -115,6 +123,10 @@ export function laneSums(steps: readonly Step[]): LaneSum[] {
     arm, visitCount: detectionNs.length, cappedCount, medianNs: medianOf(detectionNs), lastNs: detectionNs.at(-1)!, buildNs: medianOf(buildNs), lastMs,
   }));
 }
+
+/** Returns the step in which the game executed the switch that a decision commanded. */
+export const executionOf = (decision: Step, steps: readonly Step[]): Step | undefined =>
+  (isSwitch(decision) ? steps.find(({ kind, timeMs }) => kind === AuditKind.SWITCH && timeMs >= decision.timeMs) : undefined);
 
 export const stepQuery = ({ decisionId, timeMs }: Pick<Step, 'decisionId' | 'timeMs'>): { decision: string } | { at: string } =>
   (decisionId > 0 ? { decision: String(decisionId) } : { at: String(Math.round(timeMs)) });

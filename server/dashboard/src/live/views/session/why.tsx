@@ -1,7 +1,7 @@
 // "Why this algorithm?": explains one decision in sentences, and shows all fields of its audit row.
 import { useEffect } from 'preact/hooks';
 import { kindWord } from '../words';
-import { explained, explainedRow } from '../../audit/explain';
+import { costOfSwitch, explained, explainedRow } from '../../audit/explain';
 import { entriesOf, rowId } from '../../audit/log';
 import type { Step } from '../../audit/steps';
 import { timeText } from '../../parts/clock';
@@ -9,17 +9,20 @@ import { addShortcuts } from '../../parts/keys';
 import { Name, visible } from '../../parts/name';
 import { decisionsHref } from '../../state/route';
 
-export function Why({ step, sessionId, onRead, onClose }: { step: Step; sessionId: string; onRead: () => void; onClose: () => void }) {
+/** `done` is the step in which the game executed the switch that this decision commanded, if the view has it. */
+export function Why({ step, done, sessionId, onRead, onClose }: { step: Step; done?: Step | undefined; sessionId: string; onRead: () => void; onClose: () => void }) {
   useEffect(() => addShortcuts([{ keys: 'Escape', what: 'Close the explanation', run: onClose }]), []);
   const { placed, told, timeMs, decisionId } = step;
-  const sentences = placed ? explainedRow(placed.row, placed.setup) : told ? explained(told) : [];
+  const [first = '', second = '', ...others] = placed ? explainedRow(placed.row, placed.setup) : told ? explained(told) : [];
   return (
     <section class="why" aria-labelledby="why-heading">
       <header class="title">
         <h2 id="why-heading">{decisionId > 0 ? `Decision ${decisionId}` : kindWord(step.kind).name}, {timeText(timeMs)}</h2>
         <button type="button" class="quiet" onClick={onClose}>Close</button>
       </header>
-      {sentences.map((sentence) => <p key={sentence}><bdi>{visible(sentence)}</bdi></p>)}
+      <p><bdi>{visible(first)}</bdi></p>
+      <p><bdi>{visible(second)}</bdi>{done?.placed && ` ${costOfSwitch(done.placed.row)}`}</p>
+      {others.length > 0 && <details><summary>More</summary>{others.map((sentence) => <p key={sentence}><bdi>{visible(sentence)}</bdi></p>)}</details>}
       {!placed && <p class="soft">Its audit row was not read yet. <button type="button" onClick={onRead}>Read the audit row</button></p>}
       {placed && (
         <details>
