@@ -120,6 +120,7 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
       {"verdict",
        IsChanging(scene) ? "changing" : decision::NameOf(decision::kVerdictNames, scene.verdict())},
       {"leader_arm", scene.leader_arm()},
+      {"regime_arms", scene.regime_arms()},
       {"expected_loss_ratio", scene.expected_loss_ratio()},
       {"value_remaining_ratio", scene.value_remaining_ratio()},
       {"activity", ActivityJson(scene)},

@@ -98,6 +98,7 @@ TEST(ActivityText, ReplacesTheVerdictOfAChangingScene) {
   EXPECT_EQ(PosteriorJson(scene)["verdict"], "stable");
   scene.clear_activity();
   EXPECT_THAT(PosteriorText(scene), HasSubstr("verdict changing")) << "by the stored regimes";
+  EXPECT_EQ(PosteriorJson(scene)["regime_arms"].dump(), R"(["DBVT","SAP"])");
 }
 
 TEST(ActivityText, LeavesOutWhatIsNotKnown) {
