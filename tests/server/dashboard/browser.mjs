@@ -59,7 +59,7 @@ export async function openPage(context, origin, path = '/') {
 
 // Errors that the browser logs itself if the daemon refuses a request or is not running.
 export const refused = (...statuses) => new RegExp(`^Failed to load resource: the server responded with a status of (${statuses.join('|')}) `);
-export const AWAY = /^Failed to load resource: net::ERR_/;
+export const AWAY = new RegExp(`^Failed to load resource: net::ERR_|${refused(503).source}`); // stopped, or about to stop
 
 // Calls `act` and ignores troubles during it that match `expected`.
 export async function expecting(page, expected, act) {

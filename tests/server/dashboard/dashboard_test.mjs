@@ -9,7 +9,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
 import { assertAccessible, assertNoTrouble, AWAY, chromiumPath, expecting, judge, launch, openPage, refusalOf, refused, rowsOf, useTheme } from './browser.mjs';
-import { Game, RealDaemon, until, watched } from './real_daemon.mjs';
+import { Game, pause, RealDaemon, until, watched } from './real_daemon.mjs';
 
 const [sweepstaked, sweepstake, pictures] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), 'sweepstake_dashboard_'));
@@ -145,7 +145,7 @@ async function checkUpdates(context, daemon) {
   };
   await measure('the overview', async () => numberIn((await cellsOf(page, 'changing')).Measurements));
   await page.goto(`${daemon.origin}/scenes/arcade/changing?class=test&reward=3&arms-columns=all`);
-  await measure('the page of the scene', async () => (await rowsOf(page, 'Algorithms')).reduce((sum, row) => sum + numberIn(row.Windows) + numberIn(row['Lane visits']), 0));
+  await measure('the page of the scene', async () => (await rowsOf(page, 'Algorithms')).reduce((sum, row) => sum + numberIn(row.Windows) + numberIn(row['Shadow measurements']), 0));
   await game.quit();
   const said = armsOf().map(({ arm, best_probability: best, alpha, beta }) => [arm, best.toFixed(3), Number(alpha.toPrecision(5)), Number(beta.toPrecision(5))].join());
   await until('the page has the figures of gRPC', async () => (await rowsOf(page, 'Algorithms'))
@@ -463,11 +463,13 @@ async function checkLogin(context) {
   });
   assert.equal(await page.evaluate(() => globalThis.marker), 'the same page', 'the page was reloaded');
   await logIn(token);
-  const logOut = async (name) => {
+  // A stream that connects again at this moment is refused.
+  const logOut = (name) => expecting(page, refused(401), async () => {
     await page.getByRole('button', { name }).click();
     await page.getByRole('button', { name: 'Log out' }).click();
     await page.getByLabel('Token').waitFor();
-  };
+    await pause(500);
+  });
   await logOut('reader');
   await logIn(boss);
   assert.equal(await expecting(page, refused(404), () => refusalOf(page, ...order)), 404, 'the operator may order, but the session does not exist');

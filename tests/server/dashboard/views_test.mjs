@@ -35,7 +35,7 @@ async function checkNumbers(page, daemon) {
     const row = rows.find(({ Algorithm }) => Algorithm === arm.arm);
     assert.equal(row['P(best)'], arm.best_probability.toFixed(3), arm.arm);
     assert.equal(row.Windows, String(arm.windows), arm.arm);
-    assert.equal(row['Lane visits'], String(arm.lane_visits), arm.arm);
+    assert.equal(row['Shadow measurements'], String(arm.lane_visits), arm.arm);
     const worth = row['Equivalent windows'];
     assert.ok(arm.n > 0 ? Math.abs(Number(worth.replaceAll(',', '')) / arm.n - 1) < 0.006 : worth === '–', `${arm.arm}: ${worth} instead of ${arm.n}`);
     assert.equal(row.Measured, arm.windows + arm.bail_outs > 0 ? 'live' : arm.lane_visits > 0 ? 'lane only' : 'never', arm.arm);
@@ -61,7 +61,7 @@ async function checkRegimes(page, daemon) {
     const [{ text, chip }, rows] = [await shown(), await rowsOf(page, 'Best algorithm of each regime')];
     const isChanging = bestArms(activity).length > 1;
     assert.equal(/would gain/.test(text) && /changing/.test(chip), false, 'a changing scene has the verdict of a constant one');
-    assert.equal(/changing/.test(chip), /depends on the regime|The session switched \d+ times in the last minute/.test(text), chip);
+    assert.equal(/changing/.test(chip), /depends on the regime|A session has switched more than four times/.test(text), chip);
     return text.includes(`${activity.activeArm} runs now`) && (!isChanging || /changing/.test(chip)) && rows.length === activity.regimes.length + 1
       && activity.regimes.every(({ bestArm = 'none', isPresent = false }, i) => rows.some((row) => row.Regime === `${i + 1}${isPresent ? ' (now)' : ''}` && row['Best algorithm'] === bestArm));
   });
@@ -81,7 +81,7 @@ async function checkNeverRan(page) {
   const measured = await chart(page, 'measured').locator('svg.picture title').allTextContents();
   assert.ok(measured.some((title) => / live: /.test(title)), measured.join('\n'));
   // A machine without a core to spare has no shadow lane.
-  const hasLane = arms.some((row) => row['Lane visits'] !== '0');
+  const hasLane = arms.some((row) => row['Shadow measurements'] !== '0');
   assert.equal(measured.some((title) => / lane: /.test(title)), hasLane, measured.join('\n'));
 }
 
@@ -133,7 +133,7 @@ async function checkTime(page, daemon) {
   assert.ok(query(page).has('hide'));
   await page.getByRole('button', { name: 'Pause' }).click();
   assert.ok(query(page).has('pause'));
-  const counts = async () => (await rowsOf(page, 'Algorithms')).map(({ Windows, 'Lane visits': visits }) => `${Windows} ${visits}`).join();
+  const counts = async () => (await rowsOf(page, 'Algorithms')).map(({ Windows, 'Shadow measurements': visits }) => `${Windows} ${visits}`).join();
   const held = await counts();
   for (let i = 0; i < 5; ++i) {
     const learnt = await arms();

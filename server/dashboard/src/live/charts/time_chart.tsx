@@ -94,6 +94,7 @@ export function usePlot(host: RefObject<HTMLElement>, picture: Picture, width: n
   const create = () => {
     plot.current?.destroy();
     plot.current = host.current && width > 0 ? createPlot(host.current, () => latest.current, width, height) : null;
+    if (plot.current) showCrosshair(plot.current, crosshairMs.peek());
   };
   useEffect(() => {
     create();

@@ -66,7 +66,7 @@ function columns(rewardVersion: number): readonly Column<ArmRow>[] {
     { id: 'high', title: 'to', sort: (row) => value(end(row, true)), cell: (row) => shown(end(row, true)) },
     ...(tellsCosts ? [ratio] : []),
     { id: 'windows', title: 'Windows', hint: 'Decision windows in which the algorithm ran in games', sort: ({ windowCount }) => Number(windowCount) },
-    { id: 'visits', title: 'Shadow measurements', isDetail: true, hint: 'Visits of the shadow lane, which measures algorithms that do not run in the game', sort: ({ visitCount }) => Number(visitCount) },
+    { id: 'visits', title: 'Shadow measurements', hint: 'Visits of the shadow lane, which measures algorithms that do not run in the game', sort: ({ visitCount }) => Number(visitCount) },
     { id: 'n', title: 'Equivalent windows', isDetail: true, hint: 'The number of live windows that would be as informative as all windows and lane visits together', sort: ({ effectiveWindowCount }) => effectiveWindowCount,
       cell: ({ effectiveWindowCount }) => (effectiveWindowCount > 0 ? significant(effectiveWindowCount) : '–') },
     { id: 'age', title: 'Changed', hint: 'Time of the latest evidence of the algorithm', sort: (row) => lastSeenMs(row) || undefined,
