@@ -31,7 +31,7 @@ OLD_INPUT, NEW_INPUT = ["ENABLE_LEGACY_INPUT_MANAGER"], ["ENABLE_INPUT_SYSTEM"]
 YAHA, INPUT, BURST = "com.cysharp.yetanotherhttphandler", "com.unity.inputsystem", "com.unity.burst"
 URP, HDRP = "com.unity.render-pipelines.universal", "com.unity.render-pipelines.high-definition"
 # The assembly of each package that has a stub.
-PACKAGE_ASSEMBLIES = {YAHA: "YetAnotherHttpHandler", INPUT: "Unity.InputSystem", BURST: "Unity.Burst"}
+PACKAGE_ASSEMBLIES = {YAHA: "Cysharp.Net.Http.YetAnotherHttpHandler", INPUT: "Unity.InputSystem", BURST: "Unity.Burst"}
 
 
 def unity(*versions):
@@ -124,7 +124,7 @@ def document_assembly(root, folder):
     sources = [*document_code.write(root / "unity_client", folder), *sorted((root / "tests/unity_client/documents").glob("*.cs"))]
     return Assembly(DOCUMENTS, sources, {
         "noEngineReferences": False, "overrideReferences": False, "includePlatforms": ["Editor"], "defineConstraints": [*GRPC, *NEW_INPUT],
-        "references": ["Sweepstake.Core", "Sweepstake.Unity", "Sweepstake.Protocol", "Sweepstake.GrpcNet", "YetAnotherHttpHandler"]})
+        "references": ["Sweepstake.Core", "Sweepstake.Unity", "Sweepstake.Protocol", "Sweepstake.GrpcNet", PACKAGE_ASSEMBLIES[YAHA]]})
 
 
 def stub_assemblies(stubs):
@@ -184,7 +184,7 @@ def compile_row(compiler, package, stubs, row):
 def reference_names(assembly, present, due):
     """Returns the names of referenced assemblies; missing ones are skipped, as in Unity."""
     if not assembly.asmdef:
-        return [] if assembly.name in ("UnityEngine", "YetAnotherHttpHandler") else ["UnityEngine"]
+        return [] if assembly.name in ("UnityEngine", PACKAGE_ASSEMBLIES[YAHA]) else ["UnityEngine"]
     engine = [] if assembly.asmdef["noEngineReferences"] else [name for name in ("UnityEngine", "UnityEditor") if name in present]
     return engine + [name for name in assembly.asmdef["references"] if name in due or name in present]
 

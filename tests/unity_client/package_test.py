@@ -34,7 +34,7 @@ MAX_PATH = 140
 ENGINE_FREE = ("Runtime/Core", "Runtime/Protocol", "Runtime/GrpcNet")
 GRPC = ("Runtime/Protocol", "Runtime/GrpcNet")
 KNOWN_REFERENCES = {"UnityEngine.TestRunner", "UnityEditor.TestRunner", "Unity.Burst", "Unity.Collections", "Unity.Mathematics", "Unity.InputSystem",
-                    "Unity.Profiling.Core", "YetAnotherHttpHandler"}
+                    "Unity.Profiling.Core", "Cysharp.Net.Http.YetAnotherHttpHandler"}
 VERSION_HEADING = re.compile(r"^## \[(Unreleased|\d+\.\d+\.\d+)\](?: - \d{4}-\d\d-\d\d)?$")
 HEADING = re.compile(r"^## .*$", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")

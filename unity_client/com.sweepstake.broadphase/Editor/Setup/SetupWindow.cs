@@ -95,7 +95,7 @@ namespace Sweepstake.Editor
             IsWebGl = EditorUserBuildSettings.activeBuildTarget == BuildTarget.WebGL,
             HasGrpcDefine = Defines(Target).Contains(SetupChecks.GrpcDefine),
             PrecompiledAssemblies = CompilationPipeline.GetPrecompiledAssemblyNames(),
-            HasHttpHandlerPackage = CompilationPipeline.GetAssemblyDefinitionFilePathFromAssemblyName("YetAnotherHttpHandler") != null,
+            HasHttpHandlerPackage = CompilationPipeline.GetAssemblyDefinitionFilePathFromAssemblyName("Cysharp.Net.Http.YetAnotherHttpHandler") != null,
 #if UNITY_6000_5_OR_NEWER
             HasHttpHandlerOfUnity = true,
 #endif
