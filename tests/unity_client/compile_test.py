@@ -28,10 +28,10 @@ WORD = re.compile(r"\w+")
 
 GRPC = ["SWEEPSTAKE_GRPC"]
 OLD_INPUT, NEW_INPUT = ["ENABLE_LEGACY_INPUT_MANAGER"], ["ENABLE_INPUT_SYSTEM"]
-YAHA, INPUT, BURST = "com.cysharp.yetanotherhttphandler", "com.unity.inputsystem", "com.unity.burst"
+YAHA, INPUT, BURST, TESTING = "com.cysharp.yetanotherhttphandler", "com.unity.inputsystem", "com.unity.burst", "com.unity.test-framework"
 URP, HDRP = "com.unity.render-pipelines.universal", "com.unity.render-pipelines.high-definition"
 # The assembly of each package that has a stub.
-PACKAGE_ASSEMBLIES = {YAHA: "Cysharp.Net.Http.YetAnotherHttpHandler", INPUT: "Unity.InputSystem", BURST: "Unity.Burst"}
+PACKAGE_ASSEMBLIES = {YAHA: "Cysharp.Net.Http.YetAnotherHttpHandler", INPUT: "Unity.InputSystem", BURST: "Unity.Burst", TESTING: "UnityEngine.TestRunner"}
 
 
 def unity(*versions):
@@ -44,7 +44,8 @@ EDITOR, TESTS = ["UNITY_EDITOR"], ["UNITY_INCLUDE_TESTS"]
 # Each row has a name, a platform, defines and packages.
 ROWS = [
     ("editor 2022.3, nothing else", "Editor", U2022 + EDITOR + OLD_INPUT, []),
-    ("editor 2022.3, tests", "Editor", U2022 + EDITOR + OLD_INPUT + TESTS, []),
+    ("editor 2022.3, tests", "Editor", U2022 + EDITOR + OLD_INPUT + TESTS, [TESTING]),
+    ("Linux 6000.5, tests", "LinuxStandalone64", U65 + OLD_INPUT + TESTS, [TESTING]),
     ("editor 2022.3, gRPC, URP, new input", "Editor", U2022 + EDITOR + NEW_INPUT + GRPC, [YAHA, INPUT, BURST, URP]),
     ("editor 2022.3, gRPC, no HTTP/2", "Editor", U2022 + EDITOR + OLD_INPUT + GRPC, []),
     ("editor 2022.3, both inputs", "Editor", U2022 + EDITOR + OLD_INPUT + NEW_INPUT, [INPUT]),
@@ -80,8 +81,8 @@ class Toolchain:
             return []
         target = next(iter(json.loads(assets.read_text(encoding="utf-8"))["targets"].values()))
         found = [self.packages / name.lower() / file for name, library in target.items() for file in library.get("compile", {}) if library["type"] == "package"]
-        # Unity's .NET Standard contains the System assemblies.
-        found = [path for path in found if not path.name.startswith("System.")]
+        # Unity's .NET Standard contains the assemblies of the reference.
+        found = [path for path in found if path.name not in {file.name for file in self.framework}]
         return found if all(path.is_file() for path in found) else []
 
 
@@ -191,7 +192,7 @@ def reference_names(assembly, present, due):
 
 def precompiled(tools, assembly, defines):
     if not assembly.asmdef:
-        return []
+        return [tools.nunit] if assembly.name == PACKAGE_ASSEMBLIES[TESTING] else []
     there = [*(tools.grpc if GRPC[0] in defines else []), *([tools.nunit] if TESTS[0] in defines else [])]
     return [path for path in there if not assembly.asmdef["overrideReferences"] or path.name in assembly.asmdef["precompiledReferences"]]
 
@@ -201,8 +202,9 @@ def expectation_errors(row, compiled):
     name, platform, defines, _ = row
     due = {"Sweepstake.Core", "Sweepstake.Unity"} | {n for n in ("Sweepstake.Editor",) if platform == "Editor"}
     due |= {"Sweepstake.Protocol", "Sweepstake.GrpcNet"} if GRPC[0] in defines and platform != "WebGL" else set()
+    due |= {"Sweepstake.Core.Tests", "Sweepstake.Components.Tests"} | ({"Sweepstake.Editor.Tests"} if platform == "Editor" else set()) if TESTS[0] in defines else set()
     due |= {DOCUMENTS} if platform == "Editor" and set(GRPC + NEW_INPUT) <= set(defines) else set()
-    never = {"Sweepstake.Editor"} if platform != "Editor" else set()
+    never = {"Sweepstake.Editor", "Sweepstake.Editor.Tests"} if platform != "Editor" else set()
     never |= {"Sweepstake.Protocol", "Sweepstake.GrpcNet"} if GRPC[0] not in defines or platform == "WebGL" else set()
     yield from (f"{name}: {missing} was not compiled" for missing in sorted(due - set(compiled)))
     yield from (f"{name}: {extra} was compiled" for extra in sorted(never & set(compiled)))

@@ -41,7 +41,10 @@ restore core_tests || left_out "the C# tests of the Unity package. $advice"
 run core_tests "$@"
 compile_as_unity() { python3 "$repository/tests/unity_client/compile_test.py" "$repository" "$build"; }
 
-if ! restore daemon_tests || ! restore unity_tests; then
+restore api_list
+python3 "$repository/tests/unity_client/stubs_test.py" "$repository" "$build"
+
+if ! restore daemon_tests || ! restore unity_tests || ! restore facts; then
   compile_as_unity
   left_out "the C# tests of the Unity package that need gRPC, including those of its components; the tests of its core have passed. $advice"
 fi

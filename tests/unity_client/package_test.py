@@ -33,8 +33,9 @@ PACKAGE = "unity_client/com.sweepstake.broadphase"
 MAX_PATH = 140
 ENGINE_FREE = ("Runtime/Core", "Runtime/Protocol", "Runtime/GrpcNet")
 GRPC = ("Runtime/Protocol", "Runtime/GrpcNet")
-KNOWN_REFERENCES = {"UnityEngine.TestRunner", "UnityEditor.TestRunner", "Unity.Burst", "Unity.Collections", "Unity.Mathematics", "Unity.InputSystem",
-                    "Unity.Profiling.Core", "Cysharp.Net.Http.YetAnotherHttpHandler"}
+# The assemblies of other packages, which unity_client/tools/record_facts.py recorded.
+FACTS = json.loads((pathlib.Path(__file__).parent / "facts/packages.json").read_text(encoding="utf-8"))
+KNOWN_REFERENCES = {assembly for package in FACTS["packages"].values() for assembly in package["assemblies"]}
 VERSION_HEADING = re.compile(r"^## \[(Unreleased|\d+\.\d+\.\d+)\](?: - \d{4}-\d\d-\d\d)?$")
 HEADING = re.compile(r"^## .*$", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")

@@ -32,9 +32,9 @@ namespace UnityEditor
     {
         public Object context;
 
-        public MenuCommand(Object context)
+        public MenuCommand(Object inContext)
         {
-            this.context = context;
+            context = inContext;
         }
     }
 
@@ -47,7 +47,7 @@ namespace UnityEditor
     }
 
     [AttributeUsage(AttributeTargets.Class)]
-    public class CanEditMultipleObjects : Attribute
+    public sealed class CanEditMultipleObjects : Attribute
     {
     }
 
@@ -61,14 +61,22 @@ namespace UnityEditor
 
     public class SerializedObject
     {
+        internal SerializedObject()
+        {
+        }
+
         public bool isEditingMultipleObjects => false;
     }
 
     public class SerializedProperty
     {
+        internal SerializedProperty()
+        {
+        }
+
         public string stringValue { get; set; } = "";
-        public string displayName { get; set; } = "";
-        public string tooltip { get; set; } = "";
+        public string displayName { get; internal set; } = "";
+        public string tooltip { get; internal set; } = "";
     }
 
     public abstract class PropertyDrawer
@@ -110,8 +118,8 @@ namespace UnityEditor
         public static event Action<PlayModeStateChange> playModeStateChanged;
 
         /// <summary>For tests: raises the event.</summary>
-        public static void Say(PlayModeStateChange change) => playModeStateChanged?.Invoke(change);
-        public static void SayQuitting() => quitting?.Invoke();
+        internal static void Say(PlayModeStateChange change) => playModeStateChanged?.Invoke(change);
+        internal static void SayQuitting() => quitting?.Invoke();
     }
 
     public static class AssemblyReloadEvents
@@ -121,14 +129,14 @@ namespace UnityEditor
         public static event AssemblyReloadCallback beforeAssemblyReload;
 
         /// <summary>For tests: raises the event.</summary>
-        public static void SayReload() => beforeAssemblyReload?.Invoke();
+        internal static void SayReload() => beforeAssemblyReload?.Invoke();
     }
 
-    public sealed class EditorUtility
+    public class EditorUtility
     {
         /// <summary>For tests: the latest message, and the file that dialogs select.</summary>
-        public static string LastMessage { get; private set; } = "";
-        public static string ChosenFile { get; set; } = "";
+        internal static string LastMessage { get; private set; } = "";
+        internal static string ChosenFile { get; set; } = "";
 
         public static bool DisplayDialog(string title, string message, string ok)
         {
@@ -159,7 +167,7 @@ namespace UnityEditor
         }
     }
 
-    public sealed class Undo
+    public class Undo
     {
         public static void RegisterCreatedObjectUndo(Object objectToUndo, string name)
         {
@@ -178,7 +186,7 @@ namespace UnityEditor
         }
     }
 
-    public sealed class FileUtil
+    public class FileUtil
     {
         public static bool DeleteFileOrDirectory(string path) => false;
     }

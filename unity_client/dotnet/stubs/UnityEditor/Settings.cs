@@ -25,6 +25,10 @@ namespace UnityEditor
     {
         private static T made;
 
+        protected ScriptableSingleton()
+        {
+        }
+
         public static T instance => made ??= CreateInstance<T>();
 
         protected virtual void Save(bool saveAsText)
@@ -39,14 +43,15 @@ namespace UnityEditor
     }
 
     [AttributeUsage(AttributeTargets.Method)]
-    public class SettingsProviderAttribute : Attribute
+    public sealed class SettingsProviderAttribute : Attribute
     {
     }
 
     public class SettingsProvider
     {
-        public SettingsProvider(string path, SettingsScope scopes)
+        public SettingsProvider(string path, SettingsScope scopes, IEnumerable<string> keywords = null)
         {
+            this.keywords = keywords;
             settingsPath = path;
         }
 
@@ -68,14 +73,22 @@ namespace UnityEditor
         Standalone = 1,
     }
 
-    public class EditorUserBuildSettings
+    public class EditorUserBuildSettings : UnityEngine.Object
     {
-        public static BuildTarget activeBuildTarget { get; set; } = BuildTarget.StandaloneLinux64;
+        internal EditorUserBuildSettings()
+        {
+        }
+
+        public static BuildTarget activeBuildTarget { get; internal set; } = BuildTarget.StandaloneLinux64;
         public static BuildTargetGroup selectedBuildTargetGroup => BuildTargetGroup.Standalone;
     }
 
-    public sealed class PlayerSettings
+    public sealed class PlayerSettings : UnityEngine.Object
     {
+        internal PlayerSettings()
+        {
+        }
+
         private static readonly Dictionary<string, string> Defines = new Dictionary<string, string>();
 
         public static string GetScriptingDefineSymbols(NamedBuildTarget buildTarget) => Defines.GetValueOrDefault(buildTarget.TargetName, "");
@@ -118,6 +131,9 @@ namespace UnityEditor.Build.Reporting
 {
     public sealed class BuildReport : UnityEngine.Object
     {
+        internal BuildReport()
+        {
+        }
     }
 }
 
@@ -125,6 +141,9 @@ namespace UnityEditor.UnityLinker
 {
     public sealed class UnityLinkerBuildPipelineData
     {
+        internal UnityLinkerBuildPipelineData()
+        {
+        }
     }
 }
 
@@ -132,11 +151,7 @@ namespace UnityEditor.Compilation
 {
     public static class CompilationPipeline
     {
-        /// <summary>For tests: the precompiled assemblies of the project.</summary>
-        public static string[] Precompiled { get; set; } = Array.Empty<string>();
-
-        public static string[] GetPrecompiledAssemblyNames() => Precompiled;
-        public static string GetAssemblyDefinitionFilePathFromAssemblyName(string assemblyName) => null;
+        public static string[] GetPrecompiledAssemblyNames() => Array.Empty<string>();
     }
 }
 
@@ -145,6 +160,7 @@ namespace UnityEditor.UIElements
     public class ObjectField : BaseField<UnityEngine.Object>
     {
         public ObjectField(string label)
+            : base(label, null)
         {
         }
 
@@ -191,9 +207,16 @@ namespace Unity.Profiling.Editor
         public string Name { get; }
     }
 
+    public enum ProfilerModuleChartType
+    {
+        Line,
+        StackedTimeArea,
+    }
+
     public abstract class ProfilerModule
     {
-        protected ProfilerModule(ProfilerCounterDescriptor[] chartCounters)
+        protected ProfilerModule(
+            ProfilerCounterDescriptor[] chartCounters, ProfilerModuleChartType defaultChartType = ProfilerModuleChartType.Line, string[] autoEnabledCategoryNames = null)
         {
         }
     }

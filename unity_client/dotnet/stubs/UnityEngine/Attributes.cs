@@ -45,7 +45,11 @@ namespace UnityEngine
             URL = url;
         }
 
+#if UNITY_6000_0_OR_NEWER
         public virtual string URL { get; }
+#else
+        public string URL { get; }
+#endif
     }
 
     [AttributeUsage(AttributeTargets.Class)]

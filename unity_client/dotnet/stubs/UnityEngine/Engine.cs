@@ -24,12 +24,12 @@ namespace UnityEngine
 
     public class Application
     {
-        public static bool isMobilePlatform { get; set; }
-        public static bool isEditor { get; set; }
-        public static bool isPlaying { get; set; } = true;
-        public static string version { get; set; } = "1.0";
-        public static string streamingAssetsPath { get; set; } = "";
-        public static string persistentDataPath { get; set; } = System.IO.Path.GetTempPath();
+        public static bool isMobilePlatform { get; internal set; }
+        public static bool isEditor { get; internal set; }
+        public static bool isPlaying { get; internal set; } = true;
+        public static string version { get; internal set; } = "1.0";
+        public static string streamingAssetsPath { get; internal set; } = "";
+        public static string persistentDataPath { get; internal set; } = System.IO.Path.GetTempPath();
 
         public static event Action quitting;
 
@@ -38,13 +38,13 @@ namespace UnityEngine
         }
 
         /// <summary>For tests: ends the player.</summary>
-        public static void SayQuitting() => quitting?.Invoke();
+        internal static void SayQuitting() => quitting?.Invoke();
     }
 
     public class Debug
     {
         /// <summary>For tests: the logged lines.</summary>
-        public static List<string> Lines { get; } = new List<string>();
+        internal static List<string> Lines { get; } = new List<string>();
 
         public static void Log(object message, Object context) => Lines.Add("log: " + message);
         public static void LogWarning(object message, Object context) => Lines.Add("warning: " + message);
@@ -163,7 +163,7 @@ namespace UnityEngine
     public class Graphics
     {
         /// <summary>For tests: the number of instances drawn.</summary>
-        public static int InstanceCount { get; set; }
+        internal static int InstanceCount { get; set; }
 
         public static void RenderMeshInstanced<T>(in RenderParams rparams, Mesh mesh, int submeshIndex, T[] instanceData, int instanceCount = -1, int startInstance = 0)
             where T : unmanaged
@@ -188,13 +188,17 @@ namespace UnityEngine
         public static int width => 1280;
     }
 
-    public sealed class QualitySettings
+    public sealed class QualitySettings : Object
     {
+        internal QualitySettings()
+        {
+        }
+
         public static int vSyncCount { get; set; }
     }
 
     public class TextAsset : Object
     {
-        public byte[] bytes { get; set; } = Array.Empty<byte>();
+        public byte[] bytes { get; internal set; } = Array.Empty<byte>();
     }
 }

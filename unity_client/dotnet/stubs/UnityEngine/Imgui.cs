@@ -58,6 +58,11 @@ namespace UnityEngine
         public GUIStyle box { get; } = new GUIStyle();
     }
 
+    public class GUIUtility
+    {
+        public static string systemCopyBuffer { get; set; } = "";
+    }
+
     public class GUI
     {
         public static GUISkin skin { get; } = new GUISkin();

@@ -11,6 +11,12 @@ namespace Unity.Collections
         Persistent = 4,
     }
 
+    public enum NativeArrayOptions
+    {
+        UninitializedMemory = 0,
+        ClearMemory = 1,
+    }
+
     [AttributeUsage(AttributeTargets.Field)]
     public sealed class ReadOnlyAttribute : Attribute
     {
@@ -27,7 +33,7 @@ namespace Unity.Collections
         private T[] values;
         private GCHandle pin;
 
-        public NativeArray(int length, Allocator allocator)
+        public NativeArray(int length, Allocator allocator, NativeArrayOptions options = NativeArrayOptions.ClearMemory)
         {
             values = new T[length];
             pin = GCHandle.Alloc(values, GCHandleType.Pinned);
@@ -39,7 +45,7 @@ namespace Unity.Collections
 
         public void Dispose() => pin.Free();
 
-        public IEnumerator<T> GetEnumerator() => ((IEnumerable<T>)values).GetEnumerator();
+        IEnumerator<T> IEnumerable<T>.GetEnumerator() => ((IEnumerable<T>)values).GetEnumerator();
         IEnumerator IEnumerable.GetEnumerator() => values.GetEnumerator();
     }
 }

@@ -15,7 +15,7 @@ namespace UnityEngine.Networking
     {
         public HttpForcedVersion HttpForcedVersion { get; set; }
 
-        protected override Task<HttpResponseMessage> SendAsync(HttpRequestMessage request, CancellationToken cancellationToken) =>
+        protected override Task<HttpResponseMessage> SendAsync(HttpRequestMessage httpRequest, CancellationToken cancellationToken) =>
             Task.FromException<HttpResponseMessage>(new HttpRequestException("This stub has no network."));
     }
 }

@@ -59,7 +59,7 @@ namespace UnityEngine
         public Transform transform => gameObject.transform;
         public string tag { get => gameObject.tag; set => gameObject.tag = value; }
 
-        public bool CompareTag(string tag) => this.tag == tag;
+        public bool CompareTag(string tag) => gameObject.CompareTag(tag);
         public T GetComponent<T>() => gameObject.GetComponent<T>();
     }
 
@@ -117,10 +117,22 @@ namespace UnityEngine
 
         public Transform transform { get; }
         public int layer { get; set; }
+#if UNITY_EDITOR
         public bool isStatic { get; set; }
+#endif
         public string tag { get; set; } = "Untagged";
         public Scene scene { get; }
         public bool activeInHierarchy => isActive && (transform.parent == null || transform.parent.gameObject.activeInHierarchy);
+
+        /// <summary>The tags of the project settings; tests may add more.</summary>
+        internal static HashSet<string> Tags { get; } = new HashSet<string> { "Untagged", "Respawn", "Finish", "EditorOnly", "MainCamera", "Player", "GameController" };
+
+        public bool CompareTag(string tag)
+        {
+            if (!Tags.Contains(tag))
+                Debug.LogError($"Tag: {tag} is not defined.", this);
+            return this.tag == tag;
+        }
 
         public static GameObject CreatePrimitive(PrimitiveType type)
         {
@@ -155,10 +167,10 @@ namespace UnityEngine
 
         public T GetComponent<T>() => components.Find(component => component is T && !component.IsDestroyed) is T found ? found : default;
 
-        public void GetComponentsInChildren<T>(bool includeInactive, List<T> result)
+        public void GetComponentsInChildren<T>(bool includeInactive, List<T> results)
         {
-            result.Clear();
-            Collect(includeInactive, result);
+            results.Clear();
+            Collect(includeInactive, results);
         }
 
         public void SetActive(bool value)
@@ -212,6 +224,10 @@ namespace UnityEngine
 
     public class Transform : Component
     {
+        protected internal Transform()
+        {
+        }
+
         internal List<Transform> Children { get; } = new List<Transform>();
 
         public Vector3 position { get; set; }

@@ -8,7 +8,7 @@ namespace UnityEngine
     /// <summary>
     /// Plays the role of the engine: calls Unity's messages by name, in the order of execution. It is not part of Unity's API.
     /// </summary>
-    public static class Player
+    internal static class Player
     {
         private static readonly Dictionary<(Object, string), Action> Messages = new Dictionary<(Object, string), Action>();
 

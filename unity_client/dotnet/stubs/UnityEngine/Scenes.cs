@@ -14,7 +14,7 @@ namespace UnityEngine.SceneManagement
         Additive,
     }
 
-    public sealed class SceneContent
+    internal sealed class SceneContent
     {
         internal List<GameObject> Roots { get; } = new List<GameObject>();
     }
@@ -33,7 +33,7 @@ namespace UnityEngine.SceneManagement
         }
     }
 
-    public static class SceneManager
+    public class SceneManager
     {
         internal static List<Scene> Loaded { get; } = new List<Scene> { Made("level") };
         internal static Scene Active { get; private set; } = Loaded[0];
@@ -45,14 +45,14 @@ namespace UnityEngine.SceneManagement
         public static Scene GetSceneAt(int index) => Loaded[index];
 
         /// <summary>Loads a scene additively; new objects belong to it.</summary>
-        public static Scene Add(string name)
+        internal static Scene Add(string name)
         {
             Active = Made(name);
             Loaded.Add(Active);
             return Active;
         }
 
-        public static void SayLoaded(Scene scene) => sceneLoaded?.Invoke(scene, LoadSceneMode.Additive);
+        internal static void SayLoaded(Scene scene) => sceneLoaded?.Invoke(scene, LoadSceneMode.Additive);
 
         internal static void Reset()
         {

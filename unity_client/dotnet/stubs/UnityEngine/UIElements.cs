@@ -10,7 +10,7 @@ namespace UnityEngine.UIElements
     }
 
     public struct StyleEnum<T>
-        where T : struct
+        where T : struct, IConvertible
     {
         public T value { get; set; }
 
@@ -84,13 +84,23 @@ namespace UnityEngine.UIElements
 
     public class MeshGenerationContext
     {
+        internal MeshGenerationContext()
+        {
+        }
+
         public Painter2D painter2D { get; } = new Painter2D();
+    }
+
+    public enum FillRule
+    {
+        NonZero,
+        OddEven,
     }
 
     public class Painter2D
     {
         /// <summary>For tests: the number of points with coordinates that are not finite.</summary>
-        public static int BadPointCount { get; set; }
+        internal static int BadPointCount { get; set; }
 
         public Color strokeColor { get; set; }
         public Color fillColor { get; set; }
@@ -111,7 +121,7 @@ namespace UnityEngine.UIElements
         {
         }
 
-        public void Fill()
+        public void Fill(FillRule fillRule = FillRule.NonZero)
         {
         }
     }
@@ -208,6 +218,10 @@ namespace UnityEngine.UIElements
     {
         private TValueType held;
 
+        protected BaseField(string label, VisualElement visualInput)
+        {
+        }
+
         internal event EventCallback<ChangeEvent<TValueType>> Changed;
 
         public virtual TValueType value
@@ -228,6 +242,7 @@ namespace UnityEngine.UIElements
     public class TextField : BaseField<string>
     {
         public TextField(string label)
+            : base(label, null)
         {
         }
     }
@@ -235,10 +250,13 @@ namespace UnityEngine.UIElements
     public class DropdownField : BaseField<string>
     {
         public DropdownField()
+            : base(null, null)
         {
         }
 
-        public DropdownField(string label, List<string> choices, int defaultIndex)
+        public DropdownField(
+            string label, List<string> choices, int defaultIndex, Func<string, string> formatSelectedValueCallback = null, Func<string, string> formatListItemCallback = null)
+            : base(label, null)
         {
             this.choices = choices;
         }

@@ -79,7 +79,11 @@ namespace Sweepstake.Unity
                 return false;
             if (count == colliders.Length)
                 MakeRoom();
+#if UNITY_EDITOR
             bool isStatic = collider.gameObject.isStatic;
+#else
+            const bool isStatic = false;
+#endif
             int layer = collider.gameObject.layer;
             Aabb box = BoxOf(collider);
             ProxyHandle handle = Proxies.Add(box, new ProxyOptions(filters.Of(layer), isStatic ? ProxyFlags.Static : ProxyFlags.None));
