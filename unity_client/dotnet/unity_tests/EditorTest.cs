@@ -21,30 +21,6 @@ namespace Sweepstake.Tests
         private const BindingFlags All = BindingFlags.Instance | BindingFlags.Static | BindingFlags.NonPublic | BindingFlags.Public;
 
         [Test]
-        public void AScaleIsRoundAndPassesOverGaps()
-        {
-            foreach ((float value, float max) in new[] { (0f, 1f), (0.04f, 0.05f), (1f, 1f), (1.01f, 2f), (16.7f, 20f), (60f, 100f), (2e9f, 2e9f) })
-                Assert.That(ChartScale.Of(SeriesOf(float.NaN, value, float.PositiveInfinity, -5)).Max, Is.EqualTo(max).Within(max * 1e-5), $"{value}");
-            Assert.That(ChartScale.Of(new Series()).IsEmpty, Is.True);
-            Assert.That(ChartScale.Of(SeriesOf(float.NaN)).IsEmpty, Is.True);
-            Assert.That(ChartScale.Of(SeriesOf(12)).Label("ms"), Is.EqualTo("20 ms"));
-            Assert.That(
-                ChartScale.Runs(SeriesOf(1, 2, float.NaN, 3, float.NaN, float.NaN, 4, 5)), Is.EqualTo(new[] { (0, 2), (3, 4), (6, 8) }));
-            Assert.That(ChartScale.Runs(SeriesOf(float.NaN, float.NaN)), Is.Empty);
-        }
-
-        [Test]
-        public void AFullSeriesForgetsTheOldest()
-        {
-            var series = new Series();
-            for (int value = 0; value < Series.Capacity + 5; ++value)
-                series.Add(value);
-            Assert.That(series.Count, Is.EqualTo(Series.Capacity));
-            Assert.That(series[0], Is.EqualTo(5));
-            Assert.That(series[Series.Capacity - 1], Is.EqualTo(Series.Capacity + 4));
-        }
-
-        [Test]
         public void ChartsDrawWhateverTheSeriesHas()
         {
             Painter2D.BadPointCount = 0;
@@ -135,48 +111,36 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void TheSetupSaysWhatIsMissingAndTheRemedy()
+        public void TheSetupLooksForWhatIsReallyLoadedAndLinksWhatIsMissing()
         {
-            string[] libraries = { "Google.Protobuf.dll", "Grpc.Core.Api.dll", "Grpc.Net.Common.dll", "Grpc.Net.Client.dll", "Microsoft.Extensions.Logging.Abstractions.dll" };
-            AssertCheck(new SetupFacts(), "gRPC's libraries", SetupState.Optional, "Google.Protobuf.dll");
-            AssertCheck(new SetupFacts { PrecompiledAssemblies = libraries }, "gRPC's libraries", SetupState.Ok, "");
-            AssertCheck(new SetupFacts { PrecompiledAssemblies = libraries.Append("Google.Protobuf.dll").ToArray() }, "Duplicates", SetupState.Wrong, "Google.Protobuf.dll");
-            AssertCheck(new SetupFacts { HasGrpcDefine = true }, "SWEEPSTAKE_GRPC", SetupState.Wrong, "Remove it");
-            AssertCheck(new SetupFacts { HasGrpcDefine = true, PrecompiledAssemblies = libraries }, "SWEEPSTAKE_GRPC", SetupState.Ok, "");
-            AssertCheck(new SetupFacts(), "HTTP/2", SetupState.Optional, "com.cysharp.yetanotherhttphandler");
-            AssertCheck(new SetupFacts { HasHttpHandlerOfUnity = true }, "HTTP/2", SetupState.Ok, "");
-            AssertCheck(new SetupFacts { IsWebGl = true }, "Platform", SetupState.Wrong, "WebGL");
-            AssertCheck(new SetupFacts { LibraryProblem = new NativeLibraryException("It is gone.", "Put it back.") }, "Native library", SetupState.Wrong, "Put it back.");
+            var window = ScriptableObject.CreateInstance<SetupWindow>();
+            Call(window, "CreateGUI");
+            Assert.That(SetupChecks.MissingLibraries(new SetupFacts { IsLoaded = SetupWindow.CanLoad }), Is.Empty, "the libraries of this process");
+            Assert.That(SetupWindow.CanLoad(SetupChecks.Handler), Is.False, "this process does not have it");
+            Assert.That(Texts(window.rootVisualElement), Has.None.EqualTo("NuGetForUnity Page"));
+            Assert.That(Texts(window.rootVisualElement), Has.Some.EqualTo("YetAnotherHttpHandler Page").And.Some.EqualTo("Copy Git URL"));
+            window.IsLoaded = assembly => false;
+            Call(window, "Refresh");
+            Assert.That(Texts(window.rootVisualElement), Has.Some.EqualTo("NuGetForUnity Page").And.Some.EqualTo("UnityNuGet Page"));
         }
 
         [Test]
         public void TheDefineIsSetOnlyWithItsLibrariesAndIsGoneAfterTheCleanup()
         {
             var window = ScriptableObject.CreateInstance<SetupWindow>();
+            window.IsLoaded = assembly => false;
             Call(window, "CreateGUI");
             NamedBuildTarget chosen = NamedBuildTarget.FromBuildTargetGroup(EditorUserBuildSettings.selectedBuildTargetGroup);
             PlayerSettings.SetScriptingDefineSymbols(chosen, "OTHER");
             PlayerSettings.SetScriptingDefineSymbols(NamedBuildTarget.Android, "SWEEPSTAKE_GRPC;OTHER");
             Call(window, "Define", true);
             Assert.That(PlayerSettings.GetScriptingDefineSymbols(chosen), Is.EqualTo("OTHER"), "without the libraries the define is not set");
-            UnityEditor.Compilation.CompilationPipeline.Precompiled = SetupChecks.GrpcAssemblies;
+            window.IsLoaded = assembly => true;
             Call(window, "Define", true);
             Assert.That(PlayerSettings.GetScriptingDefineSymbols(chosen), Is.EqualTo("OTHER;SWEEPSTAKE_GRPC"));
             Call(window, "CleanUp");
             Assert.That(PlayerSettings.GetScriptingDefineSymbols(chosen), Is.EqualTo("OTHER"));
             Assert.That(PlayerSettings.GetScriptingDefineSymbols(NamedBuildTarget.Android), Is.EqualTo("OTHER"), "the define of another platform is removed too");
-            UnityEditor.Compilation.CompilationPipeline.Precompiled = Array.Empty<string>();
-        }
-
-        [Test]
-        public void TheSettingsPageIsFoundBySearchWords()
-        {
-            SettingsProvider page = SweepstakeSettingsProvider.Create();
-            Assert.That(page.settingsPath, Is.EqualTo("Project/Sweepstake"));
-            Assert.That(page.keywords, Does.Contain("broad phase").And.Contain("TLS").And.Contain("daemon"));
-            var root = new VisualElement();
-            page.activateHandler("", root);
-            Assert.That(root.Children(), Is.Not.Empty);
         }
 
         [Test]
@@ -293,13 +257,6 @@ namespace Sweepstake.Tests
 
         private static bool IsOfInspector(FieldInfo field) =>
             !field.IsStatic && !field.IsInitOnly && (field.GetCustomAttribute<SerializeField>() != null || (field.IsPublic && !typeof(Delegate).IsAssignableFrom(field.FieldType)));
-
-        private static void AssertCheck(SetupFacts facts, string title, SetupState state, string text)
-        {
-            SetupCheck check = SetupChecks.Of(facts).Single(found => found.Title == title);
-            Assert.That(check.State, Is.EqualTo(state), check.Text);
-            Assert.That(check.Text, Does.Contain(text));
-        }
 
         private static Series SeriesOf(params float[] values)
         {

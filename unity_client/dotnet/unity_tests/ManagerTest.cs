@@ -11,56 +11,6 @@ namespace Sweepstake.Tests
     public sealed class ManagerTest : Stage
     {
         [Test]
-        public void OneComponentWorksWithDefaultsAndWithoutADaemon()
-        {
-            var manager = new GameObject("manager").AddComponent<SweepstakeManager>();
-            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Stopped).Or.EqualTo(SweepstakeState.Embedded));
-            manager.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 200;
-            Frames(1);
-            Assert.That(manager.ActiveBackend, Is.EqualTo("KDTree"), "not brute force, which is the first");
-            Frames(4);
-            Assert.That(manager.State, Is.EqualTo(SweepstakeState.Embedded));
-            Assert.That(StatusText.Chip(manager.State), Does.StartWith("Offline"));
-            Assert.That(manager.Mode, Is.EqualTo(SessionMode.Ai));
-            Assert.That(manager.Backends, Is.EqualTo(SweepstakeLibrary.Backends));
-            Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(200));
-            Assert.That(manager.Connection, Is.Null);
-            Assert.That(manager.Decider, Is.Not.Null);
-            Assert.That(Debug.Lines, Is.Empty, "nothing is logged while all is well");
-        }
-
-        [Test]
-        public void WithoutASourceNoFrameIsPlayed()
-        {
-            SweepstakeManager manager = MakeManager();
-            Frames(5);
-            Assert.That(manager.LastSample.FrameIndex, Is.EqualTo(0));
-            Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(0));
-        }
-
-        [Test]
-        public void EachBackendIsSelectableWhileTheGamePlaysAndFindsTheSamePairs()
-        {
-            SweepstakeManager manager = MakeManager(mode: SessionMode.Manual, backend: "BruteForce");
-            var player = manager.gameObject.AddComponent<ScenarioPlayer>();
-            player.ObjectCount = 300;
-            player.WorldHalfExtent = 12;
-            var boxes = new List<Aabb>();
-            var changes = new List<string>();
-            manager.BackendChanged += changes.Add;
-            foreach (string backend in manager.Backends.Reverse())
-            {
-                manager.SelectBackend(backend);
-                Frames(2);
-                Assert.That(manager.ActiveBackend, Is.EqualTo(backend));
-                manager.Source.CopyBoxes(boxes);
-                Assert.That(Oracle.Sorted(manager.Session.Pairs), Is.EqualTo(Oracle.Pairs(boxes.ToArray())).And.Not.Empty);
-            }
-            Assert.That(changes, Is.EqualTo(manager.Backends.Reverse()));
-            Assert.That(Assert.Throws<SweepstakeException>(() => manager.SelectBackend("Quadtree")).Message, Does.Contain("SAP"));
-        }
-
-        [Test]
         public void AiDecidesAndSaysWhyAndNeverOverrulesManual()
         {
             SweepstakeManager manager = MakeManager(config =>

@@ -16,17 +16,36 @@ namespace Sweepstake.Editor
     /// <summary>One line of the setup window.</summary>
     internal sealed class SetupCheck
     {
-        internal SetupCheck(SetupState state, string title, string text)
+        internal SetupCheck(SetupState state, string title, string text, params SetupLink[] links)
         {
             State = state;
             Title = title;
             Text = text;
+            Links = links;
         }
 
         internal SetupState State { get; }
         internal string Title { get; }
         /// <summary>What the checked item is for and, if it is missing, what to do.</summary>
         internal string Text { get; }
+        /// <summary>Where the missing parts come from.</summary>
+        internal IReadOnlyList<SetupLink> Links { get; }
+    }
+
+    /// <summary>A page on which a package describes its installation, and its address for the Package Manager.</summary>
+    internal sealed class SetupLink
+    {
+        internal SetupLink(string name, string page, string gitUrl = "")
+        {
+            Name = name;
+            Page = page;
+            GitUrl = gitUrl;
+        }
+
+        internal string Name { get; }
+        internal string Page { get; }
+        /// <summary>For <i>Install package from git URL</i>; empty if a scoped registry is used instead.</summary>
+        internal string GitUrl { get; }
     }
 
     /// <summary>Properties of the project that the checks read.</summary>
@@ -36,9 +55,10 @@ namespace Sweepstake.Editor
         internal NativeLibraryException? LibraryProblem { get; set; }
         internal bool IsWebGl { get; set; }
         internal bool HasGrpcDefine { get; set; }
+        /// <summary>Whether the editor can load an assembly, such as Grpc.Net.Client.</summary>
+        internal Func<string, bool> IsLoaded { get; set; } = assembly => false;
         /// <summary>File names of the project's assemblies, such as Google.Protobuf.dll; a duplicate appears twice.</summary>
         internal IReadOnlyList<string> PrecompiledAssemblies { get; set; } = Array.Empty<string>();
-        internal bool HasHttpHandlerPackage { get; set; }
         internal bool HasHttpHandlerOfUnity { get; set; }
     }
 
@@ -46,17 +66,40 @@ namespace Sweepstake.Editor
     internal static class SetupChecks
     {
         internal const string GrpcDefine = "SWEEPSTAKE_GRPC";
+        /// <summary>The assembly of the package com.cysharp.yetanotherhttphandler.</summary>
+        internal const string Handler = "Cysharp.Net.Http.YetAnotherHttpHandler";
+
+        /// <summary>
+        /// What gRPC needs: Grpc.Net.Client, Google.Protobuf and all that these need and Unity's .NET Standard lacks. Unity loads no library whose references are missing.
+        /// </summary>
         internal static readonly string[] GrpcAssemblies =
         {
-            "Google.Protobuf.dll", "Grpc.Core.Api.dll", "Grpc.Net.Common.dll", "Grpc.Net.Client.dll", "Microsoft.Extensions.Logging.Abstractions.dll",
+            "Google.Protobuf", "Grpc.Core.Api", "Grpc.Net.Common", "Grpc.Net.Client", "Microsoft.Extensions.Logging.Abstractions",
+            "Microsoft.Extensions.DependencyInjection.Abstractions", "System.Diagnostics.DiagnosticSource", "System.Runtime.CompilerServices.Unsafe",
+        };
+
+        /// <summary>What YetAnotherHttpHandler needs in addition to Unity's .NET Standard.</summary>
+        internal static readonly string[] HandlerAssemblies = { "System.IO.Pipelines", "System.Runtime.CompilerServices.Unsafe" };
+
+        private static readonly SetupLink HandlerLink = new SetupLink(
+            "YetAnotherHttpHandler", "https://github.com/Cysharp/YetAnotherHttpHandler",
+            "https://github.com/Cysharp/YetAnotherHttpHandler.git?path=src/YetAnotherHttpHandler#1.11.5");
+
+        private static readonly SetupLink[] NuGetLinks =
+        {
+            new SetupLink("NuGetForUnity", "https://github.com/GlitchEnzo/NuGetForUnity", "https://github.com/GlitchEnzo/NuGetForUnity.git?path=/src/NuGetForUnity"),
+            new SetupLink("UnityNuGet", "https://github.com/xoofx/UnityNuGet"),
         };
 
         internal static IReadOnlyList<SetupCheck> Of(SetupFacts facts) => new[]
         {
-            Library(facts), Platform(facts), Assemblies(facts), Duplicates(facts), Handler(facts), Define(facts),
+            Library(facts), Platform(facts), Libraries(facts), Duplicates(facts), Http2(facts), Define(facts),
         };
 
-        internal static IReadOnlyList<string> MissingAssemblies(SetupFacts facts) => GrpcAssemblies.Except(facts.PrecompiledAssemblies).ToArray();
+        internal static IReadOnlyList<string> MissingLibraries(SetupFacts facts) => Missing(facts, GrpcAssemblies);
+
+        private static IReadOnlyList<string> Missing(SetupFacts facts, IEnumerable<string> assemblies) =>
+            assemblies.Where(assembly => !facts.IsLoaded(assembly)).ToArray();
 
         private static SetupCheck Library(SetupFacts facts) => facts.LibraryProblem == null
             ? new SetupCheck(SetupState.Ok, "Native library", "It is present and matches the package.")
@@ -66,37 +109,47 @@ namespace Sweepstake.Editor
             ? new SetupCheck(SetupState.Wrong, "Platform", "The package does not support WebGL; a manager logs this and does nothing. Use Unity's own physics queries.")
             : new SetupCheck(SetupState.Ok, "Platform", "The platform of the build settings can have a native library; the documents list the platforms that have one.");
 
-        private static SetupCheck Assemblies(SetupFacts facts)
+        private static SetupCheck Libraries(SetupFacts facts)
         {
-            IReadOnlyList<string> missing = MissingAssemblies(facts);
+            IReadOnlyList<string> missing = MissingLibraries(facts);
             return missing.Count == 0
-                ? new SetupCheck(SetupState.Ok, "gRPC's libraries", "They are installed.")
+                ? new SetupCheck(SetupState.Ok, "gRPC's libraries", "The editor has loaded them.")
                 : new SetupCheck(
                     SetupState.Optional, "gRPC's libraries",
-                    $"Only for a daemon. Missing: {string.Join(", ", missing)}. Install Grpc.Net.Client and Google.Protobuf with a NuGet client for Unity.");
+                    $"Only for a daemon. Missing: {string.Join(", ", missing)}. Install Grpc.Net.Client and Google.Protobuf with NuGetForUnity or UnityNuGet, which add what these need.",
+                    NuGetLinks);
         }
 
         private static SetupCheck Duplicates(SetupFacts facts)
         {
-            string[] twice = facts.PrecompiledAssemblies.Where(GrpcAssemblies.Contains).GroupBy(name => name).Where(group => group.Count() > 1)
-                .Select(group => group.Key).ToArray();
+            string[] twice = facts.PrecompiledAssemblies.Where(file => GrpcAssemblies.Concat(HandlerAssemblies).Any(assembly => file == assembly + ".dll"))
+                .GroupBy(name => name).Where(group => group.Count() > 1).Select(group => group.Key).ToArray();
             return twice.Length == 0
                 ? new SetupCheck(SetupState.Ok, "Duplicates", "No library of gRPC is installed twice.")
                 : new SetupCheck(SetupState.Wrong, "Duplicates", $"Installed twice: {string.Join(", ", twice)}. Remove one copy of each; this package does not contain any.");
         }
 
-        private static SetupCheck Handler(SetupFacts facts)
+        private static SetupCheck Http2(SetupFacts facts)
         {
-            if (facts.HasHttpHandlerPackage)
-                return new SetupCheck(SetupState.Ok, "HTTP/2", "YetAnotherHttpHandler is installed.");
+            IReadOnlyList<string> missing = Missing(facts, HandlerAssemblies);
+            if (facts.IsLoaded(Handler))
+            {
+                return missing.Count == 0
+                    ? new SetupCheck(SetupState.Ok, "HTTP/2", "The editor has loaded YetAnotherHttpHandler.")
+                    : new SetupCheck(SetupState.Wrong, "HTTP/2", $"YetAnotherHttpHandler needs {string.Join(", ", missing)}. Install these with NuGetForUnity or UnityNuGet.", NuGetLinks);
+            }
             return facts.HasHttpHandlerOfUnity
-                ? new SetupCheck(SetupState.Ok, "HTTP/2", "Unity's own handler. A private authority or a client certificate needs the package com.cysharp.yetanotherhttphandler.")
-                : new SetupCheck(SetupState.Optional, "HTTP/2", "Only for a daemon. This Unity version does not have HTTP/2; install the package com.cysharp.yetanotherhttphandler.");
+                ? new SetupCheck(
+                    SetupState.Ok, "HTTP/2", "Unity's own handler. A private authority or a client certificate needs the package com.cysharp.yetanotherhttphandler.", HandlerLink)
+                : new SetupCheck(
+                    SetupState.Optional, "HTTP/2",
+                    $"Only for a daemon. This Unity version does not have HTTP/2; install the package com.cysharp.yetanotherhttphandler, which needs {string.Join(", ", HandlerAssemblies)}.",
+                    HandlerLink);
         }
 
         private static SetupCheck Define(SetupFacts facts)
         {
-            if (facts.HasGrpcDefine && MissingAssemblies(facts).Count > 0)
+            if (facts.HasGrpcDefine && MissingLibraries(facts).Count > 0)
                 return new SetupCheck(SetupState.Wrong, GrpcDefine, "It is set, but gRPC's libraries are missing: the console shows errors. Remove it below, or install them.");
             return facts.HasGrpcDefine
                 ? new SetupCheck(SetupState.Ok, GrpcDefine, "It is set: the package compiles its connection to a daemon.")

@@ -1,7 +1,9 @@
 #nullable enable
 using System;
 using System.Collections.Generic;
+using System.IO;
 using System.Linq;
+using System.Reflection;
 using Sweepstake.Unity;
 using UnityEditor;
 using UnityEditor.Build;
@@ -24,6 +26,9 @@ namespace Sweepstake.Editor
         };
 
         private VisualElement? checks;
+
+        /// <summary>Tests replace it.</summary>
+        internal Func<string, bool> IsLoaded { get; set; } = CanLoad;
 
         [MenuItem(PackagePaths.MenuRoot + "Setup", priority = 2)]
         internal static void Open()
@@ -66,12 +71,37 @@ namespace Sweepstake.Editor
                 HelpBoxMessageType kind = check.State == SetupState.Ok ? HelpBoxMessageType.None :
                     check.State == SetupState.Optional ? HelpBoxMessageType.Info : HelpBoxMessageType.Error;
                 checks.Add(new HelpBox($"{check.Title}: {check.Text}", kind));
+                foreach (SetupLink link in check.Links)
+                    checks.Add(RowOf(link));
+            }
+        }
+
+        private static VisualElement RowOf(SetupLink link)
+        {
+            var row = new VisualElement();
+            row.AddToClassList("sweepstake-row");
+            row.Add(new Button(() => Application.OpenURL(link.Page)) { text = $"{link.Name} Page", tooltip = link.Page });
+            if (link.GitUrl.Length > 0)
+                row.Add(new Button(() => GUIUtility.systemCopyBuffer = link.GitUrl) { text = "Copy Git URL", tooltip = link.GitUrl });
+            return row;
+        }
+
+        /// <summary>Whether the editor has loaded an assembly or can load it.</summary>
+        internal static bool CanLoad(string assembly)
+        {
+            try
+            {
+                return Assembly.Load(assembly) != null;
+            }
+            catch (Exception problem) when (problem is IOException || problem is BadImageFormatException)
+            {
+                return false;
             }
         }
 
         private void Define(bool isSet)
         {
-            if (isSet && SetupChecks.MissingAssemblies(Facts()).Count > 0)
+            if (isSet && SetupChecks.MissingLibraries(Facts()).Count > 0)
             {
                 EditorUtility.DisplayDialog("Sweepstake", "Install gRPC's libraries first; without them the define causes errors.", "OK");
                 return;
@@ -89,13 +119,13 @@ namespace Sweepstake.Editor
             Refresh();
         }
 
-        private static SetupFacts Facts() => new SetupFacts
+        private SetupFacts Facts() => new SetupFacts
         {
             LibraryProblem = SweepstakeLibrary.FindProblem(),
             IsWebGl = EditorUserBuildSettings.activeBuildTarget == BuildTarget.WebGL,
             HasGrpcDefine = Defines(Target).Contains(SetupChecks.GrpcDefine),
+            IsLoaded = IsLoaded,
             PrecompiledAssemblies = CompilationPipeline.GetPrecompiledAssemblyNames(),
-            HasHttpHandlerPackage = CompilationPipeline.GetAssemblyDefinitionFilePathFromAssemblyName("Cysharp.Net.Http.YetAnotherHttpHandler") != null,
 #if UNITY_6000_5_OR_NEWER
             HasHttpHandlerOfUnity = true,
 #endif
