@@ -51,4 +51,5 @@ fi
 python3 "$repository/unity_client/tools/make_protocol.py" "$repository" --check
 run daemon_tests "$@"
 run unity_tests "$@"
+python3 "$repository/tests/unity_client/outside_names_test.py" "$repository"
 compile_as_unity
