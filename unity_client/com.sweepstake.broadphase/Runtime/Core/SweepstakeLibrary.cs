@@ -31,8 +31,12 @@ namespace Sweepstake
 #endif
 
         private static volatile bool isChecked;
+        private static volatile int shutdownCount;
         private static IReadOnlyList<string>? backends;
         private static IReadOnlyList<string>? scenes;
+
+        /// <summary>The number of shutdowns. An object that was created before the latest one has ended.</summary>
+        internal static int ShutdownCount => shutdownCount;
 
         /// <summary>The version of the library, for display.</summary>
         /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
@@ -142,7 +146,9 @@ namespace Sweepstake
                 return true;
             ulong nowNs = SteadyClock.NowNs;
             uint leftMs = nowNs < endNs ? (uint)((endNs - nowNs) / 1_000_000) : 0;
-            if (NativeMethods.swp_shutdown_all(leftMs) != ResultCode.Ok)
+            bool hasEnded = NativeMethods.swp_shutdown_all(leftMs) == ResultCode.Ok;
+            ++shutdownCount;
+            if (!hasEnded)
                 return false;
             foreach (SessionWork work in stopped)
                 work.Release();

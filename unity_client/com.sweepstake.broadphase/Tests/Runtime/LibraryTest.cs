@@ -56,9 +56,11 @@ namespace Sweepstake.Tests
             Assert.That(SessionWork.RunningCount, Is.EqualTo(0));
             Assert.That(Assert.Throws<SweepstakeException>(() => scene.Step())!.Code, Is.EqualTo(ResultCode.FailedPrecondition));
             Assert.Throws<SweepstakeException>(() => session.BeginFrame());
+            Assert.That(new[] { world.IsDisposed, session.IsDisposed, proxies.IsDisposed, scene.IsDisposed }, Is.All.True);
             foreach (IDisposable left in new IDisposable[] { decider, world, session, proxies, scene })
                 left.Dispose();
             using var after = new MotionScene("brownian");
+            Assert.That(after.IsDisposed, Is.False);
             Assert.That(SweepstakeLibrary.LiveCount(ObjectKind.Scene), Is.EqualTo(1), "objects created after Shutdown work");
         }
 

@@ -131,7 +131,7 @@ namespace Sweepstake
 
         private protected override void CloseNative()
         {
-            if (!Session.IsDisposed)
+            if (Session.HasPointer)
                 NativeMethods.swp_session_detach_decider(Session.Pointer);
         }
     }

@@ -11,6 +11,7 @@ namespace Sweepstake
     public abstract class NativeObject : IDisposable
     {
         private readonly NativeHandle handle;
+        private readonly int shutdownCount = SweepstakeLibrary.ShutdownCount;
 
         private protected NativeObject(IntPtr pointer, Action<IntPtr> destroy)
         {
@@ -31,7 +32,10 @@ namespace Sweepstake
             }
         }
 
-        public bool IsDisposed => handle.IsClosed;
+        /// <summary>Whether Dispose or <see cref="SweepstakeLibrary.Shutdown"/> has ended this object.</summary>
+        public bool IsDisposed => !HasPointer || shutdownCount != SweepstakeLibrary.ShutdownCount;
+
+        internal bool HasPointer => !handle.IsClosed;
 
         public virtual void Dispose()
         {

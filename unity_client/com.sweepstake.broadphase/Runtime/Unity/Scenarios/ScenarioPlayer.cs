@@ -128,7 +128,8 @@ namespace Sweepstake.Unity
         /// </summary>
         private MotionScene? Advanced()
         {
-            if (isStale)
+            // SweepstakeLibrary.Shutdown ends the scene too.
+            if (isStale || scene?.IsDisposed == true)
                 Begin();
             if (scene == null)
                 return null;
