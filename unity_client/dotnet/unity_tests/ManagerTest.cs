@@ -58,6 +58,63 @@ namespace Sweepstake.Tests
             Assert.That(manager.ActiveBackend, Is.EqualTo("Tracy"));
         }
 
+        [TestCase("intervalSeconds", "Interval Seconds", SweepstakeState.Embedded)]
+        [TestCase("cooldownSeconds", "Cooldown Seconds", SweepstakeState.Embedded)]
+        [TestCase("settlingSeconds", "Settling Seconds", SweepstakeState.Failed)]
+        [TestCase("bailOutSeconds", "Bail Out Seconds", SweepstakeState.Failed)]
+        public void ADurationThatIsNoNumberOfSecondsIsAProblem(string field, string label, SweepstakeState state)
+        {
+            foreach (float seconds in new[] { float.PositiveInfinity, float.NaN, -1, 1e30f })
+            {
+                SweepstakeManager manager = null;
+                Assert.DoesNotThrow(() => manager = MakeManager(config => Set(config.decisions, field, seconds)));
+                Assert.That((manager.State, manager.Problem.Contains($"'{label}'")), Is.EqualTo((state, true)), manager.Problem);
+                Assert.That(Logged(label), Is.Not.Empty);
+                Set(manager.Config.decisions, field, 1f);
+                manager.enabled = false;
+                manager.enabled = true;
+                Assert.That((manager.State, manager.Problem), Is.EqualTo((SweepstakeState.Embedded, "")));
+                Debug.Lines.Clear();
+            }
+        }
+
+        [Test]
+        public void AnUnknownBackendIsAProblem()
+        {
+            SweepstakeManager inConfig = MakeManager(config => config.search.backends = new[] { "KdTree" });
+            SweepstakeManager first = MakeManager(backend: "KdTree");
+            foreach (SweepstakeManager manager in new[] { inConfig, first })
+                Assert.That((manager.State, manager.Problem.Contains("'KdTree'")), Is.EqualTo((SweepstakeState.Failed, true)), manager.Problem);
+            Assert.That(Logged("KdTree"), Has.Exactly(2).Items);
+            SweepstakeManager playing = MakeManager();
+            playing.gameObject.AddComponent<ScenarioPlayer>().ObjectCount = 50;
+            Frames(1);
+            Set(playing, "backend", "KdTree");
+            Player.CallAll("OnValidate");
+            Frames(1);
+            Assert.That((playing.State, playing.Problem.Contains("'KdTree'")), Is.EqualTo((SweepstakeState.Embedded, true)), "in AI Decides too");
+            Set(playing, "backend", "SAP");
+            Player.CallAll("OnValidate");
+            Frames(1);
+            Assert.That(playing.Problem, Is.Empty, "the name is right now");
+        }
+
+        [Test]
+        public void AManagerThatIsEnabledAgainAfterAShutdownPlaysItsScenario()
+        {
+            SweepstakeManager manager = MakeManager();
+            var player = manager.gameObject.AddComponent<ScenarioPlayer>();
+            player.ObjectCount = 50;
+            Frames(3);
+            SweepstakeManager.Shutdown();
+            manager.enabled = false;
+            manager.enabled = true;
+            Frames(3);
+            Assert.That((manager.State, manager.Problem), Is.EqualTo((SweepstakeState.Embedded, "")));
+            Assert.That(player.Step, Is.InRange(1, 3), "the scene has begun again");
+            Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(50));
+        }
+
         [Test]
         public void CooldownAndSettlingHoldAndAreShown()
         {

@@ -1,5 +1,6 @@
 #nullable enable
 using System;
+using System.Globalization;
 using UnityEngine;
 
 namespace Sweepstake.Unity
@@ -25,6 +26,9 @@ namespace Sweepstake.Unity
     [DocumentationPage("components.md")]
     public sealed class SweepstakeConfig : ScriptableObject
     {
+        /// <summary>More than 30 years.</summary>
+        private const int MaxSeconds = 1_000_000_000;
+
         [Tooltip("Name of the game, under which evidence is stored.")]
         public string project = "default";
         [Tooltip("Name of the level, under which evidence is stored. Empty: the name of the manager's scene.")]
@@ -39,6 +43,7 @@ namespace Sweepstake.Unity
         /// <summary>The options of a session that starts in this mode with this backend.</summary>
         /// <param name="initialBackend">If empty: KDTree if the config allows all backends, otherwise the first backend of the
         /// config.</param>
+        /// <exception cref="SweepstakeException">A duration is not a number from 0 to 1,000,000,000 seconds.</exception>
         public SessionOptions ToSessionOptions(SessionMode mode, string initialBackend) => new SessionOptions
         {
             Mode = mode,
@@ -47,8 +52,8 @@ namespace Sweepstake.Unity
             ThreadCount = (uint)search.threads,
             IsSorted = search.sortsPairs,
             Shadow = search.Shadow,
-            BailOutNs = ToNs(decisions.bailOutSeconds),
-            SettlingNs = ToNs(decisions.settlingSeconds),
+            BailOutNs = ToNs(decisions.bailOutSeconds, "Bail Out Seconds"),
+            SettlingNs = ToNs(decisions.settlingSeconds, "Settling Seconds"),
         };
 
         public DeciderOptions ToDeciderOptions(string defaultScene, string defaultBuild) => new DeciderOptions
@@ -59,8 +64,8 @@ namespace Sweepstake.Unity
             Build = BuildOr(defaultBuild),
             Policy = NullIfEmpty(decisions.policy),
             Seed = decisions.seed,
-            DecisionIntervalNs = ToNs(decisions.intervalSeconds),
-            CooldownNs = ToNs(decisions.cooldownSeconds),
+            DecisionIntervalNs = ToNs(decisions.intervalSeconds, "Interval Seconds"),
+            CooldownNs = ToNs(decisions.cooldownSeconds, "Cooldown Seconds"),
             Weights = decisions.weights.ToWeights(),
             FpsFloor = decisions.fpsFloor,
             PriorsData = decisions.priors == null ? null : decisions.priors.bytes,
@@ -75,16 +80,16 @@ namespace Sweepstake.Unity
             MachineClass = NullIfEmpty(daemon.machineClass),
             Policy = NullIfEmpty(decisions.policy),
             Seed = decisions.seed,
-            DecisionIntervalNs = RuleOf(decisions.intervalSeconds),
-            CooldownNs = RuleOf(decisions.cooldownSeconds),
-            SettlingNs = RuleOf(decisions.settlingSeconds),
+            DecisionIntervalNs = RuleOf(decisions.intervalSeconds, "Interval Seconds"),
+            CooldownNs = RuleOf(decisions.cooldownSeconds, "Cooldown Seconds"),
+            SettlingNs = RuleOf(decisions.settlingSeconds, "Settling Seconds"),
             Weights = daemon.usesRulesOfGame ? decisions.weights.ToWeights() : (RewardWeights?)null,
             AllowsOperatorOrders = daemon.allowsOperatorOrders,
             BatchIntervalMs = (uint)daemon.batchIntervalMs,
             BatchFrames = (uint)daemon.batchFrames,
         };
 
-        private ulong? RuleOf(float seconds) => daemon.usesRulesOfGame ? ToNs(seconds) : (ulong?)null;
+        private ulong? RuleOf(float seconds, string setting) => daemon.usesRulesOfGame ? ToNs(seconds, setting) : (ulong?)null;
 
         private string BuildOr(string otherwise) => daemon.build.Length > 0 ? daemon.build : otherwise;
 
@@ -92,7 +97,14 @@ namespace Sweepstake.Unity
 
         private static string? NullIfEmpty(string text) => text.Length == 0 ? null : text;
 
-        private static ulong ToNs(float seconds) => (ulong)((decimal)seconds * 1_000_000_000m);
+        private static ulong ToNs(float seconds, string setting)
+        {
+            if (seconds >= 0 && seconds <= MaxSeconds)
+                return (ulong)((decimal)seconds * 1_000_000_000m);
+            throw new SweepstakeException(
+                ResultCode.InvalidArgument,
+                $"'{setting}' of the config is {seconds.ToString(CultureInfo.InvariantCulture)}. Set a number of seconds from 0 to {MaxSeconds}.");
+        }
     }
 
     [Serializable]

@@ -1,6 +1,7 @@
 #nullable enable
 using System;
 using System.Collections.Generic;
+using System.Linq;
 using Unity.Profiling;
 using UnityEngine;
 using UnityEngine.SceneManagement;
@@ -190,7 +191,7 @@ namespace Sweepstake.Unity
             // If a listener of a failure enables the manager again, it begins in the next frame, to avoid an endless recursion.
             mustBegin = isFailing;
             if (!isFailing)
-                Guarded(Begin);
+                TryBegin();
         }
 
         private void OnDisable()
@@ -213,8 +214,15 @@ namespace Sweepstake.Unity
             if (host == null)
                 return;
             host.Session.Mode = mode;
-            if (mode == SessionMode.Manual && backend.Length > 0)
-                Guarded(() => host!.Session.SelectArm(backend));
+            Guarded(SelectEdited);
+        }
+
+        private void SelectEdited()
+        {
+            BroadPhaseSession session = host!.Session;
+            // In AI Decides the decider selects the backend. SelectArm is called for an unknown name too, because it refuses it with a reason.
+            if (backend.Length > 0 && (mode == SessionMode.Manual || !session.Arms.Contains(backend)))
+                session.SelectArm(backend);
         }
 
         private void OnApplicationPause(bool isPaused) => flagger.IsPaused = isPaused;
@@ -226,7 +234,7 @@ namespace Sweepstake.Unity
             if (mustBegin)
             {
                 mustBegin = false;
-                Guarded(Begin);
+                TryBegin();
             }
             if (host == null)
                 return;
@@ -292,6 +300,14 @@ namespace Sweepstake.Unity
                 verdictChanged.Tell(verdict, this);
         }
 
+        /// <summary>Begins. If only the decider has a problem, the frames run without it, and the problem is shown at once.</summary>
+        private void TryBegin()
+        {
+            Guarded(Begin);
+            if (host != null)
+                UpdateState();
+        }
+
         private void Begin()
         {
             SweepstakeConfig settings = ConfigOrDefault();
@@ -303,7 +319,6 @@ namespace Sweepstake.Unity
             host.DecideHere();
             if (settings.daemon.isUsed)
                 Connect();
-            UpdateState();
         }
 
         private void End() => End(SessionHost.DeadlineNs());
