@@ -65,9 +65,14 @@ namespace Sweepstake.Tests
         protected static void FramesUntil(Func<bool> condition, string what) =>
             Eventually.Is(condition, () => what + "; " + string.Join("; ", Debug.Lines), () => Player.Frame());
 
+        /// <summary>The layers of static boxes: a static box is 16 layers above the one that a test names.</summary>
+        protected static readonly LayerMask StaticLayers = unchecked((int)0xFFFF0000);
+
+        protected static bool IsStatic(Collider collider) => collider.gameObject.layer >= 16;
+
         protected static BoxCollider MakeBox(Vector3 position, int layer = 0, bool isStatic = false, Transform parent = null)
         {
-            var made = new GameObject("box") { layer = layer, isStatic = isStatic };
+            var made = new GameObject("box") { layer = isStatic ? layer + 16 : layer };
             if (parent != null)
                 made.transform.SetParent(parent, false);
             made.transform.position = position;

@@ -1,7 +1,6 @@
 using System;
 using System.Collections.Generic;
 using System.Linq;
-using System.Reflection;
 using NUnit.Framework;
 using Sweepstake.Unity;
 using UnityEngine;
@@ -10,37 +9,8 @@ using Object = UnityEngine.Object;
 
 namespace Sweepstake.Tests
 {
-    public sealed class TrackerTest : Stage
+    public sealed class TrackerTest : TrackerStage
     {
-        private static readonly Vector3 Here = Vector3.zero;
-        private static readonly Vector3 Away = new Vector3(10, 0, 0);
-
-        private readonly List<(Collider, Collider)> began = new List<(Collider, Collider)>();
-        private readonly List<(Collider, Collider)> ended = new List<(Collider, Collider)>();
-        private SweepstakeManager manager;
-        private ColliderTracker tracker;
-
-        [SetUp]
-        public void MakeTracker()
-        {
-            began.Clear();
-            ended.Clear();
-            manager = MakeManager();
-            tracker = manager.gameObject.AddComponent<ColliderTracker>();
-            tracker.PairBegan += pair => began.Add((pair.A, pair.B));
-            tracker.PairEnded += pair => ended.Add((pair.A, pair.B));
-        }
-
-        [TearDown]
-        public void ForgetMatrix()
-        {
-            for (int layer = 0; layer < 32; ++layer)
-            {
-                for (int other = 0; other < 32; ++other)
-                    Physics.IgnoreLayerCollision(layer, other, false);
-            }
-        }
-
         [Test]
         public void PairsBeginAndEndAsCollidersMove()
         {
@@ -96,6 +66,7 @@ namespace Sweepstake.Tests
                     Physics.IgnoreLayerCollision(layer, other, random.Next(2) == 0);
             }
             tracker.RefreshLayers();
+            tracker.StaticLayers = 0;
             var boxes = new List<BoxCollider>();
             for (int layer = 0; layer < 32; ++layer)
             {
@@ -202,11 +173,13 @@ namespace Sweepstake.Tests
                     boxes.Add(Tracked(Place(random), random.Next(3), random.Next(4) == 0));
                 BoxCollider gone = boxes[random.Next(boxes.Count)];
                 boxes.Remove(gone);
-                if (frame % 2 == 0 || gone.gameObject.isStatic)
+                if (frame % 2 == 0 || IsStatic(gone))
                     Assert.That(tracker.Unregister(gone), Is.True);
                 else
                     Object.DestroyImmediate(gone.gameObject);
-                foreach (BoxCollider box in boxes.Where(box => !box.gameObject.isStatic))
+                // A box becomes static or moving.
+                boxes[random.Next(boxes.Count)].gameObject.layer ^= 16;
+                foreach (BoxCollider box in boxes.Where(box => !IsStatic(box)))
                     box.transform.position = Place(random);
                 Frames(1);
                 Follow(open);
@@ -319,7 +292,7 @@ namespace Sweepstake.Tests
             Assert.That(tracker.Raycast(ray, float.PositiveInfinity, ~0, out Collider hit, out float distance), Is.True);
             Assert.That(hit, Is.SameAs(a));
             Assert.That(distance, Is.EqualTo(4.5f).Within(1e-4));
-            Assert.That(tracker.Raycast(ray, float.PositiveInfinity, 1 << 9, out hit, out distance), Is.True);
+            Assert.That(tracker.Raycast(ray, float.PositiveInfinity, 1 << 25, out hit, out distance), Is.True);
             Assert.That(hit, Is.SameAs(b));
             Assert.That(tracker.Raycast(ray, 1, ~0, out hit, out _), Is.False);
             for (int index = 0; index < 200; ++index)
@@ -369,7 +342,7 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void GizmosOutliveARemovalSinceTheSearch([Values] bool isRefresh)
+        public void GizmosDrawNoPairOfARemovedCollider([Values] bool isRefresh)
         {
             Tracked(Here);
             Tracked(Here);
@@ -378,7 +351,7 @@ namespace Sweepstake.Tests
             gizmos.IsDrawn = true;
             Frames(1);
             Assert.DoesNotThrow(() => Player.CallAll("OnDrawGizmos"));
-            Assert.That(gizmos.DrawnCount, Is.EqualTo(0), "until the next search");
+            Assert.That(gizmos.DrawnCount, Is.EqualTo(isRefresh ? 1 : 0));
         }
 
         [Test]
@@ -417,10 +390,10 @@ namespace Sweepstake.Tests
                 Assert.That(tracker.Unregister(box), Is.True);
                 Object.DestroyImmediate(box.gameObject);
             }
-            Assert.That(KnownCount(), Is.EqualTo(2), "the end of their pair has not been reported yet");
+            Assert.That((ProxyCount(), ended.Count), Is.EqualTo((0, 0)));
             manager.enabled = true;
             Frames(1);
-            Assert.That((KnownCount(), ended.Count), Is.EqualTo((0, 1)));
+            Assert.That(ended, Is.EqualTo(new[] { ((Collider)a, (Collider)b) }), "the end of the pair is reported with the next frame");
         }
 
         [Test]
@@ -433,16 +406,14 @@ namespace Sweepstake.Tests
             Object.DestroyImmediate(a.gameObject);
             for (int index = 0; index < 3000; ++index)
                 Object.DestroyImmediate(Tracked(Away, 0, index % 2 == 0).gameObject);
-            Assert.That(new[] { tracker.Count, KnownCount() }, Is.All.LessThan(130));
+            Assert.That(new[] { tracker.Count, ProxyCount() }, Is.All.LessThan(130));
             Assert.That(tracker.IsTracked(b), Is.True);
             manager.enabled = true;
-            // Static colliders are checked in turns, so a destroyed one is noticed within some frames.
-            Frames(10);
-            Assert.That((tracker.Count, KnownCount(), ended.Count), Is.EqualTo((1, 1, 1)));
+            Frames(1);
+            Assert.That((tracker.Count, ProxyCount(), ended.Count), Is.EqualTo((1, 1, 1)));
         }
 
-        private int KnownCount() =>
-            ((ColliderSet)typeof(ColliderTracker).GetField("colliders", BindingFlags.Instance | BindingFlags.NonPublic)!.GetValue(tracker)).KnownCount;
+        private int ProxyCount() => tracker.Proxies!.MovingCount + tracker.Proxies.StaticCount;
 
         private void Change(Collider collider, bool isRefresh)
         {
@@ -450,13 +421,6 @@ namespace Sweepstake.Tests
                 tracker.Refresh(collider);
             else
                 tracker.Unregister(collider);
-        }
-
-        private BoxCollider Tracked(Vector3 position, int layer = 0, bool isStatic = false)
-        {
-            BoxCollider box = MakeBox(position, layer, isStatic);
-            Assert.That(tracker.Register(box), Is.True);
-            return box;
         }
 
         /// <summary>Adds the pairs of begin events to `open` and removes those of end events, in both orders.</summary>
@@ -469,7 +433,7 @@ namespace Sweepstake.Tests
         }
 
         private static IEnumerable<(Collider, Collider)> Overlapping(List<BoxCollider> boxes) => boxes.SelectMany(a => boxes
-            .Where(b => a != b && Overlap(a, b) && !(a.gameObject.isStatic && b.gameObject.isStatic)).Select(b => ((Collider)a, (Collider)b)));
+            .Where(b => a != b && Overlap(a, b) && !(IsStatic(a) && IsStatic(b))).Select(b => ((Collider)a, (Collider)b)));
 
         private static bool Overlap(Collider a, Collider b)
         {

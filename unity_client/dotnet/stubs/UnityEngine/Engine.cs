@@ -55,14 +55,37 @@ namespace UnityEngine
     public class Physics
     {
         private static readonly HashSet<(int, int)> Ignored = new HashSet<(int, int)>();
+        private static readonly HashSet<(Collider, Collider)> IgnoredPairs = new HashSet<(Collider, Collider)>();
 
         internal static List<Collider> Colliders { get; } = new List<Collider>();
+
+        /// <summary>For tests: the calls of SyncTransforms and reads of bounds.</summary>
+        internal static int SlowCallCount { get; set; }
 
         /// <summary>Updates the bounds of colliders, which do not follow the transforms before this call.</summary>
         public static void SyncTransforms()
         {
+            ++SlowCallCount;
             for (int index = 0; index < Colliders.Count; ++index)
                 Colliders[index].Position = Colliders[index].transform.position;
+        }
+
+        public static bool GetIgnoreCollision(Collider collider1, Collider collider2)
+        {
+            if (collider1 == null || collider2 == null)
+                throw new ArgumentNullException(collider1 == null ? nameof(collider1) : nameof(collider2));
+            return IgnoredPairs.Contains((collider1, collider2));
+        }
+
+        public static void IgnoreCollision(Collider collider1, Collider collider2, bool ignore)
+        {
+            foreach ((Collider, Collider) pair in new[] { (collider1, collider2), (collider2, collider1) })
+            {
+                if (ignore)
+                    IgnoredPairs.Add(pair);
+                else
+                    IgnoredPairs.Remove(pair);
+            }
         }
 
         public static bool GetIgnoreLayerCollision(int layer1, int layer2) => Ignored.Contains((layer1, layer2));
@@ -83,7 +106,15 @@ namespace UnityEngine
     {
         public bool enabled { get; set; } = true;
         public bool isTrigger { get; set; }
-        public Bounds bounds => enabled && gameObject.activeInHierarchy ? new Bounds(Position, Size) : default;
+        public Bounds bounds
+        {
+            get
+            {
+                ++Physics.SlowCallCount;
+                return enabled && gameObject.activeInHierarchy ? new Bounds(Position, Size) : default;
+            }
+        }
+
         internal Vector3 Position { get; set; }
         internal virtual Vector3 Size => Vector3.one;
 
@@ -92,16 +123,40 @@ namespace UnityEngine
 
     public class BoxCollider : Collider
     {
+        public Vector3 center { get; set; }
         public Vector3 size { get; set; } = Vector3.one;
         internal override Vector3 Size => size;
     }
 
     public class SphereCollider : Collider
     {
+        public Vector3 center { get; set; }
+        public float radius { get; set; } = 0.5f;
+    }
+
+    public class CapsuleCollider : Collider
+    {
+        public Vector3 center { get; set; }
+        public float radius { get; set; } = 0.5f;
+        public float height { get; set; } = 2;
+        public int direction { get; set; } = 1;
+    }
+
+    public class CharacterController : Collider
+    {
+        public float radius { get; set; } = 0.5f;
+        public float height { get; set; } = 2;
+        public Vector3 center { get; set; }
+    }
+
+    public class MeshCollider : Collider
+    {
+        public Mesh sharedMesh { get; set; }
     }
 
     public sealed class Mesh : Object
     {
+        public Bounds bounds { get; set; }
     }
 
     public sealed class MeshFilter : Component

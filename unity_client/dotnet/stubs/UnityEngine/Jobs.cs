@@ -23,6 +23,11 @@ namespace Unity.Collections
     }
 
     [AttributeUsage(AttributeTargets.Field)]
+    public sealed class WriteOnlyAttribute : Attribute
+    {
+    }
+
+    [AttributeUsage(AttributeTargets.Field)]
     public sealed class NativeDisableParallelForRestrictionAttribute : Attribute
     {
     }
@@ -43,6 +48,10 @@ namespace Unity.Collections
         public T this[int index] { get => values[index]; set => values[index] = value; }
         internal void* Start => (void*)pin.AddrOfPinnedObject();
 
+        public static void Copy(NativeArray<T> src, NativeArray<T> dst, int length) => Array.Copy(src.values, dst.values, length);
+
+        public Span<T> AsSpan() => values;
+        public ReadOnlySpan<T> AsReadOnlySpan() => values;
         public void Dispose() => pin.Free();
 
         IEnumerator<T> IEnumerable<T>.GetEnumerator() => ((IEnumerable<T>)values).GetEnumerator();

@@ -1,6 +1,7 @@
 // Stubs of Unity's documented API: the signatures that this package uses, with only the behaviour that the tests need.
 using System;
 using System.Collections.Generic;
+using System.Linq;
 using System.Reflection;
 using System.Runtime.CompilerServices;
 using UnityEngine.SceneManagement;
@@ -34,6 +35,8 @@ namespace UnityEngine
 
         public static void Destroy(Object obj) => Player.Destroyed.Add(obj);
 
+        public static void DontDestroyOnLoad(Object target) => ((GameObject)target).MoveTo(SceneManager.Lasting);
+
         public static void DestroyImmediate(Object obj)
         {
             if (obj is null || obj.IsDestroyed)
@@ -44,6 +47,13 @@ namespace UnityEngine
 
         internal virtual void OnDestroyed()
         {
+        }
+
+        /// <summary>For tests: the game objects of all scenes with this name.</summary>
+        internal static IEnumerable<GameObject> Named(string name)
+        {
+            var scenes = new List<Scene>(SceneManager.Loaded) { SceneManager.Lasting };
+            return scenes.SelectMany(scene => scene.Content.Roots).Where(root => root.name == name);
         }
     }
 
@@ -61,6 +71,8 @@ namespace UnityEngine
 
         public bool CompareTag(string tag) => gameObject.CompareTag(tag);
         public T GetComponent<T>() => gameObject.GetComponent<T>();
+        public void GetComponentsInChildren<T>(bool includeInactive, List<T> result) => gameObject.GetComponentsInChildren(includeInactive, result);
+        public T GetComponentInParent<T>(bool includeInactive) => gameObject.GetComponentInParent<T>(includeInactive);
     }
 
     public class Behaviour : Component
@@ -121,7 +133,7 @@ namespace UnityEngine
         public bool isStatic { get; set; }
 #endif
         public string tag { get; set; } = "Untagged";
-        public Scene scene { get; }
+        public Scene scene { get; private set; }
         public bool activeInHierarchy => isActive && (transform.parent == null || transform.parent.gameObject.activeInHierarchy);
 
         /// <summary>The tags of the project settings; tests may add more.</summary>
@@ -171,6 +183,24 @@ namespace UnityEngine
         {
             results.Clear();
             Collect(includeInactive, results);
+        }
+
+        public T GetComponentInParent<T>(bool includeInactive)
+        {
+            for (Transform at = transform; at != null; at = at.parent)
+            {
+                if ((includeInactive || at.gameObject.activeInHierarchy) && at.gameObject.GetComponent<T>() is T found)
+                    return found;
+            }
+            return default;
+        }
+
+        /// <summary>For DontDestroyOnLoad, which accepts only roots.</summary>
+        internal void MoveTo(Scene other)
+        {
+            scene.Content.Roots.Remove(this);
+            scene = other;
+            scene.Content.Roots.Add(this);
         }
 
         public void SetActive(bool value)
@@ -231,7 +261,27 @@ namespace UnityEngine
         internal List<Transform> Children { get; } = new List<Transform>();
 
         public Vector3 position { get; set; }
+        public Quaternion rotation { get; set; } = Quaternion.identity;
+        /// <summary>In this stub a child does not move, turn or scale with its parent.</summary>
+        public Vector3 localScale { get; set; } = Vector3.one;
         public Transform parent { get; private set; }
+
+        public Matrix4x4 localToWorldMatrix
+        {
+            get
+            {
+                (Quaternion q, Vector3 s) = (rotation, localScale);
+                return new Matrix4x4
+                {
+                    m00 = s.x * (1 - 2 * (q.y * q.y + q.z * q.z)), m01 = s.y * 2 * (q.x * q.y - q.w * q.z), m02 = s.z * 2 * (q.x * q.z + q.w * q.y),
+                    m10 = s.x * 2 * (q.x * q.y + q.w * q.z), m11 = s.y * (1 - 2 * (q.x * q.x + q.z * q.z)), m12 = s.z * 2 * (q.y * q.z - q.w * q.x),
+                    m20 = s.x * 2 * (q.x * q.z - q.w * q.y), m21 = s.y * 2 * (q.y * q.z + q.w * q.x), m22 = s.z * (1 - 2 * (q.x * q.x + q.y * q.y)),
+                    m03 = position.x, m13 = position.y, m23 = position.z, m33 = 1,
+                };
+            }
+        }
+
+        public bool IsChildOf(Transform parent) => ReferenceEquals(this, parent) || (this.parent != null && this.parent.IsChildOf(parent));
 
         public void SetParent(Transform parent, bool worldPositionStays)
         {

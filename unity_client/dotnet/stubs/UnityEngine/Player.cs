@@ -55,6 +55,9 @@ namespace UnityEngine
                 foreach (GameObject root in scene.Content.Roots.ToArray())
                     Object.DestroyImmediate(root);
             }
+            foreach (GameObject root in SceneManager.Lasting.Content.Roots.ToArray())
+                Object.DestroyImmediate(root);
+            Destroyed.Clear();
             Messages.Clear();
             SceneManager.Reset();
             Time.timeScale = 1;

@@ -38,6 +38,9 @@ namespace UnityEngine.SceneManagement
         internal static List<Scene> Loaded { get; } = new List<Scene> { Made("level") };
         internal static Scene Active { get; private set; } = Loaded[0];
 
+        /// <summary>The scene of DontDestroyOnLoad objects, which is not one of the loaded scenes.</summary>
+        internal static Scene Lasting { get; } = Made("DontDestroyOnLoad");
+
         public static int sceneCount => Loaded.Count;
 
         public static event UnityAction<Scene, LoadSceneMode> sceneLoaded;

@@ -103,12 +103,39 @@ namespace UnityEngine
     public struct Matrix4x4
     {
         public float m00;
+        public float m10;
+        public float m20;
+        public float m30;
+        public float m01;
         public float m11;
+        public float m21;
+        public float m31;
+        public float m02;
+        public float m12;
         public float m22;
-        public float m33;
+        public float m32;
         public float m03;
         public float m13;
         public float m23;
+        public float m33;
+    }
+
+    public struct Quaternion
+    {
+        public float x;
+        public float y;
+        public float z;
+        public float w;
+
+        public Quaternion(float x, float y, float z, float w)
+        {
+            this.x = x;
+            this.y = y;
+            this.z = z;
+            this.w = w;
+        }
+
+        public static Quaternion identity => new Quaternion(0, 0, 0, 1);
     }
 
     public struct LayerMask
@@ -124,6 +151,8 @@ namespace UnityEngine
 
     public struct Mathf
     {
+        public static float Abs(float f) => Math.Abs(f);
+        public static float Max(float a, float b) => a > b ? a : b;
         public static float Min(float a, float b) => Math.Min(a, b);
     }
 }

@@ -54,18 +54,16 @@ namespace Sweepstake.Unity
                 DirectionX = direction.x, DirectionY = direction.y, DirectionZ = direction.z,
                 MaxDistance = Math.Min(maxDistance, float.MaxValue),
             };
+            // A hit that was destroyed since the latest frame must not hide a collider behind it.
             do
             {
                 Prepared().Rays(rays, LayerFilters.Query(layers), hits);
                 hit = hits[0].Proxy.IsNone ? null : colliders.OwnerOf(hits[0].Proxy);
             }
-            while (HasDropped(hit));
+            while (!(hit is null) && hit == null && colliders.Remove(hit!));
             distance = hits[0].Distance;
             return !(hit is null);
         }
-
-        /// <summary>Drops a hit that was destroyed since the latest frame, so that it does not hide a collider behind it.</summary>
-        private bool HasDropped(Collider? hit) => !(hit is null) && hit == null && colliders.Remove(hit!);
 
         private ProxyQueries Prepared()
         {
@@ -78,12 +76,11 @@ namespace Sweepstake.Unity
 
         private void Copy(List<Collider> result)
         {
-            result.Clear();
             for (int index = 0; index < (int)ends[0]; ++index)
             {
-                Collider owner = colliders.OwnerOf(found[index]);
+                Collider? owner = colliders.OwnerOf(found[index]);
                 if (owner != null)
-                    result.Add(owner);
+                    result.Add(owner!);
             }
         }
     }

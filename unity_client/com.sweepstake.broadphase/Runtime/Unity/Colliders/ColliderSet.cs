@@ -1,273 +1,324 @@
 #nullable enable
 using System;
 using System.Collections.Generic;
+using Unity.Collections;
 using UnityEngine;
+using UnityEngine.Jobs;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>Two colliders whose boxes overlap, in no particular order. A destroyed collider equals null.</summary>
-    public readonly struct ColliderPair
-    {
-        public ColliderPair(Collider a, Collider b)
-        {
-            A = a;
-            B = b;
-        }
-
-        public Collider A { get; }
-        public Collider B { get; }
-    }
-
     /// <summary>
-    /// Colliders as proxies. The boxes of colliders of static game objects are read when the colliders are added, enabled or disabled. The
-    /// boxes of all other colliders are read in each frame. A disabled collider has no box, which ends its pairs. A destroyed collider is
-    /// removed automatically. In steady state nothing allocates.
+    /// Colliders as proxies. A job computes the boxes of moving colliders in each frame; the box of a static collider is computed when it is
+    /// added, enabled or refreshed. A disabled or inactive collider has no box, which ends its pairs. In steady state nothing allocates.
     /// </summary>
     internal sealed class ColliderSet : IDisposable
     {
         /// <summary>
-        /// The number of colliders per frame whose layer and static state are checked. The colliders take turns, so the cost per frame is
-        /// bounded.
+        /// Colliders per frame whose layer, shape and state are read again. They take turns, so that the cost of a frame is bounded.
         /// </summary>
-        private const int ChecksPerFrame = 64;
-        private static readonly Aabb NoBox = new Aabb(1, 1, 1, -1, -1, -1);
+        private const int ChecksPerFrame = 1024;
+        /// <summary>Transforms of one hierarchy that a worker takes at a time.</summary>
+        private const int BatchSize = 64;
+        private const int StartSize = 64;
 
         private readonly LayerFilters filters;
-        private readonly Dictionary<Collider, int> slots = new Dictionary<Collider, int>();
-        /// <summary>
-        /// The collider of each handle. The entry of a removed collider stays until the end events of its pairs were raised.
-        /// </summary>
-        private readonly Dictionary<ulong, Collider> owners = new Dictionary<ulong, Collider>();
-        private readonly List<ulong> removed = new List<ulong>();
+        private readonly Dictionary<Collider, TrackedCollider> tracked = new Dictionary<Collider, TrackedCollider>();
+        private readonly Dictionary<ulong, TrackedCollider> byHandle = new Dictionary<ulong, TrackedCollider>();
         private readonly Stack<int> freePlaces = new Stack<int>();
 
         // Moving colliders come first, then static ones.
-        private Collider?[] colliders = new Collider?[64];
-        private ProxyHandle[] handles = new ProxyHandle[64];
-        private Aabb[] boxes = new Aabb[64];
-        private int[] layers = new int[64];
-        /// <summary>Index of a collider's box in recordings, fixed while it is tracked.</summary>
-        private int[] places = new int[64];
-        /// <summary>The value of searchCount when the collider was added.</summary>
-        private ulong[] births = new ulong[64];
+        private TrackedCollider[] colliders = new TrackedCollider[StartSize];
+        private ProxyHandle[] handles = new ProxyHandle[StartSize];
+        private NativeArray<ColliderShape> shapes = new NativeArray<ColliderShape>(StartSize, Allocator.Persistent);
+        private NativeArray<Aabb> boxes = new NativeArray<Aabb>(StartSize, Allocator.Persistent);
+        /// <summary>The transforms of the moving colliders, by slot.</summary>
+        private TransformAccessArray transforms = new TransformAccessArray(StartSize);
         private int movingCount;
-        private int count;
         private int nextCheck;
-        private ulong searchCount;
 
         internal ColliderSet(LayerFilters filters)
         {
             this.filters = filters;
-            ProxySetOptions options = ProxySetOptions.Default;
-            options.HasPairEvents = true;
-            Proxies = new ProxySet(options);
+            Proxies = MakeProxies();
+            Pairs = new ColliderPairs(MayBegin);
         }
 
-        internal ProxySet Proxies { get; }
-        internal int Count => count;
-        /// <summary>Number of colliders that are tracked or were removed since the latest search.</summary>
-        internal int KnownCount => owners.Count;
-        /// <summary>
-        /// Whether the pairs may be read. False before the first search, and after a collider was removed until the next search.
-        /// </summary>
-        internal bool HasPairs { get; private set; }
+        /// <summary>The native set. SweepstakeLibrary.Shutdown ends it, until <see cref="Restore"/>.</summary>
+        internal ProxySet Proxies { get; private set; }
+        internal ColliderPairs Pairs { get; }
+        internal int Count { get; private set; }
+
+        internal TrackedCollider? Find(Collider collider) => tracked.TryGetValue(collider, out TrackedCollider? found) ? found : null;
+
+        internal Collider? OwnerOf(ProxyHandle handle) => byHandle.TryGetValue(handle.Value, out TrackedCollider? found) ? found.Collider : null;
+
+        internal Aabb BoxOf(TrackedCollider collider) => boxes[collider.Slot];
 
         /// <returns>False if it is already tracked.</returns>
-        internal bool Add(Collider collider)
+        internal bool Add(Collider collider, SweepstakeBody? body, bool isFound)
         {
-            if (slots.ContainsKey(collider))
+            if (tracked.ContainsKey(collider))
                 return false;
-            if (count == colliders.Length)
+            if (Count == colliders.Length)
                 MakeRoom();
-#if UNITY_EDITOR
-            bool isStatic = collider.gameObject.isStatic;
-#else
-            const bool isStatic = false;
-#endif
-            int layer = collider.gameObject.layer;
-            Aabb box = BoxOf(collider);
-            ProxyHandle handle = Proxies.Add(box, new ProxyOptions(filters.Of(layer), isStatic ? ProxyFlags.Static : ProxyFlags.None));
-            owners.Add(handle.Value, collider);
-            int place = freePlaces.Count > 0 ? freePlaces.Pop() : count;
-            int slot = count++;
-            if (!isStatic)
-            {
-                Move(movingCount, slot);
-                slot = movingCount++;
-            }
-            Put(slot, collider, handle, box, layer, place, searchCount);
+            var added = new TrackedCollider(collider, body, isFound) { Slot = Count, Place = freePlaces.Count > 0 ? freePlaces.Pop() : Count };
+            tracked.Add(collider, added);
+            colliders[Count] = added;
+            shapes[Count++] = ColliderShape.Of(collider, default);
+            if (!filters.IsStatic(added.Layer))
+                JoinMoving(added);
+            ReadBox(added);
+            AddProxy(added);
             return true;
+        }
+
+        /// <summary>Adds a collider of a body, or refreshes it if the body has added it before.</summary>
+        internal void Add(Collider collider, SweepstakeBody body)
+        {
+            TrackedCollider? found = Find(collider);
+            if (found != null && ReferenceEquals(found.Body, body))
+            {
+                Refresh(found);
+                return;
+            }
+            Remove(collider);
+            Add(collider, body, false);
         }
 
         /// <returns>False if it is not tracked.</returns>
         internal bool Remove(Collider collider)
         {
-            if (!slots.TryGetValue(collider, out int slot))
-                return false;
-            RemoveAt(slot);
-            return true;
+            TrackedCollider? found = Find(collider);
+            if (found != null)
+                Remove(found);
+            return found != null;
         }
 
-        internal bool Contains(Collider collider) => slots.ContainsKey(collider);
-
-        /// <summary>Reads the collider's layer, static flag and box again.</summary>
-        internal void Refresh(Collider collider)
+        /// <summary>Removes the colliders that a scan found and that do not belong to the tracker any longer.</summary>
+        internal void RemoveFound(Predicate<Collider> isWanted)
         {
-            if (Remove(collider))
-                Add(collider);
+            for (int slot = Count - 1; slot >= 0; --slot)
+            {
+                if (colliders[slot].IsFound && (colliders[slot].Collider == null || !isWanted(colliders[slot].Collider)))
+                    Remove(colliders[slot]);
+            }
         }
 
-        /// <summary>Sets the filter of each collider again after the layers' filters have changed.</summary>
+        /// <summary>Reads the collider's layer, shape, state and box, and whether Physics.IgnoreCollision excludes its pairs.</summary>
+        internal void Refresh(TrackedCollider collider)
+        {
+            if (collider.Collider == null)
+            {
+                Remove(collider);
+                return;
+            }
+            shapes[collider.Slot] = default;
+            Check(collider);
+            ReadBox(collider);
+            Pairs.ReviewAllOf(collider);
+        }
+
+        /// <summary>Applies the filters again after they have changed.</summary>
         internal void RefreshFilters()
         {
-            for (int slot = 0; slot < count; ++slot)
-                Proxies.SetFilter(handles[slot], filters.Of(layers[slot]));
+            foreach (TrackedCollider collider in tracked.Values)
+                ApplyLayer(collider);
         }
 
         /// <summary>
-        /// Reads the boxes of this frame. It first sends the transforms to PhysX; otherwise the boxes would be those of PhysX's latest
-        /// step.
+        /// Creates the native set again after SweepstakeLibrary.Shutdown has ended it. All pairs end, and those that still overlap begin again.
         /// </summary>
+        internal void Restore()
+        {
+            Proxies = MakeProxies();
+            Pairs.RemoveAll();
+            byHandle.Clear();
+            for (int slot = 0; slot < Count; ++slot)
+                AddProxy(colliders[slot]);
+        }
+
+        /// <summary>Removes destroyed colliders and computes the boxes of this frame.</summary>
         internal void ReadBoxes()
         {
-            Physics.SyncTransforms();
-            for (int slot = 0; slot < movingCount;)
+            RemoveDestroyed();
+            for (int check = Math.Min(ChecksPerFrame, Count); check > 0; --check)
             {
-                Collider collider = colliders[slot]!;
-                if (collider == null)
-                {
-                    RemoveAt(slot);
-                    continue;
-                }
-                boxes[slot] = BoxOf(collider);
-                ++slot;
+                nextCheck = nextCheck + 1 < Count ? nextCheck + 1 : 0;
+                Check(colliders[nextCheck]);
             }
-            CheckSome();
-            Proxies.SetBoxes(handles.AsSpan(0, movingCount), boxes.AsSpan(0, movingCount));
+            new ColliderBoxesJob { Shapes = shapes, Boxes = boxes }.ScheduleReadOnly(transforms, BatchSize).Complete();
+            Proxies.SetBoxes(handles.AsSpan(0, movingCount), boxes.AsReadOnlySpan().Slice(0, movingCount));
         }
 
         internal void FindPairs(BroadPhaseSession session)
         {
-            ++searchCount;
             Proxies.FindPairs(session);
-            HasPairs = true;
-        }
-
-        /// <summary>The collider of a handle in the pairs of the latest search.</summary>
-        internal Collider OwnerOf(ProxyHandle handle) => owners[handle.Value];
-
-        /// <summary>Forgets the removed colliders; called after the end events of their pairs were raised.</summary>
-        internal void ForgetRemoved()
-        {
-            foreach (ulong handle in removed)
-                owners.Remove(handle);
-            removed.Clear();
+            foreach (ProxyPair pair in Proxies.Removed)
+            {
+                // The pairs of a removed collider have already ended.
+                if (byHandle.TryGetValue(pair.A.Value, out TrackedCollider? a) && byHandle.TryGetValue(pair.B.Value, out TrackedCollider? b))
+                    Pairs.Remove(a, b);
+            }
+            foreach (ProxyPair pair in Proxies.Added)
+                Pairs.Add(byHandle[pair.A.Value], byHandle[pair.B.Value]);
+            Pairs.ReviewSome();
         }
 
         internal void CopyBoxes(List<Aabb> copy)
         {
             copy.Clear();
-            for (int place = count + freePlaces.Count; place > 0; --place)
-                copy.Add(NoBox);
-            for (int slot = 0; slot < count; ++slot)
-                copy[places[slot]] = boxes[slot];
+            for (int place = Count + freePlaces.Count; place > 0; --place)
+                copy.Add(ColliderShape.NoBox);
+            for (int slot = 0; slot < Count; ++slot)
+                copy[colliders[slot].Place] = boxes[slot];
         }
 
-        public void Dispose() => Proxies.Dispose();
-
-        private void CheckSome()
+        public void Dispose()
         {
-            for (int check = Math.Min(ChecksPerFrame, count); check > 0 && count > 0; --check)
-            {
-                int slot = nextCheck = nextCheck + 1 < count ? nextCheck + 1 : 0;
-                Collider collider = colliders[slot]!;
-                if (collider == null)
-                    RemoveAt(slot);
-                else
-                    Check(slot, collider);
-            }
+            Pairs.RemoveAll();
+            Proxies.Dispose();
+            shapes.Dispose();
+            boxes.Dispose();
+            transforms.Dispose();
         }
 
-        private void Check(int slot, Collider collider)
+        private static ProxySet MakeProxies()
         {
-            if (collider.gameObject.layer != layers[slot])
-                Proxies.SetFilter(handles[slot], filters.Of(layers[slot] = collider.gameObject.layer));
-            if (slot < movingCount || boxes[slot].IsValid == (collider.enabled && collider.gameObject.activeInHierarchy))
+            ProxySetOptions options = ProxySetOptions.Default;
+            options.HasPairEvents = true;
+            return new ProxySet(options);
+        }
+
+        /// <summary>Adds a collider to the native set. After SweepstakeLibrary.Shutdown, <see cref="Restore"/> adds it.</summary>
+        private void AddProxy(TrackedCollider collider)
+        {
+            if (Proxies.IsDisposed)
                 return;
-            boxes[slot] = BoxOf(collider);
-            Proxies.SetBoxes(handles.AsSpan(slot, 1), boxes.AsSpan(slot, 1));
+            ProxyFlags flags = collider.Slot < movingCount ? ProxyFlags.None : ProxyFlags.Static;
+            collider.Handle = Proxies.Add(boxes[collider.Slot], new ProxyOptions(filters.Of(collider.Layer), flags));
+            handles[collider.Slot] = collider.Handle;
+            byHandle.Add(collider.Handle.Value, collider);
         }
 
-        private void RemoveAt(int slot)
+        private bool MayBegin(TrackedPair pair)
         {
-            HasPairs = false;
-            freePlaces.Push(places[slot]);
-            if (births[slot] == searchCount)
-                owners.Remove(handles[slot].Value);
-            else
-                removed.Add(handles[slot].Value);
-            slots.Remove(colliders[slot]!);
-            Proxies.Remove(handles[slot]);
-            if (slot < movingCount)
+            Check(pair.A);
+            Check(pair.B);
+            return shapes[pair.A.Slot].HasBox && shapes[pair.B.Slot].HasBox && filters.Collide(pair.A.Layer, pair.B.Layer);
+        }
+
+        /// <summary>Reads layer, shape and state. The box of a static collider follows at once, that of a moving one with the next job.</summary>
+        private void Check(TrackedCollider collider)
+        {
+            int layer = collider.Object.layer;
+            if (layer != collider.Layer)
             {
-                Move(--movingCount, slot);
-                slot = movingCount;
+                collider.Layer = layer;
+                ApplyLayer(collider);
             }
-            Move(--count, slot);
-            colliders[count] = null;
+            ColliderShape shape = ColliderShape.Of(collider.Collider, shapes[collider.Slot]);
+            if (shape.Equals(shapes[collider.Slot]))
+                return;
+            shapes[collider.Slot] = shape;
+            if (collider.Slot >= movingCount)
+                ReadBox(collider);
         }
 
-        /// <summary>
-        /// Moves the content of slot `from` to slot `to`. REQUIRES: the content of `to` has been moved or removed before.
-        /// </summary>
-        private void Move(int from, int to)
+        private void ApplyLayer(TrackedCollider collider)
         {
-            if (from != to)
-                Put(to, colliders[from]!, handles[from], boxes[from], layers[from], places[from], births[from]);
+            bool isStatic = filters.IsStatic(collider.Layer);
+            if (isStatic != collider.Slot >= movingCount)
+                SetStatic(collider, isStatic);
+            if (!Proxies.IsDisposed)
+                Proxies.SetFilter(collider.Handle, filters.Of(collider.Layer));
         }
 
-        private void Put(int slot, Collider collider, ProxyHandle handle, in Aabb box, int layer, int place, ulong birth)
+        private void SetStatic(TrackedCollider collider, bool isStatic)
         {
-            colliders[slot] = collider;
-            handles[slot] = handle;
-            boxes[slot] = box;
-            layers[slot] = layer;
-            places[slot] = place;
-            births[slot] = birth;
-            slots[collider] = slot;
+            if (isStatic)
+                LeaveMoving(collider);
+            else
+                JoinMoving(collider);
+            ReadBox(collider);
+            if (!Proxies.IsDisposed)
+                Proxies.SetStatic(collider.Handle, isStatic);
+        }
+
+        private void ReadBox(TrackedCollider collider)
+        {
+            int slot = collider.Slot;
+            boxes[slot] = shapes[slot].BoxOf(collider.Collider.transform.localToWorldMatrix);
+            if (!Proxies.IsDisposed && !collider.Handle.IsNone)
+                Proxies.SetBoxes(handles.AsSpan(slot, 1), boxes.AsReadOnlySpan().Slice(slot, 1));
+        }
+
+        private void Remove(TrackedCollider collider)
+        {
+            Pairs.RemoveAllOf(collider);
+            freePlaces.Push(collider.Place);
+            tracked.Remove(collider.Collider);
+            if (!Proxies.IsDisposed)
+            {
+                byHandle.Remove(collider.Handle.Value);
+                Proxies.Remove(collider.Handle);
+            }
+            if (collider.Slot < movingCount)
+                LeaveMoving(collider);
+            Swap(collider, colliders[--Count]);
+            colliders[Count] = null!;
+        }
+
+        private void JoinMoving(TrackedCollider collider)
+        {
+            Swap(collider, colliders[movingCount++]);
+            transforms.Add(collider.Collider.transform);
+        }
+
+        private void LeaveMoving(TrackedCollider collider)
+        {
+            transforms.RemoveAtSwapBack(collider.Slot);
+            Swap(collider, colliders[--movingCount]);
+        }
+
+        private void Swap(TrackedCollider collider, TrackedCollider other)
+        {
+            (int slot, int otherSlot) = (collider.Slot, other.Slot);
+            (colliders[slot], colliders[otherSlot]) = (other, collider);
+            (handles[slot], handles[otherSlot]) = (handles[otherSlot], handles[slot]);
+            (shapes[slot], shapes[otherSlot]) = (shapes[otherSlot], shapes[slot]);
+            (boxes[slot], boxes[otherSlot]) = (boxes[otherSlot], boxes[slot]);
+            (collider.Slot, other.Slot) = (otherSlot, slot);
         }
 
         /// <summary>Removes destroyed colliders, and doubles the arrays if they are still more than half full.</summary>
         private void MakeRoom()
         {
-            for (int slot = count - 1; slot >= 0; --slot)
-            {
-                if (colliders[slot] == null)
-                    RemoveAt(slot);
-            }
-            if (count <= colliders.Length / 2)
+            RemoveDestroyed();
+            if (Count <= colliders.Length / 2)
                 return;
             int size = colliders.Length * 2;
             Array.Resize(ref colliders, size);
             Array.Resize(ref handles, size);
-            Array.Resize(ref boxes, size);
-            Array.Resize(ref layers, size);
-            Array.Resize(ref places, size);
-            Array.Resize(ref births, size);
+            Resize(ref shapes, size);
+            Resize(ref boxes, size);
         }
 
-        /// <summary>
-        /// Returns the collider's box. Returns NoBox if Unity's box has size zero: the collider is disabled, or its game object is
-        /// inactive.
-        /// </summary>
-        private static Aabb BoxOf(Collider collider)
+        private void RemoveDestroyed()
         {
-            Bounds bounds = collider.bounds;
-            if (bounds.extents == Vector3.zero)
-                return NoBox;
-            Vector3 min = bounds.min;
-            Vector3 max = bounds.max;
-            return new Aabb(min.x, min.y, min.z, max.x, max.y, max.z);
+            for (int slot = Count - 1; slot >= 0; --slot)
+            {
+                if (colliders[slot].Collider == null)
+                    Remove(colliders[slot]);
+            }
+        }
+
+        private static void Resize<T>(ref NativeArray<T> array, int size)
+            where T : struct
+        {
+            var larger = new NativeArray<T>(size, Allocator.Persistent);
+            NativeArray<T>.Copy(array, larger, array.Length);
+            array.Dispose();
+            array = larger;
         }
     }
 }

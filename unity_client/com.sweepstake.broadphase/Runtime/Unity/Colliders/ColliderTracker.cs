@@ -32,8 +32,11 @@ namespace Sweepstake.Unity
         [Tooltip("Which colliders are tracked automatically, without being registered.")]
         private ColliderScope scope = ColliderScope.LoadedScenes;
         [SerializeField]
-        [Tooltip("The layers that are tracked.")]
+        [Tooltip("The layers whose colliders are tracked automatically and form pairs.")]
         private LayerMask layers = ~0;
+        [SerializeField]
+        [Tooltip("The layers whose colliders do not move. They form pairs with moving colliders only, and cost almost nothing per frame.")]
+        private LayerMask staticLayers = 0;
         [SerializeField]
         [Tooltip("On: only layers that collide in the collision matrix of the physics settings form pairs. Off: all tracked layers do.")]
         private bool usesCollisionMatrix = true;
@@ -41,15 +44,15 @@ namespace Sweepstake.Unity
         [Tooltip("Tracks only triggers automatically.")]
         private bool findsTriggersOnly = false;
 
+        private static readonly List<ColliderTracker> Trackers = new List<ColliderTracker>();
         private readonly LayerFilters filters = new LayerFilters();
-        private readonly PairList began = new PairList();
-        private readonly PairList ended = new PairList();
         private readonly List<Collider> found = new List<Collider>();
         private readonly List<GameObject> roots = new List<GameObject>();
         private readonly Listeners<ColliderPair> beganListeners = new Listeners<ColliderPair>();
         private readonly Listeners<ColliderPair> endedListeners = new Listeners<ColliderPair>();
         private ColliderSet? colliders;
         private ColliderQueries? queries;
+        private bool isEdited;
 
         /// <summary>Raised when two boxes begin to overlap. Use Physics.ComputePenetration to test the shapes.</summary>
         public event Action<ColliderPair>? PairBegan { add => beganListeners.Add(value); remove => beganListeners.Remove(value); }
@@ -59,56 +62,125 @@ namespace Sweepstake.Unity
         /// <summary>The number of tracked colliders.</summary>
         public int Count => colliders?.Count ?? 0;
 
-        /// <summary>The underlying proxy set, for many queries at once and for jobs. Null while the tracker is disabled.</summary>
-        public ProxySet? Proxies => colliders?.Proxies;
+        /// <summary>
+        /// The underlying proxy set, for many queries at once and for jobs. Null while the tracker is disabled, and after
+        /// <see cref="SweepstakeManager.Shutdown"/> until the next frame of the manager.
+        /// </summary>
+        public ProxySet? Proxies => colliders == null || colliders.Proxies.IsDisposed ? null : colliders.Proxies;
 
-        /// <summary>The tracked layers. A change takes effect at once.</summary>
+        /// <summary>The layers whose colliders are tracked automatically and form pairs. A change takes effect at once.</summary>
         public LayerMask Layers
         {
             get => layers;
             set
             {
                 layers = value;
-                RefreshLayers();
+                ApplySettings();
             }
         }
 
-        /// <summary>Tracks a collider, also one outside the tracker's scope.</summary>
+        /// <summary>
+        /// The layers whose colliders do not move. They form pairs with moving colliders only. After you have moved one, call
+        /// <see cref="Refresh"/>. A change takes effect at once.
+        /// </summary>
+        public LayerMask StaticLayers
+        {
+            get => staticLayers;
+            set
+            {
+                staticLayers = value;
+                ApplySettings();
+            }
+        }
+
+        /// <summary>Tracks a collider, also one outside the tracker's scope and layers.</summary>
         /// <returns>False if it is already tracked or the tracker is disabled.</returns>
-        public bool Register(Collider collider) => colliders != null && collider != null && colliders.Add(collider);
+        public bool Register(Collider collider)
+        {
+            if (colliders == null || collider == null || colliders.Add(collider, null, false))
+                return colliders != null && collider != null;
+            // A change of the scope does not end the tracking of a registered collider.
+            colliders.Find(collider)!.IsFound = false;
+            return false;
+        }
 
         /// <returns>False if it is not tracked.</returns>
         public bool Unregister(Collider collider) => colliders != null && !(collider is null) && colliders.Remove(collider);
 
-        public bool IsTracked(Collider collider) => colliders != null && colliders.Contains(collider);
+        public bool IsTracked(Collider collider) => Find(collider) != null;
+
+        /// <summary>The collider of a handle in <see cref="Proxies"/>; null if the collider was destroyed or is not tracked.</summary>
+        public Collider? ColliderOf(ProxyHandle handle)
+        {
+            Collider? owner = colliders?.OwnerOf(handle);
+            return owner == null ? null : owner;
+        }
+
+        /// <summary>The collider's handle in <see cref="Proxies"/>; None if it is not tracked.</summary>
+        public ProxyHandle HandleOf(Collider collider) => Find(collider)?.Handle ?? ProxyHandle.None;
 
         /// <summary>
-        /// Reads a collider's layer and static flag again, and the box of a static collider. Changes of the layer are also noticed
-        /// automatically after some frames.
+        /// Replaces the content of the list with the collider's pairs that have begun and not ended. A of each pair is this collider. Allocates
+        /// nothing if the capacity of the list suffices.
         /// </summary>
-        public void Refresh(Collider collider) => colliders?.Refresh(collider);
+        public void CopyPairs(Collider collider, List<ColliderPair> result)
+        {
+            result.Clear();
+            AddPairs(collider, result);
+        }
+
+        /// <summary>
+        /// Reads a collider's layer, shape and state again at once, the box of a static layer, and Physics.IgnoreCollision for its pairs.
+        /// Pairs that last do not end. Without this call, such changes are noticed in the next frame, or, if there are more than 1,024 colliders
+        /// or pairs, within some frames.
+        /// </summary>
+        public void Refresh(Collider collider)
+        {
+            if (Find(collider) is TrackedCollider tracked)
+                colliders!.Refresh(tracked);
+        }
 
         /// <summary>Reads the collision matrix again; call it after Physics.IgnoreLayerCollision.</summary>
         public void RefreshLayers()
         {
-            filters.Read(layers, usesCollisionMatrix);
+            filters.Read(layers, staticLayers, usesCollisionMatrix);
             colliders?.RefreshFilters();
         }
 
-        /// <summary>Registers all colliders in the tracker's scope.</summary>
+        /// <summary>
+        /// Tracks all colliders in the tracker's scope, also those of DontDestroyOnLoad objects. Colliders below a
+        /// <see cref="SweepstakeBody"/> are left to that body.
+        /// </summary>
         public void Scan()
         {
             if (scope == ColliderScope.Children)
                 Scan(gameObject);
-            for (int index = 0; scope == ColliderScope.LoadedScenes && index < SceneManager.sceneCount; ++index)
+            if (scope != ColliderScope.LoadedScenes)
+                return;
+            for (int index = 0; index < SceneManager.sceneCount; ++index)
                 Scan(SceneManager.GetSceneAt(index));
+            // The scene of DontDestroyOnLoad objects is not among the others. Only an object in it leads to it.
+            var probe = new GameObject("Sweepstake");
+            DontDestroyOnLoad(probe);
+            Scan(probe.scene);
+            Destroy(probe);
         }
 
         /// <summary>Finds all tracked colliders whose boxes overlapped this box in the latest frame. Replaces the list's content.</summary>
-        public void OverlapBox(Bounds box, LayerMask layers, List<Collider> result) => queries?.Box(box, layers, result);
+        public void OverlapBox(Bounds box, LayerMask layers, List<Collider> result)
+        {
+            result.Clear();
+            if (Proxies != null)
+                queries!.Box(box, layers, result);
+        }
 
-        /// <summary>Finds all tracked colliders whose boxes touch the sphere.</summary>
-        public void OverlapSphere(Vector3 center, float radius, LayerMask layers, List<Collider> result) => queries?.Sphere(center, radius, layers, result);
+        /// <summary>Finds all tracked colliders whose boxes touch the sphere. Replaces the list's content.</summary>
+        public void OverlapSphere(Vector3 center, float radius, LayerMask layers, List<Collider> result)
+        {
+            result.Clear();
+            if (Proxies != null)
+                queries!.Sphere(center, radius, layers, result);
+        }
 
         /// <summary>Finds the nearest tracked collider whose box the ray hits.</summary>
         /// <param name="distance">Distance to the box; 0 if the ray starts inside.</param>
@@ -116,39 +188,55 @@ namespace Sweepstake.Unity
         {
             hit = null;
             distance = 0;
-            return queries != null && queries.Ray(ray, maxDistance, layers, out hit, out distance);
+            return Proxies != null && queries!.Ray(ray, maxDistance, layers, out hit, out distance);
         }
 
         void IBroadPhaseSource.Search(BroadPhaseSession session)
         {
+            if (colliders!.Proxies.IsDisposed)
+                colliders.Restore();
+            if (isEdited)
+                ApplySettings();
             using (SweepstakeProfiling.Boxes.Auto())
-                colliders!.ReadBoxes();
+                colliders.ReadBoxes();
             colliders.FindPairs(session);
         }
 
-        void IBroadPhaseSource.Report()
-        {
-            if (colliders == null)
-                return;
-            began.Take(colliders, colliders.Proxies.Added);
-            ended.Take(colliders, colliders.Proxies.Removed);
-            colliders.ForgetRemoved();
-            ended.Tell(endedListeners, this);
-            began.Tell(beganListeners, this);
-        }
+        void IBroadPhaseSource.Report() => colliders?.Pairs.Raise(endedListeners, beganListeners, this);
 
         bool IBroadPhaseSource.TryGetPair(int index, out Aabb a, out Aabb b)
         {
             a = b = default;
-            if (colliders == null || !colliders.HasPairs || index >= colliders.Proxies.Pairs.Length)
+            if (colliders == null || index >= colliders.Pairs.OpenCount)
                 return false;
-            OverlapPair pair = colliders.Proxies.Pairs[index];
-            a = colliders.Proxies.Get(colliders.Proxies.HandleOf(pair.A), out _);
-            b = colliders.Proxies.Get(colliders.Proxies.HandleOf(pair.B), out _);
+            a = colliders.BoxOf(colliders.Pairs.Open(index).A);
+            b = colliders.BoxOf(colliders.Pairs.Open(index).B);
             return true;
         }
 
         void IBroadPhaseSource.CopyBoxes(List<Aabb> boxes) => colliders?.CopyBoxes(boxes);
+
+        /// <summary>Returns the tracker, or the first enabled one if it is null. Returns null if that tracker is not enabled.</summary>
+        internal static ColliderTracker? EnabledOr(ColliderTracker? tracker)
+        {
+            if (tracker == null)
+                return Trackers.Count > 0 ? Trackers[0] : null;
+            return Trackers.Contains(tracker) ? tracker : null;
+        }
+
+        internal void Register(Collider collider, SweepstakeBody body) => colliders?.Add(collider, body);
+
+        internal void AddPairs(Collider collider, List<ColliderPair> result)
+        {
+            TrackedCollider? end = Find(collider);
+            for (TrackedPair? pair = end?.FirstPair; pair != null; pair = pair.NextOf(end!))
+            {
+                if (pair.IsOpen)
+                    result.Add(new ColliderPair(collider, pair.Other(end!).Collider));
+            }
+        }
+
+        private TrackedCollider? Find(Collider collider) => collider is null ? null : colliders?.Find(collider);
 
         private void OnEnable()
         {
@@ -161,10 +249,12 @@ namespace Sweepstake.Unity
             // The manager logs the problem and its remedy.
             if (SweepstakeLibrary.FindProblem() != null)
                 return;
-            filters.Read(layers, usesCollisionMatrix);
+            filters.Read(layers, staticLayers, usesCollisionMatrix);
             colliders = new ColliderSet(filters);
             queries = new ColliderQueries(colliders);
+            Trackers.Add(this);
             Scan();
+            BindBodies();
             SceneManager.sceneLoaded += OnSceneLoaded;
             manager.Source = this;
         }
@@ -178,12 +268,33 @@ namespace Sweepstake.Unity
             colliders?.Dispose();
             colliders = null;
             queries = null;
+            if (Trackers.Remove(this))
+                BindBodies();
         }
+
+        /// <summary>Lets the next frame apply what was changed in the inspector during play.</summary>
+        private void OnValidate() => isEdited = colliders != null;
 
         private void OnSceneLoaded(Scene scene, LoadSceneMode how)
         {
             if (scope == ColliderScope.LoadedScenes)
-                Scan(scene);
+                Scan();
+        }
+
+        private static void BindBodies()
+        {
+            foreach (SweepstakeBody body in SweepstakeBody.Bodies)
+                body.Bind();
+        }
+
+        private void ApplySettings()
+        {
+            isEdited = false;
+            RefreshLayers();
+            if (colliders == null)
+                return;
+            colliders.RemoveFound(IsWanted);
+            Scan();
         }
 
         private void Scan(Scene scene)
@@ -200,10 +311,24 @@ namespace Sweepstake.Unity
             root.GetComponentsInChildren(true, found);
             foreach (Collider collider in found)
             {
-                bool isOfLayer = (layers.value & 1 << collider.gameObject.layer) != 0;
-                if (isOfLayer && (collider.isTrigger || !findsTriggersOnly))
-                    Register(collider);
+                if (IsWanted(collider) && collider.GetComponentInParent<SweepstakeBody>(true) == null)
+                    colliders?.Add(collider, null, true);
             }
+        }
+
+        /// <summary>Whether a scan tracks the collider, if no body does.</summary>
+        private bool IsWanted(Collider collider)
+        {
+            bool isInScope = scope == ColliderScope.LoadedScenes || (scope == ColliderScope.Children && collider.transform.IsChildOf(transform));
+            return isInScope && (layers.value & 1 << collider.gameObject.layer) != 0 && (collider.isTrigger || !findsTriggersOnly);
+        }
+
+        /// <summary>Resets the statics, which outlive play mode if domain reload is switched off.</summary>
+        [RuntimeInitializeOnLoadMethod(RuntimeInitializeLoadType.SubsystemRegistration)]
+        private static void BeginPlay()
+        {
+            Trackers.Clear();
+            SweepstakeBody.Bodies.Clear();
         }
     }
 }

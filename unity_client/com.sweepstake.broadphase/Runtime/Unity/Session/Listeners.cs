@@ -13,6 +13,8 @@ namespace Sweepstake.Unity
         private Action<T>? combined;
         private Action<T>[] each = Array.Empty<Action<T>>();
 
+        internal bool IsEmpty => each.Length == 0;
+
         internal void Add(Action<T>? listener) => Set(combined + listener);
 
         internal void Remove(Action<T>? listener) => Set(combined - listener);
