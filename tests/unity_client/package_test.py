@@ -8,7 +8,7 @@
     CHANGELOG.md    format of Keep a Changelog, newest first, begins with the package's version or with Unreleased
     paths           at most 140 characters; no link.xml, which Unity ignores in packages; no .NET library
     privacy.md      names each field that a game and the editor's window send, and no other
-    proven.md       has each of the 47 points once, with an existing test or with steps; the quick start has at most six steps
+    proven.md       has its points once and in order, among them 1 to 47, with an existing test or with steps; the quick start has at most six steps
     links           links in the documents lead to files; the menus, fields, files and API names in them exist (document_names.py)
 
     package_test.py ROOT          checks the tree at ROOT
@@ -208,7 +208,8 @@ def proof_errors(root, package):
     page = (package / "Documentation~/proven.md").read_text(encoding="utf-8")
     steps = set(STEP.findall(page))
     rows = POINT.findall(page)
-    if [int(row[0]) for row in rows] != list(range(1, POINTS + 1)):
+    points = [int(row[0]) for row in rows]
+    if points[:POINTS] != list(range(1, POINTS + 1)) or points != sorted(set(points)):
         yield f"Documentation~/proven.md: the points 1 to {POINTS} must have one row each, in order"
     tests = {path.stem: path.read_text(encoding="utf-8") for path in sorted((root / "unity_client").rglob("*Test.cs"))}
     for number, _, proof, editor in rows:

@@ -1,6 +1,7 @@
 using System;
 using System.Collections.Generic;
 using Sweepstake.Unity;
+using Unity.Collections;
 using UnityEngine;
 
 namespace Sweepstake.Documents
@@ -11,6 +12,7 @@ namespace Sweepstake.Documents
         protected readonly BroadPhaseSession session = new BroadPhaseSession();
         protected readonly ProxyHandle[] handles = Array.Empty<ProxyHandle>();
         protected readonly List<Collider> found = new List<Collider>();
+        protected readonly List<ColliderPair> pairs = new List<ColliderPair>();
         protected readonly Spawner spawner = new Spawner();
         protected readonly string tokenPath = "", authorityPath = "";
         protected SweepstakeManager manager;
@@ -18,6 +20,10 @@ namespace Sweepstake.Documents
         protected Transform transform;
         protected Vector3 eye, forward;
         protected Aabb wallBox;
+        protected Collider collider;
+        protected NativeArray<Aabb> nativeBoxes;
+        protected NativeArray<Bounds> nativeBounds;
+        protected ulong frameTimeNs;
 
         protected ReadOnlySpan<Aabb> boxes => default;
 
@@ -26,6 +32,14 @@ namespace Sweepstake.Documents
         }
 
         protected static void Enter(ProxyHandle a, ProxyHandle b)
+        {
+        }
+
+        protected static void Meet(Collider a, Collider b)
+        {
+        }
+
+        protected static void Part(Collider a, Collider b)
         {
         }
 

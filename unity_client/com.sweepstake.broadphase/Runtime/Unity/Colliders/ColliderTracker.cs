@@ -20,7 +20,8 @@ namespace Sweepstake.Unity
     /// <summary>
     /// Lets the manager on the same object search the boxes of colliders, for triggers without physics and for queries. It raises events
     /// when boxes begin or cease to overlap, for layers that collide in the collision matrix. Rigidbodies are not affected: PhysX has its
-    /// own broad phase. Objects that are spawned later must be registered, or found with <see cref="Scan()"/>.
+    /// own broad phase. Objects that are spawned later need a <see cref="SweepstakeBody"/>, or must be registered or found with
+    /// <see cref="Scan()"/>.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake Collider Tracker")]
     [RequireComponent(typeof(SweepstakeManager))]
