@@ -132,10 +132,8 @@ namespace Sweepstake.Tests
             const int Count = 300;
             using var bounds = new NativeArray<Bounds>(Count, Allocator.Persistent);
             using var boxes = new NativeArray<Aabb>(Count, Allocator.Persistent);
-            using var handles = new NativeArray<ProxyHandle>(Count, Allocator.Persistent);
             using var few = new NativeArray<Aabb>(1, Allocator.Persistent);
             using var session = new BroadPhaseSession();
-            using var proxies = new ProxySet();
             var expected = new Aabb[Count];
             Span<Bounds> filled = bounds.AsSpan();
             for (int index = 0; index < Count; ++index)
@@ -150,13 +148,7 @@ namespace Sweepstake.Tests
             session.FindPairs(boxes);
             Assert.That(session.Pairs.ToArray(), Is.EquivalentTo(Oracle.Pairs(expected)));
             session.EndFrame(1);
-            proxies.Add(new Aabb[Count], ReadOnlySpan<ProxyOptions>.Empty, handles.AsSpan());
-            proxies.SetBoxes(handles, bounds, boxes);
-            Assert.That(proxies.Get(handles[7], out _), Is.EqualTo(expected[7]));
-            proxies.SetBoxes(handles, boxes);
-            Assert.That(proxies.Get(handles[Count - 1], out _), Is.EqualTo(expected[Count - 1]));
             Assert.Throws<ArgumentException>(() => session.FindPairs(bounds, few));
-            Assert.Throws<ArgumentException>(() => proxies.SetBoxes(handles, bounds, few));
         }
 
         private static void Repeat(Action once)

@@ -10,8 +10,8 @@ using Unity.Burst;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// Boxes in native arrays as input, for games whose jobs compute them. No call copies an array of Aabb. For other calls that take a span, pass
-    /// the array's AsReadOnlySpan().
+    /// Boxes in native arrays as input, for games whose jobs compute them. An array of Aabb is not copied. For calls that take a span, such as those
+    /// of <see cref="ProxySet"/>, pass the array's AsReadOnlySpan().
     /// </summary>
     public static class NativeBoxes
     {
@@ -37,19 +37,6 @@ namespace Sweepstake.Unity
         {
             bounds.ScheduleToAabbs(boxes).Complete();
             session.FindPairs(boxes);
-        }
-
-        /// <summary>Like <see cref="ProxySet.SetBoxes"/>. Complete the jobs that write the boxes first.</summary>
-        public static void SetBoxes(this ProxySet proxies, NativeArray<ProxyHandle> moved, NativeArray<Aabb> boxes) =>
-            proxies.SetBoxes(moved.AsReadOnlySpan(), boxes.AsReadOnlySpan());
-
-        /// <summary>Converts the bounds and passes them to the proxies. Complete the jobs that write the bounds first.</summary>
-        /// <param name="boxes">Receives the boxes; as long as `bounds`.</param>
-        /// <exception cref="ArgumentException">The lengths differ.</exception>
-        public static void SetBoxes(this ProxySet proxies, NativeArray<ProxyHandle> moved, NativeArray<Bounds> bounds, NativeArray<Aabb> boxes)
-        {
-            bounds.ScheduleToAabbs(boxes).Complete();
-            proxies.SetBoxes(moved, boxes);
         }
 
 #if SWEEPSTAKE_BURST
