@@ -71,7 +71,7 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void ACharacterIsAnUprightCapsule()
+        public void ACharacterIsACapsule()
         {
             var character = MakeBox(Here).gameObject.AddComponent<CharacterController>();
             Repeat(() =>

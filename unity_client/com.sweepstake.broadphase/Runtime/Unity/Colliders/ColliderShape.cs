@@ -46,11 +46,11 @@ namespace Sweepstake.Unity
                 case SphereCollider sphere:
                     return new ColliderShape { kind = Kind.Sphere, center = sphere.center, radius = sphere.radius };
                 case CapsuleCollider capsule:
-                    return Capsule(capsule.center, capsule.radius, capsule.height, capsule.direction);
+                    return OfCapsule(capsule.center, capsule.radius, capsule.height, capsule.direction);
                 case CharacterController character:
-                    return Capsule(character.center, character.radius, character.height, 1);
+                    return OfCapsule(character.center, character.radius, character.height, 1);
                 case MeshCollider mesh:
-                    return mesh.sharedMesh == null ? default : Box(mesh.sharedMesh.bounds);
+                    return mesh.sharedMesh == null ? default : OfBounds(mesh.sharedMesh.bounds);
                 default:
                     return former.kind == Kind.Upright ? former : OfPhysX(collider);
             }
@@ -85,14 +85,14 @@ namespace Sweepstake.Unity
             var z = new Vector3(toWorld.m02, toWorld.m12, toWorld.m22);
             if (kind == Kind.Sphere)
                 return radius * Mathf.Max(x.magnitude, Mathf.Max(y.magnitude, z.magnitude)) * Vector3.one;
-            return axis == 0 ? Capsule(x, y, z) : axis == 1 ? Capsule(y, x, z) : Capsule(z, x, y);
+            return axis == 0 ? HalfSizeOfCapsule(x, y, z) : axis == 1 ? HalfSizeOfCapsule(y, x, z) : HalfSizeOfCapsule(z, x, y);
         }
 
         /// <summary>Half the size of a box along a row of the matrix.</summary>
         private readonly float Extent(float a, float b, float c) => Mathf.Abs(a * halfSize.x) + Mathf.Abs(b * halfSize.y) + Mathf.Abs(c * halfSize.z);
 
         /// <summary>A capsule is the balls around the points of a segment along its axis.</summary>
-        private readonly Vector3 Capsule(Vector3 along, Vector3 across, Vector3 otherAcross)
+        private readonly Vector3 HalfSizeOfCapsule(Vector3 along, Vector3 across, Vector3 otherAcross)
         {
             float length = along.magnitude;
             float ball = radius * Mathf.Max(across.magnitude, otherAcross.magnitude);
@@ -100,10 +100,10 @@ namespace Sweepstake.Unity
             return new Vector3(Mathf.Abs(along.x) * segment + ball, Mathf.Abs(along.y) * segment + ball, Mathf.Abs(along.z) * segment + ball);
         }
 
-        private static ColliderShape Capsule(Vector3 center, float radius, float height, int axis) =>
+        private static ColliderShape OfCapsule(Vector3 center, float radius, float height, int axis) =>
             new ColliderShape { kind = Kind.Capsule, center = center, radius = radius, halfSize = new Vector3(0.5f * height, 0, 0), axis = axis };
 
-        private static ColliderShape Box(Bounds bounds) => new ColliderShape { kind = Kind.Box, center = bounds.center, halfSize = bounds.extents };
+        private static ColliderShape OfBounds(Bounds bounds) => new ColliderShape { kind = Kind.Box, center = bounds.center, halfSize = bounds.extents };
 
         /// <summary>Reads the box of a terrain, a wheel or another type from PhysX, which must know the transforms first.</summary>
         private static ColliderShape OfPhysX(Collider collider)
