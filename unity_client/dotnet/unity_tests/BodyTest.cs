@@ -59,6 +59,18 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void AnObjectThatLeavesItsBodyIsNotTrackedAnyLonger()
+        {
+            SweepstakeBody a = MakeBody("a", Here);
+            BoxCollider arm = MakeBox(Here, parent: a.transform);
+            a.Refresh();
+            Assert.That(tracker.IsTracked(arm), Is.True);
+            arm.transform.SetParent(null, false);
+            a.Refresh();
+            Assert.That((tracker.IsTracked(arm), tracker.Count), Is.EqualTo((false, 1)));
+        }
+
+        [Test]
         public void ADisabledBodyIsNotTracked()
         {
             SweepstakeBody a = MakeBody("a", Here), b = MakeBody("b", Here);

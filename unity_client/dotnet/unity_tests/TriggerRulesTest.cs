@@ -208,6 +208,30 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void AColliderBecomesStaticWhereItIsAndMovingAgain()
+        {
+            BoxCollider a = Tracked(Here), b = Tracked(Away);
+            Frames(1);
+            b.transform.position = Here;
+            b.gameObject.layer = 16;
+            Frames(1);
+            Assert.That(Counts, Is.EqualTo((1, 0)));
+            b.transform.position = Away;
+            Frames(2);
+            Assert.That(Counts, Is.EqualTo((1, 0)), "a static collider is not read again");
+            a.gameObject.layer = 17;
+            Frames(1);
+            Assert.That(Counts, Is.EqualTo((1, 1)), "two static colliders form no pair");
+            a.gameObject.layer = 0;
+            b.gameObject.layer = 0;
+            Frames(1);
+            Assert.That(Counts, Is.EqualTo((1, 1)), "both are where they are drawn");
+            b.transform.position = Here;
+            Frames(1);
+            Assert.That(Counts, Is.EqualTo((2, 1)));
+        }
+
+        [Test]
         public void CollidersOfOneObjectFormNoPair()
         {
             BoxCollider a = MakeBox(Here);
