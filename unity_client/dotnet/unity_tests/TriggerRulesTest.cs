@@ -311,6 +311,7 @@ namespace Sweepstake.Tests
             Assert.That(tracker.ColliderOf(gone) is null, Is.True);
             Assert.That(tracker.Unregister(b), Is.True);
             Assert.That(tracker.HandleOf(b).IsNone, Is.True);
+            Assert.That(tracker.ColliderOf(hits[0].Proxy), Is.Null, "it is not tracked any longer");
         }
 
         [Test]
