@@ -71,7 +71,9 @@ class Toolchain:
         self.compiler = pathlib.Path(folder) / version / "Roslyn" / "bincore" / "csc.dll"
         self.packages = pathlib.Path(run("dotnet", "nuget", "locals", "global-packages", "--list").split(":", 1)[1].strip())
         self.framework = sorted((self.packages / "netstandard.library.ref/2.1.0/ref/netstandard2.1").glob("*.dll"))
+        # Players get no Google.Protobuf: only the editor has generated messages.
         self.grpc = self.restored(build / "dotnet/Sweepstake.GrpcNet/obj/project.assets.json")
+        self.editor_grpc = sorted({*self.grpc, *self.restored(build / "dotnet/Sweepstake.Protocol/obj/project.assets.json")})
         self.nunit = self.packages / "nunit/3.14.0/lib/netstandard2.0/nunit.framework.dll"
         if not self.compiler.is_file() or not self.framework:
             raise SystemExit(f"compile_test.py: {self.compiler} or the reference of .NET Standard 2.1 is missing; run tests/unity_client/dotnet_test.sh")
@@ -125,7 +127,7 @@ def document_assembly(root, folder):
     sources = [*document_code.write(root / "unity_client", folder), *sorted((root / "tests/unity_client/documents").glob("*.cs"))]
     return Assembly(DOCUMENTS, sources, {
         "noEngineReferences": False, "overrideReferences": False, "includePlatforms": ["Editor"], "defineConstraints": [*GRPC, *NEW_INPUT],
-        "references": ["Sweepstake.Core", "Sweepstake.Unity", "Sweepstake.Protocol", "Sweepstake.GrpcNet", PACKAGE_ASSEMBLIES[YAHA]]})
+        "references": ["Sweepstake.Core", "Sweepstake.Unity", "Sweepstake.GrpcNet", PACKAGE_ASSEMBLIES[YAHA]]})
 
 
 def stub_assemblies(stubs):
@@ -193,19 +195,22 @@ def reference_names(assembly, present, due):
 def precompiled(tools, assembly, defines):
     if not assembly.asmdef:
         return [tools.nunit] if assembly.name == PACKAGE_ASSEMBLIES[TESTING] else []
-    there = [*(tools.grpc if GRPC[0] in defines else []), *([tools.nunit] if TESTS[0] in defines else [])]
+    grpc = tools.editor_grpc if EDITOR[0] in defines else tools.grpc
+    there = [*(grpc if GRPC[0] in defines else []), *([tools.nunit] if TESTS[0] in defines else [])]
     return [path for path in there if not assembly.asmdef["overrideReferences"] or path.name in assembly.asmdef["precompiledReferences"]]
 
 
 def expectation_errors(row, compiled):
     """Yields assemblies that were not compiled but should have been, and vice versa."""
     name, platform, defines, _ = row
+    has_grpc = GRPC[0] in defines and platform != "WebGL"
     due = {"Sweepstake.Core", "Sweepstake.Unity"} | {n for n in ("Sweepstake.Editor",) if platform == "Editor"}
-    due |= {"Sweepstake.Protocol", "Sweepstake.GrpcNet"} if GRPC[0] in defines and platform != "WebGL" else set()
+    due |= {"Sweepstake.GrpcNet"} if has_grpc else set()
+    due |= {"Sweepstake.Protocol"} if has_grpc and platform == "Editor" else set()
     due |= {"Sweepstake.Core.Tests", "Sweepstake.Components.Tests"} | ({"Sweepstake.Editor.Tests"} if platform == "Editor" else set()) if TESTS[0] in defines else set()
     due |= {DOCUMENTS} if platform == "Editor" and set(GRPC + NEW_INPUT) <= set(defines) else set()
-    never = {"Sweepstake.Editor", "Sweepstake.Editor.Tests"} if platform != "Editor" else set()
-    never |= {"Sweepstake.Protocol", "Sweepstake.GrpcNet"} if GRPC[0] not in defines or platform == "WebGL" else set()
+    never = {"Sweepstake.Editor", "Sweepstake.Editor.Tests", "Sweepstake.Protocol"} if platform != "Editor" else set()
+    never |= {"Sweepstake.Protocol", "Sweepstake.GrpcNet"} if not has_grpc else set()
     yield from (f"{name}: {missing} was not compiled" for missing in sorted(due - set(compiled)))
     yield from (f"{name}: {extra} was compiled" for extra in sorted(never & set(compiled)))
     if sum(assembly.startswith("Sweepstake.Samples.") for assembly in compiled) != 5:

@@ -64,7 +64,9 @@ def errors(root, package):
     files = {path.stem: path.read_text(encoding="utf-8-sig") for path in api}
     stubs = [path.read_text(encoding="utf-8-sig") for path in sorted((root / "unity_client/dotnet/stubs").rglob("*.cs"))]
     texts = shown(package, files.values())
-    words = words_of([*files.values(), *stubs]) | OTHERS_API
+    # The documents name messages that a player sends; only the native library has them.
+    protos = [path.read_text(encoding="utf-8") for path in sorted((root / "proto").rglob("*.proto"))]
+    words = words_of([*files.values(), *stubs, *protos]) | OTHERS_API
     for page in sorted((root / "unity_client").rglob("*.md")):
         text = re.sub(r"\s+", " ", CODE_BLOCK.sub("", page.read_text(encoding="utf-8")).replace("**", ""))
         for name in ITALIC.findall(CODE.sub("", text)):

@@ -31,8 +31,8 @@ import make_metas  # noqa: E402
 
 PACKAGE = "unity_client/com.sweepstake.broadphase"
 MAX_PATH = 140
-ENGINE_FREE = ("Runtime/Core", "Runtime/Protocol", "Runtime/GrpcNet")
-GRPC = ("Runtime/Protocol", "Runtime/GrpcNet")
+ENGINE_FREE = ("Runtime/Core", "Runtime/GrpcNet", "Editor/Generated")
+GRPC = ("Runtime/GrpcNet", "Editor/Generated")
 # The assemblies of other packages, which unity_client/tools/record_facts.py recorded.
 FACTS = json.loads((pathlib.Path(__file__).parent / "facts/packages.json").read_text(encoding="utf-8"))
 KNOWN_REFERENCES = {assembly for package in FACTS["packages"].values() for assembly in package["assemblies"]}
@@ -140,6 +140,8 @@ def asmdef_errors(package):
             yield f"{name}: must not reference UnityEngine"
         if name.startswith("Editor/") and asmdef["includePlatforms"] != ["Editor"]:
             yield f"{name}: must include the editor only"
+        if not name.startswith("Editor/") and "Google.Protobuf.dll" in asmdef["precompiledReferences"]:
+            yield f"{name}: a player must not need Google.Protobuf"
         if name.startswith(GRPC) and asmdef["defineConstraints"] != ["SWEEPSTAKE_GRPC"]:
             yield f"{name}: does not compile without the libraries of gRPC; add the constraint SWEEPSTAKE_GRPC"
 
@@ -265,6 +267,7 @@ BAD = [
     (lambda p: (p / "Samples~/QuickStart/QuickStart.unity").unlink(), "a sample must have an assembly and a scene"),
     (lambda p: edit(p, "Samples~/QuickStart/QuickStart.unity", "11500000, guid: ", "11500000, guid: 0"), "is not the package's"),
     (lambda p: edit(p, "Editor/Sweepstake.Editor.asmdef", '["Editor"]', "[]"), "must include the editor only"),
+    (lambda p: edit(p, "Runtime/GrpcNet/Sweepstake.GrpcNet.asmdef", '"Grpc.Core.Api.dll"', '"Google.Protobuf.dll"'), "a player must not need Google.Protobuf"),
     (lambda p: edit(p, "Documentation~/proven.md", "| 7 |", "| 77 |"), "the points 1 to 47"),
     (lambda p: edit(p, "Documentation~/proven.md", "`SecurityTest`", "`InsecurityTest`"), "the test InsecurityTest. does not exist"),
     (lambda p: edit(p, "Documentation~/proven.md", "- **G**", "- **X**"), "the steps G do not exist"),

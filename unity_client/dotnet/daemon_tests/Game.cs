@@ -45,6 +45,16 @@ namespace Sweepstake.Tests
             KeepAlivePingTimeout = TimeSpan.FromSeconds(10),
         };
 
+        /// <summary>
+        /// Selects the policy "paper". At first it samples from posteriors without evidence, so it tries other arms whatever their costs
+        /// are.
+        /// </summary>
+        internal static void ExploresFast(LinkOptions options)
+        {
+            options.Policy = "paper";
+            options.TimeScale = 100;
+        }
+
         internal void Play(int frames)
         {
             for (int frame = 0; frame < frames; ++frame)

@@ -4,10 +4,12 @@ using System.Diagnostics;
 using System.IO;
 using System.Linq;
 using System.Net.Http;
+using System.Reflection;
 using System.Text.Json;
 using System.Text.RegularExpressions;
 using Google.Protobuf;
 using NUnit.Framework;
+using Sweepstake.Editor;
 using Sweepstake.GrpcNet;
 using Sweepstake.Protocol.V1;
 
@@ -69,6 +71,21 @@ namespace Sweepstake.Tests
             Headless(2, "--what", "1");
             Headless(2, "--csv", "/dev/null/frames.csv");
             Assert.That(Headless(0, "--help"), Does.Contain("--daemon HOST:PORT"));
+        }
+
+        /// <summary>The tests above run the sample with these files only: .NET loads nothing else for it.</summary>
+        [Test]
+        public void APlayerNeedsNoGoogleProtobuf()
+        {
+            string files = File.ReadAllText(Path.Combine(AppContext.BaseDirectory, "Sweepstake.Headless.deps.json"));
+            Assert.That(files, Does.Contain("Grpc.Net.Client.dll").And.Contain("Sweepstake.GrpcNet.dll").And.Not.Contain("Google.Protobuf"));
+            var names = new List<string> { "Sweepstake.Headless" };
+            for (int next = 0; next < names.Count; ++next)
+            {
+                if (File.Exists(Path.Combine(AppContext.BaseDirectory, names[next] + ".dll")))
+                    names.AddRange(Assembly.Load(names[next]).GetReferencedAssemblies().Select(reference => reference.Name).Except(names));
+            }
+            Assert.That(names, Does.Contain("Sweepstake.GrpcNet").And.Contain("Grpc.Core.Api").And.Not.Contain("Google.Protobuf"));
         }
 
         private static string Headless(int exitCode, params string[] arguments)

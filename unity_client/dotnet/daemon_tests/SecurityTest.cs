@@ -4,6 +4,7 @@ using System.Net;
 using System.Security.Cryptography;
 using System.Security.Cryptography.X509Certificates;
 using NUnit.Framework;
+using Sweepstake.Editor;
 using Sweepstake.GrpcNet;
 
 namespace Sweepstake.Tests

@@ -164,9 +164,7 @@ namespace Sweepstake.Tests
         {
             XElement linker = XElement.Parse(LinkerProcessor.Xml);
             Assert.That(linker.Elements().Select(assembly => (string)assembly.Attribute("preserve")), Is.All.EqualTo("all"));
-            string[] ours = { "Sweepstake.Core", "Sweepstake.Protocol", "Google.Protobuf" };
-            Assert.That(linker.Elements().Select(assembly => (string)assembly.Attribute("fullname")), Is.EqualTo(ours));
-            Assert.That(ours.Select(Assembly.Load), Is.All.Not.Null);
+            Assert.That(linker.Elements().Select(assembly => (string)assembly.Attribute("fullname")), Is.EqualTo(new[] { typeof(SweepstakeLibrary).Assembly.GetName().Name }));
             string before = Directory.GetCurrentDirectory();
             DirectoryInfo folder = Directory.CreateTempSubdirectory("sweepstake");
             Directory.SetCurrentDirectory(folder.FullName);

@@ -7,8 +7,8 @@ using UnityEditor.UnityLinker;
 namespace Sweepstake.Editor
 {
     /// <summary>
-    /// Makes the linker keep code that stripping would remove: the structs of the C ABI, which native code reads, and protobuf's
-    /// messages, which are found by reflection. Unity ignores a link.xml in a package, so this class writes one for each build.
+    /// Makes the linker keep code that stripping would remove: the structs of the C ABI, which native code reads. Unity ignores a
+    /// link.xml in a package, so this class writes one for each build.
     /// </summary>
     internal sealed class LinkerProcessor : IUnityLinkerProcessor
     {
@@ -16,8 +16,6 @@ namespace Sweepstake.Editor
         internal const string Xml =
             "<linker>\n" +
             "    <assembly fullname=\"Sweepstake.Core\" preserve=\"all\"/>\n" +
-            "    <assembly fullname=\"Sweepstake.Protocol\" preserve=\"all\" ignoreIfMissing=\"1\"/>\n" +
-            "    <assembly fullname=\"Google.Protobuf\" preserve=\"all\" ignoreIfMissing=\"1\"/>\n" +
             "</linker>\n";
 
         public int callbackOrder => 0;

@@ -5,20 +5,19 @@ using System.Threading;
 using System.Threading.Tasks;
 using Grpc.Core;
 using Grpc.Net.Client;
-using Sweepstake.Protocol.V1;
 
 namespace Sweepstake.GrpcNet
 {
     /// <summary>
-    /// Transports telemetry over gRPC: calls the method of the generated service with the link's bytes as messages. Each stream has its own
-    /// connection.
+    /// Transports telemetry over gRPC. The messages are the bytes of the native link, so this class needs no generated code and no
+    /// Google.Protobuf. Each stream has its own connection.
     /// </summary>
     public sealed class GrpcTelemetryTransport : ITelemetryTransport
     {
         private static readonly Method<OutgoingBytes, byte[]> StreamTelemetry = new Method<OutgoingBytes, byte[]>(
             MethodType.DuplexStreaming,
-            TelemetryService.Descriptor.FullName,
-            TelemetryService.Descriptor.FindMethodByName("StreamTelemetry").Name,
+            "sweepstake.v1.TelemetryService",
+            "StreamTelemetry",
             new Marshaller<OutgoingBytes>(OutgoingBytes.Write, _ => throw new NotSupportedException()),
             new Marshaller<byte[]>((_, __) => throw new NotSupportedException(), context => context.PayloadAsNewBuffer()));
 

@@ -43,9 +43,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class EventStamp : pb::IMessage<EventStamp>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<EventStamp> _parser = new pb::MessageParser<EventStamp>(() => new EventStamp());
     private pb::UnknownFieldSet _unknownFields;
@@ -177,28 +175,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (Boot != 0UL) {
-        output.WriteRawTag(9);
-        output.WriteFixed64(Boot);
-      }
-      if (Sequence != 0UL) {
-        output.WriteRawTag(16);
-        output.WriteUInt64(Sequence);
-      }
-      if (UnixMs != 0L) {
-        output.WriteRawTag(24);
-        output.WriteInt64(UnixMs);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -218,7 +197,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -260,37 +238,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 9: {
-            Boot = input.ReadFixed64();
-            break;
-          }
-          case 16: {
-            Sequence = input.ReadUInt64();
-            break;
-          }
-          case 24: {
-            UnixMs = input.ReadInt64();
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -319,7 +269,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 

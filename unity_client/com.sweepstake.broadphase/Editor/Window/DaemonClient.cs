@@ -1,14 +1,16 @@
+#if SWEEPSTAKE_GRPC
 #nullable enable
 using System;
 using Grpc.Core;
 using Grpc.Net.Client;
+using Sweepstake.GrpcNet;
 using Sweepstake.Protocol.V1;
 
-namespace Sweepstake.GrpcNet
+namespace Sweepstake.Editor
 {
     /// <summary>
-    /// The daemon's services for tools, through the generated stubs: live posteriors, and export and import of evidence. Thread-safe. The
-    /// only data that leaves the machine is the requests to the daemon.
+    /// The daemon's services for tools of the editor, through the generated stubs: live posteriors, export and import of evidence, and
+    /// sessions. Thread-safe. The only data that leaves the machine is the requests to the daemon.
     /// </summary>
     public sealed class DaemonClient : IDisposable
     {
@@ -23,6 +25,7 @@ namespace Sweepstake.GrpcNet
                 CallInvoker calls = endpoint.WithToken(channel);
                 Posteriors = new PosteriorsService.PosteriorsServiceClient(calls);
                 Priors = new PriorsService.PriorsServiceClient(calls);
+                Sessions = new SessionsService.SessionsServiceClient(calls);
             }
             catch
             {
@@ -33,6 +36,7 @@ namespace Sweepstake.GrpcNet
 
         public PosteriorsService.PosteriorsServiceClient Posteriors { get; }
         public PriorsService.PriorsServiceClient Priors { get; }
+        public SessionsService.SessionsServiceClient Sessions { get; }
 
         public void Dispose()
         {
@@ -40,3 +44,4 @@ namespace Sweepstake.GrpcNet
         }
     }
 }
+#endif

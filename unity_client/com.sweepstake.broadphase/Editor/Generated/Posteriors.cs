@@ -188,9 +188,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ListPosteriorsRequest : pb::IMessage<ListPosteriorsRequest>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<ListPosteriorsRequest> _parser = new pb::MessageParser<ListPosteriorsRequest>(() => new ListPosteriorsRequest());
     private pb::UnknownFieldSet _unknownFields;
@@ -339,32 +337,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (Project.Length != 0) {
-        output.WriteRawTag(10);
-        output.WriteString(Project);
-      }
-      if (PageSize != 0) {
-        output.WriteRawTag(16);
-        output.WriteUInt32(PageSize);
-      }
-      if (PageToken.Length != 0) {
-        output.WriteRawTag(26);
-        output.WriteString(PageToken);
-      }
-      if (Scene.Length != 0) {
-        output.WriteRawTag(34);
-        output.WriteString(Scene);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -388,7 +363,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -436,41 +410,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            Project = input.ReadString();
-            break;
-          }
-          case 16: {
-            PageSize = input.ReadUInt32();
-            break;
-          }
-          case 26: {
-            PageToken = input.ReadString();
-            break;
-          }
-          case 34: {
-            Scene = input.ReadString();
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -503,7 +445,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -512,9 +453,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ListPosteriorsResponse : pb::IMessage<ListPosteriorsResponse>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<ListPosteriorsResponse> _parser = new pb::MessageParser<ListPosteriorsResponse>(() => new ListPosteriorsResponse());
     private pb::UnknownFieldSet _unknownFields;
@@ -626,21 +565,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      scenes_.WriteTo(output, _repeated_scenes_codec);
-      if (NextPageToken.Length != 0) {
-        output.WriteRawTag(18);
-        output.WriteString(NextPageToken);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -653,7 +580,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -685,33 +611,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            scenes_.AddEntriesFrom(input, _repeated_scenes_codec);
-            break;
-          }
-          case 18: {
-            NextPageToken = input.ReadString();
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -736,7 +638,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -745,9 +646,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class GetPosteriorRequest : pb::IMessage<GetPosteriorRequest>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<GetPosteriorRequest> _parser = new pb::MessageParser<GetPosteriorRequest>(() => new GetPosteriorRequest());
     private pb::UnknownFieldSet _unknownFields;
@@ -896,32 +795,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (Project.Length != 0) {
-        output.WriteRawTag(10);
-        output.WriteString(Project);
-      }
-      if (Scene.Length != 0) {
-        output.WriteRawTag(18);
-        output.WriteString(Scene);
-      }
-      if (MachineClass.Length != 0) {
-        output.WriteRawTag(26);
-        output.WriteString(MachineClass);
-      }
-      if (RewardVersion != 0) {
-        output.WriteRawTag(32);
-        output.WriteUInt32(RewardVersion);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -945,7 +821,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -993,41 +868,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            Project = input.ReadString();
-            break;
-          }
-          case 18: {
-            Scene = input.ReadString();
-            break;
-          }
-          case 26: {
-            MachineClass = input.ReadString();
-            break;
-          }
-          case 32: {
-            RewardVersion = input.ReadUInt32();
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -1060,7 +903,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -1069,9 +911,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class GetPosteriorResponse : pb::IMessage<GetPosteriorResponse>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<GetPosteriorResponse> _parser = new pb::MessageParser<GetPosteriorResponse>(() => new GetPosteriorResponse());
     private pb::UnknownFieldSet _unknownFields;
@@ -1166,20 +1006,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (scene_ != null) {
-        output.WriteRawTag(10);
-        output.WriteMessage(Scene);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -1191,7 +1020,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1224,32 +1052,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            if (scene_ == null) {
-              Scene = new global::Sweepstake.Protocol.V1.ScenePosterior();
-            }
-            input.ReadMessage(Scene);
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -1273,7 +1078,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -1282,9 +1086,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class WatchPosteriorsRequest : pb::IMessage<WatchPosteriorsRequest>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<WatchPosteriorsRequest> _parser = new pb::MessageParser<WatchPosteriorsRequest>(() => new WatchPosteriorsRequest());
     private pb::UnknownFieldSet _unknownFields;
@@ -1397,24 +1199,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (Project.Length != 0) {
-        output.WriteRawTag(10);
-        output.WriteString(Project);
-      }
-      if (Scene.Length != 0) {
-        output.WriteRawTag(18);
-        output.WriteString(Scene);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -1430,7 +1217,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1466,33 +1252,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            Project = input.ReadString();
-            break;
-          }
-          case 18: {
-            Scene = input.ReadString();
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -1517,7 +1279,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -1526,9 +1287,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class WatchPosteriorsResponse : pb::IMessage<WatchPosteriorsResponse>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<WatchPosteriorsResponse> _parser = new pb::MessageParser<WatchPosteriorsResponse>(() => new WatchPosteriorsResponse());
     private pb::UnknownFieldSet _unknownFields;
@@ -1658,25 +1417,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (posterior_ != null) {
-        output.WriteRawTag(10);
-        output.WriteMessage(Posterior);
-      }
-      decisions_.WriteTo(output, _repeated_decisions_codec);
-      if (stamp_ != null) {
-        output.WriteRawTag(26);
-        output.WriteMessage(Stamp);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -1693,7 +1436,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -1737,43 +1479,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            if (posterior_ == null) {
-              Posterior = new global::Sweepstake.Protocol.V1.ScenePosterior();
-            }
-            input.ReadMessage(Posterior);
-            break;
-          }
-          case 18: {
-            decisions_.AddEntriesFrom(input, _repeated_decisions_codec);
-            break;
-          }
-          case 26: {
-            if (stamp_ == null) {
-              Stamp = new global::Sweepstake.Protocol.V1.EventStamp();
-            }
-            input.ReadMessage(Stamp);
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -1808,7 +1516,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -1818,9 +1525,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ScenePosterior : pb::IMessage<ScenePosterior>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<ScenePosterior> _parser = new pb::MessageParser<ScenePosterior>(() => new ScenePosterior());
     private pb::UnknownFieldSet _unknownFields;
@@ -2134,62 +1839,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (Project.Length != 0) {
-        output.WriteRawTag(10);
-        output.WriteString(Project);
-      }
-      if (Scene.Length != 0) {
-        output.WriteRawTag(18);
-        output.WriteString(Scene);
-      }
-      if (MachineClass.Length != 0) {
-        output.WriteRawTag(26);
-        output.WriteString(MachineClass);
-      }
-      if (RewardVersion != 0) {
-        output.WriteRawTag(32);
-        output.WriteUInt32(RewardVersion);
-      }
-      arms_.WriteTo(output, _repeated_arms_codec);
-      if (ActiveSessionCount != 0) {
-        output.WriteRawTag(48);
-        output.WriteUInt32(ActiveSessionCount);
-      }
-      if (SourceCount != 0UL) {
-        output.WriteRawTag(56);
-        output.WriteUInt64(SourceCount);
-      }
-      if (Verdict != global::Sweepstake.Protocol.V1.Verdict.Unspecified) {
-        output.WriteRawTag(64);
-        output.WriteEnum((int) Verdict);
-      }
-      if (LeaderArm.Length != 0) {
-        output.WriteRawTag(74);
-        output.WriteString(LeaderArm);
-      }
-      if (ExpectedLossRatio != 0D) {
-        output.WriteRawTag(81);
-        output.WriteDouble(ExpectedLossRatio);
-      }
-      if (ValueRemainingRatio != 0D) {
-        output.WriteRawTag(89);
-        output.WriteDouble(ValueRemainingRatio);
-      }
-      if (activity_ != null) {
-        output.WriteRawTag(98);
-        output.WriteMessage(Activity);
-      }
-      regimeArms_.WriteTo(output, _repeated_regimeArms_codec);
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -2243,7 +1895,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2340,80 +1991,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            Project = input.ReadString();
-            break;
-          }
-          case 18: {
-            Scene = input.ReadString();
-            break;
-          }
-          case 26: {
-            MachineClass = input.ReadString();
-            break;
-          }
-          case 32: {
-            RewardVersion = input.ReadUInt32();
-            break;
-          }
-          case 42: {
-            arms_.AddEntriesFrom(input, _repeated_arms_codec);
-            break;
-          }
-          case 48: {
-            ActiveSessionCount = input.ReadUInt32();
-            break;
-          }
-          case 56: {
-            SourceCount = input.ReadUInt64();
-            break;
-          }
-          case 64: {
-            Verdict = (global::Sweepstake.Protocol.V1.Verdict) input.ReadEnum();
-            break;
-          }
-          case 74: {
-            LeaderArm = input.ReadString();
-            break;
-          }
-          case 81: {
-            ExpectedLossRatio = input.ReadDouble();
-            break;
-          }
-          case 89: {
-            ValueRemainingRatio = input.ReadDouble();
-            break;
-          }
-          case 98: {
-            if (activity_ == null) {
-              Activity = new global::Sweepstake.Protocol.V1.SceneActivity();
-            }
-            input.ReadMessage(Activity);
-            break;
-          }
-          case 106: {
-            regimeArms_.AddEntriesFrom(input, _repeated_regimeArms_codec);
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -2485,7 +2065,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -2495,9 +2074,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class SceneActivity : pb::IMessage<SceneActivity>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<SceneActivity> _parser = new pb::MessageParser<SceneActivity>(() => new SceneActivity());
     private pb::UnknownFieldSet _unknownFields;
@@ -2736,46 +2313,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (SessionId.Length != 0) {
-        output.WriteRawTag(10);
-        output.WriteString(SessionId);
-      }
-      if (ActiveArm.Length != 0) {
-        output.WriteRawTag(18);
-        output.WriteString(ActiveArm);
-      }
-      if (UnixActiveSinceMs != 0L) {
-        output.WriteRawTag(24);
-        output.WriteInt64(UnixActiveSinceMs);
-      }
-      if (RecentSwitchCount != 0) {
-        output.WriteRawTag(32);
-        output.WriteUInt32(RecentSwitchCount);
-      }
-      arms_.WriteTo(output, _repeated_arms_codec);
-      if (total_ != null) {
-        output.WriteRawTag(50);
-        output.WriteMessage(Total);
-      }
-      regimes_.WriteTo(output, _repeated_regimes_codec);
-      if (InitialArm.Length != 0) {
-        output.WriteRawTag(66);
-        output.WriteString(InitialArm);
-      }
-      if (IsChanging != false) {
-        output.WriteRawTag(72);
-        output.WriteBool(IsChanging);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -2813,7 +2353,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -2886,64 +2425,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            SessionId = input.ReadString();
-            break;
-          }
-          case 18: {
-            ActiveArm = input.ReadString();
-            break;
-          }
-          case 24: {
-            UnixActiveSinceMs = input.ReadInt64();
-            break;
-          }
-          case 32: {
-            RecentSwitchCount = input.ReadUInt32();
-            break;
-          }
-          case 42: {
-            arms_.AddEntriesFrom(input, _repeated_arms_codec);
-            break;
-          }
-          case 50: {
-            if (total_ == null) {
-              Total = new global::Sweepstake.Protocol.V1.RegimePosterior();
-            }
-            input.ReadMessage(Total);
-            break;
-          }
-          case 58: {
-            regimes_.AddEntriesFrom(input, _repeated_regimes_codec);
-            break;
-          }
-          case 66: {
-            InitialArm = input.ReadString();
-            break;
-          }
-          case 72: {
-            IsChanging = input.ReadBool();
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -2999,7 +2483,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -3009,9 +2492,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class RegimePosterior : pb::IMessage<RegimePosterior>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<RegimePosterior> _parser = new pb::MessageParser<RegimePosterior>(() => new RegimePosterior());
     private pb::UnknownFieldSet _unknownFields;
@@ -3393,57 +2874,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (HasObjectCount) {
-        output.WriteRawTag(13);
-        output.WriteFloat(ObjectCount);
-      }
-      if (HasSpeedMean) {
-        output.WriteRawTag(21);
-        output.WriteFloat(SpeedMean);
-      }
-      if (HasStaticRatio) {
-        output.WriteRawTag(29);
-        output.WriteFloat(StaticRatio);
-      }
-      if (IsPresent != false) {
-        output.WriteRawTag(32);
-        output.WriteBool(IsPresent);
-      }
-      if (FrameShare != 0F) {
-        output.WriteRawTag(45);
-        output.WriteFloat(FrameShare);
-      }
-      arms_.WriteTo(output, _repeated_arms_codec);
-      if (BestArm.Length != 0) {
-        output.WriteRawTag(58);
-        output.WriteString(BestArm);
-      }
-      if (HasRanUs) {
-        output.WriteRawTag(69);
-        output.WriteFloat(RanUs);
-      }
-      if (HasSavedAgainstSingleUs) {
-        output.WriteRawTag(77);
-        output.WriteFloat(SavedAgainstSingleUs);
-      }
-      if (HasSavedAgainstReferenceUs) {
-        output.WriteRawTag(85);
-        output.WriteFloat(SavedAgainstReferenceUs);
-      }
-      if (HasSavedAgainstInitialUs) {
-        output.WriteRawTag(93);
-        output.WriteFloat(SavedAgainstInitialUs);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -3492,7 +2925,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3578,69 +3010,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 13: {
-            ObjectCount = input.ReadFloat();
-            break;
-          }
-          case 21: {
-            SpeedMean = input.ReadFloat();
-            break;
-          }
-          case 29: {
-            StaticRatio = input.ReadFloat();
-            break;
-          }
-          case 32: {
-            IsPresent = input.ReadBool();
-            break;
-          }
-          case 45: {
-            FrameShare = input.ReadFloat();
-            break;
-          }
-          case 50: {
-            arms_.AddEntriesFrom(input, _repeated_arms_codec);
-            break;
-          }
-          case 58: {
-            BestArm = input.ReadString();
-            break;
-          }
-          case 69: {
-            RanUs = input.ReadFloat();
-            break;
-          }
-          case 77: {
-            SavedAgainstSingleUs = input.ReadFloat();
-            break;
-          }
-          case 85: {
-            SavedAgainstReferenceUs = input.ReadFloat();
-            break;
-          }
-          case 93: {
-            SavedAgainstInitialUs = input.ReadFloat();
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -3701,7 +3073,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -3710,9 +3081,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class RegimeArm : pb::IMessage<RegimeArm>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<RegimeArm> _parser = new pb::MessageParser<RegimeArm>(() => new RegimeArm());
     private pb::UnknownFieldSet _unknownFields;
@@ -3861,32 +3230,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (CostUs != 0F) {
-        output.WriteRawTag(13);
-        output.WriteFloat(CostUs);
-      }
-      if (LowUs != 0F) {
-        output.WriteRawTag(21);
-        output.WriteFloat(LowUs);
-      }
-      if (HighUs != 0F) {
-        output.WriteRawTag(29);
-        output.WriteFloat(HighUs);
-      }
-      if (BestProbability != 0F) {
-        output.WriteRawTag(37);
-        output.WriteFloat(BestProbability);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -3910,7 +3256,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -3958,41 +3303,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 13: {
-            CostUs = input.ReadFloat();
-            break;
-          }
-          case 21: {
-            LowUs = input.ReadFloat();
-            break;
-          }
-          case 29: {
-            HighUs = input.ReadFloat();
-            break;
-          }
-          case 37: {
-            BestProbability = input.ReadFloat();
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -4025,7 +3338,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -4034,9 +3346,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class RewardPosterior : pb::IMessage<RewardPosterior>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<RewardPosterior> _parser = new pb::MessageParser<RewardPosterior>(() => new RewardPosterior());
     private pb::UnknownFieldSet _unknownFields;
@@ -4221,40 +3531,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (Alpha != 0D) {
-        output.WriteRawTag(9);
-        output.WriteDouble(Alpha);
-      }
-      if (Beta != 0D) {
-        output.WriteRawTag(17);
-        output.WriteDouble(Beta);
-      }
-      if (Low95 != 0D) {
-        output.WriteRawTag(25);
-        output.WriteDouble(Low95);
-      }
-      if (Low50 != 0D) {
-        output.WriteRawTag(33);
-        output.WriteDouble(Low50);
-      }
-      if (High50 != 0D) {
-        output.WriteRawTag(41);
-        output.WriteDouble(High50);
-      }
-      if (High95 != 0D) {
-        output.WriteRawTag(49);
-        output.WriteDouble(High95);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -4286,7 +3565,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4346,49 +3624,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 9: {
-            Alpha = input.ReadDouble();
-            break;
-          }
-          case 17: {
-            Beta = input.ReadDouble();
-            break;
-          }
-          case 25: {
-            Low95 = input.ReadDouble();
-            break;
-          }
-          case 33: {
-            Low50 = input.ReadDouble();
-            break;
-          }
-          case 41: {
-            High50 = input.ReadDouble();
-            break;
-          }
-          case 49: {
-            High95 = input.ReadDouble();
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -4429,7 +3667,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -4438,9 +3675,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class ArmPosterior : pb::IMessage<ArmPosterior>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<ArmPosterior> _parser = new pb::MessageParser<ArmPosterior>(() => new ArmPosterior());
     private pb::UnknownFieldSet _unknownFields;
@@ -4734,60 +3969,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (Arm.Length != 0) {
-        output.WriteRawTag(10);
-        output.WriteString(Arm);
-      }
-      if (BackendVersion != 0) {
-        output.WriteRawTag(16);
-        output.WriteUInt32(BackendVersion);
-      }
-      if (posterior_ != null) {
-        output.WriteRawTag(26);
-        output.WriteMessage(Posterior);
-      }
-      if (WindowCount != 0UL) {
-        output.WriteRawTag(32);
-        output.WriteUInt64(WindowCount);
-      }
-      if (BailOutCount != 0UL) {
-        output.WriteRawTag(40);
-        output.WriteUInt64(BailOutCount);
-      }
-      if (VisitCount != 0UL) {
-        output.WriteRawTag(48);
-        output.WriteUInt64(VisitCount);
-      }
-      if (EffectiveWindowCount != 0D) {
-        output.WriteRawTag(57);
-        output.WriteDouble(EffectiveWindowCount);
-      }
-      if (UnixLastSeenS != 0L) {
-        output.WriteRawTag(64);
-        output.WriteInt64(UnixLastSeenS);
-      }
-      if (IsOutdated != false) {
-        output.WriteRawTag(72);
-        output.WriteBool(IsOutdated);
-      }
-      if (HasBestProbability) {
-        output.WriteRawTag(81);
-        output.WriteDouble(BestProbability);
-      }
-      if (costRatio_ != null) {
-        output.WriteRawTag(90);
-        output.WriteMessage(CostRatio);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -4839,7 +4023,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -4935,75 +4118,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            Arm = input.ReadString();
-            break;
-          }
-          case 16: {
-            BackendVersion = input.ReadUInt32();
-            break;
-          }
-          case 26: {
-            if (posterior_ == null) {
-              Posterior = new global::Sweepstake.Protocol.V1.RewardPosterior();
-            }
-            input.ReadMessage(Posterior);
-            break;
-          }
-          case 32: {
-            WindowCount = input.ReadUInt64();
-            break;
-          }
-          case 40: {
-            BailOutCount = input.ReadUInt64();
-            break;
-          }
-          case 48: {
-            VisitCount = input.ReadUInt64();
-            break;
-          }
-          case 57: {
-            EffectiveWindowCount = input.ReadDouble();
-            break;
-          }
-          case 64: {
-            UnixLastSeenS = input.ReadInt64();
-            break;
-          }
-          case 72: {
-            IsOutdated = input.ReadBool();
-            break;
-          }
-          case 81: {
-            BestProbability = input.ReadDouble();
-            break;
-          }
-          case 90: {
-            if (costRatio_ == null) {
-              CostRatio = new global::Sweepstake.Protocol.V1.CostRatio();
-            }
-            input.ReadMessage(CostRatio);
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -5070,7 +4187,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -5079,9 +4195,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class DecisionEvent : pb::IMessage<DecisionEvent>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<DecisionEvent> _parser = new pb::MessageParser<DecisionEvent>(() => new DecisionEvent());
     private pb::UnknownFieldSet _unknownFields;
@@ -5515,83 +4629,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (SessionId.Length != 0) {
-        output.WriteRawTag(10);
-        output.WriteString(SessionId);
-      }
-      if (Project.Length != 0) {
-        output.WriteRawTag(18);
-        output.WriteString(Project);
-      }
-      if (Scene.Length != 0) {
-        output.WriteRawTag(26);
-        output.WriteString(Scene);
-      }
-      if (DecisionId != 0UL) {
-        output.WriteRawTag(32);
-        output.WriteUInt64(DecisionId);
-      }
-      if (ActiveArm.Length != 0) {
-        output.WriteRawTag(42);
-        output.WriteString(ActiveArm);
-      }
-      if (CandidateArm.Length != 0) {
-        output.WriteRawTag(50);
-        output.WriteString(CandidateArm);
-      }
-      if (Outcome != global::Sweepstake.Protocol.V1.DecisionOutcome.Unspecified) {
-        output.WriteRawTag(56);
-        output.WriteEnum((int) Outcome);
-      }
-      if (Reason != global::Sweepstake.Protocol.V1.SwitchReason.Unspecified) {
-        output.WriteRawTag(64);
-        output.WriteEnum((int) Reason);
-      }
-      if (HasReward) {
-        output.WriteRawTag(73);
-        output.WriteDouble(Reward);
-      }
-      if (MachineClass.Length != 0) {
-        output.WriteRawTag(82);
-        output.WriteString(MachineClass);
-      }
-      bestProbability_.WriteTo(output, _repeated_bestProbability_codec);
-      if (ExpectedLossRatio != 0D) {
-        output.WriteRawTag(97);
-        output.WriteDouble(ExpectedLossRatio);
-      }
-      if (Verdict != global::Sweepstake.Protocol.V1.Verdict.Unspecified) {
-        output.WriteRawTag(104);
-        output.WriteEnum((int) Verdict);
-      }
-      if (Policy.Length != 0) {
-        output.WriteRawTag(114);
-        output.WriteString(Policy);
-      }
-      if (measurements_ != null) {
-        output.WriteRawTag(122);
-        output.WriteMessage(Measurements);
-      }
-      arms_.WriteTo(output, _repeated_arms_codec);
-      standings_.WriteTo(output, _repeated_standings_codec);
-      if (UnixMs != 0L) {
-        output.WriteRawTag(144, 1);
-        output.WriteInt64(UnixMs);
-      }
-      if (RewardVersion != 0) {
-        output.WriteRawTag(152, 1);
-        output.WriteUInt32(RewardVersion);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -5666,7 +4706,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -5795,105 +4834,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            SessionId = input.ReadString();
-            break;
-          }
-          case 18: {
-            Project = input.ReadString();
-            break;
-          }
-          case 26: {
-            Scene = input.ReadString();
-            break;
-          }
-          case 32: {
-            DecisionId = input.ReadUInt64();
-            break;
-          }
-          case 42: {
-            ActiveArm = input.ReadString();
-            break;
-          }
-          case 50: {
-            CandidateArm = input.ReadString();
-            break;
-          }
-          case 56: {
-            Outcome = (global::Sweepstake.Protocol.V1.DecisionOutcome) input.ReadEnum();
-            break;
-          }
-          case 64: {
-            Reason = (global::Sweepstake.Protocol.V1.SwitchReason) input.ReadEnum();
-            break;
-          }
-          case 73: {
-            Reward = input.ReadDouble();
-            break;
-          }
-          case 82: {
-            MachineClass = input.ReadString();
-            break;
-          }
-          case 90:
-          case 89: {
-            bestProbability_.AddEntriesFrom(input, _repeated_bestProbability_codec);
-            break;
-          }
-          case 97: {
-            ExpectedLossRatio = input.ReadDouble();
-            break;
-          }
-          case 104: {
-            Verdict = (global::Sweepstake.Protocol.V1.Verdict) input.ReadEnum();
-            break;
-          }
-          case 114: {
-            Policy = input.ReadString();
-            break;
-          }
-          case 122: {
-            if (measurements_ == null) {
-              Measurements = new global::Sweepstake.Protocol.V1.FrameMeasurements();
-            }
-            input.ReadMessage(Measurements);
-            break;
-          }
-          case 130: {
-            arms_.AddEntriesFrom(input, _repeated_arms_codec);
-            break;
-          }
-          case 138: {
-            standings_.AddEntriesFrom(input, _repeated_standings_codec);
-            break;
-          }
-          case 144: {
-            UnixMs = input.ReadInt64();
-            break;
-          }
-          case 152: {
-            RewardVersion = input.ReadUInt32();
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -5990,7 +4933,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -5999,9 +4941,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class FrameMeasurements : pb::IMessage<FrameMeasurements>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<FrameMeasurements> _parser = new pb::MessageParser<FrameMeasurements>(() => new FrameMeasurements());
     private pb::UnknownFieldSet _unknownFields;
@@ -6132,28 +5072,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      if (frameTimeNs_ != null) {
-        output.WriteRawTag(10);
-        output.WriteMessage(FrameTimeNs);
-      }
-      if (detectionTimeNs_ != null) {
-        output.WriteRawTag(18);
-        output.WriteMessage(DetectionTimeNs);
-      }
-      if (nativeBytes_ != null) {
-        output.WriteRawTag(26);
-        output.WriteMessage(NativeBytes);
-      }
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -6173,7 +5094,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6224,46 +5144,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10: {
-            if (frameTimeNs_ == null) {
-              FrameTimeNs = new global::Sweepstake.Protocol.V1.LogHistogram();
-            }
-            input.ReadMessage(FrameTimeNs);
-            break;
-          }
-          case 18: {
-            if (detectionTimeNs_ == null) {
-              DetectionTimeNs = new global::Sweepstake.Protocol.V1.LogHistogram();
-            }
-            input.ReadMessage(DetectionTimeNs);
-            break;
-          }
-          case 26: {
-            if (nativeBytes_ == null) {
-              NativeBytes = new global::Sweepstake.Protocol.V1.LogHistogram();
-            }
-            input.ReadMessage(NativeBytes);
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -6301,7 +5184,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
@@ -6311,9 +5193,7 @@ namespace Sweepstake.Protocol.V1 {
   /// </summary>
   [global::System.Diagnostics.DebuggerDisplayAttribute("{ToString(),nq}")]
   public sealed partial class LogHistogram : pb::IMessage<LogHistogram>
-  #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       , pb::IBufferMessage
-  #endif
   {
     private static readonly pb::MessageParser<LogHistogram> _parser = new pb::MessageParser<LogHistogram>(() => new LogHistogram());
     private pb::UnknownFieldSet _unknownFields;
@@ -6426,18 +5306,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void WriteTo(pb::CodedOutputStream output) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       output.WriteRawMessage(this);
-    #else
-      bucketSteps_.WriteTo(output, _repeated_bucketSteps_codec);
-      counts_.WriteTo(output, _repeated_counts_codec);
-      if (_unknownFields != null) {
-        _unknownFields.WriteTo(output);
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalWriteTo(ref pb::WriteContext output) {
@@ -6447,7 +5318,6 @@ namespace Sweepstake.Protocol.V1 {
         _unknownFields.WriteTo(ref output);
       }
     }
-    #endif
 
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
@@ -6475,35 +5345,9 @@ namespace Sweepstake.Protocol.V1 {
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     public void MergeFrom(pb::CodedInputStream input) {
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
       input.ReadRawMessage(this);
-    #else
-      uint tag;
-      while ((tag = input.ReadTag()) != 0) {
-      if ((tag & 7) == 4) {
-        // Abort on any end group tag.
-        return;
-      }
-      switch(tag) {
-          default:
-            _unknownFields = pb::UnknownFieldSet.MergeFieldFrom(_unknownFields, input);
-            break;
-          case 10:
-          case 8: {
-            bucketSteps_.AddEntriesFrom(input, _repeated_bucketSteps_codec);
-            break;
-          }
-          case 18:
-          case 16: {
-            counts_.AddEntriesFrom(input, _repeated_counts_codec);
-            break;
-          }
-        }
-      }
-    #endif
     }
 
-    #if !GOOGLE_PROTOBUF_REFSTRUCT_COMPATIBILITY_MODE
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
     void pb::IBufferMessage.InternalMergeFrom(ref pb::ParseContext input) {
@@ -6530,7 +5374,6 @@ namespace Sweepstake.Protocol.V1 {
         }
       }
     }
-    #endif
 
   }
 
