@@ -40,6 +40,7 @@ def unity(*versions):
 
 U2022, U6, U65 = unity("2022.3"), unity("2022.3", "6000.0"), unity("2022.3", "6000.0", "6000.5")
 EDITOR, TESTS = ["UNITY_EDITOR"], ["UNITY_INCLUDE_TESTS"]
+DESKTOP, IOS_ARCHIVE = ["UNITY_STANDALONE"], ["SWEEPSTAKE_IOS"]
 
 # Each row has a name, a platform, defines and packages.
 ROWS = [
@@ -52,12 +53,13 @@ ROWS = [
     ("editor 2022.3, WebGL chosen, gRPC", "Editor", U2022 + EDITOR + OLD_INPUT + GRPC + ["UNITY_WEBGL"], [YAHA]),
     ("editor 6000.0, gRPC, HDRP, new input", "Editor", U6 + EDITOR + NEW_INPUT + GRPC, [YAHA, INPUT, BURST, HDRP]),
     ("editor 6000.5, gRPC by Unity's handler", "Editor", U65 + EDITOR + OLD_INPUT + GRPC, []),
-    ("Linux 2022.3", "LinuxStandalone64", U2022 + OLD_INPUT, []),
-    ("Linux 2022.3, gRPC", "LinuxStandalone64", U2022 + OLD_INPUT + GRPC, [YAHA]),
-    ("Windows 6000.0, IL2CPP, gRPC", "WindowsStandalone64", U6 + NEW_INPUT + GRPC + ["ENABLE_IL2CPP"], [YAHA, INPUT, BURST, URP]),
-    ("Windows 6000.5, gRPC by Unity's handler", "WindowsStandalone64", U65 + OLD_INPUT + GRPC, []),
+    ("Linux 2022.3", "LinuxStandalone64", U2022 + DESKTOP + OLD_INPUT, []),
+    ("Linux 2022.3, gRPC", "LinuxStandalone64", U2022 + DESKTOP + OLD_INPUT + GRPC, [YAHA]),
+    ("Windows 6000.0, IL2CPP, gRPC", "WindowsStandalone64", U6 + DESKTOP + NEW_INPUT + GRPC + ["ENABLE_IL2CPP"], [YAHA, INPUT, BURST, URP]),
+    ("Windows 6000.5, gRPC by Unity's handler", "WindowsStandalone64", U65 + DESKTOP + OLD_INPUT + GRPC, []),
     ("Android 6000.0, IL2CPP", "Android", U6 + NEW_INPUT + ["ENABLE_IL2CPP", "UNITY_ANDROID"], [INPUT, BURST, URP]),
     ("iOS 2022.3, IL2CPP, gRPC", "iOS", U2022 + OLD_INPUT + GRPC + ["ENABLE_IL2CPP", "UNITY_IOS"], [YAHA]),
+    ("iOS 2022.3, IL2CPP, with the archive", "iOS", U2022 + OLD_INPUT + GRPC + ["ENABLE_IL2CPP", "UNITY_IOS"] + IOS_ARCHIVE, [YAHA]),
     ("WebGL 2022.3", "WebGL", U2022 + OLD_INPUT + ["ENABLE_IL2CPP", "UNITY_WEBGL"], []),
     ("WebGL 6000.0, gRPC", "WebGL", U6 + NEW_INPUT + GRPC + ["ENABLE_IL2CPP", "UNITY_WEBGL"], [YAHA, INPUT, HDRP]),
 ]
@@ -161,7 +163,7 @@ class Compiler:
 
 
 def compile_row(compiler, package, stubs, row):
-    """Returns the names of the package's assemblies that were compiled, and of those that failed."""
+    """Returns the paths of the package's assemblies that were compiled, and the names of those that failed."""
     _, platform, defines, packages = row
     present = {name: stub for name, stub in stubs.items() if platform == "Editor" or name != "UnityEditor"}
     present = {name: stub for name, stub in present.items() if name not in PACKAGE_ASSEMBLIES.values() or any(PACKAGE_ASSEMBLIES.get(p) == name for p in packages)}
@@ -181,7 +183,7 @@ def compile_row(compiler, package, stubs, row):
 
     for name in sorted(due):
         path_of(name)
-    return sorted(due), failed
+    return {name: paths[name] for name in due}, failed
 
 
 def reference_names(assembly, present, due):
@@ -217,6 +219,20 @@ def expectation_errors(row, compiled):
         yield f"{name}: the five samples were not all compiled"
 
 
+def imports_of(path):
+    """Returns the name of the native library that the assembly imports; "" if it imports none."""
+    content = path.read_bytes()
+    return next((name for name in ("sweepstake", "__Internal") if f"\0{name}\0".encode() in content), "")
+
+
+def import_errors(row, core):
+    """Yields an error if Sweepstake.Core imports functions that the link of this build may not find."""
+    name, platform, defines, _ = row
+    due = {"WebGL": "", "iOS": "__Internal" if IOS_ARCHIVE[0] in defines else ""}.get(platform, "sweepstake")
+    if imports_of(core) != due:
+        yield f"{name}: Sweepstake.Core imports '{imports_of(core)}', and must import '{due}'"
+
+
 def main(arguments):
     if len(arguments) != 2:
         print(__doc__, file=sys.stderr)
@@ -233,6 +249,7 @@ def main(arguments):
             continue
         compiled, failed = compile_row(compiler, package, stubs, row)
         errors += [f"{row[0]}: {name} does not compile" for name in failed] + list(expectation_errors(row, compiled))
+        errors += import_errors(row, compiled["Sweepstake.Core"]) if "Sweepstake.Core" not in failed else []
     print("\n".join(errors) or f"{len(ROWS) - left_out} rows compile, {compiler.count} compilations")
     if left_out:
         print(f"******** LEFT OUT: {left_out} rows with gRPC, whose libraries were not restored ********")

@@ -52,6 +52,13 @@ HEAD = """\
 // Written by unity_client/tools/make_bindings.py from the headers of the C ABI.
 #nullable enable
 """
+METHODS_HEAD = HEAD.replace("#nullable", """\
+// The following condition alone decides which builds import the native library. The import of a missing shared library fails at run time. On
+// iOS the library is an archive, and without it the imports would break the link of each build. Define SWEEPSTAKE_IOS if the archive is there.
+#if !UNITY_5_3_OR_NEWER || UNITY_EDITOR || UNITY_STANDALONE || UNITY_EMBEDDED_LINUX || UNITY_ANDROID || (UNITY_IOS && SWEEPSTAKE_IOS)
+#define HAS_LIBRARY
+#endif
+#nullable""")
 
 
 def pascal(name):
@@ -99,7 +106,7 @@ def functions(root):
 
 
 def methods_file(root):
-    lines = [HEAD + """\
+    lines = [METHODS_HEAD + """\
 using System;
 using System.Runtime.InteropServices;
 
@@ -108,23 +115,34 @@ namespace Sweepstake.LowLevel
     /// <summary>
     /// The functions of the C ABI under their own names, for jobs and Burst; the C headers in Native~/include document them. They use
     /// pointers and scalars only, so nothing is marshalled and nothing allocates. All other code uses the classes of
-    /// <see cref="Sweepstake"/>, which check results and own the native objects.
+    /// <see cref="Sweepstake"/>, which check results and own the native objects. In a build without the library, they throw
+    /// <see cref="NotSupportedException"/>.
     /// </summary>
     public static unsafe class NativeMethods
     {
-#if (UNITY_IOS || UNITY_TVOS || UNITY_VISIONOS) && !UNITY_EDITOR
+#if HAS_LIBRARY
+        internal static bool HasLibrary => true;
+#if UNITY_IOS && !UNITY_EDITOR
         private const string Library = "__Internal";
 #else
         private const string Library = "sweepstake";
 #endif
 """]
-    for header, returned, name, arguments in functions(root):
+    imports = list(functions(root))
+    for header, returned, name, arguments in imports:
         lines.append(f"""
         /// <summary>See {header}.</summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern {returned} {name}({arguments});
 """)
-    return "".join(lines) + "    }\n}\n"
+    lines.append("""#else
+        internal static bool HasLibrary => false;
+
+        private static NotSupportedException Missing() => new NotSupportedException("Sweepstake has no native library for this platform.");
+
+""")
+    lines += [f"        public static {returned} {name}({arguments}) => throw Missing();\n" for _, returned, name, arguments in imports]
+    return "".join(lines) + "#endif\n    }\n}\n"
 
 
 class Layouts:

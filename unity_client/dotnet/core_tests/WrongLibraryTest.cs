@@ -2,6 +2,7 @@
 using System;
 using System.Diagnostics;
 using System.IO;
+using System.Linq;
 using System.Reflection;
 using System.Runtime.InteropServices;
 using System.Runtime.Loader;
@@ -51,6 +52,25 @@ namespace Sweepstake.Tests
         {
             AssertProblem(() => Compiled("int something_else(void) { return 0; }"), "lacks a function that this package needs", "Runtime/Plugins");
         }
+
+        /// <summary>An iOS build without the archive: an import of a function that does not exist would break its link.</summary>
+        [Test]
+        public void ABuildWithoutALibraryImportsNothingAndSaysThatThePlatformIsNotSupported()
+        {
+            Assembly core = Assembly.Load("Sweepstake.Core.Ios");
+            Type functions = core.GetType(typeof(LowLevel.NativeMethods).FullName!)!;
+            MethodInfo[] declared = functions.GetMethods(BindingFlags.Static | BindingFlags.Public | BindingFlags.DeclaredOnly);
+            Assert.That(declared, Has.Length.EqualTo(typeof(LowLevel.NativeMethods).GetMethods(BindingFlags.Static | BindingFlags.Public | BindingFlags.DeclaredOnly).Length));
+            foreach (MethodInfo function in core.GetTypes().SelectMany(type => type.GetMethods(BindingFlags.Static | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly)))
+                Assert.That(function.Attributes & MethodAttributes.PinvokeImpl, Is.EqualTo(default(MethodAttributes)), function.Name);
+            Assert.That(Thrown(functions.GetMethod("swp_abi_version")), Is.InstanceOf<NotSupportedException>());
+
+            Exception told = Thrown(core.GetType(typeof(SweepstakeLibrary).FullName!)!.GetMethod(nameof(SweepstakeLibrary.EnsureLoaded)));
+            Assert.That(told.Message, Does.Contain("does not support this platform").And.Contain("SWEEPSTAKE_IOS"));
+            Assert.That(told.InnerException, Is.InstanceOf<NotSupportedException>());
+        }
+
+        private static Exception Thrown(MethodInfo function) => Assert.Throws<TargetInvocationException>(() => function.Invoke(null, null))!.InnerException;
 
         private IntPtr Compiled(string source)
         {

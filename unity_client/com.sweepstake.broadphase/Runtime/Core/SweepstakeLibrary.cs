@@ -24,12 +24,6 @@ namespace Sweepstake
         private const string Install =
             "Put the plug-in of this package's version into Runtime/Plugins or Assets/Plugins (Documentation~/native-library.md describes how to build it).";
 
-#if UNITY_WEBGL && !UNITY_EDITOR
-        private const bool IsWebGL = true;
-#else
-        private const bool IsWebGL = false;
-#endif
-
         private static volatile bool isChecked;
         private static volatile int shutdownCount;
         private static IReadOnlyList<string>? backends;
@@ -93,7 +87,7 @@ namespace Sweepstake
         {
             if (isChecked)
                 return null;
-            NativeLibraryException? lacking = FindPlatformProblem(IsWebGL, IntPtr.Size);
+            NativeLibraryException? lacking = FindPlatformProblem(NativeMethods.HasLibrary, IntPtr.Size);
             if (lacking != null)
                 return lacking;
             try
@@ -114,11 +108,16 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>Returns why this platform cannot have a native library; null if it can have one.</summary>
-        internal static NativeLibraryException? FindPlatformProblem(bool isWebGL, int pointerBytes)
+        /// <summary>Returns why this build cannot use a native library; null if it can use one.</summary>
+        internal static NativeLibraryException? FindPlatformProblem(bool hasLibrary, int pointerBytes)
         {
-            if (isWebGL)
-                return new NativeLibraryException("Sweepstake has no native library for WebGL.", "Use Unity's own physics queries there.");
+            if (!hasLibrary)
+            {
+                return new NativeLibraryException(
+                    "Sweepstake does not support this platform: the build has no native library for it.",
+                    "Use Unity's own physics queries there. On iOS, add the archive and the define SWEEPSTAKE_IOS (Documentation~/native-library.md).",
+                    new NotSupportedException());
+            }
             return pointerBytes == 8
                 ? null
                 : new NativeLibraryException("Sweepstake needs a 64-bit process.", "Choose a 64-bit architecture in the player's settings.");
