@@ -134,6 +134,39 @@ namespace Sweepstake.Tests
         }
 
         [Test]
+        public void BetweenAttemptsTheLinkSleepsAndAllocatesNothing()
+        {
+            const int Attempts = 20;
+            var daemon = new AbsentDaemon();
+            using var game = new Game(daemon, options => options.BackoffMinMs = options.BackoffMaxMs = 100);
+            game.PlayUntil(() => daemon.OpenCount > Attempts, "tried again");
+            Assert.That(game.Connection.WakeUpCount, Is.LessThanOrEqualTo(2 * daemon.OpenCount), "the delays are 50 ms long on average");
+            Assert.That(daemon.AllocatedBetween, Is.EqualTo(0));
+        }
+
+        [Test]
+        public void AnEndWakesTheLinkDuringALongDelay()
+        {
+            var daemon = new AbsentDaemon();
+            using var game = new Game(daemon, options => options.BackoffMinMs = options.BackoffMaxMs = 3_600_000);
+            game.PlayUntil(() => daemon.OpenCount > 0 && game.Status.LastError.Length > 0, "refused");
+            Assert.That(game.Connection.Stop(60_000), Is.True);
+            Assert.That(game.Connection.WakeUpCount, Is.LessThanOrEqualTo(2));
+        }
+
+        [Test]
+        public void WhileADaemonDoesNotAnswerTheLinkWakesSeldom()
+        {
+            var stream = new ScriptedStream();
+            using var game = new Game(new ScriptedDaemon(() => stream));
+            game.PlayUntil(() => stream.Requests.Count > 0, "greeted");
+            long before = game.Connection.WakeUpCount;
+            ulong beganNs = SteadyClock.NowNs;
+            game.PlayUntil(() => game.Connection.WakeUpCount > before + 2, "awake");
+            Assert.That(SteadyClock.NowNs - beganNs, Is.GreaterThan(250_000_000UL), "at least one whole interval lies between three wake-ups");
+        }
+
+        [Test]
         public void AStreamThatThrowsHasEndedAndIsTriedAgain([Values("write", "read")] string call)
         {
             var daemon = new ScriptedDaemon(() => new ScriptedStream { Broken = call });

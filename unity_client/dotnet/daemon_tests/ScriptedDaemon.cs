@@ -2,6 +2,7 @@ using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
 using System.Linq;
+using System.Threading;
 using System.Threading.Tasks;
 using Google.Protobuf;
 using Sweepstake.Protocol.V1;
@@ -34,6 +35,38 @@ namespace Sweepstake.Tests
 
         internal static Welcome Welcome() =>
             new Welcome { SessionId = "scripted", DaemonVersion = "9.9.9", Policy = "scripted" };
+    }
+
+    /// <summary>A daemon that cannot be reached. It counts what the link's thread allocates between two attempts.</summary>
+    internal sealed class AbsentDaemon : ITelemetryTransport, ITelemetryStream
+    {
+        private static readonly Task<byte[]> NoMessage = Task.FromResult<byte[]>(null);
+        private long allocatedBefore = -1;
+        private int openCount;
+
+        internal int OpenCount => Volatile.Read(ref openCount);
+        internal long AllocatedBetween { get; private set; }
+
+        public StreamEnd End => new StreamEnd(StreamEnd.Unavailable, "nobody is there");
+
+        public ITelemetryStream Open()
+        {
+            if (allocatedBefore >= 0)
+                AllocatedBetween += GC.GetAllocatedBytesForCurrentThread() - allocatedBefore;
+            Interlocked.Increment(ref openCount);
+            return this;
+        }
+
+        public Task WriteAsync(ArraySegment<byte> message) => Task.CompletedTask;
+
+        public Task FinishAsync() => Task.CompletedTask;
+
+        public Task<byte[]> ReadAsync() => NoMessage;
+
+        public void Dispose()
+        {
+            allocatedBefore = GC.GetAllocatedBytesForCurrentThread();
+        }
     }
 
     /// <summary>One stream of the scripted daemon. Like a real daemon, it sends nothing before the game's first message.</summary>

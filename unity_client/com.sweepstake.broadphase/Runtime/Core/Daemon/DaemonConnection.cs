@@ -15,6 +15,8 @@ namespace Sweepstake
     public sealed unsafe class DaemonConnection : SessionWork
     {
         private const int TickMs = 5;
+        // Until the daemon answers, only the native link's time limit for the answer is checked.
+        private const int UnansweredTickMs = 250;
         private const uint Never = uint.MaxValue;
         private const uint MinBufferBytes = 8 * 1024;
 
@@ -88,21 +90,37 @@ namespace Sweepstake
             status = LinkMirror.Closed(status);
         }
 
-        /// <summary>Waits until the next stream is due; false if there will not be another stream.</summary>
+        /// <summary>
+        /// Sleeps until the next stream is due; false if there will not be another stream. It allocates nothing, and only Stop wakes it
+        /// early.
+        /// </summary>
         private bool WaitForStream(uint delayMs)
         {
             ulong dueNs = delayMs == Never ? 0 : SteadyClock.NowNs + delayMs * 1_000_000UL;
-            while (delayMs != Never && !IsOver(NextAction(false, out _)))
+            while (delayMs != Never && EmptyQueue())
             {
                 ulong nowNs = SteadyClock.NowNs;
                 if (nowNs >= dueNs)
                     return true;
-                Sleep((int)Math.Min(TickMs, (dueNs - nowNs) / 1_000_000 + 1));
+                Sleep((int)Math.Min(int.MaxValue, (dueNs - nowNs) / 1_000_000 + 1));
             }
             return false;
         }
 
-        private bool IsOver(LinkAction action) => action == LinkAction.Cancel || status.State == LinkState.Closed;
+        /// <summary>
+        /// Moves the session's samples into the native link, so that the session's queue has room during the next delay. Returns false if
+        /// this object is being stopped.
+        /// </summary>
+        private bool EmptyQueue()
+        {
+            lock (Gate)
+            {
+                if (IsStopping || IsClosed)
+                    return false;
+                PeekAction();
+                return true;
+            }
+        }
 
         /// <summary>Opens a stream and serves it until it ends; returns the delay before the next stream in milliseconds.</summary>
         private uint ServeStream()
@@ -161,7 +179,7 @@ namespace Sweepstake
                     isFinishing = false;
                 }
                 if (action != LinkAction.Send)
-                    Sleep(TickMs);
+                    Sleep(IsStopping || status.State == LinkState.Online ? TickMs : UnansweredTickMs);
             }
         }
 

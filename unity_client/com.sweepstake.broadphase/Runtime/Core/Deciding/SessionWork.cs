@@ -20,6 +20,7 @@ namespace Sweepstake
 
         private readonly object wakeGate = new object();
         private bool isWoken;
+        private long wakeUpCount;
         private bool isReleased;
         private volatile bool isAbandoned;
         private volatile Exception? failure;
@@ -36,6 +37,9 @@ namespace Sweepstake
 
         /// <summary>The exception that ended the thread; null while the thread runs or after it was stopped.</summary>
         public Exception? Failure => failure;
+
+        /// <summary>How often the thread has returned from <see cref="Sleep"/>.</summary>
+        internal long WakeUpCount => Interlocked.Read(ref wakeUpCount);
 
         /// <summary>Lock that is held during native calls of this object, so that none runs after it is closed.</summary>
         private protected object Gate { get; } = new object();
@@ -143,6 +147,7 @@ namespace Sweepstake
                     Monitor.Wait(wakeGate, timeoutMs);
                 isWoken = false;
             }
+            Interlocked.Increment(ref wakeUpCount);
         }
 
         private void BeginStop(ulong endNs)
