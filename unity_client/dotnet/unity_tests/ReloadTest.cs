@@ -82,7 +82,7 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void DisablingAndEnablingBeginsAnew()
+        public void AManagerThatIsEnabledAgainPlaysOn()
         {
             SweepstakeManager manager = MakeManager();
             manager.gameObject.AddComponent<ColliderTracker>();

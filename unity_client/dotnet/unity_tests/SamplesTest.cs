@@ -13,17 +13,7 @@ namespace Sweepstake.Tests
     /// <summary>Plays the component of each sample.</summary>
     public sealed class SamplesTest : Stage
     {
-        private string folder;
-
-        [SetUp]
-        public void MakeFolder()
-        {
-            folder = Directory.CreateTempSubdirectory("sweepstake").FullName;
-            Application.persistentDataPath = folder;
-        }
-
-        [TearDown]
-        public void RemoveFolder() => Directory.Delete(folder, true);
+        private static string Folder => Application.persistentDataPath;
 
         [Test]
         public void TheQuickStartCountsItsPairs()
@@ -175,7 +165,7 @@ namespace Sweepstake.Tests
                 Assert.That(played.Boxes.ToArray(), Is.EqualTo(original.Boxes.ToArray()));
                 played.Step();
             }
-            string costs = Path.Combine(folder, "level.costs");
+            string costs = Path.Combine(Folder, "level.costs");
             RunTool("trace", "--scene", recorder.FilePath, "--out", costs);
             Assert.That(new FileInfo(costs).Length, Is.GreaterThan(0));
             Assert.That(
@@ -185,7 +175,7 @@ namespace Sweepstake.Tests
         [Test]
         public void ARecordingTakesCountsThatChangeAndBoxesThatAreBroken()
         {
-            string path = Path.Combine(folder, "changing.aabbs");
+            string path = Path.Combine(Folder, "changing.aabbs");
             var frames = new List<List<Aabb>>();
             for (int frame = 0; frame < 10; ++frame)
                 frames.Add(Enumerable.Range(0, frame % 4 + 1).Select(index => new Aabb(index, 0, frame, index + 1, 1, frame + 1)).ToList());
@@ -253,7 +243,7 @@ namespace Sweepstake.Tests
             Frames(3);
             recorder.enabled = false;
             Assert.That(Logged("nothing to record"), Has.Exactly(1).Items);
-            Assert.That(Directory.GetFiles(folder), Is.Empty);
+            Assert.That(Directory.GetFiles(Folder), Is.Empty);
         }
 
         private static ulong[] HashesOf(string scenario, uint seed, float frameSeconds)

@@ -17,6 +17,7 @@ namespace Sweepstake.Tests
         public void EnterPlayMode()
         {
             Debug.Lines.Clear();
+            Application.persistentDataPath = System.IO.Directory.CreateTempSubdirectory("sweepstake").FullName;
             Player.Begin(typeof(Stage).Assembly);
         }
 
@@ -27,6 +28,7 @@ namespace Sweepstake.Tests
             Application.isMobilePlatform = false;
             Application.isEditor = false;
             Application.streamingAssetsPath = "";
+            System.IO.Directory.Delete(Application.persistentDataPath, true);
             Assert.That(SessionWork.RunningCount, Is.EqualTo(0), "no decider or connection is left");
             Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0), "no native object is left");
         }

@@ -1,6 +1,7 @@
 #nullable enable
 using System;
 using System.Globalization;
+using System.IO;
 using UnityEngine;
 
 namespace Sweepstake.Unity
@@ -70,6 +71,15 @@ namespace Sweepstake.Unity
             FpsFloor = decisions.fpsFloor,
             PriorsData = decisions.priors == null ? null : decisions.priors.bytes,
         };
+
+        /// <summary>The file with what the game has learnt about the scene on this device; null if nothing is saved.</summary>
+        internal SavedPriors? OpenSavedPriors(string defaultScene)
+        {
+            if (!decisions.savesPriors || Application.persistentDataPath.Length == 0)
+                return null;
+            string device = daemon.machineClass.Length > 0 ? daemon.machineClass : $"{SystemInfo.deviceModel}, {SystemInfo.processorType}, {SystemInfo.processorCount}";
+            return SavedPriors.Open(Path.Combine(Application.persistentDataPath, "Sweepstake"), project, SceneOr(defaultScene), device);
+        }
 
         public LinkOptions ToLinkOptions(string defaultScene, string defaultBuild) => new LinkOptions
         {
@@ -156,6 +166,8 @@ namespace Sweepstake.Unity
         public float fpsFloor = 30;
         [Tooltip("What earlier runs have learnt: a file of 'Export Priors' in the inspector or of `sweepstake priors export`, with the extension .bytes. None: it starts without priors.")]
         public TextAsset? priors;
+        [Tooltip("On: what the game learns about a scene is saved in Application.persistentDataPath on each device, and the next run continues from it. A daemon saves it instead while the game is connected.")]
+        public bool savesPriors = true;
     }
 
     /// <summary>Weights of the four scores in the paper's reward. Other weights than the default start without earlier evidence.</summary>

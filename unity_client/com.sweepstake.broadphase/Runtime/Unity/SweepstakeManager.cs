@@ -37,6 +37,8 @@ namespace Sweepstake.Unity
         private readonly Listeners<Verdict> verdictChanged = new Listeners<Verdict>();
         private readonly Listeners<Decision> decided = new Listeners<Decision>();
         private SessionHost? host;
+        // The session of a manager that is disabled; it continues when the manager is enabled again.
+        private SessionHost? resting;
         private IBroadPhaseSource? source;
         private SweepstakeConfig? defaults;
         private string trouble = "";
@@ -199,11 +201,14 @@ namespace Sweepstake.Unity
             SceneManager.sceneLoaded -= OnSceneLoaded;
             EnabledManagers.Remove(this);
             mustBegin = false;
+            if (host != null && host.Rest(SessionHost.DeadlineNs()))
+                (resting, host) = (host, null);
             End();
         }
 
         private void OnDestroy()
         {
+            EndResting();
             if (defaults != null)
                 Destroy(defaults);
         }
@@ -225,7 +230,13 @@ namespace Sweepstake.Unity
                 session.SelectArm(backend);
         }
 
-        private void OnApplicationPause(bool isPaused) => flagger.IsPaused = isPaused;
+        private void OnApplicationPause(bool isPaused)
+        {
+            flagger.IsPaused = isPaused;
+            // A mobile system may end a paused game without a further call.
+            if (isPaused)
+                host?.BeginSave();
+        }
 
         private void OnApplicationFocus(bool hasFocus) => flagger.IsInBackground = !hasFocus && !Application.isEditor;
 
@@ -312,10 +323,18 @@ namespace Sweepstake.Unity
         {
             SweepstakeConfig settings = ConfigOrDefault();
             SweepstakeLibrary.EnsureLoaded();
-            host = new SessionHost(settings, mode, backend, gameObject.scene.name, Tell);
-            changes.Reset(host.Session);
             flagger.Skip();
             endedNs = 0;
+            if (resting != null && resting.Continue(settings, mode, backend, gameObject.scene.name))
+            {
+                (host, resting) = (resting, null);
+                changes.Reset(host.Session);
+                UpdateState();
+                return;
+            }
+            EndResting();
+            host = new SessionHost(settings, mode, backend, gameObject.scene.name, Tell);
+            changes.Reset(host.Session);
             host.DecideHere();
             if (settings.daemon.isUsed)
                 Connect();
@@ -333,6 +352,12 @@ namespace Sweepstake.Unity
         {
             host?.End(endNs);
             host = null;
+        }
+
+        private void EndResting()
+        {
+            resting?.End(SessionHost.DeadlineNs());
+            resting = null;
         }
 
         private void Fail(SweepstakeException problem)
@@ -381,7 +406,9 @@ namespace Sweepstake.Unity
             string away = status == null ? "" : status.Refusal.Length > 0 ? status.Refusal : status.LastError;
             if (away.Length > 0)
                 return away;
-            return trouble.Length > 0 ? trouble : running.CsvProblem;
+            if (trouble.Length > 0)
+                return trouble;
+            return running.PriorsProblem.Length > 0 ? running.PriorsProblem : running.CsvProblem;
         }
 
         private static SweepstakeState StateOf(ConnectionStatus status)

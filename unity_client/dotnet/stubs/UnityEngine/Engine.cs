@@ -41,6 +41,26 @@ namespace UnityEngine
         internal static void SayQuitting() => quitting?.Invoke();
     }
 
+    public sealed class SystemInfo
+    {
+        public static string deviceModel => "PC";
+        public static string processorType => "CPU";
+        public static int processorCount => 2;
+    }
+
+    public static class JsonUtility
+    {
+        /// <summary>A text that differs if a public field differs. It is not JSON, which no test reads.</summary>
+        public static string ToJson(object obj)
+        {
+            if (obj == null || obj is IConvertible)
+                return FormattableString.Invariant($"{obj};");
+            if (obj is Array items)
+                return string.Concat(System.Linq.Enumerable.Select(System.Linq.Enumerable.Cast<object>(items), ToJson)) + "]";
+            return obj.GetType().Name + string.Concat(System.Linq.Enumerable.Select(obj.GetType().GetFields(), field => field.IsStatic ? "" : ToJson(field.GetValue(obj))));
+        }
+    }
+
     public class Debug
     {
         /// <summary>For tests: the logged lines.</summary>

@@ -40,6 +40,11 @@ namespace Sweepstake
         public string? PriorsFile { get; set; }
         /// <summary>Priors in the format that <see cref="EmbeddedDecider.ExportPriors"/> and `sweepstake priors export` write.</summary>
         public byte[]? PriorsData { get; set; }
+        /// <summary>
+        /// The file that the decider continues, and that it writes when it ends. It replaces <see cref="SourceId"/> and
+        /// <see cref="PriorsFile"/>. Null: nothing is saved.
+        /// </summary>
+        public SavedPriors? Saved { get; set; }
         /// <summary>Seed of the exploration and of the random draws, which only `paper` makes: the same seed and the same measurements give the same decisions.</summary>
         public ulong Seed { get => native.Seed; set => native.Seed = value; }
         /// <summary>Factor from 1 to 1000 by which all intervals except the bail-out limit are divided.</summary>
@@ -65,10 +70,13 @@ namespace Sweepstake
             options.Scene = memory.Text(Scene);
             options.MachineClass = memory.Text(MachineClass);
             options.Build = memory.Text(Build);
-            options.SourceId = memory.Text(SourceId);
-            options.PriorsFile = memory.Text(PriorsFile);
-            options.PriorsData = memory.Pin(PriorsData);
-            options.PriorsDataBytes = options.PriorsData == null ? 0 : (ulong)PriorsData!.Length;
+            // The unwritten priors also contain those that their decider began with.
+            byte[]? data = Saved?.Unwritten ?? PriorsData;
+            bool hasFile = Saved != null && Saved.Unwritten == null && System.IO.File.Exists(Saved.Path);
+            options.SourceId = memory.Text(Saved == null ? SourceId : Saved.SourceId);
+            options.PriorsFile = memory.Text(Saved == null ? PriorsFile : hasFile ? Saved.Path : null);
+            options.PriorsData = memory.Pin(data);
+            options.PriorsDataBytes = options.PriorsData == null ? 0 : (ulong)data!.Length;
             return options;
         }
     }

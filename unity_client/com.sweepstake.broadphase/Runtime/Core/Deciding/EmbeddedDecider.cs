@@ -1,5 +1,6 @@
 #nullable enable
 using System;
+using System.Threading;
 using Sweepstake.LowLevel;
 
 namespace Sweepstake
@@ -31,6 +32,11 @@ namespace Sweepstake
     public sealed unsafe class EmbeddedDecider : SessionWork
     {
         private const int PollIntervalMs = 100;
+        private readonly SavedPriors? saved;
+        private readonly bool hasThread;
+        private byte[] savedBytes;
+        private volatile bool mustSave;
+        private volatile bool isPaused;
         private volatile DeciderStatus status = new DeciderStatus(0, 0, default);
 
         /// <param name="options">Null for the defaults.</param>
@@ -42,19 +48,59 @@ namespace Sweepstake
         public EmbeddedDecider(BroadPhaseSession session, DeciderOptions? options = null, bool ownThread = true)
             : base(session)
         {
-            using (var memory = new CallMemory())
+            options ??= new DeciderOptions();
+            saved = options.Saved;
+            hasThread = ownThread;
+            try
             {
-                NativeDeciderOptions native = (options ?? new DeciderOptions()).With(memory);
-                Native.Check(NativeMethods.swp_session_attach_decider(session.Pointer, &native, SteadyClock.NowNs));
+                Attach(options);
             }
+            catch
+            {
+                saved?.Close();
+                throw;
+            }
+            savedBytes = saved == null ? Array.Empty<byte>() : ExportPriors();
             Publish();
             Start(ownThread ? "sweepstake decider" : null);
+        }
+
+        private void Attach(DeciderOptions options)
+        {
+            try
+            {
+                AttachOnce(options);
+            }
+            catch (SweepstakeException unreadable) when (saved != null && saved.SetAside(unreadable))
+            {
+                AttachOnce(options);
+            }
+        }
+
+        private void AttachOnce(DeciderOptions options)
+        {
+            using var memory = new CallMemory();
+            NativeDeciderOptions native = options.With(memory);
+            Native.Check(NativeMethods.swp_session_attach_decider(Session.Pointer, &native, SteadyClock.NowNs));
         }
 
         /// <summary>
         /// The state after the latest decision. Each decision creates a new object. Callable from any thread and in each frame.
         /// </summary>
         public DeciderStatus Status => status;
+
+        /// <summary>
+        /// While this is set, the decider's own thread sleeps, and keeps what it has learnt. Set it while no frames run for long.
+        /// </summary>
+        public bool IsPaused
+        {
+            get => isPaused;
+            set
+            {
+                isPaused = value;
+                Wake();
+            }
+        }
 
         /// <summary>
         /// Reads the costs of the frames since the last poll, and decides if a decision is due. It allocates native memory and waits for a poll
@@ -98,6 +144,36 @@ namespace Sweepstake
             }
         }
 
+        /// <summary>
+        /// Begins to write what the decider has learnt to <see cref="DeciderOptions.Saved"/> and does not wait, if the decider has a thread. Its
+        /// end saves too, so call this only where the process may end without it, as when a mobile game is paused.
+        /// </summary>
+        public void BeginSave()
+        {
+            mustSave = true;
+            if (hasThread)
+                Wake();
+            else
+                SaveNow();
+        }
+
+        private void SaveNow()
+        {
+            mustSave = false;
+            if (saved == null)
+                return;
+            lock (Gate)
+            {
+                if (IsClosed)
+                    return;
+                byte[] priors = ExportPriors();
+                if (priors.AsSpan().SequenceEqual(savedBytes))
+                    return;
+                savedBytes = priors;
+            }
+            saved.Save(savedBytes);
+        }
+
         private string EndReason() => Failure == null
             ? "The decider has ended; export its priors before you dispose of it."
             : "The decider has failed, and what it has learnt is lost; create another one. The failure: " + Failure.Message;
@@ -120,17 +196,24 @@ namespace Sweepstake
         {
             while (!IsStopping)
             {
-                Poll(SteadyClock.NowNs);
-                Sleep(PollIntervalMs);
+                if (!isPaused)
+                    Poll(SteadyClock.NowNs);
+                if (mustSave)
+                    SaveNow();
+                Sleep(isPaused ? Timeout.Infinite : PollIntervalMs);
             }
+            SaveNow();
         }
 
         private protected override void BeginNativeStop(ulong endNs)
         {
+            if (!hasThread)
+                SaveNow();
         }
 
         private protected override void CloseNative()
         {
+            saved?.Close();
             if (Session.HasPointer)
                 NativeMethods.swp_session_detach_decider(Session.Pointer);
         }

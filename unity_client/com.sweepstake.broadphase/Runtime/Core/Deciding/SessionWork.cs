@@ -38,6 +38,16 @@ namespace Sweepstake
         /// <summary>The exception that ended the thread; null while the thread runs or after it was stopped.</summary>
         public Exception? Failure => failure;
 
+        /// <summary>Whether this object was stopped, also by <see cref="SweepstakeLibrary.Shutdown"/>.</summary>
+        public bool HasEnded
+        {
+            get
+            {
+                lock (Gate)
+                    return isReleased;
+            }
+        }
+
         /// <summary>How often the thread has returned from <see cref="Sleep"/>.</summary>
         internal long WakeUpCount => Interlocked.Read(ref wakeUpCount);
 

@@ -13,8 +13,9 @@ namespace Sweepstake.Unity
         internal void Reset(BroadPhaseSession session)
         {
             backend = session.ActiveArm;
-            decisionId = commandId = 0;
-            verdictKind = VerdictKind.Unknown;
+            decisionId = session.LastDecision.DecisionId;
+            commandId = session.LastDecision.CommandId;
+            verdictKind = session.Verdict.Kind;
         }
 
         internal bool HasOtherBackend(BroadPhaseSession session)

@@ -12,8 +12,10 @@ namespace Sweepstake.Unity
     {
         private readonly SweepstakeConfig config;
         private readonly string sceneName;
+        private readonly string settings;
         private readonly Action<string> tell;
         private FrameCsvWriter? csv;
+        private SavedPriors? saved;
 
         /// <param name="tell">Called with a text for each problem of decider, connection or CSV file, on the calling thread.</param>
         internal SessionHost(SweepstakeConfig config, SessionMode mode, string backend, string sceneName, Action<string> tell)
@@ -21,6 +23,7 @@ namespace Sweepstake.Unity
             this.config = config;
             this.sceneName = sceneName;
             this.tell = tell;
+            settings = SettingsOf(config, sceneName);
             Session = new BroadPhaseSession(config.ToSessionOptions(mode, backend));
         }
 
@@ -32,12 +35,51 @@ namespace Sweepstake.Unity
         /// <summary>Why the latest CSV file is incomplete; "" while no row is known to be missing.</summary>
         internal string CsvProblem { get; private set; } = "";
 
-        /// <summary>Ends a connection and starts the embedded decider.</summary>
+        /// <summary>Why saved priors were not read or written; "" if nothing is wrong with them.</summary>
+        internal string PriorsProblem { get; private set; } = "";
+
+        /// <summary>Ends a connection and starts the embedded decider, which continues what was saved.</summary>
         internal void DecideHere()
         {
             EndWork(SessionWork.DisposeTimeoutMs);
-            Decider = new EmbeddedDecider(Session, config.ToDeciderOptions(sceneName, Application.version));
+            DeciderOptions options = config.ToDeciderOptions(sceneName, Application.version);
+            options.Saved = saved = config.OpenSavedPriors(sceneName);
+            Decider = new EmbeddedDecider(Session, options);
         }
+
+        /// <summary>
+        /// Keeps the session for a manager that may be enabled again, and begins to save what was learnt. Returns false if the session
+        /// cannot continue, because a daemon decides or the decider has failed.
+        /// </summary>
+        internal bool Rest(ulong endNs)
+        {
+            if (!CanContinue)
+                return false;
+            EndCsv(endNs);
+            Decider!.IsPaused = true;
+            Decider.BeginSave();
+            Session.Trim();
+            return true;
+        }
+
+        /// <summary>Continues after Rest. Returns false if the settings have changed, or Shutdown has ended the session.</summary>
+        internal bool Continue(SweepstakeConfig wanted, SessionMode mode, string backend, string wantedScene)
+        {
+            if (!CanContinue || wanted != config || SettingsOf(wanted, wantedScene) != settings)
+                return false;
+            Session.Mode = mode;
+            if (mode == SessionMode.Manual && backend.Length > 0)
+                Session.SelectArm(backend);
+            Decider!.IsPaused = false;
+            return true;
+        }
+
+        private bool CanContinue => Decider != null && Decider.Failure == null && !Decider.HasEnded;
+
+        private static string SettingsOf(SweepstakeConfig config, string sceneName) => sceneName + JsonUtility.ToJson(config);
+
+        /// <summary>Begins to save what was learnt, without waiting.</summary>
+        internal void BeginSave() => Decider?.BeginSave();
 
         /// <summary>
         /// Ends the embedded decider and connects to a daemon. If the connection cannot be created, the embedded decider starts again.
@@ -80,6 +122,7 @@ namespace Sweepstake.Unity
         {
             if (csv?.Failure != null)
                 LeaveCsv();
+            TellPriorsProblem();
             SessionWork? work = (SessionWork?)Connection ?? Decider;
             if (work?.Failure == null || WorkProblem.Length > 0)
                 return;
@@ -96,9 +139,14 @@ namespace Sweepstake.Unity
         {
             BeginEnd();
             EndWork(MsUntil(endNs));
+            EndCsv(endNs);
+            Session.Dispose();
+        }
+
+        private void EndCsv(ulong endNs)
+        {
             csv?.Stop(MsUntil(endNs));
             LeaveCsv();
-            Session.Dispose();
         }
 
         /// <summary>Returns the deadline for an end that starts now.</summary>
@@ -121,10 +169,20 @@ namespace Sweepstake.Unity
             csv = null;
         }
 
+        private void TellPriorsProblem()
+        {
+            string problem = saved?.Problem ?? "";
+            if (problem.Length > 0 && problem != PriorsProblem)
+                tell(problem);
+            PriorsProblem = problem;
+        }
+
         private void EndWork(int timeoutMs)
         {
             Decider?.Stop(timeoutMs);
             Decider = null;
+            TellPriorsProblem();
+            saved = null;
             Connection?.Stop(timeoutMs);
             Connection = null;
             WorkProblem = "";
