@@ -66,6 +66,7 @@ namespace Sweepstake.Editor
             if (checks == null)
                 return;
             checks.Clear();
+            LibraryRemedy.AddTo(checks, SweepstakeLibrary.FindProblem());
             foreach (SetupCheck check in SetupChecks.Of(Facts()))
             {
                 HelpBoxMessageType kind = check.State == SetupState.Ok ? HelpBoxMessageType.None :

@@ -22,7 +22,7 @@ namespace Sweepstake
     public static unsafe class SweepstakeLibrary
     {
         private const string Install =
-            "Put the plug-in of this package's version into Runtime/Plugins or Assets/Plugins (Documentation~/native-library.md describes how to build it).";
+            "Window > Sweepstake > Setup has a button for each way to get it. It belongs into Runtime/Plugins or Assets/Plugins (Documentation~/native-library.md).";
 
         private static volatile bool isChecked;
         private static volatile int shutdownCount;

@@ -157,9 +157,15 @@ namespace UnityEngine.UIElements
         {
         }
 
+        private readonly Action onClick;
+
         public Button(Action clickEvent)
         {
+            onClick = clickEvent;
         }
+
+        /// <summary>For tests.</summary>
+        internal void Click() => onClick();
     }
 
     public class ScrollView : VisualElement
