@@ -49,6 +49,13 @@ if ! restore daemon_tests || ! restore unity_tests || ! restore facts; then
   left_out "the C# tests of the Unity package that need gRPC, including those of its components; the tests of its core have passed. $advice"
 fi
 python3 "$repository/unity_client/tools/make_protocol.py" "$repository" --check
+native=$build/dotnet/native
+if dotnet publish "$projects/headless" --configuration Release --nologo -r "linux-$(uname -m | sed s/x86_64/x64/\;s/aarch64/arm64/)" -p:Native=true \
+  -p:BuildFolder="$native/" -nodeReuse:false --verbosity quiet --output "$native/program"; then
+  export UNITY_CLIENT_NATIVE=$native/program/Sweepstake.Headless
+else
+  printf '\n******** LEFT OUT: %s ********\n\n' "the native headless game. It needs clang and the package Microsoft.DotNet.ILCompiler"
+fi
 run daemon_tests "$@"
 run unity_tests "$@"
 python3 "$repository/tests/unity_client/outside_names_test.py" "$repository"

@@ -63,6 +63,22 @@ namespace Sweepstake.Tests
             Headless(1, "--objects", "10", "--frames", "10", "--csv", "/dev/full");
         }
 
+        /// <summary>
+        /// A native program has no code that is compiled at run time and no unused code, as with IL2CPP. dotnet_test.sh builds it.
+        /// </summary>
+        [Test]
+        public void ANativeProgramPlaysAgainstADaemonWithoutGoogleProtobuf()
+        {
+            string program = Environment.GetEnvironmentVariable("UNITY_CLIENT_NATIVE");
+            Assume.That(program, Is.Not.Null, "dotnet_test.sh says why it did not build the program");
+            Assert.That(File.ReadAllText(program, System.Text.Encoding.Latin1), Does.Contain("Grpc.Net.Client").And.Not.Contain("Google.Protobuf"));
+            using var daemon = new DaemonProcess();
+            string output = Run(program, 0, new[] { "--daemon", daemon.Address, "--objects", "300", "--frames", "2000" });
+            Match sent = Regex.Match(output, @"(\d+) frames sent, (\d+) dropped, 0 refused; (\d+) of \3 messages acknowledged");
+            Assert.That(sent.Success, Is.True, output);
+            Assert.That(int.Parse(sent.Groups[1].Value) + int.Parse(sent.Groups[2].Value), Is.EqualTo(2000));
+        }
+
         [Test]
         public void BadUsageIsSaid()
         {
