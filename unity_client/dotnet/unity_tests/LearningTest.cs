@@ -1,6 +1,8 @@
 using System;
+using System.Collections.Generic;
 using System.IO;
 using System.Linq;
+using System.Reflection;
 using NUnit.Framework;
 using Sweepstake.Unity;
 using UnityEngine;
@@ -60,7 +62,7 @@ namespace Sweepstake.Tests
             FramesUntil(() => SumOf(manager) > Learnt, "learnt");
             Object.DestroyImmediate(manager.gameObject);
             Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0));
-            byte[] saved = File.ReadAllBytes(Files().Single());
+            byte[] saved = File.ReadAllBytes(WrittenFile());
 
             SweepstakeManager next = MakeGame();
             double continued = SumOf(next);
@@ -111,7 +113,7 @@ namespace Sweepstake.Tests
             SweepstakeManager manager = MakeGame();
             FramesUntil(() => SumOf(manager) > Learnt, "learnt");
             Object.DestroyImmediate(manager.gameObject);
-            string damaged = Files().Single();
+            string damaged = WrittenFile();
             File.WriteAllText(damaged, "{");
             manager = MakeGame();
             Frames(2);
@@ -147,10 +149,21 @@ namespace Sweepstake.Tests
 
         private static string[] Files() => Directory.GetFiles(Application.persistentDataPath, "*.json", SearchOption.AllDirectories);
 
+        /// <summary>The only file, after it was written. A manager waits for a limited time when it ends, and a disk may be slower.</summary>
+        private static string WrittenFile()
+        {
+            const BindingFlags Hidden = BindingFlags.Static | BindingFlags.Instance | BindingFlags.NonPublic;
+            var known = (Dictionary<string, SavedPriors>)typeof(SavedPriors).GetField("Known", Hidden)!.GetValue(null);
+            PropertyInfo unwritten = typeof(SavedPriors).GetProperty("Unwritten", Hidden);
+            Eventually.Is(
+                () => Files().Length == 1 && known![Files()[0]] is SavedPriors saved && unwritten!.GetValue(saved) == null, () => "written");
+            return Files()[0];
+        }
+
         private static double SumOf(SweepstakeManager manager) => SumOf(manager.Decider);
 
         private static double SumOf(BroadPhaseSession session) => SumOf((EmbeddedDecider)typeof(BroadPhaseSession)
-            .GetProperty("Work", System.Reflection.BindingFlags.Instance | System.Reflection.BindingFlags.NonPublic)!.GetValue(session));
+            .GetProperty("Work", BindingFlags.Instance | BindingFlags.NonPublic)!.GetValue(session));
 
         private static double SumOf(EmbeddedDecider decider) => decider.Status.Beliefs.ToArray().Sum(belief => belief.Alpha + belief.Beta);
     }

@@ -28,9 +28,23 @@ namespace Sweepstake.Tests
             Application.isMobilePlatform = false;
             Application.isEditor = false;
             Application.streamingAssetsPath = "";
-            System.IO.Directory.Delete(Application.persistentDataPath, true);
+            Eventually.Is(IsDataDeleted, () => "deleted");
             Assert.That(SessionWork.RunningCount, Is.EqualTo(0), "no decider or connection is left");
             Assert.That(SweepstakeLibrary.LiveCount(), Is.EqualTo(0), "no native object is left");
+        }
+
+        /// <summary>Deletes the game's files. A decider that has ended may still be writing one; then the next try deletes it.</summary>
+        private static bool IsDataDeleted()
+        {
+            try
+            {
+                System.IO.Directory.Delete(Application.persistentDataPath, true);
+                return true;
+            }
+            catch (System.IO.IOException)
+            {
+                return !System.IO.Directory.Exists(Application.persistentDataPath);
+            }
         }
 
         /// <summary>Creates a manager with short intervals.</summary>
