@@ -46,7 +46,7 @@ DESKTOP, IOS_ARCHIVE = ["UNITY_STANDALONE"], ["SWEEPSTAKE_IOS"]
 ROWS = [
     ("editor 2022.3, nothing else", "Editor", U2022 + EDITOR + OLD_INPUT, []),
     ("editor 2022.3, tests", "Editor", U2022 + EDITOR + OLD_INPUT + TESTS, [TESTING]),
-    ("Linux 6000.5, tests", "LinuxStandalone64", U65 + OLD_INPUT + TESTS, [TESTING]),
+    ("Linux 6000.5, tests", "LinuxStandalone64", U65 + DESKTOP + OLD_INPUT + TESTS, [TESTING]),
     ("editor 2022.3, gRPC, URP, new input", "Editor", U2022 + EDITOR + NEW_INPUT + GRPC, [YAHA, INPUT, BURST, URP]),
     ("editor 2022.3, gRPC, no HTTP/2", "Editor", U2022 + EDITOR + OLD_INPUT + GRPC, []),
     ("editor 2022.3, both inputs", "Editor", U2022 + EDITOR + OLD_INPUT + NEW_INPUT, [INPUT]),

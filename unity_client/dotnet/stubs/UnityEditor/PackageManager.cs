@@ -4,6 +4,8 @@ namespace UnityEditor.PackageManager
 {
     public sealed class PackageInfo
     {
+        internal PackageInfo() { }
+
         public string packageId { get; private set; } = "";
         public string resolvedPath { get; private set; } = "";
 
@@ -33,13 +35,16 @@ namespace UnityEditor.PackageManager.Requests
 {
     public abstract class Request
     {
+        internal Request() { }
     }
 
     public abstract class Request<T> : Request
     {
+        internal Request() { }
     }
 
     public sealed class AddRequest : Request<PackageInfo>
     {
+        internal AddRequest() { }
     }
 }
