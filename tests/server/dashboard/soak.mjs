@@ -45,7 +45,7 @@ const framesPerSecond = (page, ms) => page.evaluate((duration) => new Promise((r
 // with each decision.
 const VIEWS = {
   overview: { path: '/?sort=-sessions', ms: 30_000, live: '.scroll' },
-  scene: { path: '/scenes/project-0/scene-0?class=desktop&reward=3', ms: 15_000, live: 'figure[data-chart=best] .legend' },
+  scene: { path: '/scenes/project-0/scene-0?class=desktop&reward=3', ms: 15_000, live: '.runs-now' },
   session: { path: `/sessions/${daemon.sessions[0].sessionId}`, ms: 15_000, live: 'figure[data-chart=frame-time] .legend' },
 };
 
