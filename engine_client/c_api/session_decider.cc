@@ -82,6 +82,7 @@ void TellActiveArm(const AdaptiveBroadPhase& adaptive, EmbeddedDecider& decider,
 swp_result Attach(LiveSession& session, EmbeddedOptions options, uint64_t now_ns) {
   AdaptiveBroadPhase& adaptive = *session.adaptive;
   options.mode = adaptive.mode();
+  options.initial_arm = adaptive.initial_arm();
   options.settling_ns = session.settling_ns;
   auto decider = EmbeddedDecider::Create(options, adaptive.arms(), adaptive.arm_versions(), now_ns);
   if (!decider.ok()) return ToResult(decider.status());

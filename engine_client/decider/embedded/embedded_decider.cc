@@ -124,6 +124,7 @@ decision::SessionSetup MakeSetup(const EmbeddedOptions& options, std::span<const
   setup.arms.assign(arms.begin(), arms.end());
   setup.seed = options.seed;
   setup.mode = options.mode;
+  setup.initial_arm = options.initial_arm;
   setup.start_ns = static_cast<int64_t>(now_ns);
   return setup;
 }

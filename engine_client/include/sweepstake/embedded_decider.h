@@ -103,6 +103,9 @@ struct EmbeddedOptions {
   // because of the broad phase, gets the verdict kDegraded. With 0, no scene gets it.
   double fps_floor = 30;
   Mode mode = Mode::kAi;
+  // Index of the arm with which the game begins, for SessionStats::saved_us. AdaptiveBroadPhase
+  // knows it.
+  uint32_t initial_arm = 0;
   // Called with every decision, on the thread that drives the decider. It must not call the
   // decider.
   std::function<void(const DecisionEvent&)> on_decision = nullptr;

@@ -46,6 +46,7 @@ class EmbeddedSession final : public SessionBase {
 Status EmbeddedSession::Prepare(AdaptiveBroadPhase& adaptive) {
   EmbeddedOptions options = embedded_;
   options.mode = adaptive.mode();
+  options.initial_arm = adaptive.initial_arm();
   const uint64_t now_ns = SteadyClock().NowNs();
   auto decider = maker_.MakeDecider(options, adaptive.arms(), adaptive.arm_versions(), now_ns);
   if (!decider.ok()) return decider.status();

@@ -102,28 +102,53 @@ TEST(EmbeddedDecider, TriesEveryArmAndThenPrefersTheFastest) {
   EXPECT_GT(decider->decision_count(), 100U);
 }
 
+// Observes a sweep of the lane over arms whose frames take 30, 60 and 15 ms.
+void ObserveSweep(EmbeddedDecider& decider, const Game& game) {
+  for (const uint32_t arm : {0U, 1U, 2U}) {
+    ShadowSample sample{};
+    sample.first_frame_index = game.frame_index;
+    sample.detection_time_ns = (arm == 2 ? 11 : 22 * (arm + 1)) * kMs;
+    sample.arm = arm;
+    sample.object_count = 1000;
+    sample.frame_count = 5;
+    sample.flags = arm == game.arm ? uint32_t{kShadowActive} : 0U;
+    decider.Observe({&sample, 1});
+  }
+}
+
 TEST(EmbeddedDecider, LearnsFromTheShadowLaneWhichArmIsTheBest) {
   EmbeddedOptions options;
   options.policy = "adaptive";
   const auto decider = MakeDecider(options);
   Game game({30, 60, 15});
   for (int sweep = 0; sweep < 20 && game.arm == 0; ++sweep) {
-    for (const uint32_t arm : {0U, 1U, 2U}) {
-      ShadowSample sample{};
-      sample.first_frame_index = game.frame_index;
-      sample.detection_time_ns = (arm == 2 ? 11 : 22 * (arm + 1)) * kMs;
-      sample.arm = arm;
-      sample.object_count = 1000;
-      sample.frame_count = 5;
-      sample.flags = arm == 0 ? uint32_t{kShadowActive} : 0U;
-      decider->Observe({&sample, 1});
-    }
+    ObserveSweep(*decider, game);
     game.RunFor(*decider, 1000);
   }
   ASSERT_EQ(game.commands.size(),
             1U);  // The decider switches at once to the best arm, without trying it live.
   EXPECT_EQ(game.commands[0].arm, 2U);
   EXPECT_EQ(game.commands[0].reason, SwitchReason::kPolicy);
+}
+
+// Detection takes 75 % of a frame: 45 ms with the arm at the start, and 11 ms with the best one.
+TEST(EmbeddedDecider, SavesAgainstTheArmAtTheStart) {
+  EmbeddedOptions options;
+  options.policy = "adaptive";
+  options.initial_arm = 1;
+  const auto decider = MakeDecider(options);
+  EXPECT_FALSE(decider->saved_us());
+  Game game({30, 60, 15});
+  game.arm = 1;
+  decider->SetMode(Mode::kAi, 1, 0);
+  for (int sweep = 0; sweep < 40; ++sweep) {
+    ObserveSweep(*decider, game);
+    game.RunFor(*decider, 1000);
+  }
+  EXPECT_EQ(game.arm, 2U);
+  EXPECT_NEAR(decider->saved_us().value_or(0), 33'750, 5'000);
+  options.initial_arm = 3;
+  EXPECT_FALSE(EmbeddedDecider::Create(options, kArms, kVersions, 0).ok());
 }
 
 TEST(EmbeddedDecider, UsesSceneDescriptors) {
