@@ -60,6 +60,10 @@ class Worth(unittest.TestCase):
         possible, gain = (sum(cell[name] for cell in document["cells"]) for name in ("log_worth", "log_gain"))
         self.assertAlmostEqual(document["goals"][0]["reached"] or 0, gain / possible if possible else 0)
 
+    def test_compares_the_reported_saving_with_the_measured_one(self):
+        self.assertEqual(worth.saving_of(100, 80, [30, None, 40]), {"saved_us": 20, "reported_us": 35, "saving_error": 0.15})
+        self.assertEqual(worth.saving_of(100, 80, [None]), {"saved_us": 20, "reported_us": None, "saving_error": None})
+
     def test_compares_games_at_equal_speed_including_the_lane(self):
         decided, always = ([10, 10], [30, 30]), ([30, 30], [60, 60])  # detection and other work: the second game ran at half the speed
         self.assertEqual(worth.mean_detections({"AI Decides": decided, "KDTree": always}, 0.05), {"AI Decides": 12, "KDTree": 15})

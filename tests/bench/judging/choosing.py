@@ -12,7 +12,7 @@ GOALS = pathlib.Path(__file__).resolve().parents[1] / "data/goals.toml"
 # If a goal has one of these keys, it judges only the cells with the same value.
 SELECTING = ("condition", "category", "flip_s")
 # Columns of the cells' table that are printed as percent.
-PERCENT = ("headroom", "captured", "regret", "excess", "half_width")
+PERCENT = ("headroom", "captured", "regret", "excess", "half_width", "saving_error")
 
 
 def mean(goal, cells):
