@@ -88,9 +88,12 @@ std::optional<double> SavedPerFrame(const RegimeUse& use, uint32_t arm) {
 }
 
 bool BestArmsDiffer(const SceneReport& report) {
-  return std::any_of(report.regimes.begin(), report.regimes.end(), [&](const RegimeReport& each) {
-    return each.best_arm && each.best_arm != report.regimes.front().best_arm;
-  });
+  std::optional<uint32_t> best;
+  for (const RegimeReport& regime : report.regimes) {
+    if (best && regime.best_arm && regime.best_arm != best) return true;
+    if (regime.best_arm) best = regime.best_arm;
+  }
+  return false;
 }
 
 SceneReport ReportOf(std::span<const RegimeBelief> beliefs, std::span<const RegimeUse> uses,

@@ -115,7 +115,8 @@ struct SceneReport {
   std::vector<RegimeReport> regimes;  // empty if there is only one, which `total` describes
 };
 
-// Returns whether the regimes have different best arms, so that no single arm is the best.
+// Returns whether the regimes have different best arms, so that no single arm is the best. Regimes
+// without a known arm do not count.
 bool BestArmsDiffer(const SceneReport& report);
 
 // `beliefs` has one entry per regime, with one present. `uses` has at most one entry per regime;

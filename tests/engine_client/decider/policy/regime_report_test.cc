@@ -80,6 +80,19 @@ TEST_F(TwoRegimes, HaveABestArmEach) {
   EXPECT_GT(scene.regimes[1].arms[1].best_probability, 0.99);
 }
 
+TEST(BestArms, DifferOnlyBetweenRegimesWithAKnownArm) {
+  const auto differ = [](std::vector<std::optional<uint32_t>> best_arms) {
+    SceneReport scene;
+    for (const std::optional<uint32_t>& arm : best_arms) scene.regimes.push_back({.best_arm = arm});
+    return BestArmsDiffer(scene);
+  };
+  EXPECT_FALSE(differ({}));
+  EXPECT_FALSE(differ({std::nullopt, 1}));
+  EXPECT_FALSE(differ({1, std::nullopt, 1}));
+  EXPECT_TRUE(differ({std::nullopt, 1, 0}));
+  EXPECT_TRUE(differ({1, std::nullopt, 0}));
+}
+
 TEST_F(TwoRegimes, HaveABestSingleArmByTheMeanCost) {
   const SceneReport scene = Report();
   EXPECT_EQ(scene.total.best_arm, 0u);  // 112.5 µs per frame; the second arm takes 127.5 µs
