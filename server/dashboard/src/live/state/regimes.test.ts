@@ -12,7 +12,9 @@ const regimeOf = (bestArm: string, probability: number): Init<RegimePosterior> =
 };
 const sceneOf = (...regimes: Init<RegimePosterior>[]) => create(ScenePosteriorSchema, {
   verdict: Verdict.STABLE, leaderArm: 'DBVT', arms: [{ arm: 'DBVT', bestProbability: 0.75 }],
-  activity: { activeArm: 'SAP', arms: ['SAP', 'DBVT'], total: regimeOf('DBVT', 1), regimes },
+  activity: {
+    activeArm: 'SAP', arms: ['SAP', 'DBVT'], total: regimeOf('DBVT', 1), regimes, isChanging: new Set(regimes.map(({ bestArm }) => bestArm)).size > 1,
+  },
 });
 const CHANGING = sceneOf(regimeOf('DBVT', 0.96875), regimeOf('SAP', 0.875));
 const stateOf = (posterior: typeof CHANGING) => ({ key: 'k', posterior, changedMs: 0, decisions: [] });
@@ -32,7 +34,7 @@ describe('a scene whose regimes have different best arms', () => {
 
   it('has the best arm of the present regime', () => {
     expect(presentBest(CHANGING)).toBeUndefined();
-    expect(presentBest(sceneOf(regimeOf('DBVT', 0.96875), { ...regimeOf('SAP', 0.875), isPresent: true }))).toEqual({ arm: 'SAP', probability: 0.875 });
+    expect(presentBest(sceneOf(regimeOf('DBVT', 0.96875), { ...regimeOf('SAP', 0.875), isPresent: true }))).toEqual({ number: 2, arm: 'SAP', probability: 0.875 });
     expect(presentBest(sceneOf({ isPresent: true, frameShare: 0.1 })), 'nothing is known of the regime yet').toBeUndefined();
   });
 
@@ -76,7 +78,12 @@ describe('a scene with one best arm', () => {
   });
 
   it('is not changing because nothing is known of one regime yet', () => {
-    expect(regimeArms(sceneOf(regimeOf('DBVT', 1), { frameShare: 0.1 }))).toEqual(['DBVT']);
+    expect(regimeArms(sceneOf({ frameShare: 0.1 }, regimeOf('DBVT', 1), { frameShare: 0.1 }))).toEqual(['DBVT']);
+  });
+
+  it('is not changing while a session is connected unless the daemon reports it', () => {
+    const scene = { ...sceneOf(), regimeArms: ['DBVT', 'SAP'] };
+    expect(isChanging(scene)).toBe(false);
   });
 
   it('has no leader before there is evidence', () => expect(leadersOf(create(ScenePosteriorSchema, {}))).toEqual([]));

@@ -11,18 +11,19 @@ type Judged = Pick<ScenePosterior, 'activity' | 'regimeArms'>;
 export const regimeArms = ({ activity, regimeArms: stored }: Judged): string[] =>
   (activity ? [...new Set(activity.regimes.map(({ bestArm }) => bestArm))].filter(Boolean) : stored);
 
-/** Returns the best arm of the present regime and its probability; undefined if the session is in no known regime. */
-export function presentBest({ activity }: Pick<ScenePosterior, 'activity'>): { arm: string; probability: number } | undefined {
-  const present = activity?.regimes.find(({ isPresent, bestArm }) => isPresent && bestArm !== '');
+/** Returns the number of the present regime, its best arm and that arm's probability; undefined if the session is in no known regime. */
+export function presentBest({ activity }: Pick<ScenePosterior, 'activity'>): { number: number; arm: string; probability: number } | undefined {
+  const place = activity?.regimes.findIndex(({ isPresent, bestArm }) => isPresent && bestArm !== '') ?? -1;
+  const present = activity?.regimes[place];
   const probability = present && bestOf(present, activity!)?.bestProbability;
-  return probability === undefined ? undefined : { arm: present!.bestArm, probability };
+  return probability === undefined ? undefined : { number: place + 1, arm: present!.bestArm, probability };
 }
 
 /** Returns whether regimes have different best arms, so that no single arm is the best. */
 export const bestDiffer = (posterior: Judged) => regimeArms(posterior).length > 1;
 
-/** Returns whether no single arm is the best, also because a session switches often. */
-export const isChanging = (posterior: Judged) => posterior.activity?.isChanging || bestDiffer(posterior);
+/** Returns whether no single arm is the best, also because a session switches often. The daemon decides while a session is connected. */
+export const isChanging = (posterior: Judged) => posterior.activity?.isChanging ?? bestDiffer(posterior);
 
 /** Returns the arms that are the best: the leader of all evidence or, if the scene is changing, the best arm of each regime. */
 export const leadersOf = (posterior: ScenePosterior): string[] =>

@@ -39,9 +39,9 @@ function RunsNow({ row }: { row: SceneSummary }) {
 }
 
 function Best({ row }: { row: SceneSummary }) {
-  const [all, present] = [leadersOf(sceneOf(row)), presentOf(row)?.arm];
+  const [all, present] = [leadersOf(sceneOf(row)), presentOf(row)];
   if (!present) return <Arms names={all} />;
-  return <><Arm name={present} /> <span class="soft small">now, {all.filter((arm) => arm !== present).map((arm, i) => <span key={arm}>{i > 0 && ', '}<Name text={arm} /></span>)}</span></>;
+  return <><Arm name={present.arm} /> <span class="soft small">in regime {present.number} (now), {all.filter((arm) => arm !== present.arm).map((arm, i) => <span key={arm}>{i > 0 && ', '}<Name text={arm} /></span>)}</span></>;
 }
 
 function Sureness({ probability }: { probability: number | undefined }) {
