@@ -117,7 +117,7 @@ const COLUMNS: readonly Column<Row>[] = [
     cell: ({ regime }) => savingText(regime.savedAgainstInitialUs) ?? '–' },
   { id: 'saved-single', title: 'Saved, best single', hint: 'Saved per frame against the best single choice', sort: ({ regime }) => regime.savedAgainstSingleUs,
     cell: ({ regime }) => savingText(regime.savedAgainstSingleUs) ?? '–' },
-  { id: 'saved-kdtree', title: 'Saved, KDTree', hint: 'Saved per frame against KDTree', sort: ({ regime }) => regime.savedAgainstReferenceUs,
+  { id: 'saved-kdtree', title: 'Saved, KDTree', isDetail: true, hint: 'Saved per frame against KDTree', sort: ({ regime }) => regime.savedAgainstReferenceUs,
     cell: ({ regime }) => savingText(regime.savedAgainstReferenceUs) ?? '–' },
 ];
 
@@ -129,5 +129,10 @@ const rowsOf = (activity: SceneActivity): Row[] => [
 export function Regimes({ posterior: { activity } }: { posterior: ScenePosterior }) {
   if (!activity) return <p class="soft">No session is connected. Regimes are shown only during a session.</p>;
   if (activity.regimes.length === 0) return <p class="soft">The session has seen one regime so far: {activity.total ? regimeText(activity.total) : 'not described'}.</p>;
-  return <Table caption="Best algorithm of each regime" columns={COLUMNS} rows={rowsOf(activity)} keyOf={({ name }) => name.split(' ')[0]!} sort="regime" sortParameter="regimes" />;
+  return (
+    <>
+      <Table caption="Best algorithm of each regime" columns={COLUMNS} rows={rowsOf(activity)} keyOf={({ name }) => name.split(' ')[0]!} sort="regime" sortParameter="regimes" />
+      <p class="soft">The cost of the best algorithm is an estimate; the cost of what ran is measured, with its switches. They differ the more, the wider the interval of the estimate is.</p>
+    </>
+  );
 }

@@ -15,7 +15,7 @@ import { explained, toldOfEvent } from '../../audit/explain';
 import { endWord, modeWord, outcomeWord, stateWord } from '../words';
 import { useComputed } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
-import { HistoryKind, type HistoryPoint } from '../../../gen/sweepstake/v1/history_pb';
+import { HistoryKind, type HistoryPoint, type HistorySeries } from '../../../gen/sweepstake/v1/history_pb';
 import { percentiles } from '../../numbers/histogram';
 import { type Use, measuredIn, REFERENCE_ARM, SAVINGS } from '../../numbers/use';
 import { type HistoryReading, useHistory, WHOLE_LIFE } from '../../transport/history';
@@ -132,22 +132,27 @@ const COLUMNS: readonly Column<BuildRow>[] = [
   { id: 'last', title: 'Last played', sort: ({ point }) => Number(point.endUnixMs), cell: ({ point }) => timeText(Number(point.endUnixMs)) },
 ];
 
-// Returns a time, and how much it has changed.
-function changed(ns: number | undefined, before: number | undefined, text: (value: number) => string): string {
-  if (ns === undefined || !before) return 'not known';
-  const ratio = share(Math.abs(ns / before - 1));
-  return `${text(ns)} (${ratio === '0 %' ? 'the same' : `${ratio} ${ns > before ? 'more' : 'less'}`})`;
+/** The latest two builds by the time at which they were first played, then by name; undefined if there are fewer. */
+export function latestBuilds(series: HistoryReading['series']): [HistorySeries, HistorySeries] | undefined {
+  const [before, last] = series.filter(({ build }) => build !== '')
+    .sort((a, b) => Number(a.points[0]!.unixMs - b.points[0]!.unixMs) || a.build.localeCompare(b.build, 'en', { numeric: true })).slice(-2);
+  return before && last && [before, last];
 }
 
-/** Compares the two builds that were first played last. */
+/** Returns a time of a build, how much it differs from that of the build before, and that build's time. */
+export function changed(ns: number | undefined, before: number | undefined, build: string, text: (value: number) => string): string {
+  if (ns === undefined || !before) return 'that is not known';
+  const ratio = share(Math.abs(ns / before - 1));
+  return `of ${text(ns)}, ${ratio === '0 %' ? 'the same as' : `${ratio} ${ns > before ? 'more' : 'less'} than`} build ${visible(build)}${ratio === '0 %' ? '' : ` (${text(before)})`}`;
+}
+
+/** Compares the latest two builds. */
 export function BuildChange({ builds: { series } }: { builds: HistoryReading }) {
-  const [before, last] = series.filter(({ build }) => build !== '').sort((a, b) => Number(a.points[0]!.unixMs - b.points[0]!.unixMs)).slice(-2);
+  const [before, last] = latestBuilds(series) ?? [];
   if (!before || !last) return null;
-  const [[frame, frameBefore], [detection, detectionBefore]] = (['frameTimeNs', 'detectionTimeNs'] as const).map((name) => [last, before].map(({ points }) => percentiles(points[0]![name])?.[0])) as [[number?, number?], [number?, number?]];
-  return (
-    <p>Against build <Name text={before.build} />, build <b><Name text={last.build} /></b> has a median detection time of <b>{changed(detection, detectionBefore, usText)}</b> and
-      {' '}a median frame time of {changed(frame, frameBefore, msText)}.</p>
-  );
+  const change = (name: 'frameTimeNs' | 'detectionTimeNs', text: (value: number) => string) =>
+    changed(percentiles(last.points[0]![name])?.[0], percentiles(before.points[0]![name])?.[0], before.build, text);
+  return <p>Build <b><Name text={last.build} /></b> has a median detection time <b><bdi>{change('detectionTimeNs', usText)}</bdi></b>, and a median frame time <bdi>{change('frameTimeNs', msText)}</bdi>.</p>;
 }
 
 /** The builds that have played the scene, over their whole lives. */
