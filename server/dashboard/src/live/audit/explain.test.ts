@@ -37,9 +37,9 @@ describe('why this algorithm', () => {
 
   it('says which saving would pay for the switch', () => {
     // 7600 ns × (1 − e^−((40 × 0.01 + 8) ÷ 200)), and 7600 ns × (1 − e^−0.03)
-    expect(explained(told)[1]).toMatch(/^A switch to KDTree pays above a saving of 313 ns per frame, which covers its cost, spread over 200 s, .* is 225 ns per frame[.]$/);
+    expect(explained(told)[1]).toMatch(/^A switch to KDTree pays above a saving of 313 ns per frame: its cost, spread over 200 s, .* is 225 ns per frame[.]$/);
     const { costsNs: _, ...unknown } = told;
-    expect(explained(unknown).join(' ')).toMatch(/pays above a saving of 4[.]1 % of the detection time, .* is 3[.]0 % of the detection time[.]/);
+    expect(explained(unknown).join(' ')).toMatch(/pays above a saving of 4[.]1 % of the detection time: .* is 3[.]0 % of the detection time[.]/);
     const { gate: __, ...none } = told;
     expect(explained(none).join(' ')).not.toContain('pays above');
   });

@@ -61,7 +61,7 @@ function expectedOf(told: Told): string {
   const [name, from, to] = [other(told), costOf(told, told.activeArm), costOf(told, other(told))];
   const probability = told.bestProbability[told.arms.indexOf(name)];
   if (!name || from === undefined || to === undefined || probability === undefined) return '';
-  return `: ${name} is expected to take ${nsText(to)} per frame instead of ${nsText(from)}, and is the best with a probability of ${sureText(probability)}`;
+  return `: ${name} is expected to take ${nsText(to, from)} per frame instead of ${nsText(from)}, and is the best with a probability of ${sureText(probability)}`;
 }
 
 function whatHappened(told: Told): string {
@@ -76,7 +76,7 @@ function whatHappened(told: Told): string {
       const [next] = rivalsOf(told);
       const own = costOf(told, activeArm);
       if (next === undefined || own === undefined || own > costOf(told, next)!) return `${activeArm} stays, because the policy chose it again.`;
-      return `${activeArm} stays: it is expected to take ${nsText(own)} per frame. ${next} is the cheapest of the others, with ${nsText(costOf(told, next)!)}.`;
+      return `${activeArm} stays: it is expected to take ${nsText(own)} per frame. ${next} is the cheapest of the others, with ${nsText(costOf(told, next)!, own)}.`;
     }
     case DecisionOutcome.HELD_COOLDOWN:
       return `${name} looks better, but ${activeArm} stays: after a switch `
@@ -99,13 +99,12 @@ function whatWouldPay(told: Told): string | undefined {
   const activeNs = costOf(told, activeArm);
   const saved = (gain: number) => {
     const share = -Math.expm1(-gain);
-    return activeNs === undefined ? `${percent(share)} of the detection time` : `${nsText(share * activeNs)} per frame`;
+    return activeNs === undefined ? `${percent(share)} of the detection time` : `${nsText(share * activeNs, -Math.expm1(-gate.gain) * activeNs)} per frame`;
   };
   const least = leastGain(gate);
   const condition = least < SMALLEST_GAIN ? `Any saving pays for a switch to ${name}, because its cost and its risk are almost nothing. `
-    : `A switch to ${name} pays above a saving of ${saved(least)}, which covers its cost, spread over ${seconds(gate.horizonS)}, and the risk that ${name} is slower. `;
-  return condition
-    + `The expected saving, not counting cases in which ${name} is slower, is ${saved(gate.gain)}.`;
+    : `A switch to ${name} pays above a saving of ${saved(least)}: its cost, spread over ${seconds(gate.horizonS)}, and the risk that ${name} is slower. `;
+  return condition + `The expected saving, without that risk, is ${saved(gate.gain)}.`;
 }
 
 function whatIsBelieved({ leader, bestProbability, expectedLossRatio, verdict }: Told): string | undefined {
@@ -132,8 +131,10 @@ const actionText = ({ operatorName, action }: AuditRow): string =>
   operatorName ? `${operatorName} ${action}.` : `${action.charAt(0).toUpperCase()}${action.slice(1)}.`;
 
 /** Returns what an executed switch cost, from its row. */
-export const costOfSwitch = ({ switchCost }: AuditRow): string =>
-  `The change cost ${durationText(msOf((switchCost?.rebuildTimeNs ?? 0n) + (switchCost?.settlingCostNs ?? 0n)))} of frame time.`;
+export function costOfSwitch({ switchCost }: AuditRow): string {
+  const ns = (switchCost?.rebuildTimeNs ?? 0n) + (switchCost?.settlingCostNs ?? 0n);
+  return ns > 0n ? `The change cost ${durationText(msOf(ns))} of frame time.` : 'The change cost no frame time that could be measured.';
+}
 
 export function explainedRow(row: AuditRow, setup?: AuditSetup): string[] {
   const { kind, arm } = row;

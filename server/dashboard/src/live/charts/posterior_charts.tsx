@@ -40,7 +40,7 @@ export function MeansChart({ arms, rows, rewardVersion, notYet, assumed, ...rest
   return (
     <TimeFigure {...rest} id="bands" title={tellsCosts ? 'Estimated detection time of each algorithm' : 'Estimated reward of each algorithm'} timesMs={timesMs} lines={lines}
       note="Lines show means." empty={rows.length < 2 && notYet} unit={tellsCosts ? 'ns' : ''} scale={tellsCosts ? 'log' : 'unit'}
-      format={tellsCosts ? nsText : (value) => significant(value)} height={260} />
+      format={tellsCosts ? (ns) => nsText(ns) : (value) => significant(value)} height={260} />
   );
 }
 

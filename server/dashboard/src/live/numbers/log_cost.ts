@@ -14,10 +14,10 @@ export interface Ratio { median: number; low: number; high: number }
 export const costNsOf = (reward: number) => Math.exp((1 - reward) * LOG_RANGE);
 export const rewardOfNs = (ns: number) => Math.min(Math.max(1 - Math.log(ns) / LOG_RANGE, 0), 1);
 
-/** Returns a time as text, such as "35.2 µs". */
-export function nsText(ns: number): string {
-  if (ns < 999.5) return `${significant(ns)} ns`;
-  return ns < 999.5e3 ? `${significant(ns / 1e3)} µs` : `${significant(ns / 1e6)} ms`;
+/** Returns a time as text, such as "35.2 µs", in the unit of the time `like`. */
+export function nsText(ns: number, like = ns): string {
+  if (like < 999.5) return `${significant(ns)} ns`;
+  return like < 999.5e3 ? `${significant(ns / 1e3)} µs` : `${significant(ns / 1e6)} ms`;
 }
 
 /** Returns a reward as text: as a detection time if rewards stand for costs. */

@@ -36,7 +36,7 @@ import { OverTime } from './over_time';
 import { CompareSessions, CompareWith } from './compare';
 import { explained } from '../audit/explain';
 import { CostCharts } from './session/cost_charts';
-import { beliefRows, costColumns, laneSums, type LaneSum, decisiveStep, priorAndPosterior, executionOf, stepQuery, stepsIn, switchMoments } from './session/model';
+import { beliefRows, costColumns, laneSums, type LaneSum, decisiveStep, priorAndPosterior, executionOf, isLastSwitch, stepQuery, stepsIn, switchMoments } from './session/model';
 import { Orders } from './session/orders';
 import { Why } from './session/why';
 import { endWord, modeWord, outcomeWord, stateWord } from './words';
@@ -209,7 +209,7 @@ function Session({ sessionId, state: latest, log }: { sessionId: string; state: 
         <span class="soft">{grouped(steps.findLast(({ told }) => told)?.decisionId ?? 0)} decisions</span>
       </p>
       <LogState log={log} />
-      {chosen && <Why step={chosen} done={executionOf(chosen, steps)} sessionId={sessionId} onRead={log.again} onClose={() => setQuery({ decision: undefined, at: undefined })} />}
+      {chosen && <Why step={chosen} done={executionOf(chosen, steps)} isLast={isLastSwitch(chosen, steps)} sessionId={sessionId} onRead={log.again} onClose={() => setQuery({ decision: undefined, at: undefined })} />}
       {!chosen && !log.isReading && asksForStep() && <AskedStep sessionId={sessionId} onOpen={openStep} />}
       <TimeTools />
       <Timeline {...props} onOpen={openStep} />

@@ -2,10 +2,10 @@ import { create } from '../../transport/messages';
 import { describe, expect, it } from 'vitest';
 import { AuditKind } from '../../../gen/sweepstake/v1/audit_pb';
 import { rows, setup } from '../../audit/log.test.sample';
-import { armsOf, forEachVisit, mergedSteps, type Step, stepOfRow, windowOf } from '../../audit/steps';
+import { armsOf, forEachVisit, isSwitch, mergedSteps, type Step, stepOfRow, windowOf } from '../../audit/steps';
 import { DecisionEventSchema, DecisionOutcome } from '../../../gen/sweepstake/v1/posteriors_pb';
 import { middleOf } from '../../numbers/histogram';
-import { beliefRows, costColumns, laneSums, decisiveStep, priorAndPosterior, switchMoments } from './model';
+import { beliefRows, costColumns, decisiveStep, executionOf, isLastSwitch, laneSums, priorAndPosterior, stepsIn, switchMoments } from './model';
 
 const steps = rows.map((row) => stepOfRow({ row, setup })).filter((step): step is Step => step !== undefined);
 const arms = armsOf(steps);
@@ -31,6 +31,22 @@ describe('the steps of a log', () => {
     expect(all[steps.length - 1]!.event).toBe(events[0]);
     expect(all.slice(-2).map(({ decisionId, activeArm }) => [decisionId, activeArm])).toEqual([[last + 1, 'SAP'], [last + 2, 'SAP']]);
     expect(all.slice(-2).map(({ timeMs }) => timeMs), 'times of the daemon’s clock, ascending even if the clock is set back').toEqual([endMs + 250, endMs + 250]);
+  });
+});
+
+describe('the steps in a range of time', () => {
+  const at = (...times: number[]) => times.map((timeMs): Step => ({ timeMs, kind: AuditKind.TICK, activeArm: '', decisionId: 0 }));
+  const all = at(1, 2, 3, 4, 5);
+  const timesIn = (fromMs: number, toMs: number) => stepsIn({ fromMs, toMs }, all).map(({ timeMs }) => timeMs);
+
+  it('have one more on each side, so that lines reach the ends', () => {
+    expect(timesIn(3, 3)).toEqual([2, 3, 4]);
+    expect(timesIn(2.5, 4.5)).toEqual([2, 3, 4, 5]);
+    expect(timesIn(3.2, 3.4), 'between two steps').toEqual([3, 4]);
+    expect(timesIn(0, 9)).toEqual([1, 2, 3, 4, 5]);
+    expect(timesIn(-5, 0), 'before the first').toEqual([1]);
+    expect(timesIn(6, 7), 'after the last').toEqual([]);
+    expect(stepsIn(undefined, all)).toBe(all);
   });
 });
 
@@ -89,6 +105,19 @@ describe('"Why this algorithm?"', () => {
     const kept = event(2, 'Grid', 'Grid', DecisionOutcome.KEPT); // there is no switch to Grid
     expect(decisiveStep(mergedSteps(steps, [toSap, kept], 3))!.event).toBe(kept);
     expect(decisiveStep([])).toBeUndefined();
+  });
+
+  it('finds the switch that the game executed after a decision, and the last switch', () => {
+    const commands = steps.filter(isSwitch);
+    const done = steps.find(({ kind }) => kind === AuditKind.SWITCH);
+    expect(commands.length).toBeGreaterThan(1);
+    expect(executionOf(commands[0]!, steps)).toBe(done);
+    expect(executionOf(commands[0]!, []), 'not in the view').toBeUndefined();
+    const kept = steps.find((step) => step.told && !isSwitch(step))!;
+    expect(executionOf(kept, steps)).toBeUndefined();
+    expect(commands.filter((step) => isLastSwitch(step, steps))).toEqual([commands.at(-1)]);
+    expect(isLastSwitch(commands[0]!, []), 'read from the log, older than the steps of the view').toBe(true);
+    expect(isLastSwitch(kept, [])).toBe(false);
   });
 
   it('marks each change of the active arm', () => {

@@ -124,6 +124,9 @@ export function laneSums(steps: readonly Step[]): LaneSum[] {
   }));
 }
 
+/** Returns whether the decision commanded a switch and no later step did. */
+export const isLastSwitch = (decision: Step, steps: readonly Step[]) => isSwitch(decision) && (steps.findLast(isSwitch)?.decisionId ?? 0) <= decision.decisionId;
+
 /** Returns the step in which the game executed the switch that a decision commanded. */
 export const executionOf = (decision: Step, steps: readonly Step[]): Step | undefined =>
   (isSwitch(decision) ? steps.find(({ kind, timeMs }) => kind === AuditKind.SWITCH && timeMs >= decision.timeMs) : undefined);

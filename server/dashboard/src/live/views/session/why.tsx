@@ -9,15 +9,16 @@ import { addShortcuts } from '../../parts/keys';
 import { Name, visible } from '../../parts/name';
 import { decisionsHref } from '../../state/route';
 
-/** `done` is the step in which the game executed the switch that this decision commanded, if the view has it. */
-export function Why({ step, done, sessionId, onRead, onClose }: { step: Step; done?: Step | undefined; sessionId: string; onRead: () => void; onClose: () => void }) {
+/** `done` is the step in which the game executed the switch that this decision commanded, if the view has it. `isLast`: it is
+ * the session's last switch. */
+export function Why({ step, done, isLast = false, sessionId, onRead, onClose }: { step: Step; done?: Step | undefined; isLast?: boolean; sessionId: string; onRead: () => void; onClose: () => void }) {
   useEffect(() => addShortcuts([{ keys: 'Escape', what: 'Close the explanation', run: onClose }]), []);
   const { placed, told, timeMs, decisionId } = step;
   const [first = '', second = '', ...others] = placed ? explainedRow(placed.row, placed.setup) : told ? explained(told) : [];
   return (
     <section class="why" aria-labelledby="why-heading">
       <header class="title">
-        <h2 id="why-heading">{decisionId > 0 ? `Decision ${decisionId}` : kindWord(step.kind).name}, {timeText(timeMs)}</h2>
+        <h2 id="why-heading">{decisionId > 0 ? `${isLast ? 'Last switch: decision' : 'Decision'} ${decisionId}` : kindWord(step.kind).name}, {timeText(timeMs)}</h2>
         <button type="button" class="quiet" onClick={onClose}>Close</button>
       </header>
       <p><bdi>{visible(first)}</bdi></p>
