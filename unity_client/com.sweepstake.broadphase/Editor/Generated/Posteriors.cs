@@ -2247,7 +2247,8 @@ namespace Sweepstake.Protocol.V1 {
     private bool isChanging_;
     /// <summary>
     /// Whether no single arm is the best: the regimes have different best arms, or a connected session believes that one arm is the
-    /// best but has switched more than four times in the last minute. Absent: a single arm may be the best.
+    /// best but has switched more than four times in the last minute. Only the 16 sessions that have been connected the longest are
+    /// examined. Absent: a single arm may be the best.
     /// </summary>
     [global::System.Diagnostics.DebuggerNonUserCodeAttribute]
     [global::System.CodeDom.Compiler.GeneratedCode("protoc", null)]
