@@ -39,8 +39,8 @@ std::string PageUrl(const Config& config) {
   const bool is_open = !tls::IsLoopback(config.http);
   const bool is_own_tls = is_open && !HttpTls(config).cert.empty();
   const std::string port = config.http.substr(config.http.rfind(':'));
-  const absl::string_view named =
-      absl::StripAsciiWhitespace(config.http_hosts.substr(0, config.http_hosts.find(',')));
+  const std::string first_host = config.http_hosts.substr(0, config.http_hosts.find(','));
+  const absl::string_view named = absl::StripAsciiWhitespace(first_host);
   if (!named.empty())
     return absl::StrCat("https://", named, is_own_tls ? port : "", config.http_base);
   const std::string host = config.http.substr(0, config.http.rfind(':'));
