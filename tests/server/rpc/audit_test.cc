@@ -426,7 +426,9 @@ TEST_F(ListTest, ACallReadsALimitedPartOfTheLog) {
     row.set_kind(number == 1 ? v1::AUDIT_KIND_REFUSAL : v1::AUDIT_KIND_SWITCH);
     update.audit.rows.push_back({.number = number, .bytes = row.SerializeAsString()});
   }
-  thread_.Submit([&](priors::PriorStore& store) { EXPECT_TRUE(store.Commit({&update, 1}).ok()); });
+  thread_.Submit([update = std::move(update)](priors::PriorStore& store) {
+    EXPECT_TRUE(store.Commit({&update, 1}).ok());
+  });
   for (const std::string session : {"", "long"}) {
     v1::ListDecisionsRequest request;
     request.mutable_filter()->set_session_id(session);
