@@ -1,17 +1,20 @@
 #!/usr/bin/env python3
-"""Writes the C# imports of the C ABI and the checks of struct layouts, from the C headers and their golden layouts.
+"""Writes the C# imports of the C ABI with their documentation, the structs of options with texts, and the checks of struct layouts.
 
-    make_bindings.py ROOT           writes Runtime/Core/LowLevel/NativeMethods.cs and NativeLayouts.cs of the package
+    make_bindings.py ROOT           writes NativeMethods.cs, NativeOptions.cs and NativeLayouts.cs in Runtime/Core/LowLevel of the package
     make_bindings.py ROOT --check   fails if the files differ from what this would write
 
-The C# structs are written by hand, with their documentation, and listed in STRUCTS. A field has the C name in PascalCase; an array of
-three floats becomes three fields that end with X, Y and Z. Callbacks from the library into managed code are left out on purpose: they would
+The sources are the C headers and their golden layouts. The structs of NativeOptions.cs are the native forms of the classes in OPTIONS. The
+other C# structs are written by hand, with their documentation, and listed in STRUCTS. A field has the C name in PascalCase; an array of three
+floats becomes three fields that end with X, Y and Z. Callbacks from the library into managed code are left out on purpose: they would
 not survive a domain reload, so executors and hooks stay native.
 """
 
+import html
 import pathlib
 import re
 import sys
+import textwrap
 
 HEADERS = "engine_client/include/sweepstake"
 GOLDEN = "tests/engine_client/c_api/golden"
@@ -28,6 +31,8 @@ STRUCTS = {
     "swp_link_stats": "LinkStats", "swp_decision": "Decision", "swp_sphere": "SphereQuery", "swp_box_sweep": "BoxSweepQuery",
     "swp_reward_weights": "RewardWeights",
 }
+# Options with texts, which a class of the package wraps.
+OPTIONS = {"swp_session_options": "SessionOptions", "swp_decider_options": "DeciderOptions", "swp_link_options": "LinkOptions"}
 # Structs that contain callbacks. Functions that take them are left out of the C# imports.
 LEFT_OUT = {"swp_executor", "swp_hooks"}
 # Headers of libraries that the Unity package does not contain.
@@ -36,16 +41,18 @@ HANDLES = {"swp_world", "swp_session", "swp_proxies", "swp_scene", "swp_link"}
 SCALARS = {
     "void": "void", "char": "byte", "int32_t": "int", "uint32_t": "uint", "uint64_t": "ulong", "float": "float", "double": "double",
     "swp_result": "ResultCode", "swp_kind": "ObjectKind", "swp_struct": "uint", "swp_mode": "SessionMode",
-    "swp_link_action": "LinkAction", "swp_link_text": "LinkText",
+    "swp_link_action": "LinkAction", "swp_link_text": "LinkText", "swp_shadow_mode": "ShadowMode",
 }
 
-COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+# A comment and the functions without blank lines between them, which it documents.
+DOCUMENTED = re.compile(r"(?:/\*((?:[^*]|\*(?!/))*)\*/\n)?((?:SWP_API [^;]*;\n)+)")
 FUNCTION = re.compile(r"SWP_API ([\w ]+?\**) ?(swp_\w+)\(([^;]*?)\);", re.DOTALL)
 PARAMETER = re.compile(r"^(?:const )?(\w+)( const)?(\**) ?(\w+)$")
 SIZE = re.compile(r"^SIZE\((\w+), (\d+)\)")
 FIELD = re.compile(r"^FIELD\((\w+), (\w+), (\d+), (.+)\)$")
 STRUCT_NUMBER = re.compile(r"^VALUE\(SWP_STRUCT_(\w+), (\d+)\)")
 ABI = re.compile(r"^VALUE\(SWP_ABI_VERSION, (\d+)\)")
+WIDTH = 130  # of a line of documentation
 KEYWORDS = {"struct", "which", "object", "params", "ref", "in", "out"} - {"which"}
 
 HEAD = """\
@@ -92,17 +99,27 @@ def parameters(text):
     return ", ".join(result)
 
 
+def documentation(comment, header, name):
+    """Returns the lines of a function's summary: the text of its comment in the C header."""
+    text = " ".join(re.sub(r"^ *\* ?", "", comment, flags=re.MULTILINE).split())
+    if not text:
+        raise SystemExit(f"make_bindings.py: {header}: write a comment about {name}")
+    one_line = f"<summary>{html.escape(text, quote=False)}</summary>"
+    lines = [one_line] if len(one_line) <= WIDTH else ["<summary>", *textwrap.wrap(html.escape(text, quote=False), WIDTH), "</summary>"]
+    return "".join(f"        /// {line}\n" for line in lines)
+
+
 def functions(root):
-    """Yields (header, return type, name, parameters) of each function without callbacks."""
+    """Yields (documentation, return type, name, parameters) of each function without callbacks."""
     for header in sorted((root / HEADERS).glob("c_*.h")):
         if header.name in OTHER_LIBRARIES:
             continue
-        text = COMMENT.sub(" ", header.read_text(encoding="utf-8"))
-        for returned, name, arguments in FUNCTION.findall(text):
-            if any(left_out in arguments for left_out in LEFT_OUT):
-                continue
-            kind, stars = re.match(r"(?:const )?(\w+) ?(\**)", returned).groups()
-            yield header.name, managed_type(kind, stars), name, parameters(arguments)
+        for comment, declarations in DOCUMENTED.findall(header.read_text(encoding="utf-8")):
+            for returned, name, arguments in FUNCTION.findall(declarations):
+                if any(left_out in arguments for left_out in LEFT_OUT):
+                    continue
+                kind, stars = re.match(r"(?:const )?(\w+) ?(\**)", returned).groups()
+                yield documentation(comment, header.name, name), managed_type(kind, stars), name, parameters(arguments)
 
 
 def methods_file(root):
@@ -113,10 +130,10 @@ using System.Runtime.InteropServices;
 namespace Sweepstake.LowLevel
 {
     /// <summary>
-    /// The functions of the C ABI under their own names, for jobs and Burst; the C headers in Native~/include document them. They use
-    /// pointers and scalars only, so nothing is marshalled and nothing allocates. All other code uses the classes of
-    /// <see cref="Sweepstake"/>, which check results and own the native objects. In a build without the library, they throw
-    /// <see cref="NotSupportedException"/>.
+    /// The functions of the C ABI under their own names, for jobs and Burst, with the comments of the C headers. c_api.h has the rules for
+    /// threads, ownership, units and errors. The functions use pointers and scalars only, so nothing is marshalled and nothing allocates. All
+    /// other code uses the classes of <see cref="Sweepstake"/>, which check results and own the native objects. In a build without the
+    /// library, they throw <see cref="NotSupportedException"/>.
     /// </summary>
     public static unsafe class NativeMethods
     {
@@ -129,10 +146,9 @@ namespace Sweepstake.LowLevel
 #endif
 """]
     imports = list(functions(root))
-    for header, returned, name, arguments in imports:
+    for summary, returned, name, arguments in imports:
         lines.append(f"""
-        /// <summary>See {header}.</summary>
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+{summary}        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern {returned} {name}({arguments});
 """)
     lines.append("""#else
@@ -166,6 +182,32 @@ class Layouts:
 
     def grows(self, struct):
         return self.fields[struct][0][0] == "struct_size"
+
+
+def field_line(field, kind):
+    base, stars = re.match(r"(?:const )?(\w+)(\**)$", kind).groups()
+    managed = "IntPtr" if base in LEFT_OUT else managed_type(base, stars)
+    return f"        {'internal' if field == 'reserved' else 'public'} {managed} {pascal(field)};\n"
+
+
+def options_file(root):
+    layouts = Layouts(root)
+    text = HEAD + """\
+using System;
+using System.Runtime.InteropServices;
+
+namespace Sweepstake.LowLevel
+{
+"""
+    for struct, wrapper in OPTIONS.items():
+        text += f"""\
+    /// <summary>The native form of <see cref="{wrapper}"/>, which documents the fields. Texts are UTF-8 with a terminating 0.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe struct {STRUCTS[struct]}
+    {{
+"""
+        text += "".join(field_line(field, kind) for field, _, kind in layouts.fields[struct]) + "    }\n\n"
+    return text.rstrip("\n") + "\n}\n"
 
 
 def struct_check(layouts, struct):
@@ -214,7 +256,7 @@ def main(arguments):
         return 2
     root, check = pathlib.Path(arguments[0]), len(arguments) == 2
     stale = 0
-    for name, text in (("NativeMethods.cs", methods_file(root)), ("NativeLayouts.cs", layouts_file(root))):
+    for name, text in (("NativeMethods.cs", methods_file(root)), ("NativeOptions.cs", options_file(root)), ("NativeLayouts.cs", layouts_file(root))):
         path = root / OUTPUT / name
         if not check:
             path.write_text(text, encoding="utf-8")

@@ -1,10 +1,11 @@
+// Written by unity_client/tools/make_bindings.py from the headers of the C ABI.
 #nullable enable
 using System;
 using System.Runtime.InteropServices;
 
 namespace Sweepstake.LowLevel
 {
-    /// <summary>The native form of <see cref="SessionOptions"/>. Texts are UTF-8 with a terminating 0.</summary>
+    /// <summary>The native form of <see cref="SessionOptions"/>, which documents the fields. Texts are UTF-8 with a terminating 0.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe struct NativeSessionOptions
     {
@@ -25,7 +26,7 @@ namespace Sweepstake.LowLevel
         public ulong MaxPairs;
     }
 
-    /// <summary>The native form of <see cref="DeciderOptions"/>. Texts, but not PriorsData, are UTF-8 with a terminating 0.</summary>
+    /// <summary>The native form of <see cref="DeciderOptions"/>, which documents the fields. Texts are UTF-8 with a terminating 0.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe struct NativeDeciderOptions
     {
@@ -48,7 +49,7 @@ namespace Sweepstake.LowLevel
         public RewardWeights Weights;
     }
 
-    /// <summary>The native form of <see cref="LinkOptions"/>. Texts are UTF-8 with a terminating 0.</summary>
+    /// <summary>The native form of <see cref="LinkOptions"/>, which documents the fields. Texts are UTF-8 with a terminating 0.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe struct NativeLinkOptions
     {
