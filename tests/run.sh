@@ -50,8 +50,8 @@ tree=$(tree_to_test)
 for preset in "${presets[@]}"; do forget_passed "$preset"; done
 
 # Includes the libraries for `sweepstake-lab bench --peers`, a browser for the tests of reports, Prometheus for the daemon's
-# metrics, HAProxy as its proxy, and PostgreSQL as the store of several daemons.
-deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libbox2d-dev libembree-dev libcgal-dev chromium prometheus haproxy postgresql clang libclang-rt-dev llvm
+# metrics, HAProxy as its proxy, PostgreSQL as the store of several daemons, and gRPC for the client in Python.
+deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libbox2d-dev libembree-dev libcgal-dev chromium prometheus haproxy postgresql clang libclang-rt-dev llvm python3-grpcio python3-protobuf
 # Needed in the archive and the plug-in of the C ABI. Without apt, CMake uses the system's Highway or prints what it leaves out.
 if command -v apt-get >/dev/null; then deploy/static_highway.sh; fi
 for folder in tests/proto server/dashboard tests/laboratory/report; do
