@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Tries Sweepstake from a fresh clone: installs missing packages, builds, and starts the daemon with its dashboard. Then it runs the
-# Hurricane scene with 3,000 objects in AI mode over the real gRPC stream, prints switches and posteriors as they happen, and stops
-# everything it started. A second run starts from the priors of the first.
+# Tries Sweepstake from a fresh clone: installs missing packages, builds, and starts the daemon with its dashboard. Then it plays a
+# scene in which 3,000 objects rest and move in turns, so that the cheapest algorithm changes. It prints each switch with its reason,
+# and at the end what was learnt and saved. Then it stops everything it started. A second run starts from the priors of the first.
 #
 #   deploy/quickstart.sh              takes half a minute after the build
 #   deploy/quickstart.sh --fresh      first deletes the priors of earlier runs
@@ -47,7 +47,8 @@ if [ -z "$bin" ]; then
 fi
 
 [ -z "$fresh" ] || rm -rf "$data"
-mkdir -p "$data"
+mkdir -p "$(dirname "$data")"
+mkdir -p -m 700 "$data"
 port_file=$data/port
 rm -f "$port_file"
 daemon=
@@ -83,15 +84,15 @@ done
 address=127.0.0.1:$(sed -n 1p "$port_file")
 echo "== the dashboard: http://127.0.0.1:$(sed -n 2p "$port_file")/ =="
 
-# A time scale of 8 divides the paper's intervals (exploration 42 s, cooldown 40 s), so that 20 s show the complete process.
+# A time scale of 8 divides the paper's intervals (exploration 42 s, cooldown 40 s), so that 30 s show the complete process.
 play() {
   exec "$bin/sweepstake" run --daemon "$address" --project "$1" --scene "$2" --objects "$3" --seed 1 --mode ai --time-scale 8 "${@:4}"
 }
 
 if [ -z "$stay" ]; then
-  (play quickstart hurricane 3000 --duration 20s)
+  (play quickstart rest-and-motion 3000 --fps 60 --duration 30s)
   stop_all
-  echo "== done: the daemon has stopped; run this again to start from what it learnt =="
+  echo "== done: the daemon has stopped; run this again to start from what it learnt, or with --stay to see the dashboard =="
   exit
 fi
 
