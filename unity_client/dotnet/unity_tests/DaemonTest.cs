@@ -6,6 +6,7 @@ using System.Runtime.CompilerServices;
 using System.Threading;
 using NUnit.Framework;
 using Sweepstake.Editor;
+using Sweepstake.Samples;
 using Sweepstake.Unity;
 using UnityEditor;
 using UnityEngine;

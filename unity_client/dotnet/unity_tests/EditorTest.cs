@@ -8,6 +8,7 @@ using System.Text.RegularExpressions;
 using System.Xml.Linq;
 using NUnit.Framework;
 using Sweepstake.Editor;
+using Sweepstake.Samples;
 using Sweepstake.Unity;
 using UnityEditor;
 using UnityEditor.Build;
@@ -144,19 +145,49 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void MenusMakeAManagerATrackerAndADemoThatPlays()
+        public void MenusMakeAManagerAndATracker()
         {
-            DemoMenu.MakeManager(new MenuCommand(null));
+            ObjectMenu.MakeManager(new MenuCommand(null));
             Assert.That(Selection.activeGameObject.GetComponent<SweepstakeManager>(), Is.Not.Null);
-            DemoMenu.MakeTracker(new MenuCommand(null));
+            ObjectMenu.MakeTracker(new MenuCommand(null));
             Assert.That(Selection.activeGameObject.GetComponent<ColliderTracker>(), Is.Not.Null);
-            DemoMenu.MakeDemoScene();
-            Frames(3);
-            var demo = Selection.activeGameObject.GetComponent<SweepstakeManager>();
-            Assert.That(demo.LastSample.ObjectCount, Is.EqualTo(3000));
+        }
+
+        [Test]
+        public void TheHudShowsAGame()
+        {
+            GameObject game = MakeManager().gameObject;
+            game.AddComponent<ScenarioPlayer>();
+            var hud = game.AddComponent<SweepstakeHud>();
             Frames(30);
-            Assert.That(demo.GetComponent<SweepstakeHud>().Text, Does.Contain("3000 objects"));
+            Assert.That(hud.Text, Does.Contain("3000 objects"));
             Player.CallAll("OnGUI");
+        }
+
+        [Test]
+        public void TheSetupFindsTheLibraryOfTheChosenPlatform()
+        {
+            var window = ScriptableObject.CreateInstance<SetupWindow>();
+            Call(window, "CreateGUI");
+            try
+            {
+                EditorUserBuildSettings.activeBuildTarget = BuildTarget.Android;
+                Call(window, "Refresh");
+                Assert.That(Boxes(window.rootVisualElement), Has.Some.Contains("no native library for Android"));
+                Assert.That(Texts(window.rootVisualElement), Has.Some.EqualTo("Native Library Page"));
+                PluginImporter.Plugins.Add(("Assets/Plugins/libother.so", BuildTarget.Android));
+                PluginImporter.Plugins.Add(("Packages/com.sweepstake.broadphase/Runtime/Plugins/windows-x86_64/sweepstake.dll", BuildTarget.StandaloneWindows64));
+                Call(window, "Refresh");
+                Assert.That(Boxes(window.rootVisualElement), Has.Some.Contains("no native library for Android"), "neither another plug-in nor that of another platform");
+                PluginImporter.Plugins.Add(("Assets/Plugins/libsweepstake.so", BuildTarget.Android));
+                Call(window, "Refresh");
+                Assert.That(Boxes(window.rootVisualElement), Has.Some.Contains("has the native library for Android"));
+            }
+            finally
+            {
+                PluginImporter.Plugins.Clear();
+                EditorUserBuildSettings.activeBuildTarget = BuildTarget.StandaloneLinux64;
+            }
         }
 
         [Test]
@@ -180,25 +211,20 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void DrawersTakeAnyTextAndOfferTheLibrarysNames()
+        public void TheDrawerAcceptsAnyTextAndOffersTheBackends()
         {
-            foreach ((NameChoiceDrawer drawer, IReadOnlyList<string> names) in new (NameChoiceDrawer, IReadOnlyList<string>)[]
-            {
-                (new BackendNameDrawer(), SweepstakeLibrary.Backends), (new MotionSceneNameDrawer(), SweepstakeLibrary.Scenes),
-            })
-            {
-                VisualElement row = drawer.CreatePropertyGUI(new SerializedProperty { tooltip = "A name." });
-                TextField text = row.Children().OfType<TextField>().Single();
-                DropdownField choice = row.Children().OfType<DropdownField>().Single();
-                Assert.That((text.tooltip, choice.choices), Is.EqualTo(("A name.", names)));
-                text.value = "level.aabbs";
-                Assert.That(text.value, Is.EqualTo("level.aabbs"));
-                choice.value = names[1];
-                Assert.That((text.value, choice.value), Is.EqualTo((names[1], "")));
-                text.value = "level.aabbs";
-                choice.value = names[1];
-                Assert.That(text.value, Is.EqualTo(names[1]), "chosen again");
-            }
+            IReadOnlyList<string> names = SweepstakeLibrary.Backends;
+            VisualElement row = new BackendNameDrawer().CreatePropertyGUI(new SerializedProperty { tooltip = "A name." });
+            TextField text = row.Children().OfType<TextField>().Single();
+            DropdownField choice = row.Children().OfType<DropdownField>().Single();
+            Assert.That((text.tooltip, choice.choices), Is.EqualTo(("A name.", names)));
+            text.value = "KdTree";
+            Assert.That(text.value, Is.EqualTo("KdTree"));
+            choice.value = names[1];
+            Assert.That((text.value, choice.value), Is.EqualTo((names[1], "")));
+            text.value = "KdTree";
+            choice.value = names[1];
+            Assert.That(text.value, Is.EqualTo(names[1]), "chosen again");
         }
 
         [Test]
@@ -265,6 +291,9 @@ namespace Sweepstake.Tests
         }
 
         private static void Call(object owner, string method, params object[] arguments) => owner.GetType().GetMethod(method, All)!.Invoke(owner, arguments);
+
+        private static IEnumerable<string> Boxes(VisualElement root) =>
+            root.Children().SelectMany(child => child is HelpBox box ? new[] { box.text } : Boxes(child));
 
         private static IEnumerable<string> Texts(VisualElement root)
         {

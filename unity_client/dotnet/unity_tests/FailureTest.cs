@@ -4,6 +4,7 @@ using System.IO;
 using System.Linq;
 using System.Threading.Tasks;
 using NUnit.Framework;
+using Sweepstake.Samples;
 using Sweepstake.Unity;
 using UnityEngine;
 

@@ -4,6 +4,7 @@ using System.IO;
 using System.Linq;
 using System.Reflection;
 using NUnit.Framework;
+using Sweepstake.Samples;
 using Sweepstake.Unity;
 using UnityEngine;
 using Object = UnityEngine.Object;

@@ -3,6 +3,7 @@ using System.Collections.Generic;
 using System.IO;
 using System.Linq;
 using NUnit.Framework;
+using Sweepstake.Samples;
 using Sweepstake.Unity;
 using UnityEngine;
 

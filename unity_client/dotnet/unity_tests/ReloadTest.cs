@@ -1,5 +1,6 @@
 using System.Threading;
 using NUnit.Framework;
+using Sweepstake.Samples;
 using Sweepstake.Unity;
 using UnityEditor;
 using UnityEngine;

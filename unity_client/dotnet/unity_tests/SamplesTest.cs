@@ -33,10 +33,13 @@ namespace Sweepstake.Tests
         [Test]
         public void EachScenarioPlaysTenThousandBoxesAndDrawsEachOnce([Values(0, 1, 2, 3, 4)] int scenario)
         {
-            var sample = new GameObject("five scenarios").AddComponent<FiveScenarios>();
+            var sample = new GameObject("triggers").AddComponent<Triggers>();
             var player = sample.GetComponent<ScenarioPlayer>();
-            player.Scenario = SweepstakeLibrary.Scenes[scenario];
-            Frames(2);
+            player.ObjectCount = 10_000;
+            Frames(1);
+            Press((char)('1' + scenario));
+            Assert.That(player.Scenario, Is.EqualTo(SweepstakeLibrary.Scenes[scenario]));
+            Frames(1);
             Graphics.InstanceCount = 0;
             Frames(1);
             Assert.That(Graphics.InstanceCount, Is.EqualTo(10_000));
@@ -110,21 +113,97 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void ManualVsAiGivesEachBackendItsTurnAndThenAi()
+        public void TriggersHasAButtonForEachScenarioAndAlgorithmAndAKeyForTheRest()
         {
-            GameObject made = MakeManager().gameObject;
-            var sample = made.AddComponent<ManualVsAI>();
-            made.GetComponent<ScenarioPlayer>().ObjectCount = 50;
-            Set(sample, "secondsEach", 0.2f);
-            for (int frame = 0; frame < 500 && !sample.IsOver; ++frame)
-                Player.Frame();
-            Assert.That(sample.IsOver, Is.True);
-            string[] rows = sample.Table.TrimEnd().Split('\n');
-            Assert.That(
-                rows.Skip(1).Select(row => row.Split(',')[0]),
-                Is.EqualTo(SweepstakeLibrary.Backends.Where(backend => backend != "BruteForce").Append("AI Decides")));
-            Assert.That(rows.Skip(1).Select(row => int.Parse(row.Split(',')[1])), Is.All.GreaterThan(5));
-            Assert.That(Logged("AI Decides"), Has.Exactly(1).Items);
+            var sample = new GameObject("triggers").AddComponent<Triggers>();
+            var manager = sample.GetComponent<SweepstakeManager>();
+            var player = sample.GetComponent<ScenarioPlayer>();
+            player.ObjectCount = 50;
+            Frames(2);
+            foreach (string scenario in SweepstakeLibrary.Scenes.Take(5))
+            {
+                Click(scenario);
+                Assert.That(player.Scenario, Is.EqualTo(scenario));
+            }
+            Assert.That(manager.Mode, Is.EqualTo(SessionMode.Ai));
+            foreach (string algorithm in SweepstakeLibrary.Backends)
+            {
+                Click(algorithm);
+                Frames(1);
+                Assert.That((manager.ActiveBackend, manager.Mode), Is.EqualTo((algorithm, SessionMode.Manual)));
+                Player.CallAll("OnGUI");
+                Assert.That(GUILayout.Texts, Has.Some.EqualTo("● " + algorithm).And.Some.EqualTo("[M] Mode: Manual"));
+            }
+            Press('B');
+            Frames(1);
+            Assert.That(manager.ActiveBackend, Is.EqualTo(SweepstakeLibrary.Backends[0]), "the first follows the last");
+            Press('M');
+            Assert.That(manager.Mode, Is.EqualTo(SessionMode.Ai));
+            Press('D');
+            Assert.That(player.ObjectCount, Is.EqualTo(100));
+            Click("Half");
+            Assert.That(player.ObjectCount, Is.EqualTo(50));
+        }
+
+        [Test]
+        public void TriggersShowsTheFiguresOfTheLatestFrame()
+        {
+            var sample = new GameObject("triggers").AddComponent<Triggers>();
+            Frames(40);
+            Player.CallAll("OnGUI");
+            string shown = GUILayout.Texts.Last();
+            Assert.That(shown, Does.Contain("3000 objects").And.Contain(" pairs").And.Contain(" ms of ").And.Contain("AABB checks; verdict: "));
+            Assert.That(shown, Does.Contain(sample.GetComponent<SweepstakeManager>().ActiveBackend + ": ").And.Match("Frame [0-9]+: [1-9]"));
+        }
+
+        [Test]
+        public void TriggersComparesEachAlgorithmAndAiDecides()
+        {
+            Triggers sample = MakeComparing(500);
+            var manager = sample.GetComponent<SweepstakeManager>();
+            FramesUntil(() => File.Exists(Triggers.ComparisonPath), "complete");
+            string[][] rows = File.ReadAllLines(Triggers.ComparisonPath).Select(row => row.Split(',')).ToArray();
+            Assert.That(rows[0], Is.EqualTo(new[] { "algorithm", "frames", "detection ms", "frame ms", "checks", "pairs" }));
+            Assert.That(rows.Skip(1).Select(row => row[0]), Is.EqualTo(SweepstakeLibrary.Backends.Append("AI Decides")));
+            Assert.That(rows.Skip(1).Select(row => int.Parse(row[1])), Is.All.GreaterThan(5));
+            Assert.That(rows.Skip(1).SelectMany(row => row.Skip(2)).Select(value => double.Parse(value)), Is.All.GreaterThan(0), "each value was measured");
+            Frames(2);
+            Assert.That((manager.Mode, manager.ActiveBackend), Is.EqualTo((SessionMode.Manual, "Tracy")), "as before");
+            Player.CallAll("OnGUI");
+            Assert.That(GUILayout.Texts.TakeLast(6), Is.EqualTo(rows.Last()), "the table is on the screen");
+            Assert.That(Logged(Triggers.ComparisonPath), Has.Exactly(1).Items);
+        }
+
+        [Test]
+        public void AStoppedComparisonWritesNothingAndManyBoxesSkipBruteForce()
+        {
+            Triggers sample = MakeComparing(10_001);
+            var manager = sample.GetComponent<SweepstakeManager>();
+            Frames(1);
+            Assert.That(manager.ActiveBackend, Is.EqualTo(SweepstakeLibrary.Backends.First(name => name != "BruteForce")));
+            Click("Stop comparing");
+            Frames(60);
+            Assert.That((manager.Mode, manager.ActiveBackend), Is.EqualTo((SessionMode.Manual, "Tracy")));
+            Assert.That(File.Exists(Triggers.ComparisonPath), Is.False);
+        }
+
+        [Test]
+        public void TriggersSavesARowPerFrame()
+        {
+            var sample = new GameObject("triggers").AddComponent<Triggers>();
+            sample.GetComponent<ScenarioPlayer>().ObjectCount = 50;
+            Frames(2);
+            Press('S');
+            Frames(20);
+            Click("Stop saving");
+            Assert.That(File.ReadAllText(Triggers.FramesPath), Does.Contain("hurricane"));
+            Assert.That(File.ReadAllLines(Triggers.FramesPath).Length, Is.InRange(20, 24), "a heading, and a row per frame");
+            File.Delete(Triggers.FramesPath);
+            Directory.CreateDirectory(Triggers.FramesPath);
+            Click("Save frames");
+            Assert.That(Logged("error: "), Has.Exactly(1).Items, "a folder has the name of the file");
+            Player.CallAll("OnGUI");
+            Assert.That(GUILayout.Texts, Has.Some.Contains("Save frames"));
         }
 
         [Test]
@@ -262,11 +341,41 @@ namespace Sweepstake.Tests
             return hashes;
         }
 
+        /// <summary>A sample that compares, with short runs; before, Tracy was chosen.</summary>
+        private static Triggers MakeComparing(int objects)
+        {
+            var sample = new GameObject("triggers").AddComponent<Triggers>();
+            Set(sample, "secondsEach", 0.2f);
+            sample.GetComponent<ScenarioPlayer>().ObjectCount = objects;
+            sample.GetComponent<ScenarioPlayer>().WorldHalfExtent = 10;
+            Frames(1);
+            Click("Tracy");
+            Frames(2);
+            Press('C');
+            return sample;
+        }
+
         private static SceneOptions Options(uint objects)
         {
             SceneOptions options = SceneOptions.Default;
             options.ObjectCount = objects;
             return options;
+        }
+
+        [Test]
+        public void TheRecordersLevelIsRecorded()
+        {
+            GameObject made = MakeManager().gameObject;
+            made.AddComponent<MovingCubes>();
+            var recorder = made.AddComponent<LevelRecorder>();
+            Frames(20);
+            recorder.enabled = false;
+            using var played = new MotionScene(recorder.FilePath);
+            Aabb[] first = played.Boxes.ToArray();
+            Assert.That(first.Count(box => box.IsValid), Is.EqualTo(200));
+            played.Step();
+            played.Step();
+            Assert.That(played.Boxes.ToArray(), Is.Not.EqualTo(first));
         }
 
         private static object Field(object owner, string name) =>

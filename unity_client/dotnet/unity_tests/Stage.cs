@@ -81,6 +81,22 @@ namespace Sweepstake.Tests
         protected static void FramesUntil(Func<bool> condition, string what) =>
             Eventually.Is(condition, () => what + "; " + string.Join("; ", Debug.Lines), () => Player.Frame());
 
+        /// <summary>Plays a frame in which a key is pressed.</summary>
+        protected static void Press(char key)
+        {
+            Input.Pressed = (KeyCode)char.ToLowerInvariant(key);
+            Frames(1);
+            Input.Pressed = KeyCode.None;
+        }
+
+        /// <summary>Presses the button whose text contains this part.</summary>
+        protected static void Click(string part)
+        {
+            GUILayout.Pressed = part;
+            Player.CallAll("OnGUI");
+            GUILayout.Pressed = "";
+        }
+
         /// <summary>The layers of static boxes: a static box is 16 layers above the one that a test names.</summary>
         protected static readonly LayerMask StaticLayers = unchecked((int)0xFFFF0000);
 

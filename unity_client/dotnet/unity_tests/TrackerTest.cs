@@ -2,6 +2,7 @@ using System;
 using System.Collections.Generic;
 using System.Linq;
 using NUnit.Framework;
+using Sweepstake.Samples;
 using Sweepstake.Unity;
 using UnityEngine;
 using UnityEngine.SceneManagement;

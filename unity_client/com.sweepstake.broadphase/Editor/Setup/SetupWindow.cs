@@ -54,7 +54,6 @@ namespace Sweepstake.Editor
             buttons.Add(new Button(() => Define(true)) { text = "Set Define", tooltip = $"Sets {SetupChecks.GrpcDefine} for the platform of the build settings, if gRPC's libraries are installed." });
             buttons.Add(new Button(() => Define(false)) { text = "Remove Define" });
             buttons.Add(new Button(CleanUp) { text = "Clean Up", tooltip = "Use it before you remove the package: removes the package's project settings, and the define for all platforms that may have the native library and for the platform of the build settings." });
-            buttons.Add(new Button(DemoMenu.MakeDemoScene) { text = "New Demo Scene" });
             scroll.Add(buttons);
             Refresh();
         }
@@ -123,7 +122,9 @@ namespace Sweepstake.Editor
         private SetupFacts Facts() => new SetupFacts
         {
             LibraryProblem = SweepstakeLibrary.FindProblem(),
-            IsWebGl = EditorUserBuildSettings.activeBuildTarget == BuildTarget.WebGL,
+            Platform = EditorUserBuildSettings.activeBuildTarget,
+            HasPlatformLibrary = PluginImporter.GetImporters(EditorUserBuildSettings.activeBuildTarget).Any(plugin => SetupChecks.IsLibrary(plugin.assetPath)),
+            HasArchiveDefine = Defines(NamedBuildTarget.iOS).Contains(SetupChecks.ArchiveDefine),
             HasGrpcDefine = Defines(Target).Contains(SetupChecks.GrpcDefine),
             IsLoaded = IsLoaded,
             PrecompiledAssemblies = CompilationPipeline.GetPrecompiledAssemblyNames(),

@@ -1,4 +1,6 @@
 using System;
+using System.Collections.Generic;
+using System.Linq;
 using UnityEngine;
 using UnityEngine.UIElements;
 using Object = UnityEngine.Object;
@@ -167,6 +169,20 @@ namespace UnityEditor
         }
     }
 
+    public class AssetImporter : Object
+    {
+        public string assetPath { get; internal set; } = "";
+    }
+
+    public sealed class PluginImporter : AssetImporter
+    {
+        /// <summary>For tests: the plug-ins of the project, and the platform of each.</summary>
+        internal static List<(string Path, BuildTarget Platform)> Plugins { get; } = new List<(string, BuildTarget)>();
+
+        public static PluginImporter[] GetImporters(BuildTarget platform) =>
+            Plugins.Where(plugin => plugin.Platform == platform).Select(plugin => new PluginImporter { assetPath = plugin.Path }).ToArray();
+    }
+
     public class Undo
     {
         public static void RegisterCreatedObjectUndo(Object objectToUndo, string name)
@@ -189,26 +205,5 @@ namespace UnityEditor
     public class FileUtil
     {
         public static bool DeleteFileOrDirectory(string path) => false;
-    }
-}
-
-namespace UnityEditor.SceneManagement
-{
-    public enum NewSceneSetup
-    {
-        EmptyScene,
-        DefaultGameObjects,
-    }
-
-    public enum NewSceneMode
-    {
-        Single,
-        Additive,
-    }
-
-    public sealed class EditorSceneManager
-    {
-        public static bool SaveCurrentModifiedScenesIfUserWantsTo() => true;
-        public static UnityEngine.SceneManagement.Scene NewScene(NewSceneSetup setup, NewSceneMode mode) => default;
     }
 }

@@ -33,9 +33,10 @@ namespace UnityEngine
 
         public static event Action quitting;
 
-        public static void OpenURL(string url)
-        {
-        }
+        /// <summary>For tests: the address that was opened last.</summary>
+        internal static string OpenedUrl { get; private set; } = "";
+
+        public static void OpenURL(string url) => OpenedUrl = url;
 
         /// <summary>For tests: ends the player.</summary>
         internal static void SayQuitting() => quitting?.Invoke();
@@ -207,22 +208,6 @@ namespace UnityEngine
         }
     }
 
-    public enum LightType
-    {
-        Spot,
-        Directional,
-    }
-
-    public sealed class Light : Behaviour
-    {
-        public LightType type { get; set; }
-    }
-
-    public sealed class Camera : Behaviour
-    {
-        public static Camera main => null;
-    }
-
     public struct RenderParams
     {
         public RenderParams(Material mat)
@@ -261,6 +246,7 @@ namespace UnityEngine
     public sealed class Screen
     {
         public static int width => 1280;
+        public static int height => 720;
     }
 
     public sealed class QualitySettings : Object

@@ -1,3 +1,5 @@
+using System.Collections.Generic;
+
 namespace UnityEngine
 {
     public enum EventType
@@ -56,6 +58,8 @@ namespace UnityEngine
     public sealed class GUISkin
     {
         public GUIStyle box { get; } = new GUIStyle();
+        public GUIStyle button { get; } = new GUIStyle();
+        public GUIStyle label { get; } = new GUIStyle();
     }
 
     public class GUIUtility
@@ -68,19 +72,56 @@ namespace UnityEngine
         public static GUISkin skin { get; } = new GUISkin();
     }
 
+    public sealed class GUILayoutOption
+    {
+        internal GUILayoutOption()
+        {
+        }
+    }
+
+    public class GUILayout
+    {
+        /// <summary>For tests: the texts of the latest area, and a part of the text of the button that counts as pressed.</summary>
+        internal static List<string> Texts { get; } = new List<string>();
+        internal static string Pressed { get; set; } = "";
+
+        public static void BeginArea(Rect screenRect, GUIStyle style) => Texts.Clear();
+
+        public static void EndArea()
+        {
+        }
+
+        public static void BeginHorizontal(params GUILayoutOption[] options)
+        {
+        }
+
+        public static void EndHorizontal()
+        {
+        }
+
+        public static void Label(string text, GUIStyle style, params GUILayoutOption[] options) => Texts.Add(text);
+
+        public static bool Button(string text, GUIStyle style, params GUILayoutOption[] options)
+        {
+            Texts.Add(text);
+            return Pressed.Length > 0 && text.Contains(Pressed);
+        }
+
+        public static GUILayoutOption Width(float width) => new GUILayoutOption();
+    }
+
 #if ENABLE_LEGACY_INPUT_MANAGER
     public enum KeyCode
     {
-        Alpha0 = 48,
-        B = 98,
-        M = 109,
-        UpArrow = 273,
-        DownArrow = 274,
+        None = 0,
     }
 
     public class Input
     {
-        public static bool GetKeyDown(KeyCode key) => false;
+        /// <summary>For tests: the key that counts as pressed in each frame.</summary>
+        internal static KeyCode Pressed { get; set; }
+
+        public static bool GetKeyDown(KeyCode key) => key != KeyCode.None && key == Pressed;
     }
 #endif
 }

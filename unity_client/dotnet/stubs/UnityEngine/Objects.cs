@@ -293,9 +293,5 @@ namespace UnityEngine
             if (parent is null)
                 roots.Add(gameObject);
         }
-
-        public void LookAt(Vector3 worldPosition)
-        {
-        }
     }
 }

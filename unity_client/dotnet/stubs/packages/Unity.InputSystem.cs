@@ -14,11 +14,8 @@ namespace UnityEngine.InputSystem
 {
     public enum Key
     {
-        B = 16,
-        M = 27,
+        A = 15,
         Digit1 = 41,
-        UpArrow = 63,
-        DownArrow = 64,
     }
 
     public class Keyboard

@@ -29,7 +29,7 @@ namespace Sweepstake.Tests
         {
             var manager = made.AddComponent<SweepstakeManager>();
             Assert.That(manager.State, Is.EqualTo(SweepstakeState.Stopped).Or.EqualTo(SweepstakeState.Embedded));
-            made.AddComponent<ScenarioPlayer>().ObjectCount = 200;
+            manager.Source = new MovingBoxes(200);
             yield return null;
             Assert.That(manager.ActiveBackend, Is.EqualTo("KDTree"), "not brute force, which is the first");
             for (int frame = 0; frame < 4; ++frame)
@@ -55,9 +55,7 @@ namespace Sweepstake.Tests
         public IEnumerator EachBackendIsSelectableWhileTheGamePlaysAndFindsTheSamePairs()
         {
             var manager = made.AddComponent<SweepstakeManager>();
-            var player = made.AddComponent<ScenarioPlayer>();
-            player.ObjectCount = 300;
-            player.WorldHalfExtent = 12;
+            manager.Source = new MovingBoxes(300);
             yield return null;
             manager.Mode = SessionMode.Manual;
             manager.SelectBackend("BruteForce");
@@ -82,7 +80,7 @@ namespace Sweepstake.Tests
         public IEnumerator ADisabledObjectStopsAndAnEnabledOnePlaysAgain()
         {
             var manager = made.AddComponent<SweepstakeManager>();
-            made.AddComponent<ScenarioPlayer>().ObjectCount = 50;
+            manager.Source = new MovingBoxes(50);
             yield return null;
             made.SetActive(false);
             yield return null;
@@ -91,6 +89,47 @@ namespace Sweepstake.Tests
             yield return null;
             yield return null;
             Assert.That(manager.LastSample.ObjectCount, Is.EqualTo(50));
+        }
+
+        /// <summary>Unit cubes that move back and forth in a cube of 24 units. They need no native object.</summary>
+        private sealed class MovingBoxes : IBroadPhaseSource
+        {
+            private const float Reach = 12;
+
+            private readonly Aabb[] boxes;
+            private int frame;
+
+            internal MovingBoxes(int count)
+            {
+                boxes = new Aabb[count];
+            }
+
+            public void Search(BroadPhaseSession session)
+            {
+                var random = new System.Random(1);
+                float shift = Mathf.Abs(++frame % 40 - 20) / 20f;
+                for (int index = 0; index < boxes.Length; ++index)
+                    boxes[index] = Aabb.Around(At(random) + shift * At(random), At(random), At(random), 1, 1, 1);
+                session.FindPairs(boxes);
+            }
+
+            public void Report()
+            {
+            }
+
+            public bool TryGetPair(int index, out Aabb a, out Aabb b)
+            {
+                a = b = default;
+                return false;
+            }
+
+            public void CopyBoxes(List<Aabb> copy)
+            {
+                copy.Clear();
+                copy.AddRange(boxes);
+            }
+
+            private static float At(System.Random random) => Reach * (float)(2 * random.NextDouble() - 1);
         }
     }
 }

@@ -3,7 +3,7 @@ using System;
 using UnityEngine;
 using UnityEngine.Rendering;
 
-namespace Sweepstake.Unity
+namespace Sweepstake.Samples
 {
     /// <summary>
     /// Draws many boxes by GPU instancing; boxes that touch another one have a second colour. The material is a copy of a new cube's material,

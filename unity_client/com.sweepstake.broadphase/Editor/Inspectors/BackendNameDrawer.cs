@@ -7,23 +7,10 @@ using UnityEngine.UIElements;
 
 namespace Sweepstake.Editor
 {
+    /// <summary>A text field with a drop-down of the library's backends that fills it; without the library, only the text field.</summary>
     [CustomPropertyDrawer(typeof(BackendNameAttribute))]
-    internal sealed class BackendNameDrawer : NameChoiceDrawer
+    internal sealed class BackendNameDrawer : PropertyDrawer
     {
-        protected override IReadOnlyList<string> Names() => SweepstakeLibrary.Backends;
-    }
-
-    [CustomPropertyDrawer(typeof(MotionSceneNameAttribute))]
-    internal sealed class MotionSceneNameDrawer : NameChoiceDrawer
-    {
-        protected override IReadOnlyList<string> Names() => SweepstakeLibrary.Scenes;
-    }
-
-    /// <summary>A text field with a drop-down of the library's names that fills it; without the library, only the text field.</summary>
-    internal abstract class NameChoiceDrawer : PropertyDrawer
-    {
-        protected abstract IReadOnlyList<string> Names();
-
         public override VisualElement CreatePropertyGUI(SerializedProperty property)
         {
             var text = new TextField(property.displayName) { tooltip = property.tooltip };
@@ -40,7 +27,7 @@ namespace Sweepstake.Editor
 
         private DropdownField ChoiceFor(TextField text)
         {
-            var choice = new DropdownField { choices = new List<string>(Names()), tooltip = "The names that the library knows." };
+            var choice = new DropdownField { choices = new List<string>(SweepstakeLibrary.Backends), tooltip = "The backends of the library." };
             choice.AddToClassList("sweepstake-choice-names");
             choice.RegisterValueChangedCallback(change =>
             {

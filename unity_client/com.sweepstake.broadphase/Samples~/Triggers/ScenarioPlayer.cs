@@ -1,27 +1,25 @@
 #nullable enable
 using System;
 using System.Collections.Generic;
+using Sweepstake.Unity;
 using UnityEngine;
 
-namespace Sweepstake.Unity
+namespace Sweepstake.Samples
 {
     /// <summary>
-    /// Lets the manager on the same object search a scene of moving boxes: a scene of the library, or a recorded .aabbs file. One seed
+    /// Moves boxes and passes them to the manager on the same object: a scene of the library, or a recorded .aabbs file. One seed
     /// gives the same boxes in each step on every machine. Changing a setting while it plays restarts the scene. If a new scene cannot be
     /// played, the reason is logged and the former scene continues.
     /// </summary>
-    [AddComponentMenu("Sweepstake/Sweepstake Scenario Player")]
     [RequireComponent(typeof(SweepstakeManager))]
     [DisallowMultipleComponent]
-    [DocumentationPage("samples.md")]
     public sealed class ScenarioPlayer : MonoBehaviour, IBroadPhaseSource
     {
         /// <summary>Upper limit of <see cref="ObjectCount"/>.</summary>
         public const int MaxObjects = 100_000;
 
         [SerializeField]
-        [MotionSceneName]
-        [Tooltip("The scene by name, or the path of an .aabbs file.")]
+        [Tooltip("Name of a scene of the library, such as brownian, or the path of an .aabbs file.")]
         private string scenario = "hurricane";
         [SerializeField]
         [Range(0, MaxObjects)]
@@ -47,13 +45,16 @@ namespace Sweepstake.Unity
         private bool isStale = true;
         private float dueSeconds;
 
+        /// <summary>Name of a scene of the library, or the path of an .aabbs file.</summary>
         public string Scenario { get => scenario; set => Change(ref scenario, value); }
         /// <summary>Number of objects from 0 to <see cref="MaxObjects"/>; other values are clamped.</summary>
         public int ObjectCount { get => objectCount; set => Change(ref objectCount, Math.Min(Math.Max(value, 0), MaxObjects)); }
+        /// <summary>The same seed gives the same boxes.</summary>
         public uint Seed { get => seed; set => Change(ref seed, value); }
+        /// <summary>Half the size of the world on each axis, in units.</summary>
         public float WorldHalfExtent { get => worldHalfExtent; set => Change(ref worldHalfExtent, value); }
+        /// <summary>Characteristic speed of the boxes, in units per second.</summary>
         public float Speed { get => speed; set => Change(ref speed, value); }
-        public bool IsDrawn { get => isDrawn; set => isDrawn = value; }
 
         /// <summary>
         /// Hash of the current boxes: the same on every platform for the same seed and step. 0 while no scene is playing.

@@ -7,9 +7,4 @@ namespace Sweepstake.Unity
     public sealed class BackendNameAttribute : PropertyAttribute
     {
     }
-
-    /// <summary>The inspector offers the names of the library's scenes.</summary>
-    public sealed class MotionSceneNameAttribute : PropertyAttribute
-    {
-    }
 }
