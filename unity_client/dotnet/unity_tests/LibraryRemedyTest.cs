@@ -21,7 +21,7 @@ namespace Sweepstake.Tests
         [TestCase("")]
         public void APackageFromAGitUrlTakesTheReleaseOrBuildsACloneOfTheSameRepository(string rest)
         {
-            var remedy = new LibraryRemedy(Name + Repository + rest, "/game/Library/PackageCache/com.sweepstake.broadphase", "/my game/Assets/Plugins");
+            var remedy = new LibraryRemedy(Name + Repository + rest, "/game/Library/PackageCache/com.sweepstake.broadphase", "/my game/Assets/Plugins", true);
             Assert.That(remedy.ReleaseUrl, Is.EqualTo(Repository + "#upm"));
             Assert.That(remedy.BuildCommand, Is.EqualTo($"git clone {Repository} sweepstake && sweepstake/unity_client/tools/build_plugin.sh \"/my game/Assets/Plugins\""));
         }
@@ -30,9 +30,19 @@ namespace Sweepstake.Tests
         public void APackageInACheckoutIsBuiltByTheScriptThatIsThere()
         {
             string package = EditorTest.PackageFolder();
-            var remedy = new LibraryRemedy(Name + "file:" + package, package, "/game/Assets/Plugins");
+            var remedy = new LibraryRemedy(Name + "file:" + package, package, "/game/Assets/Plugins", true);
             Assert.That((remedy.ReleaseUrl, File.Exists(remedy.BuildCommand.Trim('"'))), Is.EqualTo(("", true)), remedy.BuildCommand);
-            remedy = new LibraryRemedy(Name + "file:/packages/sweepstake.tgz", "/game/Library/PackageCache/com.sweepstake.broadphase", "/game/Assets/Plugins");
+            remedy = new LibraryRemedy(Name + "file:/packages/sweepstake.tgz", "/game/Library/PackageCache/com.sweepstake.broadphase", "/game/Assets/Plugins", true);
+            Assert.That((remedy.ReleaseUrl, remedy.BuildCommand), Is.EqualTo(("", "")));
+        }
+
+        [Test]
+        public void AnEditorOnAnotherSystemOffersTheReleaseAndNoCommandForLinux()
+        {
+            var remedy = new LibraryRemedy(Name + Repository, "/game/Library/PackageCache/com.sweepstake.broadphase", "/game/Assets/Plugins", false);
+            Assert.That((remedy.ReleaseUrl, remedy.BuildCommand), Is.EqualTo((Repository + "#upm", "")));
+            string package = EditorTest.PackageFolder();
+            remedy = new LibraryRemedy(Name + "file:" + package, package, "/game/Assets/Plugins", false);
             Assert.That((remedy.ReleaseUrl, remedy.BuildCommand), Is.EqualTo(("", "")));
         }
 

@@ -1,5 +1,6 @@
 #nullable enable
 using System.IO;
+using System.Runtime.InteropServices;
 using UnityEditor.PackageManager;
 using UnityEngine;
 using UnityEngine.UIElements;
@@ -19,24 +20,24 @@ namespace Sweepstake.Editor
         /// <param name="packageId">Name and source of the package, as the Package Manager has them: name@source.</param>
         /// <param name="packageFolder">The folder of the package on this machine.</param>
         /// <param name="pluginFolder">The project's own folder of plug-ins.</param>
-        internal LibraryRemedy(string packageId, string packageFolder, string pluginFolder)
+        /// <param name="isLinux">Whether the editor runs on Linux. The command builds the library for Linux only.</param>
+        internal LibraryRemedy(string packageId, string packageFolder, string pluginFolder, bool isLinux)
         {
             string repository = RepositoryOf(packageId);
             string checkout = Path.GetFullPath(Path.Combine(packageFolder, "../.."));
             if (repository.Length > 0)
-            {
                 ReleaseUrl = $"{repository}#{ReleaseBranch}";
+            if (!isLinux)
+                return;
+            if (repository.Length > 0)
                 BuildCommand = $"git clone {repository} sweepstake && sweepstake/{Script} \"{pluginFolder}\"";
-            }
             else if (File.Exists(Path.Combine(checkout, Script)))
-            {
                 BuildCommand = $"\"{Path.Combine(checkout, Script)}\"";
-            }
         }
 
         /// <summary>The git URL of the release; "" if the package was not installed from a git URL.</summary>
         internal string ReleaseUrl { get; } = "";
-        /// <summary>A command for a shell on Linux; "" if the package is neither from a git URL nor in a checkout of the repository.</summary>
+        /// <summary>A command for a shell on Linux; "" on other systems, or if the package is neither from a git URL nor in a checkout of the repository.</summary>
         internal string BuildCommand { get; } = "";
 
         /// <summary>Adds a button for each remedy, if the library has a problem.</summary>
@@ -45,7 +46,8 @@ namespace Sweepstake.Editor
             PackageInfo? package = PackageInfo.FindForAssembly(typeof(SweepstakeLibrary).Assembly);
             if (problem == null || package == null)
                 return;
-            var remedy = new LibraryRemedy(package.packageId, package.resolvedPath, Path.GetFullPath("Assets/Plugins"));
+            var remedy = new LibraryRemedy(
+                package.packageId, package.resolvedPath, Path.GetFullPath("Assets/Plugins"), RuntimeInformation.IsOSPlatform(OSPlatform.Linux));
             var row = new VisualElement();
             row.AddToClassList("sweepstake-row");
             if (remedy.ReleaseUrl.Length > 0)

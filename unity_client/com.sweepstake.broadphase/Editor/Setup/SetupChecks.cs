@@ -1,7 +1,10 @@
 #nullable enable
 using System;
 using System.Collections.Generic;
+using System.IO;
 using System.Linq;
+using Sweepstake.Unity;
+using UnityEditor;
 
 namespace Sweepstake.Editor
 {
@@ -53,7 +56,12 @@ namespace Sweepstake.Editor
     {
         /// <summary>Why the native library cannot be used; null if it is present and matches.</summary>
         internal NativeLibraryException? LibraryProblem { get; set; }
-        internal bool IsWebGl { get; set; }
+        /// <summary>The platform of the build settings.</summary>
+        internal BuildTarget Platform { get; set; } = BuildTarget.StandaloneWindows64;
+        /// <summary>Whether the project has the native library for that platform.</summary>
+        internal bool HasPlatformLibrary { get; set; }
+        /// <summary>Whether the iOS player has the define SWEEPSTAKE_IOS.</summary>
+        internal bool HasArchiveDefine { get; set; }
         internal bool HasGrpcDefine { get; set; }
         /// <summary>Whether the editor can load an assembly, such as Grpc.Net.Client.</summary>
         internal Func<string, bool> IsLoaded { get; set; } = assembly => false;
@@ -66,6 +74,8 @@ namespace Sweepstake.Editor
     internal static class SetupChecks
     {
         internal const string GrpcDefine = "SWEEPSTAKE_GRPC";
+        /// <summary>With it, an iOS build links the archive of the native library.</summary>
+        internal const string ArchiveDefine = "SWEEPSTAKE_IOS";
         /// <summary>The assembly of the package com.cysharp.yetanotherhttphandler.</summary>
         internal const string Handler = "Cysharp.Net.Http.YetAnotherHttpHandler";
 
@@ -84,6 +94,8 @@ namespace Sweepstake.Editor
         private static readonly SetupLink HandlerLink = new SetupLink(
             "YetAnotherHttpHandler", "https://github.com/Cysharp/YetAnotherHttpHandler",
             "https://github.com/Cysharp/YetAnotherHttpHandler.git?path=src/YetAnotherHttpHandler#1.11.5");
+
+        private static readonly SetupLink LibraryLink = new SetupLink("Native Library", DocumentationPageAttribute.UrlOf("native-library.md"));
 
         private static readonly SetupLink[] NuGetLinks =
         {
@@ -105,9 +117,42 @@ namespace Sweepstake.Editor
             ? new SetupCheck(SetupState.Ok, "Native library", "It is present and matches the package.")
             : new SetupCheck(SetupState.Wrong, "Native library", facts.LibraryProblem.Message);
 
-        private static SetupCheck Platform(SetupFacts facts) => facts.IsWebGl
-            ? new SetupCheck(SetupState.Wrong, "Platform", "The package does not support WebGL; a manager logs this and does nothing. Use Unity's own physics queries.")
-            : new SetupCheck(SetupState.Ok, "Platform", "The platform of the build settings can have a native library; the documents list the platforms that have one.");
+        /// <summary>Whether a file of the project is the native library, for any platform.</summary>
+        internal static bool IsLibrary(string path) => Path.GetFileNameWithoutExtension(path) is "sweepstake" or "libsweepstake" or "libsweepstake_static";
+
+        /// <summary>
+        /// Checks the platform of the build settings. The check "Native library" is about the editor, which may run on another platform.
+        /// </summary>
+        private static SetupCheck Platform(SetupFacts facts)
+        {
+            string? source = SourceOf(facts.Platform);
+            if (source == null)
+            {
+                return new SetupCheck(
+                    SetupState.Wrong, "Platform",
+                    $"The package does not support {facts.Platform}; a manager logs this and does nothing. Choose another platform in the build settings, or use Unity's own physics queries.");
+            }
+            if (!facts.HasPlatformLibrary)
+            {
+                return new SetupCheck(
+                    SetupState.Wrong, "Platform", $"The project has no native library for {facts.Platform}, so managers in its builds do nothing. {source}", LibraryLink);
+            }
+            return facts.Platform == BuildTarget.iOS && !facts.HasArchiveDefine
+                ? new SetupCheck(SetupState.Wrong, "Platform", $"The library for iOS is present, but builds do not use it: add {ArchiveDefine} to the scripting define symbols of the iOS player.", LibraryLink)
+                : new SetupCheck(SetupState.Ok, "Platform", $"The project has the native library for {facts.Platform}.");
+        }
+
+        /// <summary>Returns where the library for a platform comes from; null if the package does not support the platform.</summary>
+        private static string? SourceOf(BuildTarget platform) => platform switch
+        {
+            BuildTarget.StandaloneWindows64 => "A release contains it, and tests/cross.sh of the repository builds it on Linux.",
+            BuildTarget.StandaloneLinux64 => "A release contains it, and unity_client/tools/build_plugin.sh of the repository builds it on Linux.",
+            BuildTarget.EmbeddedLinux => "A release contains it for arm64, and tests/cross.sh of the repository builds it on Linux.",
+            BuildTarget.StandaloneOSX => "Build it on a Mac with CMake; no release contains it yet.",
+            BuildTarget.iOS => "Build the archive on a Mac with CMake; no release contains it yet.",
+            BuildTarget.Android => "Build it with CMake and the Android NDK; no release contains it yet.",
+            _ => null,
+        };
 
         private static SetupCheck Libraries(SetupFacts facts)
         {

@@ -23,8 +23,32 @@ namespace Sweepstake.Tests
             AssertCheck(new SetupFacts { IsLoaded = HasAll }, "HTTP/2", SetupState.Ok, "YetAnotherHttpHandler");
             AssertCheck(new SetupFacts { IsLoaded = assembly => assembly == SetupChecks.Handler }, "HTTP/2", SetupState.Wrong, "System.IO.Pipelines");
             AssertCheck(new SetupFacts { HasHttpHandlerOfUnity = true }, "HTTP/2", SetupState.Ok, "Unity's own");
-            AssertCheck(new SetupFacts { IsWebGl = true }, "Platform", SetupState.Wrong, "WebGL");
             AssertCheck(new SetupFacts { LibraryProblem = new NativeLibraryException("It is gone.", "Put it back.") }, "Native library", SetupState.Wrong, "Put it back.");
+        }
+
+        [TestCase(BuildTarget.StandaloneWindows64, "A release contains it")]
+        [TestCase(BuildTarget.StandaloneLinux64, "A release contains it")]
+        [TestCase(BuildTarget.EmbeddedLinux, "for arm64")]
+        [TestCase(BuildTarget.StandaloneOSX, "on a Mac")]
+        [TestCase(BuildTarget.iOS, "on a Mac")]
+        [TestCase(BuildTarget.Android, "Android NDK")]
+        public void APlatformNeedsItsOwnLibrary(BuildTarget platform, string remedy)
+        {
+            AssertCheck(new SetupFacts { Platform = platform }, "Platform", SetupState.Wrong, remedy);
+            AssertCheck(new SetupFacts { Platform = platform, HasPlatformLibrary = true, HasArchiveDefine = true }, "Platform", SetupState.Ok, platform.ToString());
+        }
+
+        [Test]
+        public void AnIosBuildNeedsTheDefineToo()
+        {
+            AssertCheck(new SetupFacts { Platform = BuildTarget.iOS, HasPlatformLibrary = true }, "Platform", SetupState.Wrong, "SWEEPSTAKE_IOS");
+        }
+
+        [TestCase(BuildTarget.WebGL)]
+        [TestCase(BuildTarget.StandaloneWindows)]
+        public void OtherPlatformsAreNotSupported(BuildTarget platform)
+        {
+            AssertCheck(new SetupFacts { Platform = platform, HasPlatformLibrary = true }, "Platform", SetupState.Wrong, "does not support");
         }
 
         [Test]
