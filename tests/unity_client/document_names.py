@@ -10,6 +10,8 @@ API_CODE = re.compile(r"\w+(?:\.\w+)*(?:\([^)]*\))?")
 FILE_NAME = re.compile(r"(?:deploy|dotnet|tests|unity_client|Runtime|Samples~|Tests|Documentation~)/[\w./~-]+")
 LITERAL = re.compile(r'"([^"\\\n]+)"')
 FIELD = re.compile(r"^\s+(?:\[[^\n]*\] )?(?:public|private|internal) [\w.<>\[\]?]+ (\w+)(?: = [^;]*)?;", re.MULTILINE)
+# The key of a button at the beginning of its text.
+KEY = re.compile(r"^\[[A-Z]\] ")
 HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
 # Names of tests. They are not names of the API; package_test.py checks the tests that proven.md names.
 TEST = re.compile(r"\w+Test\b")
@@ -17,7 +19,8 @@ API_WORD = re.compile(r"\b[A-Z]\w*[a-z]\w*")
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 # Complete paths of Unity's own menus, settings and profiler.
 UNITY = {"Window > Package Management > Package Manager", "Window > Package Manager", "+ > Install package from disk", "+ > Add package from disk",
-         "Samples > Import", "Project Settings > Tags and Layers", "Project Settings > Graphics > Shader Stripping > Instancing Variants", "Keep All", "High", "Reload Domain", "GC Alloc"}
+         "+ > Install package from git URL", "+ > Add package from git URL", "Samples > Import", "Project Settings > Player > Active Input Handling", "Both",
+         "Project Settings > Tags and Layers", "Project Settings > Graphics > Shader Stripping > Instancing Variants", "Keep All", "High", "Reload Domain", "GC Alloc"}
 # Menus and pages in which the package has entries.
 PARENTS = ("Window > ", "GameObject > ", "Assets > Create > ", "Project Settings > ")
 # Names of Unity, .NET and other packages that are not in a stub.
@@ -32,7 +35,7 @@ def shown(package, sources):
     manifest = json.loads((package / "package.json").read_text(encoding="utf-8"))
     texts = {manifest["displayName"], *(sample["displayName"] for sample in manifest["samples"])}
     for source in sources:
-        texts |= {part.rstrip("…") for literal in LITERAL.findall(source) for part in (literal, *literal.split("/"))}
+        texts |= {KEY.sub("", part.rstrip("…")) for literal in LITERAL.findall(source) for part in (literal, *literal.split("/"))}
         texts |= {HUMP.sub(" ", field[0].upper() + field[1:]) for field in FIELD.findall(source)}
     return texts
 
@@ -60,7 +63,7 @@ def is_file(root, package, name):
 
 
 def errors(root, package):
-    api = [path for folder in (package / "Runtime", package / "Editor") for path in sorted(folder.rglob("*.cs"))]
+    api = [path for folder in (package / "Runtime", package / "Editor", package / "Samples~") for path in sorted(folder.rglob("*.cs"))]
     files = {path.stem: path.read_text(encoding="utf-8-sig") for path in api}
     stubs = [path.read_text(encoding="utf-8-sig") for path in sorted((root / "unity_client/dotnet/stubs").rglob("*.cs"))]
     texts = shown(package, files.values())
