@@ -188,7 +188,7 @@ namespace Sweepstake.Editor
                     SetupState.Ok, "HTTP/2", "Unity's own handler. A private authority or a client certificate needs the package com.cysharp.yetanotherhttphandler.", HandlerLink)
                 : new SetupCheck(
                     SetupState.Optional, "HTTP/2",
-                    $"Only for a daemon. This Unity version does not have HTTP/2; install the package com.cysharp.yetanotherhttphandler, which needs {string.Join(", ", HandlerAssemblies)}.",
+                    $"Only for a daemon. This Unity version does not have HTTP/2; install the package com.cysharp.yetanotherhttphandler, which needs {string.Join(", ", HandlerAssemblies)}. Its git URL needs Git on this machine.",
                     HandlerLink);
         }
 

@@ -51,6 +51,7 @@ namespace Sweepstake.Samples
         private int fontSize = 14;
 
         private readonly List<SweepstakeManager> managers = new List<SweepstakeManager>();
+        private readonly List<SweepstakeConfig> configs = new List<SweepstakeConfig>();
         private readonly List<FleetLevel> sources = new List<FleetLevel>();
         private readonly StringBuilder text = new StringBuilder(2048);
         private GUIStyle? area;
@@ -71,13 +72,15 @@ namespace Sweepstake.Samples
 
         private void OnDestroy()
         {
-            foreach (FleetLevel source in sources)
-                source.Dispose();
             foreach (SweepstakeManager manager in managers)
             {
                 if (manager != null)
-                    Destroy(manager.Config!);
+                    Destroy(manager.gameObject);
             }
+            foreach (SweepstakeConfig config in configs)
+                Destroy(config);
+            foreach (FleetLevel source in sources)
+                source.Dispose();
         }
 
         private void AddLevel(string level, int index)
@@ -104,6 +107,7 @@ namespace Sweepstake.Samples
             config.daemon.address = address;
             // Lets the dashboard choose mode and backend. A game that is shipped to players leaves it off.
             config.daemon.allowsOperatorOrders = true;
+            configs.Add(config);
             return config;
         }
 
