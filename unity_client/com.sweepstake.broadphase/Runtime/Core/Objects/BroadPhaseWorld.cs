@@ -11,50 +11,25 @@ namespace Sweepstake
     public sealed unsafe class BroadPhaseWorld : NativeObject
     {
         /// <param name="backend">One of <see cref="SweepstakeLibrary.Backends"/>.</param>
+        /// <param name="options">Null for the defaults.</param>
         /// <exception cref="SweepstakeException">The backend is unknown (the message lists them), or no thread is left.</exception>
-        public BroadPhaseWorld(string backend)
-            : this(backend, WorldOptions.Default)
-        {
-        }
-
-        public BroadPhaseWorld(string backend, WorldOptions options)
-            : base(Create(backend, options), NativeMethods.swp_world_destroy)
+        public BroadPhaseWorld(string backend, WorldOptions? options = null)
+            : base(Create(backend, options ?? WorldOptions.Default), NativeMethods.swp_world_destroy)
         {
         }
 
         /// <summary>The pairs of the latest search, each once, in the library's memory: valid until the next build or update.</summary>
-        public ReadOnlySpan<OverlapPair> Pairs
-        {
-            get
-            {
-                OverlapPair* pairs;
-                ulong count;
-                Check(NativeMethods.swp_world_pairs(Pointer, &pairs, &count));
-                return new ReadOnlySpan<OverlapPair>(pairs, checked((int)count));
-            }
-        }
+        public ReadOnlySpan<OverlapPair> Pairs => ReadArray<OverlapPair>((world, pairs, count) => NativeMethods.swp_world_pairs(world, pairs, count));
 
         /// <summary>The cost of the latest build or update and search, and the memory of the world.</summary>
-        public WorldCounters Counters
-        {
-            get
-            {
-                var counters = new WorldCounters { StructSize = (uint)sizeof(WorldCounters) };
-                Check(NativeMethods.swp_world_counters(Pointer, &counters));
-                return counters;
-            }
-        }
+        public WorldCounters Counters =>
+            Read((world, counters) => NativeMethods.swp_world_counters(world, counters), new WorldCounters { StructSize = (uint)sizeof(WorldCounters) });
 
         /// <summary>Discards all state and builds the structure from these boxes, which are read during the call only.</summary>
         public void Build(ReadOnlySpan<Aabb> boxes)
         {
             fixed (Aabb* start = boxes)
-                Build(start, boxes.Length);
-        }
-
-        public void Build(Aabb* boxes, int count)
-        {
-            Check(NativeMethods.swp_world_build(Pointer, boxes, checked((uint)count)));
+                Check(NativeMethods.swp_world_build(Pointer, start, (uint)boxes.Length));
         }
 
         /// <summary>
@@ -64,20 +39,12 @@ namespace Sweepstake
         public void Update(ReadOnlySpan<Aabb> boxes)
         {
             fixed (Aabb* start = boxes)
-                Update(start, boxes.Length);
-        }
-
-        public void Update(Aabb* boxes, int count)
-        {
-            Check(NativeMethods.swp_world_update(Pointer, boxes, checked((uint)count)));
+                Check(NativeMethods.swp_world_update(Pointer, start, (uint)boxes.Length));
         }
 
         /// <summary>Finds each overlapping pair once per build or update; a second call does nothing.</summary>
         /// <exception cref="SweepstakeException">There are more pairs than <see cref="WorldOptions.MaxPairs"/>.</exception>
-        public void FindPairs()
-        {
-            Check(NativeMethods.swp_world_find_pairs(Pointer));
-        }
+        public void FindPairs() => Check(NativeMethods.swp_world_find_pairs(Pointer));
 
         private static IntPtr Create(string backend, WorldOptions options)
         {

@@ -11,19 +11,15 @@ namespace Sweepstake
     public sealed unsafe class MotionScene : NativeObject
     {
         /// <param name="scene">One of <see cref="SweepstakeLibrary.Scenes"/>, or the path of a .aabbs file.</param>
+        /// <param name="options">Null for the defaults.</param>
         /// <exception cref="SweepstakeException">
         /// The scene is unknown (the message lists them), a value is out of range, or the file is broken.
         /// </exception>
-        public MotionScene(string scene)
-            : this(scene, SceneOptions.Default)
-        {
-        }
-
-        public MotionScene(string scene, SceneOptions options)
-            : base(Create(scene, options), NativeMethods.swp_scene_destroy)
+        public MotionScene(string scene, SceneOptions? options = null)
+            : base(Create(scene, options ?? SceneOptions.Default), NativeMethods.swp_scene_destroy)
         {
             Name = scene;
-            Options = options;
+            Options = options ?? SceneOptions.Default;
         }
 
         public string Name { get; }
@@ -42,43 +38,16 @@ namespace Sweepstake
         }
 
         /// <summary>The bounds of the motion; boxes may extend beyond them by their own size.</summary>
-        public Aabb World
-        {
-            get
-            {
-                Aabb world;
-                Check(NativeMethods.swp_scene_world(Pointer, &world));
-                return world;
-            }
-        }
+        public Aabb World => Read<Aabb>((scene, world) => NativeMethods.swp_scene_world(scene, world));
 
         /// <summary>The number of steps taken.</summary>
-        public ulong FrameIndex
-        {
-            get
-            {
-                ulong index;
-                Check(NativeMethods.swp_scene_frame_index(Pointer, &index));
-                return index;
-            }
-        }
+        public ulong FrameIndex => Read<ulong>((scene, index) => NativeMethods.swp_scene_frame_index(scene, index));
 
         /// <summary>FNV-1a hash of the current boxes: the same on every platform for the same seed and step.</summary>
-        public ulong Hash
-        {
-            get
-            {
-                ulong hash;
-                Check(NativeMethods.swp_scene_hash(Pointer, &hash));
-                return hash;
-            }
-        }
+        public ulong Hash => Read<ulong>((scene, hash) => NativeMethods.swp_scene_hash(scene, hash));
 
         /// <summary>Advances the scene by one fixed step.</summary>
-        public void Step()
-        {
-            Check(NativeMethods.swp_scene_step(Pointer));
-        }
+        public void Step() => Check(NativeMethods.swp_scene_step(Pointer));
 
         private static IntPtr Create(string scene, SceneOptions options)
         {

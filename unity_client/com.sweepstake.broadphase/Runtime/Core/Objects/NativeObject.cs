@@ -8,15 +8,12 @@ namespace Sweepstake
     /// Owns one object of the native library. Only one caller at a time may use it; distinct objects are independent. Dispose frees it.
     /// <see cref="SweepstakeLibrary.Shutdown"/> frees it too, and each later call then throws.
     /// </summary>
-    public abstract class NativeObject : IDisposable
+    public abstract unsafe class NativeObject : IDisposable
     {
         private readonly NativeHandle handle;
         private readonly int shutdownCount = SweepstakeLibrary.ShutdownCount;
 
-        private protected NativeObject(IntPtr pointer, Action<IntPtr> destroy)
-        {
-            handle = new NativeHandle(pointer, destroy);
-        }
+        private protected NativeObject(IntPtr pointer, Action<IntPtr> destroy) => handle = new NativeHandle(pointer, destroy);
 
         /// <summary>
         /// The native pointer, for <see cref="LowLevel.NativeMethods"/> in jobs. Keep this object alive while a job uses the pointer.
@@ -37,20 +34,40 @@ namespace Sweepstake
 
         internal bool HasPointer => !handle.IsClosed;
 
-        public virtual void Dispose()
-        {
-            handle.Dispose();
-        }
+        public virtual void Dispose() => handle.Dispose();
 
-        /// <summary>
-        /// Throws if the call failed. It also keeps this object alive, so that a finalizer does not free it during the call.
-        /// </summary>
-        private protected void Check(ResultCode result)
+        /// <summary>Throws if the call failed. It also keeps this object alive, so that a finalizer does not free it during the call.</summary>
+        internal void Check(ResultCode result)
         {
             GC.KeepAlive(this);
             if (result != ResultCode.Ok)
                 Native.Check(result);
         }
+
+        /// <summary>Calls a native function that writes one value. Allocates nothing with a lambda that captures nothing.</summary>
+        /// <param name="value">The value before the call; set StructSize in it if the type has one.</param>
+        private protected T Read<T>(ValueReader<T> read, T value = default)
+            where T : unmanaged
+        {
+            Check(read(Pointer, &value));
+            return value;
+        }
+
+        /// <summary>Calls a native function that returns an array in the library's memory.</summary>
+        private protected ReadOnlySpan<T> ReadArray<T>(ArrayReader<T> read)
+            where T : unmanaged
+        {
+            T* start;
+            ulong count;
+            Check(read(Pointer, &start, &count));
+            return new ReadOnlySpan<T>(start, checked((int)count));
+        }
+
+        private protected delegate ResultCode ValueReader<T>(IntPtr self, T* value)
+            where T : unmanaged;
+
+        private protected delegate ResultCode ArrayReader<T>(IntPtr self, T** start, ulong* count)
+            where T : unmanaged;
 
         private sealed class NativeHandle : SafeHandle
         {

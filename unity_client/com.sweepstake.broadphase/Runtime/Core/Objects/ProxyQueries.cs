@@ -12,25 +12,17 @@ namespace Sweepstake
     {
         private readonly ProxySet proxies;
 
-        internal ProxyQueries(ProxySet proxies)
-        {
-            this.proxies = proxies;
-        }
+        internal ProxyQueries(ProxySet proxies) => this.proxies = proxies;
 
         /// <summary>Prepares the queries after changes; O(1) if nothing has changed.</summary>
-        public void Prepare()
-        {
-            proxies.CheckCall(NativeMethods.swp_proxies_prepare_queries(proxies.Pointer));
-        }
+        public void Prepare() => proxies.Check(NativeMethods.swp_proxies_prepare_queries(proxies.Pointer));
 
         /// <summary>For each box, finds all proxies that overlap it, by ascending id.</summary>
         /// <param name="found">
         /// Receives the proxies. The proxies of box k begin at index ends[k - 1] (0 for the first box) and end before index ends[k].
         /// </param>
         /// <param name="ends">One entry per box; the last one is the number of proxies found.</param>
-        /// <returns>
-        /// False: `found` is too small and was not filled; the last entry of `ends` is the required size.
-        /// </returns>
+        /// <returns>False: `found` is too small and was not filled; the last entry of `ends` is the required size.</returns>
         public bool Boxes(ReadOnlySpan<Aabb> boxes, ProxyFilter filter, Span<ProxyHandle> found, Span<ulong> ends)
         {
             CheckLengths(boxes.Length, ends.Length);
@@ -58,7 +50,7 @@ namespace Sweepstake
             CheckLengths(rays.Length, hits.Length);
             fixed (RayQuery* ray = rays)
             fixed (QueryHit* hit = hits)
-                proxies.CheckCall(NativeMethods.swp_proxies_cast_rays(proxies.Pointer, ray, (uint)rays.Length, &filter, hit));
+                proxies.Check(NativeMethods.swp_proxies_cast_rays(proxies.Pointer, ray, (uint)rays.Length, &filter, hit));
         }
 
         /// <summary>Finds the nearest hit of each moving box. If a box hits nothing, the hit's proxy is None.</summary>
@@ -67,7 +59,7 @@ namespace Sweepstake
             CheckLengths(sweeps.Length, hits.Length);
             fixed (BoxSweepQuery* sweep = sweeps)
             fixed (QueryHit* hit = hits)
-                proxies.CheckCall(NativeMethods.swp_proxies_sweep_boxes(proxies.Pointer, sweep, (uint)sweeps.Length, &filter, hit));
+                proxies.Check(NativeMethods.swp_proxies_sweep_boxes(proxies.Pointer, sweep, (uint)sweeps.Length, &filter, hit));
         }
 
         /// <summary>Finds all hits of one ray by ascending distance.</summary>
@@ -88,7 +80,7 @@ namespace Sweepstake
         {
             if (result == ResultCode.ResourceExhausted)
                 return false;
-            proxies.CheckCall(result);
+            proxies.Check(result);
             return true;
         }
 

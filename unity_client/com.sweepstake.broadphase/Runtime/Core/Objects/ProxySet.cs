@@ -14,13 +14,9 @@ namespace Sweepstake
     /// </exception>
     public sealed unsafe class ProxySet : NativeObject
     {
-        public ProxySet()
-            : this(ProxySetOptions.Default)
-        {
-        }
-
-        public ProxySet(ProxySetOptions options)
-            : base(Create(options), NativeMethods.swp_proxies_destroy)
+        /// <param name="options">Null for the defaults.</param>
+        public ProxySet(ProxySetOptions? options = null)
+            : base(Create(options ?? ProxySetOptions.Default), NativeMethods.swp_proxies_destroy)
         {
             Queries = new ProxyQueries(this);
         }
@@ -56,10 +52,7 @@ namespace Sweepstake
                 Check(NativeMethods.swp_proxies_remove_many(Pointer, start, (uint)removed.Length));
         }
 
-        public void Remove(ProxyHandle removed)
-        {
-            Check(NativeMethods.swp_proxies_remove_many(Pointer, &removed, 1));
-        }
+        public void Remove(ProxyHandle removed) => Check(NativeMethods.swp_proxies_remove_many(Pointer, &removed, 1));
 
         /// <summary>Sets the box of moved[k] to boxes[k] for all k, or for none if one handle is invalid.</summary>
         public void SetBoxes(ReadOnlySpan<ProxyHandle> moved, ReadOnlySpan<Aabb> boxes)
@@ -72,29 +65,18 @@ namespace Sweepstake
         }
 
         /// <summary>Sets the filter of a proxy. It takes effect with the next search and the next query.</summary>
-        public void SetFilter(ProxyHandle proxy, ProxyFilter filter)
-        {
-            Check(NativeMethods.swp_proxies_set_filter(Pointer, proxy.Value, &filter));
-        }
+        public void SetFilter(ProxyHandle proxy, ProxyFilter filter) => Check(NativeMethods.swp_proxies_set_filter(Pointer, proxy.Value, &filter));
 
-        public void SetUser(ProxyHandle proxy, ulong user)
-        {
-            Check(NativeMethods.swp_proxies_set_user(Pointer, proxy.Value, user));
-        }
+        public void SetUser(ProxyHandle proxy, ulong user) => Check(NativeMethods.swp_proxies_set_user(Pointer, proxy.Value, user));
 
-        public void SetStatic(ProxyHandle proxy, bool isStatic)
-        {
-            Check(NativeMethods.swp_proxies_set_static(Pointer, proxy.Value, isStatic ? 1u : 0u));
-        }
+        public void SetStatic(ProxyHandle proxy, bool isStatic) => Check(NativeMethods.swp_proxies_set_static(Pointer, proxy.Value, isStatic ? 1u : 0u));
 
         /// <summary>
         /// Sets whether a proxy sleeps. The caller promises that a sleeping proxy does not move; a new box wakes it. Pairs and events do
         /// not depend on this state.
         /// </summary>
-        public void SetSleeping(ProxyHandle proxy, bool isSleeping)
-        {
+        public void SetSleeping(ProxyHandle proxy, bool isSleeping) =>
             Check(NativeMethods.swp_proxies_set_sleeping(Pointer, proxy.Value, isSleeping ? 1u : 0u));
-        }
 
         /// <summary>Subtracts an offset from all coordinates. No pair ends because of it.</summary>
         public void ShiftOrigin(float x, float y, float z)
@@ -120,94 +102,44 @@ namespace Sweepstake
             return proxy;
         }
 
-        public int MovingCount
-        {
-            get
-            {
-                uint count;
-                Check(NativeMethods.swp_proxies_counts(Pointer, &count, null, null));
-                return (int)count;
-            }
-        }
-
-        public int StaticCount
-        {
-            get
-            {
-                uint count;
-                Check(NativeMethods.swp_proxies_counts(Pointer, null, &count, null));
-                return (int)count;
-            }
-        }
+        public int MovingCount => (int)Read<uint>((set, count) => NativeMethods.swp_proxies_counts(set, count, null, null));
+        public int StaticCount => (int)Read<uint>((set, count) => NativeMethods.swp_proxies_counts(set, null, count, null));
 
         /// <summary>Searches with a session, during its frame, and resolves the pairs.</summary>
         public void FindPairs(BroadPhaseSession session)
         {
-            Aabb* boxes;
-            uint count;
-            Check(NativeMethods.swp_proxies_moving_boxes(Pointer, &boxes, &count));
-            session.FindPairs(boxes, (int)count);
+            session.FindPairs(MovingBoxes());
             Resolve(session.Pairs);
         }
 
         /// <summary>Searches with a world and resolves the pairs. The world does not need a build before.</summary>
         public void FindPairs(BroadPhaseWorld world)
         {
-            Aabb* boxes;
-            uint count;
-            Check(NativeMethods.swp_proxies_moving_boxes(Pointer, &boxes, &count));
-            if (NativeMethods.swp_world_update(world.Pointer, boxes, count) == ResultCode.FailedPrecondition)
-                world.Build(boxes, (int)count);
+            ReadOnlySpan<Aabb> boxes = MovingBoxes();
+            fixed (Aabb* start = boxes)
+            {
+                if (NativeMethods.swp_world_update(world.Pointer, start, (uint)boxes.Length) == ResultCode.FailedPrecondition)
+                    world.Build(boxes);
+            }
             world.FindPairs();
             Resolve(world.Pairs);
         }
 
         /// <summary>The pairs of the latest search by id; valid until the next search.</summary>
-        public ReadOnlySpan<OverlapPair> Pairs
-        {
-            get
-            {
-                OverlapPair* pairs;
-                ulong count;
-                Check(NativeMethods.swp_proxies_pairs(Pointer, &pairs, &count));
-                return new ReadOnlySpan<OverlapPair>(pairs, checked((int)count));
-            }
-        }
+        public ReadOnlySpan<OverlapPair> Pairs => ReadArray<OverlapPair>((set, pairs, count) => NativeMethods.swp_proxies_pairs(set, pairs, count));
 
-        /// <summary>
-        /// The pairs that began with the latest search, ascending; empty without <see cref="ProxySetOptions.HasPairEvents"/>.
-        /// </summary>
-        public ReadOnlySpan<ProxyPair> Added
-        {
-            get
-            {
-                ProxyPair* pairs;
-                ulong count;
-                Check(NativeMethods.swp_proxies_added(Pointer, &pairs, &count));
-                return new ReadOnlySpan<ProxyPair>(pairs, checked((int)count));
-            }
-        }
+        /// <summary>The pairs that began with the latest search, ascending; empty without <see cref="ProxySetOptions.HasPairEvents"/>.</summary>
+        public ReadOnlySpan<ProxyPair> Added => ReadArray<ProxyPair>((set, pairs, count) => NativeMethods.swp_proxies_added(set, pairs, count));
 
         /// <summary>The pairs that ended with the latest search, including those of removed proxies.</summary>
-        public ReadOnlySpan<ProxyPair> Removed
-        {
-            get
-            {
-                ProxyPair* pairs;
-                ulong count;
-                Check(NativeMethods.swp_proxies_removed(Pointer, &pairs, &count));
-                return new ReadOnlySpan<ProxyPair>(pairs, checked((int)count));
-            }
-        }
+        public ReadOnlySpan<ProxyPair> Removed => ReadArray<ProxyPair>((set, pairs, count) => NativeMethods.swp_proxies_removed(set, pairs, count));
 
         /// <summary>Returns the complete state without pointers, for games that roll back to an earlier frame.</summary>
         public byte[] Save()
         {
-            ulong bytes;
-            Check(NativeMethods.swp_proxies_snapshot_bytes(Pointer, &bytes));
-            var snapshot = new byte[checked((int)bytes)];
+            var snapshot = new byte[Read<ulong>((set, bytes) => NativeMethods.swp_proxies_snapshot_bytes(set, bytes))];
             fixed (byte* start = snapshot)
-                Check(NativeMethods.swp_proxies_save(Pointer, start, bytes));
+                Check(NativeMethods.swp_proxies_save(Pointer, start, (ulong)snapshot.Length));
             return snapshot;
         }
 
@@ -218,9 +150,12 @@ namespace Sweepstake
                 Check(NativeMethods.swp_proxies_restore(Pointer, start, (ulong)snapshot.Length));
         }
 
-        internal void CheckCall(ResultCode result)
+        private ReadOnlySpan<Aabb> MovingBoxes()
         {
-            Check(result);
+            Aabb* boxes;
+            uint count;
+            Check(NativeMethods.swp_proxies_moving_boxes(Pointer, &boxes, &count));
+            return new ReadOnlySpan<Aabb>(boxes, (int)count);
         }
 
         private void Resolve(ReadOnlySpan<OverlapPair> found)
