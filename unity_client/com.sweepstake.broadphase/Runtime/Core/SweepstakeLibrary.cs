@@ -16,9 +16,7 @@ namespace Sweepstake
         Link = 5,
     }
 
-    /// <summary>
-    /// The native library: whether it is present and matches, its contents, and its shutdown. Thread-safe, except for Shutdown.
-    /// </summary>
+    /// <summary>The native library: whether it is present and matches, its contents, and its shutdown. Thread-safe, except for Shutdown.</summary>
     public static unsafe class SweepstakeLibrary
     {
         private const string Install =
@@ -56,9 +54,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>
-        /// The names of the scenes: first the five scenarios, then the reference suite, then changing and degenerate scenes.
-        /// </summary>
+        /// <summary>The names of the scenes: first the five scenarios, then the reference suite, then changing and degenerate scenes.</summary>
         /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
         public static IReadOnlyList<string> Scenes
         {
@@ -69,16 +65,11 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>
-        /// Loads the library and compares its ABI and each struct, field by field, with this assembly. Later calls cost nothing.
-        /// </summary>
-        /// <exception cref="NativeLibraryException">
-        /// The library is missing, has another ABI, or does not exist for this platform.
-        /// </exception>
+        /// <summary>Loads the library and compares its ABI and each struct, field by field, with this assembly. Later calls cost nothing.</summary>
+        /// <exception cref="NativeLibraryException">The library is missing, has another ABI, or does not exist for this platform.</exception>
         public static void EnsureLoaded()
         {
-            NativeLibraryException? problem = FindProblem();
-            if (problem != null)
+            if (FindProblem() is NativeLibraryException problem)
                 throw problem;
         }
 
@@ -87,24 +78,15 @@ namespace Sweepstake
         {
             if (isChecked)
                 return null;
-            NativeLibraryException? lacking = FindPlatformProblem(NativeMethods.HasLibrary, IntPtr.Size);
-            if (lacking != null)
-                return lacking;
             try
             {
-                return CompareAbi();
+                return FindPlatformProblem(NativeMethods.HasLibrary, IntPtr.Size) ?? CompareAbi();
             }
-            catch (DllNotFoundException missing)
+            catch (Exception wrong) when (wrong is DllNotFoundException || wrong is EntryPointNotFoundException || wrong is BadImageFormatException)
             {
-                return new NativeLibraryException("The native library 'sweepstake' was not found.", Install, missing);
-            }
-            catch (EntryPointNotFoundException missing)
-            {
-                return new NativeLibraryException("The native library 'sweepstake' lacks a function that this package needs.", Install, missing);
-            }
-            catch (BadImageFormatException wrong)
-            {
-                return new NativeLibraryException("The native library 'sweepstake' is for another platform.", Install, wrong);
+                return Unusable(
+                    wrong is DllNotFoundException ? "was not found" :
+                    wrong is EntryPointNotFoundException ? "lacks a function that this package needs" : "is for another platform", wrong);
             }
         }
 
@@ -139,13 +121,11 @@ namespace Sweepstake
         /// <returns>True if everything has ended. False: a call did not return in time, and a later Shutdown continues.</returns>
         public static bool Shutdown(int timeoutMs = SessionWork.DisposeTimeoutMs)
         {
-            ulong endNs = SteadyClock.NowNs + (ulong)Math.Max(0, timeoutMs) * 1_000_000;
+            ulong endNs = SteadyClock.After(timeoutMs);
             SessionWork[] stopped = SessionWork.StopAll(endNs);
             if (FindProblem() != null)
                 return true;
-            ulong nowNs = SteadyClock.NowNs;
-            uint leftMs = nowNs < endNs ? (uint)((endNs - nowNs) / 1_000_000) : 0;
-            bool hasEnded = NativeMethods.swp_shutdown_all(leftMs) == ResultCode.Ok;
+            bool hasEnded = NativeMethods.swp_shutdown_all((uint)SteadyClock.MsUntil(endNs)) == ResultCode.Ok;
             ++shutdownCount;
             if (!hasEnded)
                 return false;
@@ -158,14 +138,14 @@ namespace Sweepstake
         {
             uint abi = NativeMethods.swp_abi_version();
             if (abi != NativeLayouts.AbiVersion)
-            {
-                return new NativeLibraryException(
-                    $"The native library 'sweepstake' has ABI {abi}, and this package needs ABI {NativeLayouts.AbiVersion}.", Install);
-            }
+                return Unusable($"has ABI {abi}, and this package needs ABI {NativeLayouts.AbiVersion}");
             var problems = new LayoutProblems();
             NativeLayouts.Check(problems);
             isChecked = problems.IsEmpty;
-            return isChecked ? null : new NativeLibraryException($"The structs of the native library 'sweepstake' differ from those of this package: {problems}.", Install);
+            return isChecked ? null : Unusable($"has other structs than this package: {problems}");
         }
+
+        private static NativeLibraryException Unusable(string problem, Exception? cause = null) =>
+            new NativeLibraryException($"The native library 'sweepstake' {problem}.", Install, cause);
     }
 }

@@ -1,5 +1,6 @@
 #nullable enable
 using System;
+using System.IO;
 using System.Threading;
 using System.Threading.Tasks;
 using Sweepstake.LowLevel;
@@ -7,25 +8,19 @@ using Sweepstake.LowLevel;
 namespace Sweepstake
 {
     /// <summary>
-    /// Connects a session to a daemon. A separate thread moves the bytes of the native link over a transport. The native link handles
-    /// batches, resending, back-off, resuming and the commands for the frame path. The frame thread never waits for the connection. If the
-    /// daemon is absent, slow or killed, the game continues, and the connection is made again automatically. Create this object and dispose
-    /// of it while no frame runs.
+    /// Connects a session to a daemon. A separate thread moves the bytes of the native link over a transport. The native link handles batches,
+    /// resending, back-off, resuming and the commands for the frame path. The frame thread never waits for the connection. If the daemon is absent,
+    /// slow or killed, the game continues, and the connection is made again automatically. Create this object and dispose of it while no frame runs.
     /// </summary>
     public sealed unsafe class DaemonConnection : SessionWork
     {
         private const int TickMs = 5;
         // Until the daemon answers, only the native link's time limit for the answer is checked.
         private const int UnansweredTickMs = 250;
-        private const uint Never = uint.MaxValue;
+        private const uint Never = uint.MaxValue; // SWP_LINK_NEVER
         private const uint MinBufferBytes = 8 * 1024;
 
-        private static readonly Func<ITelemetryStream, ArraySegment<byte>, Task<byte[]?>> Read = (stream, _) => stream.ReadAsync();
-        private static readonly Func<ITelemetryStream, ArraySegment<byte>, Task> Write = (stream, message) => stream.WriteAsync(message);
-        private static readonly Func<ITelemetryStream, ArraySegment<byte>, Task> Finish = (stream, _) => stream.FinishAsync();
-
         private readonly ITelemetryTransport transport;
-        private readonly LinkMirror mirror = new LinkMirror();
         private readonly Action<Task> wakeAfter;
         private IntPtr link;
         private byte[] buffer;
@@ -56,9 +51,7 @@ namespace Sweepstake
             Start("sweepstake link");
         }
 
-        /// <summary>
-        /// The latest status. Each change creates a new object. Callable from any thread and cheap enough for each frame.
-        /// </summary>
+        /// <summary>The latest status. Each change creates a new object. Callable from any thread and cheap enough for each frame.</summary>
         public ConnectionStatus Status => status;
 
         private protected override void Serve()
@@ -71,7 +64,7 @@ namespace Sweepstake
             }
             finally
             {
-                status = LinkMirror.Closed(status);
+                status = status.Closed();
                 transport.Dispose();
             }
         }
@@ -79,30 +72,28 @@ namespace Sweepstake
         private protected override void BeginNativeStop(ulong endNs)
         {
             // Cancel the stream after 4/5 of the remaining time, so that the thread has 1/5 to end.
-            ulong nowNs = SteadyClock.NowNs;
-            NativeMethods.swp_link_goodbye(link, nowNs + (endNs > nowNs ? (endNs - nowNs) / 5 * 4 : 0));
+            NativeMethods.swp_link_goodbye(link, SteadyClock.After(SteadyClock.MsUntil(endNs) / 5 * 4));
         }
 
         private protected override void CloseNative()
         {
             NativeMethods.swp_link_destroy(link);
             link = IntPtr.Zero;
-            status = LinkMirror.Closed(status);
+            status = status.Closed();
         }
 
         /// <summary>
-        /// Sleeps until the next stream is due; false if there will not be another stream. It allocates nothing, and only Stop wakes it
-        /// early.
+        /// Sleeps until the next stream is due; false if there will not be another stream. It allocates nothing, and only Stop wakes it early.
         /// </summary>
         private bool WaitForStream(uint delayMs)
         {
-            ulong dueNs = delayMs == Never ? 0 : SteadyClock.NowNs + delayMs * 1_000_000UL;
+            ulong dueNs = SteadyClock.After((int)delayMs);
             while (delayMs != Never && EmptyQueue())
             {
-                ulong nowNs = SteadyClock.NowNs;
-                if (nowNs >= dueNs)
+                int leftMs = SteadyClock.MsUntil(dueNs);
+                if (leftMs == 0)
                     return true;
-                Sleep((int)Math.Min(int.MaxValue, (dueNs - nowNs) / 1_000_000 + 1));
+                Sleep(leftMs);
             }
             return false;
         }
@@ -117,7 +108,7 @@ namespace Sweepstake
             {
                 if (IsStopping || IsClosed)
                     return false;
-                PeekAction();
+                CallNextMessage(false, out _);
                 return true;
             }
         }
@@ -137,45 +128,39 @@ namespace Sweepstake
             using (stream)
             {
                 Connected();
-                return Disconnected(EndAfterMoving(stream));
-            }
-        }
-
-        private StreamEnd EndAfterMoving(ITelemetryStream stream)
-        {
-            try
-            {
-                return MoveBytes(stream);
-            }
-            catch (BrokenStreamException broken)
-            {
-                return new StreamEnd(StreamEnd.Unavailable, broken.Message);
+                try
+                {
+                    return Disconnected(MoveBytes(stream));
+                }
+                catch (IOException broken)
+                {
+                    return Disconnected(new StreamEnd(StreamEnd.Unavailable, broken.Message));
+                }
             }
         }
 
         private StreamEnd MoveBytes(ITelemetryStream stream)
         {
-            Task<byte[]?> read = Begun(stream, Read);
+            Task<byte[]?> read = Begun(stream.ReadAsync);
             Task write = Task.CompletedTask;
             bool isFinishing = false;
             while (true)
             {
-                for (; read.IsCompleted; read = Begun(stream, Read))
+                for (; read.IsCompleted; read = Begun(stream.ReadAsync))
                 {
-                    byte[]? message = ResultOf(read);
-                    if (message == null)
+                    if (!read.IsCompletedSuccessfully || read.Result == null)
                         return stream.End;
-                    OnMessage(message);
+                    OnMessage(read.Result);
                 }
                 LinkAction action = NextAction(write.IsCompletedSuccessfully, out int size);
                 if (action == LinkAction.Cancel)
                     return new StreamEnd(StreamEnd.Cancelled, "");
                 if (action == LinkAction.Send)
-                    write = Begun(stream, Write, new ArraySegment<byte>(buffer, 0, size));
+                    write = BegunWrite(stream, size);
                 isFinishing |= action == LinkAction.Finish;
                 if (isFinishing && write.IsCompletedSuccessfully)
                 {
-                    write = Begun(stream, Finish);
+                    write = Begun(stream.FinishAsync);
                     isFinishing = false;
                 }
                 if (action != LinkAction.Send)
@@ -183,20 +168,20 @@ namespace Sweepstake
             }
         }
 
-        private static byte[]? ResultOf(Task<byte[]?> read) => read.IsCompletedSuccessfully ? read.Result : null;
+        private Task BegunWrite(ITelemetryStream stream, int size) => Begun(() => stream.WriteAsync(new ArraySegment<byte>(buffer, 0, size)));
 
-        /// <exception cref="BrokenStreamException">The stream threw an exception instead of returning a failed task.</exception>
-        private TTask Begun<TTask>(ITelemetryStream stream, Func<ITelemetryStream, ArraySegment<byte>, TTask> call, ArraySegment<byte> message = default)
+        /// <exception cref="IOException">The stream threw an exception instead of returning a failed task.</exception>
+        private TTask Begun<TTask>(Func<TTask> call)
             where TTask : Task
         {
             TTask task;
             try
             {
-                task = call(stream, message);
+                task = call();
             }
             catch (Exception problem)
             {
-                throw new BrokenStreamException(problem);
+                throw new IOException(problem.Message, problem);
             }
             if (!task.IsCompleted)
                 task.ContinueWith(wakeAfter, CancellationToken.None, TaskContinuationOptions.ExecuteSynchronously, TaskScheduler.Default);
@@ -211,38 +196,28 @@ namespace Sweepstake
                 size = 0;
                 if (IsClosed)
                     return LinkAction.Cancel;
-                LinkAction action = canWrite ? NextMessage(out size) : PeekAction();
-                Publish(false);
+                LinkAction action = CallNextMessage(canWrite, out size);
+                status = status.Updated(link, false);
                 return action;
             }
         }
 
-        private LinkAction PeekAction()
+        private LinkAction CallNextMessage(bool canWrite, out int size)
         {
-            ulong bytes;
+            ulong bytes = 0;
             LinkAction action = LinkAction.None;
-            ResultCode result = NativeMethods.swp_link_next_message(link, SteadyClock.NowNs, null, 0, &bytes, &action);
-            if (result != ResultCode.ResourceExhausted)
-                Native.Check(result);
-            return action == LinkAction.Send ? LinkAction.None : action;
-        }
-
-        private LinkAction NextMessage(out int size)
-        {
-            ulong bytes;
-            LinkAction action = LinkAction.None;
-            ulong nowNs = SteadyClock.NowNs;
             ResultCode result;
             fixed (byte* start = buffer)
-                result = NativeMethods.swp_link_next_message(link, nowNs, start, (ulong)buffer.Length, &bytes, &action);
-            if (result == ResultCode.ResourceExhausted)
+                result = NativeMethods.swp_link_next_message(link, SteadyClock.NowNs, start, canWrite ? (ulong)buffer.Length : 0, &bytes, &action);
+            size = checked((int)bytes);
+            if (result == ResultCode.ResourceExhausted && canWrite)
             {
-                buffer = new byte[checked((int)bytes)];
-                return NextMessage(out size);
+                buffer = new byte[size];
+                return CallNextMessage(true, out size);
             }
-            Native.Check(result);
-            size = (int)bytes;
-            return action;
+            if (result != ResultCode.ResourceExhausted)
+                Native.Check(result);
+            return action == LinkAction.Send && !canWrite ? LinkAction.None : action;
         }
 
         private void Connected()
@@ -252,7 +227,7 @@ namespace Sweepstake
                 if (IsClosed)
                     return;
                 Native.Check(NativeMethods.swp_link_connected(link, SteadyClock.NowNs));
-                Publish(true);
+                status = status.Updated(link, true);
             }
         }
 
@@ -268,7 +243,7 @@ namespace Sweepstake
                 // After a message that cannot be parsed, the link's next action ends the stream.
                 if (result != ResultCode.DataLoss)
                     Native.Check(result);
-                Publish(true);
+                status = status.Updated(link, true);
             }
         }
 
@@ -282,21 +257,8 @@ namespace Sweepstake
                 using var memory = new CallMemory();
                 Native.Check(NativeMethods.swp_link_disconnected(
                     link, end.Code, memory.Text(end.Message), memory.Pin(end.Details), (ulong)(end.Details?.Length ?? 0), SteadyClock.NowNs, &delayMs));
-                Publish(true);
+                status = status.Updated(link, true);
                 return delayMs;
-            }
-        }
-
-        private void Publish(bool hasNews)
-        {
-            status = mirror.Read(link, status, hasNews);
-        }
-
-        private sealed class BrokenStreamException : Exception
-        {
-            internal BrokenStreamException(Exception problem)
-                : base(problem.Message, problem)
-            {
             }
         }
     }

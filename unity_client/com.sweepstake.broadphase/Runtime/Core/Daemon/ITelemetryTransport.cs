@@ -26,9 +26,7 @@ namespace Sweepstake
         /// <summary>Ends the writing side. Called after the last write.</summary>
         Task FinishAsync();
 
-        /// <summary>
-        /// Reads the next message; null after the stream has ended for any reason, see <see cref="End"/>. One read at a time.
-        /// </summary>
+        /// <summary>Reads the next message; null after the stream has ended for any reason, see <see cref="End"/>. One read at a time.</summary>
         Task<byte[]?> ReadAsync();
 
         /// <summary>The status with which the stream ended.</summary>

@@ -4,9 +4,8 @@ using Sweepstake.LowLevel;
 namespace Sweepstake
 {
     /// <summary>
-    /// Options of a <see cref="DaemonConnection"/>: the names that it sends to the daemon, and limits of its batches and delays. A new
-    /// object holds the library's defaults. Texts are names of at most 128 bytes of UTF-8. All of them leave the machine if the daemon runs
-    /// on another one.
+    /// Options of a <see cref="DaemonConnection"/>: the names that it sends to the daemon, and limits of its batches and delays. A new object holds
+    /// the library's defaults. Texts are names of at most 128 bytes of UTF-8. All of them leave the machine if the daemon runs on another one.
     /// </summary>
     public sealed unsafe class LinkOptions
     {
@@ -30,9 +29,7 @@ namespace Sweepstake
         public string? Scene { get; set; }
         /// <summary>Build of the game; null if unknown.</summary>
         public string? Build { get; set; }
-        /// <summary>
-        /// Class of machines whose timings are comparable. Null: derived from processor, threads, instruction set and memory.
-        /// </summary>
+        /// <summary>Class of machines whose timings are comparable. Null: derived from processor, threads, instruction set and memory.</summary>
         public string? MachineClass { get; set; }
         /// <summary>Name of the policy; null for the daemon's default.</summary>
         public string? Policy { get; set; }
@@ -53,8 +50,7 @@ namespace Sweepstake
             set => native.Weights = value ?? default;
         }
         /// <summary>
-        /// Factor from 1 to 1000 by which the decider's intervals are divided. A daemon refuses values above 1 unless it is configured to
-        /// allow them.
+        /// Factor from 1 to 1000 by which the decider's intervals are divided. A daemon refuses values above 1 unless it is configured to allow them.
         /// </summary>
         public double TimeScale { get => native.TimeScale; set => native.TimeScale = value; }
         /// <summary>Seed of the random delays between attempts to connect; 0: a different seed for each connection.</summary>
@@ -70,8 +66,7 @@ namespace Sweepstake
         /// <summary>Maximum size of a batch in bytes, 512 to 262,144.</summary>
         public uint BatchBytes { get => native.BatchBytes; set => native.BatchBytes = value; }
         /// <summary>
-        /// Maximum number of unacknowledged messages, 1 to 4,096. At this limit sending pauses, and the session's queue drops its oldest
-        /// samples.
+        /// Maximum number of unacknowledged messages, 1 to 4,096. At this limit sending pauses, and the session's queue drops its oldest samples.
         /// </summary>
         public uint UnacknowledgedMessages { get => native.UnacknowledgedMessages; set => native.UnacknowledgedMessages = value; }
         /// <summary>

@@ -23,9 +23,7 @@ namespace Sweepstake
         public string? Project { get; set; }
         /// <summary>Name of the scene; null for "default".</summary>
         public string? Scene { get; set; }
-        /// <summary>
-        /// Class of machines whose timings are comparable. Null: derived from processor, threads, instruction set and memory.
-        /// </summary>
+        /// <summary>Class of machines whose timings are comparable. Null: derived from processor, threads, instruction set and memory.</summary>
         public string? MachineClass { get; set; }
         /// <summary>Build of the game; priors of other builds have less weight. Null if unknown.</summary>
         public string? Build { get; set; }
@@ -34,9 +32,7 @@ namespace Sweepstake
         /// grow from run to run. A game that loses its save data needs a new name too. Null: a new name each time.
         /// </summary>
         public string? SourceId { get; set; }
-        /// <summary>
-        /// Path of the priors to start from; merged with <see cref="PriorsData"/> if both are set. With neither: Beta(1,1).
-        /// </summary>
+        /// <summary>Path of the priors to start from; merged with <see cref="PriorsData"/> if both are set. With neither: Beta(1,1).</summary>
         public string? PriorsFile { get; set; }
         /// <summary>Priors in the format that <see cref="EmbeddedDecider.ExportPriors"/> and `sweepstake priors export` write.</summary>
         public byte[]? PriorsData { get; set; }

@@ -17,9 +17,7 @@ namespace Sweepstake
 
         /// <summary>Number of decisions since the decider was created.</summary>
         public ulong DecisionCount { get; }
-        /// <summary>
-        /// Number of sources (sessions or installations) whose evidence is in the loaded priors; 0: the priors are Beta(1,1).
-        /// </summary>
+        /// <summary>Number of sources (sessions or installations) whose evidence is in the loaded priors; 0: the priors are Beta(1,1).</summary>
         public ulong PriorSourceCount { get; }
         /// <summary>The posteriors in the order of arms.</summary>
         public ReadOnlyMemory<Belief> Beliefs { get; }
@@ -84,14 +82,10 @@ namespace Sweepstake
             Native.Check(NativeMethods.swp_session_attach_decider(Session.Pointer, &native, SteadyClock.NowNs));
         }
 
-        /// <summary>
-        /// The state after the latest decision. Each decision creates a new object. Callable from any thread and in each frame.
-        /// </summary>
+        /// <summary>The state after the latest decision. Each decision creates a new object. Callable from any thread and in each frame.</summary>
         public DeciderStatus Status => status;
 
-        /// <summary>
-        /// While this is set, the decider's own thread sleeps, and keeps what it has learnt. Set it while no frames run for long.
-        /// </summary>
+        /// <summary>While this is set, the decider's own thread sleeps, and keeps what it has learnt. Set it while no frames run for long.</summary>
         public bool IsPaused
         {
             get => isPaused;

@@ -1,6 +1,7 @@
 #nullable enable
 using System;
 using System.Collections.Generic;
+using System.Linq;
 using System.Threading;
 
 namespace Sweepstake
@@ -18,8 +19,7 @@ namespace Sweepstake
         private static readonly object RunningGate = new object();
         private static readonly HashSet<SessionWork> Running = new HashSet<SessionWork>();
 
-        private readonly object wakeGate = new object();
-        private bool isWoken;
+        private readonly AutoResetEvent wake = new AutoResetEvent(false);
         private long wakeUpCount;
         private bool isReleased;
         private volatile bool isAbandoned;
@@ -73,27 +73,21 @@ namespace Sweepstake
         /// <returns>Whether its thread has ended. A thread that has not ended makes no more native calls.</returns>
         public bool Stop(int timeoutMs)
         {
-            ulong endNs = SteadyClock.NowNs + (ulong)Math.Max(0, timeoutMs) * 1_000_000;
+            ulong endNs = SteadyClock.After(timeoutMs);
             BeginStop(endNs);
             bool hasEnded = EndStop(endNs);
             Release();
             return hasEnded;
         }
 
-        public void Dispose()
-        {
-            Stop(DisposeTimeoutMs);
-        }
+        public void Dispose() => Stop(DisposeTimeoutMs);
 
         /// <summary>Begins to end all instances, then waits for each until `endNs`. Returns them for <see cref="Release"/>.</summary>
         internal static SessionWork[] StopAll(ulong endNs)
         {
             SessionWork[] stopping;
             lock (RunningGate)
-            {
-                stopping = new SessionWork[Running.Count];
-                Running.CopyTo(stopping);
-            }
+                stopping = Running.ToArray();
             foreach (SessionWork work in stopping)
                 work.BeginStop(endNs);
             foreach (SessionWork work in stopping)
@@ -139,24 +133,12 @@ namespace Sweepstake
         /// <summary>Called once under the gate, while no frame runs. Frees the native parts.</summary>
         private protected abstract void CloseNative();
 
-        private protected void Wake()
-        {
-            lock (wakeGate)
-            {
-                isWoken = true;
-                Monitor.Pulse(wakeGate);
-            }
-        }
+        private protected void Wake() => wake.Set();
 
         /// <summary>Waits until Wake is called or the timeout has passed.</summary>
         private protected void Sleep(int timeoutMs)
         {
-            lock (wakeGate)
-            {
-                if (!isWoken)
-                    Monitor.Wait(wakeGate, timeoutMs);
-                isWoken = false;
-            }
+            wake.WaitOne(timeoutMs);
             Interlocked.Increment(ref wakeUpCount);
         }
 
@@ -174,17 +156,11 @@ namespace Sweepstake
 
         private bool EndStop(ulong endNs)
         {
-            bool hasEnded = thread == null || thread.Join(isAbandoned ? 0 : MsUntil(endNs));
+            bool hasEnded = thread == null || thread.Join(isAbandoned ? 0 : SteadyClock.MsUntil(endNs));
             isAbandoned = !hasEnded;
             Close();
             Wake();
             return hasEnded;
-        }
-
-        private static int MsUntil(ulong endNs)
-        {
-            ulong nowNs = SteadyClock.NowNs;
-            return nowNs < endNs ? (int)((endNs - nowNs) / 1_000_000) + 1 : 0;
         }
 
         private void Run()

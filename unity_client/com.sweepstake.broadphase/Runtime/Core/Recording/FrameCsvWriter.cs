@@ -2,6 +2,7 @@
 using System;
 using System.Globalization;
 using System.IO;
+using System.Linq;
 using System.Text;
 using System.Threading;
 
@@ -32,12 +33,11 @@ namespace Sweepstake
         private readonly string suffix;
         private readonly StreamWriter file;
         private readonly Thread thread;
-        private readonly object wakeGate = new object();
+        private readonly ManualResetEvent ending = new ManualResetEvent(false);
         private readonly StringBuilder row = new StringBuilder();
         private long written;
         private long taken;
         private long dropped;
-        private bool isEnding;
         private volatile Exception? failure;
 
         /// <param name="path">An existing file is replaced.</param>
@@ -52,9 +52,7 @@ namespace Sweepstake
             if (capacity < 1)
                 throw new ArgumentOutOfRangeException(nameof(capacity));
             ring = new FrameSample[capacity];
-            arms = new string[session.Arms.Count];
-            for (int arm = 0; arm < arms.Length; ++arm)
-                arms[arm] = Quoted(session.Arms[arm]);
+            arms = session.Arms.Select(Quoted).ToArray();
             suffix = string.Format(
                 CultureInfo.InvariantCulture, ",{0},{1},{2},{3},{4}\r\n", FormatVersion, Quoted(scene), seed, SweepstakeLibrary.Version, vSyncCount);
             file = new StreamWriter(path, false, new UTF8Encoding(false));
@@ -83,23 +81,14 @@ namespace Sweepstake
         }
 
         /// <summary>Writes the queued samples and closes the file. May be called more than once.</summary>
-        /// <returns>
-        /// True if the file is complete. Otherwise the writing thread continues; <see cref="Failure"/> is set if it fails.
-        /// </returns>
+        /// <returns>True if the file is complete. Otherwise the writing thread continues; <see cref="Failure"/> is set if it fails.</returns>
         public bool Stop(int timeoutMs)
         {
-            lock (wakeGate)
-            {
-                isEnding = true;
-                Monitor.Pulse(wakeGate);
-            }
+            ending.Set();
             return thread.Join(Math.Max(0, timeoutMs));
         }
 
-        public void Dispose()
-        {
-            Stop(DisposeTimeoutMs);
-        }
+        public void Dispose() => Stop(DisposeTimeoutMs);
 
         /// <summary>Quotes a field according to RFC 4180.</summary>
         internal static string Quoted(string field) =>
@@ -111,7 +100,7 @@ namespace Sweepstake
             {
                 using (file)
                 {
-                    while (!WaitForEnd())
+                    while (!ending.WaitOne(FlushIntervalMs))
                         WriteTaken();
                     WriteTaken();
                 }
@@ -119,16 +108,6 @@ namespace Sweepstake
             catch (Exception problem) when (problem is IOException || problem is ObjectDisposedException || problem is UnauthorizedAccessException)
             {
                 failure = problem;
-            }
-        }
-
-        private bool WaitForEnd()
-        {
-            lock (wakeGate)
-            {
-                if (!isEnding)
-                    Monitor.Wait(wakeGate, FlushIntervalMs);
-                return isEnding;
             }
         }
 
@@ -150,7 +129,7 @@ namespace Sweepstake
             row.Append(',').Append(sample.FrameTimeNs).Append(',').Append(sample.DetectionTimeNs).Append(',').Append(sample.AabbCheckCount);
             row.Append(',').Append(sample.PairCount).Append(',').Append(sample.ObjectCount).Append(',').Append(sample.NativeBytes);
             row.Append(',').Append((uint)sample.Flags).Append(suffix);
-            file.Write(row.ToString());
+            file.Write(row);
         }
     }
 }
