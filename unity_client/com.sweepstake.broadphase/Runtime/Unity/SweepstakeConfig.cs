@@ -7,19 +7,6 @@ using UnityEngine;
 namespace Sweepstake.Unity
 {
     /// <summary>
-    /// Whether a separate thread measures the inactive backends and prepares the next one before a switch (the shadow lane).
-    /// </summary>
-    public enum LaneChoice
-    {
-        /// <summary>
-        /// The lane runs while there is a spare core; never on mobile devices, and not with the policy `paper`, which does not use it.
-        /// </summary>
-        Auto,
-        Off,
-        On,
-    }
-
-    /// <summary>
     /// How a <see cref="SweepstakeManager"/> searches, decides and connects to a daemon. A manager without a config uses these defaults. The
     /// config is read when the manager is enabled.
     /// </summary>
@@ -52,7 +39,7 @@ namespace Sweepstake.Unity
             InitialArm = initialBackend,
             ThreadCount = (uint)search.threads,
             IsSorted = search.sortsPairs,
-            Shadow = search.Shadow,
+            Shadow = search.lane == ShadowMode.Auto && Application.isMobilePlatform ? ShadowMode.Off : search.lane,
             BailOutNs = ToNs(decisions.bailOutSeconds, "Bail Out Seconds"),
             SettlingNs = ToNs(decisions.settlingSeconds, "Settling Seconds"),
         };
@@ -129,14 +116,7 @@ namespace Sweepstake.Unity
         [Tooltip("Sorts the pairs, so that all backends give the same order, for lockstep games.")]
         public bool sortsPairs = false;
         [Tooltip("The shadow lane: a thread that measures the inactive backends on a spare core. Auto: off on mobile devices.")]
-        public LaneChoice lane = LaneChoice.Auto;
-
-        public ShadowMode Shadow => lane switch
-        {
-            LaneChoice.On => ShadowMode.On,
-            LaneChoice.Auto when !Application.isMobilePlatform => ShadowMode.Auto,
-            _ => ShadowMode.Off,
-        };
+        public ShadowMode lane = ShadowMode.Auto;
     }
 
     [Serializable]

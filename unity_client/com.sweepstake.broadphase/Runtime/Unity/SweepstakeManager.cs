@@ -8,6 +8,24 @@ using UnityEngine.SceneManagement;
 
 namespace Sweepstake.Unity
 {
+    /// <summary>The state of a <see cref="SweepstakeManager"/>.</summary>
+    public enum SweepstakeState
+    {
+        /// <summary>The manager is not enabled.</summary>
+        Stopped,
+        /// <summary>The manager could not start or had to end; <see cref="SweepstakeManager.Problem"/> says why and what to do.</summary>
+        Failed,
+        /// <summary>The manager works without a daemon: decisions are made in the game's process, and nothing leaves the machine.</summary>
+        Embedded,
+        /// <summary>A daemon is configured and has not answered yet.</summary>
+        Connecting,
+        Online,
+        /// <summary>The daemon is not available. The game continues with its current backend and reconnects automatically.</summary>
+        Offline,
+        /// <summary>The daemon refuses this game and will do so again; <see cref="SweepstakeManager.Problem"/> says what to do.</summary>
+        Refused,
+    }
+
     /// <summary>
     /// The only component that a game needs. It owns a session and searches the boxes of its <see cref="Source"/> once a frame. The
     /// embedded decider (the default), a daemon or only the game selects the backend. It runs after the LateUpdate of the game's scripts.
@@ -31,7 +49,6 @@ namespace Sweepstake.Unity
         private string backend = "";
 
         private readonly FrameFlagger flagger = new FrameFlagger();
-        private readonly ChangeWatcher changes = new ChangeWatcher();
         private readonly Listeners<SweepstakeState> stateChanged = new Listeners<SweepstakeState>();
         private readonly Listeners<string> backendChanged = new Listeners<string>();
         private readonly Listeners<Verdict> verdictChanged = new Listeners<Verdict>();
@@ -39,6 +56,7 @@ namespace Sweepstake.Unity
         private SessionHost? host;
         // The session of a manager that is disabled; it continues when the manager is enabled again.
         private SessionHost? resting;
+        private (int Arm, Decision Decision, Verdict Verdict) seen;
         private IBroadPhaseSource? source;
         private SweepstakeConfig? defaults;
         private string trouble = "";
@@ -50,9 +68,7 @@ namespace Sweepstake.Unity
         public event Action<SweepstakeState>? StateChanged { add => stateChanged.Add(value); remove => stateChanged.Remove(value); }
         /// <summary>Raised when another backend becomes active; the argument is its name.</summary>
         public event Action<string>? BackendChanged { add => backendChanged.Add(value); remove => backendChanged.Remove(value); }
-        /// <summary>
-        /// Raised when the kind of the verdict has changed. <see cref="Advice.Of(VerdictKind)"/> says what to do about it.
-        /// </summary>
+        /// <summary>Raised when the kind of the verdict has changed. <see cref="Advice.Of(VerdictKind)"/> says what to do about it.</summary>
         public event Action<Verdict>? VerdictChanged { add => verdictChanged.Add(value); remove => verdictChanged.Remove(value); }
         /// <summary>Raised when a decision was made.</summary>
         public event Action<Decision>? Decided { add => decided.Add(value); remove => decided.Remove(value); }
@@ -80,9 +96,7 @@ namespace Sweepstake.Unity
         public BroadPhaseSession? Session => host?.Session;
         public EmbeddedDecider? Decider => host?.Decider;
         public DaemonConnection? Connection => host?.Connection;
-        /// <summary>
-        /// Whether the running session has searched. Before its first search, the source may have pairs of an earlier session.
-        /// </summary>
+        /// <summary>Whether the running session has searched. Before its first search, the source may have pairs of an earlier session.</summary>
         internal bool HasSearched => host != null && endedNs != 0;
 
         public SweepstakeState State { get; private set; }
@@ -127,8 +141,7 @@ namespace Sweepstake.Unity
         public Decision LastDecision => host == null ? default : host.Session.LastDecision;
 
         /// <summary>
-        /// Connects to the config's daemon, which decides from the next frame on. From then on the game sends the data that privacy.md
-        /// lists.
+        /// Connects to the config's daemon, which decides from the next frame on. From then on the game sends the data that privacy.md lists.
         /// </summary>
         public void Connect()
         {
@@ -137,12 +150,7 @@ namespace Sweepstake.Unity
         }
 
         /// <summary>Like <see cref="Connect()"/>, with a custom transport.</summary>
-        public void Connect(ITelemetryTransport transport, LinkOptions options)
-        {
-            if (host == null)
-                throw new InvalidOperationException("Enable the manager first. If it is enabled, its Problem says why it does not run.");
-            host.DecideThere(transport, options);
-        }
+        public void Connect(ITelemetryTransport transport, LinkOptions options) => RunningHost.DecideThere(transport, options);
 
         /// <summary>
         /// Ends the connection, which first sends the remaining messages for at most half a second. Then the embedded decider decides again.
@@ -156,15 +164,13 @@ namespace Sweepstake.Unity
         /// <summary>Writes a row for each frame from now on, on a separate thread.</summary>
         /// <param name="path">An existing file is replaced.</param>
         /// <exception cref="System.IO.IOException">The file cannot be written.</exception>
-        public void StartCsv(string path, string scene = "", ulong seed = 0)
-        {
-            if (host == null)
-                throw new InvalidOperationException("Enable the manager first. If it is enabled, its Problem says why it does not run.");
-            host.StartCsv(path, scene, seed);
-        }
+        public void StartCsv(string path, string scene = "", ulong seed = 0) => RunningHost.StartCsv(path, scene, seed);
 
         /// <summary>Writes the remaining rows and waits for at most two seconds.</summary>
         public void StopCsv() => host?.StopCsv();
+
+        private SessionHost RunningHost =>
+            host ?? throw new InvalidOperationException("Enable the manager first. If it is enabled, its Problem says why it does not run.");
 
         /// <summary>
         /// Ends the native objects of all managers, and all other native objects of the process, within about half a second. May be called
@@ -174,7 +180,7 @@ namespace Sweepstake.Unity
         {
             // This ends the native objects of all managers at the same time, so the wait does not depend on their number. Each host below then
             // ends without a wait.
-            ulong endNs = SessionHost.DeadlineNs();
+            ulong endNs = DeadlineNs;
             foreach (SweepstakeManager manager in EnabledManagers)
                 manager.host?.BeginEnd();
             SweepstakeLibrary.Shutdown();
@@ -182,7 +188,7 @@ namespace Sweepstake.Unity
             for (int index = EnabledManagers.Count - 1; index >= 0; --index)
             {
                 if (index < EnabledManagers.Count)
-                    EnabledManagers[index].End(endNs);
+                    EnabledManagers[index].End(SweepstakeState.Stopped, "", endNs);
             }
         }
 
@@ -201,9 +207,9 @@ namespace Sweepstake.Unity
             SceneManager.sceneLoaded -= OnSceneLoaded;
             EnabledManagers.Remove(this);
             mustBegin = false;
-            if (host != null && host.Rest(SessionHost.DeadlineNs()))
+            if (host != null && host.Rest(DeadlineNs))
                 (resting, host) = (host, null);
-            End();
+            End(SweepstakeState.Stopped, "", DeadlineNs);
         }
 
         private void OnDestroy()
@@ -235,7 +241,7 @@ namespace Sweepstake.Unity
             flagger.IsPaused = isPaused;
             // A mobile system may end a paused game without a further call.
             if (isPaused)
-                host?.BeginSave();
+                host?.Decider?.BeginSave();
         }
 
         private void OnApplicationFocus(bool hasFocus) => flagger.IsInBackground = !hasFocus && !Application.isEditor;
@@ -259,7 +265,7 @@ namespace Sweepstake.Unity
             }
             catch (SweepstakeException problem)
             {
-                Fail(problem);
+                Fail(problem.Message);
                 return;
             }
             Report(source);
@@ -298,18 +304,23 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>
-        /// Raises an event for each change of state, backend, verdict or decision. Returns early if a listener ends the session.
-        /// </summary>
+        /// <summary>Raises an event for each change of state, backend, verdict or decision. Returns early if a listener ends the session.</summary>
         private void RaiseChanges(BroadPhaseSession session)
         {
-            if (changes.HasOtherBackend(session))
-                backendChanged.Tell(session.Arms[session.ActiveArm], this);
-            if (Session == session && changes.HasNewDecision(session, out Decision decision))
-                decided.Tell(decision, this);
-            if (Session == session && changes.HasOtherVerdict(session, out Verdict verdict))
-                verdictChanged.Tell(verdict, this);
+            var last = seen;
+            var now = seen = StateOf(session);
+            // Decisions of a daemon have a command id but no decision id.
+            bool isNew = now.Decision.DecisionId != last.Decision.DecisionId || now.Decision.CommandId != last.Decision.CommandId;
+            if (now.Arm != last.Arm)
+                backendChanged.Raise(session.Arms[now.Arm], this);
+            if (Session == session && isNew && now.Decision.Outcome != DecisionOutcome.None)
+                decided.Raise(now.Decision, this);
+            if (Session == session && now.Verdict.Kind != last.Verdict.Kind)
+                verdictChanged.Raise(now.Verdict, this);
         }
+
+        private static (int Arm, Decision Decision, Verdict Verdict) StateOf(BroadPhaseSession session) =>
+            (session.ActiveArm, session.LastDecision, session.Verdict);
 
         /// <summary>Begins. If only the decider has a problem, the frames run without it, and the problem is shown at once.</summary>
         private void TryBegin()
@@ -328,44 +339,37 @@ namespace Sweepstake.Unity
             if (resting != null && resting.Continue(settings, mode, backend, gameObject.scene.name))
             {
                 (host, resting) = (resting, null);
-                changes.Reset(host.Session);
-                UpdateState();
+                seen = StateOf(host.Session);
                 return;
             }
             EndResting();
-            host = new SessionHost(settings, mode, backend, gameObject.scene.name, Tell);
-            changes.Reset(host.Session);
+            host = new SessionHost(settings, mode, backend, gameObject.scene.name, LogError);
+            seen = StateOf(host.Session);
             host.DecideHere();
             if (settings.daemon.isUsed)
                 Connect();
         }
 
-        private void End() => End(SessionHost.DeadlineNs());
+        private static ulong DeadlineNs => SteadyClock.After(SessionWork.DisposeTimeoutMs);
 
-        private void End(ulong endNs)
-        {
-            EndHost(endNs);
-            SetState(SweepstakeState.Stopped, "");
-        }
-
-        private void EndHost(ulong endNs)
+        private void End(SweepstakeState state, string problem, ulong endNs)
         {
             host?.End(endNs);
             host = null;
+            SetState(state, problem);
+        }
+
+        private void Fail(string problem)
+        {
+            isFailing = true;
+            End(SweepstakeState.Failed, problem, DeadlineNs);
+            isFailing = false;
         }
 
         private void EndResting()
         {
-            resting?.End(SessionHost.DeadlineNs());
+            resting?.End(DeadlineNs);
             resting = null;
-        }
-
-        private void Fail(SweepstakeException problem)
-        {
-            EndHost(SessionHost.DeadlineNs());
-            isFailing = true;
-            SetState(SweepstakeState.Failed, problem.Message);
-            isFailing = false;
         }
 
         /// <summary>Runs an action. Logs its error once; the session then continues as before the action.</summary>
@@ -378,37 +382,21 @@ namespace Sweepstake.Unity
             }
             catch (SweepstakeException problem)
             {
-                if (host == null)
-                {
-                    Fail(problem);
-                    return;
-                }
                 trouble = problem.Message;
-                Tell(trouble);
+                if (host == null)
+                    Fail(trouble);
+                else
+                    LogError(trouble);
             }
         }
 
         /// <summary>Logs a problem that does not stop the frames.</summary>
-        private void Tell(string problem) => Debug.LogError("Sweepstake: " + problem, this);
+        private void LogError(string problem) => Debug.LogError("Sweepstake: " + problem, this);
 
         private void UpdateState()
         {
-            host!.TellFailures();
-            ConnectionStatus? status = host.Connection?.Status;
-            SetState(status == null ? SweepstakeState.Embedded : StateOf(status), ProblemOf(host, status));
-        }
-
-        /// <summary>Returns the most important current problem.</summary>
-        private string ProblemOf(SessionHost running, ConnectionStatus? status)
-        {
-            if (running.WorkProblem.Length > 0)
-                return running.WorkProblem;
-            string away = status == null ? "" : status.Refusal.Length > 0 ? status.Refusal : status.LastError;
-            if (away.Length > 0)
-                return away;
-            if (trouble.Length > 0)
-                return trouble;
-            return running.PriorsProblem.Length > 0 ? running.PriorsProblem : running.CsvProblem;
+            ConnectionStatus? status = host!.Connection?.Status;
+            SetState(status == null ? SweepstakeState.Embedded : StateOf(status), host.FindProblem(status, trouble));
         }
 
         private static SweepstakeState StateOf(ConnectionStatus status)
@@ -428,14 +416,14 @@ namespace Sweepstake.Unity
                 return;
             State = state;
             Log(state, problem);
-            stateChanged.Tell(state, this);
+            stateChanged.Raise(state, this);
         }
 
         /// <summary>Logs one line for each relevant change of the state.</summary>
         private void Log(SweepstakeState state, string problem)
         {
             if (state == SweepstakeState.Failed)
-                Debug.LogError("Sweepstake: " + problem, this);
+                LogError(problem);
             else if (state == SweepstakeState.Offline || state == SweepstakeState.Refused)
                 Debug.LogWarning($"Sweepstake: the daemon is not available ({state}). {problem}", this);
             else if (state == SweepstakeState.Online)

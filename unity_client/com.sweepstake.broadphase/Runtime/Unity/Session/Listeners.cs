@@ -19,13 +19,13 @@ namespace Sweepstake.Unity
 
         internal void Remove(Action<T>? listener) => Set(combined - listener);
 
-        internal void Tell(T told, UnityEngine.Object context)
+        internal void Raise(T value, UnityEngine.Object context)
         {
             foreach (Action<T> listener in each)
             {
                 try
                 {
-                    listener(told);
+                    listener(value);
                 }
                 catch (Exception problem)
                 {

@@ -13,16 +13,19 @@ namespace Sweepstake.Unity
         private readonly SweepstakeConfig config;
         private readonly string sceneName;
         private readonly string settings;
-        private readonly Action<string> tell;
+        private readonly Action<string> report;
         private FrameCsvWriter? csv;
         private SavedPriors? saved;
+        private string workProblem = "";
+        private string priorsProblem = "";
+        private string csvProblem = "";
 
-        /// <param name="tell">Called with a text for each problem of decider, connection or CSV file, on the calling thread.</param>
-        internal SessionHost(SweepstakeConfig config, SessionMode mode, string backend, string sceneName, Action<string> tell)
+        /// <param name="report">Called with a text for each problem of decider, connection or CSV file, on the calling thread.</param>
+        internal SessionHost(SweepstakeConfig config, SessionMode mode, string backend, string sceneName, Action<string> report)
         {
             this.config = config;
             this.sceneName = sceneName;
-            this.tell = tell;
+            this.report = report;
             settings = SettingsOf(config, sceneName);
             Session = new BroadPhaseSession(config.ToSessionOptions(mode, backend));
         }
@@ -30,13 +33,6 @@ namespace Sweepstake.Unity
         internal BroadPhaseSession Session { get; }
         internal EmbeddedDecider? Decider { get; private set; }
         internal DaemonConnection? Connection { get; private set; }
-        /// <summary>Why no decisions are made; "" while a decider or a connection works.</summary>
-        internal string WorkProblem { get; private set; } = "";
-        /// <summary>Why the latest CSV file is incomplete; "" while no row is known to be missing.</summary>
-        internal string CsvProblem { get; private set; } = "";
-
-        /// <summary>Why saved priors were not read or written; "" if nothing is wrong with them.</summary>
-        internal string PriorsProblem { get; private set; } = "";
 
         /// <summary>Ends a connection and starts the embedded decider, which continues what was saved.</summary>
         internal void DecideHere()
@@ -48,6 +44,23 @@ namespace Sweepstake.Unity
         }
 
         /// <summary>
+        /// Ends the embedded decider and connects to a daemon. If the connection cannot be created, the embedded decider starts again.
+        /// </summary>
+        internal void DecideThere(ITelemetryTransport transport, LinkOptions options)
+        {
+            EndWork(SessionWork.DisposeTimeoutMs);
+            try
+            {
+                Connection = new DaemonConnection(Session, transport, options);
+            }
+            catch (SweepstakeException)
+            {
+                DecideHere();
+                throw;
+            }
+        }
+
+        /// <summary>
         /// Keeps the session for a manager that may be enabled again, and begins to save what was learnt. Returns false if the session
         /// cannot continue, because a daemon decides or the decider has failed.
         /// </summary>
@@ -55,7 +68,7 @@ namespace Sweepstake.Unity
         {
             if (!CanContinue)
                 return false;
-            EndCsv(endNs);
+            EndCsv(SteadyClock.MsUntil(endNs));
             Decider!.IsPaused = true;
             Decider.BeginSave();
             Session.Trim();
@@ -78,26 +91,6 @@ namespace Sweepstake.Unity
 
         private static string SettingsOf(SweepstakeConfig config, string sceneName) => sceneName + JsonUtility.ToJson(config);
 
-        /// <summary>Begins to save what was learnt, without waiting.</summary>
-        internal void BeginSave() => Decider?.BeginSave();
-
-        /// <summary>
-        /// Ends the embedded decider and connects to a daemon. If the connection cannot be created, the embedded decider starts again.
-        /// </summary>
-        internal void DecideThere(ITelemetryTransport transport, LinkOptions options)
-        {
-            EndWork(SessionWork.DisposeTimeoutMs);
-            try
-            {
-                Connection = new DaemonConnection(Session, transport, options);
-            }
-            catch (SweepstakeException)
-            {
-                DecideHere();
-                throw;
-            }
-        }
-
         internal void EndFrame(ulong frameTimeNs, FrameFlags flags)
         {
             Session.EndFrame(frameTimeNs, flags);
@@ -108,27 +101,31 @@ namespace Sweepstake.Unity
         {
             StopCsv();
             csv = new FrameCsvWriter(path, Session, scene, seed, vSyncCount: QualitySettings.vSyncCount);
-            CsvProblem = "";
+            csvProblem = "";
         }
 
-        internal void StopCsv()
-        {
-            csv?.Dispose();
-            LeaveCsv();
-        }
+        internal void StopCsv() => EndCsv(FrameCsvWriter.DisposeTimeoutMs);
 
-        /// <summary>Reports failures of other threads since the last call.</summary>
-        internal void TellFailures()
+        /// <summary>Reports failures of other threads since the last call, and returns the most important current problem; "" if there is none.</summary>
+        /// <param name="status">The status of the connection; null without one.</param>
+        /// <param name="otherProblem">A problem of the caller. It is more important than problems of files.</param>
+        internal string FindProblem(ConnectionStatus? status, string otherProblem)
         {
             if (csv?.Failure != null)
-                LeaveCsv();
-            TellPriorsProblem();
+                EndCsv(0);
+            ReportPriorsProblem();
             SessionWork? work = (SessionWork?)Connection ?? Decider;
-            if (work?.Failure == null || WorkProblem.Length > 0)
-                return;
-            string what = work == Decider ? "decider" : "connection to the daemon";
-            WorkProblem = $"Decisions have stopped, because the {what} has failed: {work.Failure.Message} Disable and enable the manager to restart it.";
-            tell(WorkProblem);
+            if (work?.Failure != null && workProblem.Length == 0)
+            {
+                string what = work == Decider ? "decider" : "connection to the daemon";
+                workProblem = $"Decisions have stopped, because the {what} has failed: {work.Failure.Message} Disable and enable the manager to restart it.";
+                report(workProblem);
+            }
+            string away = status == null ? "" : status.Refusal.Length > 0 ? status.Refusal : status.LastError;
+            return workProblem.Length > 0 ? workProblem :
+                away.Length > 0 ? away :
+                otherProblem.Length > 0 ? otherProblem :
+                priorsProblem.Length > 0 ? priorsProblem : csvProblem;
         }
 
         /// <summary>Begins to complete the CSV file, without waiting.</summary>
@@ -138,54 +135,40 @@ namespace Sweepstake.Unity
         internal void End(ulong endNs)
         {
             BeginEnd();
-            EndWork(MsUntil(endNs));
-            EndCsv(endNs);
+            EndWork(SteadyClock.MsUntil(endNs));
+            EndCsv(SteadyClock.MsUntil(endNs));
             Session.Dispose();
         }
 
-        private void EndCsv(ulong endNs)
+        private void EndCsv(int timeoutMs)
         {
-            csv?.Stop(MsUntil(endNs));
-            LeaveCsv();
-        }
-
-        /// <summary>Returns the deadline for an end that starts now.</summary>
-        internal static ulong DeadlineNs() => SteadyClock.NowNs + (ulong)SessionWork.DisposeTimeoutMs * 1_000_000;
-
-        private static int MsUntil(ulong endNs)
-        {
-            ulong nowNs = SteadyClock.NowNs;
-            return nowNs < endNs ? (int)((endNs - nowNs) / 1_000_000) : 0;
-        }
-
-        private void LeaveCsv()
-        {
+            csv?.Stop(timeoutMs);
             if (csv?.Failure is Exception problem)
-                CsvProblem = "The CSV file of frames is incomplete: " + problem.Message + " Start another one.";
+                csvProblem = "The CSV file of frames is incomplete: " + problem.Message + " Start another one.";
             else if (csv?.DroppedCount > 0)
-                CsvProblem = $"The CSV file of frames lacks {csv.DroppedCount} frames, because writing was too slow. Use a faster disk.";
-            if (csv != null && CsvProblem.Length > 0)
-                tell(CsvProblem);
+                csvProblem = $"The CSV file of frames lacks {csv.DroppedCount} frames, because writing was too slow. Use a faster disk.";
+            if (csv != null && csvProblem.Length > 0)
+                report(csvProblem);
             csv = null;
         }
 
-        private void TellPriorsProblem()
+        private void ReportPriorsProblem()
         {
             string problem = saved?.Problem ?? "";
-            if (problem.Length > 0 && problem != PriorsProblem)
-                tell(problem);
-            PriorsProblem = problem;
+            if (problem.Length > 0 && problem != priorsProblem)
+                report(problem);
+            priorsProblem = problem;
         }
 
         private void EndWork(int timeoutMs)
         {
             Decider?.Stop(timeoutMs);
             Decider = null;
-            TellPriorsProblem();
+            ReportPriorsProblem();
             saved = null;
             Connection?.Stop(timeoutMs);
             Connection = null;
-            WorkProblem = "";
+            workProblem = "";
         }
     }
 }
