@@ -260,12 +260,12 @@ namespace Sweepstake.Tests
         [Test]
         public void TheLaneIsOffOnMobileDevices()
         {
-            var search = new SearchSettings();
-            Assert.That(search.Shadow, Is.EqualTo(ShadowMode.Auto));
+            var config = ScriptableObject.CreateInstance<SweepstakeConfig>();
+            Assert.That(config.ToSessionOptions(SessionMode.Ai, "").Shadow, Is.EqualTo(ShadowMode.Auto));
             Application.isMobilePlatform = true;
-            Assert.That(search.Shadow, Is.EqualTo(ShadowMode.Off));
-            search.lane = LaneChoice.On;
-            Assert.That(search.Shadow, Is.EqualTo(ShadowMode.On));
+            Assert.That(config.ToSessionOptions(SessionMode.Ai, "").Shadow, Is.EqualTo(ShadowMode.Off));
+            config.search.lane = ShadowMode.On;
+            Assert.That(config.ToSessionOptions(SessionMode.Ai, "").Shadow, Is.EqualTo(ShadowMode.On));
         }
 
         [Test]

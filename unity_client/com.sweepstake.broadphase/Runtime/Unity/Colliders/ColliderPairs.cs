@@ -43,10 +43,7 @@ namespace Sweepstake.Unity
         private int nextReview;
 
         /// <param name="mayBegin">Checks the state of both colliders, and whether their layers collide.</param>
-        internal ColliderPairs(Func<TrackedPair, bool> mayBegin)
-        {
-            this.mayBegin = mayBegin;
-        }
+        internal ColliderPairs(Func<TrackedPair, bool> mayBegin) => this.mayBegin = mayBegin;
 
         internal int OpenCount { get; private set; }
 
@@ -119,14 +116,14 @@ namespace Sweepstake.Unity
             FindLasting();
             foreach ((TrackedCollider a, TrackedCollider b) in ending)
             {
-                endListeners.Tell(new ColliderPair(a.Collider, b.Collider), context);
-                a.Body?.Exits.Tell(new ColliderPair(a.Collider, b.Collider), a.Body);
-                b.Body?.Exits.Tell(new ColliderPair(b.Collider, a.Collider), b.Body);
+                endListeners.Raise(new ColliderPair(a.Collider, b.Collider), context);
+                a.Body?.Exits.Raise(new ColliderPair(a.Collider, b.Collider), a.Body);
+                b.Body?.Exits.Raise(new ColliderPair(b.Collider, a.Collider), b.Body);
             }
             foreach (TrackedPair pair in beginning)
                 Begin(pair, beginListeners, context);
             foreach (TrackedPair pair in lasting)
-                Stay(pair);
+                RaiseOfBodies(pair, body => body.Stays);
             ending.Clear();
             beginning.Clear();
             lasting.Clear();
@@ -134,28 +131,25 @@ namespace Sweepstake.Unity
 
         private void Begin(TrackedPair pair, Listeners<ColliderPair> beginListeners, UnityEngine.Object context)
         {
-            (TrackedCollider a, TrackedCollider b) = (pair.A, pair.B);
             bool isDue = pair.IsDue;
             pair.IsDue = false;
             if (!isDue || !Exist(pair))
                 return;
             Swap(pair, pairs[OpenCount++]);
             pair.IsOpen = true;
-            beginListeners.Tell(new ColliderPair(a.Collider, b.Collider), context);
-            // A listener may have destroyed a collider of the pair.
-            if (pair.IsOpen && Exist(pair))
-                a.Body?.Enters.Tell(new ColliderPair(a.Collider, b.Collider), a.Body);
-            if (pair.IsOpen && Exist(pair))
-                b.Body?.Enters.Tell(new ColliderPair(b.Collider, a.Collider), b.Body);
+            beginListeners.Raise(new ColliderPair(pair.A.Collider, pair.B.Collider), context);
+            RaiseOfBodies(pair, body => body.Enters);
         }
 
-        private static void Stay(TrackedPair pair)
+        /// <summary>Raises an event of both bodies of an open pair.</summary>
+        private static void RaiseOfBodies(TrackedPair pair, Func<SweepstakeBody, Listeners<ColliderPair>> listeners)
         {
             (TrackedCollider a, TrackedCollider b) = (pair.A, pair.B);
-            if (pair.IsOpen && Exist(pair))
-                a.Body?.Stays.Tell(new ColliderPair(a.Collider, b.Collider), a.Body);
-            if (pair.IsOpen && Exist(pair))
-                b.Body?.Stays.Tell(new ColliderPair(b.Collider, a.Collider), b.Body);
+            // A listener may have destroyed a collider of the pair.
+            if (pair.IsOpen && Exist(pair) && !(a.Body is null))
+                listeners(a.Body).Raise(new ColliderPair(a.Collider, b.Collider), a.Body);
+            if (pair.IsOpen && Exist(pair) && !(b.Body is null))
+                listeners(b.Body).Raise(new ColliderPair(b.Collider, a.Collider), b.Body);
         }
 
         private void FindLasting()

@@ -1,5 +1,10 @@
 #nullable enable
+using Unity.Collections;
 using UnityEngine;
+using UnityEngine.Jobs;
+#if SWEEPSTAKE_BURST
+using Unity.Burst;
+#endif
 
 namespace Sweepstake.Unity
 {
@@ -117,5 +122,20 @@ namespace Sweepstake.Unity
 
         /// <summary>Compares exactly; Vector3's own operator ignores small differences.</summary>
         private static bool Same(Vector3 a, Vector3 b) => a.x == b.x && a.y == b.y && a.z == b.z;
+    }
+
+    /// <summary>Computes the boxes of moving colliders from their shapes and transforms, on worker threads.</summary>
+#if SWEEPSTAKE_BURST
+    [BurstCompile]
+#endif
+    internal struct ColliderBoxesJob : IJobParallelForTransform
+    {
+        [ReadOnly]
+        internal NativeArray<ColliderShape> Shapes;
+        [WriteOnly]
+        internal NativeArray<Aabb> Boxes;
+
+        public void Execute(int index, TransformAccess transform) =>
+            Boxes[index] = transform.isValid ? Shapes[index].BoxOf(transform.localToWorldMatrix) : ColliderShape.NoBox;
     }
 }

@@ -18,10 +18,9 @@ namespace Sweepstake.Unity
     }
 
     /// <summary>
-    /// Lets the manager on the same object search the boxes of colliders, for triggers without physics and for queries. It raises events
-    /// when boxes begin or cease to overlap, for layers that collide in the collision matrix. Rigidbodies are not affected: PhysX has its
-    /// own broad phase. Objects that are spawned later need a <see cref="SweepstakeBody"/>, or must be registered or found with
-    /// <see cref="Scan()"/>.
+    /// Lets the manager on the same object search the boxes of colliders, for triggers without physics and for queries. It raises events when boxes
+    /// begin or cease to overlap, for layers that collide in the collision matrix. Rigidbodies are not affected: PhysX has its own broad phase.
+    /// Objects that are spawned later need a <see cref="SweepstakeBody"/>, or must be registered or found with <see cref="Scan()"/>.
     /// </summary>
     [AddComponentMenu("Sweepstake/Sweepstake Collider Tracker")]
     [RequireComponent(typeof(SweepstakeManager))]
@@ -52,7 +51,7 @@ namespace Sweepstake.Unity
         private readonly Listeners<ColliderPair> beganListeners = new Listeners<ColliderPair>();
         private readonly Listeners<ColliderPair> endedListeners = new Listeners<ColliderPair>();
         private ColliderSet? colliders;
-        private ColliderQueries? queries;
+        private ProxyHandle[] hits = new ProxyHandle[64];
         private bool isEdited;
 
         /// <summary>Raised when two boxes begin to overlap. Use Physics.ComputePenetration to test the shapes.</summary>
@@ -70,29 +69,13 @@ namespace Sweepstake.Unity
         public ProxySet? Proxies => colliders == null || colliders.Proxies.IsDisposed ? null : colliders.Proxies;
 
         /// <summary>The layers whose colliders are tracked automatically and form pairs. A change takes effect at once.</summary>
-        public LayerMask Layers
-        {
-            get => layers;
-            set
-            {
-                layers = value;
-                ApplySettings();
-            }
-        }
+        public LayerMask Layers { get => layers; set => Change(ref layers, value); }
 
         /// <summary>
         /// The layers whose colliders do not move. They form pairs with moving colliders only. After you have moved one, call
         /// <see cref="Refresh"/>. A change takes effect at once.
         /// </summary>
-        public LayerMask StaticLayers
-        {
-            get => staticLayers;
-            set
-            {
-                staticLayers = value;
-                ApplySettings();
-            }
-        }
+        public LayerMask StaticLayers { get => staticLayers; set => Change(ref staticLayers, value); }
 
         /// <summary>Tracks a collider, also one outside the tracker's scope and layers.</summary>
         /// <returns>False if it is already tracked or the tracker is disabled.</returns>
@@ -170,26 +153,68 @@ namespace Sweepstake.Unity
         /// <summary>Finds all tracked colliders whose boxes overlapped this box in the latest frame. Replaces the list's content.</summary>
         public void OverlapBox(Bounds box, LayerMask layers, List<Collider> result)
         {
+            Vector3 min = box.min;
+            Vector3 max = box.max;
+            ReadOnlySpan<Aabb> boxes = stackalloc[] { new Aabb(min.x, min.y, min.z, max.x, max.y, max.z) };
+            Span<ulong> ends = stackalloc ulong[1];
             result.Clear();
-            if (Proxies != null)
-                queries!.Box(box, layers, result);
+            while (PreparedQueries() is ProxyQueries queries && !queries.Boxes(boxes, LayerFilters.Query(layers), hits, ends))
+                hits = new ProxyHandle[2 * ends[0]];
+            AddOwners(ends[0], result);
         }
 
         /// <summary>Finds all tracked colliders whose boxes touch the sphere. Replaces the list's content.</summary>
         public void OverlapSphere(Vector3 center, float radius, LayerMask layers, List<Collider> result)
         {
+            ReadOnlySpan<SphereQuery> spheres = stackalloc[] { new SphereQuery { CenterX = center.x, CenterY = center.y, CenterZ = center.z, Radius = radius } };
+            Span<ulong> ends = stackalloc ulong[1];
             result.Clear();
-            if (Proxies != null)
-                queries!.Sphere(center, radius, layers, result);
+            while (PreparedQueries() is ProxyQueries queries && !queries.Spheres(spheres, LayerFilters.Query(layers), hits, ends))
+                hits = new ProxyHandle[2 * ends[0]];
+            AddOwners(ends[0], result);
         }
 
         /// <summary>Finds the nearest tracked collider whose box the ray hits.</summary>
         /// <param name="distance">Distance to the box; 0 if the ray starts inside.</param>
         public bool Raycast(Ray ray, float maxDistance, LayerMask layers, out Collider? hit, out float distance)
         {
-            hit = null;
-            distance = 0;
-            return Proxies != null && queries!.Ray(ray, maxDistance, layers, out hit, out distance);
+            (Vector3 origin, Vector3 direction) = (ray.origin, ray.direction);
+            ReadOnlySpan<RayQuery> rays = stackalloc[]
+            {
+                new RayQuery
+                {
+                    OriginX = origin.x, OriginY = origin.y, OriginZ = origin.z,
+                    DirectionX = direction.x, DirectionY = direction.y, DirectionZ = direction.z,
+                    MaxDistance = Math.Min(maxDistance, float.MaxValue),
+                },
+            };
+            Span<QueryHit> nearest = stackalloc QueryHit[1];
+            // A hit that was destroyed since the latest frame must not hide a collider behind it.
+            do
+            {
+                PreparedQueries()?.Rays(rays, LayerFilters.Query(layers), nearest);
+                hit = nearest[0].Proxy.IsNone ? null : colliders!.OwnerOf(nearest[0].Proxy);
+            }
+            while (!(hit is null) && hit == null && colliders!.Remove(hit!));
+            distance = nearest[0].Distance;
+            return !(hit is null);
+        }
+
+        private ProxyQueries? PreparedQueries()
+        {
+            ProxyQueries? queries = Proxies?.Queries;
+            queries?.Prepare();
+            return queries;
+        }
+
+        /// <summary>Adds the colliders of the first hits to a list, without destroyed ones.</summary>
+        private void AddOwners(ulong count, List<Collider> result)
+        {
+            for (int index = 0; index < (int)count; ++index)
+            {
+                if (ColliderOf(hits[index]) is Collider owner)
+                    result.Add(owner);
+            }
         }
 
         void IBroadPhaseSource.Search(BroadPhaseSession session)
@@ -252,7 +277,6 @@ namespace Sweepstake.Unity
                 return;
             filters.Read(layers, staticLayers, usesCollisionMatrix);
             colliders = new ColliderSet(filters);
-            queries = new ColliderQueries(colliders);
             Trackers.Add(this);
             Scan();
             BindBodies();
@@ -268,7 +292,6 @@ namespace Sweepstake.Unity
                 manager.Source = null;
             colliders?.Dispose();
             colliders = null;
-            queries = null;
             if (Trackers.Remove(this))
                 BindBodies();
         }
@@ -286,6 +309,12 @@ namespace Sweepstake.Unity
         {
             foreach (SweepstakeBody body in SweepstakeBody.Bodies)
                 body.Bind();
+        }
+
+        private void Change(ref LayerMask field, LayerMask value)
+        {
+            field = value;
+            ApplySettings();
         }
 
         private void ApplySettings()

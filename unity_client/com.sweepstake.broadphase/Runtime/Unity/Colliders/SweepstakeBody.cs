@@ -54,8 +54,7 @@ namespace Sweepstake.Unity
         internal static HashSet<SweepstakeBody> Bodies { get; } = new HashSet<SweepstakeBody>();
 
         /// <summary>
-        /// Replaces the content of the list with the pairs that have begun and not ended. Allocates nothing if the capacity of the list
-        /// suffices.
+        /// Replaces the content of the list with the pairs that have begun and not ended. Allocates nothing if the capacity of the list suffices.
         /// </summary>
         public void CopyPairs(List<ColliderPair> result)
         {
@@ -65,8 +64,7 @@ namespace Sweepstake.Unity
         }
 
         /// <summary>
-        /// Reads the body again: colliders that were added or removed, layers, shapes, and the boxes of static layers. Pairs that last do not
-        /// end.
+        /// Reads the body again: colliders that were added or removed, layers, shapes, and the boxes of static layers. Pairs that last do not end.
         /// </summary>
         public void Refresh()
         {

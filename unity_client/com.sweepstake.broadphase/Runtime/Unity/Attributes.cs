@@ -23,4 +23,9 @@ namespace Sweepstake.Unity
         /// <summary>Returns the URL of a page on disk. The editor resolves paths that begin with Packages.</summary>
         public static string UrlOf(string page) => new Uri(Path.GetFullPath(Folder + page)).AbsoluteUri;
     }
+
+    /// <summary>The inspector offers the names of the library's backends.</summary>
+    public sealed class BackendNameAttribute : PropertyAttribute
+    {
+    }
 }
