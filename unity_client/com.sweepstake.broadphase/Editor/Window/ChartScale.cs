@@ -8,10 +8,7 @@ namespace Sweepstake.Editor
     /// <summary>The scale of a chart: from 0 to a round number that is at least the maximum of the series.</summary>
     internal readonly struct ChartScale
     {
-        private ChartScale(float max)
-        {
-            Max = max;
-        }
+        private ChartScale(float max) => Max = max;
 
         /// <summary>The upper end of the scale; 0 if there are no values to show.</summary>
         internal float Max { get; }

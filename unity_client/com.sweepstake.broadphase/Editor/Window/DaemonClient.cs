@@ -38,10 +38,7 @@ namespace Sweepstake.Editor
         public PriorsService.PriorsServiceClient Priors { get; }
         public SessionsService.SessionsServiceClient Sessions { get; }
 
-        public void Dispose()
-        {
-            channel.Dispose();
-        }
+        public void Dispose() => channel.Dispose();
     }
 }
 #endif

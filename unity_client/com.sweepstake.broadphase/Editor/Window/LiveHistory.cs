@@ -14,59 +14,49 @@ namespace Sweepstake.Editor
         private float[] values = new float[Capacity];
         [SerializeField]
         private int next;
-        [SerializeField]
-        private int count;
 
-        internal int Count => count;
+        [field: SerializeField]
+        internal int Count { get; private set; }
 
-        internal float this[int index] => values[(next - count + index + Capacity) % Capacity];
+        internal float this[int index] => values[(next - Count + index + Capacity) % Capacity];
 
         internal void Add(float value)
         {
             values[next] = value;
             next = (next + 1) % Capacity;
-            count = Math.Min(count + 1, Capacity);
+            Count = Math.Min(Count + 1, Capacity);
         }
     }
 
-    /// <summary>
-    /// One minute of a game, with ten values a second. The values stay after play mode ends, until play mode begins again.
-    /// </summary>
+    /// <summary>One minute of a game, with ten values a second. The values stay after play mode ends, until play mode begins again.</summary>
     [Serializable]
     internal sealed class LiveHistory
     {
         internal const int RateHz = 10;
 
-        [SerializeField]
-        private Series fps = new Series();
-        [SerializeField]
-        private Series detectionMs = new Series();
-        [SerializeField]
-        private Series pairs = new Series();
-        [SerializeField]
-        private Series roundTripMs = new Series();
-        [SerializeField]
-        private Series backend = new Series();
-        [SerializeField]
-        private string[] backends = Array.Empty<string>();
-
-        internal Series Fps => fps;
-        internal Series DetectionMs => detectionMs;
-        internal Series Pairs => pairs;
-        internal Series RoundTripMs => roundTripMs;
+        [field: SerializeField]
+        internal Series Fps { get; private set; } = new Series();
+        [field: SerializeField]
+        internal Series DetectionMs { get; private set; } = new Series();
+        [field: SerializeField]
+        internal Series Pairs { get; private set; } = new Series();
+        [field: SerializeField]
+        internal Series RoundTripMs { get; private set; } = new Series();
         /// <summary>The active backend, as an index in <see cref="Backends"/>.</summary>
-        internal Series Backend => backend;
-        internal string[] Backends => backends;
+        [field: SerializeField]
+        internal Series Backend { get; private set; } = new Series();
+        [field: SerializeField]
+        internal string[] Backends { get; private set; } = Array.Empty<string>();
 
         /// <param name="named">The names of the backends.</param>
         internal void Add(float framesPerSecond, in FrameSample sample, float roundTrip, string[] named)
         {
-            backends = named;
-            fps.Add(framesPerSecond);
-            detectionMs.Add(sample.ObjectCount == 0 ? float.NaN : sample.DetectionTimeNs / 1e6f);
-            pairs.Add(sample.PairCount);
-            roundTripMs.Add(roundTrip);
-            backend.Add(sample.Arm);
+            Backends = named;
+            Fps.Add(framesPerSecond);
+            DetectionMs.Add(sample.ObjectCount == 0 ? float.NaN : sample.DetectionTimeNs / 1e6f);
+            Pairs.Add(sample.PairCount);
+            RoundTripMs.Add(roundTrip);
+            Backend.Add(sample.Arm);
         }
     }
 }

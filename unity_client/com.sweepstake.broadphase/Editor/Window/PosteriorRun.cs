@@ -23,7 +23,7 @@ namespace Sweepstake.Editor
         private readonly CancellationTokenSource end = new CancellationTokenSource();
         private readonly SortedDictionary<string, ScenePosterior> scenes = new SortedDictionary<string, ScenePosterior>(StringComparer.Ordinal);
         private readonly object gate = new object();
-        private volatile PosteriorSnapshot latest = PosteriorSnapshot.Empty;
+        private volatile PosteriorSnapshot latest = new PosteriorSnapshot("");
         private volatile bool isWatching;
         private volatile bool hasEnded;
 
@@ -37,10 +37,18 @@ namespace Sweepstake.Editor
 
         internal PosteriorSnapshot Latest => latest;
 
-        /// <summary>Whether the run has stopped reading.</summary>
         internal bool HasEnded => hasEnded;
 
-        public void Dispose() => end.Cancel();
+        /// <summary>Ends the run. The posteriors stay, without a round-trip time.</summary>
+        public void Dispose()
+        {
+            lock (gate)
+            {
+                latest = new PosteriorSnapshot(latest.Lines, float.NaN, latest.Problem);
+                hasEnded = true;
+            }
+            end.Cancel();
+        }
 
         private async Task Run()
         {
@@ -57,13 +65,11 @@ namespace Sweepstake.Editor
             }
             catch (Exception problem)
             {
-                if (!end.IsCancellationRequested)
-                    Publish(float.NaN, problem.Message);
+                Publish(float.NaN, problem.Message);
             }
             finally
             {
-                hasEnded = true;
-                end.Cancel();
+                Dispose();
             }
         }
 
@@ -79,7 +85,7 @@ namespace Sweepstake.Editor
                         scenes.Clear();
                     isWatching = true;
                     while (await call.ResponseStream.MoveNext(token).ConfigureAwait(false))
-                        Take(call.ResponseStream.Current.Posterior);
+                        Add(call.ResponseStream.Current.Posterior);
                 }
                 catch (RpcException problem) when (!token.IsCancellationRequested)
                 {
@@ -115,12 +121,12 @@ namespace Sweepstake.Editor
             }
         }
 
-        private void Take(ScenePosterior? posterior)
+        private void Add(ScenePosterior? posterior)
         {
-            if (posterior == null)
-                return;
             lock (gate)
             {
+                if (posterior == null || hasEnded)
+                    return;
                 scenes[$"{posterior.Scene}\n{posterior.MachineClass}\n{posterior.RewardVersion}"] = posterior;
                 latest = new PosteriorSnapshot(scenes.Values.SelectMany(LinesOf).ToArray(), latest.RoundTripMs, "");
             }
@@ -130,11 +136,17 @@ namespace Sweepstake.Editor
         private void Publish(float roundTripMs, string? problem)
         {
             lock (gate)
-                latest = new PosteriorSnapshot(latest.Lines, roundTripMs, problem ?? latest.Problem);
+            {
+                if (!hasEnded)
+                    latest = new PosteriorSnapshot(latest.Lines, roundTripMs, problem ?? latest.Problem);
+            }
         }
 
-        private static IEnumerable<PosteriorLine> LinesOf(ScenePosterior scene) => scene.Arms.Select(arm => new PosteriorLine(
-            scene.Scene, scene.MachineClass, arm.Arm, arm.Posterior.Alpha, arm.Posterior.Beta, arm.WindowCount));
+        private static IEnumerable<PosteriorLine> LinesOf(ScenePosterior scene) => scene.Arms.Select(arm => new PosteriorLine
+        {
+            Scene = scene.Scene, MachineClass = scene.MachineClass, Backend = arm.Arm,
+            Alpha = arm.Posterior.Alpha, Beta = arm.Posterior.Beta, Windows = arm.WindowCount,
+        });
 
         private static Task Wait(int ms, CancellationToken token) => Task.Delay(ms, token).ContinueWith(_ => { }, TaskScheduler.Default);
     }

@@ -4,26 +4,16 @@ using System.Collections.Generic;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>A daemon's posterior of one backend in one scene.</summary>
+    /// <summary>A daemon's posterior Beta(Alpha, Beta) of one backend in one scene.</summary>
     internal sealed class PosteriorLine
     {
-        internal PosteriorLine(string scene, string machineClass, string backend, double alpha, double beta, ulong windows)
-        {
-            Scene = scene;
-            MachineClass = machineClass;
-            Backend = backend;
-            Alpha = alpha;
-            Beta = beta;
-            Windows = windows;
-        }
-
-        internal string Scene { get; }
-        internal string MachineClass { get; }
-        internal string Backend { get; }
-        internal double Alpha { get; }
-        internal double Beta { get; }
+        internal string Scene { get; set; } = "";
+        internal string MachineClass { get; set; } = "";
+        internal string Backend { get; set; } = "";
+        internal double Alpha { get; set; }
+        internal double Beta { get; set; }
         /// <summary>Number of decision windows that the posterior was learnt from.</summary>
-        internal ulong Windows { get; }
+        internal ulong Windows { get; set; }
         /// <summary>The expected reward, 0 to 1.</summary>
         internal double Mean => Alpha / (Alpha + Beta);
         /// <summary>The standard deviation of the posterior.</summary>
@@ -33,13 +23,17 @@ namespace Sweepstake.Editor
     /// <summary>A daemon's posteriors at one moment; immutable.</summary>
     internal sealed class PosteriorSnapshot
     {
-        internal static readonly PosteriorSnapshot Empty = new PosteriorSnapshot(Array.Empty<PosteriorLine>(), float.NaN, "");
-
         internal PosteriorSnapshot(IReadOnlyList<PosteriorLine> lines, float roundTripMs, string problem)
         {
             Lines = lines;
             RoundTripMs = roundTripMs;
             Problem = problem;
+        }
+
+        /// <summary>A snapshot without posteriors.</summary>
+        internal PosteriorSnapshot(string problem)
+            : this(Array.Empty<PosteriorLine>(), float.NaN, problem)
+        {
         }
 
         internal IReadOnlyList<PosteriorLine> Lines { get; }

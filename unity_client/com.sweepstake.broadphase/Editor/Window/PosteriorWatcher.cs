@@ -13,50 +13,39 @@ namespace Sweepstake.Editor
     /// </summary>
     internal sealed class PosteriorWatcher : IDisposable
     {
-        private PosteriorSnapshot kept = PosteriorSnapshot.Empty;
+        private PosteriorSnapshot withoutRun = new PosteriorSnapshot("");
 
 #if SWEEPSTAKE_GRPC
         private PosteriorRun? run;
 
         /// <summary>The latest posteriors. They stay after the watcher was stopped, but then have no round-trip time.</summary>
-        internal PosteriorSnapshot Latest => run?.Latest ?? kept;
+        internal PosteriorSnapshot Latest => run?.Latest ?? withoutRun;
 
         /// <summary>Whether the watcher is reading. Reading ends by itself only after an error that a retry cannot fix.</summary>
-        internal bool IsRunning => run != null && !run.HasEnded;
+        internal bool IsRunning => run?.HasEnded == false;
 
         internal void Start(DaemonSettings settings, string project)
         {
             Dispose();
-            kept = PosteriorSnapshot.Empty;
+            run = null;
             try
             {
                 run = new PosteriorRun(new DaemonClient(DaemonTransport.EndpointOf(settings)), project);
             }
             catch (Exception problem) when (problem is SweepstakeException || problem is InvalidOperationException || problem is System.IO.IOException)
             {
-                kept = new PosteriorSnapshot(Array.Empty<PosteriorLine>(), float.NaN, problem.Message);
+                withoutRun = new PosteriorSnapshot(problem.Message);
             }
         }
 
-        public void Dispose()
-        {
-            if (run == null)
-                return;
-            PosteriorSnapshot last = run.Latest;
-            kept = new PosteriorSnapshot(last.Lines, float.NaN, last.Problem);
-            run.Dispose();
-            run = null;
-        }
+        public void Dispose() => run?.Dispose();
 #else
-        internal PosteriorSnapshot Latest => kept;
+        internal PosteriorSnapshot Latest => withoutRun;
 
         internal bool IsRunning => false;
 
-        internal void Start(DaemonSettings settings, string project)
-        {
-            kept = new PosteriorSnapshot(
-                Array.Empty<PosteriorLine>(), float.NaN, $"gRPC is missing, so the posteriors of {project} cannot be read from {settings.address}. Window > Sweepstake > Setup shows what is missing.");
-        }
+        internal void Start(DaemonSettings settings, string project) => withoutRun = new PosteriorSnapshot(
+            $"gRPC is missing, so the posteriors of {project} cannot be read from {settings.address}. Window > Sweepstake > Setup shows what is missing.");
 
         public void Dispose()
         {

@@ -63,9 +63,7 @@ namespace Sweepstake.GrpcNet
         }
 
         /// <summary>A call invoker that adds the token to the headers.</summary>
-        /// <exception cref="SweepstakeException">
-        /// The token cannot be read, is invalid, or would be sent in plain text to another machine.
-        /// </exception>
+        /// <exception cref="SweepstakeException">The token cannot be read, is invalid, or would be sent in plain text to another machine.</exception>
         internal CallInvoker WithToken(GrpcChannel channel)
         {
             string? token = ReadToken();

@@ -23,10 +23,7 @@ namespace Sweepstake.GrpcNet
 
         private readonly DaemonEndpoint endpoint;
 
-        public GrpcTelemetryTransport(DaemonEndpoint endpoint)
-        {
-            this.endpoint = endpoint ?? throw new ArgumentNullException(nameof(endpoint));
-        }
+        public GrpcTelemetryTransport(DaemonEndpoint endpoint) => this.endpoint = endpoint ?? throw new ArgumentNullException(nameof(endpoint));
 
         /// <inheritdoc/>
         public ITelemetryStream Open()

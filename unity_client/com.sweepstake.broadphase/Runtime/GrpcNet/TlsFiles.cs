@@ -12,9 +12,7 @@ namespace Sweepstake.GrpcNet
     /// <summary>TLS files in PEM format. The system selects the TLS version.</summary>
     public sealed class TlsFiles
     {
-        /// <summary>
-        /// Certificate authorities for the daemon's certificate, for example a private one; null for the system's authorities.
-        /// </summary>
+        /// <summary>Certificate authorities for the daemon's certificate, for example a private one; null for the system's authorities.</summary>
         public string? CaFile { get; set; }
         /// <summary>The game's certificate with its chain, if the daemon requires one; null for none.</summary>
         public string? CertFile { get; set; }
