@@ -33,11 +33,11 @@ namespace Sweepstake.Tests
             using var stranger = new TestAuthority(folder, "theirs", withRsa);
             authority.Issue("daemon");
             using var daemon = new DaemonProcess("--tls-cert", PathOf("daemon.pem"), "--tls-key", PathOf("daemon.key"));
-            using (Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = new TlsFiles { CaFile = authority.File }))
+            using (Game game = Game.At(daemon.Address, PrivateTls.With(authority.File)))
                 game.PlayUntilOnline();
-            using (Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = new TlsFiles { CaFile = stranger.File }))
+            using (Game game = Game.At(daemon.Address, PrivateTls.With(stranger.File)))
                 AssertNeverOnline(game);
-            using (Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = new TlsFiles()))
+            using (Game game = Game.At(daemon.Address, endpoint => endpoint.UsesTls = true))
                 AssertNeverOnline(game);
         }
 
@@ -47,7 +47,7 @@ namespace Sweepstake.Tests
             using var authority = new TestAuthority(folder, "ours", false);
             authority.Issue("daemon", "elsewhere.example", IPAddress.Parse("127.0.0.9"));
             using var daemon = new DaemonProcess("--tls-cert", PathOf("daemon.pem"), "--tls-key", PathOf("daemon.key"));
-            using Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = new TlsFiles { CaFile = authority.File });
+            using Game game = Game.At(daemon.Address, PrivateTls.With(authority.File));
             AssertNeverOnline(game);
         }
 
@@ -59,10 +59,9 @@ namespace Sweepstake.Tests
             authority.Issue("game");
             using var daemon = new DaemonProcess(
                 "--tls-cert", PathOf("daemon.pem"), "--tls-key", PathOf("daemon.key"), "--tls-client-ca", authority.File);
-            var files = new TlsFiles { CaFile = authority.File, CertFile = PathOf("game.pem"), KeyFile = PathOf("game.key") };
-            using (Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = files))
+            using (Game game = Game.At(daemon.Address, PrivateTls.With(authority.File, PathOf("game.pem"), PathOf("game.key"))))
                 game.PlayUntilOnline();
-            using (Game game = Game.At(daemon.Address, endpoint => endpoint.Tls = new TlsFiles { CaFile = authority.File }))
+            using (Game game = Game.At(daemon.Address, PrivateTls.With(authority.File)))
                 AssertNeverOnline(game);
         }
 
@@ -95,11 +94,6 @@ namespace Sweepstake.Tests
             AssertWrong(new DaemonEndpoint { Token = "two words" }, "is not a token");
             AssertWrong(new DaemonEndpoint { TokenFile = PathOf("missing") }, "sweepstaked token create");
             AssertWrong(new DaemonEndpoint { Address = "10.0.0.1:7433", Token = "t" }, "plain text");
-            AssertWrong(new DaemonEndpoint { Tls = new TlsFiles { CaFile = PathOf("missing") } }, "name a PEM file");
-            AssertWrong(new DaemonEndpoint { Tls = new TlsFiles { CertFile = "c" } }, "belong together");
-            string empty = PathOf("empty.pem");
-            File.WriteAllText(empty, "nothing");
-            AssertWrong(new DaemonEndpoint { Tls = new TlsFiles { CaFile = empty } }, "not contain a certificate");
         }
 
         [TestCase("127.0.0.1:1", true)]

@@ -122,15 +122,12 @@ namespace Sweepstake.Tests
         public void FilesOfAConfigAreBelowStreamingAssetsUnlessTheyAreAbsolute()
         {
             Application.streamingAssetsPath = "/game/StreamingAssets";
-            var endpoint = DaemonTransport.EndpointOf(new DaemonSettings
-            {
-                address = "host:1", usesTls = true, caFile = "ca.pem", certFile = "/etc/cert.pem", keyFile = "keys/key.pem", tokenFile = "token",
-            });
-            Assert.That((endpoint.Address, endpoint.TokenFile), Is.EqualTo(("host:1", "/game/StreamingAssets/token")));
-            Assert.That(endpoint.Tls.CaFile, Is.EqualTo("/game/StreamingAssets/ca.pem"));
-            Assert.That((endpoint.Tls.CertFile, endpoint.Tls.KeyFile), Is.EqualTo(("/etc/cert.pem", "/game/StreamingAssets/keys/key.pem")));
+            var endpoint = DaemonTransport.EndpointOf(new DaemonSettings { address = "host:1", usesTls = true, tokenFile = "keys/token" });
+            Assert.That((endpoint.Address, endpoint.UsesTls), Is.EqualTo(("host:1", true)));
+            Assert.That(endpoint.TokenFile, Is.EqualTo("/game/StreamingAssets/keys/token"));
+            Assert.That(DaemonTransport.EndpointOf(new DaemonSettings { tokenFile = "/etc/token" }).TokenFile, Is.EqualTo("/etc/token"));
             endpoint = DaemonTransport.EndpointOf(new DaemonSettings());
-            Assert.That((endpoint.Tls, endpoint.TokenFile), Is.EqualTo(((object)null, (string)null)));
+            Assert.That((endpoint.UsesTls, endpoint.TokenFile), Is.EqualTo((false, (string)null)));
             Assert.That(endpoint.IsLoopback, Is.True);
         }
 

@@ -10,8 +10,8 @@ using Grpc.Net.Client;
 namespace Sweepstake.GrpcNet
 {
     /// <summary>
-    /// Address and credentials of a daemon. The default is the default address of a daemon on this machine. Files are read again for each
-    /// connection, so they may be replaced while the game runs.
+    /// Address and credentials of a daemon. The default is the default address of a daemon on this machine. The token's file is read again for
+    /// each connection, so it may be replaced while the game runs.
     /// </summary>
     public sealed class DaemonEndpoint
     {
@@ -22,8 +22,8 @@ namespace Sweepstake.GrpcNet
         /// <summary>HOST:PORT; an IPv6 address in brackets.</summary>
         public string Address { get; set; } = DefaultAddress;
 
-        /// <summary>TLS settings. Null for plain text; then no token is sent to another machine.</summary>
-        public TlsFiles? Tls { get; set; }
+        /// <summary>Whether to use TLS, which <see cref="Handler"/> configures. False for plain text; then no token is sent to another machine.</summary>
+        public bool UsesTls { get; set; }
 
         /// <summary>The token for a daemon that requires one; never displayed. Null for none.</summary>
         public string? Token { get; set; }
@@ -34,9 +34,9 @@ namespace Sweepstake.GrpcNet
         public string? TokenFile { get; set; }
 
         /// <summary>
-        /// Creates the HTTP/2 handler. It is called once for each connection, and the connection disposes of the handler. A custom handler
-        /// also configures TLS itself; <see cref="Tls"/> then only selects the scheme. If null, .NET's HttpClientHandler with the TLS files
-        /// is used. Unity before 6000.5 does not have HTTP/2 and needs a custom handler.
+        /// Creates the HTTP/2 handler. It is called once for each connection, and the connection disposes of the handler. The handler has the
+        /// certificate authorities and the game's certificate. If null, .NET's HttpClientHandler with the system's authorities is used. Unity
+        /// before 6000.5 does not have HTTP/2 and needs a custom handler.
         /// </summary>
         public Func<HttpMessageHandler>? Handler { get; set; }
 
@@ -54,10 +54,10 @@ namespace Sweepstake.GrpcNet
         {
             var options = new GrpcChannelOptions
             {
-                HttpHandler = Handler?.Invoke() ?? MakeHandler(),
+                HttpHandler = Handler?.Invoke() ?? new HttpClientHandler { UseProxy = false, AllowAutoRedirect = false, UseCookies = false },
                 DisposeHttpClient = true,
                 MaxReceiveMessageSize = MaxMessageBytes,
-                Credentials = Tls == null ? ChannelCredentials.Insecure : ChannelCredentials.SecureSsl,
+                Credentials = UsesTls ? ChannelCredentials.SecureSsl : ChannelCredentials.Insecure,
             };
             return GrpcChannel.ForAddress(AsUri(), options);
         }
@@ -69,7 +69,7 @@ namespace Sweepstake.GrpcNet
             string? token = ReadToken();
             if (token == null)
                 return channel.CreateCallInvoker();
-            if (Tls == null && !IsLoopback)
+            if (!UsesTls && !IsLoopback)
                 throw Wrong($"The token would be sent to {Address} in plain text; connect with TLS.");
             return channel.CreateCallInvoker().Intercept(headers =>
             {
@@ -80,20 +80,13 @@ namespace Sweepstake.GrpcNet
 
         private Uri AsUri()
         {
-            string scheme = Tls == null ? "http" : "https";
+            string scheme = UsesTls ? "https" : "http";
             if (!Uri.TryCreate($"{scheme}://{Address}", UriKind.Absolute, out Uri? uri) || uri.PathAndQuery != "/" || uri.Port <= 0 || uri.UserInfo != "" ||
                 Address.LastIndexOf(':') <= Address.LastIndexOf(']'))
             {
                 throw Wrong($"'{Address}' is not the address of a daemon; write HOST:PORT, for example {DefaultAddress}.");
             }
             return uri;
-        }
-
-        private HttpMessageHandler MakeHandler()
-        {
-            var handler = new HttpClientHandler { UseProxy = false, AllowAutoRedirect = false, UseCookies = false };
-            Tls?.Configure(handler);
-            return handler;
         }
 
         private string? ReadToken()
@@ -124,7 +117,7 @@ namespace Sweepstake.GrpcNet
             }
         }
 
-        internal static SweepstakeException Wrong(string problem, Exception? inner = null) =>
+        private static SweepstakeException Wrong(string problem, Exception? inner = null) =>
             new SweepstakeException(ResultCode.InvalidArgument, problem, inner);
     }
 }

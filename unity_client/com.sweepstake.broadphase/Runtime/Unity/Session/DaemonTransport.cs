@@ -32,17 +32,10 @@ namespace Sweepstake.Unity
 #if HAS_GRPC
         /// <summary>The endpoint of a config's daemon, with the HTTP handler that this Unity version needs.</summary>
         /// <exception cref="SweepstakeException">A setting does not work on this platform; the message says what to do.</exception>
-        public static DaemonEndpoint EndpointOf(DaemonSettings settings)
+        public static DaemonEndpoint EndpointOf(DaemonSettings settings) => new DaemonEndpoint
         {
-            TlsFiles? tls = !settings.usesTls ? null : new TlsFiles
-            {
-                CaFile = FileOf(settings.caFile), CertFile = FileOf(settings.certFile), KeyFile = FileOf(settings.keyFile),
-            };
-            return new DaemonEndpoint
-            {
-                Address = settings.address, Tls = tls, TokenFile = FileOf(settings.tokenFile), Handler = HandlerFor(tls),
-            };
-        }
+            Address = settings.address, UsesTls = settings.usesTls, TokenFile = FileOf(settings.tokenFile), Handler = HandlerFor(settings),
+        };
 
         private static string? FileOf(string path)
         {
@@ -59,20 +52,25 @@ namespace Sweepstake.Unity
         }
 
 #if SWEEPSTAKE_YET_ANOTHER_HTTP_HANDLER
-        private static Func<HttpMessageHandler>? HandlerFor(TlsFiles? tls) => () => new Cysharp.Net.Http.YetAnotherHttpHandler
+        private static Func<HttpMessageHandler>? HandlerFor(DaemonSettings settings)
         {
-            Http2Only = true,
-            RootCertificates = TextOf(tls?.CaFile),
-            ClientAuthCertificates = TextOf(tls?.CertFile),
-            ClientAuthKey = TextOf(tls?.KeyFile),
-            Http2KeepAliveInterval = TimeSpan.FromSeconds(20),
-        };
+            string[] paths = { settings.caFile, settings.certFile, settings.keyFile };
+            string?[] files = Array.ConvertAll(paths, path => settings.usesTls ? FileOf(path) : null);
+            return () => new Cysharp.Net.Http.YetAnotherHttpHandler
+            {
+                Http2Only = true,
+                RootCertificates = TextOf(files[0]),
+                ClientAuthCertificates = TextOf(files[1]),
+                ClientAuthKey = TextOf(files[2]),
+                Http2KeepAliveInterval = TimeSpan.FromSeconds(20),
+            };
+        }
 
         private static string? TextOf(string? path) => path == null ? null : File.ReadAllText(path);
 #elif UNITY_6000_5_OR_NEWER
-        private static Func<HttpMessageHandler>? HandlerFor(TlsFiles? tls)
+        private static Func<HttpMessageHandler>? HandlerFor(DaemonSettings settings)
         {
-            if (tls?.CaFile != null || tls?.CertFile != null)
+            if (settings.usesTls && (settings.caFile.Length > 0 || settings.certFile.Length > 0))
             {
                 throw new SweepstakeException(
                     ResultCode.FailedPrecondition,
@@ -81,11 +79,11 @@ namespace Sweepstake.Unity
             return () => new UnityEngine.Networking.UnityHttpMessageHandler { HttpForcedVersion = UnityEngine.Networking.HttpForcedVersion.HTTP2 };
         }
 #elif UNITY_5_3_OR_NEWER
-        private static Func<HttpMessageHandler>? HandlerFor(TlsFiles? tls) => throw new SweepstakeException(
+        private static Func<HttpMessageHandler>? HandlerFor(DaemonSettings settings) => throw new SweepstakeException(
             ResultCode.FailedPrecondition,
             "This Unity version does not have HTTP/2, so the game cannot connect to a daemon. Install YetAnotherHttpHandler; Window > Sweepstake > Setup shows how.");
 #else
-        private static Func<HttpMessageHandler>? HandlerFor(TlsFiles? tls) => null;
+        private static Func<HttpMessageHandler>? HandlerFor(DaemonSettings settings) => null;
 #endif
 #endif
     }
