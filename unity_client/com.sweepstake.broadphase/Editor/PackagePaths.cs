@@ -6,7 +6,6 @@ using UnityEngine.UIElements;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>The paths of the package's own files.</summary>
     internal static class PackagePaths
     {
         internal const string Package = "Packages/com.sweepstake.broadphase/";

@@ -8,7 +8,7 @@ namespace Sweepstake.Editor
     internal sealed class StatusChip : Label
     {
         private const string Class = "sweepstake-chip";
-        private string tone = "";
+        private string tone = Class + "--none";
 
         internal StatusChip()
         {
@@ -19,22 +19,15 @@ namespace Sweepstake.Editor
         internal void Show(SweepstakeState state)
         {
             text = StatusText.Chip(state);
-            if (tone.Length > 0)
-                RemoveFromClassList(tone);
-            tone = ToneOf(state);
-            if (tone.Length > 0)
-                AddToClassList(tone);
+            RemoveFromClassList(tone);
+            tone = state switch
+            {
+                SweepstakeState.Online or SweepstakeState.Embedded => Class + "--good",
+                SweepstakeState.Connecting or SweepstakeState.Offline => Class + "--warning",
+                SweepstakeState.Refused or SweepstakeState.Failed => Class + "--bad",
+                _ => Class + "--none",
+            };
+            AddToClassList(tone);
         }
-
-        private static string ToneOf(SweepstakeState state) => state switch
-        {
-            SweepstakeState.Online => Class + "--good",
-            SweepstakeState.Embedded => Class + "--good",
-            SweepstakeState.Connecting => Class + "--warning",
-            SweepstakeState.Offline => Class + "--warning",
-            SweepstakeState.Refused => Class + "--bad",
-            SweepstakeState.Failed => Class + "--bad",
-            _ => "",
-        };
     }
 }

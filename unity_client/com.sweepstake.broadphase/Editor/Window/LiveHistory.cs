@@ -48,10 +48,9 @@ namespace Sweepstake.Editor
         [field: SerializeField]
         internal string[] Backends { get; private set; } = Array.Empty<string>();
 
-        /// <param name="named">The names of the backends.</param>
-        internal void Add(float framesPerSecond, in FrameSample sample, float roundTrip, string[] named)
+        internal void Add(float framesPerSecond, in FrameSample sample, float roundTrip, string[] backends)
         {
-            Backends = named;
+            Backends = backends;
             Fps.Add(framesPerSecond);
             DetectionMs.Add(sample.ObjectCount == 0 ? float.NaN : sample.DetectionTimeNs / 1e6f);
             Pairs.Add(sample.PairCount);

@@ -24,7 +24,6 @@ namespace Sweepstake.Editor
         private readonly SortedDictionary<string, ScenePosterior> scenes = new SortedDictionary<string, ScenePosterior>(StringComparer.Ordinal);
         private readonly object gate = new object();
         private volatile PosteriorSnapshot latest = new PosteriorSnapshot("");
-        private volatile bool isWatching;
         private volatile bool hasEnded;
 
         /// <param name="client">The client; the run owns it and disposes of it.</param>
@@ -32,11 +31,10 @@ namespace Sweepstake.Editor
         {
             this.client = client;
             this.project = project;
-            _ = Run();
+            _ = Task.Run(Run);
         }
 
         internal PosteriorSnapshot Latest => latest;
-
         internal bool HasEnded => hasEnded;
 
         /// <summary>Ends the run. The posteriors stay, without a round-trip time.</summary>
@@ -50,18 +48,16 @@ namespace Sweepstake.Editor
             end.Cancel();
         }
 
+        /// <summary>Watches the posteriors. If the daemon ends the stream or cannot be reached, tries again later.</summary>
         private async Task Run()
-        {
-            using (client)
-                await Task.WhenAll(Task.Run(() => Guarded(Watch)), Task.Run(() => Guarded(MeasureRoundTrips))).ConfigureAwait(false);
-        }
-
-        /// <summary>Publishes an unexpected exception and ends both calls.</summary>
-        private async Task Guarded(Func<CancellationToken, Task> work)
         {
             try
             {
-                await work(end.Token).ConfigureAwait(false);
+                while (!hasEnded)
+                {
+                    await Watch().ConfigureAwait(false);
+                    await Wait(RetryMs, end.Token).ConfigureAwait(false);
+                }
             }
             catch (Exception problem)
             {
@@ -70,50 +66,50 @@ namespace Sweepstake.Editor
             finally
             {
                 Dispose();
+                client.Dispose();
             }
         }
 
-        private async Task Watch(CancellationToken token)
+        private async Task Watch()
         {
-            while (!token.IsCancellationRequested)
+            using var watching = CancellationTokenSource.CreateLinkedTokenSource(end.Token);
+            Task roundTrips = Task.CompletedTask;
+            try
             {
-                try
-                {
-                    using AsyncServerStreamingCall<WatchPosteriorsResponse> call =
-                        client.Posteriors.WatchPosteriors(new WatchPosteriorsRequest { Project = project }, cancellationToken: token);
-                    lock (gate)
-                        scenes.Clear();
-                    isWatching = true;
-                    while (await call.ResponseStream.MoveNext(token).ConfigureAwait(false))
-                        Add(call.ResponseStream.Current.Posterior);
-                }
-                catch (RpcException problem) when (!token.IsCancellationRequested)
-                {
-                    isWatching = false;
-                    Publish(float.NaN, problem.Status.Detail.Length > 0 ? problem.Status.Detail : problem.StatusCode.ToString());
-                }
-                isWatching = false;
-                await Wait(RetryMs, token).ConfigureAwait(false);
+                using AsyncServerStreamingCall<WatchPosteriorsResponse> call =
+                    client.Posteriors.WatchPosteriors(new WatchPosteriorsRequest { Project = project }, cancellationToken: end.Token);
+                lock (gate)
+                    scenes.Clear();
+                roundTrips = MeasureRoundTrips(watching.Token);
+                while (await call.ResponseStream.MoveNext(end.Token).ConfigureAwait(false))
+                    Add(call.ResponseStream.Current.Posterior);
+            }
+            catch (RpcException problem) when (!hasEnded)
+            {
+                watching.Cancel();
+                Publish(float.NaN, problem.Status.Detail.Length > 0 ? problem.Status.Detail : problem.StatusCode.ToString());
+            }
+            finally
+            {
+                watching.Cancel();
+                await roundTrips.ConfigureAwait(false);
             }
         }
 
-        /// <summary>
-        /// Measures round trips with a small request. It publishes no errors, because Watch publishes them. It clears the latest error if
-        /// Watch was connected both before and after a round trip.
-        /// </summary>
+        /// <summary>Measures round trips with a small request, and clears the latest error after each. Watch publishes errors.</summary>
         private async Task MeasureRoundTrips(CancellationToken token)
         {
+            var request = new ListPosteriorsRequest { Project = project, PageSize = 1 };
             while (!token.IsCancellationRequested)
             {
                 try
                 {
-                    bool wasWatching = isWatching;
                     var watch = Stopwatch.StartNew();
-                    await client.Posteriors.ListPosteriorsAsync(
-                        new ListPosteriorsRequest { Project = project, PageSize = 1 }, cancellationToken: token).ResponseAsync.ConfigureAwait(false);
-                    Publish((float)watch.Elapsed.TotalMilliseconds, wasWatching && isWatching ? "" : null);
+                    await client.Posteriors.ListPosteriorsAsync(request, cancellationToken: token).ResponseAsync.ConfigureAwait(false);
+                    if (!token.IsCancellationRequested)
+                        Publish((float)watch.Elapsed.TotalMilliseconds, "");
                 }
-                catch (RpcException) when (!token.IsCancellationRequested)
+                catch (RpcException)
                 {
                     Publish(float.NaN, null);
                 }

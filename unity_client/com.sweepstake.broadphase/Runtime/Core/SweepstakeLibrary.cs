@@ -45,25 +45,13 @@ namespace Sweepstake
 
         /// <summary>The names of the backends in the order of the library, including BruteForce, the reference for tests.</summary>
         /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
-        public static IReadOnlyList<string> Backends
-        {
-            get
-            {
-                EnsureLoaded();
-                return backends ??= Native.Texts(NativeMethods.swp_backend_count(), index => Native.Text(NativeMethods.swp_backend_name(index)));
-            }
-        }
+        public static IReadOnlyList<string> Backends =>
+            backends ??= Names(NativeMethods.swp_backend_count, index => Native.Text(NativeMethods.swp_backend_name(index)));
 
         /// <summary>The names of the scenes: first the five scenarios, then the reference suite, then changing and degenerate scenes.</summary>
         /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
-        public static IReadOnlyList<string> Scenes
-        {
-            get
-            {
-                EnsureLoaded();
-                return scenes ??= Native.Texts(NativeMethods.swp_scene_count(), index => Native.Text(NativeMethods.swp_scene_name(index)));
-            }
-        }
+        public static IReadOnlyList<string> Scenes =>
+            scenes ??= Names(NativeMethods.swp_scene_count, index => Native.Text(NativeMethods.swp_scene_name(index)));
 
         /// <summary>Loads the library and compares its ABI and each struct, field by field, with this assembly. Later calls cost nothing.</summary>
         /// <exception cref="NativeLibraryException">The library is missing, has another ABI, or does not exist for this platform.</exception>
@@ -132,6 +120,25 @@ namespace Sweepstake
             foreach (SessionWork work in stopped)
                 work.Release();
             return true;
+        }
+
+        internal delegate ResultCode Initializer<T>(T* options)
+            where T : unmanaged;
+
+        /// <summary>Returns options with the library's defaults. Allocates nothing with a lambda that captures nothing.</summary>
+        /// <param name="options">Options with the size of their struct.</param>
+        internal static T Defaults<T>(T options, Initializer<T> initialize)
+            where T : unmanaged
+        {
+            EnsureLoaded();
+            Native.Check(initialize(&options));
+            return options;
+        }
+
+        private static IReadOnlyList<string> Names(Func<uint> count, Func<uint, string> nameOf)
+        {
+            EnsureLoaded();
+            return Native.Texts(count(), nameOf);
         }
 
         private static NativeLibraryException? CompareAbi()

@@ -1,6 +1,7 @@
 #nullable enable
 using System;
 using System.IO;
+using System.Linq;
 using System.Net;
 using System.Net.Http;
 using Grpc.Core;
@@ -21,18 +22,14 @@ namespace Sweepstake.GrpcNet
 
         /// <summary>HOST:PORT; an IPv6 address in brackets.</summary>
         public string Address { get; set; } = DefaultAddress;
-
         /// <summary>Whether to use TLS, which <see cref="Handler"/> configures. False for plain text; then no token is sent to another machine.</summary>
         public bool UsesTls { get; set; }
-
         /// <summary>The token for a daemon that requires one; never displayed. Null for none.</summary>
         public string? Token { get; set; }
-
         /// <summary>
         /// A file that contains only the token, as written by `sweepstaked token create --out`. Do not set <see cref="Token"/> too.
         /// </summary>
         public string? TokenFile { get; set; }
-
         /// <summary>
         /// Creates the HTTP/2 handler. It is called once for each connection, and the connection disposes of the handler. The handler has the
         /// certificate authorities and the game's certificate. If null, .NET's HttpClientHandler with the system's authorities is used. Unity
@@ -62,8 +59,6 @@ namespace Sweepstake.GrpcNet
             return GrpcChannel.ForAddress(AsUri(), options);
         }
 
-        /// <summary>A call invoker that adds the token to the headers.</summary>
-        /// <exception cref="SweepstakeException">The token cannot be read, is invalid, or would be sent in plain text to another machine.</exception>
         internal CallInvoker WithToken(GrpcChannel channel)
         {
             string? token = ReadToken();
@@ -96,12 +91,8 @@ namespace Sweepstake.GrpcNet
             string? token = string.IsNullOrEmpty(TokenFile) ? Token : ReadTokenFile(TokenFile!);
             if (string.IsNullOrEmpty(token))
                 return null;
-            foreach (char c in token!)
-            {
-                if (c <= ' ' || c > '~' || token.Length > MaxTokenBytes)
-                    throw Wrong($"{(string.IsNullOrEmpty(TokenFile) ? "The token given" : TokenFile)} is not a token: it is too long or has invalid characters.");
-            }
-            return token;
+            return token!.Length <= MaxTokenBytes && token.All(c => c > ' ' && c <= '~') ? token : throw Wrong(
+                $"{(string.IsNullOrEmpty(TokenFile) ? "The token given" : TokenFile)} is not a token: it is too long or has invalid characters.");
         }
 
         private static string ReadTokenFile(string path)

@@ -14,8 +14,7 @@ namespace Sweepstake.Unity
     [DocumentationPage("components.md")]
     public sealed class SweepstakeConfig : ScriptableObject
     {
-        /// <summary>More than 30 years.</summary>
-        private const int MaxSeconds = 1_000_000_000;
+        private const int MaxSeconds = 1_000_000_000; // more than 30 years
 
         [Tooltip("Name of the game, under which evidence is stored.")]
         public string project = "default";

@@ -48,7 +48,6 @@ namespace Sweepstake.Unity
         [Tooltip("The first backend, and the backend in Manual. Empty: KDTree, or the first of the config's.")]
         private string backend = "";
 
-        private readonly FrameFlagger flagger = new FrameFlagger();
         private readonly Listeners<SweepstakeState> stateChanged = new Listeners<SweepstakeState>();
         private readonly Listeners<string> backendChanged = new Listeners<string>();
         private readonly Listeners<Verdict> verdictChanged = new Listeners<Verdict>();
@@ -63,6 +62,11 @@ namespace Sweepstake.Unity
         private ulong endedNs;
         private bool isFailing;
         private bool mustBegin;
+        private bool isPaused;
+        private bool isInBackground;
+        private bool wasAway;
+        // The next frame is flagged as loading.
+        private bool isSkipping = true;
 
         /// <summary>Raised when the state has changed.</summary>
         public event Action<SweepstakeState>? StateChanged { add => stateChanged.Add(value); remove => stateChanged.Remove(value); }
@@ -88,7 +92,7 @@ namespace Sweepstake.Unity
             set
             {
                 source = value;
-                flagger.Skip();
+                isSkipping = true;
             }
         }
 
@@ -98,14 +102,11 @@ namespace Sweepstake.Unity
         public DaemonConnection? Connection => host?.Connection;
         /// <summary>Whether the running session has searched. Before its first search, the source may have pairs of an earlier session.</summary>
         internal bool HasSearched => host != null && endedNs != 0;
-
         public SweepstakeState State { get; private set; }
         /// <summary>What is wrong and what to do; "" if nothing is wrong.</summary>
         public string Problem { get; private set; } = "";
-
         /// <summary>The names of the backends that may be selected; empty while the manager is not running.</summary>
         public IReadOnlyList<string> Backends => host == null ? Array.Empty<string>() : host.Session.Arms;
-
         /// <summary>Name of the active backend; "" while the manager is not running.</summary>
         public string ActiveBackend => host == null ? "" : host.Session.Arms[host.Session.ActiveArm];
 
@@ -130,13 +131,10 @@ namespace Sweepstake.Unity
         }
 
         /// <summary>Whether the game is loading. Frames during which it is set are excluded from learning.</summary>
-        public bool IsLoading { get => flagger.IsLoading; set => flagger.IsLoading = value; }
-
+        public bool IsLoading { get; set; }
         /// <summary>The measurements of the latest frame; zeros before the first.</summary>
         public FrameSample LastSample => host == null ? default : host.Session.LastSample;
-
         public Verdict Verdict => host == null ? default : host.Session.Verdict;
-
         /// <summary>The latest decision with its reasons.</summary>
         public Decision LastDecision => host == null ? default : host.Session.LastDecision;
 
@@ -238,13 +236,13 @@ namespace Sweepstake.Unity
 
         private void OnApplicationPause(bool isPaused)
         {
-            flagger.IsPaused = isPaused;
+            this.isPaused = isPaused;
             // A mobile system may end a paused game without a further call.
             if (isPaused)
                 host?.Decider?.BeginSave();
         }
 
-        private void OnApplicationFocus(bool hasFocus) => flagger.IsInBackground = !hasFocus && !Application.isEditor;
+        private void OnApplicationFocus(bool hasFocus) => isInBackground = !hasFocus && !Application.isEditor;
 
         private void LateUpdate()
         {
@@ -283,10 +281,25 @@ namespace Sweepstake.Unity
             finally
             {
                 ulong nowNs = SteadyClock.NowNs;
-                running.EndFrame(endedNs == 0 ? 1 : nowNs - endedNs, flagger.Take(Time.timeScale == 0));
+                running.EndFrame(endedNs == 0 ? 1 : nowNs - endedNs, TakeFlags());
                 endedNs = nowNs;
             }
             SweepstakeProfiling.Show(session.LastSample);
+        }
+
+        /// <summary>
+        /// Returns the flags of the frame that ends now, which exclude it from learning. The first frame after a pause or a load is flagged too,
+        /// because its time includes the pause or load.
+        /// </summary>
+        private FrameFlags TakeFlags()
+        {
+            bool isAway = isPaused || isInBackground || Time.timeScale == 0;
+            FrameFlags flags = isAway || wasAway ? FrameFlags.Paused : FrameFlags.None;
+            if (IsLoading || isSkipping)
+                flags |= FrameFlags.Loading;
+            wasAway = isAway;
+            isSkipping = IsLoading;
+            return flags;
         }
 
         private void Report(IBroadPhaseSource searched)
@@ -334,7 +347,7 @@ namespace Sweepstake.Unity
         {
             SweepstakeConfig settings = ConfigOrDefault();
             SweepstakeLibrary.EnsureLoaded();
-            flagger.Skip();
+            isSkipping = true;
             endedNs = 0;
             if (resting != null && resting.Continue(settings, mode, backend, gameObject.scene.name))
             {
@@ -390,7 +403,6 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>Logs a problem that does not stop the frames.</summary>
         private void LogError(string problem) => Debug.LogError("Sweepstake: " + problem, this);
 
         private void UpdateState()
@@ -419,7 +431,6 @@ namespace Sweepstake.Unity
             stateChanged.Raise(state, this);
         }
 
-        /// <summary>Logs one line for each relevant change of the state.</summary>
         private void Log(SweepstakeState state, string problem)
         {
             if (state == SweepstakeState.Failed)
@@ -442,7 +453,7 @@ namespace Sweepstake.Unity
             return defaults;
         }
 
-        private void OnSceneLoaded(Scene scene, LoadSceneMode how) => flagger.Skip();
+        private void OnSceneLoaded(Scene scene, LoadSceneMode how) => isSkipping = true;
 
         /// <summary>Resets the statics, which outlive play mode if domain reload is switched off.</summary>
         [RuntimeInitializeOnLoadMethod(RuntimeInitializeLoadType.SubsystemRegistration)]

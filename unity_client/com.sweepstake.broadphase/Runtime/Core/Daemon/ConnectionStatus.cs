@@ -12,8 +12,7 @@ namespace Sweepstake
         private const int MaxTextBytes = 4096;
         private const int MaxArms = 32;
 
-        /// <summary>By <see cref="LinkText"/>.</summary>
-        private readonly string[] texts;
+        private readonly string[] texts; // by LinkText
 
         private ConnectionStatus(in LinkStats stats, string[] texts, ReadOnlyMemory<Belief> beliefs)
         {

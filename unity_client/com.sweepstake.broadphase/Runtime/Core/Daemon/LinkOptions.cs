@@ -10,16 +10,8 @@ namespace Sweepstake
     public sealed unsafe class LinkOptions
     {
         private const ulong DaemonValue = ulong.MaxValue; // SWP_DAEMON_VALUE
-        private NativeLinkOptions native;
-
-        /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
-        public LinkOptions()
-        {
-            SweepstakeLibrary.EnsureLoaded();
-            native.StructSize = (uint)sizeof(NativeLinkOptions);
-            fixed (NativeLinkOptions* options = &native)
-                Native.Check(NativeMethods.swp_link_options_init(options));
-        }
+        private NativeLinkOptions native = SweepstakeLibrary.Defaults(
+            new NativeLinkOptions { StructSize = (uint)sizeof(NativeLinkOptions) }, options => NativeMethods.swp_link_options_init(options));
 
         /// <summary>The name of the daemon in messages, such as its address; null for no name.</summary>
         public string? Daemon { get; set; }

@@ -6,16 +6,8 @@ namespace Sweepstake
     /// <summary>How an <see cref="EmbeddedDecider"/> decides; a new object holds the library's defaults.</summary>
     public sealed unsafe class DeciderOptions
     {
-        private NativeDeciderOptions native;
-
-        /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
-        public DeciderOptions()
-        {
-            SweepstakeLibrary.EnsureLoaded();
-            native.StructSize = (uint)sizeof(NativeDeciderOptions);
-            fixed (NativeDeciderOptions* options = &native)
-                Native.Check(NativeMethods.swp_decider_options_init(options));
-        }
+        private NativeDeciderOptions native = SweepstakeLibrary.Defaults(
+            new NativeDeciderOptions { StructSize = (uint)sizeof(NativeDeciderOptions) }, options => NativeMethods.swp_decider_options_init(options));
 
         /// <summary>Name of the policy; null for the default.</summary>
         public string? Policy { get; set; }
@@ -54,7 +46,6 @@ namespace Sweepstake
         /// <see cref="VerdictKind.Degraded"/>.
         /// </summary>
         public double FpsFloor { get => native.FpsFloor; set => native.FpsFloor = value; }
-
         /// <summary>Weights of the paper's reward.</summary>
         public RewardWeights Weights { get => native.Weights; set => native.Weights = value; }
 

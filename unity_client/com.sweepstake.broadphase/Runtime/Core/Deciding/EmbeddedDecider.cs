@@ -31,7 +31,6 @@ namespace Sweepstake
     {
         private const int PollIntervalMs = 100;
         private readonly SavedPriors? saved;
-        private readonly bool hasThread;
         private byte[] savedBytes;
         private volatile bool mustSave;
         private volatile bool isPaused;
@@ -48,7 +47,6 @@ namespace Sweepstake
         {
             options ??= new DeciderOptions();
             saved = options.Saved;
-            hasThread = ownThread;
             try
             {
                 Attach(options);
@@ -65,21 +63,16 @@ namespace Sweepstake
 
         private void Attach(DeciderOptions options)
         {
-            try
-            {
-                AttachOnce(options);
-            }
-            catch (SweepstakeException unreadable) when (saved != null && saved.SetAside(unreadable))
-            {
-                AttachOnce(options);
-            }
-        }
-
-        private void AttachOnce(DeciderOptions options)
-        {
             using var memory = new CallMemory();
             NativeDeciderOptions native = options.With(memory);
-            Native.Check(NativeMethods.swp_session_attach_decider(Session.Pointer, &native, SteadyClock.NowNs));
+            try
+            {
+                Native.Check(NativeMethods.swp_session_attach_decider(Session.Pointer, &native, SteadyClock.NowNs));
+            }
+            catch (SweepstakeException unreadable) when (saved?.SetAside(unreadable) == true)
+            {
+                Attach(options);
+            }
         }
 
         /// <summary>The state after the latest decision. Each decision creates a new object. Callable from any thread and in each frame.</summary>
@@ -145,7 +138,7 @@ namespace Sweepstake
         public void BeginSave()
         {
             mustSave = true;
-            if (hasThread)
+            if (HasThread)
                 Wake();
             else
                 SaveNow();
@@ -201,7 +194,7 @@ namespace Sweepstake
 
         private protected override void BeginNativeStop(ulong endNs)
         {
-            if (!hasThread)
+            if (!HasThread)
                 SaveNow();
         }
 

@@ -23,7 +23,7 @@ namespace Sweepstake
         private static readonly Dictionary<string, SavedPriors> Known = new Dictionary<string, SavedPriors>();
 
         private readonly string stem;
-        private byte[]? unwritten;
+        private volatile byte[]? unwritten;
         private bool isUsed;
         private bool isWriting;
         private volatile string problem = "";
@@ -35,25 +35,15 @@ namespace Sweepstake
         }
 
         public string Path { get; private set; }
-
         /// <summary>Why a file was set aside, or why the latest one is not written, and what to do; "" if nothing is wrong.</summary>
         public string Problem => problem;
-
         /// <summary>
         /// The name of the source under which the decider learns. A new file has a new name, because the sequence numbers of its records
         /// begin at 1 again.
         /// </summary>
         internal string SourceId => System.IO.Path.GetExtension(System.IO.Path.GetFileNameWithoutExtension(Path)).Substring(1);
-
         /// <summary>What is newer than the file, because it is not written yet; null if the file is up to date.</summary>
-        internal byte[]? Unwritten
-        {
-            get
-            {
-                lock (Gate)
-                    return unwritten;
-            }
-        }
+        internal byte[]? Unwritten => unwritten;
 
         /// <summary>
         /// Selects the scene's file that no decider uses, or a new one. Pass the result to a decider, which gives it back when it ends.

@@ -1,6 +1,6 @@
 #nullable enable
 using System;
-using System.Collections.Generic;
+using System.Collections.Concurrent;
 using System.Linq;
 using System.Threading;
 
@@ -16,12 +16,11 @@ namespace Sweepstake
         /// <summary>Maximum time that Dispose waits for the thread, in milliseconds.</summary>
         public const int DisposeTimeoutMs = 500;
 
-        private static readonly object RunningGate = new object();
-        private static readonly HashSet<SessionWork> Running = new HashSet<SessionWork>();
+        private static readonly ConcurrentDictionary<SessionWork, bool> Running = new ConcurrentDictionary<SessionWork, bool>();
 
         private readonly AutoResetEvent wake = new AutoResetEvent(false);
         private long wakeUpCount;
-        private bool isReleased;
+        private volatile bool isReleased;
         private volatile bool isAbandoned;
         private volatile Exception? failure;
         private Thread? thread;
@@ -34,37 +33,21 @@ namespace Sweepstake
         }
 
         public BroadPhaseSession Session { get; }
-
         /// <summary>The exception that ended the thread; null while the thread runs or after it was stopped.</summary>
         public Exception? Failure => failure;
 
         /// <summary>Whether this object was stopped, also by <see cref="SweepstakeLibrary.Shutdown"/>.</summary>
-        public bool HasEnded
-        {
-            get
-            {
-                lock (Gate)
-                    return isReleased;
-            }
-        }
-
+        public bool HasEnded => isReleased;
         /// <summary>How often the thread has returned from <see cref="Sleep"/>.</summary>
         internal long WakeUpCount => Interlocked.Read(ref wakeUpCount);
-
         /// <summary>Lock that is held during native calls of this object, so that none runs after it is closed.</summary>
         private protected object Gate { get; } = new object();
+        private protected bool HasThread => thread != null;
         private protected bool IsClosed { get; private set; }
         private protected bool IsStopping { get; private set; }
 
         /// <summary>Number of deciders and connections of this process that have not been stopped.</summary>
-        public static int RunningCount
-        {
-            get
-            {
-                lock (RunningGate)
-                    return Running.Count;
-            }
-        }
+        public static int RunningCount => Running.Count;
 
         /// <summary>
         /// Ends this object, in an orderly way if the time allows. May be called more than once; later calls do not wait again for a thread
@@ -85,9 +68,7 @@ namespace Sweepstake
         /// <summary>Begins to end all instances, then waits for each until `endNs`. Returns them for <see cref="Release"/>.</summary>
         internal static SessionWork[] StopAll(ulong endNs)
         {
-            SessionWork[] stopping;
-            lock (RunningGate)
-                stopping = Running.ToArray();
+            SessionWork[] stopping = Running.Keys.ToArray();
             foreach (SessionWork work in stopping)
                 work.BeginStop(endNs);
             foreach (SessionWork work in stopping)
@@ -106,8 +87,7 @@ namespace Sweepstake
                 CloseNative();
             }
             Session.Work = null;
-            lock (RunningGate)
-                Running.Remove(this);
+            Running.TryRemove(this, out _);
         }
 
         /// <summary>
@@ -116,8 +96,7 @@ namespace Sweepstake
         private protected void Start(string? threadName)
         {
             Session.Work = this;
-            lock (RunningGate)
-                Running.Add(this);
+            Running.TryAdd(this, true);
             if (threadName == null)
                 return;
             thread = new Thread(Run) { IsBackground = true, Name = threadName };

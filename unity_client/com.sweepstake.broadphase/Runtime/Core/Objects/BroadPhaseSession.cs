@@ -12,15 +12,11 @@ namespace Sweepstake
     /// </summary>
     public sealed unsafe class BroadPhaseSession : NativeObject
     {
-        public BroadPhaseSession()
-            : this(new SessionOptions())
-        {
-        }
-
+        /// <param name="options">Null for the defaults.</param>
         /// <exception cref="SweepstakeException">
         /// A value is out of range, a backend is unknown (the message lists them), or no thread is left.
         /// </exception>
-        public BroadPhaseSession(SessionOptions options)
+        public BroadPhaseSession(SessionOptions? options = null)
             : base(Create(options), NativeMethods.swp_session_destroy)
         {
             Arms = Native.Texts(Read<uint>((session, count) => NativeMethods.swp_session_arm_count(session, count)), arm => Native.Text(NameOf(arm)));
@@ -28,7 +24,6 @@ namespace Sweepstake
 
         /// <summary>The names of the backends in the order of arm indices.</summary>
         public IReadOnlyList<string> Arms { get; }
-
         /// <summary>The attached decider or connection; null if there is none.</summary>
         internal SessionWork? Work { get; set; }
 
@@ -100,13 +95,10 @@ namespace Sweepstake
 
         /// <summary>Index of the active arm in <see cref="Arms"/>. Read it on the frame thread.</summary>
         public int ActiveArm => (int)Read<uint>((session, arm) => NativeMethods.swp_session_active_arm(session, arm));
-
         /// <summary>The number of switches executed. Read it on the frame thread.</summary>
         public uint SwitchEpoch => Read<uint>((session, epoch) => NativeMethods.swp_session_switch_epoch(session, epoch));
-
         /// <summary>The sample of the latest <see cref="EndFrame"/>; zeros before the first one. Read it on the frame thread.</summary>
         public FrameSample LastSample => Read<FrameSample>((session, sample) => NativeMethods.swp_session_last_sample(session, sample));
-
         /// <summary>The decider's conclusion about the scene. Callable from any thread and cheap enough for each frame.</summary>
         public Verdict Verdict => Read<Verdict>((session, verdict) => NativeMethods.swp_session_verdict(session, verdict));
 
@@ -119,7 +111,6 @@ namespace Sweepstake
         /// from any thread.
         /// </summary>
         public SwitchOutcome LastOutcome => Read<SwitchOutcome>((session, outcome) => NativeMethods.swp_session_last_outcome(session, outcome));
-
         /// <summary>Samples dropped since the session began because the queue was full. Callable from any thread.</summary>
         public ulong DroppedSampleCount => Read<ulong>((session, samples) => NativeMethods.swp_session_dropped(session, samples, null));
 
@@ -150,10 +141,10 @@ namespace Sweepstake
             return name;
         }
 
-        private static IntPtr Create(SessionOptions options)
+        private static IntPtr Create(SessionOptions? options)
         {
             using var memory = new CallMemory();
-            NativeSessionOptions native = (options ?? throw new ArgumentNullException(nameof(options))).With(memory);
+            NativeSessionOptions native = (options ?? new SessionOptions()).With(memory);
             IntPtr session;
             Native.Check(NativeMethods.swp_session_create(&native, &session));
             return session;

@@ -39,10 +39,8 @@ namespace Sweepstake
 
         /// <summary>The bounds of the motion; boxes may extend beyond them by their own size.</summary>
         public Aabb World => Read<Aabb>((scene, world) => NativeMethods.swp_scene_world(scene, world));
-
         /// <summary>The number of steps taken.</summary>
         public ulong FrameIndex => Read<ulong>((scene, index) => NativeMethods.swp_scene_frame_index(scene, index));
-
         /// <summary>FNV-1a hash of the current boxes: the same on every platform for the same seed and step.</summary>
         public ulong Hash => Read<ulong>((scene, hash) => NativeMethods.swp_scene_hash(scene, hash));
 

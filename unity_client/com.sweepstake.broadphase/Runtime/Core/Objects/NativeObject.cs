@@ -31,7 +31,6 @@ namespace Sweepstake
 
         /// <summary>Whether Dispose or <see cref="SweepstakeLibrary.Shutdown"/> has ended this object.</summary>
         public bool IsDisposed => !HasPointer || shutdownCount != SweepstakeLibrary.ShutdownCount;
-
         internal bool HasPointer => !handle.IsClosed;
 
         public virtual void Dispose() => handle.Dispose();

@@ -127,10 +127,8 @@ namespace Sweepstake
 
         /// <summary>The pairs of the latest search by id; valid until the next search.</summary>
         public ReadOnlySpan<OverlapPair> Pairs => ReadArray<OverlapPair>((set, pairs, count) => NativeMethods.swp_proxies_pairs(set, pairs, count));
-
         /// <summary>The pairs that began with the latest search, ascending; empty without <see cref="ProxySetOptions.HasPairEvents"/>.</summary>
         public ReadOnlySpan<ProxyPair> Added => ReadArray<ProxyPair>((set, pairs, count) => NativeMethods.swp_proxies_added(set, pairs, count));
-
         /// <summary>The pairs that ended with the latest search, including those of removed proxies.</summary>
         public ReadOnlySpan<ProxyPair> Removed => ReadArray<ProxyPair>((set, pairs, count) => NativeMethods.swp_proxies_removed(set, pairs, count));
 

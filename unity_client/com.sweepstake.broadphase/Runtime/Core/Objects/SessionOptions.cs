@@ -6,16 +6,8 @@ namespace Sweepstake
     /// <summary>How a <see cref="BroadPhaseSession"/> runs; a new object holds the library's defaults.</summary>
     public sealed unsafe class SessionOptions
     {
-        private NativeSessionOptions native;
-
-        /// <exception cref="NativeLibraryException">The library does not match this package.</exception>
-        public SessionOptions()
-        {
-            SweepstakeLibrary.EnsureLoaded();
-            native.StructSize = (uint)sizeof(NativeSessionOptions);
-            fixed (NativeSessionOptions* options = &native)
-                Native.Check(NativeMethods.swp_session_options_init(options));
-        }
+        private NativeSessionOptions native = SweepstakeLibrary.Defaults(
+            new NativeSessionOptions { StructSize = (uint)sizeof(NativeSessionOptions) }, options => NativeMethods.swp_session_options_init(options));
 
         /// <summary>Names of backends, each once, separated by commas; null or empty for all.</summary>
         public string? Arms { get; set; }

@@ -63,7 +63,6 @@ namespace Sweepstake
 
         /// <summary>Samples dropped because the ring was full.</summary>
         public long DroppedCount => Interlocked.Read(ref dropped);
-
         /// <summary>Why writing has ended, for example because the disk is full; null while there is no failure.</summary>
         public Exception? Failure => failure;
 
@@ -90,7 +89,6 @@ namespace Sweepstake
 
         public void Dispose() => Stop(DisposeTimeoutMs);
 
-        /// <summary>Quotes a field according to RFC 4180.</summary>
         internal static string Quoted(string field) =>
             field.IndexOfAny(new[] { ',', '"', '\r', '\n' }) < 0 ? field : "\"" + field.Replace("\"", "\"\"") + "\"";
 

@@ -63,7 +63,6 @@ namespace Sweepstake.Unity
             Review(pair);
         }
 
-        /// <summary>Removes a pair. Does nothing if there is no such pair.</summary>
         internal void Remove(TrackedCollider a, TrackedCollider b)
         {
             (TrackedCollider few, TrackedCollider other) = a.PairCount < b.PairCount ? (a, b) : (b, a);
@@ -141,7 +140,6 @@ namespace Sweepstake.Unity
             RaiseOfBodies(pair, body => body.Enters);
         }
 
-        /// <summary>Raises an event of both bodies of an open pair.</summary>
         private static void RaiseOfBodies(TrackedPair pair, Func<SweepstakeBody, Listeners<ColliderPair>> listeners)
         {
             (TrackedCollider a, TrackedCollider b) = (pair.A, pair.B);

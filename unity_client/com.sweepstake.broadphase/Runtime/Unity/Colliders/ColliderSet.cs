@@ -54,11 +54,24 @@ namespace Sweepstake.Unity
 
         internal Aabb BoxOf(TrackedCollider collider) => boxes[collider.Slot];
 
+        /// <summary>Adds a collider. If its body has added it before, refreshes it; a body replaces another owner.</summary>
+        /// <param name="isFound">Whether a scan found it, and the game did not register it.</param>
         /// <returns>False if it is already tracked.</returns>
         internal bool Add(Collider collider, SweepstakeBody? body, bool isFound)
         {
-            if (tracked.ContainsKey(collider))
-                return false;
+            if (Find(collider) is TrackedCollider former)
+            {
+                // A change of the scope does not end the tracking of a registered collider.
+                former.IsFound &= isFound;
+                if (body is null)
+                    return false;
+                if (ReferenceEquals(former.Body, body))
+                {
+                    Refresh(former);
+                    return false;
+                }
+                Remove(former);
+            }
             if (Count == colliders.Length)
                 MakeRoom();
             var added = new TrackedCollider(collider, body, isFound) { Slot = Count, Place = freePlaces.Count > 0 ? freePlaces.Pop() : Count };
@@ -72,20 +85,6 @@ namespace Sweepstake.Unity
             return true;
         }
 
-        /// <summary>Adds a collider of a body, or refreshes it if the body has added it before.</summary>
-        internal void Add(Collider collider, SweepstakeBody body)
-        {
-            TrackedCollider? found = Find(collider);
-            if (found != null && ReferenceEquals(found.Body, body))
-            {
-                Refresh(found);
-                return;
-            }
-            Remove(collider);
-            Add(collider, body, false);
-        }
-
-        /// <returns>False if it is not tracked.</returns>
         internal bool Remove(Collider collider)
         {
             TrackedCollider? found = Find(collider);
@@ -118,7 +117,6 @@ namespace Sweepstake.Unity
             Pairs.ReviewAllOf(collider);
         }
 
-        /// <summary>Applies the filters again after they have changed.</summary>
         internal void RefreshFilters()
         {
             foreach (TrackedCollider collider in tracked.Values)

@@ -33,7 +33,6 @@ namespace Sweepstake.Unity
         private Vector3 halfSize;
 
         internal static Aabb NoBox => new Aabb(1, 1, 1, -1, -1, -1);
-
         internal readonly bool HasBox => kind != Kind.None;
 
         /// <summary>

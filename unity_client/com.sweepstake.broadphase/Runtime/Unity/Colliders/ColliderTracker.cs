@@ -61,16 +61,13 @@ namespace Sweepstake.Unity
 
         /// <summary>The number of tracked colliders.</summary>
         public int Count => colliders?.Count ?? 0;
-
         /// <summary>
         /// The underlying proxy set, for many queries at once and for jobs. Null while the tracker is disabled, and after
         /// <see cref="SweepstakeManager.Shutdown"/> until the next frame of the manager.
         /// </summary>
         public ProxySet? Proxies => colliders == null || colliders.Proxies.IsDisposed ? null : colliders.Proxies;
-
         /// <summary>The layers whose colliders are tracked automatically and form pairs. A change takes effect at once.</summary>
         public LayerMask Layers { get => layers; set => Change(ref layers, value); }
-
         /// <summary>
         /// The layers whose colliders do not move. They form pairs with moving colliders only. After you have moved one, call
         /// <see cref="Refresh"/>. A change takes effect at once.
@@ -79,14 +76,7 @@ namespace Sweepstake.Unity
 
         /// <summary>Tracks a collider, also one outside the tracker's scope and layers.</summary>
         /// <returns>False if it is already tracked or the tracker is disabled.</returns>
-        public bool Register(Collider collider)
-        {
-            if (colliders == null || collider == null || colliders.Add(collider, null, false))
-                return colliders != null && collider != null;
-            // A change of the scope does not end the tracking of a registered collider.
-            colliders.Find(collider)!.IsFound = false;
-            return false;
-        }
+        public bool Register(Collider collider) => colliders != null && collider != null && colliders.Add(collider, null, false);
 
         /// <returns>False if it is not tracked.</returns>
         public bool Unregister(Collider collider) => colliders != null && !(collider is null) && colliders.Remove(collider);
@@ -250,7 +240,7 @@ namespace Sweepstake.Unity
             return Trackers.Contains(tracker) ? tracker : null;
         }
 
-        internal void Register(Collider collider, SweepstakeBody body) => colliders?.Add(collider, body);
+        internal void Register(Collider collider, SweepstakeBody body) => colliders?.Add(collider, body, false);
 
         internal void AddPairs(Collider collider, List<ColliderPair> result)
         {

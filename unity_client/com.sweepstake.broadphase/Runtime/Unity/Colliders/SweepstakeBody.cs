@@ -45,12 +45,9 @@ namespace Sweepstake.Unity
 
         /// <summary>The colliders of the body when it was enabled or refreshed.</summary>
         public IReadOnlyList<Collider> Colliders => colliders;
-
         internal Listeners<ColliderPair> Enters { get; } = new Listeners<ColliderPair>();
         internal Listeners<ColliderPair> Stays { get; } = new Listeners<ColliderPair>();
         internal Listeners<ColliderPair> Exits { get; } = new Listeners<ColliderPair>();
-
-        /// <summary>The enabled bodies.</summary>
         internal static HashSet<SweepstakeBody> Bodies { get; } = new HashSet<SweepstakeBody>();
 
         /// <summary>

@@ -43,10 +43,8 @@ namespace Sweepstake.Unity
 
         internal TrackedCollider A { get; set; } = null!;
         internal TrackedCollider B { get; set; } = null!;
-        /// <summary>Index among all pairs of the set.</summary>
         internal int Index { get; set; }
         internal bool IsOpen { get; set; }
-        /// <summary>Whether its begin event is due.</summary>
         internal bool IsDue { get; set; }
 
         internal TrackedPair? NextOf(TrackedCollider end) => LinksOf(end).Next;

@@ -22,7 +22,6 @@ namespace Sweepstake.Unity
         private Color color = new Color(0.95f, 0.5f, 0.15f);
 
         public bool IsDrawn { get => isDrawn; set => isDrawn = value; }
-
         /// <summary>Number of pairs that were drawn most recently.</summary>
         public int DrawnCount { get; private set; }
 

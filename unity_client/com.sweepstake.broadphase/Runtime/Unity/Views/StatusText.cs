@@ -1,4 +1,5 @@
 #nullable enable
+using System;
 using System.Globalization;
 using System.Text;
 using UnityEngine;
@@ -61,13 +62,8 @@ namespace Sweepstake.Unity
                 text.AppendFormat(
                     CultureInfo.InvariantCulture, "; {0} is the best with {1:P0}", NameOf(manager, verdict.LeaderArm), verdict.LeaderProbability);
             }
-            text.AppendFormat(CultureInfo.InvariantCulture, "; {0:F0} s ago", AgeSeconds(decision));
-        }
-
-        public static double AgeSeconds(in Decision decision)
-        {
-            ulong nowNs = SteadyClock.NowNs;
-            return decision.TimeNs == 0 || decision.TimeNs > nowNs ? 0 : (nowNs - decision.TimeNs) / 1e9;
+            long ageNs = decision.TimeNs == 0 ? 0 : Math.Max(0, (long)(SteadyClock.NowNs - decision.TimeNs));
+            text.AppendFormat(CultureInfo.InvariantCulture, "; {0:F0} s ago", ageNs / 1e9);
         }
 
         private static bool IsHeld(DecisionOutcome outcome) =>
