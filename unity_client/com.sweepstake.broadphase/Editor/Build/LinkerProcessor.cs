@@ -13,10 +13,7 @@ namespace Sweepstake.Editor
     internal sealed class LinkerProcessor : IUnityLinkerProcessor
     {
         internal const string Folder = "Library/com.sweepstake.broadphase";
-        internal const string Xml =
-            "<linker>\n" +
-            "    <assembly fullname=\"Sweepstake.Core\" preserve=\"all\"/>\n" +
-            "</linker>\n";
+        internal const string Xml = "<linker><assembly fullname=\"Sweepstake.Core\" preserve=\"all\"/></linker>\n";
 
         public int callbackOrder => 0;
 

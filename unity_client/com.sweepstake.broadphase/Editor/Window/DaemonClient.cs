@@ -19,19 +19,10 @@ namespace Sweepstake.Editor
         /// <exception cref="SweepstakeException">The endpoint is invalid; the message says why.</exception>
         public DaemonClient(DaemonEndpoint endpoint)
         {
-            channel = (endpoint ?? throw new ArgumentNullException(nameof(endpoint))).OpenChannel();
-            try
-            {
-                CallInvoker calls = endpoint.WithToken(channel);
-                Posteriors = new PosteriorsService.PosteriorsServiceClient(calls);
-                Priors = new PriorsService.PriorsServiceClient(calls);
-                Sessions = new SessionsService.SessionsServiceClient(calls);
-            }
-            catch
-            {
-                channel.Dispose();
-                throw;
-            }
+            channel = (endpoint ?? throw new ArgumentNullException(nameof(endpoint))).OpenChannel(out CallInvoker calls);
+            Posteriors = new PosteriorsService.PosteriorsServiceClient(calls);
+            Priors = new PriorsService.PriorsServiceClient(calls);
+            Sessions = new SessionsService.SessionsServiceClient(calls);
         }
 
         public PosteriorsService.PosteriorsServiceClient Posteriors { get; }

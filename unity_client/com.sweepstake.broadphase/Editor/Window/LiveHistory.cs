@@ -10,13 +10,10 @@ namespace Sweepstake.Editor
     {
         internal const int Capacity = 600;
 
-        [SerializeField]
-        private float[] values = new float[Capacity];
-        [SerializeField]
-        private int next;
+        [SerializeField] private float[] values = new float[Capacity];
+        [SerializeField] private int next;
 
-        [field: SerializeField]
-        internal int Count { get; private set; }
+        [field: SerializeField] internal int Count { get; private set; }
 
         internal float this[int index] => values[(next - Count + index + Capacity) % Capacity];
 
@@ -34,19 +31,13 @@ namespace Sweepstake.Editor
     {
         internal const int RateHz = 10;
 
-        [field: SerializeField]
-        internal Series Fps { get; private set; } = new Series();
-        [field: SerializeField]
-        internal Series DetectionMs { get; private set; } = new Series();
-        [field: SerializeField]
-        internal Series Pairs { get; private set; } = new Series();
-        [field: SerializeField]
-        internal Series RoundTripMs { get; private set; } = new Series();
+        [field: SerializeField] internal Series Fps { get; private set; } = new Series();
+        [field: SerializeField] internal Series DetectionMs { get; private set; } = new Series();
+        [field: SerializeField] internal Series Pairs { get; private set; } = new Series();
+        [field: SerializeField] internal Series RoundTripMs { get; private set; } = new Series();
         /// <summary>The active backend, as an index in <see cref="Backends"/>.</summary>
-        [field: SerializeField]
-        internal Series Backend { get; private set; } = new Series();
-        [field: SerializeField]
-        internal string[] Backends { get; private set; } = Array.Empty<string>();
+        [field: SerializeField] internal Series Backend { get; private set; } = new Series();
+        [field: SerializeField] internal string[] Backends { get; private set; } = Array.Empty<string>();
 
         internal void Add(float framesPerSecond, in FrameSample sample, float roundTrip, string[] backends)
         {

@@ -16,8 +16,7 @@ namespace Sweepstake.Editor
     [DocumentationPage("window.md")]
     internal sealed class SweepstakeWindow : EditorWindow
     {
-        [SerializeField]
-        private LiveHistory history = new LiveHistory();
+        [SerializeField] private LiveHistory history = new LiveHistory();
 
         private readonly PosteriorWatcher watcher = new PosteriorWatcher();
         private readonly StringBuilder text = new StringBuilder();

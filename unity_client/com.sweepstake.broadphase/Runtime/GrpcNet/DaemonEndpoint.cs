@@ -2,7 +2,6 @@
 using System;
 using System.IO;
 using System.Linq;
-using System.Net;
 using System.Net.Http;
 using Grpc.Core;
 using Grpc.Core.Interceptors;
@@ -38,39 +37,29 @@ namespace Sweepstake.GrpcNet
         public Func<HttpMessageHandler>? Handler { get; set; }
 
         /// <summary>Whether the address belongs to this machine.</summary>
-        public bool IsLoopback
-        {
-            get
-            {
-                string host = AsUri().Host.Trim('[', ']');
-                return host == "localhost" || (IPAddress.TryParse(host, out IPAddress? address) && IPAddress.IsLoopback(address));
-            }
-        }
+        public bool IsLoopback => AsUri().IsLoopback;
 
-        internal GrpcChannel OpenChannel()
+        /// <param name="calls">Its calls have the token in their headers.</param>
+        internal GrpcChannel OpenChannel(out CallInvoker calls)
         {
-            var options = new GrpcChannelOptions
+            Uri uri = AsUri();
+            string? token = ReadToken();
+            if (token != null && !UsesTls && !IsLoopback)
+                throw Wrong($"The token would be sent to {Address} in plain text; connect with TLS.");
+            GrpcChannel channel = GrpcChannel.ForAddress(uri, new GrpcChannelOptions
             {
                 HttpHandler = Handler?.Invoke() ?? new HttpClientHandler { UseProxy = false, AllowAutoRedirect = false, UseCookies = false },
                 DisposeHttpClient = true,
                 MaxReceiveMessageSize = MaxMessageBytes,
                 Credentials = UsesTls ? ChannelCredentials.SecureSsl : ChannelCredentials.Insecure,
-            };
-            return GrpcChannel.ForAddress(AsUri(), options);
-        }
-
-        internal CallInvoker WithToken(GrpcChannel channel)
-        {
-            string? token = ReadToken();
-            if (token == null)
-                return channel.CreateCallInvoker();
-            if (!UsesTls && !IsLoopback)
-                throw Wrong($"The token would be sent to {Address} in plain text; connect with TLS.");
-            return channel.CreateCallInvoker().Intercept(headers =>
+            });
+            calls = channel.CreateCallInvoker().Intercept(headers =>
             {
-                headers.Add("authorization", "Bearer " + token);
+                if (token != null)
+                    headers.Add("authorization", "Bearer " + token);
                 return headers;
             });
+            return channel;
         }
 
         private Uri AsUri()

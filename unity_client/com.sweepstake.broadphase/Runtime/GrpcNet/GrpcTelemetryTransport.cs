@@ -28,16 +28,8 @@ namespace Sweepstake.GrpcNet
         /// <inheritdoc/>
         public ITelemetryStream Open()
         {
-            GrpcChannel channel = endpoint.OpenChannel();
-            try
-            {
-                return new GrpcStream(channel, endpoint.WithToken(channel).AsyncDuplexStreamingCall(StreamTelemetry, null, default));
-            }
-            catch
-            {
-                channel.Dispose();
-                throw;
-            }
+            GrpcChannel channel = endpoint.OpenChannel(out CallInvoker calls);
+            return new GrpcStream(channel, calls.AsyncDuplexStreamingCall(StreamTelemetry, null, default));
         }
 
         public void Dispose()

@@ -110,8 +110,7 @@ namespace Sweepstake.Unity
         [BackendName]
         public string[] backends = Array.Empty<string>();
         [Tooltip("Number of threads that search. 0 or 1: only the main thread. The pairs do not depend on this number.")]
-        [Range(0, 64)]
-        public int threads = 0;
+        [Range(0, 64)] public int threads = 0;
         [Tooltip("Sorts the pairs, so that all backends give the same order, for lockstep games.")]
         public bool sortsPairs = false;
         [Tooltip("The shadow lane: a thread that measures the inactive backends on a spare core. Auto: off on mobile devices.")]
@@ -124,25 +123,19 @@ namespace Sweepstake.Unity
         [Tooltip("Name of the policy. Empty: the default, 'adaptive'. 'paper' is Thompson sampling as in the paper.")]
         public string policy = "";
         [Tooltip("Seed of the exploration and of the random draws, which only the policy 'paper' makes.")]
-        [Min(1)]
-        public uint seed = 1;
+        [Min(1)] public uint seed = 1;
         [Tooltip("Seconds between decisions. The default policy decides at least every second.")]
-        [Min(0.1f)]
-        public float intervalSeconds = 2;
+        [Min(0.1f)] public float intervalSeconds = 2;
         [Tooltip("Seconds after a switch during which the decider does not switch again. The default policy may wait less.")]
-        [Min(0)]
-        public float cooldownSeconds = 40;
+        [Min(0)] public float cooldownSeconds = 40;
         [Tooltip("Seconds after a switch that are excluded from learning. The default policy uses at most 1. A trial of a backend lasts twice as long. A daemon replaces this, unless it uses the rules of the game.")]
-        [Min(0)]
-        public float settlingSeconds = 2;
+        [Min(0)] public float settlingSeconds = 2;
         [Tooltip("Weights of the reward of the policy 'paper'; their sum must be 1.")]
         public WeightSettings weights = new WeightSettings();
         [Tooltip("Bail-out limit in seconds: if the backend makes a frame longer than this, it is replaced at once. A daemon replaces this by its own setting.")]
-        [Min(0.1f)]
-        public float bailOutSeconds = 5;
+        [Min(0.1f)] public float bailOutSeconds = 5;
         [Tooltip("Frame-rate floor: the verdict is Degraded if even the best backend keeps the game below this number of frames per second.")]
-        [Range(0, 1000)]
-        public float fpsFloor = 30;
+        [Range(0, 1000)] public float fpsFloor = 30;
         [Tooltip("What earlier runs have learnt: a file of 'Export Priors' in the inspector or of `sweepstake priors export`, with the extension .bytes. None: it starts without priors.")]
         public TextAsset? priors;
         [Tooltip("On: what the game learns about a scene is saved in Application.persistentDataPath on each device, and the next run continues from it. A daemon saves it instead while the game is connected.")]
@@ -192,10 +185,8 @@ namespace Sweepstake.Unity
         [Tooltip("Lets operators of the daemon choose mode and backend. Leave it off in a game that is shipped to players.")]
         public bool allowsOperatorOrders = false;
         [Tooltip("Milliseconds after which a batch of frames is sent.")]
-        [Range(1, 10_000)]
-        public int batchIntervalMs = 250;
+        [Range(1, 10_000)] public int batchIntervalMs = 250;
         [Tooltip("Number of frames after which a batch is sent.")]
-        [Range(1, 240)]
-        public int batchFrames = 240;
+        [Range(1, 240)] public int batchFrames = 240;
     }
 }

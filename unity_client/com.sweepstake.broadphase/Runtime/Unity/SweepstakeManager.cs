@@ -37,16 +37,12 @@ namespace Sweepstake.Unity
     [DocumentationPage("components.md")]
     public sealed class SweepstakeManager : MonoBehaviour
     {
-        [SerializeField]
         [Tooltip("How the manager searches, decides and connects to a daemon. None: the defaults, with decisions in the game itself.")]
-        private SweepstakeConfig? config;
-        [SerializeField]
+        [SerializeField] private SweepstakeConfig? config;
         [Tooltip("Ai: the decider selects the backend. Manual: only you select it.")]
-        private SessionMode mode = SessionMode.Ai;
-        [SerializeField]
-        [BackendName]
+        [SerializeField] private SessionMode mode = SessionMode.Ai;
         [Tooltip("The first backend, and the backend in Manual. Empty: KDTree, or the first of the config's.")]
-        private string backend = "";
+        [SerializeField, BackendName] private string backend = "";
 
         private readonly Listeners<SweepstakeState> stateChanged = new Listeners<SweepstakeState>();
         private readonly Listeners<string> backendChanged = new Listeners<string>();
@@ -427,18 +423,13 @@ namespace Sweepstake.Unity
             if (state == State)
                 return;
             State = state;
-            Log(state, problem);
-            stateChanged.Raise(state, this);
-        }
-
-        private void Log(SweepstakeState state, string problem)
-        {
             if (state == SweepstakeState.Failed)
                 LogError(problem);
             else if (state == SweepstakeState.Offline || state == SweepstakeState.Refused)
                 Debug.LogWarning($"Sweepstake: the daemon is not available ({state}). {problem}", this);
             else if (state == SweepstakeState.Online)
                 Debug.Log("Sweepstake: the daemon decides.", this);
+            stateChanged.Raise(state, this);
         }
 
         private SweepstakeConfig ConfigOrDefault()

@@ -43,21 +43,15 @@ namespace Sweepstake.Unity
         {
             if (!collider.enabled || !collider.gameObject.activeInHierarchy)
                 return default;
-            switch (collider)
+            return collider switch
             {
-                case BoxCollider box:
-                    return new ColliderShape { kind = Kind.Box, center = box.center, halfSize = 0.5f * box.size };
-                case SphereCollider sphere:
-                    return new ColliderShape { kind = Kind.Sphere, center = sphere.center, radius = sphere.radius };
-                case CapsuleCollider capsule:
-                    return OfCapsule(capsule.center, capsule.radius, capsule.height, capsule.direction);
-                case CharacterController character:
-                    return OfCapsule(character.center, character.radius, character.height, 1);
-                case MeshCollider mesh:
-                    return mesh.sharedMesh == null ? default : OfBounds(mesh.sharedMesh.bounds);
-                default:
-                    return former.kind == Kind.Upright ? former : OfPhysX(collider);
-            }
+                BoxCollider box => new ColliderShape { kind = Kind.Box, center = box.center, halfSize = 0.5f * box.size },
+                SphereCollider sphere => new ColliderShape { kind = Kind.Sphere, center = sphere.center, radius = sphere.radius },
+                CapsuleCollider capsule => OfCapsule(capsule.center, capsule.radius, capsule.height, capsule.direction),
+                CharacterController character => OfCapsule(character.center, character.radius, character.height, 1),
+                MeshCollider mesh => mesh.sharedMesh == null ? default : OfBounds(mesh.sharedMesh.bounds),
+                _ => former.kind == Kind.Upright ? former : OfPhysX(collider),
+            };
         }
 
         internal readonly bool Equals(in ColliderShape other) =>

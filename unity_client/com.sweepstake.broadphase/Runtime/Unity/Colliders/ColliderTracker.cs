@@ -28,21 +28,16 @@ namespace Sweepstake.Unity
     [DocumentationPage("colliders.md")]
     public sealed class ColliderTracker : MonoBehaviour, IBroadPhaseSource
     {
-        [SerializeField]
         [Tooltip("Which colliders are tracked automatically, without being registered.")]
-        private ColliderScope scope = ColliderScope.LoadedScenes;
-        [SerializeField]
+        [SerializeField] private ColliderScope scope = ColliderScope.LoadedScenes;
         [Tooltip("The layers whose colliders are tracked automatically and form pairs.")]
-        private LayerMask layers = ~0;
-        [SerializeField]
+        [SerializeField] private LayerMask layers = ~0;
         [Tooltip("The layers whose colliders do not move. They form pairs with moving colliders only, and cost almost nothing per frame.")]
-        private LayerMask staticLayers = 0;
-        [SerializeField]
+        [SerializeField] private LayerMask staticLayers = 0;
         [Tooltip("On: only layers that collide in the collision matrix of the physics settings form pairs. Off: all tracked layers do.")]
-        private bool usesCollisionMatrix = true;
-        [SerializeField]
+        [SerializeField] private bool usesCollisionMatrix = true;
         [Tooltip("Tracks only triggers automatically.")]
-        private bool findsTriggersOnly = false;
+        [SerializeField] private bool findsTriggersOnly = false;
 
         private static readonly List<ColliderTracker> Trackers = new List<ColliderTracker>();
         private readonly LayerFilters filters = new LayerFilters();

@@ -14,9 +14,8 @@ namespace Sweepstake.Unity
     [DocumentationPage("colliders.md")]
     public sealed class SweepstakeBody : MonoBehaviour
     {
-        [SerializeField]
         [Tooltip("The tracker that searches the colliders. None: the tracker that was enabled first.")]
-        private ColliderTracker? tracker;
+        [SerializeField] private ColliderTracker? tracker;
 
         private readonly List<Collider> colliders = new List<Collider>();
         private ColliderTracker? user;

@@ -10,16 +10,12 @@ namespace Sweepstake.Unity
     [DocumentationPage("components.md")]
     public sealed class PairGizmos : MonoBehaviour
     {
-        [SerializeField]
         [Tooltip("Draws the boxes of pairs, where gizmos are shown.")]
-        private bool isDrawn = false;
-        [SerializeField]
-        [Range(1, 2000)]
+        [SerializeField] private bool isDrawn = false;
         [Tooltip("Largest number of pairs that are drawn; drawing costs time in the editor.")]
-        private int maxPairs = 200;
-        [SerializeField]
+        [SerializeField, Range(1, 2000)] private int maxPairs = 200;
         [Tooltip("The colour of the boxes.")]
-        private Color color = new Color(0.95f, 0.5f, 0.15f);
+        [SerializeField] private Color color = new Color(0.95f, 0.5f, 0.15f);
 
         public bool IsDrawn { get => isDrawn; set => isDrawn = value; }
         /// <summary>Number of pairs that were drawn most recently.</summary>

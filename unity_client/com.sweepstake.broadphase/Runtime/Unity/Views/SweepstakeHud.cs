@@ -15,17 +15,12 @@ namespace Sweepstake.Unity
     {
         private const float Margin = 8;
 
-        [SerializeField]
         [Tooltip("The manager whose state is shown. None: the one on the same object, or the first enabled one.")]
-        private SweepstakeManager? manager;
-        [SerializeField]
-        [Range(1, 10)]
+        [SerializeField] private SweepstakeManager? manager;
         [Tooltip("Updates of the text per second.")]
-        private int refreshesPerSecond = 4;
-        [SerializeField]
-        [Range(8, 48)]
+        [SerializeField, Range(1, 10)] private int refreshesPerSecond = 4;
         [Tooltip("The size of the font, in points of the screen.")]
-        private int fontSize = 14;
+        [SerializeField, Range(8, 48)] private int fontSize = 14;
 
         private readonly StringBuilder text = new StringBuilder(512);
         private readonly GUIContent content = new GUIContent();
