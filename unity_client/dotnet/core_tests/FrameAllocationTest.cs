@@ -54,9 +54,9 @@ namespace Sweepstake.Tests
                 proxies.SetBoxes(handles, scene.Boxes);
                 proxies.FindPairs(world);
                 seen += proxies.Pairs.Length + proxies.Added.Length + proxies.Removed.Length;
-                proxies.Queries.Prepare();
-                proxies.Queries.Rays(rays, ProxyFilter.All, hits);
-                proxies.Queries.Boxes(scene.Boxes.Slice(0, 4), ProxyFilter.All, found, ends);
+                proxies.PrepareQueries();
+                proxies.CastRays(rays, ProxyFilter.All, hits);
+                proxies.QueryBoxes(scene.Boxes.Slice(0, 4), ProxyFilter.All, found, ends);
                 seen += (int)world.Counters.PairCount;
             }), Is.EqualTo(0));
             Assert.That(seen, Is.GreaterThan(0));

@@ -301,8 +301,8 @@ namespace Sweepstake.Tests
             BoxCollider a = Tracked(Here), b = Tracked(Away, 0, true);
             Frames(1);
             var hits = new QueryHit[1];
-            tracker.Proxies!.Queries.Prepare();
-            tracker.Proxies.Queries.Rays(new[] { new RayQuery { OriginX = 20, DirectionX = -1, MaxDistance = 100 } }, ProxyFilter.All, hits);
+            tracker.Proxies!.PrepareQueries();
+            tracker.Proxies.CastRays(new[] { new RayQuery { OriginX = 20, DirectionX = -1, MaxDistance = 100 } }, ProxyFilter.All, hits);
             Assert.That(tracker.ColliderOf(hits[0].Proxy), Is.SameAs(b));
             Assert.That(tracker.ColliderOf(tracker.HandleOf(a)), Is.SameAs(a));
             Assert.That(tracker.ColliderOf(ProxyHandle.None), Is.Null);

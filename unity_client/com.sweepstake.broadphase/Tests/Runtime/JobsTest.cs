@@ -19,11 +19,11 @@ namespace Sweepstake.Tests
             using var proxies = new ProxySet();
             var handles = new ProxyHandle[scene.Boxes.Length];
             proxies.Add(scene.Boxes, ReadOnlySpan<ProxyOptions>.Empty, handles);
-            proxies.Queries.Prepare();
+            proxies.PrepareQueries();
             Aabb[] boxes = scene.Boxes.Slice(0, 50).ToArray();
             var ends = new ulong[boxes.Length];
             var found = new ProxyHandle[4096];
-            Assert.That(proxies.Queries.Boxes(boxes, ProxyFilter.All, found, ends), Is.True);
+            Assert.That(proxies.QueryBoxes(boxes, ProxyFilter.All, found, ends), Is.True);
             int wrong = 0;
             OnThreads(_ => Interlocked.Add(ref wrong, CountWrong(proxies.Pointer, boxes, found, ends)));
             Assert.That(wrong, Is.EqualTo(0));

@@ -94,32 +94,32 @@ namespace Sweepstake.Tests
             var handles = new ProxyHandle[10];
             for (int k = 0; k < handles.Length; ++k)
                 handles[k] = proxies.Add(Aabb.Around(3 * k, 0, 0, 1, 1, 1), new ProxyOptions(new ProxyFilter(k % 2 == 0 ? 1u : 2u, uint.MaxValue)));
-            proxies.Queries.Prepare();
+            proxies.PrepareQueries();
             var found = new ProxyHandle[16];
             var ends = new ulong[2];
             var boxes = new[] { Aabb.Around(0, 0, 0, 4, 1, 1), Aabb.Around(9, 0, 0, 0.5F, 1, 1) };
-            Assert.That(proxies.Queries.Boxes(boxes, ProxyFilter.All, found, ends), Is.True);
+            Assert.That(proxies.QueryBoxes(boxes, ProxyFilter.All, found, ends), Is.True);
             Assert.That(ends, Is.EqualTo(new ulong[] { 2, 3 }));
             Assert.That(found[0], Is.EqualTo(handles[0]));
             Assert.That(found[2], Is.EqualTo(handles[3]));
-            Assert.That(proxies.Queries.Boxes(boxes, ProxyFilter.All, Span<ProxyHandle>.Empty, ends), Is.False);
+            Assert.That(proxies.QueryBoxes(boxes, ProxyFilter.All, Span<ProxyHandle>.Empty, ends), Is.False);
             Assert.That(ends[1], Is.EqualTo(3));
 
             var sphere = new[] { new SphereQuery { CenterX = 6, Radius = 2.5F } };
-            Assert.That(proxies.Queries.Spheres(sphere, new ProxyFilter(uint.MaxValue, 2), found, ends.AsSpan(0, 1)), Is.True);
+            Assert.That(proxies.QuerySpheres(sphere, new ProxyFilter(uint.MaxValue, 2), found, ends.AsSpan(0, 1)), Is.True);
             Assert.That(ends[0], Is.EqualTo(2), "the proxies with odd index at 3 and 9");
 
             var ray = new RayQuery { OriginX = -10, DirectionX = 1, MaxDistance = 100 };
             var hits = new QueryHit[16];
-            proxies.Queries.Rays(new[] { ray }, new ProxyFilter(uint.MaxValue, 2), hits.AsSpan(0, 1));
+            proxies.CastRays(new[] { ray }, new ProxyFilter(uint.MaxValue, 2), hits.AsSpan(0, 1));
             Assert.That(hits[0].Proxy, Is.EqualTo(handles[1]));
             Assert.That(hits[0].Distance, Is.EqualTo(12).Within(1e-4));
-            Assert.That(proxies.Queries.AllHits(ray, ProxyFilter.All, hits, out int count), Is.True);
+            Assert.That(proxies.CastRay(ray, ProxyFilter.All, hits, out int count), Is.True);
             Assert.That(count, Is.EqualTo(10));
             Assert.That(hits[9].Proxy, Is.EqualTo(handles[9]));
 
             var sweep = new BoxSweepQuery { Box = Aabb.Around(0, 10, 0, 1, 1, 1), TranslationY = -16 };
-            proxies.Queries.Sweeps(new[] { sweep }, ProxyFilter.All, hits.AsSpan(0, 1));
+            proxies.SweepBoxes(new[] { sweep }, ProxyFilter.All, hits.AsSpan(0, 1));
             Assert.That(hits[0].Proxy, Is.EqualTo(handles[0]));
             Assert.That(hits[0].Distance, Is.EqualTo(0.5F).Within(1e-4));
         }

@@ -13,13 +13,11 @@ namespace Sweepstake
     public sealed unsafe class BroadPhaseSession : NativeObject
     {
         /// <param name="options">Null for the defaults.</param>
-        /// <exception cref="SweepstakeException">
-        /// A value is out of range, a backend is unknown (the message lists them), or no thread is left.
-        /// </exception>
+        /// <exception cref="SweepstakeException">A value or a backend is wrong (the message lists the backends), or no thread is left.</exception>
         public BroadPhaseSession(SessionOptions? options = null)
             : base(Create(options), NativeMethods.swp_session_destroy)
         {
-            Arms = Native.Texts(Read<uint>((session, count) => NativeMethods.swp_session_arm_count(session, count)), arm => Native.Text(NameOf(arm)));
+            Arms = Native.Texts(Read<uint>((self, count) => NativeMethods.swp_session_arm_count(self, count)), arm => Native.Text(NameOf(arm)));
         }
 
         /// <summary>The names of the backends in the order of arm indices.</summary>
@@ -44,7 +42,7 @@ namespace Sweepstake
 
         /// <summary>The pairs of the latest search, in the library's memory: valid until the next search or frame.</summary>
         public ReadOnlySpan<OverlapPair> Pairs =>
-            ReadArray<OverlapPair>((session, pairs, count) => NativeMethods.swp_session_pairs(session, pairs, count));
+            ReadArray<OverlapPair>((self, pairs, count) => NativeMethods.swp_session_pairs(self, pairs, count));
 
         /// <param name="frameTimeNs">The unscaled time since the end of the previous frame, in nanoseconds.</param>
         /// <param name="flags"><see cref="FrameFlags.Paused"/> and <see cref="FrameFlags.Loading"/>; the library sets the others.</param>
@@ -89,36 +87,33 @@ namespace Sweepstake
         /// <summary>In <see cref="SessionMode.Manual"/> only the game selects arms. Call it on the frame thread.</summary>
         public SessionMode Mode
         {
-            get => Read<SessionMode>((session, mode) => NativeMethods.swp_session_mode(session, mode));
+            get => Read<SessionMode>((self, mode) => NativeMethods.swp_session_mode(self, mode));
             set => Check(NativeMethods.swp_session_set_mode(Pointer, value));
         }
 
         /// <summary>Index of the active arm in <see cref="Arms"/>. Read it on the frame thread.</summary>
-        public int ActiveArm => (int)Read<uint>((session, arm) => NativeMethods.swp_session_active_arm(session, arm));
+        public int ActiveArm => (int)Read<uint>((self, arm) => NativeMethods.swp_session_active_arm(self, arm));
         /// <summary>The number of switches executed. Read it on the frame thread.</summary>
-        public uint SwitchEpoch => Read<uint>((session, epoch) => NativeMethods.swp_session_switch_epoch(session, epoch));
+        public uint SwitchEpoch => Read<uint>((self, epoch) => NativeMethods.swp_session_switch_epoch(self, epoch));
         /// <summary>The sample of the latest <see cref="EndFrame"/>; zeros before the first one. Read it on the frame thread.</summary>
-        public FrameSample LastSample => Read<FrameSample>((session, sample) => NativeMethods.swp_session_last_sample(session, sample));
+        public FrameSample LastSample => Read<FrameSample>((self, sample) => NativeMethods.swp_session_last_sample(self, sample));
         /// <summary>The decider's conclusion about the scene. Callable from any thread and cheap enough for each frame.</summary>
-        public Verdict Verdict => Read<Verdict>((session, verdict) => NativeMethods.swp_session_verdict(session, verdict));
+        public Verdict Verdict => Read<Verdict>((self, verdict) => NativeMethods.swp_session_verdict(self, verdict));
 
         /// <summary>The latest decision with its reasons. It stays available after the decider has ended. Callable from any thread.</summary>
         public Decision LastDecision =>
-            Read((session, decision) => NativeMethods.swp_session_last_decision(session, decision), new Decision { StructSize = (uint)sizeof(Decision) });
+            Read((self, decision) => NativeMethods.swp_session_last_decision(self, decision), new Decision { StructSize = (uint)sizeof(Decision) });
 
-        /// <summary>
-        /// The latest switch that has settled or was refused, whether the game or a decider requested it; zeros before the first. Callable
-        /// from any thread.
-        /// </summary>
-        public SwitchOutcome LastOutcome => Read<SwitchOutcome>((session, outcome) => NativeMethods.swp_session_last_outcome(session, outcome));
+        /// <summary>The latest switch that has settled or was refused, also of the game; zeros before the first. Callable from any thread.</summary>
+        public SwitchOutcome LastOutcome => Read<SwitchOutcome>((self, outcome) => NativeMethods.swp_session_last_outcome(self, outcome));
         /// <summary>Samples dropped since the session began because the queue was full. Callable from any thread.</summary>
-        public ulong DroppedSampleCount => Read<ulong>((session, samples) => NativeMethods.swp_session_dropped(session, samples, null));
+        public ulong DroppedSampleCount => Read<ulong>((self, samples) => NativeMethods.swp_session_dropped(self, samples, null));
 
         /// <summary>
         /// Counters of the shadow lane, and its state. If the lane does not run, the state is the reason. Callable from any thread.
         /// </summary>
         public ShadowStats ShadowStats =>
-            Read((session, stats) => NativeMethods.swp_session_shadow_stats(session, stats), new ShadowStats { StructSize = (uint)sizeof(ShadowStats) });
+            Read((self, stats) => NativeMethods.swp_session_shadow_stats(self, stats), new ShadowStats { StructSize = (uint)sizeof(ShadowStats) });
 
         /// <summary>The version of an arm's code; evidence of different versions is not combined. Callable from any thread.</summary>
         public uint VersionOf(int arm)

@@ -19,11 +19,11 @@ namespace Sweepstake
         }
 
         /// <summary>The pairs of the latest search, each once, in the library's memory: valid until the next build or update.</summary>
-        public ReadOnlySpan<OverlapPair> Pairs => ReadArray<OverlapPair>((world, pairs, count) => NativeMethods.swp_world_pairs(world, pairs, count));
+        public ReadOnlySpan<OverlapPair> Pairs => ReadArray<OverlapPair>((self, pairs, count) => NativeMethods.swp_world_pairs(self, pairs, count));
 
         /// <summary>The cost of the latest build or update and search, and the memory of the world.</summary>
         public WorldCounters Counters =>
-            Read((world, counters) => NativeMethods.swp_world_counters(world, counters), new WorldCounters { StructSize = (uint)sizeof(WorldCounters) });
+            Read((self, counters) => NativeMethods.swp_world_counters(self, counters), new WorldCounters { StructSize = (uint)sizeof(WorldCounters) });
 
         /// <summary>Discards all state and builds the structure from these boxes, which are read during the call only.</summary>
         public void Build(ReadOnlySpan<Aabb> boxes)
@@ -32,10 +32,7 @@ namespace Sweepstake
                 Check(NativeMethods.swp_world_build(Pointer, start, (uint)boxes.Length));
         }
 
-        /// <summary>
-        /// Replaces the boxes for the next frame. A larger count adds objects at the end, a smaller count removes the last ones; the others keep
-        /// their ids.
-        /// </summary>
+        /// <summary>Replaces the boxes for the next frame. A larger count adds objects at the end, a smaller count removes the last ones.</summary>
         public void Update(ReadOnlySpan<Aabb> boxes)
         {
             fixed (Aabb* start = boxes)

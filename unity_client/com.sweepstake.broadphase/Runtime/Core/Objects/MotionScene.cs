@@ -12,9 +12,7 @@ namespace Sweepstake
     {
         /// <param name="scene">One of <see cref="SweepstakeLibrary.Scenes"/>, or the path of a .aabbs file.</param>
         /// <param name="options">Null for the defaults.</param>
-        /// <exception cref="SweepstakeException">
-        /// The scene is unknown (the message lists them), a value is out of range, or the file is broken.
-        /// </exception>
+        /// <exception cref="SweepstakeException">A value or the file is wrong, or the scene is unknown; the message lists the scenes.</exception>
         public MotionScene(string scene, SceneOptions? options = null)
             : base(Create(scene, options ?? SceneOptions.Default), NativeMethods.swp_scene_destroy)
         {
@@ -38,11 +36,11 @@ namespace Sweepstake
         }
 
         /// <summary>The bounds of the motion; boxes may extend beyond them by their own size.</summary>
-        public Aabb World => Read<Aabb>((scene, world) => NativeMethods.swp_scene_world(scene, world));
+        public Aabb World => Read<Aabb>((self, world) => NativeMethods.swp_scene_world(self, world));
         /// <summary>The number of steps taken.</summary>
-        public ulong FrameIndex => Read<ulong>((scene, index) => NativeMethods.swp_scene_frame_index(scene, index));
+        public ulong FrameIndex => Read<ulong>((self, index) => NativeMethods.swp_scene_frame_index(self, index));
         /// <summary>FNV-1a hash of the current boxes: the same on every platform for the same seed and step.</summary>
-        public ulong Hash => Read<ulong>((scene, hash) => NativeMethods.swp_scene_hash(scene, hash));
+        public ulong Hash => Read<ulong>((self, hash) => NativeMethods.swp_scene_hash(self, hash));
 
         /// <summary>Advances the scene by one fixed step.</summary>
         public void Step() => Check(NativeMethods.swp_scene_step(Pointer));

@@ -7,21 +7,16 @@ namespace Sweepstake
     /// <summary>
     /// Objects with handles, filters, static and sleeping states and pair events, on top of a world or a session. A frame is
     /// <see cref="SetBoxes"/>, <see cref="FindPairs(BroadPhaseSession)"/>, then <see cref="Pairs"/>, <see cref="Added"/> and
-    /// <see cref="Removed"/>. One caller at a time. Queries are in <see cref="ProxyQueries"/>.
+    /// <see cref="Removed"/>. One caller at a time, except for queries after <see cref="PrepareQueries"/>.
     /// </summary>
-    /// <exception cref="SweepstakeException">
-    /// Each function that takes handles throws this if one of them is invalid; the set is then unchanged.
-    /// </exception>
+    /// <exception cref="SweepstakeException">Functions with handles throw this if one is invalid, and do not change the set.</exception>
     public sealed unsafe class ProxySet : NativeObject
     {
         /// <param name="options">Null for the defaults.</param>
         public ProxySet(ProxySetOptions? options = null)
             : base(Create(options ?? ProxySetOptions.Default), NativeMethods.swp_proxies_destroy)
         {
-            Queries = new ProxyQueries(this);
         }
-
-        public ProxyQueries Queries { get; }
 
         /// <summary>Adds a proxy for each box. A moving proxy costs O(1); static proxies are sorted at the next use.</summary>
         /// <param name="options">One entry per box; empty: moving, <see cref="ProxyFilter.All"/>, user 0.</param>
@@ -69,12 +64,10 @@ namespace Sweepstake
 
         public void SetUser(ProxyHandle proxy, ulong user) => Check(NativeMethods.swp_proxies_set_user(Pointer, proxy.Value, user));
 
-        public void SetStatic(ProxyHandle proxy, bool isStatic) => Check(NativeMethods.swp_proxies_set_static(Pointer, proxy.Value, isStatic ? 1u : 0u));
+        public void SetStatic(ProxyHandle proxy, bool isStatic) =>
+            Check(NativeMethods.swp_proxies_set_static(Pointer, proxy.Value, isStatic ? 1u : 0u));
 
-        /// <summary>
-        /// Sets whether a proxy sleeps. The caller promises that a sleeping proxy does not move; a new box wakes it. Pairs and events do
-        /// not depend on this state.
-        /// </summary>
+        /// <summary>Sets whether a proxy sleeps. It must not move then; a new box wakes it. Pairs and events do not depend on this.</summary>
         public void SetSleeping(ProxyHandle proxy, bool isSleeping) =>
             Check(NativeMethods.swp_proxies_set_sleeping(Pointer, proxy.Value, isSleeping ? 1u : 0u));
 
@@ -102,8 +95,8 @@ namespace Sweepstake
             return proxy;
         }
 
-        public int MovingCount => (int)Read<uint>((set, count) => NativeMethods.swp_proxies_counts(set, count, null, null));
-        public int StaticCount => (int)Read<uint>((set, count) => NativeMethods.swp_proxies_counts(set, null, count, null));
+        public int MovingCount => (int)Read<uint>((self, count) => NativeMethods.swp_proxies_counts(self, count, null, null));
+        public int StaticCount => (int)Read<uint>((self, count) => NativeMethods.swp_proxies_counts(self, null, count, null));
 
         /// <summary>Searches with a session, during its frame, and resolves the pairs.</summary>
         public void FindPairs(BroadPhaseSession session)
@@ -126,16 +119,16 @@ namespace Sweepstake
         }
 
         /// <summary>The pairs of the latest search by id; valid until the next search.</summary>
-        public ReadOnlySpan<OverlapPair> Pairs => ReadArray<OverlapPair>((set, pairs, count) => NativeMethods.swp_proxies_pairs(set, pairs, count));
+        public ReadOnlySpan<OverlapPair> Pairs => ReadArray<OverlapPair>((self, pairs, count) => NativeMethods.swp_proxies_pairs(self, pairs, count));
         /// <summary>The pairs that began with the latest search, ascending; empty without <see cref="ProxySetOptions.HasPairEvents"/>.</summary>
-        public ReadOnlySpan<ProxyPair> Added => ReadArray<ProxyPair>((set, pairs, count) => NativeMethods.swp_proxies_added(set, pairs, count));
+        public ReadOnlySpan<ProxyPair> Added => ReadArray<ProxyPair>((self, pairs, count) => NativeMethods.swp_proxies_added(self, pairs, count));
         /// <summary>The pairs that ended with the latest search, including those of removed proxies.</summary>
-        public ReadOnlySpan<ProxyPair> Removed => ReadArray<ProxyPair>((set, pairs, count) => NativeMethods.swp_proxies_removed(set, pairs, count));
+        public ReadOnlySpan<ProxyPair> Removed => ReadArray<ProxyPair>((self, pairs, count) => NativeMethods.swp_proxies_removed(self, pairs, count));
 
         /// <summary>Returns the complete state without pointers, for games that roll back to an earlier frame.</summary>
         public byte[] Save()
         {
-            var snapshot = new byte[Read<ulong>((set, bytes) => NativeMethods.swp_proxies_snapshot_bytes(set, bytes))];
+            var snapshot = new byte[Read<ulong>((self, bytes) => NativeMethods.swp_proxies_snapshot_bytes(self, bytes))];
             fixed (byte* start = snapshot)
                 Check(NativeMethods.swp_proxies_save(Pointer, start, (ulong)snapshot.Length));
             return snapshot;
@@ -146,6 +139,85 @@ namespace Sweepstake
         {
             fixed (byte* start = snapshot)
                 Check(NativeMethods.swp_proxies_restore(Pointer, start, (ulong)snapshot.Length));
+        }
+
+        /// <summary>
+        /// Prepares queries over moving and static proxies after changes; O(1) if nothing has changed. A proxy is found if its filter and the
+        /// query's filter match. Until the set changes, any number of threads may then query at the same time. Nothing allocates.
+        /// </summary>
+        public void PrepareQueries() => Check(NativeMethods.swp_proxies_prepare_queries(Pointer));
+
+        /// <summary>For each box, finds all proxies that overlap it, by ascending id.</summary>
+        /// <param name="found">
+        /// Receives the proxies. The proxies of box k begin at index ends[k - 1] (0 for the first box) and end before index ends[k].
+        /// </param>
+        /// <param name="ends">One entry per box; the last one is the number of proxies found.</param>
+        /// <returns>False: `found` is too small and was not filled; the last entry of `ends` is the required size.</returns>
+        public bool QueryBoxes(ReadOnlySpan<Aabb> boxes, ProxyFilter filter, Span<ProxyHandle> found, Span<ulong> ends)
+        {
+            CheckLengths(boxes.Length, ends.Length);
+            fixed (Aabb* box = boxes)
+            fixed (ProxyHandle* handle = found)
+            fixed (ulong* end = ends)
+                return Fits(NativeMethods.swp_proxies_query_boxes(
+                    Pointer, box, (uint)boxes.Length, &filter, handle, (ulong)found.Length, end));
+        }
+
+        /// <summary>Like <see cref="QueryBoxes"/>, for the proxies that touch a sphere.</summary>
+        public bool QuerySpheres(ReadOnlySpan<SphereQuery> spheres, ProxyFilter filter, Span<ProxyHandle> found, Span<ulong> ends)
+        {
+            CheckLengths(spheres.Length, ends.Length);
+            fixed (SphereQuery* sphere = spheres)
+            fixed (ProxyHandle* handle = found)
+            fixed (ulong* end = ends)
+                return Fits(NativeMethods.swp_proxies_query_spheres(
+                    Pointer, sphere, (uint)spheres.Length, &filter, handle, (ulong)found.Length, end));
+        }
+
+        /// <summary>Finds the nearest hit of each ray. If a ray hits nothing, the hit's proxy is None.</summary>
+        public void CastRays(ReadOnlySpan<RayQuery> rays, ProxyFilter filter, Span<QueryHit> hits)
+        {
+            CheckLengths(rays.Length, hits.Length);
+            fixed (RayQuery* ray = rays)
+            fixed (QueryHit* hit = hits)
+                Check(NativeMethods.swp_proxies_cast_rays(Pointer, ray, (uint)rays.Length, &filter, hit));
+        }
+
+        /// <summary>Finds the nearest hit of each moving box. If a box hits nothing, the hit's proxy is None.</summary>
+        public void SweepBoxes(ReadOnlySpan<BoxSweepQuery> sweeps, ProxyFilter filter, Span<QueryHit> hits)
+        {
+            CheckLengths(sweeps.Length, hits.Length);
+            fixed (BoxSweepQuery* sweep = sweeps)
+            fixed (QueryHit* hit = hits)
+                Check(NativeMethods.swp_proxies_sweep_boxes(Pointer, sweep, (uint)sweeps.Length, &filter, hit));
+        }
+
+        /// <summary>Finds all hits of one ray by ascending distance.</summary>
+        /// <param name="count">The number of hits.</param>
+        /// <returns>False: `hits` is too small and was not filled.</returns>
+        public bool CastRay(in RayQuery ray, ProxyFilter filter, Span<QueryHit> hits, out int count)
+        {
+            ulong found = 0;
+            bool fits;
+            fixed (RayQuery* start = &ray)
+            fixed (QueryHit* hit = hits)
+                fits = Fits(NativeMethods.swp_proxies_cast_ray(Pointer, start, &filter, hit, (ulong)hits.Length, &found));
+            count = checked((int)found);
+            return fits;
+        }
+
+        private bool Fits(ResultCode result)
+        {
+            if (result == ResultCode.ResourceExhausted)
+                return false;
+            Check(result);
+            return true;
+        }
+
+        private static void CheckLengths(int queries, int results)
+        {
+            if (queries != results)
+                throw new ArgumentException("Pass as many results as queries.");
         }
 
         private ReadOnlySpan<Aabb> MovingBoxes()

@@ -104,15 +104,16 @@ namespace Sweepstake.Unity
                 Review(pair);
         }
 
-        /// <summary>
-        /// Raises the events of a frame: first the ends, then the beginnings, then those of the pairs that last. A listener may change the
-        /// tracked colliders and destroy colliders.
-        /// </summary>
+        /// <summary>Raises the events of a frame: ends, beginnings, then lasting pairs. A listener may change and destroy colliders.</summary>
         internal void Raise(Listeners<ColliderPair> endListeners, Listeners<ColliderPair> beginListeners, UnityEngine.Object context)
         {
             (ended, ending) = (ending, ended);
             (due, beginning) = (beginning, due);
-            FindLasting();
+            for (int index = 0; index < OpenCount; ++index)
+            {
+                if (pairs[index].A.Body?.Stays.IsEmpty == false || pairs[index].B.Body?.Stays.IsEmpty == false)
+                    lasting.Add(pairs[index]);
+            }
             foreach ((TrackedCollider a, TrackedCollider b) in ending)
             {
                 endListeners.Raise(new ColliderPair(a.Collider, b.Collider), context);
@@ -148,16 +149,6 @@ namespace Sweepstake.Unity
                 listeners(a.Body).Raise(new ColliderPair(a.Collider, b.Collider), a.Body);
             if (pair.IsOpen && Exist(pair) && !(b.Body is null))
                 listeners(b.Body).Raise(new ColliderPair(b.Collider, a.Collider), b.Body);
-        }
-
-        private void FindLasting()
-        {
-            for (int index = 0; index < OpenCount; ++index)
-            {
-                TrackedPair pair = pairs[index];
-                if (pair.A.Body?.Stays.IsEmpty == false || pair.B.Body?.Stays.IsEmpty == false)
-                    lasting.Add(pair);
-            }
         }
 
         /// <returns>True if the pair was closed.</returns>

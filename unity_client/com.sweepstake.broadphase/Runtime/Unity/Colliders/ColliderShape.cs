@@ -36,8 +36,8 @@ namespace Sweepstake.Unity
         internal readonly bool HasBox => kind != Kind.None;
 
         /// <summary>
-        /// Reads the shape on the main thread. `former` is the shape that was read before: the box of a collider type that this method does not
-        /// know comes from PhysX, and is read only if `former` has no box.
+        /// Reads the shape on the main thread. `former` is the shape that was read before: the box of another collider type
+        /// comes from PhysX, and is read only if `former` has no box.
         /// </summary>
         internal static ColliderShape Of(Collider collider, in ColliderShape former)
         {
@@ -103,7 +103,7 @@ namespace Sweepstake.Unity
 
         private static ColliderShape OfBounds(Bounds bounds) => new ColliderShape { kind = Kind.Box, center = bounds.center, halfSize = bounds.extents };
 
-        /// <summary>Reads the box of a terrain, a wheel or another type from PhysX, which must know the transforms first.</summary>
+        /// <summary>Reads the box of a terrain, a wheel or another type from PhysX, which needs the current transforms first.</summary>
         private static ColliderShape OfPhysX(Collider collider)
         {
             Physics.SyncTransforms();
@@ -123,10 +123,8 @@ namespace Sweepstake.Unity
 #endif
     internal struct ColliderBoxesJob : IJobParallelForTransform
     {
-        [ReadOnly]
-        internal NativeArray<ColliderShape> Shapes;
-        [WriteOnly]
-        internal NativeArray<Aabb> Boxes;
+        [ReadOnly] internal NativeArray<ColliderShape> Shapes;
+        [WriteOnly] internal NativeArray<Aabb> Boxes;
 
         public void Execute(int index, TransformAccess transform) =>
             Boxes[index] = transform.isValid ? Shapes[index].BoxOf(transform.localToWorldMatrix) : ColliderShape.NoBox;

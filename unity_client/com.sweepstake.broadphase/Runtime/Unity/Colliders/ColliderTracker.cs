@@ -143,7 +143,7 @@ namespace Sweepstake.Unity
             ReadOnlySpan<Aabb> boxes = stackalloc[] { new Aabb(min.x, min.y, min.z, max.x, max.y, max.z) };
             Span<ulong> ends = stackalloc ulong[1];
             result.Clear();
-            while (PreparedQueries() is ProxyQueries queries && !queries.Boxes(boxes, LayerFilters.Query(layers), hits, ends))
+            while (PreparedProxies() is ProxySet proxies && !proxies.QueryBoxes(boxes, LayerFilters.Query(layers), hits, ends))
                 hits = new ProxyHandle[2 * ends[0]];
             AddOwners(ends[0], result);
         }
@@ -151,10 +151,11 @@ namespace Sweepstake.Unity
         /// <summary>Finds all tracked colliders whose boxes touch the sphere. Replaces the list's content.</summary>
         public void OverlapSphere(Vector3 center, float radius, LayerMask layers, List<Collider> result)
         {
-            ReadOnlySpan<SphereQuery> spheres = stackalloc[] { new SphereQuery { CenterX = center.x, CenterY = center.y, CenterZ = center.z, Radius = radius } };
+            var sphere = new SphereQuery { CenterX = center.x, CenterY = center.y, CenterZ = center.z, Radius = radius };
+            ReadOnlySpan<SphereQuery> spheres = stackalloc[] { sphere };
             Span<ulong> ends = stackalloc ulong[1];
             result.Clear();
-            while (PreparedQueries() is ProxyQueries queries && !queries.Spheres(spheres, LayerFilters.Query(layers), hits, ends))
+            while (PreparedProxies() is ProxySet proxies && !proxies.QuerySpheres(spheres, LayerFilters.Query(layers), hits, ends))
                 hits = new ProxyHandle[2 * ends[0]];
             AddOwners(ends[0], result);
         }
@@ -164,20 +165,18 @@ namespace Sweepstake.Unity
         public bool Raycast(Ray ray, float maxDistance, LayerMask layers, out Collider? hit, out float distance)
         {
             (Vector3 origin, Vector3 direction) = (ray.origin, ray.direction);
-            ReadOnlySpan<RayQuery> rays = stackalloc[]
+            var query = new RayQuery
             {
-                new RayQuery
-                {
-                    OriginX = origin.x, OriginY = origin.y, OriginZ = origin.z,
-                    DirectionX = direction.x, DirectionY = direction.y, DirectionZ = direction.z,
-                    MaxDistance = Math.Min(maxDistance, float.MaxValue),
-                },
+                OriginX = origin.x, OriginY = origin.y, OriginZ = origin.z,
+                DirectionX = direction.x, DirectionY = direction.y, DirectionZ = direction.z,
+                MaxDistance = Math.Min(maxDistance, float.MaxValue),
             };
+            ReadOnlySpan<RayQuery> rays = stackalloc[] { query };
             Span<QueryHit> nearest = stackalloc QueryHit[1];
             // A hit that was destroyed since the latest frame must not hide a collider behind it.
             do
             {
-                PreparedQueries()?.Rays(rays, LayerFilters.Query(layers), nearest);
+                PreparedProxies()?.CastRays(rays, LayerFilters.Query(layers), nearest);
                 hit = nearest[0].Proxy.IsNone ? null : colliders!.OwnerOf(nearest[0].Proxy);
             }
             while (!(hit is null) && hit == null && colliders!.Remove(hit!));
@@ -185,11 +184,11 @@ namespace Sweepstake.Unity
             return !(hit is null);
         }
 
-        private ProxyQueries? PreparedQueries()
+        private ProxySet? PreparedProxies()
         {
-            ProxyQueries? queries = Proxies?.Queries;
-            queries?.Prepare();
-            return queries;
+            ProxySet? proxies = Proxies;
+            proxies?.PrepareQueries();
+            return proxies;
         }
 
         /// <summary>Adds the colliders of the first hits to a list, without destroyed ones.</summary>

@@ -37,8 +37,7 @@ namespace Sweepstake.Unity
             set
             {
                 tracker = value;
-                if (Bodies.Contains(this))
-                    Bind();
+                OnValidate();
             }
         }
 
@@ -103,7 +102,7 @@ namespace Sweepstake.Unity
             Unbind();
         }
 
-        /// <summary>Applies another tracker that was selected in the inspector during play.</summary>
+        /// <summary>Applies another tracker, which may also be selected in the inspector during play.</summary>
         private void OnValidate()
         {
             if (Bodies.Contains(this))
