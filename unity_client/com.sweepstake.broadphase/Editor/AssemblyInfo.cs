@@ -1,4 +1,2 @@
-using System.Runtime.CompilerServices;
-
-[assembly: InternalsVisibleTo("Sweepstake.Unity.Tests")]
-[assembly: InternalsVisibleTo("Sweepstake.Editor.Tests")]
+[assembly: System.Runtime.CompilerServices.InternalsVisibleTo("Sweepstake.Unity.Tests")]
+[assembly: System.Runtime.CompilerServices.InternalsVisibleTo("Sweepstake.Editor.Tests")]

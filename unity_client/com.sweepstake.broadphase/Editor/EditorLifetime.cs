@@ -12,13 +12,11 @@ namespace Sweepstake.Editor
         {
             AssemblyReloadEvents.beforeAssemblyReload += SweepstakeManager.Shutdown;
             EditorApplication.quitting += SweepstakeManager.Shutdown;
-            EditorApplication.playModeStateChanged += OnPlayModeChanged;
-        }
-
-        private static void OnPlayModeChanged(PlayModeStateChange change)
-        {
-            if (change == PlayModeStateChange.EnteredEditMode)
-                SweepstakeManager.Shutdown();
+            EditorApplication.playModeStateChanged += change =>
+            {
+                if (change == PlayModeStateChange.EnteredEditMode)
+                    SweepstakeManager.Shutdown();
+            };
         }
     }
 }

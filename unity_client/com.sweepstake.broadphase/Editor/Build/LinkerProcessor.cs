@@ -6,10 +6,7 @@ using UnityEditor.UnityLinker;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>
-    /// Makes the linker keep code that stripping would remove: the structs of the C ABI, which native code reads. Unity ignores a
-    /// link.xml in a package, so this class writes one for each build.
-    /// </summary>
+    /// <summary>Keeps the structs of the C ABI, which native code reads, when code is stripped. Unity ignores a link.xml in a package.</summary>
     internal sealed class LinkerProcessor : IUnityLinkerProcessor
     {
         internal const string Folder = "Library/com.sweepstake.broadphase";

@@ -10,10 +10,7 @@ using UnityEngine.UIElements;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>
-    /// The inspector of a manager. It shows the fields as Unity draws them (with undo, prefab overrides and multi-object editing). In play
-    /// mode it also shows the state of the manager and its actions below them.
-    /// </summary>
+    /// <summary>Shows the fields as Unity draws them (undo, prefab overrides, multi-object editing); in play mode also state and actions.</summary>
     [CustomEditor(typeof(SweepstakeManager))]
     [CanEditMultipleObjects]
     internal sealed class SweepstakeManagerEditor : UnityEditor.Editor
@@ -106,7 +103,7 @@ namespace Sweepstake.Editor
         {
             if (Manager.Decider == null)
             {
-                Tell("A daemon stores what the game learns; export it with `sweepstake priors export`.");
+                ShowMessage("A daemon stores what the game learns; export it with `sweepstake priors export`.");
                 return;
             }
             try
@@ -115,7 +112,7 @@ namespace Sweepstake.Editor
             }
             catch (Exception problem) when (problem is SweepstakeException || problem is IOException || problem is UnauthorizedAccessException)
             {
-                Tell("The priors were not exported. " + problem.Message);
+                ShowMessage("The priors were not exported. " + problem.Message);
             }
         }
 
@@ -128,6 +125,6 @@ namespace Sweepstake.Editor
             AssetDatabase.Refresh();
         }
 
-        private static void Tell(string problem) => EditorUtility.DisplayDialog("Sweepstake", problem, "OK");
+        private static void ShowMessage(string problem) => EditorUtility.DisplayDialog("Sweepstake", problem, "OK");
     }
 }

@@ -8,10 +8,7 @@ using Sweepstake.Protocol.V1;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>
-    /// The daemon's services for tools of the editor, through the generated stubs: live posteriors, export and import of evidence, and
-    /// sessions. Thread-safe. The only data that leaves the machine is the requests to the daemon.
-    /// </summary>
+    /// <summary>The daemon's services for tools of the editor, through the generated stubs. Thread-safe. Only requests leave the machine.</summary>
     public sealed class DaemonClient : IDisposable
     {
         private readonly GrpcChannel channel;

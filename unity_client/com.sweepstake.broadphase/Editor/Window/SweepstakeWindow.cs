@@ -9,10 +9,7 @@ using UnityEngine.UIElements;
 
 namespace Sweepstake.Editor
 {
-    /// <summary>
-    /// Live data of the first manager: frame rate, detection time, pairs, backend, and on request the daemon's posteriors. The data stays after
-    /// play mode ends.
-    /// </summary>
+    /// <summary>Charts of the first manager, and on request the daemon's posteriors. The data stays after play mode ends.</summary>
     [DocumentationPage("window.md")]
     internal sealed class SweepstakeWindow : EditorWindow
     {

@@ -1,4 +1,2 @@
-using System.Runtime.CompilerServices;
-
-[assembly: InternalsVisibleTo("Sweepstake.Core.Tests")]
-[assembly: InternalsVisibleTo("Sweepstake.Daemon.Tests")]
+[assembly: System.Runtime.CompilerServices.InternalsVisibleTo("Sweepstake.Core.Tests")]
+[assembly: System.Runtime.CompilerServices.InternalsVisibleTo("Sweepstake.Daemon.Tests")]

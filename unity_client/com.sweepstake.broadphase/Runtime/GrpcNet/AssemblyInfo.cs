@@ -1,5 +1,3 @@
-using System.Runtime.CompilerServices;
-
-[assembly: InternalsVisibleTo("Sweepstake.Editor")]
-[assembly: InternalsVisibleTo("Sweepstake.Daemon.Tests")]
-[assembly: InternalsVisibleTo("Sweepstake.Unity.Tests")]
+[assembly: System.Runtime.CompilerServices.InternalsVisibleTo("Sweepstake.Editor")]
+[assembly: System.Runtime.CompilerServices.InternalsVisibleTo("Sweepstake.Daemon.Tests")]
+[assembly: System.Runtime.CompilerServices.InternalsVisibleTo("Sweepstake.Unity.Tests")]

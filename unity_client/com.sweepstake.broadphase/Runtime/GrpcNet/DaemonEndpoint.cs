@@ -21,7 +21,7 @@ namespace Sweepstake.GrpcNet
 
         /// <summary>HOST:PORT; an IPv6 address in brackets.</summary>
         public string Address { get; set; } = DefaultAddress;
-        /// <summary>Whether to use TLS, which <see cref="Handler"/> configures. False for plain text; then no token is sent to another machine.</summary>
+        /// <summary>Whether to use TLS, which <see cref="Handler"/> configures. Without TLS no token is sent to another machine.</summary>
         public bool UsesTls { get; set; }
         /// <summary>The token for a daemon that requires one; never displayed. Null for none.</summary>
         public string? Token { get; set; }
@@ -35,7 +35,6 @@ namespace Sweepstake.GrpcNet
         /// before 6000.5 does not have HTTP/2 and needs a custom handler.
         /// </summary>
         public Func<HttpMessageHandler>? Handler { get; set; }
-
         /// <summary>Whether the address belongs to this machine.</summary>
         public bool IsLoopback => AsUri().IsLoopback;
 

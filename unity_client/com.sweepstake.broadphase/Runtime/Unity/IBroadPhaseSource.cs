@@ -17,10 +17,7 @@ namespace Sweepstake.Unity
         /// <summary>Called after the frame, to raise events. An exception is logged and does not stop the frames.</summary>
         void Report();
 
-        /// <summary>
-        /// Returns, for debug views, the boxes of the pair with this index in the latest search. Returns false if there is no such pair, or
-        /// if an object of the pairs was removed after the search.
-        /// </summary>
+        /// <summary>Returns, for debug views, the boxes of a pair of the latest search; false if there is none or an object was removed.</summary>
         bool TryGetPair(int index, out Aabb a, out Aabb b);
 
         /// <summary>

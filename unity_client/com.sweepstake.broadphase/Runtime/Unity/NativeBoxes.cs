@@ -44,10 +44,8 @@ namespace Sweepstake.Unity
 #endif
         private struct ToAabbsJob : IJobParallelFor
         {
-            [ReadOnly]
-            internal NativeArray<Bounds> Bounds;
-            [WriteOnly]
-            internal NativeArray<Aabb> Boxes;
+            [ReadOnly] internal NativeArray<Bounds> Bounds;
+            [WriteOnly] internal NativeArray<Aabb> Boxes;
 
             public void Execute(int index)
             {

@@ -6,10 +6,7 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>
-    /// How a <see cref="SweepstakeManager"/> searches, decides and connects to a daemon. A manager without a config uses these defaults. The
-    /// config is read when the manager is enabled.
-    /// </summary>
+    /// <summary>How a manager searches, decides and connects; without a config it uses these defaults. Read when the manager is enabled.</summary>
     [CreateAssetMenu(menuName = "Sweepstake/Config", fileName = "SweepstakeConfig")]
     [DocumentationPage("components.md")]
     public sealed class SweepstakeConfig : ScriptableObject

@@ -166,10 +166,7 @@ namespace Sweepstake.Unity
         private SessionHost RunningHost =>
             host ?? throw new InvalidOperationException("Enable the manager first. If it is enabled, its Problem says why it does not run.");
 
-        /// <summary>
-        /// Ends the native objects of all managers, and all other native objects of the process, within about half a second. May be called
-        /// at any time between frames.
-        /// </summary>
+        /// <summary>Ends all native objects of the process within about half a second. May be called at any time between frames.</summary>
         public static void Shutdown()
         {
             // This ends the native objects of all managers at the same time, so the wait does not depend on their number. Each host below then
@@ -283,10 +280,7 @@ namespace Sweepstake.Unity
             SweepstakeProfiling.Show(session.LastSample);
         }
 
-        /// <summary>
-        /// Returns the flags of the frame that ends now, which exclude it from learning. The first frame after a pause or a load is flagged too,
-        /// because its time includes the pause or load.
-        /// </summary>
+        /// <summary>The flags of this frame. The first frame after a pause or load is flagged too, because its time includes the pause.</summary>
         private FrameFlags TakeFlags()
         {
             bool isAway = isPaused || isInBackground || Time.timeScale == 0;

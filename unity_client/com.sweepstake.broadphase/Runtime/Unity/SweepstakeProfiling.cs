@@ -3,10 +3,7 @@ using Unity.Profiling;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>
-    /// Data for the profiler: markers of the parts of a frame, and counters of each search in the category Scripts. They cost nothing in a release
-    /// player.
-    /// </summary>
+    /// <summary>Markers of the parts of a frame, and counters of each search in the category Scripts. They cost nothing in release players.</summary>
     public static class SweepstakeProfiling
     {
         public const string DetectionName = "Sweepstake Detection Time";

@@ -8,9 +8,10 @@ namespace Sweepstake
     /// <summary>The state of a connection at one moment. It is immutable, so any thread may keep it.</summary>
     public sealed unsafe class ConnectionStatus
     {
-        internal static readonly ConnectionStatus Initial = new ConnectionStatus(default, new[] { "", "", "", "", "" }, default);
         private const int MaxTextBytes = 4096;
         private const int MaxArms = 32;
+        private static readonly LinkText[] AllTexts = (LinkText[])Enum.GetValues(typeof(LinkText));
+        internal static readonly ConnectionStatus Initial = new ConnectionStatus(default, Array.ConvertAll(AllTexts, _ => ""), default);
 
         private readonly string[] texts; // by LinkText
 
@@ -43,7 +44,7 @@ namespace Sweepstake
             var stats = new LinkStats { StructSize = (uint)sizeof(LinkStats) };
             Native.Check(NativeMethods.swp_link_status(link, &stats));
             if (hasNews)
-                return new ConnectionStatus(stats, TextsOf(link), BeliefsOf(link));
+                return new ConnectionStatus(stats, Array.ConvertAll(AllTexts, which => TextOf(link, which)), BeliefsOf(link));
             LinkStats former = Stats;
             bool isSame = new ReadOnlySpan<byte>(&stats, sizeof(LinkStats)).SequenceEqual(new ReadOnlySpan<byte>(&former, sizeof(LinkStats)));
             return isSame ? this : new ConnectionStatus(stats, texts, Beliefs);
@@ -54,14 +55,6 @@ namespace Sweepstake
             LinkStats stats = Stats;
             stats.State = LinkState.Closed;
             return new ConnectionStatus(stats, texts, Beliefs);
-        }
-
-        private static string[] TextsOf(IntPtr link)
-        {
-            var texts = new string[Initial.texts.Length];
-            for (int which = 0; which < texts.Length; ++which)
-                texts[which] = TextOf(link, (LinkText)which);
-            return texts;
         }
 
         private static string TextOf(IntPtr link, LinkText which)

@@ -35,8 +35,7 @@ namespace Sweepstake
             this.transport = transport ?? throw new ArgumentNullException(nameof(transport));
             wakeAfter = task =>
             {
-                // Reading the exception marks the failed write as observed. The failure itself is reported by the read that ends the
-                // stream.
+                // Reading the exception marks the failed write as observed. The read that ends the stream reports the failure itself.
                 _ = task.Exception;
                 Wake();
             };
@@ -82,9 +81,7 @@ namespace Sweepstake
             status = status.Closed();
         }
 
-        /// <summary>
-        /// Sleeps until the next stream is due; false if there will not be another stream. It allocates nothing, and only Stop wakes it early.
-        /// </summary>
+        /// <summary>Sleeps until the next stream is due; false if there will not be another. Allocates nothing; only Stop wakes it early.</summary>
         private bool WaitForStream(uint delayMs)
         {
             ulong dueNs = SteadyClock.After((int)delayMs);
@@ -98,10 +95,7 @@ namespace Sweepstake
             return false;
         }
 
-        /// <summary>
-        /// Moves the session's samples into the native link, so that the session's queue has room during the next delay. Returns false if
-        /// this object is being stopped.
-        /// </summary>
+        /// <summary>Reads the session's samples, so that its queue has room during the next delay. False if this object is being stopped.</summary>
         private bool EmptyQueue()
         {
             lock (Gate)
@@ -127,7 +121,7 @@ namespace Sweepstake
             }
             using (stream)
             {
-                Connected();
+                Call(() => NativeMethods.swp_link_connected(link, SteadyClock.NowNs));
                 try
                 {
                     return Disconnected(MoveBytes(stream));
@@ -220,26 +214,20 @@ namespace Sweepstake
             return action == LinkAction.Send && !canWrite ? LinkAction.None : action;
         }
 
-        private void Connected()
+        private void OnMessage(byte[] message) => Call(() =>
         {
-            lock (Gate)
-            {
-                if (IsClosed)
-                    return;
-                Native.Check(NativeMethods.swp_link_connected(link, SteadyClock.NowNs));
-                status = status.Updated(link, true);
-            }
-        }
+            fixed (byte* start = message)
+                return NativeMethods.swp_link_on_message(link, start, (ulong)message.Length, SteadyClock.NowNs);
+        });
 
-        private void OnMessage(byte[] message)
+        /// <summary>Calls a function of the link and updates the status. Does nothing once this object is closed.</summary>
+        private void Call(Func<ResultCode> function)
         {
             lock (Gate)
             {
                 if (IsClosed)
                     return;
-                ResultCode result;
-                fixed (byte* start = message)
-                    result = NativeMethods.swp_link_on_message(link, start, (ulong)message.Length, SteadyClock.NowNs);
+                ResultCode result = function();
                 // After a message that cannot be parsed, the link's next action ends the stream.
                 if (result != ResultCode.DataLoss)
                     Native.Check(result);

@@ -89,10 +89,7 @@ namespace Sweepstake
             }
         }
 
-        /// <summary>
-        /// Reads the costs of the frames since the last poll, and decides if a decision is due. It allocates native memory and waits for a poll
-        /// that is running on another thread.
-        /// </summary>
+        /// <summary>Reads the frames since the last poll, and makes a due decision. It allocates, and waits for a poll of another thread.</summary>
         /// <param name="nowNs">The time of <see cref="SteadyClock"/>. Without the decider's own thread, any other steady clock works
         /// too.</param>
         /// <returns>Whether a switch was commanded.</returns>

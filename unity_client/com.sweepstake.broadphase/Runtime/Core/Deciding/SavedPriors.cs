@@ -37,10 +37,7 @@ namespace Sweepstake
         public string Path { get; private set; }
         /// <summary>Why a file was set aside, or why the latest one is not written, and what to do; "" if nothing is wrong.</summary>
         public string Problem => problem;
-        /// <summary>
-        /// The name of the source under which the decider learns. A new file has a new name, because the sequence numbers of its records
-        /// begin at 1 again.
-        /// </summary>
+        /// <summary>Source name under which the decider learns. A new file has a new name, because its sequence numbers begin at 1 again.</summary>
         internal string SourceId => System.IO.Path.GetExtension(System.IO.Path.GetFileNameWithoutExtension(Path)).Substring(1);
         /// <summary>What is newer than the file, because it is not written yet; null if the file is up to date.</summary>
         internal byte[]? Unwritten => unwritten;
@@ -170,7 +167,7 @@ namespace Sweepstake
 
         private static string NewPath(string stem) => $"{stem}.{Guid.NewGuid():N}{Extension}";
 
-        /// <summary>The letters and digits of a name, for people who look at the files. The hash tells the files apart.</summary>
+        /// <summary>The letters and digits of a name, for people who look at the files. The hash makes the file name unique.</summary>
         private static string FileName(string name)
         {
             string kept = new string(name.Where(letter => letter < 128 && char.IsLetterOrDigit(letter)).Take(MaxNameChars).ToArray());

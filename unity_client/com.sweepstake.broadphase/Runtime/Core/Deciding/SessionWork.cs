@@ -35,7 +35,6 @@ namespace Sweepstake
         public BroadPhaseSession Session { get; }
         /// <summary>The exception that ended the thread; null while the thread runs or after it was stopped.</summary>
         public Exception? Failure => failure;
-
         /// <summary>Whether this object was stopped, also by <see cref="SweepstakeLibrary.Shutdown"/>.</summary>
         public bool HasEnded => isReleased;
         /// <summary>How often the thread has returned from <see cref="Sleep"/>.</summary>
@@ -45,7 +44,6 @@ namespace Sweepstake
         private protected bool HasThread => thread != null;
         private protected bool IsClosed { get; private set; }
         private protected bool IsStopping { get; private set; }
-
         /// <summary>Number of deciders and connections of this process that have not been stopped.</summary>
         public static int RunningCount => Running.Count;
 

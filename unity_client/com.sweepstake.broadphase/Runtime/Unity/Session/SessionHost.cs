@@ -4,10 +4,7 @@ using UnityEngine;
 
 namespace Sweepstake.Unity
 {
-    /// <summary>
-    /// A session, with the decider or connection that decides for it. It is created from a config and can be changed while the game runs.
-    /// Use it on the main thread.
-    /// </summary>
+    /// <summary>A session, with the decider or connection that decides for it. Use it on the main thread.</summary>
     internal sealed class SessionHost
     {
         private readonly SweepstakeConfig config;
@@ -60,10 +57,7 @@ namespace Sweepstake.Unity
             }
         }
 
-        /// <summary>
-        /// Keeps the session for a manager that may be enabled again, and begins to save what was learnt. Returns false if the session
-        /// cannot continue, because a daemon decides or the decider has failed.
-        /// </summary>
+        /// <summary>Keeps the session for a manager that may be enabled again, and saves what was learnt. False if it cannot continue.</summary>
         internal bool Rest(ulong endNs)
         {
             if (!CanContinue)
@@ -106,7 +100,7 @@ namespace Sweepstake.Unity
 
         internal void StopCsv() => EndCsv(FrameCsvWriter.DisposeTimeoutMs);
 
-        /// <summary>Reports failures of other threads since the last call, and returns the most important current problem; "" if there is none.</summary>
+        /// <summary>Reports new failures of other threads, and returns the most important current problem; "" if there is none.</summary>
         /// <param name="status">The status of the connection; null without one.</param>
         /// <param name="otherProblem">A problem of the caller. It is more important than problems of files.</param>
         internal string FindProblem(ConnectionStatus? status, string otherProblem)

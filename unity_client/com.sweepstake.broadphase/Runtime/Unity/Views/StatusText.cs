@@ -31,10 +31,7 @@ namespace Sweepstake.Unity
                 text.Append("\nvSync is on: it limits the frame rate, and with it the gain of a faster backend.");
         }
 
-        /// <summary>
-        /// Appends the latest decision: its reason, the backend that it commands or holds back, the best backend with its probability, and its age.
-        /// Unknown parts are left out.
-        /// </summary>
+        /// <summary>Appends the latest decision: reason, command or candidate, the best backend, and age. Unknown parts are left out.</summary>
         public static void AppendDecision(StringBuilder text, SweepstakeManager manager) => AppendDecision(text, manager, manager.LastDecision);
 
         internal static void AppendDecision(StringBuilder text, SweepstakeManager manager, in Decision decision)
@@ -72,7 +69,7 @@ namespace Sweepstake.Unity
             VerdictKind.Tie => "Some backends are equally good. There is nothing to do.",
             VerdictKind.Ambiguous => "The best backend is not known yet. Expect switches.",
             VerdictKind.Degraded => "Even the best backend takes too long for the frame-rate floor. Spawn fewer or smaller objects, or track fewer layers.",
-            _ => "This version of the package does not know the verdict. Update the package.",
+            _ => "The verdict is newer than this version of the package. Update the package.",
         };
 
         /// <summary>The reason of a decision as part of a sentence.</summary>
@@ -88,7 +85,7 @@ namespace Sweepstake.Unity
             DecisionOutcome.Exploring => "trying each backend",
             DecisionOutcome.Rejected => "a measurement was not finite",
             DecisionOutcome.HeldGate => "held: not worth the cost of a switch",
-            _ => "a reason that this version of the package does not know",
+            _ => "a reason that is newer than this version of the package",
         };
     }
 }
