@@ -10,7 +10,15 @@ namespace Sweepstake.Unity
     public static class StatusText
     {
         /// <summary>The state in one or two words.</summary>
-        public static string Chip(SweepstakeState state) => state == SweepstakeState.Embedded ? "Offline (embedded)" : state.ToString();
+        public static string Chip(SweepstakeState state) => state switch
+        {
+            SweepstakeState.Embedded => "Offline (embedded)",
+            SweepstakeState.Connecting => "Connecting",
+            SweepstakeState.Online => "Online",
+            SweepstakeState.Offline => "Offline",
+            SweepstakeState.Refused => "Refused",
+            _ => state.ToString(),
+        };
 
         /// <summary>Appends the lines of a HUD.</summary>
         /// <param name="fps">Frames per second, averaged by the caller.</param>
