@@ -114,8 +114,7 @@ namespace Sweepstake.Samples
                 material.SetColor("_BaseColor", touched > 0 ? Touching : Alone);
             }
 
-            private static Vector3 Direction(System.Random random) =>
-                new Vector3(Signed(random), Signed(random), Signed(random));
+            private static Vector3 Direction(System.Random random) => new Vector3(Signed(random), Signed(random), Signed(random));
 
             private static float Signed(System.Random random) => (float)(2 * random.NextDouble() - 1);
         }

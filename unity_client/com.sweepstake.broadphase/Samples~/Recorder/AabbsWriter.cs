@@ -133,8 +133,7 @@ namespace Sweepstake.Samples
                 Math.Max(world.MaxX, added.MaxX), Math.Max(world.MaxY, added.MaxY), Math.Max(world.MaxZ, added.MaxZ));
         }
 
-        private void Put(int at, float value) =>
-            BinaryPrimitives.WriteInt32LittleEndian(box.AsSpan(at), BitConverter.SingleToInt32Bits(value));
+        private void Put(int at, float value) => BinaryPrimitives.WriteInt32LittleEndian(box.AsSpan(at), BitConverter.SingleToInt32Bits(value));
 
         private static byte[] Ascii(string text)
         {

@@ -56,9 +56,7 @@ namespace Sweepstake.Samples
         /// <summary>Characteristic speed of the boxes, in units per second.</summary>
         public float Speed { get => speed; set => Change(ref speed, value); }
 
-        /// <summary>
-        /// Hash of the current boxes: the same on every platform for the same seed and step. 0 while no scene is playing.
-        /// </summary>
+        /// <summary>Hash of the current boxes: the same on every platform for the same seed and step. 0 while no scene is playing.</summary>
         public ulong Hash => scene?.Hash ?? 0;
         /// <summary>Number of steps since the scene began.</summary>
         public ulong Step => scene?.FrameIndex ?? 0;

@@ -41,8 +41,7 @@ namespace Sweepstake
         }
 
         /// <summary>The pairs of the latest search, in the library's memory: valid until the next search or frame.</summary>
-        public ReadOnlySpan<OverlapPair> Pairs =>
-            ReadArray<OverlapPair>((self, pairs, count) => NativeMethods.swp_session_pairs(self, pairs, count));
+        public ReadOnlySpan<OverlapPair> Pairs => ReadArray<OverlapPair>((self, pairs, count) => NativeMethods.swp_session_pairs(self, pairs, count));
 
         /// <param name="frameTimeNs">The unscaled time since the end of the previous frame, in nanoseconds.</param>
         /// <param name="flags"><see cref="FrameFlags.Paused"/> and <see cref="FrameFlags.Loading"/>; the library sets the others.</param>

@@ -1,6 +1,5 @@
 #nullable enable
 using System;
-using System.Runtime.InteropServices;
 
 namespace Sweepstake
 {
@@ -8,7 +7,6 @@ namespace Sweepstake
     /// An axis-aligned box in world units. It is valid if all coordinates are finite and min is at most max on each axis. An invalid box
     /// overlaps nothing. Boxes that touch overlap.
     /// </summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct Aabb
     {
         public float MinX;
@@ -18,15 +16,8 @@ namespace Sweepstake
         public float MaxY;
         public float MaxZ;
 
-        public Aabb(float minX, float minY, float minZ, float maxX, float maxY, float maxZ)
-        {
-            MinX = minX;
-            MinY = minY;
-            MinZ = minZ;
-            MaxX = maxX;
-            MaxY = maxY;
-            MaxZ = maxZ;
-        }
+        public Aabb(float minX, float minY, float minZ, float maxX, float maxY, float maxZ) =>
+            (MinX, MinY, MinZ, MaxX, MaxY, MaxZ) = (minX, minY, minZ, maxX, maxY, maxZ);
 
         /// <summary>The box with this center and these half sizes.</summary>
         public static Aabb Around(float x, float y, float z, float halfX, float halfY, float halfZ) =>
@@ -49,9 +40,7 @@ namespace Sweepstake
             return box;
         }
 
-        /// <summary>
-        /// Whether the two boxes overlap, by the same definition as in the broad phase. Testing many boxes this way is slow.
-        /// </summary>
+        /// <summary>Whether the two boxes overlap, by the same definition as in the broad phase. Testing many boxes this way is slow.</summary>
         public readonly bool Overlaps(in Aabb other) =>
             IsValid && other.IsValid &&
             MinX <= other.MaxX && other.MinX <= MaxX &&
@@ -59,25 +48,18 @@ namespace Sweepstake
             MinZ <= other.MaxZ && other.MinZ <= MaxZ;
 
         /// <summary>Whether all coordinates are finite and min is at most max.</summary>
-        public readonly bool IsValid =>
-            IsRange(MinX, MaxX) && IsRange(MinY, MaxY) && IsRange(MinZ, MaxZ);
+        public readonly bool IsValid => IsRange(MinX, MaxX) && IsRange(MinY, MaxY) && IsRange(MinZ, MaxZ);
 
-        private static bool IsRange(float min, float max) =>
-            min >= float.MinValue && max <= float.MaxValue && min <= max;
+        private static bool IsRange(float min, float max) => min >= float.MinValue && max <= float.MaxValue && min <= max;
     }
 
     /// <summary>Two objects whose boxes overlap, as indices into the array of boxes; A is smaller than B.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct OverlapPair : IEquatable<OverlapPair>
     {
         public uint A;
         public uint B;
 
-        public OverlapPair(uint a, uint b)
-        {
-            A = a;
-            B = b;
-        }
+        public OverlapPair(uint a, uint b) => (A, B) = (a, b);
 
         public readonly bool Equals(OverlapPair other) => A == other.A && B == other.B;
         public override readonly bool Equals(object? other) => other is OverlapPair pair && Equals(pair);

@@ -1,6 +1,5 @@
 #nullable enable
 using System;
-using System.Runtime.InteropServices;
 
 namespace Sweepstake
 {
@@ -21,7 +20,6 @@ namespace Sweepstake
         Degraded = 4,
     }
 
-    [StructLayout(LayoutKind.Sequential)]
     public struct Verdict
     {
         public VerdictKind Kind;
@@ -57,7 +55,6 @@ namespace Sweepstake
     }
 
     /// <summary>A decision and its reasons, for logs and debug views.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe struct Decision
     {
         /// <summary>Value of an arm field for "no arm".</summary>
@@ -94,7 +91,6 @@ namespace Sweepstake
     }
 
     /// <summary>The posterior Beta(Alpha, Beta) of an arm's reward.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct Belief
     {
         public double Alpha;
@@ -133,7 +129,6 @@ namespace Sweepstake
     }
 
     /// <summary>Counters of the shadow lane since the session began.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct ShadowStats
     {
         internal uint StructSize;

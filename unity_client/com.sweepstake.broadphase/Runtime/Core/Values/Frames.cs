@@ -1,6 +1,5 @@
 #nullable enable
 using System;
-using System.Runtime.InteropServices;
 
 namespace Sweepstake
 {
@@ -33,9 +32,7 @@ namespace Sweepstake
         Loading = 4,
         /// <summary>The frame was longer than the bail-out limit.</summary>
         BailOut = 8,
-        /// <summary>
-        /// The system stopped the process during the frame, for example at a breakpoint; the frame is excluded from learning.
-        /// </summary>
+        /// <summary>The system stopped the process during the frame, for example at a breakpoint; the frame is excluded from learning.</summary>
         Suspended = 16,
         /// <summary>A search ended early because of <see cref="SessionOptions.MaxPairs"/>; the frame is excluded from learning.</summary>
         PairsExceeded = 32,
@@ -45,7 +42,6 @@ namespace Sweepstake
     /// The cost of one frame. If the frame has several searches, times and checks are sums over the searches. Bytes, pairs and objects are
     /// from the last search.
     /// </summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct FrameSample
     {
         public ulong FrameIndex;
@@ -70,7 +66,6 @@ namespace Sweepstake
         public uint InvalidBoxCount;
     }
 
-    [StructLayout(LayoutKind.Sequential)]
     public struct SwitchCommand
     {
         /// <summary>Id of the command with which a decider requested the switch; 0 if the game selected the arm itself.</summary>
@@ -80,7 +75,6 @@ namespace Sweepstake
     }
 
     /// <summary>The result of a switch.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct SwitchOutcome
     {
         public ulong CommandId;
@@ -98,7 +92,6 @@ namespace Sweepstake
     }
 
     /// <summary>The cost of the latest build or update and search of a <see cref="BroadPhaseWorld"/>.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct WorldCounters
     {
         internal uint StructSize;

@@ -1,5 +1,4 @@
 #nullable enable
-using System.Runtime.InteropServices;
 
 namespace Sweepstake
 {
@@ -36,7 +35,6 @@ namespace Sweepstake
     }
 
     /// <summary>Counters of a link since it was created.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct LinkStats
     {
         internal uint StructSize;

@@ -1,12 +1,10 @@
 #nullable enable
 using System;
-using System.Runtime.InteropServices;
 using Sweepstake.LowLevel;
 
 namespace Sweepstake
 {
     /// <summary>Options of a <see cref="BroadPhaseWorld"/>. Start from <see cref="Default"/>.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe struct WorldOptions
     {
         internal uint StructSize;
@@ -31,20 +29,11 @@ namespace Sweepstake
             set => SortedPairs = value ? 1u : 0u;
         }
 
-        public static WorldOptions Default
-        {
-            get
-            {
-                SweepstakeLibrary.EnsureLoaded();
-                var options = new WorldOptions { StructSize = (uint)sizeof(WorldOptions) };
-                Native.Check(NativeMethods.swp_world_options_init(&options));
-                return options;
-            }
-        }
+        public static WorldOptions Default => SweepstakeLibrary.Defaults(
+            new WorldOptions { StructSize = (uint)sizeof(WorldOptions) }, options => NativeMethods.swp_world_options_init(options));
     }
 
     /// <summary>Options of a <see cref="ProxySet"/>. Start from <see cref="Default"/>.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe struct ProxySetOptions
     {
         internal uint StructSize;
@@ -72,32 +61,21 @@ namespace Sweepstake
             set => PairEvents = value ? 1u : 0u;
         }
 
-        /// <summary>
-        /// Sorts pairs by A and then B with every backend. Pairs are always sorted if <see cref="HasPairEvents"/> is set.
-        /// </summary>
+        /// <summary>Sorts pairs by A and then B with every backend. Pairs are always sorted if <see cref="HasPairEvents"/> is set.</summary>
         public bool IsSorted
         {
             readonly get => SortedPairs != 0;
             set => SortedPairs = value ? 1u : 0u;
         }
 
-        public static ProxySetOptions Default
-        {
-            get
-            {
-                SweepstakeLibrary.EnsureLoaded();
-                var options = new ProxySetOptions { StructSize = (uint)sizeof(ProxySetOptions) };
-                Native.Check(NativeMethods.swp_proxies_options_init(&options));
-                return options;
-            }
-        }
+        public static ProxySetOptions Default => SweepstakeLibrary.Defaults(
+            new ProxySetOptions { StructSize = (uint)sizeof(ProxySetOptions) }, options => NativeMethods.swp_proxies_options_init(options));
     }
 
     /// <summary>
     /// Options of a <see cref="MotionScene"/>. Start from <see cref="Default"/>. Lengths are in world units, times in seconds. The
     /// documentation of the scenes lists which scene uses which option.
     /// </summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe struct SceneOptions
     {
         internal uint StructSize;
@@ -122,23 +100,14 @@ namespace Sweepstake
         public float DirectionIntervalS;
         internal uint Reserved;
 
-        public static SceneOptions Default
-        {
-            get
-            {
-                SweepstakeLibrary.EnsureLoaded();
-                var options = new SceneOptions { StructSize = (uint)sizeof(SceneOptions) };
-                Native.Check(NativeMethods.swp_scene_options_init(&options));
-                return options;
-            }
-        }
+        public static SceneOptions Default => SweepstakeLibrary.Defaults(
+            new SceneOptions { StructSize = (uint)sizeof(SceneOptions) }, options => NativeMethods.swp_scene_options_init(options));
     }
 
     /// <summary>
     /// Weights of the four scores in the paper's reward, each at least 0, with the sum 1. Only the policy `paper` uses them. Evidence of
     /// other weights than the default is never merged with that of the default.
     /// </summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct RewardWeights
     {
         /// <summary>Weight of the frame rate.</summary>
@@ -150,13 +119,8 @@ namespace Sweepstake
         /// <summary>Weight of the AABB checks.</summary>
         public double Checks;
 
-        public RewardWeights(double fps, double detection, double memory, double checks)
-        {
-            Fps = fps;
-            Detection = detection;
-            Memory = memory;
-            Checks = checks;
-        }
+        public RewardWeights(double fps, double detection, double memory, double checks) =>
+            (Fps, Detection, Memory, Checks) = (fps, detection, memory, checks);
 
         internal readonly bool IsUnset => Fps == 0 && Detection == 0 && Memory == 0 && Checks == 0;
     }

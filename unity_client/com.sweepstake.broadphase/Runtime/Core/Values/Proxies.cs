@@ -1,22 +1,15 @@
 #nullable enable
 using System;
-using System.Runtime.InteropServices;
 
 namespace Sweepstake
 {
-    /// <summary>
-    /// Handle of a proxy in a <see cref="ProxySet"/>. The handle of a removed proxy stays invalid even if its id is used again.
-    /// </summary>
-    [StructLayout(LayoutKind.Sequential)]
+    /// <summary>Handle of a proxy in a <see cref="ProxySet"/>. The handle of a removed proxy stays invalid even if its id is used again.</summary>
     public struct ProxyHandle : IEquatable<ProxyHandle>
     {
         /// <summary>The handle in the C ABI; 0 for no proxy.</summary>
         public ulong Value;
 
-        public ProxyHandle(ulong value)
-        {
-            Value = value;
-        }
+        public ProxyHandle(ulong value) => Value = value;
 
         public static ProxyHandle None => default;
         /// <summary>The id of the proxy in pairs while it exists.</summary>
@@ -33,17 +26,12 @@ namespace Sweepstake
     }
 
     /// <summary>Two proxies can form a pair if the category of each shares a bit with the mask of the other.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct ProxyFilter
     {
         public uint Category;
         public uint Mask;
 
-        public ProxyFilter(uint category, uint mask)
-        {
-            Category = category;
-            Mask = mask;
-        }
+        public ProxyFilter(uint category, uint mask) => (Category, Mask) = (category, mask);
 
         /// <summary>Matches every proxy that has a category and a mask.</summary>
         public static ProxyFilter All => new ProxyFilter(uint.MaxValue, uint.MaxValue);
@@ -59,7 +47,6 @@ namespace Sweepstake
         Sleeping = 2,
     }
 
-    [StructLayout(LayoutKind.Sequential)]
     public struct ProxyOptions
     {
         /// <summary>A filter of zeros matches nothing.</summary>
@@ -69,17 +56,11 @@ namespace Sweepstake
         /// <summary>A value that the game can use freely, such as an instance id.</summary>
         public ulong User;
 
-        public ProxyOptions(ProxyFilter filter, ProxyFlags flags = ProxyFlags.None, ulong user = 0)
-        {
-            Filter = filter;
-            Flags = flags;
-            Reserved = 0;
-            User = user;
-        }
+        public ProxyOptions(ProxyFilter filter, ProxyFlags flags = ProxyFlags.None, ulong user = 0) =>
+            (Filter, Flags, Reserved, User) = (filter, flags, 0, user);
     }
 
     /// <summary>Two proxies; the id of A is below that of B.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct ProxyPair
     {
         public ProxyHandle A;
@@ -90,7 +71,6 @@ namespace Sweepstake
     /// A ray: the points origin + t · direction with t from 0 to MaxDistance (in world units if the direction has length 1). All values are
     /// finite.
     /// </summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct RayQuery
     {
         public float OriginX;
@@ -103,7 +83,6 @@ namespace Sweepstake
     }
 
     /// <summary>A ball around the center, with a radius from 0 to 1e19. All values are finite.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct SphereQuery
     {
         public float CenterX;
@@ -113,7 +92,6 @@ namespace Sweepstake
     }
 
     /// <summary>A valid box that moves along the translation.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public struct BoxSweepQuery
     {
         public Aabb Box;
@@ -122,7 +100,6 @@ namespace Sweepstake
         public float TranslationZ;
     }
 
-    [StructLayout(LayoutKind.Sequential)]
     public struct QueryHit
     {
         /// <summary><see cref="ProxyHandle.None"/> if nothing was hit.</summary>
