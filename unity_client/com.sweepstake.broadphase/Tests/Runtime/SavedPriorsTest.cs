@@ -78,6 +78,28 @@ namespace Sweepstake.Tests
             Assert.That(BeliefsOf(again) + BeliefsOf(more), Is.EqualTo(one + two).Within(1e-6));
         }
 
+        [Test]
+        public void AFileThatAnotherProcessUsesIsLeftToIt()
+        {
+            Play(Open(), 1200);
+            string used = Files().Single();
+            Assert.That(File.Exists(used + ".lock"), Is.False, "nobody uses it");
+            using (Lock(used))
+            {
+                SavedPriors other = Open();
+                Assert.That(other.Path, Is.Not.EqualTo(used));
+                Play(other, 1200);
+                Assert.That(Files(), Is.EquivalentTo(new[] { used, other.Path }));
+            }
+            foreach (SavedPriors saved in new[] { Open(), Open() })
+            {
+                Assert.That(Files(), Does.Contain(saved.Path));
+                Assert.Throws<IOException>(() => Lock(saved.Path).Dispose());
+            }
+        }
+
+        private static FileStream Lock(string path) => new FileStream(path + ".lock", FileMode.OpenOrCreate, FileAccess.ReadWrite, FileShare.None);
+
         [TestCase("")]
         [TestCase("not JSON")]
         [TestCase("{\"format\":\"something-else\",\"version\":1,\"records\":[]}")]

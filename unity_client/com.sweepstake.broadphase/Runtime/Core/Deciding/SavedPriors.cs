@@ -11,7 +11,8 @@ namespace Sweepstake
     /// <summary>
     /// A file with what deciders have learnt about one scene on one device. The next decider of the scene continues it, and its evidence
     /// counts in full. The file has the format of <see cref="EmbeddedDecider.ExportPriors"/>. It is replaced as a whole, so a crash leaves the
-    /// earlier content. One decider at a time uses a file; a second decider of the same scene gets a file of its own. Thread-safe.
+    /// earlier content. One decider at a time uses a file. A second decider of the same scene, also in another process, gets a file of its own,
+    /// as far as the runtime locks files between processes. Thread-safe.
     /// </summary>
     public sealed class SavedPriors
     {
@@ -26,6 +27,8 @@ namespace Sweepstake
         private volatile byte[]? unwritten;
         private bool isUsed;
         private bool isWriting;
+        // An open file that no other process can open. Held while a decider uses the priors, and until they are written.
+        private FileStream? claim;
         private volatile string problem = "";
 
         private SavedPriors(string stem, string path)
@@ -53,10 +56,9 @@ namespace Sweepstake
             string trouble = "";
             lock (Gate)
             {
-                string? path = Paths(stem, ref trouble).FirstOrDefault(found => !Known.TryGetValue(found, out SavedPriors? known) || !known.isUsed);
-                SavedPriors? opened = null;
-                if (path == null || !Known.TryGetValue(path, out opened))
-                    opened = new SavedPriors(stem, path ?? NewPath(stem));
+                SavedPriors opened = Paths(stem, ref trouble)
+                    .Select(path => Known.TryGetValue(path, out SavedPriors? known) ? known : new SavedPriors(stem, path))
+                    .FirstOrDefault(found => !found.isUsed && found.TryClaim()) ?? new SavedPriors(stem, NewPath(stem));
                 Known[opened.Path] = opened;
                 opened.isUsed = true;
                 opened.problem = trouble;
@@ -68,7 +70,36 @@ namespace Sweepstake
         internal void Close()
         {
             lock (Gate)
+            {
                 isUsed = false;
+                ReleaseUnused();
+            }
+        }
+
+        /// <summary>
+        /// Reserves the file for this process. Returns false if another process uses it. A folder that cannot be written is no reason to
+        /// refuse.
+        /// </summary>
+        private bool TryClaim()
+        {
+            string path = Path + ".lock";
+            try
+            {
+                claim ??= new FileStream(path, FileMode.OpenOrCreate, FileAccess.ReadWrite, FileShare.None, 1, FileOptions.DeleteOnClose);
+                return true;
+            }
+            catch (Exception failed) when (failed is IOException || failed is UnauthorizedAccessException)
+            {
+                return !File.Exists(path);
+            }
+        }
+
+        private void ReleaseUnused()
+        {
+            if (isUsed || isWriting || unwritten != null)
+                return;
+            claim?.Dispose();
+            claim = null;
         }
 
         /// <summary>Renames a file that cannot be read, and continues with a new one. Returns false if the file cannot be the cause.</summary>
@@ -89,6 +120,8 @@ namespace Sweepstake
             lock (Gate)
             {
                 Known.Remove(Path);
+                claim?.Dispose();
+                claim = null;
                 Path = NewPath(stem);
                 Known[Path] = this;
                 unwritten = null;
@@ -120,6 +153,7 @@ namespace Sweepstake
                     isWriting = !isDone;
                     if (isDone && isWritten)
                         unwritten = null;
+                    ReleaseUnused();
                 }
             }
         }
@@ -129,6 +163,8 @@ namespace Sweepstake
             try
             {
                 Directory.CreateDirectory(System.IO.Path.GetDirectoryName(Path)!);
+                lock (Gate)
+                    TryClaim();
                 string temporary = Path + ".tmp";
                 using (var file = new FileStream(temporary, FileMode.Create, FileAccess.Write, FileShare.None))
                 {
