@@ -77,8 +77,8 @@ namespace Sweepstake
         }
 
         /// <summary>
-        /// Reserves the file for this process. Returns false if another process uses it. A folder that cannot be written is no reason to
-        /// refuse.
+        /// Reserves the file for this process. Returns false if another process uses it. A folder that cannot be written
+        /// is ignored.
         /// </summary>
         private bool TryClaim()
         {
