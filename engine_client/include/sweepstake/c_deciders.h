@@ -71,7 +71,7 @@ typedef struct swp_belief {
   double beta;
 } swp_belief;
 
-/* Sets the defaults given above, seed 1 and time scale 1. */
+/* Sets the defaults of swp_decider_options, seed 1 and time scale 1. */
 SWP_API swp_result swp_decider_options_init(swp_decider_options* options);
 
 /* `now_ns` is a time of the caller's steady clock: the same clock in all calls, which never goes

@@ -131,7 +131,7 @@ enum {
 /* Value of delay_ms: no further stream may be opened. */
 #define SWP_LINK_NEVER 0xffffffffU
 
-/* Sets the defaults given above. */
+/* Sets the defaults of swp_link_options. */
 SWP_API swp_result swp_link_options_init(swp_link_options* options);
 
 /* Attaches a link to the session. From now on the link sends the session's samples. `options`

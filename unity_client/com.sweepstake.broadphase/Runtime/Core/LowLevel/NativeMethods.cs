@@ -88,7 +88,7 @@ namespace Sweepstake.LowLevel
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern uint swp_struct_size(uint which);
 
-        /// <summary>Sets the defaults given above, seed 1 and time scale 1.</summary>
+        /// <summary>Sets the defaults of swp_decider_options, seed 1 and time scale 1.</summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern ResultCode swp_decider_options_init(NativeDeciderOptions* options);
 
@@ -148,7 +148,7 @@ namespace Sweepstake.LowLevel
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern ResultCode swp_session_export_priors(IntPtr session, byte* data, ulong capacity, ulong* bytes);
 
-        /// <summary>Sets the defaults given above.</summary>
+        /// <summary>Sets the defaults of swp_link_options.</summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern ResultCode swp_link_options_init(NativeLinkOptions* options);
 
