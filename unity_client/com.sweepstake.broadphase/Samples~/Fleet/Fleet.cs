@@ -74,8 +74,11 @@ namespace Sweepstake.Samples
         {
             foreach (SweepstakeManager manager in managers)
             {
-                if (manager != null)
-                    Destroy(manager.gameObject);
+                if (manager == null)
+                    continue;
+                // An inactive manager does not search boxes again before it is destroyed.
+                manager.gameObject.SetActive(false);
+                Destroy(manager.gameObject);
             }
             foreach (SweepstakeConfig config in configs)
                 Destroy(config);
@@ -150,6 +153,7 @@ namespace Sweepstake.Samples
         private void Refresh()
         {
             text.Clear();
+            managers.RemoveAll(manager => manager == null);
             foreach (SweepstakeManager manager in managers)
                 Append(manager);
             if (!managers.Exists(manager => manager.State == SweepstakeState.Online || manager.State == SweepstakeState.Connecting))

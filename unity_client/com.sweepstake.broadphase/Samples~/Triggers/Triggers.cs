@@ -45,7 +45,7 @@ namespace Sweepstake.Samples
         /// <summary>Path of the CSV file with the result of the latest comparison.</summary>
         public static string ComparisonPath => Path.Combine(Application.persistentDataPath, "triggers-comparison.csv");
 
-        private void Start()
+        private void OnEnable()
         {
             manager = GetComponent<SweepstakeManager>();
             player = GetComponent<ScenarioPlayer>();
@@ -57,11 +57,11 @@ namespace Sweepstake.Samples
         private void AddCommands(Panel shown, SweepstakeManager played, ScenarioPlayer moved)
         {
             shown.AddRow(SweepstakeLibrary.Scenes.Take(ScenarioCount).Select((name, index) => new PanelCommand(
-                (char)('1' + index), () => name, () => moved.Scenario = name, () => moved.Scenario == name)));
+                (char)('1' + index), () => name, () => Restart(() => moved.Scenario = name), () => moved.Scenario == name)));
             shown.AddRow(new[]
             {
-                new PanelCommand('H', () => "Half as many boxes", () => moved.ObjectCount = Math.Max(moved.ObjectCount / 2, 1)),
-                new PanelCommand('D', () => "Double", () => moved.ObjectCount = moved.ObjectCount * 2),
+                new PanelCommand('H', () => "Half as many boxes", () => Restart(() => moved.ObjectCount = Math.Max(moved.ObjectCount / 2, 1))),
+                new PanelCommand('D', () => "Double", () => Restart(() => moved.ObjectCount *= 2)),
             });
             shown.AddRow(SweepstakeLibrary.Backends.Select(name => new PanelCommand(
                 PanelCommand.NoKey, () => name, () => Select(name), () => played.ActiveBackend == name)));
@@ -114,10 +114,18 @@ namespace Sweepstake.Samples
         private void Select(string backend)
         {
             StopComparison();
-            if (manager!.Session == null)
+            // The config may leave some of the library's algorithms out.
+            if (!manager!.Backends.Contains(backend))
                 return;
             manager.Mode = SessionMode.Manual;
             manager.SelectBackend(backend);
+        }
+
+        /// <summary>Changes what is played. A comparison ends, because its runs must have the same boxes.</summary>
+        private void Restart(Action change)
+        {
+            StopComparison();
+            change();
         }
 
         private void SelectNext()
