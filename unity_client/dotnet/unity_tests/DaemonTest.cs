@@ -126,6 +126,11 @@ namespace Sweepstake.Tests
             Assert.That((endpoint.Address, endpoint.UsesTls), Is.EqualTo(("host:1", true)));
             Assert.That(endpoint.TokenFile, Is.EqualTo("/game/StreamingAssets/keys/token"));
             Assert.That(DaemonTransport.EndpointOf(new DaemonSettings { tokenFile = "/etc/token" }).TokenFile, Is.EqualTo("/etc/token"));
+            var tls = new DaemonSettings { usesTls = true, caFile = "ca.pem", certFile = "/etc/cert.pem", keyFile = "key.pem" };
+            Assert.That(
+                DaemonTransport.TlsFilesOf(tls), Is.EqualTo(("/game/StreamingAssets/ca.pem", "/etc/cert.pem", "/game/StreamingAssets/key.pem")));
+            tls.usesTls = false;
+            Assert.That(DaemonTransport.TlsFilesOf(tls), Is.EqualTo(((string)null, (string)null, (string)null)));
             endpoint = DaemonTransport.EndpointOf(new DaemonSettings());
             Assert.That((endpoint.UsesTls, endpoint.TokenFile), Is.EqualTo((false, (string)null)));
             Assert.That(endpoint.IsLoopback, Is.True);

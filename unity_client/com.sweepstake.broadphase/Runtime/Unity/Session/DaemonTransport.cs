@@ -51,17 +51,20 @@ namespace Sweepstake.Unity
             return Path.Combine(Application.streamingAssetsPath, path);
         }
 
+        /// <summary>The files of TLS; null without TLS or without such a file.</summary>
+        internal static (string? Authorities, string? Certificate, string? Key) TlsFilesOf(DaemonSettings settings) =>
+            settings.usesTls ? (FileOf(settings.caFile), FileOf(settings.certFile), FileOf(settings.keyFile)) : default;
+
 #if SWEEPSTAKE_YET_ANOTHER_HTTP_HANDLER
         private static Func<HttpMessageHandler>? HandlerFor(DaemonSettings settings)
         {
-            string[] paths = { settings.caFile, settings.certFile, settings.keyFile };
-            string?[] files = Array.ConvertAll(paths, path => settings.usesTls ? FileOf(path) : null);
+            (string? authorities, string? certificate, string? key) = TlsFilesOf(settings);
             return () => new Cysharp.Net.Http.YetAnotherHttpHandler
             {
                 Http2Only = true,
-                RootCertificates = TextOf(files[0]),
-                ClientAuthCertificates = TextOf(files[1]),
-                ClientAuthKey = TextOf(files[2]),
+                RootCertificates = TextOf(authorities),
+                ClientAuthCertificates = TextOf(certificate),
+                ClientAuthKey = TextOf(key),
                 Http2KeepAliveInterval = TimeSpan.FromSeconds(20),
             };
         }
