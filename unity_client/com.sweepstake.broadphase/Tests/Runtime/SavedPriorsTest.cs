@@ -79,11 +79,11 @@ namespace Sweepstake.Tests
         }
 
         [Test]
-        public void AFileThatAnotherProcessUsesIsLeftToIt()
+        public void AFileThatIsLockedIsLeftToItsUser()
         {
             Play(Open(), 1200);
             string used = Files().Single();
-            Assert.That(File.Exists(used + ".lock"), Is.False, "nobody uses it");
+            Lock(used).Dispose();
             using (Lock(used))
             {
                 SavedPriors other = Open();

@@ -43,7 +43,7 @@ namespace Sweepstake
         /// broken record.
         /// </exception>
         public EmbeddedDecider(BroadPhaseSession session, DeciderOptions? options = null, bool ownThread = true)
-            : base(session)
+            : base(session, options?.Saved)
         {
             options ??= new DeciderOptions();
             saved = options.Saved;
@@ -56,8 +56,17 @@ namespace Sweepstake
                 saved?.Close();
                 throw;
             }
-            savedBytes = saved == null ? Array.Empty<byte>() : ExportPriors();
-            Publish();
+            try
+            {
+                savedBytes = saved == null ? Array.Empty<byte>() : ExportPriors();
+                Publish();
+            }
+            catch
+            {
+                saved?.Close();
+                _ = NativeMethods.swp_session_detach_decider(Session.Pointer);
+                throw;
+            }
             Start(ownThread ? "sweepstake decider" : null);
         }
 

@@ -11,8 +11,8 @@ namespace Sweepstake
     /// <summary>
     /// A file with what deciders have learnt about one scene on one device. The next decider of the scene continues it, and its evidence
     /// counts in full. The file has the format of <see cref="EmbeddedDecider.ExportPriors"/>. It is replaced as a whole, so a crash leaves the
-    /// earlier content. One decider at a time uses a file. A second decider of the same scene, also in another process, gets a file of its own,
-    /// as far as the runtime locks files between processes. Thread-safe.
+    /// earlier content. One decider at a time uses a file. A second decider of the same scene, also in another process, gets a file of its own.
+    /// Thread-safe.
     /// </summary>
     public sealed class SavedPriors
     {
@@ -82,16 +82,33 @@ namespace Sweepstake
         /// </summary>
         private bool TryClaim()
         {
+            if (claim != null)
+                return true;
             string path = Path + ".lock";
+            FileStream opened;
             try
             {
-                claim ??= new FileStream(path, FileMode.OpenOrCreate, FileAccess.ReadWrite, FileShare.None, 1, FileOptions.DeleteOnClose);
-                return true;
+                opened = new FileStream(path, FileMode.OpenOrCreate, FileAccess.ReadWrite, FileShare.None);
             }
             catch (Exception failed) when (failed is IOException || failed is UnauthorizedAccessException)
             {
                 return !File.Exists(path);
             }
+            try
+            {
+                // Unity's runtimes check FileShare only within the process, and .NET locks no regions on macOS.
+                opened.Lock(0, 1);
+            }
+            catch (PlatformNotSupportedException)
+            {
+            }
+            catch (IOException)
+            {
+                opened.Dispose();
+                return false;
+            }
+            claim = opened;
+            return true;
         }
 
         private void ReleaseUnused()

@@ -25,8 +25,11 @@ namespace Sweepstake
         private volatile Exception? failure;
         private Thread? thread;
 
-        private protected SessionWork(BroadPhaseSession session)
+        /// <param name="saved">They are given back if this fails.</param>
+        private protected SessionWork(BroadPhaseSession session, SavedPriors? saved = null)
         {
+            if (session?.Work != null)
+                saved?.Close();
             Session = session ?? throw new ArgumentNullException(nameof(session));
             if (session.Work != null)
                 throw new SweepstakeException(ResultCode.FailedPrecondition, "The session already has a decider; dispose of that one first.");
