@@ -39,7 +39,10 @@ class Game:
         self.outbox, self.inbox = queue.SimpleQueue(), queue.SimpleQueue()
         self.outbox.put(wire.StreamTelemetryRequest(hello=self.hello))
         self.call = stream(iter(self.outbox.get, None), metadata=[("authorization", f"Bearer {token}")] if token else [])
-        welcome = next(self.call).welcome
+        first = next(self.call)
+        if not first.HasField("welcome"):
+            raise ConnectionError("the daemon is shutting down")
+        welcome, self.least_delay_s = first.welcome, 0
         print(f"session {welcome.session_id}, resumed: {welcome.resumed}, policy {welcome.policy}", flush=True)
         self.hello.session_id, self.hello.resume_token, self.settling_s = welcome.session_id, welcome.resume_token, welcome.settling_ms / 1000
         self.forget(welcome.acknowledged_sequence)
@@ -65,7 +68,8 @@ class Game:
 
     def handle(self, response):
         self.forget(response.acknowledgement.sequence)
-        self.least_delay_s = response.reconnect.delay_ms / 1000
+        if response.HasField("reconnect"):
+            self.least_delay_s = response.reconnect.delay_ms / 1000
         if response.HasField("switch_command"):
             command, arm = response.switch_command, response.switch_command.arm
             executed = arm != self.hello.active_arm
@@ -111,8 +115,10 @@ class Game:
             self.play()
         self.outbox.put(wire.StreamTelemetryRequest(goodbye=wire.Goodbye()))
         self.outbox.put(None)
-        while self.inbox.get() is not None:  # the stream ends when all evidence is on disk
-            pass
+        while isinstance(response := self.inbox.get(), wire.StreamTelemetryResponse):  # the stream ends when all evidence is on disk
+            self.handle(response)
+        if response is not None:
+            print(f"the daemon has not confirmed the end: {response.details()}", flush=True)
 
 
 def main():
@@ -135,9 +141,11 @@ def main():
         except (grpc.RpcError, ConnectionError, StopIteration) as error:
             if isinstance(error, grpc.RpcError) and error.code() in (grpc.StatusCode.PERMISSION_DENIED, grpc.StatusCode.UNAUTHENTICATED):
                 raise
-            failures += 1
+            if time.monotonic() >= game.end:
+                raise
             print(f"connection lost: {error.details() if isinstance(error, grpc.RpcError) else error}", flush=True)
-            time.sleep(game.least_delay_s + random.uniform(0, min(10, 0.1 * 2**failures)))  # full jitter, at most ten seconds
+            time.sleep(game.least_delay_s + random.uniform(0, min(10, 0.1 * 2 ** min(failures, 10))))  # full jitter, at most ten seconds
+            failures += 1
 
 
 if __name__ == "__main__":
