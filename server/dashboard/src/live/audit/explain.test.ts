@@ -4,7 +4,7 @@ import { rows, setup } from './log.test.sample';
 import { AuditKind, type AuditRow, AuditRowSchema } from '../../gen/sweepstake/v1/audit_pb';
 import { DecisionOutcome } from '../../gen/sweepstake/v1/posteriors_pb';
 import { Mode, SwitchReason, Verdict } from '../../gen/sweepstake/v1/telemetry_pb';
-import { explained, explainedRow, type Told, toldOfRow } from './explain';
+import { costOfSwitch, explained, explainedRow, type Told, toldOfRow } from './explain';
 
 const told: Told = {
   activeArm: 'SAP', candidate: 'KDTree', outcome: DecisionOutcome.HELD_GATE, reason: SwitchReason.UNSPECIFIED, reward: 0.6, rewardVersion: 3,
@@ -79,6 +79,12 @@ describe('the rows of a log', () => {
     expect(from).not.toBe(to);
     expect(toldOfRow(row, setup)).toMatchObject({ activeArm: from, candidate: to, outcome: DecisionOutcome.SWITCHED, leader: row.decision!.leader });
     expect(explainedRow(row, setup)[0]).toMatch(new RegExp(`^The daemon commanded a switch from ${from} to ${to}: ${to} is expected to take `));
+  });
+
+  it('name what a switch cost, also if that is nothing', () => {
+    const cost = (rebuildTimeNs: bigint, settlingCostNs: bigint) => costOfSwitch(create(AuditRowSchema, { switchCost: { rebuildTimeNs, settlingCostNs } }));
+    expect(cost(300_000n, 120_000n)).toBe('The change cost 0.42 ms of frame time.');
+    expect(cost(0n, 0n)).toBe('The change cost no frame time that could be measured.');
   });
 
   it('name who gave an order or did an action', () => {

@@ -82,7 +82,9 @@ describe('a scene with one best arm', () => {
   });
 
   it('is not changing while a session is connected unless the daemon reports it', () => {
-    const scene = { ...sceneOf(), regimeArms: ['DBVT', 'SAP'] };
+    const scene = sceneOf(regimeOf('DBVT', 1), regimeOf('SAP', 1));
+    scene.activity!.isChanging = false;
+    expect(bestDiffer(scene)).toBe(true);
     expect(isChanging(scene)).toBe(false);
   });
 
